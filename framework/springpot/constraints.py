@@ -98,10 +98,12 @@ def own_value(model: Model, units: Units, name: str, value: float) -> float:
     for parameter in model.parameters:
         if parameter.name != name:
             continue
+        factor, unit = units.of(parameter.unit)
         try:
-            return float(value) / units.of(parameter.unit)[0]
+            printed = float(value)
         except (TypeError, ValueError):
-            raise OptionError(f"{name} is a number in {units.of(parameter.unit)[1]}, not {value!r:.40}") from None
+            raise OptionError(f"{name} is a number in {unit}, not {value!r:.40}") from None
+        return printed / factor
     raise ModelError(f"{model.name} has no free parameter '{name}': it has {', '.join(model.names)}")
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from springpot.comparison import compare
+from springpot.comparison.compare import ONLY_NOISE, compare
 from springpot.errors import DataError
 from springpot.identification import Identification, Standing, default_objective
+from springpot.identification.specimens import Specimens
 from springpot.misfit.material import lowest_error
 
 FEWEST_SPARE = 4
@@ -47,6 +48,10 @@ def standing_of(identified: Identification) -> Standing | None:
             f"the search stopped short, this model reaches {100 * error.relative_rms:.2g} % on these data: "
             "give it a larger budget, or leave the optimiser out"
         )
+    specimens = Specimens.of(identified.measurement)
+    if specimens is not None and (scatter := specimens.scatter(identified.fit)):
+        # To a comparison the rows of all files are repeats: their differences pass for noise there.
+        says = says.replace(ONLY_NOISE, f"what is left is that specimens differ by {100.0 * scatter:.2g} %")
     # Of all rows, as the error that is printed beside it: a comparison looks at some of many.
     lowest = lowest_error(identified.model, identified.measurement, identified.theta, identified.relative_rms)
     return Standing(error.noise_floor, error.noise_source, lowest, good, says)

@@ -51,6 +51,13 @@ def test_inspect_says_what_was_understood(springpot, relaxed):
     assert "kPa" in shown
 
 
+def test_a_delay_of_the_sweep_is_fitted_beside_a_relaxation(springpot, swept, relaxed):
+    expression = "fractional-maxwell + inertia + time-delay"
+    answer = springpot("identify", swept, relaxed, "--model", expression, "--json").json
+    assert answer["parameters"]["k"]["value"] == pytest.approx(400.0, rel=0.02)
+    assert answer["kept"]["only_sweeps"] == ["time-delay"]
+
+
 def test_identify_from_one_test(springpot, relaxed):
     answer = springpot("identify", relaxed, "--model", "fractional-maxwell", "--json").json
     assert answer["schema"] == "springpot.identification-in-time/1"

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import springpot
+from springpot.errors import ModelError
 from springpot.identification import regularised
 from springpot.measurement import Measurement, Units
 
@@ -92,7 +93,7 @@ def test_a_network_of_elements_has_no_spectrum_to_choose():
     found = identified("springpot", [50.0, 0.4], fitted="springpot")
     assert found.spectrum is None
     assert "spectrum" not in found.to_dict()
-    with pytest.raises(ValueError, match="springpot"):
+    with pytest.raises(ModelError, match="springpot"):
         regularised(found.fit, np.random.default_rng(0))
 
 

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from derivatives import cauchy, check_derivatives, sample
+from springpot.errors import DataError
 from springpot.rheology import (
     FixedPower,
     Node,
@@ -143,5 +144,5 @@ def test_the_cauchy_integral_itself_is_exact():
 
 
 def test_a_missing_condition_is_named():
-    with pytest.raises(ValueError, match="amplitude"):
+    with pytest.raises(DataError, match="amplitude"):
         AT.need("amplitude")

@@ -82,7 +82,7 @@ def test_a_record_that_is_level_at_its_top_is_told():
 def test_the_answer_keeps_to_its_keys(found):
     answer = found["force-clipping"].to_dict()
     assert set(answer) == {
-        "schema", "data", "model", "error", "tests", "verdict", "where", "candidates", "classes", "says",
+        "schema", "data", "model", "error", "tests", "verdict", "where", "candidates", "classes", "says", "left_out",
     }  # fmt: skip
     assert set(answer["where"][0]) == {"plane", "condition", "from", "to", "size", "says"}
     assert answer["candidates"][0]["class"] == ["force-clipping"]

@@ -40,6 +40,9 @@ STARTS = 4
 MOST_PLACES = 3
 """Places named in the sentence on a model; all are in `where`."""
 
+ONLY_NOISE = "nothing is left but noise"
+"""What is said of a model beside which no pattern is left."""
+
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
@@ -131,7 +134,7 @@ class Judgement:
         if self.unclear:
             return f"{ratio}; what is left has no pattern: these data cannot tell whether something is missing"
         if not self.fails:
-            return f"{ratio}; nothing is left but noise"
+            return f"{ratio}; {ONLY_NOISE}"
         # What fails without a place, such as too much scatter everywhere, is told by its surest test.
         if not self.where:
             return f"{ratio}; {next(finding.says for finding in self.findings if finding.found)}"

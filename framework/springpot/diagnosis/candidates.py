@@ -43,15 +43,10 @@ def candidates_of(evidence: Evidence, verdict: Verdict) -> list[Candidate]:
         if search.confounded and groups and name in groups[0]:
             missing = False
         word = _effect_verdict(search, score, best.get(name), missing)
-        before, grown = search.base, alone.get(name)
+        # What is told after an effect is what accepting it gives: the model with that effect alone.
+        row = _candidate(search.base, score, alone.get(name), chance > VERDICT.profiled)
         if name in beside:
-            # An effect that only shows beside the leading one is told as it is there.
-            grown = beside[name]
-            if leader in alone:
-                before = alone[leader].refit
-        row = _candidate(before, score, grown, chance > VERDICT.profiled)
-        if name in beside:
-            row = replace(row, says=f"beside {leader}: {row.says}")
+            row = _beside(row, leader, beside[name], alone)
         rows.append(replace(row, alike=class_of.get(name, (name,)), probability=chance, verdict=word))
     # The leader first: it stands for its class, of which another member may be as likely.
     rows.sort(key=lambda row: (row.effect != leader, -row.probability, -row.delta_bic))
@@ -83,6 +78,15 @@ def _candidate(before: Refit, score: Score, grown: Grown | None, believed: bool)
         error_after=grown.refit.relative_rms,
         parameters=_parameters(grown.refit, effect, believed),
     )
+
+
+def _beside(row: Candidate, leader: str, pair: Grown, alone: dict[str, Grown]) -> Candidate:
+    """The row of an effect that shows beside the leading one: its evidence there, and what both leave."""
+    gain = row.delta_bic
+    if leader in alone:
+        gain = 2.0 * (pair.refit.log_evidence - alone[leader].refit.log_evidence)
+    left = f"{100.0 * pair.refit.relative_rms:.3g} % is left with both"
+    return replace(row, delta_bic=gain, says=f"beside {leader}: {row.says}; {left}")
 
 
 def _predicted(before: Refit, left: float) -> float:

@@ -16,8 +16,10 @@ from .objective import Objective, relative_objective
 from .settings import Window, settings
 from .starts import thinned
 
-SETTINGS = 48
-"""Settings of the effects' parameters that are tried for each of them."""
+SETTINGS = 6
+"""Settings that are tried of each parameter of an effect for each start."""
+STARTS = 8
+"""Starts for which settings are tried at most, and where nothing else is known."""
 MOST_SETTINGS = 192
 """Settings that are tried at most, however many effects there are: each costs a convex problem."""
 KEPT = 2
@@ -54,7 +56,8 @@ def fit_spectrum(
     seeds_theta : sequence of ndarray
         Starts, of which the last numbers are the effects' parameters.
     starts : int
-        0 where the seeds are to be the only starts.
+        How many starts read off the data settings of the effects' parameters stand for; 0 where
+        the seeds are to be the only ones.
     still : float
         Relative drop of the objective below which a descent ends.
     hopeless : float
@@ -76,11 +79,20 @@ def fit_spectrum(
         coarse = SpectrumSearch(model, measurement.subset(rows), search.weights[rows], expected)
     count = len(search.own)
     seeds = [np.asarray(seed, dtype=float)[len(seed) - count :] for seed in seeds_theta]
-    if starts and not seeds:
-        seeds = list(_settings(search, measurement))
-    # A setting costs one convex problem; descents are begun only from the best of them.
-    trials = sorted((coarse.solve(coarse.u_of(own)) for own in seeds), key=lambda trial: trial.cost)
-    ends = [coarse.descend(trial, ITERATIONS, still, hopeless * part) for trial in trials[:KEPT]]
+    settings_of_each = 0
+    if not seeds:
+        settings_of_each = SETTINGS * STARTS
+    elif starts:
+        # Beside seeds too: those of a scan may all lie in one valley, and it need not be the deepest.
+        settings_of_each = SETTINGS * min(starts, STARTS)
+    places = [seeds]
+    if settings_of_each:
+        places.append(list(_settings(search, measurement, settings_of_each)))
+    ends = []
+    for some in places:
+        # A setting costs one convex problem; descents are begun only from the best of them.
+        trials = sorted((coarse.solve(coarse.u_of(own)) for own in some), key=lambda trial: trial.cost)
+        ends += [coarse.descend(trial, ITERATIONS, still, hopeless * part) for trial in trials[:KEPT]]
     best, converged = min(ends, key=lambda end: end[0].cost)
     if coarse is not search:
         start = search.solve(search.u_of(coarse.theta_of(best.u)))
@@ -132,14 +144,14 @@ def _on_closer_lines(search: SpectrumSearch, trial: Trial) -> Trial:
     return finer
 
 
-def _settings(search: SpectrumSearch, measurement: Measurement) -> Real:
-    """Settings (m, q) of the effects' parameters; factors of levels are read off the data."""
+def _settings(search: SpectrumSearch, measurement: Measurement, each: int) -> Real:
+    """Settings (m, q) of the effects' parameters, so many of each; factors of levels are read off the data."""
     known: dict[str, float] = {}
     if any(effect.by_levels for effect in search.model.effects):
         # A factor for each level is too many to be tried: overlapping sweeps tell where it lies.
         known = aligned(search.model, measurement)
     scanned = np.array([parameter.name not in known for parameter in search.own])
-    count = min(SETTINGS * int(scanned.sum()), MOST_SETTINGS) or 1
+    count = min(each * int(scanned.sum()), MOST_SETTINGS) or 1
     places = np.tile([known.get(parameter.name, 1.0) for parameter in search.own], (count, 1))
     if scanned.any():
         others = tuple(parameter for parameter in search.own if parameter.name not in known)

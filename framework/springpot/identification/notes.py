@@ -10,6 +10,7 @@ from springpot.rheology import Parameter, Real
 
 from .lack_of_fit import beyond_its_pole
 from .native import Fit
+from .specimens import told
 from .uncertainty import Uncertainty
 
 WEAK = 1.0
@@ -48,6 +49,7 @@ def notes_on(known: Uncertainty, low: Real, high: Real) -> list[str]:
     return [
         *_undetermined(known.fit),
         *beyond_its_pole(known.fit),
+        *told(known.fit),
         *_bounds(known),
         *_orders(known, low, high),
         *_weak(known, low, high),

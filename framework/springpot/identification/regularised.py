@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.errors import ModelError
 from springpot.nonnegative import non_negative
 from springpot.policy import INTERVAL
 from springpot.rheology import GRADIENT, Complex, Continuum, Points, Real
@@ -108,11 +109,11 @@ def regularised(fit: Fit, rng: np.random.Generator, draws: int = DRAWS) -> Spect
 
     Raises
     ------
-    ValueError
+    ModelError
         If the model has no spectrum that data choose.
     """
     if not is_material(fit.model):
-        raise ValueError(f"the spectrum of {fit.model.name} is that of its network: no data choose it")
+        raise ModelError(f"the spectrum of {fit.model.name} is that of its network: no data choose it")
     system = _System.of(fit)
     # Found once, for the data: each draw of noise would else have a smoothness of its own in the band.
     smoothing = system.smoothing()

@@ -16,6 +16,7 @@ from .coordinates import WIDEST, Coordinates
 from .leastsquares import Rows, levenberg_marquardt
 from .material import surprise_at, surprise_slopes
 from .native import Fit
+from .specimens import Specimens, follows_specimens
 from .task import Task
 
 RANK = 1e-10
@@ -104,7 +105,7 @@ class Uncertainty:
         return float(np.sqrt(self.fit.cost / self.fit.dof))
 
     @property
-    def _freedom(self) -> float:
+    def freedom(self) -> float:
         """Degrees of freedom of the scale: without end where it is known beforehand."""
         if self.spread is not None:
             return self.spread[1]
@@ -115,7 +116,14 @@ class Uncertainty:
     @property
     def quantile(self) -> float:
         """Standard deviations to the end of an interval."""
-        return student(self.level, self._freedom)
+        if self.specimens is not None:
+            return student(self.level, self.specimens.count - 1)
+        return student(self.level, self.freedom)
+
+    @cached_property
+    def specimens(self) -> Specimens | None:
+        """The specimens whose scatter sets the intervals; None where that of the points does."""
+        return follows_specimens(self.fit)
 
     @cached_property
     def at_bound(self) -> NDArray[np.int64]:
@@ -154,7 +162,11 @@ class Uncertainty:
         spread = inverse[:, None] * directions / size
         covariance = np.zeros((len(self.fit.u),) * 2)
         with np.errstate(invalid="ignore"):
-            covariance[np.ix_(free, free)] = self.scale**2 * (spread.T @ spread)
+            inverse_square = spread.T @ spread
+            whole = self.scale**2 * inverse_square
+            if self.specimens is not None:
+                whole = self.specimens.sandwich(inner, self.fit.residual, inverse_square)
+            covariance[np.ix_(free, free)] = whole
         # A direction without a trace in the data takes all parameters along that have a part in it.
         lost = free[np.any(np.abs(directions[~known]) > PART, axis=0)]
         covariance[lost, lost] = np.inf
@@ -215,7 +227,7 @@ class Uncertainty:
             slope = slope - others @ np.linalg.lstsq(others, slope, rcond=RANK)[0]
         size = float(np.linalg.norm(slope))
         # From a bound there is one way only: the whole tail lies on that side.
-        side = student(2.0 * self.level - 1.0, self._freedom)
+        side = student(2.0 * self.level - 1.0, self.freedom)
         reach = float("inf")
         # What rounding leaves of a slope that the others make up for is none.
         if size > RANK * whole:
@@ -349,7 +361,7 @@ def allowed_cost(known: Uncertainty) -> float:
     if not np.isfinite(known.scale):
         return float("inf")
     # t^2 is F with one degree of freedom: the rise that a single parameter is allowed.
-    return fit.cost + (known.quantile * known.scale) ** 2
+    return fit.cost + (student(known.level, known.freedom) * known.scale) ** 2
 
 
 def held_costs(fit: Fit, parameter: str, values: Real) -> Real:

@@ -14,7 +14,7 @@ from .geometry_text import parse_geometry
 from .imposed import Loading
 from .independence import Spread, independent, moved_along, spread_of, steadied, telling
 from .interface import as_modulus, as_stiffness, through
-from .joining import joined
+from .joining import FILE, joined
 from .measurement import CONDITIONS, Measurement, misspelt, points_at
 from .moduli import Moduli
 from .noise import with_noise
@@ -88,6 +88,7 @@ __all__ = [
     "ANGLE_UNITS",
     "Budget",
     "CONDITIONS",
+    "FILE",
     "HELD",
     "HELD_ALIKE",
     "Choice",

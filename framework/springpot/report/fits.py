@@ -124,6 +124,7 @@ def climbed_in_time_text(ladder: TimeLadder, width: int = 120) -> str:
         if step.alike:
             rivals = " or ".join(step.alike)
             parts.append(f"+ {step.accepted} may as well be {rivals}: these tests cannot tell them apart")
+    parts += _left_out(ladder.diagnosis.left_out | ladder.left_out)
     return "\n\n".join(parts)
 
 
@@ -146,7 +147,11 @@ def diagnosed_in_time_text(diagnosis: TimeDiagnosis, width: int = 120) -> str:
     absent = {each.effect for each in diagnosis.candidates if each.verdict == "absent"}
     open_classes = [names for names in diagnosis.classes if names[0] not in absent]
     physics += [f"these tests cannot tell apart: {', '.join(names)}" for names in open_classes]
-    return paragraphs([*parts, ranked, *physics], width)
+    return paragraphs([*parts, ranked, *physics, *_left_out(diagnosis.left_out)], width)
+
+
+def _left_out(reasons: Mapping[str, str]) -> list[str]:
+    return [f"left out: {name}: {reason}" for name, reason in reasons.items()]
 
 
 def _briefly(parameters: Mapping[str, Mapping[str, Any]]) -> str:

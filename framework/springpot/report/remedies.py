@@ -55,7 +55,7 @@ def draw_diagnosis(axes: Axes, diagnosis: Diagnosis) -> None:
         axes.plot(places[1:], predicted, "D", color=COLOURS[1], markerfacecolor="white", label="predicted", zorder=3)
     for x, error in enumerate(after):
         beside_mark(axes, (x, error), percent(error / 100.0, 2))
-    axes.set_xticks(places, ["as it is", *(broken(_named(diagnosis, one.effect, one.says)) for one in shown)])
+    axes.set_xticks(places, ["as it is", *(broken(f"+ {one.effect}") for one in shown)])
     axes.tick_params(axis="x", length=0)
     axes.grid(False, axis="x")
     levels = np.array([noise, material, *after, *predicted])
@@ -65,11 +65,3 @@ def draw_diagnosis(axes: Axes, diagnosis: Diagnosis) -> None:
     logarithmic(axes, "y")
     axes.set_ylabel("error [%]")
     axes.legend(loc="upper right")
-
-
-def _named(diagnosis: Diagnosis, effect: str, says: str) -> str:
-    """``+ inertia``; an effect that only shows beside the leading one was fitted beside it."""
-    leader = diagnosis.candidates[0].effect
-    if says.startswith(f"beside {leader}: "):
-        return f"+ {leader} + {effect}"
-    return f"+ {effect}"

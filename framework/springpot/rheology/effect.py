@@ -93,6 +93,9 @@ class Effect:
     only_varied : bool
         Whether the conditions that it needs must have been varied: at one value of them it would be a factor that
         goes with the frequency alone, as many a fault of a measuring chain does.
+    only_sweeps : bool
+        Whether it belongs to the rig of the sweeps alone: tests in time of the same specimen are
+        free of it.
 
     Examples
     --------
@@ -117,6 +120,7 @@ class Effect:
     constant: InstrumentConstant | None = None
     largest_of_modulus: float = inf
     only_varied: bool = False
+    only_sweeps: bool = False
 
     @property
     def vanishes_at(self) -> float:

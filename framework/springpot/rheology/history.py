@@ -65,12 +65,14 @@ class InTime:
     def relaxation(self, t: Real) -> Traced:
         """Force over displacement (n,) at the time t >= 0 after a step of the displacement, and its derivatives."""
         with self._blaming():
-            return self._linear("relaxation").relaxation(_after_step(t))
+            passive, own = self._linear("relaxation")
+            return self._padded(passive.relaxation(_after_step(t)), own)
 
     def creep(self, t: Real) -> Traced:
         """Displacement over force (n,) at the time t >= 0 after a step of the force, and its derivatives."""
         with self._blaming():
-            return self._linear("creep").creep(_after_step(t))
+            passive, own = self._linear("creep")
+            return self._padded(passive.creep(_after_step(t)), own)
 
     def respond_force(self, t: Real, force: Real) -> Traced:
         """Displacement (n,) under a force, and its derivatives."""
@@ -78,7 +80,8 @@ class InTime:
         with self._blaming():
             if isinstance(self.temperature, np.ndarray):
                 return self._reduced(self._only_material(), t, force, "force")
-            return self._linear("the answer to a force").respond_force(t, force)
+            passive, own = self._linear("the answer to a force")
+            return self._padded(passive.respond_force(t, force), own)
 
     def _only_material(self) -> list[Placed]:
         """The effects, where all of them are linear and go by the clock of the material.
@@ -160,7 +163,7 @@ class InTime:
         ModelError
             If there is a mass, or an effect that is not linear or of the signals: these go by the clock on the wall.
         """
-        passive = self._linear("a clock of the material")
+        passive, _ = self._linear("a clock of the material")
         # A force on a mass goes by seconds, however fast the material relaxes.
         if passive.inertial:
             raise ModelError(f"{self.model.name} has a mass, which does not go by the clock of its material")
@@ -173,8 +176,9 @@ class InTime:
             temperature = None
         return blaming(self.model, self.theta, conditions_at(temperature, self.reference_temperature))
 
-    def _linear(self, what: str) -> Passive:
-        _, beside, signals = sorted_out(self.model)
+    def _linear(self, what: str) -> tuple[Passive, list[int]]:
+        """The network in time, and where its parameters stand in theta."""
+        inside, beside, signals = sorted_out(self.model)
         # The first that stands in the way is named: one thing to mend at a time.
         for effect, _, _ in [*beside, *signals]:
             kind = "belongs to the signals"
@@ -183,7 +187,8 @@ class InTime:
             raise ModelError(f"{what} has no meaning with '{effect.name}', which {kind}: ask for respond")
         if isinstance(self.temperature, np.ndarray):
             raise ModelError(f"{what} is for one temperature: ask for respond with a history of temperatures")
-        return self._passive(self.model.network)
+        network, own = network_of(self.model, inside)
+        return replace(self._passive(network), theta=self.theta[own]), own
 
     def _passive(self, network: Node, temperature: float | None = None) -> Passive:
         if not isinstance(self.temperature, np.ndarray):
@@ -197,9 +202,11 @@ class InTime:
         return self._reduced(inside, t, x)
 
     def _placed(self, passive: Passive, own: list[int], t: Real, x: Real, control: str = "displacement") -> Traced:
+        return self._padded(_answer(replace(passive, theta=self.theta[own]), control)(t, x), own)
+
+    def _padded(self, traced: Traced, own: list[int]) -> Traced:
         # A part knows its own parameters only: their derivatives go back to where they stand in the whole theta.
-        traced = _answer(replace(passive, theta=self.theta[own]), control)(t, x)
-        by_theta = np.zeros((len(t), len(self.theta)), dtype=traced.by_theta.dtype)
+        by_theta = np.zeros((len(traced.value), len(self.theta)), dtype=traced.by_theta.dtype)
         by_theta[:, own] = traced.by_theta
         return Traced(traced.value, by_theta)
 
@@ -285,6 +292,8 @@ def with_laws(
 def sorted_out(model: NamedNetwork) -> tuple[list[Placed], list[Placed], list[Placed]]:
     """The effects from the material outwards: linear ones, those that are not but stand beside, those of signals.
 
+    Those of the rig of a sweep alone are in none of them: no test in time feels them.
+
     Raises
     ------
     ModelError
@@ -302,6 +311,8 @@ def sorted_out(model: NamedNetwork) -> tuple[list[Placed], list[Placed], list[Pl
     beside: list[Placed] = []
     signals: list[Placed] = []
     for effect, prefix in sorted(model.named_effects(), key=lambda pair: pair[0].position):
+        if effect.only_sweeps:
+            continue
         own = [i for i, name in enumerate(model.names) if name.rpartition(".")[0] == prefix]
         law = getattr(effect.element, "in_time", None)
         linear = effect.layer is not Layer.SIGNAL and "amplitude" not in effect.needs

@@ -139,7 +139,7 @@ class Points:
 
         Raises
         ------
-        ValueError
+        DataError
             If the measurement has no such column.
         """
         own = {"amplitude": self.amplitude, "temperature": self.temperature}
@@ -147,7 +147,7 @@ class Points:
         if condition in own:
             column = own[condition]
         if column is None:
-            raise ValueError(f"the model needs the column '{condition}', which these data do not have")
+            raise DataError(f"the model needs the column '{condition}', which these data do not have")
         return column
 
 

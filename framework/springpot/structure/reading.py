@@ -197,9 +197,13 @@ def read_record(spec: str, rng: np.random.Generator) -> Record:
     if spec == "artificial" or spec.startswith("artificial:"):
         _, _, peak = spec.partition(":")
         try:
-            return artificial(rng, peak=_number(float(peak or 3.0), "the peak", 0.0, STRONGEST))
-        except (ValueError, DataError):
-            raise DataError(f"'{spec:.60}': write artificial:3.0 with the peak in m/s^2") from None
+            largest = float(peak or 3.0)
+        except ValueError:
+            largest = float("nan")
+        # One that is no number, or beyond any earthquake, is told alike.
+        if not 0.0 < largest < STRONGEST:
+            raise DataError(f"'{spec:.60}': write artificial:3.0 with the peak in m/s^2")
+        return artificial(rng, peak=largest)
     path = Path(spec)
     rows = [line for line in text_in(path).splitlines() if line.strip() and not line.startswith("#")]
     header = ""

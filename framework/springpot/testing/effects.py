@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from springpot.errors import DataError
 from springpot.rheology import Effect, Layer, Model, Points
 
 from .aspects import SEED, cited, complaints, name_and_summary
@@ -106,7 +107,7 @@ def _columns(effect: Effect, grown: Model) -> Iterator[str]:
     for column in sorted(COLUMNS - grown.needs):
         try:
             bare = grown.stiffness(theta, _without(column))
-        except (ValueError, TypeError):
+        except (DataError, TypeError):
             yield f"it uses the {column} without saying so: name it in the element's conditions"
             continue
         if not np.array_equal(bare, grown.stiffness(theta, POINTS)):
@@ -115,7 +116,7 @@ def _columns(effect: Effect, grown: Model) -> Iterator[str]:
     for column in sorted(COLUMNS & effect.needs):
         try:
             grown.stiffness(theta, _without(column))
-        except ValueError as error:
+        except DataError as error:
             if column not in str(error):
                 yield f"without the column {column} its error does not name it: {error}"
         else:

@@ -171,6 +171,8 @@ class TimeDiagnosis:
         Effects that these tests cannot tell apart.
     best_fit : TimeIdentification
         The model with the best effect, where one is missing; else the base.
+    left_out : dict of str to str
+        Effects that could not be fitted, and why.
     """
 
     base: TimeIdentification
@@ -180,6 +182,7 @@ class TimeDiagnosis:
     error: TimeError
     classes: tuple[tuple[str, ...], ...]
     best_fit: TimeIdentification
+    left_out: dict[str, str] = field(default_factory=dict)
 
     @property
     def model(self) -> Model | Timed:
@@ -231,6 +234,7 @@ class TimeDiagnosis:
             "candidates": [candidate.to_dict() for candidate in self.candidates],
             "classes": [list(names) for names in self.classes],
             "says": self.says,
+            "left_out": self.left_out,
         }
 
     def __repr__(self) -> str:

@@ -21,8 +21,8 @@ from .answer import TimeDiagnosis
 from .identify import identify
 from .judging import Left, delta_bic, independent
 from .native import Search
-from .parts import InTimePart, Part, Test, parts_of_specimen
-from .promise import AnyEffect, Promise
+from .parts import AnyEffect, InTimePart, Part, Test, at_rig, at_rigs, parts_of_specimen
+from .promise import Promise
 from .quick import QuickPart, UnfollowedError, quick_parts
 from .result import TimeIdentification
 from .scatter import Scatter
@@ -45,6 +45,8 @@ UNEVEN = 1.5
 """Ratio of the largest to the smallest noise of a record from which its shape matters."""
 COSTLY = 0.05
 """Share of the best promise from which an effect that makes the specimen swing is worth its long fit."""
+ASTRAY = 3.0
+"""Error over the noise of the best effect from which its fit is not believed to be at its minimum."""
 NOTHING = 1e-6
 """Share of the sum of squares that two searches for the same minimum may differ by: they stop at less."""
 
@@ -96,7 +98,8 @@ def diagnose(
         model = parse_timed(model)
     if effects is None:
         effects = library_in_time()
-    library = list(effects)
+    library = [at_rig(effect, given) if isinstance(effect, Effect) else effect for effect in effects]
+    model = at_rigs(model, given)
     # The noise is needed to judge and a good model to know the noise: so a second round, where it matters.
     diagnosis = _judged(given, model, library, base, None)
     noise = _noise_beside(parts_of_specimen(given), diagnosis)
@@ -156,18 +159,20 @@ def _judged(
     beside = [effect for effect in effects if not (isinstance(effect, Effect) and within_material(material, effect))]
     promises = Scan(base, quick).promises(beside)
     leading = _leading(promises, before)
+    left_out: dict[str, str] = {}
     if is_material(material_of(base.model)):
-        tried = _of_material(given, parts, base, leading, known)
+        tried = _of_material(given, parts, base, leading, known, left_out)
     else:
-        nearly = _nearly(base, quick, leading, before)
-        tried = _exactly(given, parts, base, nearly, before, known)
+        nearly = _nearly(base, quick, leading, before, left_out)
+        tried = _exactly(given, parts, base, nearly, before, known, left_out)
     # A model with one more effect can always do as well as the one without: worse is a search that failed.
     tried = [_no_worse(each, before) for each in tried]
     # By a criterion that needs no noise, which is only read from what the best one leaves.
     best = min((each.left for each in tried), key=_plain_bic, default=before)
     noise = _noise(before, best)
     judged = [replace(each, delta=_delta(before, each, noise, base)) for each in tried]
-    return answer_of(parts, base, before, sorted(judged, key=lambda each: -each.delta), noise, promises)
+    ranked = sorted(judged, key=lambda each: -each.delta)
+    return replace(answer_of(parts, base, before, ranked, noise, promises), left_out=left_out)
 
 
 def _no_worse(each: Tried, before: Left) -> Tried:
@@ -201,6 +206,7 @@ def _of_material(
     base: TimeIdentification,
     leading: Sequence[list[Promise]],
     known: Sequence[Real | None] | None,
+    left_out: dict[str, str],
 ) -> list[Tried]:
     """The leading effects beside any material, whose spectrum is found anew with each."""
     tried = []
@@ -210,7 +216,8 @@ def _of_material(
         try:
             seeds = [promise.start(base, model) for promise in promises[:STARTS]]
             fit = identify(tests, model, seeds=seeds, thorough=False, noise=known)
-        except SpringpotError:
+        except SpringpotError as error:
+            left_out[effect.name] = str(error)
             continue
         left = Left.by(fit.model, fit.theta, fit.reference, parts)
         tried.append(Tried(effect, fit.model, fit.theta, left, 0.0, fit))
@@ -218,7 +225,11 @@ def _of_material(
 
 
 def _nearly(
-    base: TimeIdentification, quick: Sequence[Part], leading: Sequence[list[Promise]], before: Left
+    base: TimeIdentification,
+    quick: Sequence[Part],
+    leading: Sequence[list[Promise]],
+    before: Left,
+    left_out: dict[str, str],
 ) -> list[Tried]:
     """The leading effects fitted by fixed exponentials; those that swing by the exact response, if they lead."""
     tried = []
@@ -243,10 +254,12 @@ def _nearly(
             try:
                 u, _ = search.near(parts, starts[:STARTS])
                 left = Left.by(model, search.theta(u), base.reference, parts)
-            except SpringpotError:
+            except SpringpotError as error:
+                left_out[effect.name] = str(error)
                 continue
-        except SpringpotError:
+        except SpringpotError as error:
             # It has no law in time for such a test.
+            left_out[effect.name] = str(error)
             continue
         tried.append(Tried(effect, model, search.theta(u), left, 0.0))
     return tried
@@ -265,6 +278,7 @@ def _exactly(
     nearly: Sequence[Tried],
     before: Left,
     known: Sequence[Real | None] | None,
+    left_out: dict[str, str],
 ) -> list[Tried]:
     """The best of them fitted exactly, and the others as they are."""
     # The noise is read where the least is left, and the effects are then rated by that one noise.
@@ -276,17 +290,22 @@ def _exactly(
     best = rated[0]
     # An exact fit is dear: it is spent where it can change the order, and not on what is far behind.
     near = [i for i, each in enumerate(rated) if _near(each, best, before, noise, base)][:EXACT]
+    # Fits that all go on from one that misses the tests by far may all be caught where it was.
+    astray = best.left.over(noise) > ASTRAY
+    if astray:
+        near = list(range(len(rated)))[:EXACT]
     tried = []
     for i, each in enumerate(rated):
         if i not in near:
             tried.append(each)
             continue
         try:
-            fit = identify(tests, each.model, seeds=[each.theta], thorough=False, noise=known, near=True)
-        except SpringpotError:
+            fit = identify(tests, each.model, seeds=[each.theta], thorough=astray, noise=known, near=not astray)
+        except SpringpotError as error:
+            left_out[each.effect.name] = str(error)
             continue
         left = Left.by(fit.model, fit.theta, fit.reference, parts)
-        tried.append(replace(each, theta=fit.theta, left=left, fit=fit))
+        tried.append(replace(each, model=fit.model, theta=fit.theta, left=left, fit=fit))
     return tried
 
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
+from springpot.errors import SpringpotError
 from springpot.measurement import Timed, grown
 from springpot.registry import library_in_time, parse_timed
 from springpot.rheology import Model
@@ -13,8 +14,7 @@ from springpot.rheology import Model
 from .answer import TimeDiagnosis
 from .diagnosis import diagnose
 from .identify import identify
-from .parts import Test
-from .promise import AnyEffect
+from .parts import AnyEffect, Test
 from .result import TimeIdentification
 
 SCHEMA = "springpot.discovery-in-time/1"
@@ -68,10 +68,13 @@ class TimeLadder:
         The first is the model without further effects.
     diagnosis : TimeDiagnosis
         Of the last one.
+    left_out : dict of str to str
+        Effects that would have been accepted but could not be gone on from, and why.
     """
 
     steps: tuple[TimeStep, ...]
     diagnosis: TimeDiagnosis
+    left_out: dict[str, str] = field(default_factory=dict)
 
     @property
     def model(self) -> Model | Timed:
@@ -91,6 +94,7 @@ class TimeLadder:
             "steps": [step.to_dict() for step in self.steps],
             "verdict": self.verdict,
             "diagnosis": self.diagnosis.to_dict(),
+            "left_out": self.left_out,
         }
 
 
@@ -136,29 +140,61 @@ def discover(
             progress(words)
 
     if accept is not None:
+        return _given(tests, model, effects, accept, told)
+    return _climbed(tests, model, effects, told)
+
+
+def _given(
+    tests: Sequence[Test],
+    model: Model | Timed,
+    effects: Sequence[AnyEffect],
+    accept: Sequence[AnyEffect],
+    told: Callable[[str], None],
+) -> TimeLadder:
+    """The rungs that a user asks for."""
+    told(f"fitting {model.name}")
+    steps = [TimeStep(identify(tests, model), None)]
+    for effect in accept:
+        model = grown(model, effect)
         told(f"fitting {model.name}")
-        steps = [TimeStep(identify(tests, model), None)]
-        for effect in accept:
-            model = grown(model, effect)
-            told(f"fitting {model.name}")
-            steps.append(TimeStep(identify(tests, model), effect.name))
-        told(f"judging {model.name}")
-        return TimeLadder(tuple(steps), diagnose(tests, model, effects))
+        steps.append(TimeStep(identify(tests, model), effect.name))
+    told(f"judging {model.name}")
+    return TimeLadder(tuple(steps), diagnose(tests, model, effects))
+
+
+def _climbed(
+    tests: Sequence[Test],
+    model: Model | Timed,
+    effects: Sequence[AnyEffect],
+    told: Callable[[str], None],
+) -> TimeLadder:
+    """The rungs that the evidence decides on."""
     known = {effect.name: effect for effect in effects}
     told(f"judging {model.name}")
     diagnosis = diagnose(tests, model, effects)
     # The fit that the diagnosis made: a rung costs no second one.
     steps = [TimeStep(diagnosis.base, None)]
+    left_out: dict[str, str] = {}
     # Also where the verdict is unexplained: an effect that helps beyond doubt may be one of several.
-    while diagnosis.missing and len(steps) <= MOST:
+    while len(steps) <= MOST:
         # The first of a class stands for it: the others would fit as well, and are told beside it.
-        first, *others = diagnosis.missing
-        model = grown(model, known[first])
-        told(f"judging {model.name}")
+        alike = [name for name in diagnosis.missing if name not in left_out]
+        if not alike:
+            break
+        first, *others = alike
+        larger = grown(model, known[first])
+        told(f"judging {larger.name}")
         base = None
         # The diagnosis has fitted the grown model already, unless only nearly.
-        if diagnosis.best_fit.model.name == model.name:
+        if diagnosis.best_fit.model.name == larger.name:
             base = diagnosis.best_fit
-        diagnosis = diagnose(tests, model, effects, base=base)
+            larger = base.model
+        try:
+            diagnosis = diagnose(tests, larger, effects, base=base)
+        except SpringpotError as error:
+            # The rungs that were reached stay; the next of the class stands for it.
+            left_out[first] = str(error)
+            continue
+        model = larger
         steps.append(TimeStep(diagnosis.base, first, tuple(others)))
-    return TimeLadder(tuple(steps), diagnosis)
+    return TimeLadder(tuple(steps), diagnosis, left_out)

@@ -15,8 +15,16 @@ from springpot.measurement import Measurement, Timed, TimeTest, material_of
 from springpot.rheology import Effect, Model, Real, sorted_out
 
 from .material import spectral
-from .native import Minimum, Search
-from .parts import Part, Test, parts_of_specimen, reference_of, require_tests
+from .native import DOUBTFUL, Minimum, Search
+from .parts import (
+    Part,
+    Test,
+    at_rigs,
+    parts_of_specimen,
+    reference_of,
+    require_tests,
+    rig_of_sweeps,
+)
 from .quick import quick_parts
 from .result import TimeIdentification
 from .score import Scan
@@ -87,12 +95,56 @@ def identify(
     >>> identify(TimeTest.of_relaxation(t, exact, "kPa"), model).theta.round(3)
     array([400. ,  60. ,   0.5])
     """
-    began = perf_counter()
     if isinstance(tests, TimeTest | Measurement):
         tests = [tests]
     given = list(tests)
     if not given:
         raise ModelError("there is no test to identify a model from")
+    model = at_rigs(model, given)
+    effort = (budget or BUDGET, restarts, seed)
+
+    def fitted(model: Model | Timed) -> TimeIdentification:
+        return _fitted(given, model, seeds, thorough, optimiser, effort, noise, near)
+
+    if thorough:
+        return _at_best_rig(fitted, model, given)
+    return fitted(model)
+
+
+def _at_best_rig(
+    fitted: Callable[[Model | Timed], TimeIdentification],
+    model: Model | Timed,
+    tests: Sequence[Test],
+) -> TimeIdentification:
+    """The fit with one rig for all tests; where that fails, with one that only the sweeps have."""
+    apart = rig_of_sweeps(model, tests)
+    if apart is None:
+        return fitted(model)
+    try:
+        one = fitted(model)
+    except ModelError:
+        # No test in time can have such an effect: what is left is that the sweeps alone do.
+        return fitted(apart)
+    if max(test.ratio for test in one.tests) <= DOUBTFUL:
+        return one
+    other = fitted(apart)
+    if one.power < DOUBTFUL * other.power:
+        return one
+    return other
+
+
+def _fitted(
+    given: Sequence[Test],
+    model: Model | Timed,
+    seeds: Sequence[Real],
+    thorough: bool,
+    optimiser: Optimiser | None,
+    effort: tuple[int, int | None, int | None],
+    noise: Sequence[Real | None] | None,
+    near: bool,
+) -> TimeIdentification:
+    """The fit of a model whose effects act where they are marked to."""
+    began = perf_counter()
     # Before any work: what cannot be fitted is told in one line.
     require_tests(model, given)
     parts = parts_of_specimen(given, noise)
@@ -108,7 +160,7 @@ def identify(
     found = _native(search, near)
     if optimiser is None or optimiser.name == NATIVE:
         return search.result(found, perf_counter() - began)
-    return _by_optimiser(search, found, optimiser, (budget or BUDGET, restarts, seed), began)
+    return _by_optimiser(search, found, optimiser, effort, began)
 
 
 def _native(search: Search, near: bool) -> Minimum:

@@ -19,6 +19,7 @@ from springpot.measurement import (
     PRESSURE_UNITS,
     Measurement,
     Timed,
+    TimeEffect,
     TimeTest,
     Units,
     material_of,
@@ -26,13 +27,14 @@ from springpot.measurement import (
     one_modulus,
     relative_scatter,
 )
-from springpot.rheology import ROOM, Complex, Model, Real
+from springpot.rheology import ROOM, Complex, Effect, Layer, Model, Real
 
 from .predicted import TOLERANCE
 from .recorded import recorded
 from .start import apparent
 
 Test: TypeAlias = TimeTest | Measurement
+AnyEffect: TypeAlias = Effect | TimeEffect
 COARSE = 60
 """Samples of a test with which the search begins; all of them end it."""
 
@@ -193,6 +195,49 @@ def parts_of_specimen(tests: Sequence[Test], noise: Sequence[Real | None] | None
         else:
             parts.append(SweepPart(_in_units(test, units)))
     return parts
+
+
+def at_rig(effect: Effect, tests: Sequence[Test]) -> Effect:
+    """An effect as tests of one specimen can have it.
+
+    What a measuring chain does to its signals is a fault of one rig. Where sweeps stand beside
+    tests in time it is that of the sweeps: a step has no phase that a delay could turn.
+    """
+    if effect.layer is not Layer.SIGNAL:
+        return effect
+    return replace(effect, only_sweeps=any(isinstance(test, Measurement) for test in tests))
+
+
+def at_rigs(model: Model | Timed, tests: Sequence[Test]) -> Model | Timed:
+    """A model of tests of one specimen, each of its effects where `at_rig` puts it."""
+    return _with_effects(model, [at_rig(effect, tests) for effect in material_of(model).effects])
+
+
+def rig_of_sweeps(model: Model | Timed, tests: Sequence[Test]) -> Model | Timed | None:
+    """The model where the sweeps were made on a rig of their own; None where that changes nothing."""
+    if not any(isinstance(test, Measurement) for test in tests):
+        return None
+    effects = material_of(model).effects
+    apart = [replace(each, only_sweeps=True) if _is_rig(each) else each for each in effects]
+    if tuple(apart) == effects:
+        return None
+    return _with_effects(model, apart)
+
+
+def _is_rig(effect: Effect) -> bool:
+    """Whether an effect joins the specimen from outside."""
+    return effect.layer > Layer.SPECIMEN
+
+
+def _with_effects(model: Model | Timed, effects: Sequence[Effect]) -> Model | Timed:
+    """The model with other effects beside its material; itself where they are its own."""
+    material = material_of(model)
+    if tuple(effects) == material.effects:
+        return model
+    material = replace(material, effects=tuple(effects))
+    if isinstance(model, Timed):
+        return replace(model, material=material)
+    return material
 
 
 def runs_against(test: TimeTest) -> bool:

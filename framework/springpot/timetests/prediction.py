@@ -120,6 +120,10 @@ class Known:
         if "rates" in kept:
             model = replace(model, material=Continuum(tuple(map(float, kept["rates"]))))
             count = len(model.parameters)
+        # Nor does it tell which effects are of the rig of the sweeps that stood beside tests in time.
+        alone = set(kept.get("only_sweeps", ()))
+        effects = [replace(each, only_sweeps=each.name in alone) for each in model.effects]
+        model = replace(model, effects=tuple(effects))
         points = sum(int(test["points"]) for test in answer["tests"])
         theta = np.array(kept["theta"], dtype=float)[:count]
         covariance = np.array(kept["covariance"], dtype=float)[:count, :count]

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 
-from springpot.measurement import Timed, TimeEffect
-from springpot.rheology import Effect, Model, Real
+from springpot.measurement import Timed
+from springpot.rheology import Model, Real
 
+from .parts import AnyEffect
 from .result import TimeIdentification
-
-AnyEffect: TypeAlias = Effect | TimeEffect
 
 
 @dataclass(frozen=True, eq=False)

@@ -233,6 +233,12 @@ class TimeIdentification:
         return rows
 
     @property
+    def on_sweeps(self) -> tuple[str, ...]:
+        """Names of the effects that only the sweeps have."""
+        effects = material_of(self.model).effects
+        return tuple(effect.name for effect in effects if effect.only_sweeps)
+
+    @property
     def ended(self) -> str:
         """How the search ended, in a word."""
         if self.status:
@@ -253,6 +259,9 @@ class TimeIdentification:
                     f"{test.name} does not agree with the other tests: {test.ratio:.2g} x its noise floor with "
                     f"common parameters, {test.alone:.2g} x with its own"
                 )
+        if self.on_sweeps:
+            names = ", ".join(self.on_sweeps)
+            notes.append(f"{names}: of the rig of the sweeps; the tests in time are free of it")
         low, high = self.interval
         for parameter, value, below, above in zip(self.model.parameters, self.theta, low, high, strict=True):
             if parameter.detail:
@@ -283,6 +292,7 @@ class TimeIdentification:
                 "reference": self.reference,
                 "seen": list(self.covered.rate),
                 **_rates(material_of(self.model)),
+                **_on_sweeps(self.on_sweeps),
             },
             "evaluations": self.evaluations,
             "seconds": self.seconds,
@@ -308,6 +318,13 @@ def _finite(value: float) -> float | None:
     if not np.isfinite(value):
         return None
     return float(value)
+
+
+def _on_sweeps(names: tuple[str, ...]) -> dict[str, Any]:
+    """Effects that only the sweeps have; of other fits nothing."""
+    if not names:
+        return {}
+    return {"only_sweeps": list(names)}
 
 
 def _rates(model: Model) -> dict[str, Any]:

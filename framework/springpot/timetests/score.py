@@ -18,9 +18,9 @@ from springpot.errors import SpringpotError
 from springpot.measurement import KELVIN, Stage, Timed, TimeEffect, grown, material_of
 from springpot.rheology import GRADIENT, Complex, Effect, Model, Points, Real, network_of, sorted_out
 
-from .parts import SweepPart
+from .parts import AnyEffect, SweepPart
 from .predicted import TOLERANCE
-from .promise import AnyEffect, Atom, Promise
+from .promise import Atom, Promise
 from .quick import QuickPart, points_at
 from .recorded import Clock, reached, recorded
 from .result import TimeIdentification
@@ -85,7 +85,7 @@ class Scan:
             try:
                 with np.errstate(all="ignore"):
                     atoms += self._atoms(effect)
-            except (SpringpotError, ValueError):
+            except SpringpotError:
                 # It has no law in time, or these tests lack a condition that it needs.
                 continue
         return self._scored([atom for atom in atoms if np.all(np.isfinite(atom.column))])
@@ -135,6 +135,8 @@ class Scan:
     def _atoms(self, effect: AnyEffect) -> list[Atom]:
         if isinstance(effect, TimeEffect):
             return self._of_test(effect)
+        if effect.only_sweeps:
+            return self._of_network(effect)
         inside, _, signals = sorted_out(material_of(self.model) + effect)
         if effect.name in {each.effect.name for each in inside}:
             return self._of_network(effect)
@@ -177,7 +179,7 @@ class Scan:
         stiffness = np.abs(linear_stiffness(self.base, at))
         atoms = []
         for place in places:
-            slope = _Change(model, self.theta, effect, np.array([[NEXT_TO_NOTHING, *place]]))(at)[0]
+            slope = _Change(model, self.theta, effect, np.array([[NEXT_TO_NOTHING, *place]])).in_time(at)[0]
             for size in stiffness / np.abs(slope):
                 values = np.array([size, *place])
                 atoms.append(Atom(effect, values, np.zeros(len(values)), self._as_it_is(effect, values), False))
@@ -267,22 +269,28 @@ class _Change:
     """dK by the size of an effect (g, n), for g places of its parameters, at any points."""
 
     def __init__(self, model: Model, theta: Real, effect: Effect, values: Real) -> None:
-        whole = model + effect
+        self.whole, self.effect = model + effect, effect
         known = dict(zip(model.names, theta.tolist(), strict=False))
-        new = [name for name in whole.names if name not in known]
-        # Forces beside the material and what the chain does have no part in K.
-        self.network, places = network_of(whole, sorted_out(whole)[0])
-        names = [whole.names[place] for place in places]
-        self.index = names.index(new[0])
-        self.theta = np.empty((len(values), len(names)))
-        for i, name in enumerate(names):
+        new = [name for name in self.whole.names if name not in known]
+        self.size = self.whole.names.index(new[0])
+        self.theta = np.empty((len(values), len(self.whole.names)))
+        for i, name in enumerate(self.whole.names):
             if name in new:
                 self.theta[:, i] = values[:, new.index(name)]
             else:
                 self.theta[:, i] = known[name]
 
     def __call__(self, at: Points) -> Complex:
-        return self.network.respond(self.theta, at, GRADIENT).by_theta[:, self.index, :]
+        """What a sweep shows: all that is in the model."""
+        return self.whole.network.respond(self.theta, at, GRADIENT).by_theta[:, self.size, :]
+
+    def in_time(self, at: Points) -> Complex:
+        """The same of what a test in time follows by exponentials."""
+        # Forces beside the material and what the chain does have no part in that K.
+        network, places = network_of(self.whole, sorted_out(self.whole)[0])
+        if self.size not in places:
+            return np.zeros((len(self.theta), len(at.log_omega)), dtype=np.complex128)
+        return network.respond(self.theta[:, places], at, GRADIENT).by_theta[:, places.index(self.size), :]
 
 
 def linear_stiffness(base: TimeIdentification, at: Points) -> Complex:
@@ -330,13 +338,13 @@ class View:
             return False
         # The last two lie far beyond the test, where no material has a meaning; these are the highest of its band.
         omega = self.quick.omega[[-4, -3]]
-        sizes = np.abs(change(points_at(omega, self.kelvin, self.base.reference)))
+        sizes = np.abs(change.in_time(points_at(omega, self.kelvin, self.base.reference)))
         steepness = np.log(sizes[:, 1] / sizes[:, 0]) / np.log(omega[1] / omega[0])
         return bool(np.any(steepness > STEEP))
 
     def of_change(self, change: _Change, scale: float) -> Real:
         """Columns (n, g) for a change of K."""
-        by_size = change(points_at(self.quick.omega, self.kelvin, self.base.reference)) * scale
+        by_size = change.in_time(points_at(self.quick.omega, self.kelvin, self.base.reference)) * scale
         if self.part.test.control == "force":
             by_size = -by_size / self.stiffness**2
         return (self.quick.answers @ self.quick.followed(by_size)) * self.weight[:, None]
@@ -420,10 +428,6 @@ class SweepView:
 
     def of_law(self, effect: Effect, values: Real, of_signal: bool) -> Real:
         """The column of an effect that is not linear: its first harmonic."""
-        values = values.copy()
-        if of_signal:
-            change = _Change(material_of(self.base.model), self.base.theta, effect, values[None] + NEXT_TO_NOTHING)
-            return self.of_change(change, 1.0)[:, 0]
         return self.with_model(*_with_effect(self.base, effect, values))
 
     def of_record(self, effect: TimeEffect, values: Real) -> tuple[Real, bool]:

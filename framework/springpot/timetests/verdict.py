@@ -12,8 +12,8 @@ from springpot.rheology import Model, Real
 
 from .answer import TimeCandidate, TimeDiagnosis, TimeError
 from .judging import ALIKE, HINT, PLAINLY, Left
-from .parts import InTimePart, Part
-from .promise import AnyEffect, Promise
+from .parts import AnyEffect, InTimePart, Part
+from .promise import Promise
 from .result import TimeIdentification
 from .scatter import Scatter
 from .where import Place, places, worst_first

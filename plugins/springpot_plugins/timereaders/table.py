@@ -371,7 +371,7 @@ def _pair(section: Section) -> tuple[int, int] | None:
         for j in pulled:
             try:
                 stiffness_unit(section.titles[i].unit, section.titles[j].unit)
-            except (DataError, KeyError):
+            except DataError:
                 continue
             pairs.append((section.titles[i].unit not in ("-", "%"), i, j))
     if not pairs:

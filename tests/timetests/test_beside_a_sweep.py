@@ -1,0 +1,134 @@
+"""What is added to a sweep makes an answer better: an effect belongs to the test whose rig has it."""
+
+from __future__ import annotations
+
+import importlib
+import json
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.errors import ModelError
+from springpot.measurement import Measurement, TimeTest
+from springpot.registry import parse_model, plugins
+from springpot.report.fits import climbed_in_time_text
+from springpot.rheology import Effect, Points, chain
+from springpot.rheology.formula import Formula
+from springpot.timetests import diagnose, discover, identify
+
+NOISE = 0.006
+OMEGA = 2.0 * np.pi * np.geomspace(0.1, 30.0, 30)
+TIME = np.geomspace(0.01, 100.0, 60)
+EFFECTS = {"inertia.m": 0.02, "time-delay.tau": 8e-4, "gain-error.g": 0.05, "phase-error.phi": 0.02}
+MATERIALS = {
+    "fractional-maxwell": {"k": 400.0, "c": 60.0, "alpha": 0.5},
+    "zener": {"k1": 400.0, "k2": 300.0, "c": 60.0},
+}
+
+
+def sweep_of(expression, seed):
+    """A sweep of a model, with noise."""
+    model, rng = parse_model(expression), np.random.default_rng(seed)
+    values = MATERIALS[model.base] | EFFECTS
+    exact = model.stiffness(model.vector({name: values[name] for name in model.names}), OMEGA)
+    noise = rng.normal(size=30) + 1j * rng.normal(size=30)
+    return Measurement(OMEGA, exact + NOISE * np.abs(exact) * noise / np.sqrt(2.0), name="sweep.csv")
+
+
+def step_of(expression, kind, seed):
+    """A relaxation or creep test of a model, with noise."""
+    model, rng = parse_model(expression), np.random.default_rng(1000 + seed)
+    values = MATERIALS[model.base] | EFFECTS
+    theta = model.vector({name: values[name] for name in model.names})
+    noise = 1.0 + NOISE * rng.normal(size=60)
+    if kind == "relaxation":
+        return TimeTest.of_relaxation(TIME, model.relaxation(theta, TIME) * noise, name="relax.csv")
+    return TimeTest.of_compliance(TIME, model.creep(theta, TIME) * noise, name="creep.csv")
+
+
+def house(seed):
+    """A sweep on a rig with a mass and a delay, and a relaxation of the same material."""
+    sweep = sweep_of("fractional-maxwell + inertia + time-delay", seed)
+    return [sweep, step_of("fractional-maxwell", "relaxation", seed)]
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_model_with_a_delay_is_fitted_to_a_sweep_and_a_relaxation(seed):
+    fit = identify(house(seed), parse_model("fractional-maxwell + inertia + time-delay"))
+    truth = MATERIALS["fractional-maxwell"] | EFFECTS
+    for name, row in fit.parameters.items():
+        assert row["value"] == pytest.approx(truth[name], rel=0.08)
+    assert max(test.ratio for test in fit.tests) < 2.0
+    assert any(note.startswith("time-delay: of the rig of the sweeps") for note in fit.notes)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_delay_of_the_sweep_is_found_beside_a_relaxation(seed):
+    diagnosis = diagnose(house(seed), parse_model("fractional-maxwell + inertia"))
+    assert diagnosis.verdict == "effect-missing"
+    assert diagnosis.best.effect == "time-delay"
+
+
+@pytest.mark.parametrize("seed", [2, 3])
+def test_a_discovery_from_a_sweep_and_a_relaxation_ends_at_the_truth(seed):
+    ladder = discover(house(seed), "fractional-maxwell")
+    assert [step.accepted for step in ladder.steps] == [None, "inertia", "time-delay"]
+    assert ladder.verdict == "adequate"
+
+
+@pytest.mark.parametrize("effect", ["time-delay", "gain-error", "phase-error"])
+def test_what_a_chain_does_to_a_sweep_is_found_beside_a_creep(effect):
+    tests = [sweep_of(f"zener + {effect}", 1), step_of("zener", "creep", 1)]
+    diagnosis = diagnose(tests, parse_model("zener"))
+    assert diagnosis.verdict == "effect-missing"
+    assert effect in diagnosis.missing
+
+
+@pytest.mark.parametrize("there", ["zener", "zener + inertia"])
+def test_a_mass_is_found_whether_or_not_the_creep_is_of_the_same_rig(there):
+    tests = [sweep_of("zener + inertia", 1), step_of(there, "creep", 1)]
+    some = [plugins().effect(name) for name in ("inertia", "time-delay", "parallel-dashpot")]
+    diagnosis = diagnose(tests, parse_model("zener"), some)
+    assert (diagnosis.verdict, diagnosis.missing) == ("effect-missing", ("inertia",))
+    fit = identify(tests, parse_model("zener + inertia"))
+    assert fit.parameters["inertia.m"]["value"] == pytest.approx(0.02, rel=0.01)
+    assert fit.on_sweeps == (() if "inertia" in there else ("inertia",))
+
+
+def test_the_kept_fit_of_a_sweep_and_a_relaxation_predicts_a_relaxation(tmp_path):
+    fit = identify(house(1), parse_model("fractional-maxwell + inertia + time-delay"))
+    path = tmp_path / "fit.json"
+    path.write_text(json.dumps(fit.to_dict()), encoding="utf-8")
+    again = springpot.load(path)
+    at = np.array([0.5, 2.0])
+    expected = parse_model("fractional-maxwell").relaxation(fit.theta[:3], at)
+    assert np.allclose(again.model.relaxation(again.theta, at), expected)
+
+
+def test_a_fault_in_an_effect_is_no_answer():
+    def faulty(at: Points, tau):
+        raise IndexError("a programming error")
+
+    delay = plugins().effect("time-delay")
+    element = Formula(delay.element.parameters, faulty)
+    effect = Effect("faulty", chain, element, "fails", delay.layer)
+    with pytest.raises(IndexError, match="programming"):
+        diagnose(house(1), parse_model("fractional-maxwell + inertia"), [effect])
+
+
+def test_an_effect_that_cannot_be_gone_on_from_is_told_and_loses_no_rung(monkeypatch):
+    module = importlib.import_module("springpot.timetests.discover")
+    whole = module.diagnose
+
+    def failing(tests, model, effects, base=None):
+        if "time-delay" in str(model):
+            raise ModelError("nothing follows it")
+        return whole(tests, model, effects, base=base)
+
+    monkeypatch.setattr(module, "diagnose", failing)
+    some = [plugins().effect(name) for name in ("inertia", "time-delay")]
+    ladder = discover(house(1), "fractional-maxwell", some)
+    assert [step.accepted for step in ladder.steps] == [None, "inertia"]
+    assert ladder.to_dict()["left_out"] == {"time-delay": "nothing follows it"}
+    assert "left out: time-delay: nothing follows it" in climbed_in_time_text(ladder)
