@@ -1,4 +1,6 @@
-"""Makes the reports that gallery.md shows, in docs/gallery/: run by 'make site', as a user would run them.
+"""Makes the reports that gallery.md shows, in docs/gallery/.
+
+Run by 'make site', as a user would run them.
 
 They are not kept in the repository: a page that is made anew shows what today's springpot says.
 """
@@ -16,11 +18,17 @@ GALLERY = HERE / "gallery"
 RACE = HERE.parent / "results" / "optimiser_comparison" / "report.html"
 MADE = {
     "damper.html": "discover artificial-hidden --model fractional-maxwell --auto --report",
-    "fluid.html": "discover nist-srm2491 --model maxwell-4 --accept wlf-shift --accept vertical-shift --report",
+    "fluid.html": (
+        "discover nist-srm2491 --model maxwell-4 --accept wlf-shift --accept vertical-shift"
+        " --report"
+    ),
     "ladder.svg": "discover artificial-hidden --model fractional-maxwell --auto --figure",
-    "fit.svg": "identify artificial-hidden --model 'fractional-maxwell + inertia + time-delay' --figure",
+    "fit.svg": (
+        "identify artificial-hidden --model 'fractional-maxwell + inertia + time-delay' --figure"
+    ),
     "models.svg": (
-        "compare artificial-hidden --model fractional-maxwell --model 'fractional-maxwell + inertia' --figure"
+        "compare artificial-hidden --model fractional-maxwell --model 'fractional-maxwell +"
+        " inertia' --figure"
     ),
     "mastercurve.svg": "mastercurve nist-srm2491 --reference 20degC --figure",
 }

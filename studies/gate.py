@@ -2,7 +2,8 @@
 
     springpot regression check studies/gate.py
 
-compares with ``results/gate/baseline.json``. After a change that is meant: ``springpot regression update``, commit.
+compares with ``results/gate/baseline.json``. After a change that is meant: ``springpot regression
+update``, commit.
 """
 
 from springpot.benchmark import Study

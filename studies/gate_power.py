@@ -1,10 +1,12 @@
-"""What the accuracy gate sees, and how often it is wrong: drawn samples, judged as ``regression check`` judges them.
+"""What the accuracy gate sees, and how often it is wrong.
+
+Drawn samples, judged as ``regression check`` judges them.
 
     python studies/gate_power.py [--draws 200] [--out results/gate]
 
-Hitting times are lognormal, with a standard deviation of 0.25 of their logarithm; that of a trial that does not
-succeed is infinite. Six cells each time. Every entry has a random stream of its own, named by the row and the trials,
-so that it can be drawn again alone.
+Hitting times are lognormal, with a standard deviation of 0.25 of their logarithm; that of a trial
+that does not succeed is infinite. Six cells each time. Every entry has a random stream of its own,
+named by the row and the trials, so that it can be drawn again alone.
 """
 
 from __future__ import annotations
@@ -85,13 +87,18 @@ def fails(scene: Scene, trials: int, rng: np.random.Generator) -> bool:
     problems = 6 // scene.optimisers
     before, after = {}, {}
     for cell in range(6):
-        key = SEPARATOR.join((f"data-{cell % problems}", "model", "objective", f"optimiser-{cell // problems}"))
+        key = SEPARATOR.join(
+            (f"data-{cell % problems}", "model", "objective", f"optimiser-{cell // problems}")
+        )
         rate, factor = scene.before, 1.0
         if cell < scene.changed:
             rate, factor = scene.after, scene.factor
         before[key] = sample(scene.before, 1.0, trials, rng)
         after[key] = sample(rate, factor, trials, rng)
-    return any(change.worse for change in changes_since(Baseline("", "", {}, {}, before), after, LEVEL, FACTOR))
+    return any(
+        change.worse
+        for change in changes_since(Baseline("", "", {}, {}, before), after, LEVEL, FACTOR)
+    )
 
 
 def share_seen(scene: Scene, trials: int, draws: int) -> Interval:
@@ -111,18 +118,28 @@ def power(draws: int) -> Table:
         rows.append((str(scene), repeats, *shares))
         print(rows[-1][0], *(f"{share.value:.3f}" for share in shares), flush=True)
     note = (
-        f"Share of draws in which `springpot regression check` fails at its level of {LEVEL:g}, with Wilson's 95 % "
-        "interval. Of the rows in which nothing changed it is the rate of false alarms, each time that all samples "
-        f"are drawn anew. Lognormal evaluations to the target, standard deviation of the logarithm {SPREAD:g}."
+        f"Share of draws in which `springpot regression check` fails at its level of {LEVEL:g},"
+        " with Wilson's 95 % interval. Of the rows in which nothing changed it is the rate of"
+        " false alarms, each time that all samples are drawn anew. Lognormal evaluations to the"
+        f" target, standard deviation of the logarithm {SPREAD:g}."
     )
-    return Table("What the gate sees", ("what changed", "draws", *(f"{n} trials" for n in TRIALS)), rows, note)
+    return Table(
+        "What the gate sees",
+        ("what changed", "draws", *(f"{n} trials" for n in TRIALS)),
+        rows,
+        note,
+    )
 
 
 def main() -> int:
     """Draw and write the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--draws", type=int, default=200, help="draws of each entry")
-    parser.add_argument("--out", type=Path, default=Path("results/gate"), help="folder of the table")
+    parser.add_argument(
+        "--out", type=Path, default=Path("results/gate"), help="folder of the table"
+    )
     given = parser.parse_args()
     save_table(power(given.draws), given.out, "power", ("md", "csv"))
     return 0

@@ -1,14 +1,18 @@
-"""The hidden-effect test: thousands of measurements with a known hidden effect go through the diagnosis.
+"""The hidden-effect test.
+
+Thousands of measurements with a known hidden effect go through the diagnosis.
 
     python studies/hidden_effect.py --cases 2000 --workers 2
 
-Answers are appended to ``results/hidden_effect/answers.jsonl`` and a second run resumes; tables and pictures are
-a pure function of that file (``--report-only`` makes them again). ``--auto N`` also runs discovery on every N-th
-case, ``--signals N`` sends N cases through time signals, ``--experiments`` carries out the suggested experiments.
+Answers are appended to ``results/hidden_effect/answers.jsonl`` and a second run resumes; tables and
+pictures are a pure function of that file (``--report-only`` makes them again). ``--auto N`` also
+runs discovery on every N-th case, ``--signals N`` sends N cases through time signals,
+``--experiments`` carries out the suggested experiments.
 
     python studies/hidden_effect.py --strata notch,ripple --cases 100 --seeds 20
 
-runs 100 cases of each of these strata instead, and asks each case again with other seeds of the simulated noise.
+runs 100 cases of each of these strata instead, and asks each case again with other seeds of the
+simulated noise.
 """
 
 from __future__ import annotations
@@ -44,7 +48,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PATIENCE = 300  # seconds until an answer counts as failed
 
 
-# --- the tool under test: the only functions that know springpot --------------------------------------------------
+# --- the tool under test: the only functions that know springpot
 def seen(case: Case | Drawn) -> Any:
     """Return the case as the tool reads it from its file."""
     import springpot
@@ -72,7 +76,9 @@ def verdicts(case: Case | Drawn, seeds: int) -> list[str]:
     import springpot
 
     measurement = seen(case)
-    return [str(springpot.diagnose(measurement, case.model, seed=seed).verdict) for seed in range(seeds)]
+    return [
+        str(springpot.diagnose(measurement, case.model, seed=seed).verdict) for seed in range(seeds)
+    ]
 
 
 def answer_signals(case: SignalCase) -> dict[str, Any]:
@@ -83,10 +89,12 @@ def answer_signals(case: SignalCase) -> dict[str, Any]:
         out = str(Path(folder) / "measurement.csv")
         subprocess.run([*command, "signals", *files, "-o", out], check=True, capture_output=True)
         shown = [*command, "diagnose", out, "--model", case.model, "--json"]
-        return dict(json.loads(subprocess.run(shown, check=True, capture_output=True, text=True).stdout))
+        return dict(
+            json.loads(subprocess.run(shown, check=True, capture_output=True, text=True).stdout)
+        )
 
 
-# --- one case -----------------------------------------------------------------------------------------------------
+# --- one case
 def warm_up() -> None:
     """Import and compile everything once per worker, so that times are those of an answer."""
     signal.signal(signal.SIGALRM, _too_late)
@@ -103,7 +111,10 @@ def _too_late(*_: object) -> None:
 def run_case(
     seed: int, auto: bool, with_rivals: bool, experiments: bool, reference: bool, seeds: int
 ) -> dict[str, Any]:
-    """Draw, diagnose and describe one case; with ``reference`` the oracle answers instead of the tool."""
+    """Draw, diagnose and describe one case.
+
+    With ``reference`` the oracle answers instead of the tool.
+    """
     case = draw_case(seed)
     row = case.summary()
     row |= _timed(lambda: oracle(case) if reference else answer(case), "answer", "seconds")
@@ -113,7 +124,9 @@ def run_case(
         row |= _timed(lambda: ladder(case), "ladder", "ladder_seconds")
     if case.kind == "outside" or (with_rivals and case.kind == "one"):
         row |= {"rivals": rivals(case), "rival_sizes": sizes()}
-        row["unexplained"] = min(case.chi2, *row["rivals"].values()) if case.kind == "outside" else None
+        row["unexplained"] = (
+            min(case.chi2, *row["rivals"].values()) if case.kind == "outside" else None
+        )
     if experiments and row["answer"]:
         row |= _timed(lambda: tie_broken(case, row), "tie_broken", "experiment_seconds")
     if seeds > 1:
@@ -141,7 +154,9 @@ def run_signals(seed: int) -> dict[str, Any]:
 
 
 def tie_broken(case: Case, row: dict[str, Any]) -> bool | None:
-    """Carry out the suggested experiment; None where there is no tie or nothing that can be simulated.
+    """Carry out the suggested experiment.
+
+    None where there is no tie or nothing that can be simulated.
 
     The tie is broken when the truth stays in the first class and that class has become smaller.
     """
@@ -162,7 +177,10 @@ def _timed(call: Callable[[], Any], key: str, clock: str) -> dict[str, Any]:
     signal.setitimer(signal.ITIMER_REAL, PATIENCE)
     try:
         found = call()
-        return {key: slim(found) if isinstance(found, dict) else found, clock: time.perf_counter() - start}
+        return {
+            key: slim(found) if isinstance(found, dict) else found,
+            clock: time.perf_counter() - start,
+        }
     except Exception as fault:
         detail = getattr(fault, "stderr", "") or ""
         return {
@@ -179,13 +197,15 @@ def slim(found: dict[str, Any], most: int = 12) -> dict[str, Any]:
     found = {k: v for k, v in found.items() if k != "where"}
     if "candidates" in found:
         drop = {"says"}
-        found["candidates"] = [{k: v for k, v in c.items() if k not in drop} for c in found["candidates"][:most]]
+        found["candidates"] = [
+            {k: v for k, v in c.items() if k not in drop} for c in found["candidates"][:most]
+        ]
     if isinstance(found.get("diagnosis"), dict):
         found["diagnosis"] = slim(found["diagnosis"], 3)
     return found
 
 
-# --- all cases ----------------------------------------------------------------------------------------------------
+# --- all cases
 def run(asked: argparse.Namespace, path: Path) -> None:
     """Run what is not in the file of answers yet."""
     done = {_key(row) for row in read(path)}
@@ -215,12 +235,16 @@ def _jobs(asked: argparse.Namespace) -> Iterator[Job]:
     """All that is asked for: a key, a function and its arguments."""
     seeds = range(asked.seed, asked.seed + asked.cases)
     for stratum in asked.strata:
-        yield from (((stratum, s), run_stratum, (stratum, s, _walks(asked, s), asked.seeds)) for s in seeds)
+        yield from (
+            ((stratum, s), run_stratum, (stratum, s, _walks(asked, s), asked.seeds)) for s in seeds
+        )
     if asked.strata:
         return
     plain = (not asked.no_rivals, asked.experiments, asked.reference, asked.seeds)
     yield from ((("cases", s), run_case, (s, _walks(asked, s), *plain)) for s in seeds)
-    yield from ((("signals", s), run_signals, (s,)) for s in range(asked.seed, asked.seed + asked.signals))
+    yield from (
+        (("signals", s), run_signals, (s,)) for s in range(asked.seed, asked.seed + asked.signals)
+    )
 
 
 def _walks(asked: argparse.Namespace, seed: int) -> bool:
@@ -243,20 +267,34 @@ def _strata(text: str) -> tuple[str, ...]:
     """The named strata."""
     names = tuple(STRATA) if text == "all" else tuple(text.split(","))
     if unknown := set(names) - set(STRATA):
-        raise argparse.ArgumentTypeError(f"no stratum {', '.join(sorted(unknown))}; there are {', '.join(STRATA)}")
+        raise argparse.ArgumentTypeError(
+            f"no stratum {', '.join(sorted(unknown))}; there are {', '.join(STRATA)}"
+        )
     return names
 
 
 def main() -> None:
     """Run and report."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--cases", type=int, default=2000)
     parser.add_argument("--signals", type=int, default=0, metavar="N", help="cases of time signals")
-    parser.add_argument("--auto", type=int, default=0, metavar="N", help="discovery on every N-th case (1: all)")
-    parser.add_argument("--experiments", action="store_true", help="carry out the suggested experiments")
-    parser.add_argument("--no-rivals", action="store_true", help="skip the ideal rivals of one-effect cases")
-    parser.add_argument("--reference", action="store_true", help="let the generator's own BIC selector answer")
-    parser.add_argument("--seeds", type=int, default=1, metavar="N", help="verdicts of N seeds of simulated noise")
+    parser.add_argument(
+        "--auto", type=int, default=0, metavar="N", help="discovery on every N-th case (1: all)"
+    )
+    parser.add_argument(
+        "--experiments", action="store_true", help="carry out the suggested experiments"
+    )
+    parser.add_argument(
+        "--no-rivals", action="store_true", help="skip the ideal rivals of one-effect cases"
+    )
+    parser.add_argument(
+        "--reference", action="store_true", help="let the generator's own BIC selector answer"
+    )
+    parser.add_argument(
+        "--seeds", type=int, default=1, metavar="N", help="verdicts of N seeds of simulated noise"
+    )
     parser.add_argument(
         "--strata",
         type=_strata,
@@ -280,7 +318,8 @@ def main() -> None:
         if figure.n and figure.goal is not None:
             met = "met   " if figure.met else "MISSED"
             print(
-                f"{met} {figure.design:10} {figure.name:60} {figure.value:.3f} (goal {figure.better} {figure.goal:g})"
+                f"{met} {figure.design:10} {figure.name:60} {figure.value:.3f} (goal"
+                f" {figure.better} {figure.goal:g})"
             )
 
 

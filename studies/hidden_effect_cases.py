@@ -1,7 +1,8 @@
 """Measurements with a hidden physical effect and a known truth, for testing any diagnosis tool.
 
-``draw_case(seed)`` gives a measurement in the frequency domain, ``draw_signal_case(seed)`` records of force and
-displacement. Both are deterministic and know nothing of springpot. Write some of them to a folder:
+``draw_case(seed)`` gives a measurement in the frequency domain, ``draw_signal_case(seed)`` records
+of force and displacement. Both are deterministic and know nothing of springpot. Write some of them
+to a folder:
 
     python studies/hidden_effect_cases.py FOLDER --cases 40 --seed 0
 """

@@ -1,12 +1,15 @@
-"""How often is the missing effect of a test in time found? Cases with a hidden effect, drawn, diagnosed and counted.
+"""How often the missing effect of a test in time is found.
 
-    python studies/hidden_effect_time.py [--cases 2000] [--seed 20261122] [-o results/hidden_effect_time]
+    python studies/hidden_effect_time.py [--cases 2000] [--seed 20261122]
+        [-o results/hidden_effect_time]
 
-Each case is a relaxation, creep, recovery, startup or cyclic test of one of seven materials, computed by numerical
-inversion of Laplace transforms (nothing of springpot is used), with one hidden effect, none, or one that the library
-does not have, and with noise that in a quarter of the cases has a memory. What springpot says is counted against what
-is true.
-Cases are kept as they are done: an interrupted run goes on where it stopped.
+Cases with a hidden effect are drawn, diagnosed and counted.
+
+Each case is a relaxation, creep, recovery, startup or cyclic test of one of seven materials,
+computed by numerical inversion of Laplace transforms (nothing of springpot is used), with one
+hidden effect, none, or one that the library does not have, and with noise that in a quarter of the
+cases has a memory. What springpot says is counted against what is true. Cases are kept as they are
+done: an interrupted run goes on where it stopped.
 """
 
 from __future__ import annotations
@@ -34,7 +37,9 @@ def done_before(path: Path) -> list[Verdict]:
 
 def main() -> None:
     """Draw, diagnose, count."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--cases", type=int, default=2000)
     parser.add_argument("--seed", type=int, default=20261122)
     parser.add_argument("-o", "--output", type=Path, default=Path("results/hidden_effect_time"))

@@ -2,10 +2,11 @@
 
     python studies/master_curves.py [--out results/master_curves]
 
-Four measured sets whose factors are published or known from practice, and one made of a fractional Zener model with
-1 % of noise, whose factors are exact. `mastercurves` superposes one curve at a time, so that it is asked twice, with
-ln K' and with ln K''; it begins at the coldest sweep, as its default bounds of a shift (0.01 to 1 from one sweep to
-the next) ask. A set that is not on this machine is passed over. Needs `pip install springpot[benchmark]`.
+Four measured sets whose factors are published or known from practice, and one made of a fractional
+Zener model with 1 % of noise, whose factors are exact. `mastercurves` superposes one curve at a
+time, so that it is asked twice, with ln K' and with ln K''; it begins at the coldest sweep, as its
+default bounds of a shift (0.01 to 1 from one sweep to the next) ask. A set that is not on this
+machine is passed over. Needs `pip install springpot[benchmark]`.
 """
 
 from __future__ import annotations
@@ -34,10 +35,13 @@ from springpot.superposition import MasterCurve
 ROOT = Path(__file__).resolve().parent.parent
 Z95 = 1.96
 LIFT = (0.5, 2.0)
-"""Bounds of a vertical factor from one sweep to the next for `mastercurves`; its own are those of a shift."""
+"""Bounds of a vertical factor from one sweep to the next for `mastercurves`.
+
+Its own are those of a shift.
+"""
 LN10 = float(np.log(10.0))
 CHAIN = 14.65 / 33.6
-"""Kelvin by which chains of 33.6 kg/mol have a lower glass transition than long ones, after RepTate."""
+"""Kelvin by which chains of 33.6 kg/mol have a lower glass transition than long ones (RepTate)."""
 
 Reals = NDArray[np.float64]
 Law = Callable[[Reals], Reals]
@@ -49,10 +53,11 @@ def nist(celsius: Reals) -> Reals:
 
 
 def reptate(celsius: Reals) -> Reals:
-    """Ln a of RepTate's polyisoprene, log10 a = -C1 (T - T0) / (C2 + T), T in degC, for T0 = -35 degC.
+    """Ln a of RepTate's polyisoprene, T0 = -35 degC: log10 a = -C1 (T - T0) / (C2 + T).
 
-    C1 = 8.772 and C2 = 114.03 degC are those of long chains: C2 counts from 0 degC, so that the constant of Williams,
-    Landel and Ferry at -35 degC is 79.03 K. A vertical factor rho T is part of the convention.
+    T is in degC. C1 = 8.772 and C2 = 114.03 degC are those of long chains: C2 counts from 0 degC,
+    so that the constant of Williams, Landel and Ferry at -35 degC is 79.03 K. A vertical factor rho
+    T is part of the convention.
     """
     return -LN10 * 8.772 * (celsius + 35.0 + CHAIN) / (114.03 + CHAIN + celsius)
 
@@ -71,11 +76,15 @@ def made() -> Measurement:
     celsius, omega = np.linspace(0.0, 80.0, 9), np.geomspace(0.1, 10.0, 13)
     lift = (celsius + 273.15) / (MADE_T + 273.15)
     log_a = made_law(celsius)
-    clean = [b * model.stiffness(theta, omega * np.exp(a)) for a, b in zip(log_a, lift, strict=True)]
+    clean = [
+        b * model.stiffness(theta, omega * np.exp(a)) for a, b in zip(log_a, lift, strict=True)
+    ]
     random = np.random.default_rng(1)
     noise = 1.0 + 0.01 * (random.normal(size=117) + 1j * random.normal(size=117))
     conditions = {"temperature": np.repeat(celsius, 13)}
-    return Measurement(np.tile(omega, 9), np.concatenate(clean) * noise, conditions=conditions, name="made")
+    return Measurement(
+        np.tile(omega, 9), np.concatenate(clean) * noise, conditions=conditions, name="made"
+    )
 
 
 @dataclass(frozen=True)
@@ -104,7 +113,12 @@ SETS = (
     Set("made", made, made_law, "exact"),
     Set("NIST SRM 2491", lambda: springpot.read("nist-srm2491"), nist, "NIST SP 260-147"),
     Set("acrylic tape", lambda: springpot.read("3m-468mp-acrylic-tts")),
-    Set("polyisoprene", lambda: springpot.read("reptate-polyisoprene-osc@molar_mass=33.6"), reptate, "RepTate"),
+    Set(
+        "polyisoprene",
+        lambda: springpot.read("reptate-polyisoprene-osc@molar_mass=33.6"),
+        reptate,
+        "RepTate",
+    ),
     Set("bitumen", lambda: springpot.read("fhwa-ptf-binder-dsr@lane=1")),
 )
 
@@ -120,7 +134,8 @@ class Answer:
     celsius : ndarray, shape (m,)
         Temperatures.
     log_a, reach : ndarray, shape (m,)
-        Ln a with one at the first reference of springpot, and half-widths of 95 % intervals of ln a.
+        Ln a with one at the first reference of springpot, and half-widths of 95 % intervals of ln
+        a.
     seconds : float
         Processor time on one thread: wall time would be that of the machine's other work.
     """
@@ -140,7 +155,10 @@ def ours(curve: MasterCurve, seconds: float) -> Answer:
 
 
 def theirs(curve: MasterCurve, part: str, vertical: bool) -> Answer:
-    """What `mastercurves` says of storage or loss; factors are given between neighbours and multiplied."""
+    """What `mastercurves` says of storage or loss.
+
+    Factors are given between neighbours and multiplied.
+    """
     from mastercurves import MasterCurve as Rival
     from mastercurves.transforms import Multiply
 
@@ -160,9 +178,13 @@ def theirs(curve: MasterCurve, part: str, vertical: bool) -> Answer:
         rival.add_vtransform(Multiply(bounds=LIFT))
     rival.superpose()
     seconds = process_time() - began
-    a, sd = np.asarray(rival.hparams[0], dtype=float), np.asarray(rival.huncertainties[0], dtype=float)
+    a, sd = (
+        np.asarray(rival.hparams[0], dtype=float),
+        np.asarray(rival.huncertainties[0], dtype=float),
+    )
     log_a = np.log(a) - np.log(a[curve.factors.reference])
-    # An uncertainty is that of one sweep beside the one before it; from the reference on they add up.
+    # An uncertainty is that of one sweep beside the one before it; from the reference on they add
+    # up.
     passed = np.cumsum((sd / a) ** 2)
     reach = Z95 * np.sqrt(np.abs(passed - passed[curve.factors.reference]))
     how = f"mastercurves, {part}" + ("" if vertical else ", shift alone")
@@ -181,15 +203,21 @@ def answers(one: Set) -> Iterator[tuple[MasterCurve, Answer]]:
             yield curve, theirs(curve, part, vertical)
 
 
-def off(answer: Answer, law: Law | None, reference: float) -> tuple[float | None, float | None, str | None]:
-    """Root mean square and largest difference from a law in ln a, and how many intervals hold it."""
+def off(
+    answer: Answer, law: Law | None, reference: float
+) -> tuple[float | None, float | None, str | None]:
+    """Rms and largest difference from a law in ln a, and how many intervals hold it."""
     if law is None:
         return None, None, None
     truth = law(answer.celsius) - law(np.array([reference]))
     away = np.abs(answer.log_a - truth)
     free = answer.celsius != reference
     held = int(np.sum((away <= answer.reach)[free]))
-    return float(np.sqrt(np.mean(away[free] ** 2))), float(away[free].max()), f"{held}/{int(free.sum())}"
+    return (
+        float(np.sqrt(np.mean(away[free] ** 2))),
+        float(away[free].max()),
+        f"{held}/{int(free.sum())}",
+    )
 
 
 def run() -> tuple[Table, Table, dict[str, MasterCurve]]:
@@ -211,14 +239,28 @@ def run() -> tuple[Table, Table, dict[str, MasterCurve]]:
             print(*summary[-1], flush=True)
             for t, log_a, width in zip(answer.celsius, answer.log_a, answer.reach, strict=True):
                 ends = (float(np.exp(each)) for each in (log_a, log_a - width, log_a + width))
-                said = None if one.law is None else float(np.exp(one.law(t) - one.law(curve.reference)))
+                said = (
+                    None
+                    if one.law is None
+                    else float(np.exp(one.law(t) - one.law(curve.reference)))
+                )
                 factors.append((one.name, answer.tool, round(float(t), 1), Interval(*ends), said))
-    columns = ("set", "tool", "error", "off (rms)", "off (most)", "held", "half-width", "CPU seconds")
+    columns = (
+        "set",
+        "tool",
+        "error",
+        "off (rms)",
+        "off (most)",
+        "held",
+        "half-width",
+        "CPU seconds",
+    )
     note = (
-        "Error: of the curve relative to |K|, root mean square. Off: difference of ln a from what is published "
-        "(NIST SP 260-147; RepTate with its vertical factor) or, of the made set, exact. Held: how many 95 % "
-        "intervals hold that. Half-width: median of the intervals of ln a; mastercurves gives uncertainties from one "
-        "sweep to the next, which are added up in squares from the reference on."
+        "Error: of the curve relative to |K|, root mean square. Off: difference of ln a from what"
+        " is published (NIST SP 260-147; RepTate with its vertical factor) or, of the made set,"
+        " exact. Held: how many 95 % intervals hold that. Half-width: median of the intervals of ln"
+        " a; mastercurves gives uncertainties from one sweep to the next, which are added up in"
+        " squares from the reference on."
     )
     first = Table("Master curves: two tools side by side", columns, summary, note)
     heads = ("set", "tool", "temperature [degC]", "a with 95 % interval", "published or exact")
@@ -227,7 +269,9 @@ def run() -> tuple[Table, Table, dict[str, MasterCurve]]:
 
 def main() -> None:
     """Run all sets and write tables and figures."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--out", type=Path, default=ROOT / "results" / "master_curves")
     folder = parser.parse_args().out
     use_shared_data()

@@ -2,8 +2,9 @@
 
     springpot run studies/model_error.py
 
-Data of the Kelvin type with four parameters are fitted by the three-parameter Kelvin model, which the paper calls
-unacceptable, and data of both three-parameter models by both four-parameter models, which it calls acceptable.
+Data of the Kelvin type with four parameters are fitted by the three-parameter Kelvin model, which
+the paper calls unacceptable, and data of both three-parameter models by both four-parameter models,
+which it calls acceptable.
 """
 
 from __future__ import annotations
@@ -37,7 +38,10 @@ WITHOUT_BOX = "identify, no box"
 
 
 def dataset(model: str) -> DataSet:
-    """The artificial data, with k-bar left to the data: 1000 kN/m is less than what these models reach."""
+    """The artificial data, with k-bar left to the data.
+
+    1000 kN/m is less than what these models reach.
+    """
     found: DataSet = plugins().find("data set", f"artificial-{model}")
     return replace(found, stiffness_scale=None)
 
@@ -58,22 +62,36 @@ def table(results: Results) -> Table:
         for model in models:
             for who, theta in fits(results, data, model).items():
                 error = relative_rms(model, theta, data) if theta else None
-                verdict = None if error is None else "acceptable" if error <= ACCEPTABLE else "unacceptable"
+                verdict = (
+                    None
+                    if error is None
+                    else "acceptable"
+                    if error <= ACCEPTABLE
+                    else "unacceptable"
+                )
                 says = SAYS.get((source, model))
-                rows.append((MODELS[source], MODELS[model], who, *in_columns(theta), error, verdict, says))
+                rows.append(
+                    (MODELS[source], MODELS[model], who, *in_columns(theta), error, verdict, says)
+                )
     heads = ("k1 [kN/m]", "k2 or k [kN/m]", "c [kN s^alpha/m]", "alpha [-]")
     columns = ("data of", "fitted by", "who", *heads, "relative rms error", "verdict", "paper")
     note = (
-        "Relative rms error: root mean square of |K - K_m| / |K_m| over the 14 frequencies. The paper gives words, "
-        f"not numbers; acceptable here means an error of at most {100 * ACCEPTABLE:g} %, the larger of its noise "
-        "levels. A four-parameter model contains the three-parameter ones as limits (k1 or k2 infinite for Kelvin, "
-        "zero for Maxwell): in a box of stiffnesses the infinite limit is out of reach, without one it is found."
+        "Relative rms error: root mean square of |K - K_m| / |K_m| over the 14 frequencies. The"
+        " paper gives words, not numbers; acceptable here means an error of at most"
+        f" {100 * ACCEPTABLE:g} %, the larger of its noise levels. A four-parameter model contains"
+        " the three-parameter ones as limits (k1 or k2 infinite for Kelvin, zero for Maxwell): in"
+        " a box of stiffnesses the infinite limit is out of reach, without one it is found."
     )
-    return Table("Modelling error: data of one model fitted by another (end of section 5.1)", columns, rows, note)
+    return Table(
+        "Modelling error: data of one model fitted by another (end of section 5.1)",
+        columns,
+        rows,
+        note,
+    )
 
 
 def fits(results: Results, data: Measurement, model: str) -> dict[str, dict[str, float]]:
-    """Parameters by the swarm and the native solver in the paper's box, and by the native solver without a box."""
+    """Parameters by swarm and native solver in the paper's box, and by the latter without a box."""
     found = {}
     for who in ("pso-paper", "native"):
         best = results.best(data.name, model, who)
@@ -84,7 +102,10 @@ def fits(results: Results, data: Measurement, model: str) -> dict[str, dict[str,
 
 def figure(results: Results, folder: Path) -> None:
     """Both moduli: the unacceptable case above, an acceptable one below."""
-    cases = [("fractional-kelvin4", "fractional-kelvin"), ("fractional-kelvin", "fractional-kelvin4")]
+    cases = [
+        ("fractional-kelvin4", "fractional-kelvin"),
+        ("fractional-kelvin", "fractional-kelvin4"),
+    ]
     with sheet(folder, "model_error", 8.6, 6.4) as page:
         panels = page.subplots(2, 2)
         for row, (source, model) in zip(panels, cases, strict=True):

@@ -1,10 +1,13 @@
-"""The paper's own kind of fluid, measured: NIST SRM 2491, a certified polydimethylsiloxane, at six temperatures.
+"""The paper's own kind of fluid, measured.
+
+NIST SRM 2491, a certified polydimethylsiloxane, at six temperatures.
 
     springpot run studies/nist_fluid.py
 
-Every fluid model of the paper is fitted at each temperature, weighted by NIST's standard uncertainties, so that an
-error of 1 sd means a fit as good as the data. Then all temperatures are fitted at once, with and without a shift
-by the WLF equation, whose constants are set beside NIST's: C1 = 6.64 (natural logarithm), C2 = 299.4 K at 25 degC.
+Every fluid model of the paper is fitted at each temperature, weighted by NIST's standard
+uncertainties, so that an error of 1 sd means a fit as good as the data. Then all temperatures are
+fitted at once, with and without a shift by the WLF equation, whose constants are set beside NIST's:
+C1 = 6.64 (natural logarithm), C2 = 299.4 K at 25 degC.
 """
 
 from __future__ import annotations
@@ -30,7 +33,12 @@ TEMPERATURES = (0, 10, 20, 30, 40, 50)
 MODELS = FLUIDS | {"oldroyd-b": "Oldroyd-B, eq. (28)"}
 SHIFTED = ("fractional-maxwell", "fractional-maxwell-ab", "maxwell-5")
 YARDSTICK = "maxwell-5"
-NESTED = {"fractional-maxwell": 9.0, "fractional-kelvin4": 6.0, "fractional-zener": 3.5, "oldroyd-b": 1.0}
+NESTED = {
+    "fractional-maxwell": 9.0,
+    "fractional-kelvin4": 6.0,
+    "fractional-zener": 3.5,
+    "oldroyd-b": 1.0,
+}
 """Widths of lines that lie on each other."""
 NIST_C1, NIST_C2, NIST_T = 6.64, 299.4, 25.0
 
@@ -58,7 +66,9 @@ def finish(path: Path, folder: Path) -> None:
         best = fitted("fractional-maxwell-ab + wlf-shift + vertical-shift")
         for suffix in ("png", "svg"):
             data = open_measurement(ALL)
-            figure_identification(data, [Fit(best.model, best.theta)], folder / f"all_temperatures.{suffix}")
+            figure_identification(
+                data, [Fit(best.model, best.theta)], folder / f"all_temperatures.{suffix}"
+            )
 
 
 def isothermal(results: Results) -> Table:
@@ -71,14 +81,16 @@ def isothermal(results: Results) -> Table:
                 best = results.best(at(temperature), model, who)
                 if best:
                     errors = sd_rms(model, best.theta, data), relative_rms(model, best.theta, data)
-                    rows.append((temperature, title, who, *in_fluid_columns(model, best.theta), *errors))
+                    rows.append(
+                        (temperature, title, who, *in_fluid_columns(model, best.theta), *errors)
+                    )
     values = ("E or E1 [Pa]", "eta or eta2 [Pa s^alpha]", "E2 [Pa]", "alpha [-]")
     note = (
-        "16 frequencies from 0.1 to 100 rad/s at each temperature. Error in sd: root mean square of the "
-        "differences of E' and E'' over NIST's standard uncertainties; 1 or less is as good as the data. "
-        "Relative rms error: that of |E - E_m| / |E_m|. Best of three runs. A zero is printed as the lower "
-        "end of the search box. Oldroyd-B is the Zener model in other parameters. Of the model with two "
-        "orders E, E tau^beta and beta are given."
+        "16 frequencies from 0.1 to 100 rad/s at each temperature. Error in sd: root mean square of"
+        " the differences of E' and E'' over NIST's standard uncertainties; 1 or less is as good as"
+        " the data. Relative rms error: that of |E - E_m| / |E_m|. Best of three runs. A zero is"
+        " printed as the lower end of the search box. Oldroyd-B is the Zener model in other"
+        " parameters. Of the model with two orders E, E tau^beta and beta are given."
     )
     columns = ("temperature [degC]", "model", "who", *values, "error in sd", "relative rms error")
     return Table("NIST SRM 2491: models of the paper at each temperature", columns, rows, note)
@@ -103,18 +115,28 @@ def together() -> Table:
             power = theta.get("vertical-shift.n")
             rows.append((base + shift, len(theta), *errors, *constants(found), power))
     rows.append(("NIST", None, None, None, NIST_C1, NIST_C2, None))
-    columns = ("model", "parameters", "error in sd", "relative rms error", "C1 (ln, 25 degC)", "C2 at 25 degC [K]")
-    note = (
-        "96 points, weighted by NIST's standard uncertainties. WLF: ln a_T = -C1 (T - 25) / (C2 + T - 25); "
-        "constants with 95 % intervals from the Jacobian, which hold only where the error is near 1 sd. n: "
-        f"power of the absolute temperature by which all moduli rise. {YARDSTICK}, five classical Maxwell "
-        "elements, is no model of the paper but shows how good a fit of these data can be."
+    columns = (
+        "model",
+        "parameters",
+        "error in sd",
+        "relative rms error",
+        "C1 (ln, 25 degC)",
+        "C2 at 25 degC [K]",
     )
-    return Table("NIST SRM 2491: all temperatures at once", (*columns, "vertical shift n"), rows, note)
+    note = (
+        "96 points, weighted by NIST's standard uncertainties. WLF: ln a_T = -C1 (T - 25) / (C2 +"
+        " T - 25); constants with 95 % intervals from the Jacobian, which hold only where the"
+        " error is near 1 sd. n: power of the absolute temperature by which all moduli rise."
+        f" {YARDSTICK}, five classical Maxwell elements, is no model of the paper but shows how"
+        " good a fit of these data can be."
+    )
+    return Table(
+        "NIST SRM 2491: all temperatures at once", (*columns, "vertical shift n"), rows, note
+    )
 
 
 def constants(found: Identification) -> tuple[Interval | None, Interval | None]:
-    """C1 for the natural logarithm and C2, moved from the fit's reference temperature to 25 degC."""
+    """C1 for the natural logarithm and C2, moved from the fit's reference to 25 degC."""
     names = found.model.names
     if "wlf-shift.C1" not in names:
         return None, None
@@ -122,7 +144,9 @@ def constants(found: Identification) -> tuple[Interval | None, Interval | None]:
     c2 = found.theta[j]
     moved = NIST_T - (found.measurement.reference_temperature - 273.15)
     factor = np.log(10.0) * c2 / (c2 + moved)
-    one, two = ([float(column[k]) for column in (found.theta, found.low, found.high)] for k in (i, j))
+    one, two = (
+        [float(column[k]) for column in (found.theta, found.low, found.high)] for k in (i, j)
+    )
     return Interval(*(factor * value for value in one)), Interval(*(value + moved for value in two))
 
 
@@ -141,8 +165,14 @@ def wlf(c1: float, c2: float, temperature: float) -> float:
 
 def shifts() -> Table:
     """Shift factors themselves: C1 and C2 of good fits may differ widely where a_T does not."""
-    models = [base + shift for base in SHIFTED for shift in (" + wlf-shift", " + wlf-shift + vertical-shift")]
-    rows: list[tuple[Entry, ...]] = [("NIST", *(float(np.exp(wlf(NIST_C1, NIST_C2, t))) for t in TEMPERATURES))]
+    models = [
+        base + shift
+        for base in SHIFTED
+        for shift in (" + wlf-shift", " + wlf-shift + vertical-shift")
+    ]
+    rows: list[tuple[Entry, ...]] = [
+        ("NIST", *(float(np.exp(wlf(NIST_C1, NIST_C2, t))) for t in TEMPERATURES))
+    ]
     rows += [(m, *(float(np.exp(log_shift(fitted(m), t))) for t in TEMPERATURES)) for m in models]
     columns = ("model", *(f"{t} degC" for t in TEMPERATURES))
     note = "a_T by which frequencies are multiplied, counted from 25 degC, where it is 1."
@@ -156,7 +186,14 @@ def draw_errors(results: Results, folder: Path) -> None:
         for i, (model, title) in enumerate(MODELS.items()):
             found = [error_at(results, model, t) for t in TEMPERATURES]
             width = NESTED.get(model, 1.6)
-            axes.plot(TEMPERATURES, found, color=COLOURS[i], marker=MARKERS[i], label=title, linewidth=width)
+            axes.plot(
+                TEMPERATURES,
+                found,
+                color=COLOURS[i],
+                marker=MARKERS[i],
+                label=title,
+                linewidth=width,
+            )
         axes.axhline(1.0, color=INK, linewidth=1.0, linestyle=":", label="as good as the data")
         logarithmic(axes, "y")
         axes.set(xlabel="temperature [°C]", ylabel="rms error in standard uncertainties")
@@ -176,10 +213,14 @@ def draw_parameters(results: Results, folder: Path) -> None:
         "fractional-maxwell-ab": (("k", "E [Pa]"), ("tau", "τ [s]"), ("ratio", "α/β [-]")),
     }
     with sheet(folder, "parameters", 9.6, 5.4) as page:
-        for panels, (model, names) in zip(page.subplots(2, 3, sharex=True), shown.items(), strict=True):
+        for panels, (model, names) in zip(
+            page.subplots(2, 3, sharex=True), shown.items(), strict=True
+        ):
             trials = {t: best.theta for t in TEMPERATURES if (best := results.best(at(t), model))}
             for axes, (name, label) in zip(panels, names, strict=True):
-                axes.plot(list(trials), [theta[name] for theta in trials.values()], "o-", color=COLOURS[0])
+                axes.plot(
+                    list(trials), [theta[name] for theta in trials.values()], "o-", color=COLOURS[0]
+                )
                 axes.set(ylabel=label)
                 axes.margins(y=0.15)
             panels[0].set_title(f"{MODELS[model]}")
@@ -200,7 +241,9 @@ def draw_shifts(folder: Path) -> None:
                 axes.plot(fine, gap, line, color=COLOURS[i], label=label)
         axes.axhline(0.0, color=INK, linewidth=1.0)
         axes.set(xlabel="temperature [°C]", ylabel="a$_T$ relative to NIST's [%]")
-        legend_above(page, axes, "NIST SRM 2491: shift factors against those that NIST states", columns=2)
+        legend_above(
+            page, axes, "NIST SRM 2491: shift factors against those that NIST states", columns=2
+        )
 
 
 study = Study(

@@ -1,11 +1,14 @@
-"""All optimisers on all models: artificial data without noise, with 1 % and 2 %, and two measured fluids.
+"""All optimisers on all models.
+
+Artificial data without noise, with 1 % and 2 %, and two measured fluids.
 
     springpot run studies/optimiser_comparison.py [--repeats 50] [--budget 8000] [--workers 2]
 
-Every trial gets the same budget, the same problem in the paper's search form and box, and for each repetition the
-same random stream whatever the optimiser. A trial ends when it has reached the target (see the note of the summary)
-or spent its budget. The second measured fluid needs the package rheopy-rheodata; without it, a set from
-SPRINGPOT_DATA is taken, or none, and the ranking says so.
+Every trial gets the same budget, the same problem in the paper's search form and box, and for each
+repetition the same random stream whatever the optimiser. A trial ends when it has reached the
+target (see the note of the summary) or spent its budget. The second measured fluid needs the
+package rheopy-rheodata; without it, a set from SPRINGPOT_DATA is taken, or none, and the ranking
+says so.
 """
 
 from __future__ import annotations
@@ -28,7 +31,9 @@ NIST = "nist-srm2491@temperature=20"
 OTHERS = ("rheodata-linear-polymer-frequency-sweep", "mitmaps-saos")
 SECOND = [name for name in OTHERS if available(name)][:1]
 CLASSES = {"exact": "", "1 % noise": "-noise1", "2 % noise": "-noise2"}
-ARTIFICIAL = {f"artificial-{model}{suffix}": label for label, suffix in CLASSES.items() for model in MODELS}
+ARTIFICIAL = {
+    f"artificial-{model}{suffix}": label for label, suffix in CLASSES.items() for model in MODELS
+}
 LABELS = ARTIFICIAL | {NIST: "NIST fluid"} | dict.fromkeys(SECOND, "polymer in water")
 """Class of every data set."""
 
@@ -74,8 +79,11 @@ def trials_of(path: Path) -> dict[str, list[Finish]]:
             problem = cells[number].problem
             goal = target_value(bests.get(problem.id, np.inf), problem.reference, target)
             kept = race.setdefault(cells[number].label, [])
-            # Of those flown together some were run alone as well: an evaluation of the others costs as much.
-            each = median(np.array([row.processor / row.evaluations for row in rows if row.processor]))
+            # Of those flown together some were run alone as well: an evaluation of the others costs
+            # as much.
+            each = median(
+                np.array([row.processor / row.evaluations for row in rows if row.processor])
+            )
             for row in rows:
                 reached = row.best is not None and row.best <= goal
                 hit = hitting_time(*row.improvements(), goal) if reached else np.inf
@@ -91,9 +99,14 @@ def success(trials: Sequence[Finish], label: str | None = None) -> tuple[int, in
 
 
 def order(race: dict[str, list[Finish]]) -> list[str]:
-    """Optimisers by success, then by evaluations: those that reach the target most often and soonest first."""
+    """Optimisers by success, then by evaluations.
+
+    Those that reach the target most often and soonest first.
+    """
     cost = {name: sum(min(trial.hit, 1e9) for trial in trials) for name, trials in race.items()}
-    return sorted(race, key=lambda name: (-success(race[name])[0] / max(len(race[name]), 1), cost[name], name))
+    return sorted(
+        race, key=lambda name: (-success(race[name])[0] / max(len(race[name]), 1), cost[name], name)
+    )
 
 
 def classes() -> list[str]:
@@ -102,7 +115,7 @@ def classes() -> list[str]:
 
 
 def ranking(race: dict[str, list[Finish]]) -> Table:
-    """Success rate of every optimiser, over all and by class of data, and evaluations to the target."""
+    """Success rate of every optimiser, in all and by class of data, and evaluations to target."""
     rows: list[tuple[Entry, ...]] = []
     for name in order(race):
         trials = race[name]
@@ -110,13 +123,16 @@ def ranking(race: dict[str, list[Finish]]) -> Table:
         hits = np.array([trial.hit for trial in trials])
         rows.append((name, len(trials), wilson(*success(trials)), *rates, median(hits)))
     note = (
-        "Share of trials that reached the target, over all five models, with Wilson's 95 % interval; median of the "
-        "evaluations to the target, infinite if fewer than half of the trials reached it. The cells are in the "
-        "summary, times in timing_by_optimiser. DIRECT knows no chance: one run of it stands for its repetitions, "
-        "and its intervals say nothing."
+        "Share of trials that reached the target, over all five models, with Wilson's 95 %"
+        " interval; median of the evaluations to the target, infinite if fewer than half of the"
+        " trials reached it. The cells are in the summary, times in timing_by_optimiser. DIRECT"
+        " knows no chance: one run of it stands for its repetitions, and its intervals say nothing."
     )
     if not SECOND:
-        note += " The second measured fluid is not installed here and was left out: pip install springpot[data]."
+        note += (
+            " The second measured fluid is not installed here and was left out: pip install"
+            " springpot[data]."
+        )
     columns = ("optimiser", "trials", "all", *classes(), "evaluations to target")
     return Table("Optimisers by success", columns, rows, note)
 
@@ -127,11 +143,14 @@ def times(race: dict[str, list[Finish]]) -> Table:
     for name in order(race):
         seconds = np.array([trial.seconds for trial in race[name]])
         count = success(race[name])[0]
-        rows.append((name, median(1e3 * seconds), 1e3 * float(seconds.sum()) / count if count else np.inf))
+        rows.append(
+            (name, median(1e3 * seconds), 1e3 * float(seconds.sum()) / count if count else np.inf)
+        )
     columns = ("optimiser", "median time of a trial [ms]", "expected time to target [ms]")
     note = (
-        "Processor time of the optimiser itself, of one trial run alone, until the target or the end of the budget. "
-        "Expected: all time spent over the number of successes. No two runs give the same."
+        "Processor time of the optimiser itself, of one trial run alone, until the target or the"
+        " end of the budget. Expected: all time spent over the number of successes. No two runs"
+        " give the same."
     )
     return Table("Optimisers: time", columns, rows, note)
 
@@ -146,7 +165,9 @@ def draw_success(race: dict[str, list[Finish]], folder: Path) -> None:
         axes.imshow(rates, cmap="Blues", vmin=0, vmax=130, aspect="auto")
         for i, j in np.ndindex(rates.shape):
             colour = "white" if rates[i, j] > 75 else INK
-            axes.text(j, i, f"{rates[i, j]:.0f}", ha="center", va="center", color=colour, fontsize=9)
+            axes.text(
+                j, i, f"{rates[i, j]:.0f}", ha="center", va="center", color=colour, fontsize=9
+            )
         axes.set(xticks=range(len(classes())), yticks=range(len(names)))
         axes.set_xticklabels(classes())
         axes.set_yticklabels(names)
@@ -162,9 +183,13 @@ def draw_progress(race: dict[str, list[Finish]], folder: Path) -> None:
         for i, name in enumerate(order(race)):
             hits = np.array([trial.hit for trial in race[name]])
             line = ("-", "--", ":")[i // len(COLOURS)]
-            axes.plot(grid, 100.0 * ecdf(hits, grid), line, color=COLOURS[i % len(COLOURS)], label=name)
+            axes.plot(
+                grid, 100.0 * ecdf(hits, grid), line, color=COLOURS[i % len(COLOURS)], label=name
+            )
         logarithmic(axes, "x")
-        axes.set(xlabel="evaluations", ylabel="trials at the target [%]", xlim=(1, 1e4), ylim=(0, 102))
+        axes.set(
+            xlabel="evaluations", ylabel="trials at the target [%]", xlim=(1, 1e4), ylim=(0, 102)
+        )
         legend_above(page, axes, "Progress over all problems", columns=5)
 
 

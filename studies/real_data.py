@@ -2,10 +2,11 @@
 
     python studies/real_data.py [NAME ...] [--out results/real_data]
 
-Each set goes through `discover` from one or more models, and once without naming one. The answers are kept in
-``answers/NAME.json`` and ``answers/without_model/NAME.json``; the tables are a pure function of these files, so that
-single sets can be run again. A set that is not on this machine is passed over with a line that says so; its old
-answers stay. Data are found through ``SPRINGPOT_DATA`` or beside the checkout.
+Each set goes through `discover` from one or more models, and once without naming one. The answers
+are kept in ``answers/NAME.json`` and ``answers/without_model/NAME.json``; the tables are a pure
+function of these files, so that single sets can be run again. A set that is not on this machine is
+passed over with a line that says so; its old answers stay. Data are found through
+``SPRINGPOT_DATA`` or beside the checkout.
 """
 
 from __future__ import annotations
@@ -77,10 +78,16 @@ def report(folder: Path) -> None:
 def main(arguments: list[str] | None = None) -> None:
     """Run the sets that are asked for, all by default, and report."""
     known = {one.name: one for one in SETS}
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(known)}; all by default")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "names", nargs="*", metavar="NAME", help=f"of {', '.join(known)}; all by default"
+    )
     parser.add_argument("--out", type=Path, default=ROOT / "results" / "real_data")
-    parser.add_argument("--only-without-model", action="store_true", help="ask no model of the set's own")
+    parser.add_argument(
+        "--only-without-model", action="store_true", help="ask no model of the set's own"
+    )
     parser.add_argument("--report-only", action="store_true", help="only write the tables again")
     asked = parser.parse_args(arguments)
     if unknown := set(asked.names) - set(known):

@@ -1,12 +1,14 @@
-"""What a missing effect does to a building: drifts foretold with dampers that were identified rightly and wrongly.
+"""What a missing effect does to a building.
+
+Drifts foretold with dampers that were identified rightly and wrongly.
 
     python studies/structure_drift.py [--records 20] [-o results/structure_drift]
 
-A damper (fractional Maxwell, k = 400 kN/m, c = 60 kN s^alpha/m, alpha = 0.55) is tested from 1 to 48 Hz on a rig
-whose clamp moves with it (0.6 kg), with 0.5 % noise: all of it artificial. It is identified with the clamp's
-inertia and without, and by classical models. Braces of 60 such dampers then stand in each storey of a frame of
-three, under artificial ground motions of 3 m/s^2; the clamp stays in the laboratory. What each identification
-foretells is set beside what the true damper does.
+A damper (fractional Maxwell, k = 400 kN/m, c = 60 kN s^alpha/m, alpha = 0.55) is tested from 1 to
+48 Hz on a rig whose clamp moves with it (0.6 kg), with 0.5 % noise: all of it artificial. It is
+identified with the clamp's inertia and without, and by classical models. Braces of 60 such dampers
+then stand in each storey of a frame of three, under artificial ground motions of 3 m/s^2; the clamp
+stays in the laboratory. What each identification foretells is set beside what the true damper does.
 """
 
 from __future__ import annotations
@@ -31,11 +33,23 @@ TRUE = {"k": 400.0, "c": 60.0, "alpha": 0.55}
 CLAMP = 0.6e-3
 """Of the rig, in t: with forces in kN and ways in m."""
 NOISE = 0.005
-MODELS = ("fractional-maxwell + inertia", "fractional-maxwell", "fractional-kelvin", "maxwell", "kelvin")
+MODELS = (
+    "fractional-maxwell + inertia",
+    "fractional-maxwell",
+    "fractional-kelvin",
+    "maxwell",
+    "kelvin",
+)
 KILO = 1e3
 """kN/m in N/m."""
 COUNT = 60.0
-HEADERS = ("identified as", "error of the fit %", "damping of the first mode %", "drift off by %", "worst record %")
+HEADERS = (
+    "identified as",
+    "error of the fit %",
+    "damping of the first mode %",
+    "drift off by %",
+    "worst record %",
+)
 
 
 @dataclass(frozen=True)
@@ -96,7 +110,12 @@ def cells(row: Row) -> list[str]:
     """As they are printed."""
     worst = row.off[np.argmax(np.abs(row.off))]
     values = (100 * row.misfit, 100 * row.damping)
-    return [row.name, *(f"{value:.3g}" for value in values), f"{100 * row.off.mean():+.2g}", f"{100 * worst:+.2g}"]
+    return [
+        row.name,
+        *(f"{value:.3g}" for value in values),
+        f"{100 * row.off.mean():+.2g}",
+        f"{100 * worst:+.2g}",
+    ]
 
 
 def markdown(found: Sequence[Row], records: int) -> str:
@@ -104,10 +123,10 @@ def markdown(found: Sequence[Row], records: int) -> str:
     lines = [HEADERS, ["---"] * len(HEADERS), *(cells(row) for row in found)]
     table = "\n".join("| " + " | ".join(line) + " |" for line in lines)
     return (
-        "# What a missing effect does to a building\n\n"
-        "Written by `python studies/structure_drift.py`, whose text says what was done. Largest drift of a frame of "
-        f"three storeys, against the one with the true damper; mean and worst of {records} artificial ground "
-        f"motions.\n\n{table}\n"
+        "# What a missing effect does to a building\n\nWritten by `python"
+        " studies/structure_drift.py`, whose text says what was done. Largest drift of a frame of"
+        f" three storeys, against the one with the true damper; mean and worst of {records}"
+        f" artificial ground motions.\n\n{table}\n"
     )
 
 
@@ -121,14 +140,18 @@ def draw(found: Sequence[Row], path: Path) -> None:
             axes.plot(100 * row.off, np.full(len(row.off), place), "|", ms=12, color=COLOURS[place])
         axes.axvline(0.0, color=QUIET)
         axes.set(xlabel="peak drift foretold, less the true one [%]", yticks=range(len(found) - 1))
-        axes.set_yticklabels([f"{row.name}\n(fit {100 * row.misfit:.2g} % off)" for row in found[1:]])
+        axes.set_yticklabels(
+            [f"{row.name}\n(fit {100 * row.misfit:.2g} % off)" for row in found[1:]]
+        )
         axes.invert_yaxis()
         save(figure, path)
 
 
 def main() -> None:
     """Run it."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--records", type=int, default=20)
     parser.add_argument("-o", "--output", type=Path, default=Path("results/structure_drift"))
     given = parser.parse_args()

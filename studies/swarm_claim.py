@@ -1,11 +1,12 @@
-"""How the paper's swarm ranks at 500, 2,000, 8,000 and 40,000 evaluations, on exact and on noisy data.
+"""How the paper's swarm ranks at 500, 2,000, 8,000 and 40,000 evaluations, on exact and noisy data.
 
     springpot run studies/swarm_claim.py [--repeats 10] [--workers 2]
 
-Every optimiser runs once with 40,000 evaluations; what it had found by 500, 2,000 and 8,000 is read off its trace.
-Only the swarm plans its whole budget, by the fall of its inertia: for the two smallest budgets it races with a
-schedule of that length. At 8,000 it is the paper's swarm, at 40,000 the paper's group of five, one after another. All
-trials end at the target, beyond which nothing counts.
+Every optimiser runs once with 40,000 evaluations; what it had found by 500, 2,000 and 8,000 is read
+off its trace. Only the swarm plans its whole budget, by the fall of its inertia: for the two
+smallest budgets it races with a schedule of that length. At 8,000 it is the paper's swarm, at
+40,000 the paper's group of five, one after another. All trials end at the target, beyond which
+nothing counts.
 """
 
 from __future__ import annotations
@@ -29,11 +30,19 @@ SHORT = {500: f"{SWARM}-500", 2000: f"{SWARM}-2000"}
 
 CLASSES = {"exact": ("",), "noisy": ("-noise1", "-noise2")}
 RIVALS = (
-    "native", "least-squares", "cma-es", "differential-evolution", "dual-annealing", "nlopt-crs", "nlopt-isres",
-    "nlopt-esch", "nlopt-direct-l", "nlopt-mlsl", "nlopt-sbplx", "nlopt-bobyqa", "nlopt-nelder-mead", "nlopt-lbfgs",
-    "random-search",
-)  # fmt: skip
-SHOWN = ("native", "least-squares", "cma-es", "differential-evolution", "nlopt-crs", "nlopt-mlsl", SWARM)
+    *("native", "least-squares", "cma-es", "differential-evolution", "dual-annealing"),
+    *("nlopt-crs", "nlopt-isres", "nlopt-esch", "nlopt-direct-l", "nlopt-mlsl"),
+    *("nlopt-sbplx", "nlopt-bobyqa", "nlopt-nelder-mead", "nlopt-lbfgs", "random-search"),
+)
+SHOWN = (
+    "native",
+    "least-squares",
+    "cma-es",
+    "differential-evolution",
+    "nlopt-crs",
+    "nlopt-mlsl",
+    SWARM,
+)
 """Optimisers that the figure names."""
 
 
@@ -46,7 +55,11 @@ def finish(path: Path, folder: Path) -> None:
     """Write the ranks, one table for reading and one with all the numbers."""
     with Store(path) as store:
         findings = Findings.of(store)
-    found = {(name, k): ranking(findings, name, k) for name in CLASSES for k in range(len(findings.scale.marks))}
+    found = {
+        (name, k): ranking(findings, name, k)
+        for name in CLASSES
+        for k in range(len(findings.scale.marks))
+    }
     save_table(overview(findings, found), folder, "swarm_overview")
     save_table(details(findings, found), folder, "swarm_ranks")
     if can_draw(folder):
@@ -83,15 +96,17 @@ def overview(findings: Findings, found: dict[tuple[str, int], Ranking]) -> Table
     marks = findings.scale.marks
     rows: list[tuple[Entry, ...]] = []
     for label in (SWARM, *RIVALS):
-        cells = [_place(findings, found[name, k], label) for name in CLASSES for k in range(len(marks))]
+        cells = [
+            _place(findings, found[name, k], label) for name in CLASSES for k in range(len(marks))
+        ]
         rows.append((label, *cells))
     rows.sort(key=lambda row: np.mean([float(str(cell).split(".")[0]) for cell in row[1:]]))
     columns = ("optimiser", *(f"{name}, {mark}" for name in CLASSES for mark in marks))
     note = (
-        f"Place of {len(RIVALS) + 1} by mean rank of what was reached, and the share of trials that reached the "
-        f"target (excess {findings.scale.target:g}); an asterisk: told from {SWARM} by Wilcoxon's test over "
-        f"problems, adjusted by Holm{_doubts(found)}. Exact: 5 models; noisy: the same with 1 % and with 2 % noise "
-        "of eq. (53)."
+        f"Place of {len(RIVALS) + 1} by mean rank of what was reached, and the share of trials that"
+        f" reached the target (excess {findings.scale.target:g}); an asterisk: told from {SWARM} by"
+        f" Wilcoxon's test over problems, adjusted by Holm{_doubts(found)}. Exact: 5 models; noisy:"
+        " the same with 1 % and with 2 % noise of eq. (53)."
     )
     return Table("The paper's swarm among others", columns, rows, note)
 
@@ -119,18 +134,32 @@ def details(findings: Findings, found: dict[tuple[str, int], Ranking]) -> Table:
         swarm = ranked.labels.index(swarm_at(ranked.budget))
         for i in np.argsort(ranked.means, kind="stable"):
             label = ranked.labels[i]
-            against = (None, None) if i == swarm else (float(ranked.chances[swarm, i]), float(ranked.p[swarm, i]))
+            against = (
+                (None, None)
+                if i == swarm
+                else (float(ranked.chances[swarm, i]), float(ranked.p[swarm, i]))
+            )
             rate = success(findings, name, label, ranked.budget)
             rows.append(
-                (name, ranked.budget, label, rate, ranked.ranks[i], *against, f"{ranked.blocks} {ranked.unit}")
+                (
+                    name,
+                    ranked.budget,
+                    label,
+                    rate,
+                    ranked.ranks[i],
+                    *against,
+                    f"{ranked.blocks} {ranked.unit}",
+                )
             )
     columns = (
-        "data", "budget", "optimiser", "success", "mean rank", "swarm ends below", "p (Wilcoxon, Holm)", "blocks",
-    )  # fmt: skip
+        *("data", "budget", "optimiser", "success", "mean rank"),
+        *("swarm ends below", "p (Wilcoxon, Holm)", "blocks"),
+    )
     note = (
-        "Success with Wilson's 95 % interval; mean rank with a bootstrap 95 % interval over problems, or their range "
-        f"where they are too few{_doubts(found)}. Swarm ends below: chance that a trial of the swarm is better than "
-        "one of this optimiser on the same problem at that budget, ties by half (A12)."
+        "Success with Wilson's 95 % interval; mean rank with a bootstrap 95 % interval over"
+        f" problems, or their range where they are too few{_doubts(found)}. Swarm ends below:"
+        " chance that a trial of the swarm is better than one of this optimiser on the same"
+        " problem at that budget, ties by half (A12)."
     )
     return Table("The paper's swarm: ranks", columns, rows, note)
 
@@ -147,7 +176,11 @@ def draw_ranks(findings: Findings, found: dict[tuple[str, int], Ranking], folder
                     style = {"color": COLOURS[SHOWN.index(label)], "marker": "o", "label": label}
                 else:
                     style = {"color": "0.8", "zorder": 1}
-                axes.plot(marks, means, **(style | {"color": INK, "linewidth": 2.6} if label == SWARM else style))
+                axes.plot(
+                    marks,
+                    means,
+                    **(style | {"color": INK, "linewidth": 2.6} if label == SWARM else style),
+                )
             logarithmic(axes, "x")
             axes.set(xlabel="evaluations", title=name)
         panels[0].set(ylabel="mean rank (1: best)")
@@ -156,13 +189,18 @@ def draw_ranks(findings: Findings, found: dict[tuple[str, int], Ranking], folder
 
 
 def _mean_rank(ranked: Ranking, label: str) -> float:
-    return float(ranked.means[ranked.labels.index(swarm_at(ranked.budget) if label == SWARM else label)])
+    return float(
+        ranked.means[ranked.labels.index(swarm_at(ranked.budget) if label == SWARM else label)]
+    )
 
 
 study = Study(
     "swarm_claim",
     datasets=[
-        f"artificial-{model}{suffix}" for suffixes in CLASSES.values() for suffix in suffixes for model in MODELS
+        f"artificial-{model}{suffix}"
+        for suffixes in CLASSES.values()
+        for suffix in suffixes
+        for model in MODELS
     ],
     models=["own"],
     objectives=["paper"],

@@ -2,9 +2,9 @@
 
     springpot run studies/table1.py
 
-The paper applies its swarm 5 times to each model and prints the result. One such group says little about a random
-search, so the swarm runs 100 times here: the first five are set beside the paper's row, all twenty groups of five
-show what five runs can be expected to give.
+The paper applies its swarm 5 times to each model and prints the result. One such group says little
+about a random search, so the swarm runs 100 times here: the first five are set beside the paper's
+row, all twenty groups of five show what five runs can be expected to give.
 """
 
 from __future__ import annotations
@@ -49,15 +49,30 @@ def table(results: Results, groups: dict[str, list[Trial]]) -> Table:
         if model in TABLE_1:
             rows.append((name, "paper", *numbers(model, TABLE_1[model]), None))
         first = groups[model][0].theta if groups[model] else {}
-        rows.append((name, f"{SWARM}, best of {GROUP}", *numbers(model, first), as_good(model, groups[model])))
+        rows.append(
+            (
+                name,
+                f"{SWARM}, best of {GROUP}",
+                *numbers(model, first),
+                as_good(model, groups[model]),
+            )
+        )
         native = results.of_cell(f"artificial-{model}", model, NATIVE)
-        rows.append((name, NATIVE, *numbers(model, native[0].theta if native else {}), as_good(model, native)))
+        rows.append(
+            (
+                name,
+                NATIVE,
+                *numbers(model, native[0].theta if native else {}),
+                as_good(model, native),
+            )
+        )
     values = ("k1 [kN/m]", "k2 or k [kN/m]", "c [kN s^alpha/m]", "alpha [-]")
     heads = ("model", "who", *values, "largest error", "as good as the paper")
     note = (
-        "Exact: k1 = 600, k2 = k = 400, c = 150, alpha = 0.6. The paper has no row for the springpot. Last column: "
-        f"share of groups of {GROUP} swarms (of single runs of {NATIVE}) whose parameters, rounded as printed, err "
-        "by no more than the paper's row, with its 95 % interval (Wilson)."
+        "Exact: k1 = 600, k2 = k = 400, c = 150, alpha = 0.6. The paper has no row for the"
+        f" springpot. Last column: share of groups of {GROUP} swarms (of single runs of {NATIVE})"
+        " whose parameters, rounded as printed, err by no more than the paper's row, with its 95 %"
+        " interval (Wilson)."
     )
     return Table("Table 1: artificial data without noise", heads, rows, note)
 
@@ -72,7 +87,10 @@ def as_good(model: str, trials: list[Trial]) -> Interval | None:
     if model not in TABLE_1:
         return None
     allowed = largest_error(TABLE_1[model], TRUTH[model]) + 1e-12
-    return wilson(sum(largest_error(as_printed(t.theta), TRUTH[model]) <= allowed for t in trials), len(trials))
+    return wilson(
+        sum(largest_error(as_printed(t.theta), TRUTH[model]) <= allowed for t in trials),
+        len(trials),
+    )
 
 
 def figure(results: Results, groups: dict[str, list[Trial]], folder: Path) -> None:
@@ -82,19 +100,45 @@ def figure(results: Results, groups: dict[str, list[Trial]], folder: Path) -> No
         for row, model in enumerate(MODELS):
             errors = [largest_error(trial.theta, TRUTH[model]) for trial in groups[model]]
             spread = row + np.linspace(-0.25, 0.25, len(errors))
-            axes.plot(errors, spread, "o", color=COLOURS[0], alpha=0.7, label=f"best of {GROUP} swarms")
+            axes.plot(
+                errors, spread, "o", color=COLOURS[0], alpha=0.7, label=f"best of {GROUP} swarms"
+            )
             native = results.of_cell(f"artificial-{model}", model, NATIVE)
             if native:
                 worst = max(largest_error(trial.theta, TRUTH[model]) for trial in native)
-                axes.plot(max(worst, 1e-16), row, "D", color=COLOURS[1], markersize=7, label="native, worst run")
+                axes.plot(
+                    max(worst, 1e-16),
+                    row,
+                    "D",
+                    color=COLOURS[1],
+                    markersize=7,
+                    label="native, worst run",
+                )
             printed = largest_error(TABLE_1[model], TRUTH[model]) if model in TABLE_1 else 0.0
             if printed > 0:
-                axes.plot(printed, row, "x", color=INK, markersize=10, markeredgewidth=2.2, zorder=4, label="paper")
+                axes.plot(
+                    printed,
+                    row,
+                    "x",
+                    color=INK,
+                    markersize=10,
+                    markeredgewidth=2.2,
+                    zorder=4,
+                    label="paper",
+                )
         logarithmic(axes, "x")
-        axes.set(xlabel="largest relative error of a parameter", yticks=range(len(MODELS)), ylim=(4.6, -0.6))
+        axes.set(
+            xlabel="largest relative error of a parameter",
+            yticks=range(len(MODELS)),
+            ylim=(4.6, -0.6),
+        )
         axes.set_yticklabels(list(MODELS.values()))
         handles = {handle.get_label(): handle for handle in axes.lines}
-        legend_above(page, list(handles.values()), "Table 1: errors without noise (paper's Maxwell: none in print)")
+        legend_above(
+            page,
+            list(handles.values()),
+            "Table 1: errors without noise (paper's Maxwell: none in print)",
+        )
 
 
 study = Study(

@@ -2,9 +2,10 @@
 
     springpot run studies/table2.py
 
-The paper shows one draw of the noise for each level, to which it applied its swarm 20 times. One draw says little
-about the sensitivity to noise, so here 20 are drawn, each searched 20 times: the tables give mean and standard
-deviation over the draws, once for the one-sided noise as printed (r from 0 to 1) and once for noise of both signs.
+The paper shows one draw of the noise for each level, to which it applied its swarm 20 times. One
+draw says little about the sensitivity to noise, so here 20 are drawn, each searched 20 times: the
+tables give mean and standard deviation over the draws, once for the one-sided noise as printed (r
+from 0 to 1) and once for noise of both signs.
 """
 
 from __future__ import annotations
@@ -39,8 +40,10 @@ def name_of(model: str, level: float, kind: str, draw: int) -> str:
 
 
 def drawn(model: str, level: float, kind: str, draw: int) -> Measurement:
-    """Artificial data with one draw of the noise; its stream depends on nothing but the arguments."""
-    rng = np.random.default_rng([2017, draw, list(TRUTH).index(model), round(1000 * level), KINDS[kind]])
+    """Artificial data with one draw of the noise; its stream depends on the arguments alone."""
+    rng = np.random.default_rng(
+        [2017, draw, list(TRUTH).index(model), round(1000 * level), KINDS[kind]]
+    )
     data = artificial(model, level, symmetric=KINDS[kind], seed=rng)
     return replace(data, name=name_of(model, level, kind, draw))
 
@@ -81,7 +84,9 @@ def estimates(results: Results) -> Estimates:
         names = [name_of(model, level, kind, draw) for draw in range(DRAWS)]
         best = [results.best(name, model) for name in names]
         found[model, level, kind, SWARM] = [trial.theta for trial in best if trial]
-        fits = [identify(drawn(model, level, kind, d), model, objective=objective) for d in range(DRAWS)]
+        fits = [
+            identify(drawn(model, level, kind, d), model, objective=objective) for d in range(DRAWS)
+        ]
         found[model, level, kind, OPTIMUM] = [
             dict(zip(fit.model.names, fit.theta.tolist(), strict=True)) for fit in fits
         ]
@@ -99,16 +104,19 @@ def table(found: Estimates, kind: str) -> Table:
                 paper = in_columns(printed)
                 pairs = [entry for value in paper for entry in (value, None)]
                 away = distance(printed, found[model, level, kind, OPTIMUM])
-                rows.append((title, noise, "paper, one draw", *pairs, worst([printed], model, level), away))
+                rows.append(
+                    (title, noise, "paper, one draw", *pairs, worst([printed], model, level), away)
+                )
             for who in (SWARM, OPTIMUM):
                 draws = found[model, level, kind, who]
                 rows.append((title, noise, who, *moments(draws), worst(draws, model, level), None))
     heads = ["k1 [kN/m]", "k2 or k [kN/m]", "c [kN s^alpha/m]", "alpha [-]"]
     columns = [column for head in heads for column in (head, f"sd of {head.split(' [')[0]}")]
     note = (
-        f"Exact: k1 = 600, k2 = k = 400, c = 150, alpha = 0.6. Mean and standard deviation over {DRAWS} draws. Error "
-        "over noise: the largest, over the parameters, root mean square relative error divided by the noise level. "
-        "Paper in sd: the largest distance of the paper's value from our mean in our standard deviations."
+        "Exact: k1 = 600, k2 = k = 400, c = 150, alpha = 0.6. Mean and standard deviation over"
+        f" {DRAWS} draws. Error over noise: the largest, over the parameters, root mean square"
+        " relative error divided by the noise level. Paper in sd: the largest distance of the"
+        " paper's value from our mean in our standard deviations."
     )
     head = ("model", "noise", "who", *columns, "error over noise", "paper in sd")
     return Table(f"Table 2: artificial data with {kind} noise, eq. (53)", head, rows, note)
@@ -122,7 +130,11 @@ def moments(draws: list[dict[str, float]]) -> list[Entry]:
     return [
         entry
         for column in columns
-        for entry in ((None, None) if None in column else (float(np.mean(column)), float(np.std(column, ddof=1))))
+        for entry in (
+            (None, None)
+            if None in column
+            else (float(np.mean(column)), float(np.std(column, ddof=1)))
+        )
     ]
 
 
@@ -149,25 +161,44 @@ def figure(found: Estimates, kind: str, folder: Path, stem: str) -> None:
             for row, (model, name) in enumerate(places):
                 exact = TRUTH[model][name]
                 for who, colour, shift in ((OPTIMUM, COLOURS[1], 0.14), (SWARM, COLOURS[0], -0.14)):
-                    errors = [100 * (draw[name] / exact - 1) for draw in found[model, level, kind, who]]
+                    errors = [
+                        100 * (draw[name] / exact - 1) for draw in found[model, level, kind, who]
+                    ]
                     axes.errorbar(
-                        np.mean(errors), row + shift, xerr=2 * np.std(errors, ddof=1), fmt="o", color=colour,
+                        np.mean(errors),
+                        row + shift,
+                        xerr=2 * np.std(errors, ddof=1),
+                        fmt="o",
+                        color=colour,
                         label=f"{who}: mean, 2 sd",
-                    )  # fmt: skip
+                    )
                 printed = TABLE_2.get((model, level)) if kind == "one-sided" else None
                 if printed:
                     error = 100 * (printed[name] / exact - 1)
-                    axes.plot(error, row, "x", color=INK, markersize=7, markeredgewidth=1.8, zorder=4, label="paper")
+                    axes.plot(
+                        error,
+                        row,
+                        "x",
+                        color=INK,
+                        markersize=7,
+                        markeredgewidth=1.8,
+                        zorder=4,
+                        label="paper",
+                    )
             axes.axvline(0.0, color=INK, linewidth=0.8)
             axes.set_xscale("symlog", linthresh=1.0)
             axes.xaxis.set_major_formatter("{x:g}")
             axes.set(xlabel="relative error [%]", title=f"noise {100 * level:g} %, {kind}")
         panels[0].set(yticks=range(len(places)), ylim=(len(places) - 0.4, -0.6))
-        panels[0].set_yticklabels([f"{MODELS[model]}:  {'α' if name == 'alpha' else name}" for model, name in places])
+        panels[0].set_yticklabels(
+            [f"{MODELS[model]}:  {'α' if name == 'alpha' else name}" for model, name in places]
+        )
         handles, labels = panels[0].get_legend_handles_labels()
         unique = dict(zip(labels, handles, strict=True))
         legend_above(
-            page, list(unique.values()), f"Table 2: errors of the parameters over {DRAWS} draws of the noise"
+            page,
+            list(unique.values()),
+            f"Table 2: errors of the parameters over {DRAWS} draws of the noise",
         )
 
 

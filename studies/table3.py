@@ -2,10 +2,11 @@
 
     springpot run studies/table3.py
 
-The points that Makris measured are not printed. They are replaced by his own model of them, eq. (54) with his
-parameters, at 50 frequencies from 1 to 50 Hz: a reconstruction. It has no scatter and cannot give back the digits of
-Table 3, but the conclusions of section 5.2 can be checked on it. To see how much the replacement matters, the same
-models are also fitted to the curve of the paper's own three-parameter Maxwell fit.
+The points that Makris measured are not printed. They are replaced by his own model of them, eq.
+(54) with his parameters, at 50 frequencies from 1 to 50 Hz: a reconstruction. It has no scatter and
+cannot give back the digits of Table 3, but the conclusions of section 5.2 can be checked on it. To
+see how much the replacement matters, the same models are also fitted to the curve of the paper's
+own three-parameter Maxwell fit.
 """
 
 from __future__ import annotations
@@ -39,7 +40,10 @@ def finish(path: Path, folder: Path) -> None:
 
 
 def table(results: Results) -> Table:
-    """The paper's table with its rows and ours; every row is judged against the same reconstructed points."""
+    """The paper's table with its rows and ours.
+
+    Every row is judged against the same reconstructed points.
+    """
     makris = open_measurement(MAKRIS_DATA)
     printed = [
         ("paper's row", MODELS[model], *in_columns(theta), *errors(model, theta, makris), None)
@@ -48,10 +52,10 @@ def table(results: Results) -> Table:
     ours = [row for data in TITLES for row in fitted(results, data)]
     values = ("k1 [kN/m]", "k2 or k [kN/m]", "c [kN s^alpha/m]", "alpha [-]")
     note = (
-        "Relative rms error: root mean square of |K - K_m| / |K_m|; of the paper's rows, against eq. (54). The fits "
-        "minimise eq. (44); of each optimiser the best run is shown. Makris' own parameters are C0 = 15 kN s/m, "
-        "lambda = 0.3 s^0.6, r = 0.6, q = 1; his model, fitted to its own curve, returns them. The data are a "
-        "reconstruction: nothing here was measured."
+        "Relative rms error: root mean square of |K - K_m| / |K_m|; of the paper's rows, against"
+        " eq. (54). The fits minimise eq. (44); of each optimiser the best run is shown. Makris'"
+        " own parameters are C0 = 15 kN s/m, lambda = 0.3 s^0.6, r = 0.6, q = 1; his model, fitted"
+        " to its own curve, returns them. The data are a reconstruction: nothing here was measured."
     )
     columns = ("data", "model", *values, "relative rms error", "error by eq. (44)", "best run of")
     return Table("Table 3: viscous damper of Makris (1992)", columns, [*printed, *ours], note)
@@ -65,7 +69,11 @@ def fitted(results: Results, name: str) -> Iterator[tuple[Entry, ...]]:
             best = results.best(name, model, who)
             if best is None:
                 continue
-            columns = in_columns(best.theta) if model in MODELS else (None, None, best.theta["c0"], best.theta["q"])
+            columns = (
+                in_columns(best.theta)
+                if model in MODELS
+                else (None, None, best.theta["c0"], best.theta["q"])
+            )
             title = MODELS.get(model, "Makris, eq. (54): C0, q")
             yield TITLES[name], title, *columns, *errors(model, best.theta, data), who
 
@@ -80,9 +88,13 @@ def conclusions(results: Results) -> Table:
     data = open_measurement(MAKRIS_DATA)
     best = {model: trial.theta for model in MODELS if (trial := results.best(MAKRIS_DATA, model))}
     if len(best) < len(MODELS):
-        return Table("Conclusions of section 5.2", ("remark", "measured"), [], "The study is not complete.")
+        return Table(
+            "Conclusions of section 5.2", ("remark", "measured"), [], "The study is not complete."
+        )
     error = {model: 100 * absolute_rms(model, theta, data) for model, theta in best.items()}
-    maxwell, kelvin4, zener = (best[m] for m in ("fractional-maxwell", "fractional-kelvin4", "fractional-zener"))
+    maxwell, kelvin4, zener = (
+        best[m] for m in ("fractional-maxwell", "fractional-kelvin4", "fractional-zener")
+    )
     gap = {
         who: max(abs(theta[theirs] / maxwell[own] - 1) for own, theirs in names.items())
         for who, theta, names in (
@@ -93,36 +105,54 @@ def conclusions(results: Results) -> Table:
     rows: list[tuple[Entry, ...]] = [
         (
             "k2 of the Kelvin type and k1 of the Maxwell type are zero in approximation",
-            f"k2 = {kelvin4['k2']:.2g} kN/m beside k1 = {kelvin4['k1']:.4g}; "
-            f"k1 = {zener['k1']:.2g} kN/m beside k2 = {zener['k2']:.4g}",
+            (
+                f"k2 = {kelvin4['k2']:.2g} kN/m beside k1 = {kelvin4['k1']:.4g}; "
+                f"k1 = {zener['k1']:.2g} kN/m beside k2 = {zener['k2']:.4g}"
+            ),
             verdict(kelvin4["k2"] < 1e-3 * kelvin4["k1"] and zener["k1"] < 1e-3 * zener["k2"]),
         ),
         (
             "the four-parameter models reduce to the three-parameter Maxwell model",
-            "remaining parameters differ from Maxwell's by " + ", ".join(f"{g:.1e} ({w})" for w, g in gap.items()),
+            "remaining parameters differ from Maxwell's by "
+            + ", ".join(f"{g:.1e} ({w})" for w, g in gap.items()),
             verdict(max(gap.values()) < 0.01),
         ),
         (
             "the four-parameter models approximate the data a little better",
-            f"error by eq. (44) {error['fractional-maxwell']:.4g} % with three parameters, "
-            f"{error['fractional-kelvin4']:.4g} % and {error['fractional-zener']:.4g} % with four",
-            verdict(min(error["fractional-kelvin4"], error["fractional-zener"]) < 0.99 * error["fractional-maxwell"]),
+            (
+                f"error by eq. (44) {error['fractional-maxwell']:.4g} % with three parameters,"
+                f" {error['fractional-kelvin4']:.4g} % and {error['fractional-zener']:.4g} % with"
+                " four"
+            ),
+            verdict(
+                min(error["fractional-kelvin4"], error["fractional-zener"])
+                < 0.99 * error["fractional-maxwell"]
+            ),
         ),
         (
             "alpha and c of the Maxwell model agree well with Makris' r and C0",
-            f"alpha = {maxwell['alpha']:.3f}, r = {MAKRIS['ratio']:g}; c = {maxwell['c']:.1f}, "
-            f"C0 = {MAKRIS['c0']:g}, of different units and meaning",
+            (
+                f"alpha = {maxwell['alpha']:.3f}, r = {MAKRIS['ratio']:g}; c = {maxwell['c']:.1f}, "
+                f"C0 = {MAKRIS['c0']:g}, of different units and meaning"
+            ),
             "alpha yes; c cannot be compared",
         ),
         (
             "Maxwell is the better choice, Kelvin can be accepted too",
-            f"error by eq. (44) {error['fractional-maxwell']:.3g} % (Maxwell), "
-            f"{error['fractional-kelvin']:.3g} % (Kelvin)",
+            (
+                f"error by eq. (44) {error['fractional-maxwell']:.3g} % (Maxwell), "
+                f"{error['fractional-kelvin']:.3g} % (Kelvin)"
+            ),
             verdict(error["fractional-maxwell"] < error["fractional-kelvin"]),
         ),
     ]
-    note = "Measured on the reconstruction from eq. (54), which has no scatter for an extra parameter to follow."
-    return Table("Conclusions of section 5.2", ("remark of the paper", "measured", "holds"), rows, note)
+    note = (
+        "Measured on the reconstruction from eq. (54), which has no scatter for an extra parameter"
+        " to follow."
+    )
+    return Table(
+        "Conclusions of section 5.2", ("remark of the paper", "measured", "holds"), rows, note
+    )
 
 
 def verdict(holds: bool) -> str:
@@ -141,7 +171,11 @@ def figures(results: Results, folder: Path) -> None:
     ):
         curves = []
         for i, model in enumerate(models):
-            marker = {"marker": "D" if i == 0 else None, "color": COLOURS[i], "linestyle": "-" if i == 0 else "--"}
+            marker = {
+                "marker": "D" if i == 0 else None,
+                "color": COLOURS[i],
+                "linestyle": "-" if i == 0 else "--",
+            }
             best = results.best(MAKRIS_DATA, model)
             if best:
                 curves.append(Curve(f"{MODELS[model]}, fitted here", model, best.theta, marker))
@@ -152,7 +186,12 @@ def figures(results: Results, folder: Path) -> None:
             moduli(axes, data, curves, part, log=False)
             axes.set(xlim=(0, None), ylim=(0, None))
             axes.lines[-1].set(label="eq. (54), Makris' parameters", color=INK)
-            legend_above(page, axes, f"Figure {number}: {part} stiffness of the damper (reconstruction)", columns=2)
+            legend_above(
+                page,
+                axes,
+                f"Figure {number}: {part} stiffness of the damper (reconstruction)",
+                columns=2,
+            )
 
 
 study = Study(

@@ -1,11 +1,13 @@
-"""Table 4 and Figures 11 and 12: models of the silicone fluid at 20 degC, amplitude 10 mrad, 0.3 to 63 Hz.
+"""Table 4 and Figures 11 and 12.
+
+Models of the silicone fluid at 20 degC, amplitude 10 mrad, 0.3 to 63 Hz.
 
     springpot run studies/table4.py
 
-The measured moduli are not printed. What is printed are the parameters of three fits, so the curves of these fits
-stand in for the data: reconstructions. They show how far the three published fits agree with one another, and what
-every model of the paper makes of them; how well a model fits the fluid itself they cannot show (studies/nist_fluid.py
-does that on measured moduli of such a fluid).
+The measured moduli are not printed. What is printed are the parameters of three fits, so the curves
+of these fits stand in for the data: reconstructions. They show how far the three published fits
+agree with one another, and what every model of the paper makes of them; how well a model fits the
+fluid itself they cannot show (studies/nist_fluid.py does that on measured moduli of such a fluid).
 """
 
 from __future__ import annotations
@@ -37,7 +39,8 @@ def finish(path: Path, folder: Path) -> None:
 def table(results: Results) -> Table:
     """The paper's rows, then what each model makes of the published curves."""
     rows: list[tuple[Entry, ...]] = [
-        ("-", FLUIDS[model], *in_fluid_columns(model, theta), None, "paper") for model, theta in TABLE_4.values()
+        ("-", FLUIDS[model], *in_fluid_columns(model, theta), None, "paper")
+        for model, theta in TABLE_4.values()
     ]
     for name, (key, _) in DATA.items():
         data = open_measurement(name)
@@ -46,27 +49,52 @@ def table(results: Results) -> Table:
                 best = results.best(name, model, who)
                 if best:
                     values = in_fluid_columns(model, best.theta)
-                    rows.append((f"{key} row", FLUIDS[model], *values, relative_rms(model, best.theta, data), who))
-    columns = ("curve of", "model", "E or E1 [Pa]", "eta or eta2 [Pa s^alpha]", "E2 [Pa]", "alpha [-]")
-    note = (
-        "Curves computed at 30 frequencies from 0.3 to 63 Hz from the printed parameters; not measured. Relative rms "
-        "error: root mean square of |E - E_c| / |E_c|. Of each optimiser the best run by eq. (44). A zero is printed "
-        "as the lower end of the search box. The model with two orders has E, tau and two orders; given are E, "
-        "E tau^beta and beta."
+                    rows.append(
+                        (
+                            f"{key} row",
+                            FLUIDS[model],
+                            *values,
+                            relative_rms(model, best.theta, data),
+                            who,
+                        )
+                    )
+    columns = (
+        "curve of",
+        "model",
+        "E or E1 [Pa]",
+        "eta or eta2 [Pa s^alpha]",
+        "E2 [Pa]",
+        "alpha [-]",
     )
-    return Table("Table 4: models of the silicone fluid", (*columns, "relative rms error", "who"), rows, note)
+    note = (
+        "Curves computed at 30 frequencies from 0.3 to 63 Hz from the printed parameters; not"
+        " measured. Relative rms error: root mean square of |E - E_c| / |E_c|. Of each optimiser"
+        " the best run by eq. (44). A zero is printed as the lower end of the search box. The model"
+        " with two orders has E, tau and two orders; given are E, E tau^beta and beta."
+    )
+    return Table(
+        "Table 4: models of the silicone fluid", (*columns, "relative rms error", "who"), rows, note
+    )
 
 
 def agreement() -> Table:
     """How far apart the curves of the three published rows are."""
     names = list(DATA)
-    rows: list[tuple[Entry, ...]] = [(DATA[one][0], *(distance(one, other) for other in names)) for one in names]
+    rows: list[tuple[Entry, ...]] = [
+        (DATA[one][0], *(distance(one, other) for other in names)) for one in names
+    ]
     note = (
-        "Relative rms difference of the row's curve from the column's, 0.3 to 63 Hz. Were all three good fits of the "
-        "same points, the differences would be no larger than their errors. With E2 = 0 (standard) or E1 = 0 (Zener) "
-        "all three rows are the same Maxwell model, so the best fit would be the same in each."
+        "Relative rms difference of the row's curve from the column's, 0.3 to 63 Hz. Were all three"
+        " good fits of the same points, the differences would be no larger than their errors. With"
+        " E2 = 0 (standard) or E1 = 0 (Zener) all three rows are the same Maxwell model, so the"
+        " best fit would be the same in each."
     )
-    return Table("Agreement of the fits printed in Table 4", ("row", *(DATA[name][0] for name in names)), rows, note)
+    return Table(
+        "Agreement of the fits printed in Table 4",
+        ("row", *(DATA[name][0] for name in names)),
+        rows,
+        note,
+    )
 
 
 def distance(one: str, other: str) -> float:
@@ -81,7 +109,12 @@ def figures(results: Results, folder: Path) -> None:
     data = open_measurement(name)
     best = {model: trial.theta for model in SHOWN if (trial := results.best(name, model))}
     curves = [
-        Curve(FLUIDS[model], model, theta, {"linestyle": "-" if model == "fractional-kelvin" else "--"})
+        Curve(
+            FLUIDS[model],
+            model,
+            theta,
+            {"linestyle": "-" if model == "fractional-kelvin" else "--"},
+        )
         for model, theta in best.items()
     ]
     for number, part in ((11, "storage"), (12, "loss")):
@@ -89,7 +122,11 @@ def figures(results: Results, folder: Path) -> None:
             axes = page.subplots()
             moduli(axes, data, curves, part)
             axes.lines[-1].set_label("published Maxwell fit")
-            legend_above(page, axes, f"Figure {number}: {part} modulus of the silicone fluid (reconstruction)")
+            legend_above(
+                page,
+                axes,
+                f"Figure {number}: {part} modulus of the silicone fluid (reconstruction)",
+            )
 
 
 study = Study(

@@ -2,10 +2,11 @@
 
     springpot run studies/table5.py
 
-The measured moduli are not printed, so whether the fluid depends on the amplitude cannot be tested again. What can
-be tested is the print against itself: the Maxwell and the standard row of one amplitude come from the same points, so
-the Maxwell model, fitted to the curve of the standard row, should give the Maxwell row; and the parameters that
-change with the amplitude can be compared with how much the curves change.
+The measured moduli are not printed, so whether the fluid depends on the amplitude cannot be tested
+again. What can be tested is the print against itself: the Maxwell and the standard row of one
+amplitude come from the same points, so the Maxwell model, fitted to the curve of the standard row,
+should give the Maxwell row; and the parameters that change with the amplitude can be compared with
+how much the curves change.
 """
 
 from __future__ import annotations
@@ -59,31 +60,48 @@ def table(results: Results) -> Table:
         "alpha [-]",
     )
     note = (
-        "Curves computed at 30 frequencies from 0.3 to 63 Hz from the printed parameters; not measured. Best run of "
-        "both optimisers by eq. (44). A zero is printed as the lower end of the search box."
+        "Curves computed at 30 frequencies from 0.3 to 63 Hz from the printed parameters; not"
+        " measured. Best run of both optimisers by eq. (44). A zero is printed as the lower end of"
+        " the search box."
     )
-    return Table("Table 5: amplitudes of torsion", (*columns, "relative rms error", "who"), rows, note)
+    return Table(
+        "Table 5: amplitudes of torsion", (*columns, "relative rms error", "who"), rows, note
+    )
 
 
 def constancy() -> Table:
-    """How much the parameters and the curves change with the amplitude, and between the rows of one amplitude."""
+    """How far parameters and curves change with amplitude, and between rows of one amplitude."""
     rows: list[tuple[Entry, ...]] = []
     for row in ("maxwell", "standard"):
         printed = [TABLE_5[f"{amplitude}-{row}"][1] for amplitude in AMPLITUDES]
         for name in printed[0]:
             values = [theta[name] for theta in printed]
-            rows.append((f"{FLUIDS[TABLE_5[f'0.1mrad-{row}'][0]]}: {name}", float(np.ptp(values) / max(values))))
+            rows.append(
+                (
+                    f"{FLUIDS[TABLE_5[f'0.1mrad-{row}'][0]]}: {name}",
+                    float(np.ptp(values) / max(values)),
+                )
+            )
         for one in AMPLITUDES[1:]:
-            rows.append((f"curve of the {row} row, {one} from 0.1mrad", distance(f"{one}-{row}", f"0.1mrad-{row}")))
+            rows.append(
+                (
+                    f"curve of the {row} row, {one} from 0.1mrad",
+                    distance(f"{one}-{row}", f"0.1mrad-{row}"),
+                )
+            )
     rows += [
-        (f"curve of the standard row from that of the Maxwell row, {a}", distance(f"{a}-standard", f"{a}-maxwell"))
+        (
+            f"curve of the standard row from that of the Maxwell row, {a}",
+            distance(f"{a}-standard", f"{a}-maxwell"),
+        )
         for a in AMPLITUDES
     ]
     note = (
-        "Of a parameter: largest less smallest value over the largest. Of a curve: relative rms difference, 0.3 to "
-        "63 Hz. The paper calls the parameters approximately constant. With E2 = 0, as printed for 10 mrad, the "
-        "standard model is the Maxwell model: both rows should then hold the same numbers; that they do not means "
-        "that a search stopped short of the optimum, and tells the size of such errors."
+        "Of a parameter: largest less smallest value over the largest. Of a curve: relative rms"
+        " difference, 0.3 to 63 Hz. The paper calls the parameters approximately constant. With E2"
+        " = 0, as printed for 10 mrad, the standard model is the Maxwell model: both rows should"
+        " then hold the same numbers; that they do not means that a search stopped short of the"
+        " optimum, and tells the size of such errors."
     )
     return Table("Change with the amplitude in Table 5", ("what", "relative change"), rows, note)
 
@@ -97,18 +115,21 @@ def distance(one: str, other: str) -> float:
 def figure(folder: Path) -> None:
     """Both moduli of all six rows."""
     data = open_measurement(DATA["0.1mrad-maxwell"])
-    curves = [
-        Curve(f"{key.split('-')[0].replace('mrad', ' mrad')}, {FLUIDS[model]}", model, theta,
-              {"color": COLOURS[AMPLITUDES.index(key.split("-")[0])], "marker": None,
-               "linestyle": "-" if "maxwell" in key else "--"})
-        for key, (model, theta) in TABLE_5.items()
-    ]  # fmt: skip
+    curves = []
+    for key, (model, theta) in TABLE_5.items():
+        amplitude, row = key.split("-")
+        label = f"{amplitude.replace('mrad', ' mrad')}, {FLUIDS[model]}"
+        line = "-" if row == "maxwell" else "--"
+        style = {"color": COLOURS[AMPLITUDES.index(amplitude)], "marker": None, "linestyle": line}
+        curves.append(Curve(label, model, theta, style))
     with sheet(folder, "table5", 9.0, 4.6) as page:
         panels = page.subplots(1, 2)
         for axes, part in zip(panels, ("storage", "loss"), strict=True):
             moduli(axes, data, curves, part)
             axes.lines[-1].remove()
-        legend_above(page, panels[0], "Table 5: the published fits at three amplitudes (reconstruction)")
+        legend_above(
+            page, panels[0], "Table 5: the published fits at three amplitudes (reconstruction)"
+        )
 
 
 study = Study(

@@ -2,8 +2,9 @@
 
     python studies/three_lines.py [--out docs/images/three_lines.png]
 
-Three artificial measurements of one damper, judged by the same model: nothing is missing, a relaxation mode is
-missing, a moving mass is missing. All numbers in the picture come from `springpot.diagnose`.
+Three artificial measurements of one damper, judged by the same model: nothing is missing, a
+relaxation mode is missing, a moving mass is missing. All numbers in the picture come from
+`springpot.diagnose`.
 """
 
 from __future__ import annotations
@@ -33,11 +34,16 @@ CASES = (
 NOISE = 0.007
 FOLLOWS = 0.005
 """Chance of noise below which what a material leaves is more than noise, as in the diagnosis."""
-LINES = (("relative_rms", "the model", "#b3422f"), ("material_floor", "any material", "#c08a1e"),
-         ("noise_floor", "the noise", "#3a6ea5"))  # fmt: skip
+LINES = (
+    ("relative_rms", "the model", "#b3422f"),
+    ("material_floor", "any material", "#c08a1e"),
+    ("noise_floor", "the noise", "#3a6ea5"),
+)
 
 
-def diagnosed(truth: str, theta: tuple[float, ...], seed: int) -> tuple[springpot.Measurement, Diagnosis]:
+def diagnosed(
+    truth: str, theta: tuple[float, ...], seed: int
+) -> tuple[springpot.Measurement, Diagnosis]:
     """An artificial measurement and what is missing from the judged model."""
     omega = np.geomspace(2.0, 300.0, 40)
     exact = springpot.parse_model(truth).stiffness(np.array(theta), omega)
@@ -55,7 +61,14 @@ def draw_curves(axes: Axes, data: springpot.Measurement) -> None:
         (data.storage, modelled.real, "o", "storage"),
         (data.loss, modelled.imag, "s", "loss"),
     ):
-        axes.loglog(data.frequency, np.abs(measured), marker, color="0.35", markersize=3, label=f"measured {word}")
+        axes.loglog(
+            data.frequency,
+            np.abs(measured),
+            marker,
+            color="0.35",
+            markersize=3,
+            label=f"measured {word}",
+        )
         axes.loglog(data.frequency, np.abs(curve), color=LINES[0][2], linewidth=1.5)
     axes.set_xlabel("frequency [Hz]")
     axes.grid(alpha=0.2)
@@ -87,10 +100,14 @@ def conclusion(diagnosis: Diagnosis) -> str:
 
 def main() -> None:
     """Draw the picture."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "images" / "three_lines.png")
     out = parser.parse_args().out
-    figure, axes = plt.subplots(2, len(CASES), figsize=(10.0, 5.6), height_ratios=(2.0, 1.0), layout="constrained")
+    figure, axes = plt.subplots(
+        2, len(CASES), figsize=(10.0, 5.6), height_ratios=(2.0, 1.0), layout="constrained"
+    )
     for number, (headline, truth, theta) in enumerate(CASES):
         data, diagnosis = diagnosed(truth, theta, number)
         print(f"{headline}: {diagnosis.says}; {diagnosis.split}")

@@ -1,11 +1,15 @@
-"""One polystyrene, three tests, five temperatures: fit one test, predict the other two, and judge them honestly.
+"""One polystyrene, three tests, five temperatures.
 
-    SPRINGPOT_DATA=FOLDER python studies/time_and_frequency.py [--temperature 160] [-o results/time_and_frequency]
+Fit one test, predict the other two, and judge them honestly.
 
-FOLDER holds ``polystyrene-three-tests`` (github.com/mirandi1/pyRheo, demos/data/polystyrene): oscillation, stress
-relaxation and creep at 130, 145, 160, 175 and 190 degC. Each model is fitted to each test alone, and to all three
-together; every fit then predicts the tests that it has not seen. A prediction holds where its error is within twice
-what is to be expected from the parameters' uncertainty, the fit's own misfit and the noise of the test.
+    SPRINGPOT_DATA=FOLDER python studies/time_and_frequency.py [--temperature 160] [-o
+    results/time_and_frequency]
+
+FOLDER holds ``polystyrene-three-tests`` (github.com/mirandi1/pyRheo, demos/data/polystyrene):
+oscillation, stress relaxation and creep at 130, 145, 160, 175 and 190 degC. Each model is fitted to
+each test alone, and to all three together; every fit then predicts the tests that it has not seen.
+A prediction holds where its error is within twice what is to be expected from the parameters'
+uncertainty, the fit's own misfit and the noise of the test.
 """
 
 from __future__ import annotations
@@ -31,9 +35,9 @@ FILES = {
     "oscillation": "oscillation_ps{T}_data.csv?1=omega[rad/s],2=storage[Pa],3=loss[Pa]",
 }
 HEADERS = (
-    "temperature", "model", "fitted to", "fit error %", "predicted", "error %", "expected %", "bias %",
-    "seen before %", "error within %", "verdict",
-)  # fmt: skip
+    *("temperature", "model", "fitted to", "fit error %", "predicted", "error %"),
+    *("expected %", "bias %", "seen before %", "error within %", "verdict"),
+)
 
 
 @dataclass(frozen=True)
@@ -52,10 +56,10 @@ class Row:
         found = self.found
         within = f"{100 * found.error_inside:.3g}" if found.inside > 0.0 else "-"
         return [
-            str(self.temperature), self.model, self.fitted, f"{100 * self.misfit:.3g}", self.predicted,
-            f"{100 * found.error:.3g}", f"{100 * found.expected:.3g}", f"{100 * found.bias:+.3g}",
-            f"{100 * found.inside:.0f}", within, found.verdict,
-        ]  # fmt: skip
+            *(str(self.temperature), self.model, self.fitted, f"{100 * self.misfit:.3g}"),
+            *(self.predicted, f"{100 * found.error:.3g}", f"{100 * found.expected:.3g}"),
+            *(f"{100 * found.bias:+.3g}", f"{100 * found.inside:.0f}", within, found.verdict),
+        ]
 
 
 def folder() -> Path:
@@ -92,10 +96,19 @@ def rows(temperatures: Sequence[int], models: Sequence[str]) -> Iterator[Row]:
                 found = identify(test, model)
                 for other, unseen in tests.items():
                     if other != fitted:
-                        yield Row(temperature, name, fitted, found.relative_rms, other, predict_test(found, unseen))
+                        yield Row(
+                            temperature,
+                            name,
+                            fitted,
+                            found.relative_rms,
+                            other,
+                            predict_test(found, unseen),
+                        )
 
 
-def together(temperatures: Sequence[int], models: Sequence[str]) -> Iterator[tuple[int, TimeIdentification]]:
+def together(
+    temperatures: Sequence[int], models: Sequence[str]
+) -> Iterator[tuple[int, TimeIdentification]]:
     """All three tests with one set of parameters."""
     for temperature in temperatures:
         tests = list(tests_at(temperature).values())
@@ -120,36 +133,63 @@ def summary(found: Sequence[Row]) -> str:
             within = [
                 100 * row.found.error_inside
                 for row in found
-                if (row.model, row.fitted, row.predicted) == (model, fitted, predicted) and row.found.inside > 0.0
+                if (row.model, row.fitted, row.predicted) == (model, fitted, predicted)
+                and row.found.inside > 0.0
             ]
             cells.append(f"{median(within):.3g}" if within else "-")
         lines.append(cells)
-    return markdown(("fitted to", "predicted", *(f"{model}: error within %" for model in models)), lines)
+    return markdown(
+        ("fitted to", "predicted", *(f"{model}: error within %" for model in models)), lines
+    )
 
 
 def report(found: Sequence[Row], joint: Sequence[tuple[int, TimeIdentification]]) -> str:
     """The page of results."""
-    counts = {verdict: sum(row.found.verdict == verdict for row in found) for verdict in ("holds", "fails", "vague")}
-    own = [[str(t), fit.model.name, test.kind, f"{100 * test.error:.3g}", f"{test.alone:.3g}", f"{test.ratio:.3g}",
-            "yes" if test.agrees else "no"] for t, fit in joint for test in fit.tests]  # fmt: skip
-    headers = ("temperature", "model", "test", "error %", "x floor alone", "x floor together", "agrees")
+    counts = {
+        verdict: sum(row.found.verdict == verdict for row in found)
+        for verdict in ("holds", "fails", "vague")
+    }
+    own = [
+        [
+            *(str(t), fit.model.name, test.kind, f"{100 * test.error:.3g}"),
+            *(f"{test.alone:.3g}", f"{test.ratio:.3g}", "yes" if test.agrees else "no"),
+        ]
+        for t, fit in joint
+        for test in fit.tests
+    ]
+    headers = (
+        "temperature",
+        "model",
+        "test",
+        "error %",
+        "x floor alone",
+        "x floor together",
+        "agrees",
+    )
     return (
-        "# One polystyrene, three tests, five temperatures\n\n"
-        "Written by `python studies/time_and_frequency.py`; its text says what was done. Errors are root mean "
-        "squares over that of the signal (of |K| for oscillation). *Seen before* is the share of a test at times or "
-        "frequencies that the fitted test reached, *error within* the error there; the rest is extrapolated.\n\n"
-        f"Of {len(found)} predictions {counts['holds']} hold, {counts['fails']} do not, and of {counts['vague']} the "
-        "fit hardly says anything.\n\n"
-        "## Median over the temperatures\n\n" + summary(found) + "\n"
-        "## Fit one, predict another\n\n" + markdown(HEADERS, [row.cells() for row in found]) + "\n"
-        "## All three with one set of parameters\n\n" + markdown(headers, own)
+        "# One polystyrene, three tests, five temperatures\n\nWritten by `python"
+        " studies/time_and_frequency.py`; its text says what was done. Errors are root mean"
+        " squares over that of the signal (of |K| for oscillation). *Seen before* is the share of"
+        " a test at times or frequencies that the fitted test reached, *error within* the error"
+        f" there; the rest is extrapolated.\n\nOf {len(found)} predictions {counts['holds']} hold,"
+        f" {counts['fails']} do not, and of {counts['vague']} the fit hardly says anything.\n\n##"
+        " Median over the temperatures\n\n"
+        + summary(found)
+        + "\n## Fit one, predict another\n\n"
+        + markdown(HEADERS, [row.cells() for row in found])
+        + "\n## All three with one set of parameters\n\n"
+        + markdown(headers, own)
     )
 
 
 def main() -> None:
     """Run it."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--temperature", type=int, choices=TEMPERATURES, help="one temperature only")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--temperature", type=int, choices=TEMPERATURES, help="one temperature only"
+    )
     parser.add_argument("--model", action="append", help="models; may be repeated")
     parser.add_argument("-o", "--output", type=Path, default=Path("results/time_and_frequency"))
     given = parser.parse_args()
@@ -166,7 +206,9 @@ def main() -> None:
     try:
         from springpot.report.timetests import figure_tests
 
-        middle = next((fit for t, fit in joint if t == 160 and fit.model.name == "maxwell-6"), joint[0][1])
+        middle = next(
+            (fit for t, fit in joint if t == 160 and fit.model.name == "maxwell-6"), joint[0][1]
+        )
         at = next(t for t, fit in joint if fit is middle)
         figure_tests(middle, list(tests_at(at).values()), given.output / "together.png")
     except OutputError as error:

@@ -1,4 +1,7 @@
-"""What all tests share; being here it also puts this folder's helper modules within reach of every test."""
+"""What all tests share.
+
+Being here it also puts this folder's helper modules within reach of every test.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +40,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     # Cases may depend on data that are not on every machine, functions do not.
     gone = sorted(line for line in listed if line.partition("[")[0] not in functions)
     if gone and config.args == config.getini("testpaths"):
-        raise pytest.UsageError(f"{LEFT_TO_SOAK.name} lists what is no test any more: {', '.join(gone)}")
+        raise pytest.UsageError(
+            f"{LEFT_TO_SOAK.name} lists what is no test any more: {', '.join(gone)}"
+        )
 
 
 @pytest.fixture
@@ -48,13 +53,19 @@ def rng() -> np.random.Generator:
 
 @pytest.fixture
 def asked_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """For tests of what becomes of an examination: it is not made again where another test asked for the same."""
+    """For tests of what becomes of an examination.
+
+    It is not made again where another test asked for the same.
+    """
     remember(monkeypatch)
 
 
 @pytest.fixture
 def unpainted(monkeypatch: pytest.MonkeyPatch) -> None:
-    """For tests of the words of a page: the pictures in it, most of the work, are drawn up but not painted."""
+    """For tests of the words of a page.
+
+    The pictures in it, most of the work, are drawn up but not painted.
+    """
     figure = pytest.importorskip("matplotlib.figure")
     paint = figure.Figure.savefig
 
@@ -69,7 +80,10 @@ def unpainted(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
-    """For tests of what is written: figures are drawn up and kept in this list, and no file of theirs is painted."""
+    """For tests of what is written.
+
+    Figures are drawn up and kept in this list, and no file of theirs is painted.
+    """
     figure = pytest.importorskip("matplotlib.figure")
     kept: list[Any] = []
 
@@ -83,7 +97,7 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
 
 @pytest.fixture(autouse=True, scope="session")
 def hears_ctrl_c() -> Iterator[None]:
-    """A shell that runs the tests in its background lets them ignore Ctrl-C, and their children after them."""
+    """A shell that runs the tests in its background makes them and their children ignore Ctrl-C."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)

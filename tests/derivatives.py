@@ -1,4 +1,4 @@
-"""Random lawful parameters, and derivatives by Cauchy's integral, for the tests of elements and models."""
+"""Random lawful parameters and derivatives by Cauchy's integral, to test elements and models."""
 
 from __future__ import annotations
 
@@ -19,6 +19,8 @@ def check_derivatives(node: Node, theta: np.ndarray, at: Points) -> None:
     # Rounding in the integral is relative to K, not to its derivative.
     natural = np.abs(response.value)[:, None] / np.abs(theta) + np.abs(exact)
     assert np.max(np.abs(exact - by_theta) / natural) < 1e-10
-    by_log_omega = cauchy(lambda shift: node.respond(theta, at.shifted(shift[0])).value, np.zeros(1))[..., 0]
+    by_log_omega = cauchy(
+        lambda shift: node.respond(theta, at.shifted(shift[0])).value, np.zeros(1)
+    )[..., 0]
     natural = np.abs(response.value) + np.abs(by_log_omega)
     assert np.max(np.abs(response.by_log_omega - by_log_omega) / natural) < 1e-9

@@ -13,7 +13,20 @@ HUGE = 10**400
 NOT_FINITE = float("nan")
 VALUES = (
     *(True, -4, 0, 1, 20_000, 2.5, -1e-300, 1e300, HUGE, NOT_FINITE, float("inf")),
-    *("", "x", "nan", "material", "fit.json", [], {}, [[]], [1.0], {"a": 1}, [NOT_FINITE, "x", None], None),
+    *(
+        "",
+        "x",
+        "nan",
+        "material",
+        "fit.json",
+        [],
+        {},
+        [[]],
+        [1.0],
+        {"a": 1},
+        [NOT_FINITE, "x", None],
+        None,
+    ),
 )
 """What may stand where something else belongs; TOML has no None."""
 
@@ -31,7 +44,7 @@ def paths_of(document: Any, at: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...
 
 
 def changed(document: Any, at: tuple[Any, ...], what: Any) -> Any:
-    """The document with something else at a place: a value, or what a word of `WAYS` makes of it."""
+    """The document with a place replaced: by a value, or by what a word of `WAYS` makes of it."""
     made = deepcopy(document)
     place = made
     for step in at[:-1]:
@@ -67,7 +80,10 @@ def some_changes(document: Any, rng: np.random.Generator, count: int) -> Iterato
             places = list(paths_of(made))
             if not places:
                 break
-            at, what = places[rng.integers(len(places))], (*WAYS, *VALUES)[rng.integers(len(WAYS) + len(VALUES))]
+            at, what = (
+                places[rng.integers(len(places))],
+                (*WAYS, *VALUES)[rng.integers(len(WAYS) + len(VALUES))],
+            )
             made = changed(made, at, what)
             names.append(f"{'.'.join(map(str, at))} = {what!r:.40}")
         yield "; ".join(names), made

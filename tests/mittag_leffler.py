@@ -1,4 +1,4 @@
-"""Reference values of the Mittag-Leffler function, by 26-digit quadrature of its spectral integral."""
+"""Reference values of the Mittag-Leffler function: 26-digit quadrature of a spectral integral."""
 
 from __future__ import annotations
 
@@ -15,4 +15,7 @@ def table(alpha: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     with (Path(__file__).parent / "mittag_leffler.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     x = np.array([float(row["x"]) for row in rows])
-    return x, {beta: np.array([float(row[f"{alpha};{beta}"]) for row in rows]) for beta in ("1", "a", "1+a")}
+    return x, {
+        beta: np.array([float(row[f"{alpha};{beta}"]) for row in rows])
+        for beta in ("1", "a", "1+a")
+    }

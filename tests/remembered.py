@@ -12,7 +12,13 @@ from typing import Any
 
 import pytest
 
-EXAMINATIONS = ("diagnose_objects", "discover_objects", "compare_objects", "rank", "identify_objects")
+EXAMINATIONS = (
+    "diagnose_objects",
+    "discover_objects",
+    "compare_objects",
+    "rank",
+    "identify_objects",
+)
 """What `springpot.api`, and with it the command line, asks the framework for."""
 
 _known: dict[tuple[str, bytes], Any] = {}
@@ -21,12 +27,12 @@ _known: dict[tuple[str, bytes], Any] = {}
 def remember(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the public functions look first whether they were asked the same before."""
     import springpot.api
-    import springpot.standing
+    import springpot.judgement
 
     for name in EXAMINATIONS:
         monkeypatch.setattr(springpot.api, name, _remembering(name, getattr(springpot.api, name)))
-    compare = _remembering("compare_objects", springpot.standing.compare)
-    monkeypatch.setattr(springpot.standing, "compare", compare)
+    compare = _remembering("compare_objects", springpot.judgement.compare)
+    monkeypatch.setattr(springpot.judgement, "compare", compare)
 
 
 def _remembering(name: str, examine: Callable[..., Any]) -> Callable[..., Any]:
@@ -43,7 +49,10 @@ def _remembering(name: str, examine: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _written(given: tuple[Any, ...], named: dict[str, Any]) -> bytes | None:
-    """The question as bytes; None where it holds what cannot be written, such as a function of the test's own."""
+    """The question as bytes.
+
+    None where it holds what cannot be written, such as a function of the test's own.
+    """
     # Who is told of the progress does not change the answer.
     asked = [part for part in given if not inspect.isroutine(part)]
     options = {key: part for key, part in named.items() if not inspect.isroutine(part)}
@@ -63,7 +72,9 @@ class _Question(pickle.Pickler):
 
     def reducer_override(self, part: Any) -> Any:
         if dataclasses.is_dataclass(part) and not isinstance(part, type):
-            return type(part), tuple(getattr(part, field.name) for field in dataclasses.fields(part))
+            return type(part), tuple(
+                getattr(part, field.name) for field in dataclasses.fields(part)
+            )
         if isinstance(part, MappingProxyType):
             return dict, (dict(part),)
         return NotImplemented

@@ -13,8 +13,12 @@ DATA, MODEL = "artificial-hidden", "fractional-maxwell"
 
 def test_data_by_name_and_as_an_object_are_the_same():
     measured = springpot.read(DATA)
-    assert springpot.diagnose(DATA, MODEL).to_dict() == springpot.diagnose(measured, MODEL).to_dict()
-    assert np.array_equal(springpot.identify(DATA, MODEL).theta, springpot.identify(measured, MODEL).theta)
+    assert (
+        springpot.diagnose(DATA, MODEL).to_dict() == springpot.diagnose(measured, MODEL).to_dict()
+    )
+    assert np.array_equal(
+        springpot.identify(DATA, MODEL).theta, springpot.identify(measured, MODEL).theta
+    )
 
 
 @pytest.mark.usefixtures("asked_once")
@@ -34,16 +38,31 @@ def test_one_model_and_one_effect_need_no_list():
         (lambda: springpot.identify(DATA, MODEL, intervals="bootstrp"), "bootstrap"),
         (lambda: springpot.parse_model("inertia"), "is an effect"),
         (lambda: springpot.parse_model(MODEL) + 3, "an Effect or its name"),
-        (lambda: springpot.discover(DATA, MODEL, accept=["inertia", "inertia"]), "'inertia' already"),
-        (lambda: springpot.discover(DATA, f"{MODEL} + inertia", accept="inertia"), "'inertia' already"),
+        (
+            lambda: springpot.discover(DATA, MODEL, accept=["inertia", "inertia"]),
+            "'inertia' already",
+        ),
+        (
+            lambda: springpot.discover(DATA, f"{MODEL} + inertia", accept="inertia"),
+            "'inertia' already",
+        ),
         (
             lambda: springpot.identify(DATA, MODEL, start="k=1"),
             r'start is a dictionary .* \{"k": 100.0\}, not \'k=1\'',
         ),
         (lambda: springpot.identify(DATA, MODEL, fix=["alpha=0.5"]), "fix is a dictionary"),
-        (lambda: springpot.identify(DATA, MODEL, fix={"alpha": "half"}), "alpha is a number in -, not 'half'"),
-        (lambda: springpot.diagnose(DATA, MODEL, bounds={"k": 5}), r"bounds of k are a lower and an upper end"),
-        (lambda: springpot.identify(DATA, MODEL, bounds={"k": "0:200"}), "such as \\(0, 200\\), not '0:200'"),
+        (
+            lambda: springpot.identify(DATA, MODEL, fix={"alpha": "half"}),
+            "alpha is a number in -, not 'half'",
+        ),
+        (
+            lambda: springpot.diagnose(DATA, MODEL, bounds={"k": 5}),
+            r"bounds of k are a lower and an upper end",
+        ),
+        (
+            lambda: springpot.identify(DATA, MODEL, bounds={"k": "0:200"}),
+            "such as \\(0, 200\\), not '0:200'",
+        ),
         (lambda: springpot.diagnose(DATA, 3), r"'fractional-maxwell', not 3 \(int\)"),
         (lambda: springpot.diagnose(3, MODEL), r"a path or a name, not 3 \(int\)"),
         (lambda: springpot.discover(DATA, MODEL, accept=3), r"its name, not 3 \(int\)"),
@@ -58,7 +77,9 @@ def test_a_misspelt_name_is_an_error_that_helps(call, word):
 def test_results_show_themselves_in_one_line_and_as_a_table():
     data = springpot.read("nist-srm2491@temperature=20")
     found = springpot.identify(data, "maxwell-2")
-    assert repr(data).startswith("<Measurement nist-srm2491@temperature=20: 16 points, 0.1 to 100 rad/s, temp")
+    assert repr(data).startswith(
+        "<Measurement nist-srm2491@temperature=20: 16 points, 0.1 to 100 rad/s, temp"
+    )
     assert repr(found.model) == "<Model maxwell-2: k1, tau1, k2, tau2>"
     assert repr(found).startswith("<Identification maxwell-2 of nist-srm2491@temperature=20: k1 ")
     assert "\n" not in repr(found)

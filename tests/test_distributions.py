@@ -24,7 +24,9 @@ def test_chi_square(dof):
 @pytest.mark.parametrize(("first", "second"), [(2, 1e6), (2, 3.0), (5.5, 12.25), (40, 300)])
 def test_ratios_of_variances(first, second):
     np.testing.assert_allclose(own.f_sf(X, first, second), stats.f.sf(X, first, second), rtol=1e-10)
-    np.testing.assert_allclose(own.f_quantile(P, first, second), stats.f.ppf(P, first, second), rtol=1e-9)
+    np.testing.assert_allclose(
+        own.f_quantile(P, first, second), stats.f.ppf(P, first, second), rtol=1e-9
+    )
     found = own.f_log_density(X, first, second)
     np.testing.assert_allclose(found, stats.f.logpdf(X, first, second), rtol=1e-8, atol=1e-7)
 

@@ -13,7 +13,8 @@ import springpot
 MODULES = [
     found.name
     for found in pkgutil.walk_packages(springpot.__path__, "springpot.")
-    if not found.name.endswith("__main__") and not found.name.startswith("springpot.benchmark.gate.pytest_plugin")
+    if not found.name.endswith("__main__")
+    and not found.name.startswith("springpot.benchmark.gate.pytest_plugin")
 ]
 
 
@@ -21,7 +22,9 @@ MODULES = [
 @pytest.mark.parametrize("name", MODULES)
 def test_examples_run(name: str, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    result = doctest.testmod(importlib.import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE)
+    result = doctest.testmod(
+        importlib.import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE
+    )
     assert result.failed == 0
 
 

@@ -101,7 +101,8 @@ def test_what_is_printed_stays_where_standard_output_is_named_as_output(tmp_path
     log = tmp_path / "log.txt"
     log.write_text("before\n")
     program = (
-        "from springpot.files import write_text\nprint('first')\nwrite_text('/dev/stdout', 'table\\n')\nprint('last')"
+        "from springpot.files import write_text\nprint('first')\n"
+        "write_text('/dev/stdout', 'table\\n')\nprint('last')"
     )
     with log.open("a") as stream:
         subprocess.run([sys.executable, "-c", program], stdout=stream, check=True)

@@ -1,4 +1,7 @@
-"""The hidden-effect test: its generator is independent and repeatable, its figures add up, its fixed part holds."""
+"""The hidden-effect test.
+
+Its generator is independent and repeatable, its figures add up, its fixed part holds.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +35,9 @@ def test_the_generator_knows_nothing_of_the_framework(name):
 
 
 def test_a_case_is_the_same_each_time_and_another_for_another_seed(tmp_path):
-    one, again, other = (draw_case(seed).to_csv(tmp_path / f"{i}.csv") for i, seed in enumerate((7, 7, 8)))
+    one, again, other = (
+        draw_case(seed).to_csv(tmp_path / f"{i}.csv") for i, seed in enumerate((7, 7, 8))
+    )
     assert one.read_bytes() == again.read_bytes() != other.read_bytes()
 
 
@@ -76,9 +81,14 @@ def test_a_run_resumes_and_its_report_is_a_function_of_the_answers(tmp_path, mon
 
 
 def figures(**changed: list[int]) -> dict[str, dict[str, list[int]]]:
-    whole = {name: {"of": [1, 2, 3, 4], "hits": [1, 2] if sign > 0 else [3]} for name, sign in BETTER.items()}
-    return {name: {**row, "hits": changed.get(name.split(",")[0].replace(" ", "_"), row["hits"])}
-            for name, row in whole.items()}  # fmt: skip
+    whole = {
+        name: {"of": [1, 2, 3, 4], "hits": [1, 2] if sign > 0 else [3]}
+        for name, sign in BETTER.items()
+    }
+    return {
+        name: {**row, "hits": changed.get(name.split(",")[0].replace(" ", "_"), row["hits"])}
+        for name, row in whole.items()
+    }
 
 
 def test_the_gate_forgives_one_case_and_not_two():
@@ -95,12 +105,20 @@ def test_the_gate_forgives_one_case_and_not_two():
 @pytest.mark.slow
 @pytest.mark.parametrize("cases", [2, soaked(len(GATE_SEEDS))])
 def test_the_fixed_part_is_as_good_as_it_was(cases):
-    """The accuracy gate of the diagnosis, figure by figure against the committed ones: sixty cases, here some."""
+    """The accuracy gate of the diagnosis, figure by figure against the committed ones.
+
+    Sixty cases, here some.
+    """
     from hidden_effect import answer
 
     asked = GATE_SEEDS[:cases]
     before = json.loads(BASELINE.read_text(encoding="utf-8"))
-    before = {name: {key: [s for s in row[key] if s in asked] for key in row} for name, row in before.items()}
+    before = {
+        name: {key: [s for s in row[key] if s in asked] for key in row}
+        for name, row in before.items()
+    }
     now = gate(answer, asked)
-    assert {name: row["of"] for name, row in now.items()} == {name: row["of"] for name, row in before.items()}
+    assert {name: row["of"] for name, row in now.items()} == {
+        name: row["of"] for name, row in before.items()
+    }
     assert worse(before, now) == []

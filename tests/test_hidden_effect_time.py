@@ -1,4 +1,4 @@
-"""A few hidden effects of tests in time, drawn and computed outside springpot, are seen and named."""
+"""A few hidden effects of tests in time, computed outside springpot, are seen and named."""
 
 from __future__ import annotations
 
@@ -59,17 +59,25 @@ def test_the_tables_count_all_cases(verdicts, tmp_path):
     assert all(name in text for name, _, _ in figures(verdicts))
 
 
-@pytest.mark.parametrize("name", ["maxwell", "zener", "fractional-maxwell", "fractional-zener", "fractional-kelvin"])
+@pytest.mark.parametrize(
+    "name", ["maxwell", "zener", "fractional-maxwell", "fractional-zener", "fractional-kelvin"]
+)
 def test_the_inversion_agrees_with_the_exact_response(name):
     theta = {"k": 50.0, "k1": 50.0, "k2": 400.0, "c": 60.0, "alpha": 0.55}
     model = parse_model(name)
     t, even = np.geomspace(0.05, 20.0, 30), np.linspace(0.0, 15.0, 200)
-    at = Setting("history", name, {key: theta[key] for key in model.names}, even, np.sin(even), None)
+    at = Setting(
+        "history", name, {key: theta[key] for key in model.names}, even, np.sin(even), None
+    )
     values = model.vector(at.theta)
-    assert relaxation(at.stiffness, t) == pytest.approx(model.relaxation(values, t), rel=1e-5, abs=1e-6)
+    assert relaxation(at.stiffness, t) == pytest.approx(
+        model.relaxation(values, t), rel=1e-5, abs=1e-6
+    )
     assert creep(at.stiffness, t) == pytest.approx(model.creep(values, t), rel=1e-6)
     force = model.respond(values, even, at.x)
-    assert to_history(at.stiffness, even, at.x)[1:] == pytest.approx(force[1:], abs=1e-5 * np.abs(force).max())
+    assert to_history(at.stiffness, even, at.x)[1:] == pytest.approx(
+        force[1:], abs=1e-5 * np.abs(force).max()
+    )
 
 
 def test_a_case_is_the_same_every_time():

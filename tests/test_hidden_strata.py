@@ -1,4 +1,7 @@
-"""Further strata of the hidden-effect test: their physics in time, their noise, and the figures made of answers."""
+"""Further strata of the hidden-effect test.
+
+Their physics in time, their noise, and the figures made of answers.
+"""
 
 from __future__ import annotations
 
@@ -32,20 +35,24 @@ def stiffness(force: np.ndarray, order: int = 1) -> np.ndarray:
 
 @pytest.mark.parametrize("name", GENERATOR)
 def test_the_strata_know_nothing_of_the_framework(name):
-    tree = ast.parse((STUDIES / "hidden_effects" / "strata" / f"{name}.py").read_text(encoding="utf-8"))
+    tree = ast.parse(
+        (STUDIES / "hidden_effects" / "strata" / f"{name}.py").read_text(encoding="utf-8")
+    )
     for node in ast.walk(tree):
         names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
         names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
         assert not [each for each in names if each.startswith("springpot")]
 
 
-# --- the integration in time against what is known in closed form ---------------------------------------------------
+# --- the integration in time against what is known in closed form ---------------------------------
 def test_a_linear_solid_in_time_is_its_complex_stiffness():
     np.testing.assert_allclose(stiffness(in_time.solid_force(SOLID, MOTION)), K, rtol=1e-6)
 
 
 def test_a_load_cell_in_time_is_its_transfer_function():
-    seen = stiffness(in_time.load_cell_force(in_time.solid_force(SOLID, MOTION), MOTION, 150.0, 0.05))
+    seen = stiffness(
+        in_time.load_cell_force(in_time.solid_force(SOLID, MOTION), MOTION, 150.0, 0.05)
+    )
     r = MOTION.omega / 150.0
     np.testing.assert_allclose(seen, K / (1.0 - r**2 + 0.1j * r), rtol=1e-4)
 
@@ -67,11 +74,16 @@ def test_a_hardening_mount_stiffens_and_makes_odd_harmonics_only():
 
 
 def test_friction_has_its_textbook_harmonics():
-    """First harmonic 4 F / pi; third a third of it, in phase with time from the top of the displacement."""
+    """First harmonic 4 F / pi.
+
+    Third a third of it, in phase with time from the top of the displacement.
+    """
     creep = 1e-4 * MOTION.omega * MOTION.top
     force = in_time.instant_force(lambda x, v, a: 3.0 * np.tanh(v / creep), MOTION)
     np.testing.assert_allclose(stiffness(force), 4j * 3.0 / np.pi / MOTION.top, rtol=1e-3)
-    np.testing.assert_allclose(in_time.harmonic(force, 3) / in_time.harmonic(force, 1), 1.0 / 3.0, rtol=1e-3)
+    np.testing.assert_allclose(
+        in_time.harmonic(force, 3) / in_time.harmonic(force, 1), 1.0 / 3.0, rtol=1e-3
+    )
 
 
 def test_one_slider_is_jenkins_and_a_sharp_bouc_wen_nearly_the_same():
@@ -80,7 +92,9 @@ def test_one_slider_is_jenkins_and_a_sharp_bouc_wen_nearly_the_same():
     told = 7.0 / np.pi * (beta - 0.5 * np.sin(2.0 * beta)) + 28j / np.pi * rho * (1.0 - rho)
     slider = stiffness(in_time.sliders_force(7.0, np.array([0.2]), MOTION))
     np.testing.assert_allclose(slider, told, rtol=1e-4)
-    np.testing.assert_allclose(stiffness(in_time.bouc_wen_force(7.0, 0.2, 30.0, 0.5, MOTION)), slider, rtol=2e-3)
+    np.testing.assert_allclose(
+        stiffness(in_time.bouc_wen_force(7.0, 0.2, 30.0, 0.5, MOTION)), slider, rtol=2e-3
+    )
     smooth = stiffness(in_time.bouc_wen_force(7.0, 0.2, 1.0, 0.5, MOTION))
     assert np.all(np.abs(smooth / slider - 1.0) > 0.05)
 
@@ -92,10 +106,12 @@ def test_any_material_follows_a_relaxation_and_not_a_mass():
     assert material_loss(omega, k - 1e-4 * omega**2, sigma) > 100.0
 
 
-# --- what is drawn --------------------------------------------------------------------------------------------------
+# --- what is drawn --------------------------------------------------------------------------------
 @pytest.mark.parametrize("stratum", STRATA)
 def test_a_case_is_the_same_each_time_and_another_for_another_seed(stratum, tmp_path):
-    one, again, other = (draw(stratum, s).to_csv(tmp_path / f"{i}.csv") for i, s in enumerate((3, 3, 4)))
+    one, again, other = (
+        draw(stratum, s).to_csv(tmp_path / f"{i}.csv") for i, s in enumerate((3, 3, 4))
+    )
     assert one.read_bytes() == again.read_bytes() != other.read_bytes()
 
 
@@ -142,7 +158,14 @@ def test_replicates_differ_by_a_gain_and_a_drift_is_hidden_by_the_order_of_rows(
 
 
 def test_names_that_count_as_right_are_those_of_effects():
-    for stratum, seed in (("time", 1), ("time", 3), ("time", 6), ("time", 7), ("noise", 6), ("rounding", 1)):
+    for stratum, seed in (
+        ("time", 1),
+        ("time", 3),
+        ("time", 6),
+        ("time", 7),
+        ("noise", 6),
+        ("rounding", 1),
+    ):
         (name,) = draw(stratum, seed).right
         assert name in EFFECTS or name.endswith(("shift", "heating"))
 
@@ -154,14 +177,28 @@ def test_beside_a_wrong_base_stands_what_no_material_does():
     assert set() < set(rig.material_right) <= set(rig.right)
 
 
-# --- figures --------------------------------------------------------------------------------------------------------
-def row(stratum: str, seed: int, kind: str, verdict: str, floor: float = 1.0, **more: object) -> dict[str, object]:
+# --- figures --------------------------------------------------------------------------------------
+def row(
+    stratum: str, seed: int, kind: str, verdict: str, floor: float = 1.0, **more: object
+) -> dict[str, object]:
     candidates = [{"effect": "inertia", "class": ["inertia"], "probability": 0.99}]
     return {
-        "design": stratum, "seed": seed, "kind": kind, "detail": "any", "truth": [], "chi2": 100.0, "floor": 0.01,
-        "points": 30, "seconds": 1.0, "material_truth": [],
-        "answer": {"verdict": verdict, "error": {"noise_floor": 0.01 * floor}, "candidates": candidates},
-    } | more  # fmt: skip
+        "design": stratum,
+        "seed": seed,
+        "kind": kind,
+        "detail": "any",
+        "truth": [],
+        "chi2": 100.0,
+        "floor": 0.01,
+        "points": 30,
+        "seconds": 1.0,
+        "material_truth": [],
+        "answer": {
+            "verdict": verdict,
+            "error": {"noise_floor": 0.01 * floor},
+            "candidates": candidates,
+        },
+    } | more
 
 
 def figures(rows):
@@ -186,8 +223,16 @@ def test_figures_count_verdicts_floors_and_seeds():
 def test_the_question_without_a_model_has_its_own_figures():
     wrong = row("wrong-base", 0, "base", "effect-missing", truth=["series-spring", "inertia"])
     named = wrong["answer"]
-    alone = wrong | {"detail": "alone", "material_answer": named | {"verdict": "adequate"}, "material_chi2": 0.0}
-    beside = wrong | {"material_truth": ["inertia"], "material_answer": named, "material_chi2": 200.0}
+    alone = wrong | {
+        "detail": "alone",
+        "material_answer": named | {"verdict": "adequate"},
+        "material_chi2": 0.0,
+    }
+    beside = wrong | {
+        "material_truth": ["inertia"],
+        "material_answer": named,
+        "material_chi2": 200.0,
+    }
     found = figures([alone, beside])
     assert found["wrong-base", "without a model: nothing missing, yet flagged"].value == 0.0
     assert found["wrong-base", "without a model: detected, chi2 >= 30"].n == 1
@@ -202,7 +247,16 @@ def test_strata_run_by_themselves_with_their_seeds(tmp_path, monkeypatch, capfd)
     monkeypatch.setattr(hidden_effect, "warm_up", lambda: None)  # nobody looks at the times
 
     def study(*arguments):
-        command = ["hidden_effect.py", "--out", str(tmp_path), "--workers", "1", "--seeds", "2", *arguments]
+        command = [
+            "hidden_effect.py",
+            "--out",
+            str(tmp_path),
+            "--workers",
+            "1",
+            "--seeds",
+            "2",
+            *arguments,
+        ]
         monkeypatch.setattr(sys, "argv", command)
         hidden_effect.main()
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 import subprocess
+import sys
 from collections.abc import Iterator
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
@@ -20,13 +21,13 @@ PLUGINS = ROOT / "plugins" / "springpot_plugins"
 
 FLOORS = {
     "lazy": -1,
-    "plain": -1,
+    "terminal_safe": -1,
     "limits": -1,
     "errors": 0,
     "distributions": 0,
     "owners": 0,
     "nonnegative": 0,
-    "policy": 0,
+    "thresholds": 0,
     "drawing": 0,
     "markup": 0,
     "surroundings": 0,
@@ -37,7 +38,7 @@ FLOORS = {
     "measurement": 2,
     "identification": 3,
     "hooks": 4,
-    "shelf": 5,
+    "catalogue": 5,
     "registry": 6,
     "constraints": 7,
     "versions": 7,
@@ -47,7 +48,7 @@ FLOORS = {
     "timetests": 8,
     "comparison": 9,
     "testing": 9,
-    "standing": 10,
+    "judgement": 10,
     "api": 11,
     "loading": 11,
     "identified": 12,
@@ -61,7 +62,7 @@ FLOORS = {
 """A room may import from rooms below it and from itself; two rooms on one floor do not meet."""
 
 GUESTS = {"benchmark", "solvers", "structure", "web"}
-"""Each brings its commands through the entry-point group and could be moved out by moving one folder."""
+"""Each brings commands by the entry-point group and could move out by moving one folder."""
 
 FOR_PLUGINS = {"errors", "hooks", "rheology", "measurement", "identification", "solvers"}
 
@@ -89,7 +90,11 @@ def modules(root: Path) -> Iterator[tuple[Path, str]]:
 
 def rooms(names: set[str]) -> set[str]:
     """The rooms of the framework among imported names."""
-    return {parts[1] for name in names if (parts := name.split("."))[0] == "springpot" and len(parts) > 1}
+    return {
+        parts[1]
+        for name in names
+        if (parts := name.split("."))[0] == "springpot" and len(parts) > 1
+    }
 
 
 FILES = [(path, package) for path, package in modules(FRAMEWORK)]
@@ -120,8 +125,14 @@ def test_the_core_imports_no_guest(path: Path, package: str):
 
 def test_the_core_names_no_module_of_a_guest():
     guest = re.compile(rf"springpot\.(?:{'|'.join(GUESTS)})\b")
-    named = [path for path, _ in FILES if path.relative_to(FRAMEWORK).parts[0] not in {*GUESTS, "__init__.py"}]
-    assert [path.name for path in named if any(guest.search(text.value) for text in strings(path))] == []
+    named = [
+        path
+        for path, _ in FILES
+        if path.relative_to(FRAMEWORK).parts[0] not in {*GUESTS, "__init__.py"}
+    ]
+    assert [
+        path.name for path in named if any(guest.search(text.value) for text in strings(path))
+    ] == []
 
 
 @pytest.mark.parametrize(("path", "package"), FILES, ids=name_of)
@@ -145,7 +156,10 @@ def test_the_framework_names_no_effect():
     guilty = []
     for path, _ in FILES:
         for text in strings(path):
-            guilty += [f"{path.relative_to(ROOT)}:{text.lineno}: {found}" for found in pattern.findall(text.value)]
+            guilty += [
+                f"{path.relative_to(ROOT)}:{text.lineno}: {found}"
+                for found in pattern.findall(text.value)
+            ]
     assert guilty == []
 
 
@@ -165,10 +179,12 @@ def importing(files: list[tuple[Path, str]]) -> dict[str, set[str]]:
 
 @pytest.mark.parametrize("files", [FILES, OWN], ids=["framework", "plugins"])
 def test_no_files_import_each_other(files: list[tuple[Path, str]]):
-    """Neither for types nor inside functions: what two files need of one another belongs below both.
+    """Neither for types nor inside functions.
 
-    The list of names that a package offers is a file too: a file that asks its own package for a name comes back to
-    itself.
+    What two files need of one another belongs below both.
+
+    The list of names that a package offers is a file too: a file that asks its own package for a
+    name comes back to itself.
     """
     tuple(TopologicalSorter(importing(files)).static_order())  # a CycleError names the files
 
@@ -193,9 +209,10 @@ def test_a_circle_is_seen(tmp_path: Path, second: str):
 
 
 SCREEN = 50
-"""Lines of code of a function that can be seen at once; its docstring is read before, not with it."""
-LONGEST = 500
-"""Lines of a file that one finds one's way in."""
+"""Lines of code of a function that can be seen at once; its docstring is read before, not with it.
+"""
+LONGEST = 400
+"""Lines of code of a file that one finds one's way in: without docstrings, comments and blanks."""
 
 
 def code_lines(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
@@ -208,13 +225,97 @@ def code_lines(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
     return lines
 
 
+def lines_of_code(text: str, tree: ast.AST) -> int:
+    """Lines of a file without docstrings, comments and blanks."""
+    told: set[int] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
+            told |= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
+    lines = enumerate(text.splitlines(), 1)
+    return sum(
+        number not in told and bool(line.strip()) and not line.lstrip().startswith("#")
+        for number, line in lines
+    )
+
+
 @pytest.mark.parametrize(("path", "package"), [*FILES, *OWN], ids=name_of)
 def test_a_file_can_be_read(path: Path, package: str):
     text = path.read_text(encoding="utf-8")
-    assert len(text.splitlines()) <= LONGEST
-    for node in ast.walk(ast.parse(text)):
+    tree = ast.parse(text)
+    assert lines_of_code(text, tree) <= LONGEST
+    for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
             assert code_lines(node) <= SCREEN, f"{node.name} does not fit a screen: name its steps"
+
+
+DEEPEST = 33
+"""Files of the longest chain of imports; may only fall (53 before imports named their files)."""
+TWICE = 31
+"""Names of classes that stand for two things or more; may only fall."""
+
+
+def imported_at_once(path: Path, package: str) -> set[str]:
+    """Names of modules imported with a file: not what is imported in functions or for types."""
+    top = ast.Module(ast.parse(path.read_text(encoding="utf-8")).body, [])
+    top.body = [node for node in top.body if isinstance(node, ast.Import | ast.ImportFrom)]
+    names: set[str] = set()
+    for node in top.body:
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+            continue
+        base = package.split(".")
+        base = base[: len(base) - node.level + 1] if node.level else []
+        start = ".".join([*base, *([node.module] if node.module else [])])
+        names |= {start} | {f"{start}.{alias.name}" for alias in node.names}
+    return names
+
+
+def test_the_chain_of_imports_grows_no_longer():
+    named = {
+        package if path.stem == "__init__" else f"{package}.{path.stem}": (path, package)
+        for path, package in FILES
+    }
+    edges = {
+        name: imported_at_once(*where) & named.keys() - {name} for name, where in named.items()
+    }
+    depth: dict[str, int] = {}
+    for name in TopologicalSorter(edges).static_order():
+        depth[name] = 1 + max((depth[below] for below in edges[name]), default=0)
+    assert max(depth.values()) <= DEEPEST
+
+
+def test_a_measurement_needs_few_files():
+    """So that a browser's Python or a reader's author need not load the framework for the data."""
+    program = (
+        "import sys; import springpot.measurement.measurement;"
+        "print(sum(name.startswith('springpot.') for name in sys.modules))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert int(done.stdout) <= 22
+
+
+def test_no_more_names_of_classes_stand_for_two_things():
+    names = [
+        node.name
+        for path, _ in FILES
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
+    ]
+    assert sum(names.count(name) > 1 for name in set(names)) <= TWICE
+
+
+def test_names_that_a_package_offers_are_no_files_of_it():
+    """A file that was imported would stand in the place of the function of its name."""
+    for path, _ in FILES:
+        if path.name != "__init__.py" or "offered(" not in path.read_text(encoding="utf-8"):
+            continue
+        text = path.read_text(encoding="utf-8")
+        where = dict(re.findall(r'^    "(\w+)": "([\w.]+)",$', text, re.M))
+        files = {file.stem for file in path.parent.glob("*.py")}
+        clash = {name for name in where if name in files and not where[name].endswith(f".{name}")}
+        assert clash == set()
 
 
 def test_a_docstring_is_no_code():
@@ -225,7 +326,9 @@ def test_a_docstring_is_no_code():
 
 def test_the_check_itself_sees_relative_and_hidden_imports(tmp_path: Path):
     path = tmp_path / "sly.py"
-    path.write_text("def f():\n    from ..cli import main\n    import springpot.report.text\n", encoding="utf-8")
+    path.write_text(
+        "def f():\n    from ..cli import main\n    import springpot.report.text\n", encoding="utf-8"
+    )
     assert rooms(imported(path, "springpot.rheology")) == {"cli", "report"}
 
 
@@ -234,11 +337,16 @@ def repository() -> tuple[Path, ...]:
     """Files under version control or about to be; an unpacked copy gives all of its own."""
     command = ["git", "ls-files", "-co", "--exclude-standard"]
     try:
-        listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.splitlines()
+        listed = subprocess.run(
+            command, cwd=ROOT, capture_output=True, text=True, check=True
+        ).stdout.splitlines()
     except (OSError, subprocess.CalledProcessError):
         folders = ("framework", "plugins", "studies", "tests", "results", "docs", ".ci")
         inside = [
-            path for folder in folders for path in (ROOT / folder).rglob("*") if "__pycache__" not in path.parts
+            path
+            for folder in folders
+            for path in (ROOT / folder).rglob("*")
+            if "__pycache__" not in path.parts
         ]
         return tuple(path for path in [*ROOT.glob("*.*"), *inside] if path.is_file())
     return tuple(path for name in listed if (path := ROOT / name).is_file())
@@ -261,18 +369,29 @@ def test_no_file_names_a_machine():
     assert guilty == []
 
 
-@pytest.mark.parametrize("text", ["see /work/" + "main", "'/tmp/" + "x'", "farm-" + "run", "/home/" + "me"])
+@pytest.mark.parametrize(
+    "text", ["see /work/" + "main", "'/tmp/" + "x'", "farm-" + "run", "/home/" + "me"]
+)
 def test_the_pattern_finds_machines(text: str):
     assert MACHINE.search(text)
 
 
-@pytest.mark.parametrize("text", ["kN/m", "framework/springpot", "https://example.org/home/page", "tests/tmp/x"])
+@pytest.mark.parametrize(
+    "text", ["kN/m", "framework/springpot", "https://example.org/home/page", "tests/tmp/x"]
+)
 def test_the_pattern_lets_ordinary_text_pass(text: str):
     assert not MACHINE.search(text)
 
 
 def test_no_two_test_files_share_a_name():
-    """pytest collects folders without `__init__.py` by bare module name: a second file of one name stops the run."""
-    bare = [path for path in (ROOT / "tests").rglob("*.py") if not (path.parent / "__init__.py").exists()]
+    """pytest collects folders without `__init__.py` by bare module name.
+
+    A second file of one name stops the run.
+    """
+    bare = [
+        path
+        for path in (ROOT / "tests").rglob("*.py")
+        if not (path.parent / "__init__.py").exists()
+    ]
     names = [path.stem for path in bare if path.stem != "conftest"]
     assert sorted(names) == sorted(set(names))

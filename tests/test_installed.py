@@ -26,7 +26,8 @@ STUDY = """
 from springpot.benchmark import Study
 
 STUDY = Study(
-    "tiny", ["example-data"], ["own"], ["relative"], ["example-optimiser", "native"], repetitions=2, budget=300
+    "tiny", ["example-data"], ["own"], ["relative"], ["example-optimiser", "native"],
+    repetitions=2, budget=300,
 )
 """
 
@@ -40,7 +41,11 @@ class Environment:
 
     def run(self, *command: str | Path, code: int = 0) -> str:
         """Standard output of a command of the environment."""
-        clean = {key: value for key, value in os.environ.items() if not key.startswith(("PYTHON", "SPRINGPOT"))}
+        clean = {
+            key: value
+            for key, value in os.environ.items()
+            if not key.startswith(("PYTHON", "SPRINGPOT"))
+        }
         found = subprocess.run(
             [_binary(self.folder, str(command[0])), *map(str, command[1:])],
             cwd=self.home,
@@ -76,15 +81,21 @@ def _pip(*arguments: str | Path) -> None:
 
 
 def _wheels(target: Path, *sources: Path) -> None:
-    _pip("wheel", "--no-deps", "--no-index", "--no-build-isolation", "--wheel-dir", target, *sources)
+    _pip(
+        "wheel", "--no-deps", "--no-index", "--no-build-isolation", "--wheel-dir", target, *sources
+    )
 
 
 @pytest.fixture(scope="session")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Environment:
-    """The environment; it borrows numpy and the like from the running one, so that no network is needed."""
+    """The environment; it borrows numpy and the like from the running one.
+
+    So that no network is needed.
+    """
     base = tmp_path_factory.mktemp("installed")
     source, wheels, home = (base / name for name in ("source", "wheels", "home"))
-    # Built from copies, so that no build leaves anything in the checkout or takes anything from an older one.
+    # Built from copies, so that no build leaves anything in the checkout or takes anything from an
+    # older one.
     ignored = shutil.ignore_patterns("__pycache__", "*.egg-info", "build", "test_*.py")
     source.mkdir()
     for name in SOURCES:
@@ -98,17 +109,31 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Environment:
     folder = base / "environment"
     venv.create(folder, with_pip=False)
     python = _binary(folder, "python")
-    _pip("--python", python, "install", "--no-deps", "--no-index", "--no-compile", *wheels.glob("*.whl"))
+    _pip(
+        "--python",
+        python,
+        "install",
+        "--no-deps",
+        "--no-index",
+        "--no-compile",
+        *wheels.glob("*.whl"),
+    )
     places = {"base": str(folder), "platbase": str(folder)}
     site = Path(sysconfig.get_path("purelib", "venv", vars=places))
-    # After the wheels: pip must not take the running environment's springpot for an older one to be replaced.
-    (site / "borrowed.pth").write_text(sysconfig.get_path("purelib") + "\n" + sysconfig.get_path("platlib") + "\n")
+    # After the wheels: pip must not take the running environment's springpot for an older one to be
+    # replaced.
+    (site / "borrowed.pth").write_text(
+        sysconfig.get_path("purelib") + "\n" + sysconfig.get_path("platlib") + "\n"
+    )
     home.mkdir()
     return Environment(folder, home)
 
 
 def _csv(path: Path, omega: np.ndarray, stiffness: np.ndarray) -> Path:
-    rows = [f"{w!r},{k.real!r},{k.imag!r}" for w, k in zip(omega.tolist(), stiffness.tolist(), strict=True)]
+    rows = [
+        f"{w!r},{k.real!r},{k.imag!r}"
+        for w, k in zip(omega.tolist(), stiffness.tolist(), strict=True)
+    ]
     path.write_text("\n".join(["omega [rad/s],storage [kN/m],loss [kN/m]", *rows]) + "\n")
     return path
 
@@ -124,7 +149,10 @@ def _names(listing: str) -> Sequence[str]:
 
 def test_it_is_the_installed_springpot_that_runs(installed: Environment):
     modules = "springpot", "springpot_plugins", "springpot_example"
-    code = f"import {', '.join(modules)}; print(*[m.__file__ for m in ({', '.join(modules)})], sep='\\n')"
+    code = (
+        f"import {', '.join(modules)}; "
+        f"print(*[m.__file__ for m in ({', '.join(modules)})], sep='\\n')"
+    )
     for path in installed.run("python", "-c", code).splitlines():
         assert Path(path).is_relative_to(installed.folder)
     assert not [path for path in ROOT.glob("build*") if path.is_dir()]
@@ -149,7 +177,9 @@ def test_whatever_the_example_offers_is_listed_beside_what_is_built_in(installed
         "datasets": ("example-data", "nist-srm2491"),
         "readers": ("example-json", "springpot-csv"),
     }
-    listings = installed.springpots(*(["list", kind, "--json"] for kind in ours), ["list", "models"])
+    listings = installed.springpots(
+        *(["list", kind, "--json"] for kind in ours), ["list", "models"]
+    )
     for names, listing in zip(ours.values(), listings, strict=False):
         assert set(names) <= set(_names(listing))
         assert json.loads(listing)["unavailable"] == []
@@ -157,7 +187,9 @@ def test_whatever_the_example_offers_is_listed_beside_what_is_built_in(installed
 
 
 def test_the_model_is_identified_from_the_data_set(installed: Environment):
-    answer = json.loads(installed.springpot("identify", "example-data", "--model", "example-model", "--json"))
+    answer = json.loads(
+        installed.springpot("identify", "example-data", "--model", "example-model", "--json")
+    )
     assert answer["model"] == "example-model"
     values = {name: (entry["value"], entry["unit"]) for name, entry in answer["parameters"].items()}
     truth = {"c0": 2.0, "k": 400.0, "c": 60.0, "alpha": 0.5}
@@ -168,8 +200,12 @@ def test_the_model_is_identified_from_the_data_set(installed: Environment):
 def test_the_reader_opens_its_files(installed: Environment):
     path = installed.home / "damper.json"
     columns = {"omega": OMEGA, "storage": MAXWELL.real, "loss": MAXWELL.imag}
-    path.write_text(json.dumps({"unit": "kN/m"} | {key: column.tolist() for key, column in columns.items()}))
-    answer = json.loads(installed.springpot("identify", path, "-m", "damper-in-solvent + inertia", "--json"))
+    path.write_text(
+        json.dumps({"unit": "kN/m"} | {key: column.tolist() for key, column in columns.items()})
+    )
+    answer = json.loads(
+        installed.springpot("identify", path, "-m", "damper-in-solvent + inertia", "--json")
+    )
     assert answer["relative_rms"] < 1e-6
     path.write_text('{"omega": [1, 2], "storage": [3, "four"]}')
     told = installed.springpot("identify", path, "-m", "kelvin", code=2)
@@ -180,8 +216,12 @@ def test_the_reader_opens_its_files(installed: Environment):
 def test_the_effect_takes_part_in_diagnosis_and_is_found(installed: Environment):
     noise = np.random.default_rng(7).normal(size=(2, len(OMEGA))) * 0.003
     lost = 1j * OMEGA / (1j * OMEGA + 2.0)
-    data = _csv(installed.home / "drifting.csv", OMEGA, MAXWELL * lost * (1 + noise[0] + 1j * noise[1]))
-    answer = json.loads(installed.springpot("diagnose", data, "--model", "fractional-maxwell", "--json"))
+    data = _csv(
+        installed.home / "drifting.csv", OMEGA, MAXWELL * lost * (1 + noise[0] + 1j * noise[1])
+    )
+    answer = json.loads(
+        installed.springpot("diagnose", data, "--model", "fractional-maxwell", "--json")
+    )
     assert answer["verdict"] == "effect-missing"
     first = answer["candidates"][0]
     assert "charge-amplifier" in {first["effect"], *first["class"]}
@@ -193,7 +233,10 @@ def test_the_optimiser_runs_in_a_study(installed: Environment):
     script = installed.home / "tiny.py"
     script.write_text(STUDY)
     store = "results/tiny/tiny.sqlite"
-    asked = ["run", str(script), "--workers", "1", "--quiet", "--json"], ["tables", store, "--format", "csv"]
+    asked = (
+        ["run", str(script), "--workers", "1", "--quiet", "--json"],
+        ["tables", store, "--format", "csv"],
+    )
     told, table = installed.springpots(*asked)
     answer = json.loads(told)
     assert (answer["trials"], answer["ran"], answer["failed"]) == (4, 4, 0)
@@ -205,7 +248,10 @@ def test_the_optimiser_runs_in_a_study(installed: Environment):
 def test_the_optimiser_identifies_too(installed: Environment):
     arguments = ["--optimiser", "example-optimiser", "--budget", "500", "--seed", "1", "--json"]
     answers = [
-        *map(json.loads, installed.springpots(*2 * [["identify", "example-data", "-m", "maxwell", *arguments]]))
+        *map(
+            json.loads,
+            installed.springpots(*2 * [["identify", "example-data", "-m", "maxwell", *arguments]]),
+        )
     ]
     assert answers[0]["optimiser"] == "example-optimiser"
     assert answers[0]["parameters"] == answers[1]["parameters"]
@@ -214,7 +260,9 @@ def test_the_optimiser_identifies_too(installed: Environment):
 def test_every_command_of_the_page_on_plugins_works(installed: Environment):
     page = (ROOT / "docs" / "plugins.md").read_text()
     commands = [
-        line for block in re.findall(r"^```console\n(.*?)^```$", page, re.M | re.S) for line in block.splitlines()
+        line
+        for block in re.findall(r"^```console\n(.*?)^```$", page, re.M | re.S)
+        for line in block.splitlines()
     ]
     assert len(commands) >= 4
     called = [shlex.split(command) for command in commands]
@@ -224,6 +272,8 @@ def test_every_command_of_the_page_on_plugins_works(installed: Environment):
 
 def test_without_the_example_nothing_of_it_is_there():
     code = "from springpot.registry import plugins; print(*plugins().names('model'))"
-    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    told = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    ).stdout.split()
     assert "kelvin" in told
     assert "example-model" not in told

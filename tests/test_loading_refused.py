@@ -6,7 +6,9 @@ import springpot
 from springpot.errors import SpringpotError
 
 
-@pytest.mark.parametrize("text", ["{}", "[]", "3", '{"schema": []}', '{"schema": {}}', '{"schema": "none/1"}'])
+@pytest.mark.parametrize(
+    "text", ["{}", "[]", "3", '{"schema": []}', '{"schema": {}}', '{"schema": "none/1"}']
+)
 def test_what_is_no_answer_is_refused_in_one_line(tmp_path, text):
     path = tmp_path / "answer.json"
     path.write_text(text, encoding="utf-8")

@@ -53,10 +53,11 @@ def test_what_nist_says_of_its_fluid(study):
     ],
 )
 def test_measured_sets(study, name, law, error):
-    """The errors that a free spectrum with both factors reaches, and polyisoprene within 5 % of what is published.
+    """Errors of a free spectrum with both factors; polyisoprene is within 5 % of what is published.
 
-    Vertical factors without any expectation would take the tape to 1.0 % with b = 0.65 at -40 degC, where no material
-    is nearer than 3.8 %, and the bitumen to 2.16 % (repeats: 3.2 %) with b over a factor of 22.
+    Vertical factors without any expectation would take the tape to 1.0 % with b = 0.65 at -40 degC,
+    where no material is nearer than 3.8 %, and the bitumen to 2.16 % (repeats: 3.2 %) with b over a
+    factor of 22.
     """
     try:
         data = springpot.read(name)

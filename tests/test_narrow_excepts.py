@@ -1,4 +1,4 @@
-"""A programming error is no answer: what may catch one is listed here, each place with its reason."""
+"""A programming error is no answer: each place that may catch one is listed with its reason."""
 
 from __future__ import annotations
 
@@ -27,7 +27,9 @@ PARSERS = frozenset(_PARSERS.split())
 such an error that they are none."""
 
 
-def broad_handlers(tree: ast.AST, where: str = "") -> Iterator[tuple[str, ast.Try, ast.ExceptHandler]]:
+def broad_handlers(
+    tree: ast.AST, where: str = ""
+) -> Iterator[tuple[str, ast.Try, ast.ExceptHandler]]:
     """Handlers that catch what a mistake raises, each with the function around it."""
     for node in ast.iter_child_nodes(tree):
         name = where
@@ -37,7 +39,9 @@ def broad_handlers(tree: ast.AST, where: str = "") -> Iterator[tuple[str, ast.Tr
             for handler in node.handlers:
                 caught = {"BaseException"}
                 if handler.type is not None:
-                    caught = {ast.unparse(each) for each in getattr(handler.type, "elts", [handler.type])}
+                    caught = {
+                        ast.unparse(each) for each in getattr(handler.type, "elts", [handler.type])
+                    }
                 if caught & BROAD:
                     yield name, node, handler
         yield from broad_handlers(node, name)
@@ -73,12 +77,12 @@ CHECK = "a contract test, whose finding is what was raised"
 TOP = "the top of a process: what comes this far is told as a fault, with exit code 3 or a status"
 CARRIED = "kept here and raised again behind a library that would swallow it"
 BOUNDARIES = {
-    "framework/springpot/benchmark/audit.py:_checked": OPTIMISER,
-    "framework/springpot/benchmark/canary.py:complaint": OPTIMISER,
+    "framework/springpot/benchmark/recheck.py:_checked": OPTIMISER,
+    "framework/springpot/benchmark/tamper_test.py:complaint": OPTIMISER,
     "framework/springpot/benchmark/engine.py:_dask": FOREIGN,
     "framework/springpot/benchmark/engine.py:_submit": FOREIGN,
-    "framework/springpot/benchmark/nursery.py:_be_born": TOP,
-    "framework/springpot/benchmark/nursery.py:main": TOP,
+    "framework/springpot/benchmark/fork_server.py:_be_born": TOP,
+    "framework/springpot/benchmark/fork_server.py:main": TOP,
     "framework/springpot/benchmark/script.py:load_script": PLUGIN,
     "framework/springpot/benchmark/supervisor.py:_hear": OPTIMISER,
     "framework/springpot/benchmark/trial.py:_built": OPTIMISER,
@@ -86,10 +90,12 @@ BOUNDARIES = {
     "framework/springpot/benchmark/worker.py:_result": TOP,
     "framework/springpot/benchmark/worker.py:of": "what pickle says of a study that cannot be sent",
     "framework/springpot/cli/faults.py:_exit_code": TOP,
-    "framework/springpot/identification/run.py:_supervised": OPTIMISER,
+    "framework/springpot/identification/runs.py:_supervised": OPTIMISER,
     "framework/springpot/loading.py:_read": STRANGER,
     "framework/springpot/loading.py:load": STRANGER,
-    "framework/springpot/measurement/measurement.py:_array": "what numpy says of values that are no numbers",
+    "framework/springpot/measurement/measurement.py:_array": (
+        "what numpy says of values that are no numbers"
+    ),
     "framework/springpot/measurement/opening.py:read_head": "a path with a zero byte is no file",
     "framework/springpot/measurement/recognition.py:_confidence": PLUGIN,
     "framework/springpot/measurement/recognition.py:guarded": PLUGIN,
@@ -132,7 +138,9 @@ def test_nothing_but_listed_boundaries_takes_a_programming_error_for_an_answer()
     for root in ("framework/springpot", "plugins/springpot_plugins"):
         for path in sorted((ROOT / root).rglob("*.py")):
             found |= set(unlisted(path.read_text(encoding="utf-8"), str(path.relative_to(ROOT))))
-    assert found - set(BOUNDARIES) == set(), "narrow it to springpot's own errors, or to the call that parses"
+    assert found - set(BOUNDARIES) == set(), (
+        "narrow it to springpot's own errors, or to the call that parses"
+    )
     assert set(BOUNDARIES) - found == set(), "no longer needed: take it off the list"
 
 

@@ -1,9 +1,10 @@
 """Every example of the README runs and gives the output that it shows.
 
-The first line of a fenced block says what it is: ``csv NAME`` and ``python NAME`` are files, ``console`` is commands
-after ``$`` with their output, ``python`` is run as it stands, ``output`` is what it prints, ``python quoted`` is part
-of the example plugin, ``sh`` is not run. A line ``...`` stands for any number of lines. Numbers and the width of
-columns may differ, words may not. ``python tests/test_readme.py`` writes today's numbers into the README.
+The first line of a fenced block says what it is: ``csv NAME`` and ``python NAME`` are files,
+``console`` is commands after ``$`` with their output, ``python`` is run as it stands, ``output`` is
+what it prints, ``python quoted`` is part of the example plugin, ``sh`` is not run. A line ``...``
+stands for any number of lines. Numbers and the width of columns may differ, words may not. ``python
+tests/test_readme.py`` writes today's numbers into the README.
 """
 
 from __future__ import annotations
@@ -95,7 +96,9 @@ def test_examples_give_what_they_show(tmp_path: Path, monkeypatch: pytest.Monkey
     assert len(found) >= 6
     for example in found:
         for shown, actual in example.pairs():
-            where = f"$ {example.title}\nREADME shows: {shown}\nin reality:\n" + "\n".join(example.actual)
+            where = f"$ {example.title}\nREADME shows: {shown}\nin reality:\n" + "\n".join(
+                example.actual
+            )
             assert actual is not None, where
             assert masked(shown) == masked(actual), where
     assert (tmp_path / "report.html").stat().st_size > 0
@@ -104,25 +107,39 @@ def test_examples_give_what_they_show(tmp_path: Path, monkeypatch: pytest.Monkey
 
 def test_a_line_that_is_not_printed_is_noticed():
     real = ["error 5 %", "", "note one", "note two"]
-    assert all(found is not None for _, found in Example("", ["error 4.9 %", GAP, "note two"], real).pairs())
+    assert all(
+        found is not None
+        for _, found in Example("", ["error 4.9 %", GAP, "note two"], real).pairs()
+    )
     assert None in [found for _, found in Example("", ["fault 5 %", GAP], real).pairs()]
-    assert None in [found for _, found in Example("", ["error 5 %", GAP, "note three", GAP], real).pairs()]
+    assert None in [
+        found for _, found in Example("", ["error 5 %", GAP, "note three", GAP], real).pairs()
+    ]
     assert ("", "note two") in list(Example("", ["error 5 %", "", "note one"], real).pairs())
 
 
 def test_quoted_code_is_that_of_the_example_plugin():
-    source = (ROOT / "tests" / "example_plugin" / "springpot_example.py").read_text(encoding="utf-8")
-    quoted = [body for language, name, body in BLOCK.findall(README.read_text(encoding="utf-8")) if name == "quoted"]
+    source = (ROOT / "tests" / "example_plugin" / "springpot_example.py").read_text(
+        encoding="utf-8"
+    )
+    quoted = [
+        body
+        for language, name, body in BLOCK.findall(README.read_text(encoding="utf-8"))
+        if name == "quoted"
+    ]
     assert len(quoted) == 3
     for body in quoted:
         assert body in source
         assert len(body.splitlines()) < 30
 
 
-@pytest.mark.parametrize("page", [README, *sorted((ROOT / "docs").glob("*.md"))], ids=lambda page: page.name)
+@pytest.mark.parametrize(
+    "page", [README, *sorted((ROOT / "docs").glob("*.md"))], ids=lambda page: page.name
+)
 def test_links_lead_somewhere(page: Path):
     for target in re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text(encoding="utf-8")):
-        # The reports of the gallery are made with the site; tests/test_gallery.py holds their names.
+        # The reports of the gallery are made with the site; tests/test_gallery.py holds their
+        # names.
         if not target.startswith(("http:", "https:", "gallery/")):
             assert (page.parent / target).exists(), f"{page.name}: {target}"
 

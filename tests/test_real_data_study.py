@@ -1,4 +1,7 @@
-"""The study of measured data: its tables follow from its answers, and it runs with what is on this machine."""
+"""The study of measured data.
+
+Its tables follow from its answers, and it runs with what is on this machine.
+"""
 
 from __future__ import annotations
 
@@ -72,11 +75,21 @@ def told(verdict: str, error: float, missing: list[str], notes: list[str]) -> di
     step = {"relative_rms": error, "noise_floor": 0.01, "accepted": None, "class": []}
     part = {"verdict": verdict, "says": "", "notes": notes, "error": {"material_floor": 0.01}}
     last = part | {"missing": missing}
-    return {"set": "x", "points": 9, "steps": [step], "verdict": verdict, "first": part, "last": last}
+    return {
+        "set": "x",
+        "points": 9,
+        "steps": [step],
+        "verdict": verdict,
+        "first": part,
+        "last": last,
+    }
 
 
 def test_without_a_model_a_set_is_settled_near_the_floor_or_with_a_named_cause():
-    near, far = told("unexplained", 0.014, [], []), told("unexplained", 0.016, [], ["diagnosed on 9 points"])
+    near, far = (
+        told("unexplained", 0.014, [], []),
+        told("unexplained", 0.016, [], ["diagnosed on 9 points"]),
+    )
     effect = told("effect-missing", 0.05, ["inertia", "basset"], [])
     chain = told("unexplained", 0.05, [], ["what is missing looks like a gain that drifts"])
     points = told("unexplained", 0.05, [], ["a single point stands out and was set aside"])
@@ -91,7 +104,10 @@ def test_without_a_model_a_set_is_settled_near_the_floor_or_with_a_named_cause()
 def test_absent_sets_are_one_line_each(nowhere, capsys, tmp_path):
     real_data.main(["micelles", "friction-damper", "--out", str(tmp_path)])
     lines = capsys.readouterr().out.splitlines()
-    assert [line.partition(": not on this machine")[0] for line in lines] == ["micelles", "friction-damper"]
+    assert [line.partition(": not on this machine")[0] for line in lines] == [
+        "micelles",
+        "friction-damper",
+    ]
     assert not list(tmp_path.iterdir())
 
 

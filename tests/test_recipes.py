@@ -1,4 +1,6 @@
-"""The recipes and tutorials run, and print to the letter what they show; blocks are marked as in the README.
+"""The recipes and tutorials run, and print to the letter what they show.
+
+Blocks are marked as in the README.
 
 ``python tests/test_recipes.py`` shows what each page prints today.
 """
@@ -31,7 +33,10 @@ def commanded(line: str) -> list[str]:
     words = shlex.split(line)
     target = words[words.index(">") + 1] if ">" in words else None
     arguments = words[1 : words.index(">") if target else None]
-    with contextlib.redirect_stdout(io.StringIO()) as stream, contextlib.redirect_stderr(io.StringIO()) as errors:
+    with (
+        contextlib.redirect_stdout(io.StringIO()) as stream,
+        contextlib.redirect_stderr(io.StringIO()) as errors,
+    ):
         code = exit_code(lambda: run(arguments))
     assert code == 0, f"{line}: {errors.getvalue()}"
     if target:
@@ -60,8 +65,12 @@ def shown_and_real(text: str) -> Iterator[tuple[str, list[str], list[str]]]:
 
 def alike(shown: list[str], real: list[str]) -> bool:
     """Whether lines are the same, ``...`` standing for any number of them."""
-    pattern = "".join(r"(?:.*\n)*?" if line == GAP else re.escape(line.rstrip()) + r"\s*?\n" for line in shown)
-    return re.fullmatch(pattern + r"\n*", "".join(f"{line.rstrip()}\n" for line in real)) is not None
+    pattern = "".join(
+        r"(?:.*\n)*?" if line == GAP else re.escape(line.rstrip()) + r"\s*?\n" for line in shown
+    )
+    return (
+        re.fullmatch(pattern + r"\n*", "".join(f"{line.rstrip()}\n" for line in real)) is not None
+    )
 
 
 @pytest.mark.usefixtures("asked_once", "unpainted")

@@ -1,4 +1,4 @@
-"""The plugin host: whatever a plugin does wrong is said in one line, and everything else works on."""
+"""The plugin host: what a plugin does wrong is said in one line, and all else works on."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ Install = Callable[..., Registry]
 
 @pytest.fixture
 def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """A registry of distributions, each given as the source of its only module and named by its keyword."""
+    """A registry of distributions, each the source of its only module, named by its keyword."""
     numbers = count()
 
     def loaded(**sources: str) -> Registry:
@@ -50,7 +50,9 @@ def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
             info = tmp_path / f"{module}.dist-info"
             info.mkdir()
             distribution = name if name == "springpot" else f"dist-{name}"
-            (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {distribution}\nVersion: 1\n")
+            (info / "METADATA").write_text(
+                f"Metadata-Version: 2.1\nName: {distribution}\nVersion: 1\n"
+            )
             (info / "entry_points.txt").write_text(f"[springpot]\nplugin = {module}\n")
             points += PathDistribution(info).entry_points
         return Registry(points)
@@ -60,27 +62,48 @@ def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 
 
 BROKEN = {
-    "a missing library": ("import no_such_library\n", "ModuleNotFoundError: No module named 'no_such_library'"),
+    "a missing library": (
+        "import no_such_library\n",
+        "ModuleNotFoundError: No module named 'no_such_library'",
+    ),
     "an exit": ("import sys\nsys.exit('no licence')\n", "SystemExit: no licence"),
-    "a fault beneath Exception": ("class Panic(BaseException): ...\nraise Panic('rust')\n", "Panic: rust"),
+    "a fault beneath Exception": (
+        "class Panic(BaseException): ...\nraise Panic('rust')\n",
+        "Panic: rust",
+    ),
     "a syntax error": ("def f(:\n", "SyntaxError: invalid syntax"),
-    "a long complaint": ("raise ImportError('one\\ntwo\\n' + 1000 * 'x')\n", "ImportError: one two x"),
-    "a hook that raises": (GOOD + "@hookimpl\ndef springpot_models():\n    1 / 0\n", "ZeroDivisionError"),
-    "a hook that exits": (GOOD + "@hookimpl\ndef springpot_models():\n    raise SystemExit(3)\n", "SystemExit: 3"),
-    "nothing returned": (GOOD + "@hookimpl\ndef springpot_models(): ...\n", "must return a list of models, not None"),
+    "a long complaint": (
+        "raise ImportError('one\\ntwo\\n' + 1000 * 'x')\n",
+        "ImportError: one two x",
+    ),
+    "a hook that raises": (
+        GOOD + "@hookimpl\ndef springpot_models():\n    1 / 0\n",
+        "ZeroDivisionError",
+    ),
+    "a hook that exits": (
+        GOOD + "@hookimpl\ndef springpot_models():\n    raise SystemExit(3)\n",
+        "SystemExit: 3",
+    ),
+    "nothing returned": (
+        GOOD + "@hookimpl\ndef springpot_models(): ...\n",
+        "must return a list of models, not None",
+    ),
     "one thing, no list": (
         GOOD + "@hookimpl\ndef springpot_models():\n    return model('m')\n",
         "must return a list of models, not <Model",
     ),
-    "a word": (GOOD + "@hookimpl\ndef springpot_models():\n    return 'kelvin'\n", "a list of models, not 'kelvin'"),
+    "a word": (
+        GOOD + "@hookimpl\ndef springpot_models():\n    return 'kelvin'\n",
+        "a list of models, not 'kelvin'",
+    ),
     "another kind": (MODELS.format("effect('e')"), "springpot_models offers Effect(name='e'"),
     "an instance": (
         GOOD + "@hookimpl\ndef springpot_optimisers():\n    return [object()]\n",
         "which is no optimiser (offer the class itself",
     ),
     "an unfinished class": (
-        GOOD + "from springpot.identification import Optimiser\nclass Mine(Optimiser):\n    name = 'mine'\n"
-        "@hookimpl\ndef springpot_optimisers():\n    return [Mine]\n",
+        GOOD + "from springpot.identification import Optimiser\nclass Mine(Optimiser):\n"
+        "    name = 'mine'\n@hookimpl\ndef springpot_optimisers():\n    return [Mine]\n",
         "which is no optimiser (offer the class itself, with minimise written)",
     ),
     "no name": (MODELS.format("model('')"), "offers a model without a name"),
@@ -89,12 +112,18 @@ BROKEN = {
         MODELS.format("Model('m', spring(), aliases='other')"),
         "aliases must be a tuple such as ('m-2',), not 'other'",
     ),
-    "an argument": (GOOD + "@hookimpl\ndef springpot_models(data):\n    return []\n", "springpot_models(data)"),
+    "an argument": (
+        GOOD + "@hookimpl\ndef springpot_models(data):\n    return []\n",
+        "springpot_models(data)",
+    ),
     "a misspelt hook": (
         GOOD + "@hookimpl\ndef springpot_modles():\n    return []\n",
         "there is no hook springpot_modles: did you mean springpot_models?",
     ),
-    "an unheard-of hook": (GOOD + "@hookimpl\ndef springpot_xyzzy():\n    return []\n", "springpot_xyzzy: known are"),
+    "an unheard-of hook": (
+        GOOD + "@hookimpl\ndef springpot_xyzzy():\n    return []\n",
+        "springpot_xyzzy: known are",
+    ),
     "a forgotten mark": (
         GOOD + "def springpot_models():\n    return [model('m')]\n",
         "springpot_models is not marked with @hookimpl and does nothing",
@@ -103,9 +132,15 @@ BROKEN = {
 
 
 @pytest.mark.parametrize("case", BROKEN)
-def test_what_is_broken_is_listed_with_its_reason_and_distribution_and_the_rest_works(install: Install, case: str):
+def test_what_is_broken_is_listed_with_its_reason_and_distribution_and_the_rest_works(
+    install: Install, case: str
+):
     source, reason = BROKEN[case]
-    found = install(before=MODELS.format("model('before')"), broken=source, later=MODELS.format("model('later')"))
+    found = install(
+        before=MODELS.format("model('before')"),
+        broken=source,
+        later=MODELS.format("model('later')"),
+    )
     [fault] = found.faults
     assert fault.distribution == "dist-broken"
     assert reason in fault.reason
@@ -122,14 +157,20 @@ def test_one_bad_thing_leaves_the_other_things_of_its_plugin(install: Install):
 
 
 def test_a_fault_in_one_hook_leaves_the_plugin_s_other_hooks(install: Install):
-    source = MODELS.format("model('good')") + "@hookimpl\ndef springpot_effects():\n    raise OSError('disk')\n"
+    source = (
+        MODELS.format("model('good')")
+        + "@hookimpl\ndef springpot_effects():\n    raise OSError('disk')\n"
+    )
     found = install(half=source)
     assert found.names("model") == ["good"]
     assert [fault.reason for fault in found.faults] == ["OSError: disk"]
 
 
 def test_what_a_generator_gave_before_it_failed_is_kept(install: Install):
-    source = GOOD + "@hookimpl\ndef springpot_models():\n    yield model('early')\n    raise ValueError('late')\n"
+    source = (
+        GOOD + "@hookimpl\ndef springpot_models():\n    yield model('early')\n"
+        "    raise ValueError('late')\n"
+    )
     found = install(generator=source)
     assert found.names("model") == ["early"]
     assert [fault.reason for fault in found.faults] == ["ValueError: late"]
@@ -141,7 +182,9 @@ def test_an_interruption_is_not_swallowed(install: Install):
 
 
 def test_one_name_of_two_plugins_is_an_error_that_names_both(install: Install):
-    found = install(one=MODELS.format("model('twin'), model('mine')"), two=MODELS.format("model('twin')"))
+    found = install(
+        one=MODELS.format("model('twin'), model('mine')"), two=MODELS.format("model('twin')")
+    )
     with pytest.raises(PluginError) as caught:
         found.model("twin")
     for word in ("model 'twin'", "plugin 'plugin' of dist-one", "of dist-two", "uninstall one"):
@@ -159,12 +202,17 @@ def test_two_distributions_may_choose_the_same_name_for_their_entry_point(instal
 def test_one_plugin_that_offers_a_name_twice_keeps_the_first(install: Install):
     found = install(one=MODELS.format("model('twin', 'first'), model('twin', 'second')"))
     assert found.model("twin").aliases == ("first",)
-    assert [fault.reason for fault in found.faults] == ["model 'twin' is offered twice; the first is used"]
+    assert [fault.reason for fault in found.faults] == [
+        "model 'twin' is offered twice; the first is used"
+    ]
 
 
 @pytest.mark.parametrize("order", [1, -1])
 def test_an_alias_gives_way_to_another_s_name_and_this_is_reported(install: Install, order: int):
-    sources = {"claims": MODELS.format("model('a', 'b', 'c')"), "named": MODELS.format("model('b')")}
+    sources = {
+        "claims": MODELS.format("model('a', 'b', 'c')"),
+        "named": MODELS.format("model('b')"),
+    }
     found = install(**dict(list(sources.items())[::order]))
     assert found.model("b").base == "b"
     assert found.model("c").base == "a"
@@ -176,7 +224,10 @@ def test_an_alias_gives_way_to_another_s_name_and_this_is_reported(install: Inst
 
 def test_an_alias_of_two_things_is_an_error_that_names_both(install: Install):
     found = install(one=MODELS.format("model('a', 'x')"), two=MODELS.format("model('b', 'x')"))
-    with pytest.raises(PluginError, match=r"alias 'x' of model 'b' .*dist-two is also an alias of 'a' of .*dist-one"):
+    with pytest.raises(
+        PluginError,
+        match=r"alias 'x' of model 'b' .*dist-two is also an alias of 'a' of .*dist-one",
+    ):
         found.model("x")
     assert [fault.reason for fault in found.faults] == [found.shelves["model"].clashes["x"]]
     assert found.names("model") == ["a", "b"]
@@ -192,14 +243,16 @@ def test_an_alias_that_is_the_own_name_is_reported(install: Install):
 def test_a_name_that_a_family_has_for_its_member_is_in_dispute(install: Install):
     family = "from springpot.rheology.family import Family\n"
     found = install(
-        one=family + MODELS.format("Family('row-N', lambda n: model(f'row-{n}'), aliases=('chain-N',))"),
+        one=family
+        + MODELS.format("Family('row-N', lambda n: model(f'row-{n}'), aliases=('chain-N',))"),
         two=MODELS.format("model('row-7'), model('other', 'chain-2')"),
     )
     assert found.model("row-3").base == found.model("chain-3").base == "row-3"
     assert found.model("other").base == "other"
     for name in ("row-7", "chain-2"):
         with pytest.raises(
-            PluginError, match=rf"'{name}' of .*dist-two is also a member of the family row-N of .*one"
+            PluginError,
+            match=rf"'{name}' of .*dist-two is also a member of the family row-N of .*one",
         ):
             found.model(name)
     with pytest.raises(ModelError, match="needs a number for N, such as row-3"):
@@ -223,7 +276,9 @@ def test_heavy_libraries_are_not_imported_by_loading_the_plugins():
         "assert len(found.names('model')) > 5 and len(found.names('optimiser')) > 5, found.faults\n"
         "print(*sys.modules)"
     )
-    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    told = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    ).stdout.split()
     assert "springpot_plugins.models" in told
     assert [name for name in HEAVY if name in told] == []
 
@@ -251,7 +306,9 @@ def farewell():
 """
 
 
-def test_what_a_plugin_does_to_the_program_when_it_is_loaded_is_undone_and_named(install: Install, monkeypatch):
+def test_what_a_plugin_does_to_the_program_when_it_is_loaded_is_undone_and_named(
+    install: Install, monkeypatch
+):
     """Functions of other libraries stay among those that run at the exit: they are theirs."""
     import atexit
 
@@ -261,7 +318,12 @@ def test_what_a_plugin_does_to_the_program_when_it_is_loaded_is_undone_and_named
     found = install(rude=RUDE + MODELS.format("model('polite')"))
     assert surroundings() == before
     [fault] = found.faults
-    for told in ("the recursion limit", "the working folder", "way with errors", "what runs at the exit"):
+    for told in (
+        "the recursion limit",
+        "the working folder",
+        "way with errors",
+        "what runs at the exit",
+    ):
         assert told in fault.reason
     assert [function.__name__ for function in left] == ["farewell"]
     assert found.names("model") == ["polite"]
@@ -330,7 +392,9 @@ ASKED = {
 
 
 @pytest.mark.parametrize("bad", ["nan", "raise"])
-def test_a_plugin_that_gives_no_number_or_raises_is_named(install: Install, tmp_path, monkeypatch, capsys, bad: str):
+def test_a_plugin_that_gives_no_number_or_raises_is_named(
+    install: Install, tmp_path, monkeypatch, capsys, bad: str
+):
     """Exit code 2 in one line, whatever kind of thing it is."""
     before = plugins()
     offered = install(faulty=FAULTY.format(bad=bad))

@@ -21,7 +21,9 @@ DATA, MODEL = "artificial-hidden", "fractional-maxwell"
 
 
 def answers() -> dict[str, Any]:
-    fit = springpot.identify("nist-srm2491@temperature=20", "fractional-zener", bounds={"k1": (0.0, 5.0)})
+    fit = springpot.identify(
+        "nist-srm2491@temperature=20", "fractional-zener", bounds={"k1": (0.0, 5.0)}
+    )
     ladder = springpot.discover(DATA, MODEL, accept="inertia")
     return {
         "identification": fit,
@@ -48,7 +50,9 @@ def answers_in_time() -> dict[str, Any]:
         "prediction-in-time": timetests.predict_test(fit, test),
         "diagnosis-in-time": ladder.diagnosis,
         "discovery-in-time": ladder,
-        "comparison-in-time": timetests.compare([test], ["springpot", "kelvin", "fractional-maxwell + friction"]),
+        "comparison-in-time": timetests.compare(
+            [test], ["springpot", "kelvin", "fractional-maxwell + friction"]
+        ),
     }
 
 

@@ -17,20 +17,38 @@ FETCHED = re.compile(r"<(?:script|img|link|iframe)\b[^>]*?(?:src|href)=\"?(https
 def test_the_site_builds_whole_and_asks_nobody(tmp_path: Path):
     for library in ("mkdocs", "material", "mkdocstrings"):
         pytest.importorskip(library)
-    command = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--strict", "--site-dir", str(tmp_path)]
+    command = [
+        sys.executable,
+        "-m",
+        "mkdocs",
+        "build",
+        "--quiet",
+        "--strict",
+        "--site-dir",
+        str(tmp_path),
+    ]
     quiet = {**os.environ, "NO_MKDOCS_2_WARNING": "1", "PYTHONDONTWRITEBYTECODE": "1"}
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, env=quiet, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
-    pages = {path.relative_to(tmp_path).with_suffix("").as_posix() for path in tmp_path.rglob("*.html")}
+    pages = {
+        path.relative_to(tmp_path).with_suffix("").as_posix() for path in tmp_path.rglob("*.html")
+    }
     pages = {
         page for page in pages if page != "404" and not page.startswith("gallery/")
     }  # reports, if they were made
-    sources = {path.relative_to(ROOT / "docs").with_suffix("").as_posix() for path in (ROOT / "docs").rglob("*.md")}
+    sources = {
+        path.relative_to(ROOT / "docs").with_suffix("").as_posix()
+        for path in (ROOT / "docs").rglob("*.md")
+    }
     assert pages == (sources - {"README"}) | {"index"}
     navigation = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
     assert not [name for name in sources if f"{name}.md" not in navigation]
     for page in tmp_path.rglob("*.html"):
-        asked = [found[0] for found in FETCHED.finditer(page.read_text(encoding="utf-8")) if 'rel="' not in found[0]]
+        asked = [
+            found[0]
+            for found in FETCHED.finditer(page.read_text(encoding="utf-8"))
+            if 'rel="' not in found[0]
+        ]
         assert asked == [], page
     reference = (tmp_path / "reference.html").read_text(encoding="utf-8")
     for name in ("identify", "predict", "excluding", "DataError", "rad/s"):

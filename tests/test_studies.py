@@ -1,4 +1,7 @@
-"""The shipped studies: each loads, runs end to end with a tiny budget, and writes the same tables however it ran."""
+"""The shipped studies.
+
+Each loads, runs end to end with a tiny budget, and writes the same tables however it ran.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +40,9 @@ def no_figures(monkeypatch):
     """Figures take most of the time; one test draws them."""
     import matplotlib.figure
 
-    monkeypatch.setattr(matplotlib.figure.Figure, "savefig", lambda self, file, **_: file.write(b"figure"))
+    monkeypatch.setattr(
+        matplotlib.figure.Figure, "savefig", lambda self, file, **_: file.write(b"figure")
+    )
 
 
 def small(path: Path):
@@ -47,16 +52,23 @@ def small(path: Path):
         return replace(study, datasets=list(study.datasets)[::10])
     if study.name == "optimiser_comparison":
         chosen = ["artificial-springpot", "artificial-fractional-maxwell-noise1"]
-        return replace(study, datasets=chosen, models=["own"], optimisers=["pso-paper", "native", "cma-es"])
+        return replace(
+            study, datasets=chosen, models=["own"], optimisers=["pso-paper", "native", "cma-es"]
+        )
     if study.name == "swarm_claim":
         return replace(study, datasets=["artificial-springpot", "artificial-springpot-noise1"])
     return study
 
 
 def tables(folder: Path) -> dict[str, bytes]:
-    """Everything that must not depend on how a study ran: all but the times and the report, which names them."""
+    """Everything that must not depend on how a study ran.
+
+    All but the times and the report, which names them.
+    """
     kinds, own = {".md", ".csv", ".tex", ".html"}, {"timing", "report"}
-    return {p.name: p.read_bytes() for p in folder.iterdir() if p.suffix in kinds and p.stem not in own}
+    return {
+        p.name: p.read_bytes() for p in folder.iterdir() if p.suffix in kinds and p.stem not in own
+    }
 
 
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
@@ -71,7 +83,9 @@ def test_a_study_is_named_like_its_script_and_says_what_it_shows(path):
 
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
 def test_a_study_runs_with_a_tiny_budget(path, tmp_path):
-    outcome = run_study(small(path), engine="serial", budget=60, repeats=2, out=tmp_path, quiet=True)
+    outcome = run_study(
+        small(path), engine="serial", budget=60, repeats=2, out=tmp_path, quiet=True
+    )
     assert outcome.failed == 0
     folder = tmp_path / path.stem
     for stem in OWN[path.stem]:
@@ -94,7 +108,9 @@ def test_one_worker_and_two_give_the_same_bytes(name, tmp_path):
     path = ROOT / "studies" / f"{name}.py"
     found = []
     for workers in (1, 2):
-        run_study(path, workers=workers, budget=60, repeats=2, out=tmp_path / str(workers), quiet=True)
+        run_study(
+            path, workers=workers, budget=60, repeats=2, out=tmp_path / str(workers), quiet=True
+        )
         found.append(tables(tmp_path / str(workers) / name))
     assert found[0] == found[1]
 
@@ -108,22 +124,30 @@ def test_a_script_and_the_command_do_the_same(tmp_path):
     assert command(["run", str(script), *options, str(tmp_path / "command")]) == 0
     one, other = tables(tmp_path / "script" / "table1"), tables(tmp_path / "command" / "table1")
     assert one == other
-    assert all((tmp_path / way / "table1" / "report.html").is_file() for way in ("script", "command"))
+    assert all(
+        (tmp_path / way / "table1" / "report.html").is_file() for way in ("script", "command")
+    )
     assert {"table1.md", "summary.csv", "failures.tex"} <= one.keys()
 
 
 def cells(study: str, table: str, **wanted: str) -> list[dict[str, str]]:
     """Rows of a committed table that hold these entries."""
     with (ROOT / "results" / study / f"{table}.csv").open(encoding="utf-8") as stream:
-        return [row for row in csv.DictReader(stream) if all(row[key] == value for key, value in wanted.items())]
+        return [
+            row
+            for row in csv.DictReader(stream)
+            if all(row[key] == value for key, value in wanted.items())
+        ]
 
 
 def test_committed_table_1_is_within_the_paper_s_error():
-    """The native solver finds every model's parameters to the digits that the paper prints, from every seed."""
+    """The native solver finds all models' parameters to the printed digits, from every seed."""
     rows = cells("table1", "table1", who="native")
     assert len(rows) == 5
     assert all(float(row["largest error"]) < 1e-6 for row in rows)
-    assert all(float(row["as good as the paper"]) == 1.0 for row in rows if row["model"] != "springpot")
+    assert all(
+        float(row["as good as the paper"]) == 1.0 for row in rows if row["model"] != "springpot"
+    )
 
 
 def test_committed_table_2_has_errors_of_the_order_of_the_noise():
@@ -135,9 +159,14 @@ def test_committed_table_2_has_errors_of_the_order_of_the_noise():
 
 
 def test_committed_table_3_collapses_to_the_maxwell_model():
-    rows = cells("table3", "table3", **{"data": "eq. (54) with Makris' parameters", "best run of": "native"})
+    rows = cells(
+        "table3", "table3", **{"data": "eq. (54) with Makris' parameters", "best run of": "native"}
+    )
     by_model = {row["model"]: row for row in rows}
-    kelvin, zener = by_model["Kelvin type, four parameters"], by_model["Maxwell type, four parameters"]
+    kelvin, zener = (
+        by_model["Kelvin type, four parameters"],
+        by_model["Maxwell type, four parameters"],
+    )
     maxwell = by_model["Maxwell, three parameters"]
     assert float(kelvin["k2 or k [kN/m]"]) < 1e-3
     assert float(zener["k1 [kN/m]"]) < 1e-3
@@ -153,25 +182,43 @@ def test_committed_race_says_what_the_documents_say():
     assert {int(row["trials"]) for row in rows.values()} == {1250}
     always = {name for name, row in rows.items() if float(row["all"]) == 1.0}
     assert always == {
-        "native", "least-squares", "dual-annealing", "nlopt-nelder-mead", "cma-es", "differential-evolution",
-    }  # fmt: skip
+        "native",
+        "least-squares",
+        "dual-annealing",
+        "nlopt-nelder-mead",
+        "cma-es",
+        "differential-evolution",
+    }
     assert 0.55 < float(rows["pso-paper"]["all"]) < 0.65
-    assert float(rows["native"]["evaluations to target"]) < 100 < float(rows["cma-es"]["evaluations to target"])
+    assert (
+        float(rows["native"]["evaluations to target"])
+        < 100
+        < float(rows["cma-es"]["evaluations to target"])
+    )
 
 
 def test_committed_ranks_of_the_swarm_are_below_those_of_cma_es_at_every_budget():
-    swarms = {"500": "pso-paper-500", "2000": "pso-paper-2000", "8000": "pso-paper", "40000": "pso-paper"}
+    swarms = {
+        "500": "pso-paper-500",
+        "2000": "pso-paper-2000",
+        "8000": "pso-paper",
+        "40000": "pso-paper",
+    }
     for data in ("exact", "noisy"):
         for budget, swarm in swarms.items():
             (ours,) = cells("swarm_claim", "swarm_ranks", data=data, budget=budget, optimiser=swarm)
-            (theirs,) = cells("swarm_claim", "swarm_ranks", data=data, budget=budget, optimiser="cma-es")
+            (theirs,) = cells(
+                "swarm_claim", "swarm_ranks", data=data, budget=budget, optimiser="cma-es"
+            )
             assert float(ours["mean rank"]) > float(theirs["mean rank"])
 
 
 def test_committed_shift_factors_are_nist_s():
-    """With WLF and a vertical shift a model of the paper gives NIST's shift factors to about 1 %."""
+    """With WLF and vertical shift a model of the paper gives NIST's shift factors to about 1 %."""
     (nist,) = cells("nist_fluid", "shift_factors", model="NIST")
-    (ours,) = cells("nist_fluid", "shift_factors", model="fractional-maxwell-ab + wlf-shift + vertical-shift")
+    (ours,) = cells(
+        "nist_fluid", "shift_factors", model="fractional-maxwell-ab + wlf-shift + vertical-shift"
+    )
     for column in nist:
         if column != "model":
             assert float(ours[column]) == pytest.approx(float(nist[column]), rel=0.015)

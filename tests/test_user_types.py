@@ -33,11 +33,14 @@ def test_results_have_types_and_slips_are_seen(tmp_path: Path):
     pytest.importorskip("mypy")
     script = tmp_path / "script.py"
     script.write_text(SCRIPT)
-    # With the options of `make lint`, whatever it has checked is not checked once more, neither here nor there.
+    # With the options of `make lint`, whatever it has checked is not checked once more, neither
+    # here nor there.
     command = [sys.executable, "-m", "mypy", "--config-file", ROOT / "pyproject.toml"]
     command += ["--cache-dir", ROOT / ".mypy_cache"]
     paths = {"MYPYPATH": f"{ROOT / 'framework'}:{ROOT / 'plugins'}", "PATH": ""}
-    done = subprocess.run([*command, script], capture_output=True, text=True, env=paths, cwd=tmp_path, check=False)
+    done = subprocess.run(
+        [*command, script], capture_output=True, text=True, env=paths, cwd=tmp_path, check=False
+    )
     lines = done.stdout.splitlines()
     told = [line.partition('type is "')[2].rstrip('"') for line in lines if "Revealed type" in line]
     ends = [name.rpartition(".")[2] for name in told[:2]]
@@ -46,7 +49,9 @@ def test_results_have_types_and_slips_are_seen(tmp_path: Path):
     assert all("dtype[numpy.float64]" in name for name in told[3:5])
     assert len(told) == 10
     # An array of any shape is typed so by NumPy itself.
-    assert not [name for name in told if name == "Any" or ", Any]" in name.replace("[Any, ...]", "")]
+    assert not [
+        name for name in told if name == "Any" or ", Any]" in name.replace("[Any, ...]", "")
+    ]
     errors = [line for line in lines if ": error:" in line]
     assert len(errors) == 2, errors
     assert '"Value" has no attribute "valu"' in errors[0]

@@ -1,7 +1,7 @@
 """Sweeps at many temperatures, from glass to rubber: 58 decades of reduced frequency in one file.
 
-As a spectrometer writes them: 21 temperatures, ten frequencies at each. The formulas are written here by hand
-(Williams, Landel and Ferry, https://doi.org/10.1021/ja01619a008; Havriliak and Negami,
+As a spectrometer writes them: 21 temperatures, ten frequencies at each. The formulas are written
+here by hand (Williams, Landel and Ferry, https://doi.org/10.1021/ja01619a008; Havriliak and Negami,
 https://doi.org/10.1016/0032-3861(67)90021-3).
 """
 
@@ -25,7 +25,7 @@ def modulus():
 
 
 def spectrum(rng, *, force_held=False):
-    """The measurement; where the force is held, the strain goes with the compliance and so with the frequency."""
+    """The measurement; at held force the strain goes with the compliance, so with the frequency."""
     exact = modulus()
     real, imaginary = NOISE * np.sqrt(0.5) * rng.normal(size=(2, len(exact)))
     conditions = {"temperature": CELSIUS}

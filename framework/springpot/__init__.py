@@ -1,4 +1,4 @@
-"""springpot: identify viscoelastic models, find the missing physical effect, race optimisers fairly.
+"""springpot: identify viscoelastic models, find missing physical effects, race optimisers fairly.
 
 The names here are loaded when first used, so that the command line starts at once.
 """

@@ -9,23 +9,33 @@ from typing import TypeVar
 
 import numpy as np
 
-from springpot.comparison import Comparison, rank
-from springpot.comparison import compare as compare_objects
+from springpot.comparison.comparing import Comparison
+from springpot.comparison.comparing import compare as compare_objects
+from springpot.comparison.ranking import rank
 from springpot.constraints import Bounds, constrained, excluded, optimiser_of, own_values
-from springpot.diagnosis import Diagnosis, Ladder, Progress, silent
-from springpot.diagnosis import diagnose as diagnose_objects
-from springpot.diagnosis import discover as discover_objects
+from springpot.diagnosis.examination import Progress, silent
+from springpot.diagnosis.examination import diagnose as diagnose_objects
+from springpot.diagnosis.ladder import Ladder
+from springpot.diagnosis.ladder import discover as discover_objects
+from springpot.diagnosis.result import Diagnosis
 from springpot.errors import DataError, ModelError, OptionError
-from springpot.identification import Identification, Objective, Optimiser, require_conditions
-from springpot.identification import identify as identify_objects
-from springpot.measurement import Measurement, OpenQuestion
-from springpot.misfit import any_material
-from springpot.policy import INTERVALS
+from springpot.identification.fitting import identify as identify_objects
+from springpot.identification.objective import Objective
+from springpot.identification.optimiser import Optimiser
+from springpot.identification.result import Identification
+from springpot.identification.space import require_conditions
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.question import OpenQuestion
+from springpot.misfit.material import any_material
 from springpot.registry import open_in_time, open_measurement, parse_model, plugins
-from springpot.rheology import Effect, Model
-from springpot.standing import standing_of
-from springpot.superposition import MasterCurve, level_of
-from springpot.superposition import mastercurve as mastercurve_of
+from springpot.rheology.effect import Effect
+from springpot.rheology.model import Model
+from springpot.superposition.curve import MasterCurve
+from springpot.superposition.curve import mastercurve as mastercurve_of
+from springpot.superposition.words import level_of
+
+from .judgement import standing_of
+from .thresholds import INTERVALS
 
 T = TypeVar("T", Model, Effect)
 
@@ -36,7 +46,8 @@ def read(spec: str | Path) -> Measurement:
     Parameters
     ----------
     spec : str or Path
-        A file or the name of a registered data set, either with conditions: ``nist-srm2491@temperature=20``.
+        A file or the name of a registered data set, either with conditions:
+        ``nist-srm2491@temperature=20``.
 
     Raises
     ------
@@ -68,7 +79,9 @@ def identify(
     start: Mapping[str, float] | None = None,
     exclude: str | Sequence[str] = (),
 ) -> Identification:
-    """Identify the parameters of a model; data, model, optimiser and objective may be given by name.
+    """Identify the parameters of a model.
+
+    Data, model, optimiser and objective may be given by name.
 
     Parameters
     ----------
@@ -106,7 +119,8 @@ def identify(
     >>> import numpy as np, springpot
     >>> omega = 2 * np.pi * np.arange(0.5, 14.0)
     >>> model = springpot.parse_model("fractional-maxwell")
-    >>> data = springpot.Measurement(omega, model.stiffness(model.theta(k=400.0, c=150.0, alpha=0.6), omega))
+    >>> theta = model.theta(k=400.0, c=150.0, alpha=0.6)
+    >>> data = springpot.Measurement(omega, model.stiffness(theta, omega))
     >>> springpot.identify(data, "fractional-maxwell").theta.round(6)
     array([400. , 150. ,   0.6])
     """
@@ -128,7 +142,8 @@ def identify(
         simpler=[_model(part) for part in simpler],
         start=own_values(judged, data.units, start, "start"),
     )
-    # Floors are judged by a room above identification, which must not know it: so its judge is handed down.
+    # Floors are judged by a room above identification, which must not know it: so its judge is
+    # handed down.
     return replace(fit, judge=standing_of)
 
 
@@ -150,10 +165,11 @@ def diagnose(
     measurement : Measurement, str or Path
         The data, or their name as for `read`.
     model : Model or str, optional
-        The model to be judged; without it any linear passive material, so that only what is no part of the material
-        can be missing.
+        The model to be judged; without it any linear passive material, so that only what is no part
+        of the material can be missing.
     effects : sequence of Effect or str, optional
-        Effects to look for beside the installed ones; one of the same name takes the installed one's place.
+        Effects to look for beside the installed ones; one of the same name takes the installed
+        one's place.
     seed : int
         Of simulated noise; the same seed gives the same bits.
     fix, bounds, exclude
@@ -214,7 +230,8 @@ def discover(
     progress : callable, optional
         Told in a few words what is being done.
     reached : callable, optional
-        Given the ladder as it stands after each step: what was reached is there even if the rest is interrupted.
+        Given the ladder as it stands after each step: what was reached is there even if the rest is
+        interrupted.
 
     Raises
     ------
@@ -240,7 +257,9 @@ def discover(
         grown = grown.taking(effect)
     # What cannot be accepted is told before the first fit, not after it.
     require_conditions(grown, data)
-    return discover_objects(data, start, known, np.random.default_rng(seed), wanted, progress, reached=reached)
+    return discover_objects(
+        data, start, known, np.random.default_rng(seed), wanted, progress, reached=reached
+    )
 
 
 def compare(
@@ -250,14 +269,17 @@ def compare(
     seed: int = 0,
     progress: Progress = silent,
 ) -> Comparison:
-    """Judge models against the same noise floor: their errors, where they fail, and how sure that is.
+    """Judge models against the same noise floor.
+
+    Their errors, where they fail, and how sure that is.
 
     Parameters
     ----------
     measurement : Measurement, str or Path
         The data, or their name as for `read`.
     models : Model, str or sequence of them, optional
-        At least one; without it all installed models are ranked against what any linear passive material reaches.
+        At least one; without it all installed models are ranked against what any linear passive
+        material reaches.
     seed : int
         Of simulated noise.
     progress : callable, optional
@@ -276,7 +298,8 @@ def compare(
     Examples
     --------
     >>> import springpot
-    >>> compared = springpot.compare("artificial-hidden", ["fractional-maxwell", "fractional-maxwell + inertia"])
+    >>> models = ["fractional-maxwell", "fractional-maxwell + inertia"]
+    >>> compared = springpot.compare("artificial-hidden", models)
     >>> [f"{judged.model.name}: {judged.error.relative_rms:.1%}" for judged in compared.judgements]
     ['fractional-maxwell: 24.1%', 'fractional-maxwell + inertia: 4.4%']
     """
@@ -294,14 +317,17 @@ def mastercurve(
     vertical: bool = True,
     objective: Objective | str | None = None,
 ) -> MasterCurve:
-    """Bring sweeps onto one curve, without a model, and judge the laws of temperature by the free factors.
+    """Bring sweeps onto one curve without a model.
+
+    The laws of temperature are judged by the free factors.
 
     Parameters
     ----------
     measurement : Measurement, str or Path
         The data, or their name as for `read`.
     column : str
-        The condition whose levels are shifted: ``"temperature"``, ``"amplitude"`` or any column of the data.
+        The condition whose levels are shifted: ``"temperature"``, ``"amplitude"`` or any column of
+        the data.
     reference : float or str, optional
         Level at which the factors are one: in degC, or text such as ``"25degC"`` or ``"298.15K"``.
     vertical : bool
@@ -326,7 +352,9 @@ def mastercurve(
         reference = level_of(reference, column)
     how = _objective(objective)
     data = _measurement(measurement)
-    return mastercurve_of(data, column=column, reference=reference, vertical=vertical, objective=how)
+    return mastercurve_of(
+        data, column=column, reference=reference, vertical=vertical, objective=how
+    )
 
 
 def library(effects: Sequence[Effect | str] | None = None) -> list[Effect]:
@@ -350,7 +378,8 @@ def library(effects: Sequence[Effect | str] | None = None) -> list[Effect]:
     """
     by_name = {effect.name: effect for effect in plugins().items("effect")}
     if effects is not None:
-        # One of the same name takes the installed one's place: so a user may try another version of an effect.
+        # One of the same name takes the installed one's place: so a user may try another version of
+        # an effect.
         for own in [_effect(effect, ()) for effect in _listed(effects)]:
             by_name[own.name] = own
     return list(by_name.values())
@@ -377,7 +406,7 @@ def _measurement(measurement: Measurement | str | Path) -> Measurement:
 
 
 def _opened(spec: str | Path) -> Measurement:
-    """The measurement in a file; of one that holds tests in time it is told how these are opened."""
+    """The measurement in a file; if it holds tests in time, the error tells how to open these."""
     try:
         return open_measurement(spec)
     except DataError as error:
@@ -389,11 +418,15 @@ def _opened(spec: str | Path) -> Measurement:
 
 
 def _holds_tests_in_time(spec: str | Path, asked: bool) -> bool:
-    """Whether a file opens as tests in time; what keeps it from that is told, unless its reader asked already."""
+    """Whether a file opens as tests in time.
+
+    What keeps it from that is told, unless its reader asked already.
+    """
     try:
         return bool(open_in_time(spec))
     except DataError:
-        # The question of the sweep's reader can be answered; what stops the other reader would hide it.
+        # The question of the sweep's reader can be answered; what stops the other reader would hide
+        # it.
         if asked:
             return False
         raise
@@ -409,7 +442,9 @@ def _listed(given: T | str | Sequence[T | str]) -> Sequence[T | str]:
 
 def _model(model: Model | str) -> Model:
     if not isinstance(model, str | Model):
-        raise ModelError(f"a model is a Model or an expression like 'fractional-maxwell', not {_shown(model)}")
+        raise ModelError(
+            f"a model is a Model or an expression like 'fractional-maxwell', not {_shown(model)}"
+        )
     if isinstance(model, str):
         return parse_model(model)
     return model

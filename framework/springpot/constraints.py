@@ -1,6 +1,7 @@
 """What a user knows beforehand, in printed units: held values, bounds, start values, options.
 
-The words of the command line, ``alpha=0.5`` and ``k1=0:200``, become the same mappings that Python takes.
+The words of the command line, ``alpha=0.5`` and ``k1=0:200``, become the same mappings that Python
+takes.
 """
 
 from __future__ import annotations
@@ -10,10 +11,12 @@ from dataclasses import fields
 from typing import Any, TypeVar
 
 from springpot.errors import ModelError, OptionError
-from springpot.identification import Optimiser
-from springpot.measurement import Measurement, Units, conditions, without
+from springpot.identification.optimiser import Optimiser
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.selection import conditions, without
+from springpot.measurement.units import Units
 from springpot.registry import plugins
-from springpot.rheology import Model
+from springpot.rheology.model import Model
 
 Bounds = tuple[float, float]
 V = TypeVar("V")
@@ -50,13 +53,17 @@ def constrained(
     for name, ends in by_name(bounds, "bounds", '{"k": (0, 200)}').items():
         # Text is a sequence too: "05" would pass for the ends 0 and 5.
         if isinstance(ends, str) or not isinstance(ends, Sequence) or len(ends) != 2:
-            raise OptionError(f"bounds of {name} are a lower and an upper end, such as (0, 200), not {ends!r:.40}")
+            raise OptionError(
+                f"bounds of {name} are a lower and an upper end, such as (0, 200), not {ends!r:.40}"
+            )
         low, high = ends
         own_bounds[name] = (own_value(model, units, name, low), own_value(model, units, name, high))
     return model.holding(fixed, own_bounds)
 
 
-def own_values(model: Model, units: Units, given: Mapping[str, float] | None, option: str) -> dict[str, float]:
+def own_values(
+    model: Model, units: Units, given: Mapping[str, float] | None, option: str
+) -> dict[str, float]:
     """Printed values by name, such as start values, in the units of theta.
 
     Raises
@@ -81,7 +88,9 @@ def by_name(given: Mapping[str, V] | None, option: str, example: str) -> Mapping
     if given is None:
         return {}
     if not isinstance(given, Mapping):
-        raise OptionError(f"{option} is a dictionary by parameter, such as {example}, not {given!r:.40}")
+        raise OptionError(
+            f"{option} is a dictionary by parameter, such as {example}, not {given!r:.40}"
+        )
     return given
 
 
@@ -104,11 +113,13 @@ def own_value(model: Model, units: Units, name: str, value: float) -> float:
         except (TypeError, ValueError):
             raise OptionError(f"{name} is a number in {unit}, not {value!r:.40}") from None
         return printed / factor
-    raise ModelError(f"{model.name} has no free parameter '{name}': it has {', '.join(model.names)}")
+    raise ModelError(
+        f"{model.name} has no free parameter '{name}': it has {', '.join(model.names)}"
+    )
 
 
 def excluded(measurement: Measurement, exclude: str | Sequence[str]) -> Measurement:
-    """The measurement without rows, each choice of which is text such as ``frequency=40..60`` or ``row=3``.
+    """The measurement without rows, chosen by texts such as ``frequency=40..60`` or ``row=3``.
 
     Raises
     ------
@@ -187,7 +198,9 @@ def _option(kind: type[Optimiser], optimiser: str, text: str) -> tuple[str, Any]
     name, value = _pair(text, "particles=40")
     known = {field.name: field.default for field in fields(kind) if field.init}  # type: ignore[arg-type]
     if name not in known:
-        raise OptionError(f"{optimiser} has no option '{name}': it has {', '.join(known) or 'none'}")
+        raise OptionError(
+            f"{optimiser} has no option '{name}': it has {', '.join(known) or 'none'}"
+        )
     # The default shows of which kind a value is.
     default = known[name]
     # Before the numbers: in Python true and false are whole numbers too.
@@ -202,7 +215,9 @@ def _option(kind: type[Optimiser], optimiser: str, text: str) -> tuple[str, Any]
             return name, float(value)
         return name, value
     except ValueError:
-        raise OptionError(f"{optimiser}: {name} is a number such as {default}, not '{value}'") from None
+        raise OptionError(
+            f"{optimiser}: {name} is a number such as {default}, not '{value}'"
+        ) from None
 
 
 def _pair(text: str, example: str) -> tuple[str, str]:

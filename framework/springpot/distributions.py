@@ -1,6 +1,7 @@
 """Chances and quantiles of the usual distributions, by the special functions of SciPy.
 
-``scipy.stats`` holds the same, and takes most of a second to import: as long as a whole diagnosis of thirty points.
+``scipy.stats`` holds the same, and takes most of a second to import: as long as a whole diagnosis
+of thirty points.
 
 Examples
 --------
@@ -31,7 +32,10 @@ def chi2_quantile(chance: ArrayLike, dof: ArrayLike) -> Chance:
 
 
 def f_sf(value: ArrayLike, first: ArrayLike, second: ArrayLike) -> Chance:
-    """Chance that the ratio of two variances, of `first` and `second` degrees of freedom, exceeds `value`."""
+    """Chance that a ratio of variances exceeds `value`.
+
+    Its variances have `first` and `second` degrees of freedom.
+    """
     return fdtrc(first, second, value)
 
 
@@ -61,5 +65,6 @@ def normal_quantile(chance: ArrayLike) -> Chance:
 
 def normal_sf(value: ArrayLike) -> Chance:
     """Chance that a standard normal number exceeds `value`."""
-    # The other tail, not 1 - ndtr(value): that is nothing but rounding from eight standard deviations on.
+    # The other tail, not 1 - ndtr(value): that is nothing but rounding from eight standard
+    # deviations on.
     return ndtr(-np.asarray(value))

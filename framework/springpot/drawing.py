@@ -1,7 +1,9 @@
-"""``result.plot()``, ``print(result)``, a result in a notebook: each asks the room above, which is loaded only then.
+"""``result.plot()``, ``print(result)``, a result in a notebook.
 
-Results live below the room that makes pictures, and must not import it: the name here is the only thread upwards, and
-whoever draws nothing never loads a library of pictures.
+Each asks the room above, which is loaded only then.
+
+Results live below the room that makes pictures, and must not import it: the name here is the only
+thread upwards, and whoever draws nothing never loads a library of pictures.
 """
 
 from __future__ import annotations
@@ -15,16 +17,22 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # As names, not as imports: the rooms below must not know the one above.
-DRAWS, TELLS, SHOWS = "springpot.report.drawings", "springpot.report.telling", "springpot.report.notebook"
+DRAWS, TELLS, SHOWS = (
+    "springpot.report.result_plots",
+    "springpot.report.short_text",
+    "springpot.report.notebook",
+)
 
 
-def draw(result: object, path: str | Path | None = None, axes: Axes | None = None) -> Figure | Axes | Path:
+def draw(
+    result: object, path: str | Path | None = None, axes: Axes | None = None
+) -> Figure | Axes | Path:
     """Draw a result on axes that are given, into a file, or on a figure of its own.
 
     Parameters
     ----------
     result : object
-        Anything that `springpot.report.drawings` knows.
+        Anything that `springpot.report.result_plots` knows.
     path : str or Path, optional
         Where to write; the suffix (.png, .svg, .pdf) chooses the format.
     axes : matplotlib.axes.Axes, optional
@@ -33,7 +41,8 @@ def draw(result: object, path: str | Path | None = None, axes: Axes | None = Non
     Returns
     -------
     Axes, Path or Figure
-        The axes that were given, the file that was written, or a figure that shows itself in a notebook.
+        The axes that were given, the file that was written, or a figure that shows itself in a
+        notebook.
 
     Raises
     ------

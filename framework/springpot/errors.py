@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from springpot.plain import plain
+from .terminal_safe import plain
 
 
 class SpringpotError(Exception):
@@ -26,7 +26,7 @@ class PluginError(SpringpotError):
 
 
 class OutputError(SpringpotError):
-    """A result cannot be written where it was wanted, or a library needed for it is not installed."""
+    """A result cannot be written where it was wanted, or a library needed for it is missing."""
 
 
 class OptionError(SpringpotError):

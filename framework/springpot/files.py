@@ -1,6 +1,9 @@
-"""Output files: written whole or not at all, so that a crash or a full disk never leaves half a result.
+"""Output files: written whole or not at all.
 
-A link is followed, a device or pipe is written to, and no output replaces a file that the same run reads.
+So that a crash or a full disk never leaves half a result.
+
+A link is followed, a device or pipe is written to, and no output replaces a file that the same run
+reads.
 """
 
 from __future__ import annotations
@@ -46,8 +49,8 @@ def require_writable(path: str | Path) -> Path:
     Raises
     ------
     OutputError
-        If its folder does not exist or is read-only, the file is read-only or an input of this run, or the path is
-        a folder.
+        If its folder does not exist or is read-only, the file is read-only or an input of this run,
+        or the path is a folder.
     """
     path = Path(path)
     target = _target(path)
@@ -60,7 +63,9 @@ def require_writable(path: str | Path) -> Path:
         raise OutputError(f"cannot write {path}: there is no folder {folder}, create it first")
     found = _found(target)
     if found is not None and (found.st_dev, found.st_ino) in (_INPUTS.get() or ()):
-        raise OutputError(f"cannot write {path}: it is read by this very command; give another name")
+        raise OutputError(
+            f"cannot write {path}: it is read by this very command; give another name"
+        )
     if found is not None and not os.access(target, os.W_OK):
         raise OutputError(f"cannot write {path}: no permission to write to it")
     # Nothing is put beside a device.
@@ -70,7 +75,9 @@ def require_writable(path: str | Path) -> Path:
 
 
 def write_with(path: str | Path, fill: Callable[[IO[bytes]], object]) -> Path:
-    """Replace the file at `path` by what `fill` writes, in one step; a device or pipe gets it written.
+    """Replace the file at `path` by what `fill` writes, in one step.
+
+    A device or pipe gets it written.
 
     Parameters
     ----------
@@ -107,8 +114,8 @@ def _replace(target: Path, fill: Callable[[IO[bytes]], object]) -> None:
         try:
             fill(draft)
             draft.flush()
-            # Before the rename: or a crash could leave the new name on a file whose content never reached the
-            # disk.
+            # Before the rename: or a crash could leave the new name on a file whose content never
+            # reached the disk.
             os.fsync(draft.fileno())
             os.chmod(draft.name, _mode(target))
             os.replace(draft.name, target)
@@ -140,7 +147,10 @@ def _target(path: Path) -> Path:
 
 
 def _is_stream(path: Path) -> bool:
-    """Whether `path` is written to instead of replaced: no file or folder, or where the text of this run goes."""
+    """Whether `path` is written to instead of replaced.
+
+    No file or folder, or where the text of this run goes.
+    """
     found = _found(path)
     if found is None or stat.S_ISDIR(found.st_mode):
         return False

@@ -1,6 +1,7 @@
 """What a plugin may implement; every hook is optional and returns a sequence.
 
-A plugin is any module or object with functions marked by `hookimpl`, named in the entry-point group ``springpot``.
+A plugin is any module or object with functions marked by `hookimpl`, named in the entry-point group
+``springpot``.
 """
 
 from __future__ import annotations
@@ -13,13 +14,15 @@ import pluggy
 
 # For type checkers only: the rooms below need not be loaded to say what a hook is called.
 if TYPE_CHECKING:
-    from springpot.identification import Objective, Optimiser, OptimiserFamily
+    from springpot.identification.objective import Objective
+    from springpot.identification.optimiser import Optimiser, OptimiserFamily
     from springpot.measurement.catalogue import DataSet
     from springpot.measurement.reader import Reader
     from springpot.measurement.timeeffect import TimeEffect
     from springpot.measurement.timereader import TimeReader
-    from springpot.rheology import Effect, Model
+    from springpot.rheology.effect import Effect
     from springpot.rheology.family import Family
+    from springpot.rheology.model import Model
 
 GROUP = "springpot"
 
@@ -64,7 +67,8 @@ class Chapter:
     race : Race, optional
         Run where there is no command.
     left_to_user : bool
-        The command is shown only: one that waits for its user, such as a page in a browser, would end the story.
+        The command is shown only: one that waits for its user, such as a page in a browser, would
+        end the story.
     """
 
     title: str
@@ -99,7 +103,7 @@ def springpot_effects() -> Iterable[Effect]:  # type: ignore[empty-body]
 
 @hookspec
 def springpot_time_effects() -> Iterable[TimeEffect]:  # type: ignore[empty-body]
-    """What a test in time itself may have done; each takes part in every diagnosis of such tests."""
+    """What a test in time may have done; each takes part in every diagnosis of such tests."""
 
 
 @hookspec

@@ -1,4 +1,7 @@
-"""A model whose parameters are known, from a fit or as a user states them: what solvers and structures take."""
+"""A model whose parameters are known, from a fit or as a user states them.
+
+What solvers and structures take.
+"""
 
 from __future__ import annotations
 
@@ -9,12 +12,13 @@ from pathlib import Path
 import numpy as np
 
 from springpot.errors import DataError, ModelError
-from springpot.identification import Identification
+from springpot.identification.result import Identification
 from springpot.loading import load
-from springpot.measurement import MODULUS_UNITS, Units, known_unit
+from springpot.measurement.units import MODULUS_UNITS, Units, known_unit
 from springpot.registry import parse_model, plugins
-from springpot.rheology import ROOM, Dimension
-from springpot.timetests import Known
+from springpot.rheology.parameters import Dimension
+from springpot.rheology.points import ROOM
+from springpot.timetests.prediction import Known
 
 
 def fitted(path: str | Path) -> Known:
@@ -37,7 +41,8 @@ def fitted(path: str | Path) -> Known:
 def stated(expression: str, values: Mapping[str, float], unit: str | None, what: str) -> Known:
     """A model with the parameters that a user gives, in the units in which they are printed.
 
-    A mass is in kg, but a force in that of the stiffness, or a stress in the modulus itself: kN where it is kN/m.
+    A mass is in kg, but a force in that of the stiffness, or a stress in the modulus itself: kN
+    where it is kN/m.
 
     Parameters
     ----------
@@ -74,7 +79,7 @@ def stated(expression: str, values: Mapping[str, float], unit: str | None, what:
 
 
 def _factor(units: Units, dimension: Dimension) -> float:
-    """By which a parameter in SI units of mechanics, or as the user's unit has it, exceeds that in these units."""
+    """By which a parameter in SI units of mechanics, or the user's, exceeds that in these units."""
     # A stiffness times its own length is a force in its own unit, whatever a fit of it would print.
     if (dimension.stiffness, dimension.amplitude) == (1, 1):
         return 1.0
@@ -93,4 +98,6 @@ def lesser(known: Known, without: Iterable[str]) -> Known:
     for name in without:
         model = model - plugins().effect(name)
     kept = [known.model.names.index(name) for name in model.names]
-    return replace(known, model=model, theta=known.theta[kept], covariance=known.covariance[np.ix_(kept, kept)])
+    return replace(
+        known, model=model, theta=known.theta[kept], covariance=known.covariance[np.ix_(kept, kept)]
+    )

@@ -1,6 +1,9 @@
-"""Files that a user names: one rule of what is opened at all, and one line for each that cannot be read.
+"""Files that a user names.
 
-A regular file of a bounded size is read whole; what never ends or must be waited for is refused before it is opened.
+One rule of what is opened at all, and one line for each that cannot be read.
+
+A regular file of a bounded size is read whole; what never ends or must be waited for is refused
+before it is opened.
 """
 
 from __future__ import annotations
@@ -16,7 +19,10 @@ from typing import Any
 from springpot.errors import DataError
 
 LARGEST = 64 << 20
-"""Bytes of a file that is read in one piece: a table of two million rows, a fit to a million points."""
+"""Bytes of a file that is read in one piece.
+
+A table of two million rows, a fit to a million points.
+"""
 LARGEST_TOML = 1 << 18
 """Bytes of a description that somebody wrote by hand; its reader is a slow one."""
 MOST_CONTAINERS = 1_000_000
@@ -24,11 +30,16 @@ MOST_CONTAINERS = 1_000_000
 _MOST_DIGITS = 300
 """Of a whole number: a float holds 308."""
 _DEEP_KEY = re.compile(r"""(?:\.\s*(?:[\w-]+|"[^"\n]*"|'[^'\n]*')\s*){50}""")
-"""A dotted name of more than fifty parts: the memory of Python's reader grows with the square of their number."""
+"""A dotted name of more than fifty parts.
+
+The memory of Python's reader grows with the square of their number.
+"""
 
 
 def require_regular(path: Path) -> None:
-    """Refuse what has no end or must be waited for; what is not there at all is found when it is opened.
+    """Refuse what has no end or must be waited for.
+
+    What is not there at all is found when it is opened.
 
     Raises
     ------
@@ -40,7 +51,9 @@ def require_regular(path: Path) -> None:
     except (OSError, ValueError):
         return
     if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
-        raise DataError(f"{path}: a pipe or device, no regular file; save what comes from it, and open that")
+        raise DataError(
+            f"{path}: a pipe or device, no regular file; save what comes from it, and open that"
+        )
 
 
 def bytes_of(path: Path, most: int = LARGEST) -> bytes:
@@ -67,7 +80,10 @@ def bytes_of(path: Path, most: int = LARGEST) -> bytes:
         reason = getattr(error, "strerror", None) or error
         raise DataError(f"{path} cannot be read: {reason}") from None
     if len(content) > most:
-        raise DataError(f"{path} is too large: at most {_size(most)} are read in one piece; save what matters alone")
+        raise DataError(
+            f"{path} is too large: at most {_size(most)} are read in one piece;"
+            " save what matters alone"
+        )
     return content
 
 
@@ -88,7 +104,9 @@ def text_in(path: Path, most: int = LARGEST) -> str:
     try:
         return bytes_of(path, most).decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise DataError(f"{path} is no text in UTF-8 (byte {error.start}); save it as such") from None
+        raise DataError(
+            f"{path} is no text in UTF-8 (byte {error.start}); save it as such"
+        ) from None
 
 
 def json_of(text: str, finite: bool = False) -> Any:
@@ -99,15 +117,16 @@ def json_of(text: str, finite: bool = False) -> Any:
     text : str
         The text.
     finite : bool
-        Whether all numbers must be such as a float holds, as in all that springpot writes; a program of an instrument
-        may write NaN.
+        Whether all numbers must be such as a float holds, as in all that springpot writes; a
+        program of an instrument may write NaN.
 
     Raises
     ------
     ValueError
         If it is none, too deeply nested, or of too many parts.
     """
-    # Counted before anything is made of them; those within words count as well, which no answer has a million of.
+    # Counted before anything is made of them; those within words count as well, which no answer has
+    # a million of.
     if text.count("[") + text.count("{") > MOST_CONTAINERS:
         raise ValueError(f"more than {MOST_CONTAINERS} lists and objects")
     try:
@@ -127,7 +146,8 @@ def _finite(word: str) -> float:
 
 
 def _whole(word: str) -> int:
-    # What no float can hold would be a fault wherever it is used as one; Python reads no longer words at all.
+    # What no float can hold would be a fault wherever it is used as one; Python reads no longer
+    # words at all.
     if len(word) > _MOST_DIGITS:
         raise ValueError(f"{word:.20}... is no number that can be used")
     return int(word)

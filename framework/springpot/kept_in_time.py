@@ -1,6 +1,7 @@
 """Answers on tests in time, taken up again from their JSON.
 
-A fit still predicts. Of a diagnosis, a discovery and a comparison the file holds what they say, not the fits behind.
+A fit still predicts. Of a diagnosis, a discovery and a comparison the file holds what they say, not
+the fits behind.
 """
 
 from __future__ import annotations
@@ -9,18 +10,23 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any
 
-from springpot.measurement import Timed, material_of
+from springpot.measurement.timed import Timed, material_of
 from springpot.misfit.values import Value
 from springpot.registry import effect_in_time, parse_timed
-from springpot.rheology import Model
-from springpot.timetests import Known, Place, TimeCandidate, TimeError, best_of, missing_of
+from springpot.rheology.model import Model
+from springpot.timetests.answer import TimeCandidate, TimeError, best_of, missing_of
+from springpot.timetests.prediction import Known
+from springpot.timetests.where import Place
 
 from .kept_values import number, place, values
 
 
 @dataclass(frozen=True, eq=False)
 class KeptTimeFit(Known):
-    """A fit of tests in time, as its file tells it; it predicts frequencies and further tests as before."""
+    """A fit of tests in time, as its file tells it.
+
+    It predicts frequencies and further tests as before.
+    """
 
     kept: Mapping[str, Any] = field(default_factory=dict)
 
@@ -54,13 +60,19 @@ class KeptTimeFit(Known):
 
     def __repr__(self) -> str:
         # A number without a unit has a hyphen for it, which says nothing in a line.
-        printed = [f"{name} {row.value:.4g} {row.unit}".rstrip(" -") for name, row in self.parameters.items()]
+        printed = [
+            f"{name} {row.value:.4g} {row.unit}".rstrip(" -")
+            for name, row in self.parameters.items()
+        ]
         return f"<KeptTimeFit {self.model.name}: {', '.join(printed)}>"
 
 
 @dataclass(frozen=True, eq=False)
 class KeptTimeDiagnosis:
-    """What is missing from a model of tests in time, as its file tells it; names as in `TimeDiagnosis`."""
+    """What is missing from a model of tests in time, as its file tells it.
+
+    Names as in `TimeDiagnosis`.
+    """
 
     data: str
     model: Model | Timed
@@ -80,7 +92,10 @@ class KeptTimeDiagnosis:
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """The effects that may be missing, which these tests cannot tell apart; empty where nothing is."""
+        """The effects that may be missing, which these tests cannot tell apart.
+
+        Empty where nothing is.
+        """
         return missing_of(self.candidates)
 
     def to_dict(self) -> dict[str, Any]:
@@ -125,7 +140,10 @@ class KeptTimeLadder:
 
     def __repr__(self) -> str:
         errors = " -> ".join(f"{step.over_floor:.3g}" for step in self.steps)
-        return f"<KeptTimeLadder {self.model.name} of {self.data}: error {errors} x floor; {self.verdict}>"
+        return (
+            f"<KeptTimeLadder {self.model.name} of {self.data}: error {errors} x floor;"
+            f" {self.verdict}>"
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,7 +210,9 @@ def diagnosis_in_time(answer: Mapping[str, Any]) -> KeptTimeDiagnosis:
 def ladder_in_time(answer: Mapping[str, Any]) -> KeptTimeLadder:
     """A discovery, from what it wrote."""
     steps = tuple(_step(row) for row in answer["steps"])
-    return KeptTimeLadder(answer["data"], steps, answer["verdict"], diagnosis_in_time(answer["diagnosis"]), answer)
+    return KeptTimeLadder(
+        answer["data"], steps, answer["verdict"], diagnosis_in_time(answer["diagnosis"]), answer
+    )
 
 
 def comparison_in_time(answer: Mapping[str, Any]) -> KeptTimeComparison:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from math import nan
 from typing import Any, TypeVar
 
-from springpot.identification import kept_interval
+from springpot.identification.value import kept_interval
 from springpot.misfit.values import Value
 
 P = TypeVar("P")
@@ -30,4 +30,11 @@ def values(rows: Mapping[str, Mapping[str, Any]]) -> dict[str, Value]:
 
 def place(kind: Callable[[str, str, float, float, float, str], P], row: Mapping[str, Any]) -> P:
     """A place at which a model fails, of the kind that sweeps or tests in time have."""
-    return kind(row["plane"], row["condition"], number(row["from"]), number(row["to"]), row["size"], row["says"])
+    return kind(
+        row["plane"],
+        row["condition"],
+        number(row["from"]),
+        number(row["to"]),
+        row["size"],
+        row["says"],
+    )

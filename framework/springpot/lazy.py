@@ -1,4 +1,7 @@
-"""Names of a package that are imported when they are first asked for, so that the package itself costs nothing."""
+"""Names of a package that are imported when they are first asked for.
+
+So that the package itself costs nothing.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,9 @@ from importlib import import_module
 from typing import Any
 
 
-def offered(package: str, where: Mapping[str, str]) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+def offered(
+    package: str, where: Mapping[str, str]
+) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """The module functions ``__getattr__`` and ``__dir__`` of a package.
 
     Parameters
@@ -19,9 +24,13 @@ def offered(package: str, where: Mapping[str, str]) -> tuple[Callable[[str], Any
     """
 
     def get(name: str) -> Any:
-        if name in where:
-            return getattr(import_module(where[name]), name)
-        raise AttributeError(f"module '{package}' has no attribute '{name}'")
+        if name not in where:
+            raise AttributeError(f"module '{package}' has no attribute '{name}'")
+        module = import_module(where[name])
+        # A module that is offered by its own name.
+        if where[name] == f"{package}.{name}":
+            return module
+        return getattr(module, name)
 
     def listed() -> list[str]:
         return sorted(where)

@@ -1,7 +1,8 @@
 """Limits by kernel and clock on a piece of work, kept only in processes that are springpot's own.
 
-The command line and the workers of the page say that they are (`own_process`). In anybody else's Python nothing is
-limited: a timer, a signal or a limit of memory there is felt by all that runs beside, in threads and debuggers too.
+The command line and the workers of the page say that they are (`own_process`). In anybody else's
+Python nothing is limited: a timer, a signal or a limit of memory there is felt by all that runs
+beside, in threads and debuggers too.
 """
 
 from __future__ import annotations
@@ -91,7 +92,8 @@ def _in_time(action: Callable[[], T], seconds: float) -> T:
             signal.setitimer(signal.ITIMER_PROF, seconds, _TICK)
             return action()
         finally:
-            # A word may come before this assignment and skip it; the next is a tick away: what is below is reached.
+            # A word may come before this assignment and skip it; the next is a tick away: what is
+            # below is reached.
             clock.running = False
     finally:
         clock.running = False
@@ -102,7 +104,7 @@ def _in_time(action: Callable[[], T], seconds: float) -> T:
 
 @contextmanager
 def uncounted() -> Iterator[None]:
-    """Let what springpot itself makes of the data not count as time of the reader that asks for it."""
+    """Let what springpot makes of the data not count as time of the reader that asks for it."""
     if _clock is None or not _hears_signals():
         yield
         return
@@ -116,7 +118,10 @@ def uncounted() -> Iterator[None]:
 
 @contextmanager
 def _unheard_in_finalisers() -> Iterator[None]:
-    """Let nothing be printed of a word that fell into a finaliser, where it is lost: it is said again."""
+    """Let nothing be printed of a word that fell into a finaliser, where it is lost.
+
+    It is said again.
+    """
     before = sys.unraisablehook
 
     def hook(lost: sys.UnraisableHookArgs) -> None:
@@ -132,7 +137,7 @@ def _unheard_in_finalisers() -> Iterator[None]:
 
 @contextmanager
 def _limited_memory(more: int) -> Iterator[None]:
-    """Let the process have so many bytes more than it has now, as far as the system can hold it to that."""
+    """Let the process have so many bytes more than now, as far as the system can enforce it."""
     had = address_space()
     if had is None:
         yield
@@ -149,7 +154,10 @@ def _limited_memory(more: int) -> Iterator[None]:
 
 
 def address_space() -> int | None:
-    """Bytes that the process has been given; None where the system does not tell, or keeps no limit."""
+    """Bytes that the process has been given.
+
+    None where the system does not tell, or keeps no limit.
+    """
     try:
         # The first number is the address space in pages, which the limit is about.
         pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])

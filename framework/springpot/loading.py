@@ -1,7 +1,8 @@
 """``springpot.load``: what springpot wrote as JSON, taken up again.
 
-A fit is whole again: it predicts, draws and tells its intervals as before. Of a discovery and a comparison the file
-holds what they say, not the fits behind it, and so do `KeptLadder` and `KeptComparison`.
+A fit is whole again: it predicts, draws and tells its intervals as before. Of a discovery and a
+comparison the file holds what they say, not the fits behind it, and so do `KeptLadder` and
+`KeptComparison`.
 """
 
 from __future__ import annotations
@@ -12,20 +13,21 @@ from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from springpot.diagnosis import Candidate, Diagnosis, NextExperiment
+from springpot.diagnosis.result import Candidate, Diagnosis, NextExperiment
 from springpot.drawing import draw
 from springpot.errors import DataError, ModelError
-from springpot.identification import Identification, Objective, default_objective
 from springpot.identification.kept import fit_of, measurement_of, uncertainty_of
+from springpot.identification.objective import Objective, default_objective
+from springpot.identification.result import Identification
 from springpot.inputs import json_of, text_in
 from springpot.misfit.error import Error
 from springpot.misfit.values import Value
 from springpot.misfit.where import Where
 from springpot.misfit.words import over_floor
 from springpot.registry import parse_model, plugins
-from springpot.rheology import Model
-from springpot.standing import standing_of
+from springpot.rheology.model import Model
 
+from .judgement import standing_of
 from .kept_in_time import (
     KeptTimeComparison,
     KeptTimeDiagnosis,
@@ -63,7 +65,10 @@ class KeptStep:
     alike: tuple[str, ...]
 
     def __repr__(self) -> str:
-        return f"<Step {self.model.name}: error {over_floor(self.relative_rms, self.noise_floor)} x floor>"
+        return (
+            f"<Step {self.model.name}:"
+            f" error {over_floor(self.relative_rms, self.noise_floor)} x floor>"
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +86,9 @@ class KeptLadder:
         """The model of the last rung."""
         return self.steps[-1].model
 
-    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure | Axes | Path:
+    def plot(
+        self, path: str | Path | None = None, *, ax: Axes | None = None
+    ) -> Figure | Axes | Path:
         """The error falling to the noise floor; see `springpot.drawing.draw`."""
         return draw(self, path, ax)
 
@@ -91,12 +98,17 @@ class KeptLadder:
 
     def __repr__(self) -> str:
         errors = " -> ".join(over_floor(step.relative_rms, step.noise_floor) for step in self.steps)
-        return f"<KeptLadder {self.model.name} of {self.data}: error {errors} x floor; {self.verdict}>"
+        return (
+            f"<KeptLadder {self.model.name} of {self.data}: error {errors} x floor; {self.verdict}>"
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class KeptJudgement:
-    """One model against the data, as its file tells it; names as in `springpot.comparison.Judgement`."""
+    """One model against the data, as its file tells it.
+
+    Names as in `springpot.comparison.Judgement`.
+    """
 
     model: Model
     error: Error
@@ -107,12 +119,18 @@ class KeptJudgement:
     where: tuple[Where, ...]
 
     def __repr__(self) -> str:
-        return f"<{self.model.name}: {over_floor(self.error.relative_rms, self.error.noise_floor)} x floor>"
+        return (
+            f"<{self.model.name}:"
+            f" {over_floor(self.error.relative_rms, self.error.noise_floor)} x floor>"
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class KeptComparison:
-    """Models against the same data, as their file tells it; names as in `springpot.comparison.Comparison`."""
+    """Models against the same data, as their file tells it.
+
+    Names as in `springpot.comparison.Comparison`.
+    """
 
     data: str
     judgements: tuple[KeptJudgement, ...]
@@ -158,8 +176,8 @@ def load(path: str | Path) -> Loaded:
     Returns
     -------
     Identification, Diagnosis, KeptLadder or KeptComparison
-        By the schema that the file names; of tests in time a KeptTimeFit, KeptTimeDiagnosis, KeptTimeLadder or
-        KeptTimeComparison.
+        By the schema that the file names; of tests in time a KeptTimeFit, KeptTimeDiagnosis,
+        KeptTimeLadder or KeptTimeComparison.
 
     Raises
     ------
@@ -183,7 +201,9 @@ def load(path: str | Path) -> Loaded:
     if isinstance(answer, dict):
         schema = answer.get("schema")
     if not isinstance(schema, str) or schema not in _KNOWN:
-        raise DataError(f"{path} holds no answer that can be loaded ({schema or 'no schema'}): {AGAIN}")
+        raise DataError(
+            f"{path} holds no answer that can be loaded ({schema or 'no schema'}): {AGAIN}"
+        )
     try:
         return _KNOWN[schema](answer)
     except (DataError, ModelError) as error:
@@ -200,7 +220,9 @@ def _read(path: Path) -> Any:
         return json_of(text_in(path), finite=True)
     except ValueError as error:
         why = getattr(error, "msg", error)
-        raise DataError(f"{path} is no JSON ({why}): {AGAIN}; data are opened by springpot.read") from None
+        raise DataError(
+            f"{path} is no JSON ({why}): {AGAIN}; data are opened by springpot.read"
+        ) from None
 
 
 def _fit(answer: dict[str, Any]) -> Identification:
@@ -269,7 +291,8 @@ def _error(row: dict[str, Any]) -> Error:
 
 
 def _candidate(row: dict[str, Any]) -> Candidate:
-    # What could not be computed was infinite, for which JSON has no word: no evidence at all, no bound at all.
+    # What could not be computed was infinite, for which JSON has no word: no evidence at all, no
+    # bound at all.
     delta_bic, bound = row["delta_bic"], row["bound"]
     if delta_bic is None:
         delta_bic = -inf
@@ -292,7 +315,9 @@ def _candidate(row: dict[str, Any]) -> Candidate:
 
 def _ladder(answer: dict[str, Any]) -> KeptLadder:
     steps = tuple(_step(row) for row in answer["steps"])
-    return KeptLadder(answer["data"], steps, answer["verdict"], _diagnosis(answer["diagnosis"]), answer)
+    return KeptLadder(
+        answer["data"], steps, answer["verdict"], _diagnosis(answer["diagnosis"]), answer
+    )
 
 
 def _comparison(answer: dict[str, Any]) -> KeptComparison:
@@ -326,7 +351,8 @@ def _judgement(row: dict[str, Any]) -> KeptJudgement:
     )
 
 
-# At the end, as it holds the functions above. The number is that of the schema: a change of it is another reader.
+# At the end, as it holds the functions above. The number is that of the schema: a change of it is
+# another reader.
 _KNOWN: dict[str, Callable[[dict[str, Any]], Loaded]] = {
     "springpot.identification/1": _fit,
     "springpot.diagnosis/1": _diagnosis,

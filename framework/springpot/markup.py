@@ -39,7 +39,8 @@ def tag(name: str, /, *children: str, **attributes: str) -> Html:
     *children : str
         Text, which is escaped, or `Html`.
     **attributes : str
-        Values are escaped; an underscore at the end of a name is dropped (``class_``), others become hyphens.
+        Values are escaped; an underscore at the end of a name is dropped (``class_``), others
+        become hyphens.
     """
     given = ""
     for key, value in attributes.items():
@@ -52,7 +53,9 @@ def tag(name: str, /, *children: str, **attributes: str) -> Html:
     return Html(f"<{name}{given}>{joined(children)}{end}")
 
 
-def table(headers: Iterable[str], rows: Iterable[Iterable[str]], numbers: Iterable[str] = ()) -> Html:
+def table(
+    headers: Iterable[str], rows: Iterable[Iterable[str]], numbers: Iterable[str] = ()
+) -> Html:
     """A table; cells are text, which is escaped, or `Html`.
 
     Parameters
@@ -71,7 +74,9 @@ def table(headers: Iterable[str], rows: Iterable[Iterable[str]], numbers: Iterab
         if header in numbers:
             kind = {"class_": "number"}
         kinds.append(kind)
-    head = tag("tr", *(tag("th", header, **kind) for header, kind in zip(headers, kinds, strict=True)))
+    head = tag(
+        "tr", *(tag("th", header, **kind) for header, kind in zip(headers, kinds, strict=True))
+    )
     # Each cell repeats its header, for screens too narrow for columns.
     named = [{**kind, "data_label": header} for header, kind in zip(headers, kinds, strict=True)]
     body = []

@@ -9,11 +9,16 @@ from numpy.typing import NDArray
 
 Real: TypeAlias = NDArray[np.float64]
 ROUNDS = 20
-"""Changes of the active set for each column, before another algorithm takes over; a spectrum takes about one."""
+"""Changes of the active set for each column, before another algorithm takes over.
+
+A spectrum takes about one.
+"""
 
 
 def non_negative(columns: Real, target: Real) -> tuple[Real, float]:
-    """Weights >= 0 of columns (m, q) that come nearest to a target (m,), and the sum of squares that is left.
+    """Weights >= 0 of columns (m, q) that come nearest to a target (m,).
+
+    With the sum of squares that is left.
 
     Examples
     --------
@@ -31,15 +36,18 @@ def non_negative(columns: Real, target: Real) -> tuple[Real, float]:
     scaled = columns / size
     system, wanted = scaled, target
     if scaled.shape[0] > 2 * scaled.shape[1]:
-        # The same problem in as many rows as columns: the active set then moves among small matrices.
+        # The same problem in as many rows as columns: the active set then moves among small
+        # matrices.
         basis, system = np.linalg.qr(scaled)
         wanted = basis.T @ target
     try:
         weights, _ = nnls(system, wanted, maxiter=ROUNDS * scaled.shape[1])
     except RuntimeError:
-        # Where columns are nearly one, the active set may go round in circles; an inner point does not.
+        # Where columns are nearly one, the active set may go round in circles; an inner point does
+        # not.
         weights = lsq_linear(system, wanted, (0.0, np.inf)).x
-    # From the columns themselves: a mass that a spring takes back would leave a difference of large squares.
+    # From the columns themselves: a mass that a spring takes back would leave a difference of large
+    # squares.
     with np.errstate(all="ignore"):
         left = target - scaled @ weights
         cost = float(left @ left)

@@ -1,4 +1,7 @@
-"""Whose a thing or a fault is: the host of plugins puts its answers here, so that no room below imports it."""
+"""Whose a thing or a fault is.
+
+The host of plugins puts its answers here, so that no room below imports it.
+"""
 
 from __future__ import annotations
 
@@ -16,13 +19,19 @@ _by_module: Callable[[str], str] = _nobody
 
 
 def use_owners(by_name: Callable[[str, str], str], by_module: Callable[[str], str]) -> None:
-    """Let these tell the plugin of a kind and name, and of a module, from now on; empty for springpot's own."""
+    """Let these tell the plugin of a kind and name, and of a module, from now on.
+
+    Empty for springpot's own.
+    """
     global _by_name, _by_module
     _by_name, _by_module = by_name, by_module
 
 
 def owner_of(word: str, name: str) -> str:
-    """The plugin that offers a thing of that kind and name; empty for springpot's own and where nobody knows."""
+    """The plugin that offers a thing of that kind and name.
+
+    Empty for springpot's own and where nobody knows.
+    """
     return _by_name(word, name)
 
 
@@ -43,9 +52,13 @@ def owned(word: str, name: str) -> str:
 
 
 def blamed(error: BaseException) -> str:
-    """What to say of an error that was raised in a plugin or in what it called; nothing if it was not."""
+    """What to say of an error that was raised in a plugin or in what it called.
+
+    Nothing if it was not.
+    """
     told = ""
-    # The last frame of a plugin: those after it are of what it called, those before it called the plugin.
+    # The last frame of a plugin: those after it are of what it called, those before it called the
+    # plugin.
     for frame, line in walk_tb(error.__traceback__):
         owner = _by_module(frame.f_globals.get("__name__", ""))
         if owner:

@@ -29,12 +29,13 @@ TIMERS = (signal.ITIMER_REAL, signal.ITIMER_VIRTUAL, signal.ITIMER_PROF)
 
 
 def limit_memory(mebibytes: int) -> None:
-    """Let the address space grow by so much and no more, where the system tells its present size."""
+    """Let the address space grow by so much at most, where the system tells its present size."""
     had = address_space()
     if had is None:
         return
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
-    # On top of what is mapped now: libraries take three times as many addresses as memory, before any trial.
+    # On top of what is mapped now: libraries take three times as many addresses as memory, before
+    # any trial.
     wanted = had + mebibytes * 2**20
     # A negative one says that there is no limit yet.
     if hard >= 0:
@@ -43,9 +44,12 @@ def limit_memory(mebibytes: int) -> None:
 
 
 def adopt_orphans() -> None:
-    """Let every descendant that loses its parent become a child of this process, where the system can do that.
+    """Let descendants that lose their parent become children of this process.
 
-    A process that leaves its group and its parent, as daemons do, would otherwise be found by nobody.
+    Where the system can do that.
+
+    A process that leaves its group and its parent, as daemons do, would otherwise be found by
+    nobody.
     """
     with suppress(OSError, AttributeError):
         # Python has no such call of its own.
@@ -53,7 +57,10 @@ def adopt_orphans() -> None:
 
 
 def children_of(listing: Path = CHILDREN) -> list[int]:
-    """The child processes of this one, or those of another file of that kind; none where the system lists none."""
+    """The child processes of this one, or those of another file of that kind.
+
+    None where the system lists none.
+    """
     try:
         return [int(pid) for pid in listing.read_text().split()]
     except OSError:
@@ -61,7 +68,7 @@ def children_of(listing: Path = CHILDREN) -> list[int]:
 
 
 def end_children(known: Container[int] = ()) -> int:
-    """End the child processes of this one that still run, but for those known; how many there were."""
+    """End this process's children that still run, but for those known; how many there were."""
     running = 0
     for pid in children_of():
         if pid in known:
@@ -78,7 +85,8 @@ def end_children(known: Container[int] = ()) -> int:
 
 def end_group(pid: int) -> None:
     """End a process that leads a group of its own, and all that it started, in whatever group."""
-    # Listed before it ends: then its children have other parents, and nothing tells whose they were.
+    # Listed before it ends: then its children have other parents, and nothing tells whose they
+    # were.
     away = _descendants(pid)
     with suppress(OSError):
         os.killpg(pid, signal.SIGKILL)
@@ -115,7 +123,10 @@ def cause_of(status: int) -> str:
 
 
 class _Plain(pickle.Unpickler):
-    """Reads plain values and objects of known classes, and nothing that would be called where it is read."""
+    """Reads plain values and objects of known classes.
+
+    And nothing that would be called where it is read.
+    """
 
     def __init__(self, blob: bytes, known: tuple[type, ...]) -> None:
         super().__init__(BytesIO(blob))
@@ -171,7 +182,9 @@ def can_copy() -> bool:
     return threading.active_count() == 1 and hasattr(os, "fork")
 
 
-def elsewhere(action: Callable[[Callable[[bytes], object]], None], deadline: float, memory: int = 0) -> Ended:
+def elsewhere(
+    action: Callable[[Callable[[bytes], object]], None], deadline: float, memory: int = 0
+) -> Ended:
     """Let a copy of this process do something; whatever happens to it there ends with it.
 
     Parameters
@@ -213,7 +226,7 @@ def elsewhere(action: Callable[[Callable[[bytes], object]], None], deadline: flo
 
 
 def _heard(fd: int, end: float, parts: list[bytes]) -> bool:
-    """Put all that is written into `parts` until the other side closes; whether it does so in time."""
+    """Put all that is written into `parts` until the other side closes; whether it does in time."""
     while select([fd], [], [], max(0.0, end - monotonic()))[0]:
         part = os.read(fd, 1 << 16)
         if not part:
@@ -222,16 +235,20 @@ def _heard(fd: int, end: float, parts: list[bytes]) -> bool:
     return False
 
 
-def _work(action: Callable[[Callable[[bytes], object]], None], memory: int, report: int, lifeline: int) -> NoReturn:
+def _work(
+    action: Callable[[Callable[[bytes], object]], None], memory: int, report: int, lifeline: int
+) -> NoReturn:
     """In the copy: act, and send what there is to say."""
     code = 1
     try:
-        # A group of its own: whatever is started can be ended with it, and Ctrl-C does not reach it.
+        # A group of its own: whatever is started can be ended with it, and Ctrl-C does not reach
+        # it.
         os.setsid()
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
         adopt_orphans()
-        # What it prints is no part of the command's own output, and what is typed or piped is not for it.
+        # What it prints is no part of the command's own output, and what is typed or piped is not
+        # for it.
         os.dup2(2, 1)
         os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
         if memory:
@@ -244,7 +261,8 @@ def _work(action: Callable[[Callable[[bytes], object]], None], memory: int, repo
         sys.stdout.flush()
         code = 0
     finally:
-        # Without the parent's own farewell: its open files and its exit handlers are not this copy's.
+        # Without the parent's own farewell: its open files and its exit handlers are not this
+        # copy's.
         os._exit(code)
 
 

@@ -1,4 +1,4 @@
-"""Finds plugins and keeps what they offer; a faulty one is named and set aside, the rest work on."""
+"""Finds plugins and keeps what they offer; a faulty one is named and set aside, the rest work."""
 
 from __future__ import annotations
 
@@ -16,15 +16,23 @@ import pluggy
 import springpot.hooks as hooks  # not from the package, whose table of names leads back here
 from springpot.errors import ModelError, OutputError, PluginError, SpringpotError
 from springpot.files import write_text
-from springpot.identification import Optimiser
-from springpot.measurement import Measurement, OneTest, Part, Timed, TimeEffect, TimeTest, grown, opening
-from springpot.measurement import open_in_time as in_time_by
+from springpot.identification.optimiser import Optimiser
+from springpot.measurement.from_signals import OneTest
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.reader import Part
+from springpot.measurement.timed import Timed, grown
+from springpot.measurement.timeeffect import TimeEffect
+from springpot.measurement.timereader import open_in_time as in_time_by
+from springpot.measurement.timetest import TimeTest
 from springpot.owners import use_owners
-from springpot.rheology import Effect, Model
+from springpot.rheology.effect import Effect
 from springpot.rheology.family import Family
 from springpot.rheology.lookup import use_finder
-from springpot.shelf import KINDS, Kind, Owner, Shelf
+from springpot.rheology.model import Model
 from springpot.surroundings import kept_surroundings
+
+from .catalogue import KINDS, Kind, Owner, Shelf
+from .measurement import opening
 
 T = TypeVar("T")
 
@@ -59,8 +67,9 @@ class Registry:
     Parameters
     ----------
     points : iterable of EntryPoint
-        Entry points of the group ``springpot``. Those of springpot itself come first, then one distribution after
-        the other by name, so that nothing depends on the order in which they were installed.
+        Entry points of the group ``springpot``. Those of springpot itself come first, then one
+        distribution after the other by name, so that nothing depends on the order in which they
+        were installed.
     """
 
     def __init__(self, points: Iterable[EntryPoint]) -> None:
@@ -91,7 +100,8 @@ class Registry:
         except KeyboardInterrupt:
             raise
         except BaseException as error:
-            # Not only exceptions: a plugin may call sys.exit, and faults of extensions in Rust derive from the base.
+            # Not only exceptions: a plugin may call sys.exit, and faults of extensions in Rust
+            # derive from the base.
             reason = f"{type(error).__name__}: {error}"
             if isinstance(error, SpringpotError):
                 reason = str(error)
@@ -106,17 +116,21 @@ class Registry:
                 yield
         finally:
             if changed:
-                self._fault(owner, f"when it is loaded it changes {', '.join(changed)}: that is undone")
+                self._fault(
+                    owner, f"when it is loaded it changes {', '.join(changed)}: that is undone"
+                )
 
     def _fault(self, owner: Owner, reason: str) -> None:
-        # One line of it: a plugin's message may be of any length, and every list of faults shows it.
+        # One line of it: a plugin's message may be of any length, and every list of faults shows
+        # it.
         line = " ".join(reason.split())
         if len(line) > LONGEST_REASON:
             line = f"{line[: LONGEST_REASON - 3]}..."
         self.faults.append(Fault(owner.plugin, owner.distribution, line))
 
     def _report_slips(self) -> None:
-        # pluggy passes over a function whose name it does not know: its author would wait for it in vain.
+        # pluggy passes over a function whose name it does not know: its author would wait for it in
+        # vain.
         known = [name for name in dir(hooks) if name.startswith(PREFIX)]
         for name, plugin in self.manager.list_name_plugin():
             # A plugin may be any object, whose attributes may raise when they are only looked at.
@@ -169,7 +183,9 @@ class Registry:
         return item
 
     def _member(self, name: str) -> type[Optimiser] | None:
-        """The optimiser of a library that is imported only now; None if the name begins with no library's.
+        """The optimiser of a library that is imported only now.
+
+        None if the name begins with no library's.
 
         Raises
         ------
@@ -212,7 +228,9 @@ class Registry:
         if registered is None:
             registered = self._family_member(name) or self.find("model", name)
         if isinstance(registered, Family):
-            raise ModelError(f"model '{name}' needs a number for N, such as {registered.name[:-1]}3")
+            raise ModelError(
+                f"model '{name}' needs a number for N, such as {registered.name[:-1]}3"
+            )
         model: Model = registered
         return model
 
@@ -229,7 +247,9 @@ class Registry:
         if not colon:
             return effect
         if not column.strip():
-            raise ModelError(f"'{name}': name a column after the colon, such as {effect.name}:water")
+            raise ModelError(
+                f"'{name}': name a column after the colon, such as {effect.name}:water"
+            )
         return effect.of_column(column.strip())
 
 
@@ -271,13 +291,19 @@ def _slip(attribute: str, value: object, known: list[str]) -> str:
             hint = f"did you mean {PREFIX}{near[0]}?"
         return f"there is no hook {attribute}: {hint}"
     # Hooks themselves, which a plugin may have imported to look at, are no slips.
-    if attribute in known and callable(value) and not marked and not hasattr(value, f"{PREFIX}spec"):
+    if (
+        attribute in known
+        and callable(value)
+        and not marked
+        and not hasattr(value, f"{PREFIX}spec")
+    ):
         return f"{attribute} is not marked with @hookimpl and does nothing"
     return ""
 
 
 def _sequence(offered: object, kind: Kind[Any]) -> Iterable[object]:
-    # These can be iterated over too, but what comes out is letters or names, and each would be a fault of its own.
+    # These can be iterated over too, but what comes out is letters or names, and each would be a
+    # fault of its own.
     if isinstance(offered, str | bytes | Mapping) or not isinstance(offered, Iterable):
         raise PluginError(f"{kind.hook} must return a list of {kind.word}s, not {offered!r:.80}")
     return offered
@@ -305,7 +331,8 @@ def plugins() -> Registry:
     True
     """
     registry = Registry(entry_points(group=hooks.GROUP))
-    # Models below this room name effects too: they are given the way to look them up, as they cannot import it.
+    # Models below this room name effects too: they are given the way to look them up, as they
+    # cannot import it.
     use_finder(registry.effect)
     use_owners(registry.owner_of, registry.owner_of_module)
     return registry
@@ -317,7 +344,8 @@ def parse_model(expression: str) -> Model:
     Raises
     ------
     ModelError
-        If a part of it is unknown or empty, or the same effect stands twice where two are no more than one.
+        If a part of it is unknown or empty, or the same effect stands twice where two are no more
+        than one.
 
     Examples
     --------
@@ -342,7 +370,9 @@ def parse_model(expression: str) -> Model:
 
 
 def parse_timed(expression: str) -> Model | Timed:
-    """The model of tests in time that an expression such as ``fractional-zener + force-drift`` names.
+    """The model of tests in time that an expression names.
+
+    Such as ``fractional-zener + force-drift``.
 
     Raises
     ------
@@ -375,7 +405,9 @@ def for_sweeps(model: Model | Timed) -> Model:
     """
     if isinstance(model, Timed):
         name = model.time_effects[0].name
-        raise ModelError(f"'{name}' is an effect of tests in time: these data are a sweep; leave it out")
+        raise ModelError(
+            f"'{name}' is an effect of tests in time: these data are a sweep; leave it out"
+        )
     return model
 
 
@@ -400,7 +432,9 @@ def library_in_time() -> list[Effect | TimeEffect]:
 
 
 def open_measurement(spec: str | Path) -> Measurement:
-    """The measurement that a user names: a file, or a data set, either with conditions (``NAME@temperature=20``).
+    """The measurement that a user names.
+
+    A file, or a data set, either with conditions (``NAME@temperature=20``).
 
     Raises
     ------
@@ -418,7 +452,9 @@ def open_measurement(spec: str | Path) -> Measurement:
 
 
 def open_in_time(spec: str | Path) -> tuple[TimeTest, ...]:
-    r"""The tests in time in the file that a user names; none for sweeps, data sets and whatever else.
+    r"""The tests in time in the file that a user names.
+
+    None for sweeps, data sets and whatever else.
 
     Raises
     ------
@@ -438,7 +474,9 @@ def open_in_time(spec: str | Path) -> tuple[TimeTest, ...]:
 
 
 def parts_of(spec: str | Path) -> tuple[Part, ...]:
-    """The steps, sweeps or sheets of the file that a user names, chosen by ``FILE#2``; none for anything else.
+    """The steps, sweeps or sheets of the file that a user names, chosen by ``FILE#2``.
+
+    None for anything else.
 
     Raises
     ------
@@ -456,7 +494,9 @@ def signals_to_measurement(
     window: tuple[float, float] | None = None,
     name: str | None = None,
 ) -> Measurement:
-    """Files of displacement and force against time, one test each, as one measurement; see `harmonics_of`.
+    """Files of displacement and force against time, one test each, as one measurement.
+
+    See `harmonics_of`.
 
     Examples
     --------
@@ -464,13 +504,19 @@ def signals_to_measurement(
     >>> time = np.linspace(0.0, 2.0, 1001)
     >>> phase = 2.0 * np.pi * 2.0 * time  # 2 Hz; the force leads by half a radian
     >>> columns = np.column_stack([time, np.sin(phase), 3.0 * np.sin(phase + 0.5)])
-    >>> np.savetxt("test.csv", columns, delimiter=",", header="time [s],displacement [mm],force [N]", comments="")
+    >>> header = "time [s],displacement [mm],force [N]"
+    >>> np.savetxt("test.csv", columns, delimiter=",", header=header, comments="")
     >>> data = springpot.signals_to_measurement(["test.csv"])
     >>> np.abs(data.stiffness).round(3), np.angle(data.stiffness).round(3)
     (array([3.]), array([0.5]))
     """
     return opening.signals_to_measurement(
-        paths, plugins().items("reader"), omega=omega, n_harmonics=n_harmonics, window=window, name=name
+        paths,
+        plugins().items("reader"),
+        omega=omega,
+        n_harmonics=n_harmonics,
+        window=window,
+        name=name,
     )
 
 
@@ -481,7 +527,9 @@ def evaluated_signals(
     n_harmonics: int = 5,
     window: tuple[float, float] | None = None,
 ) -> OneTest:
-    """What one file of displacement and force against time comes to: a row for `measurement_of_tests`.
+    """What one file of displacement and force against time comes to.
+
+    A row for `measurement_of_tests`.
 
     Raises
     ------
@@ -509,7 +557,8 @@ def write_measurement(measurement: Measurement, path: str | Path) -> Path:
     True
     """
     for reader in plugins().items("reader"):
-        # Most readers only read; springpot's own come first, and their table opens again as the same bits.
+        # Most readers only read; springpot's own come first, and their table opens again as the
+        # same bits.
         if reader.text is not None:
             return write_text(path, reader.text(measurement))
     raise OutputError(f"cannot write {path}: no plugin offers a format to write measurements in")

@@ -30,8 +30,14 @@ KEPT: dict[str, tuple[Callable[[], Any], Callable[[Any], Any]]] = {
     "the recursion limit": (sys.getrecursionlimit, sys.setrecursionlimit),
     "the working folder": (_folder, os.chdir),
     "NumPy's way with errors": (np.geterr, lambda was: np.seterr(**was)),
-    "the locale": (lambda: locale.setlocale(locale.LC_ALL), lambda was: locale.setlocale(locale.LC_ALL, was)),
-    "what is done with errors": (lambda: sys.excepthook, lambda was: setattr(sys, "excepthook", was)),
+    "the locale": (
+        lambda: locale.setlocale(locale.LC_ALL),
+        lambda was: locale.setlocale(locale.LC_ALL, was),
+    ),
+    "what is done with errors": (
+        lambda: sys.excepthook,
+        lambda was: setattr(sys, "excepthook", was),
+    ),
     **{
         f"what is done at {name}": _handler(getattr(signal, name))
         for name in ("SIGINT", "SIGTERM", "SIGALRM")
@@ -55,7 +61,8 @@ def kept_surroundings(tell: Callable[[str], None], owns: Callable[[str], bool]) 
     tell : callable
         Given what was changed.
     owns : callable
-        Whether a module is that of the code: only its own functions are taken from those that run at the exit.
+        Whether a module is that of the code: only its own functions are taken from those that run
+        at the exit.
     """
     before, late = surroundings(), []
     register = atexit.register

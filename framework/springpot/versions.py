@@ -1,4 +1,7 @@
-"""What results were made with: springpot, the libraries it stands on, and the plugins that are installed."""
+"""What results were made with.
+
+Springpot, the libraries it stands on, and the plugins that are installed.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,9 @@ LIBRARIES = ("springpot", "numpy", "scipy", "nlopt", "cma", "pluggy")
 
 
 def versions(further: Iterable[str] = ()) -> dict[str, str]:
-    """Versions by distribution: the libraries, those of all plugins, and further ones; what is absent is left out.
+    """Versions by distribution: the libraries, those of all plugins, and further ones.
+
+    What is absent is left out.
 
     Parameters
     ----------

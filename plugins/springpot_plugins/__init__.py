@@ -1,1 +1,1 @@
-"""Every built-in model, effect, optimiser, objective, data set and reader, loaded like anybody else's plugin."""
+"""Every built-in model, effect, optimiser, objective, data set and reader, loaded as any plugin."""

@@ -18,7 +18,10 @@ def springpot_demo() -> Iterable[Chapter]:
     return (
         Chapter(
             "Identify: a silicone fluid of NIST at 20 degC",
-            ("identify", f"{FLUID}@temperature=20", "--model", FLUID_MODEL, "--figure", "{out}/identify.png"),
+            (
+                *("identify", f"{FLUID}@temperature=20", "--model", FLUID_MODEL),
+                *("--figure", "{out}/identify.png"),
+            ),
         ),
         Chapter(
             "Diagnose: the same model for all six temperatures fails; what is missing?",
@@ -26,7 +29,10 @@ def springpot_demo() -> Iterable[Chapter]:
         ),
         Chapter(
             "Accept what was found missing: the temperature shift",
-            ("discover", FLUID, "--model", FLUID_MODEL, "--accept", "wlf-shift", "--figure", "{out}/temperature.png"),
+            (
+                *("discover", FLUID, "--model", FLUID_MODEL, "--accept", "wlf-shift"),
+                *("--figure", "{out}/temperature.png"),
+            ),
         ),
         Chapter(
             "Race: optimisers on the paper's artificial data, the same budget for all",
@@ -40,14 +46,15 @@ def springpot_demo() -> Iterable[Chapter]:
             ),
         ),
         Chapter(
-            "Compare: an artificial damper with something hidden, and the model that its maker gives",
+            "Compare: an artificial damper with something hidden,"
+            " and the model that its maker gives",
             ("compare", HIDDEN, "--model", "fractional-maxwell", "--figure", "{out}/compare.png"),
         ),
         Chapter(
             "Discover: add what is missing and watch the error fall",
             (
-                "discover", HIDDEN, "--model", "fractional-maxwell", "--auto",
-                "--figure", "{out}/ladder.png", "--report", "{out}/report.html",
+                *("discover", HIDDEN, "--model", "fractional-maxwell", "--auto"),
+                *("--figure", "{out}/ladder.png", "--report", "{out}/report.html"),
             ),
         ),
         Chapter(
@@ -55,4 +62,4 @@ def springpot_demo() -> Iterable[Chapter]:
             ("workbench", HIDDEN, "--model", "fractional-maxwell"),
             left_to_user=True,
         ),
-    )  # fmt: skip
+    )

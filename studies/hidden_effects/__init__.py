@@ -1,5 +1,6 @@
-"""An independent generator of measurements with hidden physical effects, and the figures of the hidden-effect test.
+"""An independent generator of measurements with hidden physical effects.
 
-Nothing in this package imports springpot: the formulas are typed a second time, on purpose, as plain complex
-functions, so that an error in the framework cannot hide itself in its own test.
+With it come the figures of the hidden-effect test.
+Nothing in this package imports springpot: the formulas are typed a second time, on purpose, as
+plain complex functions, so that an error in the framework cannot hide itself in its own test.
 """

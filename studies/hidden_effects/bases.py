@@ -21,7 +21,8 @@ KELVIN = 273.15
 class Sweep:
     """Where the specimen was measured: one entry per row, in measuring order.
 
-    ``omega`` is in rad/s, ``temperature`` in degC, ``amplitude`` in mm or strain; ``repeat`` counts from 1.
+    ``omega`` is in rad/s, ``temperature`` in degC, ``amplitude`` in mm or strain; ``repeat`` counts
+    from 1.
     """
 
     omega: Real
@@ -35,13 +36,22 @@ class Sweep:
     def series(self) -> NDArray[np.int64]:
         """Number the sweeps: rows of equal temperature, amplitude and repeat share a number."""
         blank = np.zeros(len(self))
-        columns = [blank if c is None else c for c in (self.temperature, self.amplitude, self.repeat)]
-        return np.unique(np.column_stack(columns), axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
+        columns = [
+            blank if c is None else c for c in (self.temperature, self.amplitude, self.repeat)
+        ]
+        return (
+            np.unique(np.column_stack(columns), axis=0, return_inverse=True)[1]
+            .reshape(-1)
+            .astype(np.int64)
+        )
 
 
 @dataclass(frozen=True)
 class Base:
-    """A model of the specimen. ``kinds`` says per parameter how it is fitted: "log", "order" or "signed"."""
+    """A model of the specimen.
+
+    ``kinds`` says per parameter how it is fitted: "log", "order" or "signed".
+    """
 
     name: str
     parameters: tuple[str, ...]
@@ -100,28 +110,39 @@ def _ratio(rng: np.random.Generator, low: float, high: float) -> float:
     return float(np.exp(rng.uniform(log(low), log(high))))
 
 
-# Every draw takes the generator, a modulus k and a sampler of relaxation times tau inside the measured window.
-def _draw_springpot(rng: np.random.Generator, k: float, tau: Callable[[], float]) -> tuple[float, ...]:
+# Every draw takes the generator, a modulus k and a sampler of relaxation times tau inside the
+# measured window.
+def _draw_springpot(
+    rng: np.random.Generator, k: float, tau: Callable[[], float]
+) -> tuple[float, ...]:
     a = _order(rng)
     return k * tau() ** a, a
 
 
-def _draw_fractional(rng: np.random.Generator, k: float, tau: Callable[[], float]) -> tuple[float, ...]:
+def _draw_fractional(
+    rng: np.random.Generator, k: float, tau: Callable[[], float]
+) -> tuple[float, ...]:
     a = _order(rng)
     return k, k * tau() ** a, a
 
 
-def _draw_fractional4(rng: np.random.Generator, k: float, tau: Callable[[], float]) -> tuple[float, ...]:
+def _draw_fractional4(
+    rng: np.random.Generator, k: float, tau: Callable[[], float]
+) -> tuple[float, ...]:
     k1, a = k * _ratio(rng, 3.0, 40.0), _order(rng)
     return k, k1, k1 * tau() ** a, a
 
 
-def _draw_kelvin4(rng: np.random.Generator, k: float, tau: Callable[[], float]) -> tuple[float, ...]:
+def _draw_kelvin4(
+    rng: np.random.Generator, k: float, tau: Callable[[], float]
+) -> tuple[float, ...]:
     a, soft = _order(rng), _ratio(rng, 3.0, 40.0)
     return k * soft, k, k * soft * tau() ** a, a
 
 
-def _draw_classical(rng: np.random.Generator, k: float, tau: Callable[[], float]) -> tuple[float, ...]:
+def _draw_classical(
+    rng: np.random.Generator, k: float, tau: Callable[[], float]
+) -> tuple[float, ...]:
     return k, k * tau()
 
 
@@ -130,7 +151,9 @@ def _draw_zener(rng: np.random.Generator, k: float, tau: Callable[[], float]) ->
     return k, k1, k1 * tau()
 
 
-def _draw_burgers(rng: np.random.Generator, k: float, tau: Callable[[], float]) -> tuple[float, ...]:
+def _draw_burgers(
+    rng: np.random.Generator, k: float, tau: Callable[[], float]
+) -> tuple[float, ...]:
     k2 = k * _ratio(rng, 0.3, 3.0)
     fast, slow = sorted((tau(), tau()))
     return k, k * slow, k2, k2 * fast
@@ -144,9 +167,19 @@ BASES = {
         Base("maxwell", ("k", "c"), ("log",) * 2, _maxwell, _draw_classical),
         Base("zener", ("ke", "k", "c"), ("log",) * 3, _zener, _draw_zener),
         Base("burgers", ("k1", "c1", "k2", "c2"), ("log",) * 4, _burgers, _draw_burgers),
-        Base("fractional-kelvin", ("k", "c", "alpha"), ("log", "log", "order"), _fractional_kelvin, _draw_fractional),
         Base(
-            "fractional-maxwell", ("k", "c", "alpha"), ("log", "log", "order"), _fractional_maxwell, _draw_fractional
+            "fractional-kelvin",
+            ("k", "c", "alpha"),
+            ("log", "log", "order"),
+            _fractional_kelvin,
+            _draw_fractional,
+        ),
+        Base(
+            "fractional-maxwell",
+            ("k", "c", "alpha"),
+            ("log", "log", "order"),
+            _fractional_maxwell,
+            _draw_fractional,
         ),
         Base(
             "fractional-zener",
@@ -179,7 +212,7 @@ BASE_WEIGHTS = {
 
 @dataclass(frozen=True)
 class Law:
-    """A temperature shift: ``log_shift(T, Tr, p)`` returns ln a_T, so that K is taken at omega a_T."""
+    """A temperature shift: ``log_shift(T, Tr, p)`` is ln a_T, so that K is taken at omega a_T."""
 
     name: str
     parameters: tuple[str, ...]

@@ -21,9 +21,12 @@ TARGET = {"one": (5.0, 3000.0), "two": (15.0, 6000.0), "outside": (5.0, 3000.0)}
 
 @dataclass(frozen=True)
 class Hidden:
-    """One hidden effect: its name, its parameters (the first is the size) and its own detectability.
+    """One hidden effect.
 
-    ``chi2`` is what remains, free of noise, when only this one is left out and all the rest is refitted.
+    Its name, its parameters (the first is the size) and its own detectability.
+
+    ``chi2`` is what remains, free of noise, when only this one is left out and all the rest is
+    refitted.
     """
 
     name: str
@@ -33,7 +36,10 @@ class Hidden:
 
 @dataclass(frozen=True)
 class Case:
-    """A measurement whose truth is known. Frequencies in rad/s, stiffness in ``unit``, amplitude in ``length``."""
+    """A measurement whose truth is known.
+
+    Frequencies in rad/s, stiffness in ``unit``, amplitude in ``length``.
+    """
 
     seed: int
     kind: str
@@ -88,7 +94,10 @@ class Case:
 
     @property
     def floor(self) -> float:
-        """Relative rms error per complex point that noise alone causes: sqrt(mean(2 sigma^2 / |K|^2))."""
+        """Relative rms error per complex point that noise alone causes.
+
+        sqrt(mean(2 sigma^2 / |K|^2)).
+        """
         return float(np.sqrt(np.mean(2.0 * self.sigma**2 / np.abs(self.K_true) ** 2)))
 
     def columns(self) -> dict[str, np.ndarray]:
@@ -123,16 +132,25 @@ class Case:
             "chi2": self.chi2,
             "floor": self.floor,
             "points": len(self.sweep),
-            "sigma": "given" if self.sd is not None else ("repeats" if self.sweep.repeat is not None else "unknown"),
+            "sigma": (
+                "given"
+                if self.sd is not None
+                else ("repeats" if self.sweep.repeat is not None else "unknown")
+            ),
             "noise": self.noise,
         }
 
 
-def write_table(columns: dict[str, np.ndarray], path: str | Path, digits: dict[str, int] | None = None) -> Path:
+def write_table(
+    columns: dict[str, np.ndarray], path: str | Path, digits: dict[str, int] | None = None
+) -> Path:
     """Write columns as CSV; ``digits`` gives the significant digits of those that are rounded."""
     places = [(digits or {}).get(name, 10) for name in columns]
     rows = zip(*columns.values(), strict=True)
-    lines = [",".join(columns), *(",".join(f"{v:.{n}g}" for v, n in zip(row, places, strict=True)) for row in rows)]
+    lines = [
+        ",".join(columns),
+        *(",".join(f"{v:.{n}g}" for v, n in zip(row, places, strict=True)) for row in rows),
+    ]
     Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
     return Path(path)
 
@@ -140,8 +158,9 @@ def write_table(columns: dict[str, np.ndarray], path: str | Path, digits: dict[s
 def draw_case(seed: int) -> Case:
     """Return the case of this seed, always the same.
 
-    Any 40 consecutive seeds that start at a multiple of 40 hold exactly 10 cases with nothing missing, 16 with one
-    effect, 8 with two and 6 from outside the library; half of each kind are single sweeps.
+    Any 40 consecutive seeds that start at a multiple of 40 hold exactly 10 cases with nothing
+    missing, 16 with one effect, 8 with two and 6 from outside the library; half of each kind are
+    single sweeps.
     """
     block, place = divmod(seed, 40)
     deck = [(kind, design) for i, kind in enumerate(MIX) for design in [("sweep", "field")[i % 2]]]
@@ -226,10 +245,14 @@ def hide_in(
     """Hide one or two effects so that the refitted base leaves ``target``."""
     plan = hide(rng, sweep, network, theta, pick(rng, sweep, network, count))
     scales = np.ones(count)
-    if count > 1:  # share the detectability between them, from 1:3 to 3:1, before scaling both together
+    if (
+        count > 1
+    ):  # share the detectability between them, from 1:3 to 3:1, before scaling both together
         shares = np.exp(rng.uniform(-1.1, 1.1, count))
         for i in range(count):
-            scales[i] = scale_to(_only(plan, sweep, i), plan.fitted, plan.start, sweep, noise, target * shares[i])[0]
+            scales[i] = scale_to(
+                _only(plan, sweep, i), plan.fitted, plan.start, sweep, noise, target * shares[i]
+            )[0]
 
     def truth(scale: float) -> Complex:
         return plan.network.stiffness(sweep, plan.at(scale * scales))
@@ -239,8 +262,12 @@ def hide_in(
     own = [chi2] if count == 1 else [own_chi2(plan, full, n, sweep, noise) for n in plan.names]
     if min(own) < 3.0:  # one of the two hides in the other: nobody could know
         raise NotVisible
-    hidden = tuple(Hidden(plan.label(n), plan.values(n, full), c) for n, c in zip(plan.names, own, strict=True))
-    return Truth(truth(scale), chi2, hidden, network=plan.network, theta=full, model=expression(plan.fitted))
+    hidden = tuple(
+        Hidden(plan.label(n), plan.values(n, full), c) for n, c in zip(plan.names, own, strict=True)
+    )
+    return Truth(
+        truth(scale), chi2, hidden, network=plan.network, theta=full, model=expression(plan.fitted)
+    )
 
 
 def _only(plan: Plan, sweep: Sweep, index: int) -> Callable[[float], Complex]:
@@ -272,6 +299,7 @@ def _disturb(
 
         def truth(scale: float) -> Complex:
             return havriliak_negami(s, own, 0.01 * sign * scale)
+
     else:
         pattern, details = OUTSIDE[outside](sweep, rng)
 
@@ -280,7 +308,8 @@ def _disturb(
 
     scale, chi2 = scale_to(truth, network, theta, sweep, noise, target)
     if outside == ASYMMETRY and own[-1] * np.exp(-0.01 * sign * scale) > 1.0:
-        # Its spectrum would be negative somewhere, and no passive material is like that: skewed the other way.
+        # Its spectrum would be negative somewhere, and no passive material is like that: skewed the
+        # other way.
         sign = 1.0
         scale, chi2 = scale_to(truth, network, theta, sweep, noise, target)
     return Truth(truth(scale), chi2, outside=outside, details=details | {"size": 0.01 * scale})

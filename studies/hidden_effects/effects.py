@@ -1,7 +1,7 @@
-"""The effects that may be hidden, typed from the equations of the literature, and how their parameters are drawn.
+"""The effects that may be hidden, typed from the literature, and how their parameters are drawn.
 
-An effect maps the stiffness of what is inside it to that of what the instrument sees: ``(K, s, sweep, p) -> K``.
-``layer`` puts two effects in physical order, from the specimen outwards:
+An effect maps the stiffness of what is inside it to that of what the instrument sees: ``(K, s,
+sweep, p) -> K``. ``layer`` puts two effects in physical order, from the specimen outwards:
 
 ====== ============================================== =============================
 layer  what                                           frequency it sees
@@ -15,9 +15,10 @@ layer  what                                           frequency it sees
 6      measurement chain                              laboratory
 ====== ============================================== =============================
 
-So a solvent dashpot, a relaxation mode, a slip film and extra springpots move with temperature like the base; masses,
-delays, phase errors, resonances and friction stay fixed. Temperature laws and self-heating act on omega itself.
-Amplitude-dependent parts are never combined with series ones, where a describing function would not be exact.
+So a solvent dashpot, a relaxation mode, a slip film and extra springpots move with temperature like
+the base; masses, delays, phase errors, resonances and friction stay fixed. Temperature laws and
+self-heating act on omega itself. Amplitude-dependent parts are never combined with series ones,
+where a describing function would not be exact.
 """
 
 from __future__ import annotations
@@ -91,7 +92,7 @@ def amplitude(sweep: Sweep) -> Real:
     return sweep.amplitude
 
 
-# --- parallel: added to K -----------------------------------------------------------------------------------------
+# --- parallel: added to K
 def _spring(k: Complex, s: Complex, x: Sweep, p: Real) -> Complex:
     return k + p[0]
 
@@ -121,7 +122,8 @@ def _friction(k: Complex, s: Complex, x: Sweep, p: Real) -> Complex:
 
 
 def _jenkins(k: Complex, s: Complex, x: Sweep, p: Real) -> Complex:
-    # Spring p0 behind a slider that gives way at displacement p1; below it the spring is all there is.
+    # Spring p0 behind a slider that gives way at displacement p1; below it the spring is all there
+    # is.
     rho = np.minimum(p[1] / amplitude(x), 1.0)
     beta = np.arccos(1.0 - 2.0 * rho)
     return k + p[0] / pi * (beta - 0.5 * np.sin(2.0 * beta)) + 4j / pi * p[0] * rho * (1.0 - rho)
@@ -143,12 +145,13 @@ def _dead_zone(k: Complex, s: Complex, x: Sweep, p: Real) -> Complex:
 
 
 def _payne(k: Complex, s: Complex, x: Sweep, p: Real) -> Complex:
-    # Kraus: p0 network stiffness that breaks, p1 its peak loss over p0, p2 critical amplitude, p3 exponent m.
+    # Kraus: p0 network stiffness that breaks, p1 its peak loss over p0, p2 critical amplitude, p3
+    # exponent m.
     r = (amplitude(x) / p[2]) ** p[3]
     return k + p[0] * (1.0 + 2j * p[1] * r) / (1.0 + r * r)
 
 
-# --- series: added to 1/K (sizes are compliances) -----------------------------------------------------------------
+# --- series: added to 1/K (sizes are compliances)
 def _mount(k: Complex, s: Complex, x: Sweep, p: Real) -> Complex:
     return k / (1.0 + p[0] * k)
 
@@ -161,7 +164,7 @@ def _series_pot(k: Complex, s: Complex, x: Sweep, p: Real) -> Complex:
     return k / (1.0 + p[0] * k / s ** p[1])
 
 
-# --- chain: factors on K ------------------------------------------------------------------------------------------
+# --- chain: factors on K
 def _delay(k: Complex, s: Complex, x: Sweep, p: Real) -> Complex:
     return k * np.exp(-s * p[0])
 
@@ -176,7 +179,8 @@ def _resonance(k: Complex, s: Complex, x: Sweep, p: Real) -> Complex:
 
 
 def _specimen(k: Complex, s: Complex, x: Sweep, p: Real) -> Complex:
-    # Shear wave, force taken at the moving side: z cot z with z = k h, z^2 = omega^2 M / K (M = rho A h).
+    # Shear wave, force taken at the moving side: z cot z with z = k h, z^2 = omega^2 M / K (M = rho
+    # A h).
     z = np.sqrt(-p[0] * s * s / k)
     thin = np.abs(z) < 1e-7
     z = np.where(thin, 1.0, z)
@@ -201,7 +205,8 @@ def _exponent(rng: np.random.Generator) -> float:
     return float(rng.uniform(0.25, 0.7) if rng.random() < 0.6 else rng.uniform(1.4, 2.0))
 
 
-# First-guess sizes disturb the response by about a per cent; the case scales them to its target afterwards.
+# First-guess sizes disturb the response by about a per cent; the case scales them to its target
+# afterwards.
 _LIBRARY = (
     Effect("parallel-spring", 0, ("k",), (LOG,), _spring, lambda g, v: (0.01 * v.k,)),
     Effect("parallel-dashpot", 0, ("c",), (LOG,), _dashpot, lambda g, v: (0.01 * v.k / v.w,)),
@@ -213,11 +218,23 @@ _LIBRARY = (
         _springpot,
         lambda g, v: (0.01 * v.k / v.w ** (a := _far_order(g)), a),
     ),
-    Effect("relaxation-mode", 0, ("k", "tau"), (LOG, LOG), _mode, lambda g, v: (0.02 * v.k, v.tau(g))),
+    Effect(
+        "relaxation-mode", 0, ("k", "tau"), (LOG, LOG), _mode, lambda g, v: (0.02 * v.k, v.tau(g))
+    ),
     Effect("inertia", 5, ("m",), (LOG,), _mass, lambda g, v: (0.01 * v.k / v.top**2,)),
     Effect("hysteretic-loss", 2, ("h",), (LOG,), _hysteretic, lambda g, v: (0.01 * v.k,)),
-    Effect("series-spring", 4, ("compliance",), (LOG,), _mount, lambda g, v: (0.01 / v.k,), series=True),
-    Effect("series-dashpot", 0, ("fluidity",), (LOG,), _film, lambda g, v: (0.01 * v.w / v.k,), series=True),
+    Effect(
+        "series-spring", 4, ("compliance",), (LOG,), _mount, lambda g, v: (0.01 / v.k,), series=True
+    ),
+    Effect(
+        "series-dashpot",
+        0,
+        ("fluidity",),
+        (LOG,),
+        _film,
+        lambda g, v: (0.01 * v.w / v.k,),
+        series=True,
+    ),
     Effect(
         "series-springpot",
         0,
@@ -237,7 +254,9 @@ _LIBRARY = (
         _resonance,
         lambda g, v: (0.01 / v.top**2, float(g.uniform(0.005, 0.08))),
     ),
-    Effect("specimen-inertia", 3, ("mass",), (LOG,), _specimen, lambda g, v: (0.02 * v.k / v.top**2,)),
+    Effect(
+        "specimen-inertia", 3, ("mass",), (LOG,), _specimen, lambda g, v: (0.02 * v.k / v.top**2,)
+    ),
     Effect(
         "friction",
         2,
@@ -254,13 +273,22 @@ _LIBRARY = (
         (LOG, "exponent"),
         _power_damper,
         lambda g, v: (
-            0.01 * v.k * (x := float(np.median(amplitude(v.sweep)))) / (x * v.w) ** (a := _exponent(g)),
+            0.01
+            * v.k
+            * (x := float(np.median(amplitude(v.sweep))))
+            / (x * v.w) ** (a := _exponent(g)),
             a,
         ),
         needs="amplitude",
     ),
     Effect(
-        "elasto-sliding", 2, ("k", "slip"), (LOG, LOG), _jenkins, lambda g, v: (0.02 * v.k, v.gap(g)), needs="field"
+        "elasto-sliding",
+        2,
+        ("k", "slip"),
+        (LOG, LOG),
+        _jenkins,
+        lambda g, v: (0.02 * v.k, v.gap(g)),
+        needs="field",
     ),
     Effect(
         "cubic-stiffness",
@@ -272,7 +300,15 @@ _LIBRARY = (
         needs="field",
         signs=True,
     ),
-    Effect("dead-zone", 2, ("k", "gap"), (LOG, LOG), _dead_zone, lambda g, v: (0.02 * v.k, v.gap(g)), needs="field"),
+    Effect(
+        "dead-zone",
+        2,
+        ("k", "gap"),
+        (LOG, LOG),
+        _dead_zone,
+        lambda g, v: (0.02 * v.k, v.gap(g)),
+        needs="field",
+    ),
     Effect(
         "payne",
         2,
@@ -282,7 +318,23 @@ _LIBRARY = (
         lambda g, v: (0.02 * v.k, float(g.uniform(0.1, 0.4)), v.gap(g), float(g.uniform(0.5, 0.7))),
         needs="field",
     ),
-    Effect("vertical-shift", 1, ("n",), (SIGNED,), _vertical, lambda g, v: (0.1,), needs="field", signs=True),
+    Effect(
+        "vertical-shift",
+        1,
+        ("n",),
+        (SIGNED,),
+        _vertical,
+        lambda g, v: (0.1,),
+        needs="field",
+        signs=True,
+    ),
 )
 EFFECTS = {e.name: e for e in _LIBRARY}
-NONLINEAR = {"friction", "power-law-damper", "elasto-sliding", "cubic-stiffness", "dead-zone", "payne"}
+NONLINEAR = {
+    "friction",
+    "power-law-damper",
+    "elasto-sliding",
+    "cubic-stiffness",
+    "dead-zone",
+    "payne",
+}

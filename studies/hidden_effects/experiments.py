@@ -13,15 +13,18 @@ from hidden_effects.setup import deviation
 
 
 def remeasure(case: Case, action: dict[str, Any]) -> Case | None:
-    """Return the case with the suggested rows added, or None where the action is outside of what can be simulated.
+    """Return the case with the suggested rows added, or None where that cannot be simulated.
 
-    ``action`` may hold ``omega`` [rad/s], ``temperature`` [degC] and ``amplitude`` [as in the data], each a list of
-    values to measure at (what is missing stays as in the data), and ``repeats``, how often.
+    ``action`` may hold ``omega`` [rad/s], ``temperature`` [degC] and ``amplitude`` [as in the
+    data], each a list of values to measure at (what is missing stays as in the data), and
+    ``repeats``, how often.
     """
     usable = {"omega", "temperature", "amplitude", "repeats"}
     if case.outside or not action or not set(action) <= usable:
         return None
-    if ("temperature" in action and case.temperature is None) or ("amplitude" in action and case.amplitude is None):
+    if ("temperature" in action and case.temperature is None) or (
+        "amplitude" in action and case.amplitude is None
+    ):
         return None
     rng = np.random.default_rng([13, case.seed])
     more = _new_rows(case.sweep, action)
@@ -39,7 +42,7 @@ def remeasure(case: Case, action: dict[str, Any]) -> Case | None:
 
 
 def _new_rows(old: Sweep, action: dict[str, Any]) -> Sweep:
-    """Return every combination of the asked values, and of the measured ones where nothing is asked."""
+    """Return every combination of the asked values, and of measured ones where none is asked."""
 
     def values(name: str, column: Real | None) -> Real:
         if name in action:

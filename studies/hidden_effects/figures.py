@@ -48,7 +48,7 @@ def wilson(k: int, n: int, z: float = 1.959964) -> tuple[float, float]:
     return max(0.0, (middle - half) / scale), min(1.0, (middle + half) / scale)
 
 
-# --- reading one answer -------------------------------------------------------------------------------------------
+# --- reading one answer
 def answer(row: Row) -> Row:
     """Return the diagnosis, empty where the tool failed."""
     return row.get("answer") or {}
@@ -100,13 +100,18 @@ def found(row: Row, effect: str) -> bool:
     """Whether discovery accepted ``effect`` or a member of a class that holds it."""
     ladder = row.get("ladder") or {}
     classes = [set(c) for c in (ladder.get("diagnosis") or {}).get("classes") or []]
-    classes += [set(s["class"]) | {s["accepted"]} for s in ladder.get("steps") or [] if s.get("class")]
+    classes += [
+        set(s["class"]) | {s["accepted"]} for s in ladder.get("steps") or [] if s.get("class")
+    ]
     names = set(accepted(row))
     return effect in names or any(effect in c and names & c for c in classes)
 
 
 def settled(row: Row) -> float:
-    """Return the error after acceptance over the noise floor: of the ladder where there is one, else predicted."""
+    """Return the error after acceptance over the noise floor.
+
+    Of the ladder where there is one, else predicted.
+    """
     steps = (row.get("ladder") or {}).get("steps")
     if steps:
         last = steps[-1]
@@ -116,7 +121,7 @@ def settled(row: Row) -> float:
     return float(after) / float(floor) if floor and after else float("nan")
 
 
-# --- figures ------------------------------------------------------------------------------------------------------
+# --- figures
 def share(
     name: str,
     design: str,
@@ -128,17 +133,37 @@ def share(
     """Return the share of ``rows`` that ``hit``."""
     hits = [bool(hit(r)) for r in rows]
     low, high = wilson(sum(hits), len(hits))
-    return Figure(name, design, sum(hits) / len(hits) if hits else float("nan"), low, high, len(hits), goal, better)
+    return Figure(
+        name,
+        design,
+        sum(hits) / len(hits) if hits else float("nan"),
+        low,
+        high,
+        len(hits),
+        goal,
+        better,
+    )
 
 
-def mean(name: str, design: str, values: Iterable[float], goal: float | None = None, better: str = "<=") -> Figure:
+def mean(
+    name: str, design: str, values: Iterable[float], goal: float | None = None, better: str = "<="
+) -> Figure:
     """Return a mean with its normal 95 % interval."""
     x = np.array(list(values), dtype=float)
     x = x[np.isfinite(x)]
     if not x.size:
         return Figure(name, design, float("nan"), float("nan"), float("nan"), 0, goal, better)
     half = 1.96 * float(x.std()) / sqrt(x.size)
-    return Figure(name, design, float(x.mean()), float(x.mean()) - half, float(x.mean()) + half, x.size, goal, better)
+    return Figure(
+        name,
+        design,
+        float(x.mean()),
+        float(x.mean()) - half,
+        float(x.mean()) + half,
+        x.size,
+        goal,
+        better,
+    )
 
 
 def expected_calibration_error(p: np.ndarray, hit: np.ndarray, bins: int = 10) -> float:
@@ -147,12 +172,15 @@ def expected_calibration_error(p: np.ndarray, hit: np.ndarray, bins: int = 10) -
         return float("nan")
     place = np.minimum((p * bins).astype(int), bins - 1)
     gaps = [
-        abs(float(np.mean(hit[place == b] - p[place == b]))) * float(np.mean(place == b)) for b in np.unique(place)
+        abs(float(np.mean(hit[place == b] - p[place == b]))) * float(np.mean(place == b))
+        for b in np.unique(place)
     ]
     return float(sum(gaps))
 
 
-def calibration(name: str, design: str, rows: list[Row], right: Callable[[Row], bool], goal: float | None) -> Figure:
+def calibration(
+    name: str, design: str, rows: list[Row], right: Callable[[Row], bool], goal: float | None
+) -> Figure:
     """Return the calibration error of the first probability with a bootstrap interval."""
     use = [r for r in rows if verdict(r) == "effect-missing"]
     p = np.array([float(first(r).get("probability") or 0.0) for r in use])
@@ -161,14 +189,30 @@ def calibration(name: str, design: str, rows: list[Row], right: Callable[[Row], 
     picks = (rng.integers(0, max(p.size, 1), max(p.size, 1)) for _ in range(400 if p.size else 0))
     draws = [expected_calibration_error(p[i], hit[i]) for i in picks] or [float("nan")]
     low, high = np.percentile(draws, [2.5, 97.5])
-    return Figure(name, design, expected_calibration_error(p, hit), float(low), float(high), p.size, goal, "<=")
+    return Figure(
+        name,
+        design,
+        expected_calibration_error(p, hit),
+        float(low),
+        float(high),
+        p.size,
+        goal,
+        "<=",
+    )
 
 
 def chance_calibration(name: str, design: str, rows: list[Row]) -> Figure:
-    """Return the calibration error that answers of exactly these probabilities have by chance: it is not zero."""
-    p = np.array([float(first(r).get("probability") or 0.0) for r in rows if verdict(r) == "effect-missing"])
+    """Return the calibration error that answers of exactly these probabilities have by chance.
+
+    It is not zero.
+    """
+    p = np.array(
+        [float(first(r).get("probability") or 0.0) for r in rows if verdict(r) == "effect-missing"]
+    )
     rng = np.random.default_rng(6)
-    draws = [expected_calibration_error(p, (rng.random(p.size) < p).astype(float)) for _ in range(400)]
+    draws = [
+        expected_calibration_error(p, (rng.random(p.size) < p).astype(float)) for _ in range(400)
+    ]
     low, high = np.percentile(draws, [2.5, 97.5])
     return Figure(name, design, float(np.mean(draws)), float(low), float(high), p.size, None, "<=")
 
@@ -200,8 +244,20 @@ def _detection(d: str, rows: list[Row]) -> list[Figure]:
         share("failed (fault, time-out)", d, rows, lambda r: verdict(r) == "failed", 0.0, "<="),
         share("detected, chi2 >= 30", d, _kind(rows, "one", "two", least=30), flagged, 0.99),
         share("nothing missing, yet flagged", d, nothing, flagged, 0.02, "<="),
-        share("nothing missing, called inconclusive", d, nothing, lambda r: verdict(r) == "inconclusive"),
-        share("nothing missing, yet auto-accepted", d, ladders, lambda r: bool(accepted(r)), 0.005, "<="),
+        share(
+            "nothing missing, called inconclusive",
+            d,
+            nothing,
+            lambda r: verdict(r) == "inconclusive",
+        ),
+        share(
+            "nothing missing, yet auto-accepted",
+            d,
+            ladders,
+            lambda r: bool(accepted(r)),
+            0.005,
+            "<=",
+        ),
         same_verdict(d, rows),
     ]
 
@@ -210,7 +266,9 @@ def same_verdict(d: str, rows: list[Row]) -> Figure:
     """Whether other seeds of the simulated noise change the verdict."""
     tried = [r for r in rows if len(r.get("verdicts") or ()) > 1]
     most = max((len(r["verdicts"]) for r in tried), default=0)
-    return share(f"same verdict for {most} seeds", d, tried, lambda r: len(set(r["verdicts"])) == 1, 0.99)
+    return share(
+        f"same verdict for {most} seeds", d, tried, lambda r: len(set(r["verdicts"])) == 1, 0.99
+    )
 
 
 def _naming(d: str, rows: list[Row]) -> list[Figure]:
@@ -219,8 +277,20 @@ def _naming(d: str, rows: list[Row]) -> list[Figure]:
     wrong = "confident name and wrong"
     return [
         share("in first class, chi2 >= 60", d, _kind(one, "one", least=60), classed, 0.98),
-        share("first by name, chi2 >= 120", d, _kind(one, "one", least=120), named, 0.92 if rich else 0.90),
-        share("first by name, chi2 >= 400", d, _kind(one, "one", least=400), named, 0.98 if rich else 0.97),
+        share(
+            "first by name, chi2 >= 120",
+            d,
+            _kind(one, "one", least=120),
+            named,
+            0.92 if rich else 0.90,
+        ),
+        share(
+            "first by name, chi2 >= 400",
+            d,
+            _kind(one, "one", least=400),
+            named,
+            0.98 if rich else 0.97,
+        ),
         share("first by name, chi2 >= 120, no equal rival", d, clear, named),
         mean(
             "mean size of first class, chi2 >= 60",
@@ -228,19 +298,31 @@ def _naming(d: str, rows: list[Row]) -> list[Figure]:
             (len(first_class(r)) for r in _kind(one, "one", least=60) if first(r)),
             1.8 if rich else 2.5,
         ),
-        share(wrong, d, _kind(rows, "nothing", "one"), lambda r: sure(r) and not named(r), 0.01, "<="),
+        share(
+            wrong, d, _kind(rows, "nothing", "one"), lambda r: sure(r) and not named(r), 0.01, "<="
+        ),
         share(wrong + ", of the confident", d, [r for r in one if sure(r)], lambda r: not named(r)),
-        share(wrong + ", not even its class", d, _kind(rows, "nothing", "one"), lambda r: sure(r) and not classed(r)),
-        calibration("calibration error of first probability", d, _kind(rows, "nothing", "one"), named, 0.03),
-        chance_calibration("calibration error of a perfect answerer", d, _kind(rows, "nothing", "one")),
+        share(
+            wrong + ", not even its class",
+            d,
+            _kind(rows, "nothing", "one"),
+            lambda r: sure(r) and not classed(r),
+        ),
+        calibration(
+            "calibration error of first probability", d, _kind(rows, "nothing", "one"), named, 0.03
+        ),
+        chance_calibration(
+            "calibration error of a perfect answerer", d, _kind(rows, "nothing", "one")
+        ),
         calibration("calibration error, by class", d, _kind(rows, "nothing", "one"), classed, None),
     ]
 
 
 def identifiable(row: Row) -> bool:
-    """Whether no other effect explains the noise-free data as well as the truth (needs rivals in the row).
+    """Whether no other effect explains the noise-free data as well as the truth.
 
-    Rivals with more parameters than the truth are supersets and lose by parsimony; they do not count.
+    The row needs rivals. Those with more parameters than the truth are supersets and lose by
+    parsimony; they do not count.
     """
     others = row.get("rivals") or {}
     own = row.get("rival_sizes", {}).get(row["truth"][0], 1)
@@ -253,12 +335,20 @@ def identifiable(row: Row) -> bool:
 
 def _ladder(d: str, rows: list[Row]) -> list[Figure]:
     hidden = _kind(rows, "one", "two", least=30)
-    walked = [r for r in hidden if accepted(r)] or [r for r in hidden if verdict(r) == "effect-missing"]
+    walked = [r for r in hidden if accepted(r)] or [
+        r for r in hidden if verdict(r) == "effect-missing"
+    ]
     two = [r for r in _kind(rows, "two") if r.get("ladder")]
     clear = [r for r in two if min(r["own_chi2"]) >= 120]
     goal = 0.90 if d != "sweep" else 0.75
     return [
-        share("error after acceptance / floor in 0.95-1.05", d, walked, lambda r: 0.95 <= settled(r) <= 1.05, 0.95),
+        share(
+            "error after acceptance / floor in 0.95-1.05",
+            d,
+            walked,
+            lambda r: 0.95 <= settled(r) <= 1.05,
+            0.95,
+        ),
         mean("error after acceptance / floor, mean", d, (settled(r) for r in walked)),
         share(
             "the true model itself: its error / true floor in 0.95-1.05",
@@ -266,11 +356,16 @@ def _ladder(d: str, rows: list[Row]) -> list[Figure]:
             [r for r in walked if r.get("true_ratio")],
             lambda r: 0.95 <= r["true_ratio"] <= 1.05,
         ),
-        share("predicted error drop within 20 %", d, [r for r in walked if r.get("ladder")], _foreseen),
+        share(
+            "predicted error drop within 20 %", d, [r for r in walked if r.get("ladder")], _foreseen
+        ),
         share("two effects, both found (all)", d, two, _both),
         share("two effects, both found, each chi2 >= 120", d, clear, _both, goal),
         share(
-            "two effects, exactly these accepted, each >= 120", d, clear, lambda r: _both(r) and len(accepted(r)) == 2
+            "two effects, exactly these accepted, each >= 120",
+            d,
+            clear,
+            lambda r: _both(r) and len(accepted(r)) == 2,
         ),
         share("two effects, one of them in first class", d, _kind(rows, "two", least=60), classed),
     ]
@@ -285,7 +380,9 @@ def _foreseen(row: Row) -> bool:
     if len(steps) < 2 or steps[1].get("predicted_error") is None:
         return False
     drop = steps[0]["relative_rms"] - steps[1]["relative_rms"]
-    return bool(abs(steps[0]["relative_rms"] - steps[1]["predicted_error"] - drop) <= 0.2 * abs(drop))
+    return bool(
+        abs(steps[0]["relative_rms"] - steps[1]["predicted_error"] - drop) <= 0.2 * abs(drop)
+    )
 
 
 def _outside(d: str, rows: list[Row]) -> list[Figure]:
@@ -293,14 +390,25 @@ def _outside(d: str, rows: list[Row]) -> list[Figure]:
     hard = [r for r in every if (r.get("unexplained") or 0.0) >= 30.0]
     plain = "outside the library"
     return [
-        share(f"{plain}: flagged, unexplained chi2 >= 30", d, hard, flagged, 0.97 if d == "sweep" else 0.95),
+        share(
+            f"{plain}: flagged, unexplained chi2 >= 30",
+            d,
+            hard,
+            flagged,
+            0.97 if d == "sweep" else 0.95,
+        ),
         share(
             f"{plain}: flagged, correlated noise left out",
             d,
             [r for r in hard if "correlated-noise" not in r["truth"]],
             flagged,
         ),
-        share(f"{plain}: called unexplained, unexplained chi2 >= 30", d, hard, lambda r: verdict(r) == "unexplained"),
+        share(
+            f"{plain}: called unexplained, unexplained chi2 >= 30",
+            d,
+            hard,
+            lambda r: verdict(r) == "unexplained",
+        ),
         share(f"{plain}: confidently misnamed, unexplained chi2 >= 30", d, hard, sure, 0.01, "<="),
         share(f"{plain}: confidently misnamed (all)", d, every, sure),
     ]
@@ -310,13 +418,23 @@ def _service(d: str, rows: list[Row]) -> list[Figure]:
     tested = [r for r in rows if r.get("tie_broken") is not None]
     out = [
         share(
-            "suggested experiment breaks the tie", d, tested, lambda r: r["tie_broken"], 0.9 if d != "sweep" else 0.8
+            "suggested experiment breaks the tie",
+            d,
+            tested,
+            lambda r: r["tie_broken"],
+            0.9 if d != "sweep" else 0.8,
         )
     ]
-    # The goals are for 50 and 300 points; what lies between is held to neither of them, nor is the chain that starts
-    # two programs and reads records of time signals first.
+    # The goals are for 50 and 300 points; what lies between is held to neither of them, nor is the
+    # chain that starts two programs and reads records of time signals first.
     for low, high, goal in ((0, 60, 1.0), (60, 250, None), (250, 350, 5.0), (350, 10**9, None)):
-        times = [r["seconds"] for r in rows if low <= r["points"] < high and r.get("seconds") is not None]
-        label = f"seconds per answer, {low}-{high} points" if high < 10**9 else f"seconds per answer, {low}+ points"
+        times = [
+            r["seconds"] for r in rows if low <= r["points"] < high and r.get("seconds") is not None
+        ]
+        label = (
+            f"seconds per answer, {low}-{high} points"
+            if high < 10**9
+            else f"seconds per answer, {low}+ points"
+        )
         out.append(mean(label, d, times, goal if d != "signals" else None))
     return out

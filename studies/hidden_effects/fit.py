@@ -16,7 +16,7 @@ LIMITS = {"log": (-60.0, 60.0), "order": (0.0, 1.0), "exponent": (0.05, 2.5), "s
 
 @dataclass(frozen=True)
 class Network:
-    """Base, temperature law and effects; evaluated with one flat array of parameters in that order."""
+    """Base, temperature law and effects; takes one flat array of parameters in that order."""
 
     base: Base
     law: Law | None = None
@@ -63,7 +63,9 @@ class Network:
         omega = self.reduced(sweep, p)
         if self.heating:
             assert sweep.amplitude is not None
-            power = 0.5 * sweep.omega * self.base.stiffness(1j * omega, own).imag * sweep.amplitude**2
+            power = (
+                0.5 * sweep.omega * self.base.stiffness(1j * omega, own).imag * sweep.amplitude**2
+            )
             omega = sweep.omega * np.exp(self.log_shift(sweep, p, p[self.size_of_base] * power))
         k = self.base.stiffness(1j * omega, own)
         for effect, place in self.ordered:
@@ -77,7 +79,10 @@ class Network:
 
 @dataclass(frozen=True)
 class Coordinates:
-    """Physical parameters <-> unbounded search coordinates (logarithms for scales, multiples for signed ones)."""
+    """Physical parameters <-> unbounded search coordinates.
+
+    Logarithms for scales, multiples for signed ones.
+    """
 
     kinds: tuple[str, ...]
     unit: Real
@@ -119,7 +124,10 @@ def jacobian(network: Network, at: Coordinates, u: Real, sweep: Sweep, sigma: Re
 def refit(
     network: Network, start: Real, sweep: Sweep, target: Complex, sigma: Real, evaluations: int = 60
 ) -> tuple[Real, float]:
-    """Fit ``network`` to ``target`` from ``start``; return parameters and the chi-square that is left."""
+    """Fit ``network`` to ``target`` from ``start``.
+
+    Return parameters and the chi-square that is left.
+    """
     at = Coordinates.around(network.kinds, start)
     low, high = (np.array(limit) for limit in zip(*(LIMITS[k] for k in network.kinds), strict=True))
 
@@ -130,16 +138,25 @@ def refit(
 
     def slope(u: Real) -> Real:
         with np.errstate(all="ignore"):
-            return np.clip(np.nan_to_num(jacobian(network, at, u, sweep, sigma), nan=0.0), -1e12, 1e12)
+            return np.clip(
+                np.nan_to_num(jacobian(network, at, u, sweep, sigma), nan=0.0), -1e12, 1e12
+            )
 
     first = np.clip(at.to_search(start), low + 1e-6, high - 1e-6)
     found = least_squares(
-        residual, first, jac=slope, bounds=(low, high), ftol=1e-9, xtol=1e-10, gtol=1e-12, max_nfev=evaluations
+        residual,
+        first,
+        jac=slope,
+        bounds=(low, high),
+        ftol=1e-9,
+        xtol=1e-10,
+        gtol=1e-12,
+        max_nfev=evaluations,
     )
     return at.to_physics(found.x), float(2.0 * found.cost)
 
 
 def linear_loss(basis: Real, change: Real) -> float:
-    """Chi-square of ``change`` after projecting out the columns of ``basis`` (a fit to first order)."""
+    """Chi-square of ``change`` without its projection on the columns of ``basis`` (first order)."""
     q = np.linalg.qr(basis)[0]
     return float(np.sum((change - q @ (q.T @ change)) ** 2))

@@ -38,7 +38,9 @@ def gate(
         case = draw_case(seed)
         rows.append(case.summary() | {"answer": answer(case)})
 
-    def part(test: Callable[[dict[str, Any]], bool], *kinds: str, least: float = 0.0) -> dict[str, list[int]]:
+    def part(
+        test: Callable[[dict[str, Any]], bool], *kinds: str, least: float = 0.0
+    ) -> dict[str, list[int]]:
         here = [r for r in rows if r["kind"] in kinds and r["chi2"] >= least]
         return {"of": [r["seed"] for r in here], "hits": [r["seed"] for r in here if test(r)]}
 
@@ -53,10 +55,13 @@ def gate(
     }
 
 
-def worse(before: dict[str, dict[str, list[int]]], now: dict[str, dict[str, list[int]]]) -> list[str]:
+def worse(
+    before: dict[str, dict[str, list[int]]], now: dict[str, dict[str, list[int]]]
+) -> list[str]:
     """One sentence for each figure that lost cases.
 
-    One case may change sides, since the last bits of arithmetic differ between machines; two may not.
+    One case may change sides, since the last bits of arithmetic differ between machines; two may
+    not.
     """
     told = []
     for name, sign in BETTER.items():
@@ -64,7 +69,9 @@ def worse(before: dict[str, dict[str, list[int]]], now: dict[str, dict[str, list
         lost = sorted(old - new if sign > 0 else new - old)
         if len(lost) - len(new ^ old) + len(lost) > 1:
             total = len(now[name]["of"])
-            told.append(f"{name}: {len(old)} of {total} before, {len(new)} now; worse at seeds {lost}")
+            told.append(
+                f"{name}: {len(old)} of {total} before, {len(new)} now; worse at seeds {lost}"
+            )
     return told
 
 

@@ -1,7 +1,9 @@
-"""A plain reference to measure a tool against: the best refit by BIC, with the generator's own formulas.
+"""A plain reference to measure a tool against.
 
-It knows the true noise and the exact form of every effect, but no equivalence classes beyond a difference in BIC of
-six and no cleverness: what it cannot name, the data hardly tell.
+The best refit by BIC, with the generator's own formulas.
+
+It knows the true noise and the exact form of every effect, but no equivalence classes beyond a
+difference in BIC of six and no cleverness: what it cannot name, the data hardly tell.
 """
 
 from __future__ import annotations
@@ -17,7 +19,9 @@ from hidden_effects.rivals import fitted_base, rivals, sizes
 
 
 def true_ratio(case: Case) -> float:
-    """Relative error over noise floor of the true model itself, fitted to the noisy data: what chance leaves of it.
+    """Relative error over noise floor of the true model itself, fitted to the noisy data.
+
+    What chance leaves of it.
 
     Both as springpot defines them, the floor less what the fitted parameters follow.
     """
@@ -37,7 +41,9 @@ def oracle(case: Case) -> dict[str, Any]:
     names = sorted(bic, key=lambda name: bic[name])
     values = np.array([bic[name] for name in names])
     weights = np.exp(-0.5 * (values - values[0]))
-    total = float(weights.sum()) + len(names) * float(np.exp(min(-0.5 * (alone - values[0]), 700.0)))
+    total = float(weights.sum()) + len(names) * float(
+        np.exp(min(-0.5 * (alone - values[0]), 700.0))
+    )
     spread = np.sqrt(2.0 * points)
     if alone - values[0] <= 6.0:
         verdict = "unexplained" if alone - points > 4.0 * spread else "adequate"

@@ -1,4 +1,7 @@
-"""Disturbances that no effect of a library explains; each is a multiplicative pattern whose size is scaled later."""
+"""Disturbances that no effect of a library explains.
+
+Each is a multiplicative pattern whose size is scaled later.
+"""
 
 from __future__ import annotations
 
@@ -27,14 +30,21 @@ def gain_step(sweep: Sweep, rng: np.random.Generator) -> tuple[Pattern, dict[str
 def ripple(sweep: Sweep, rng: np.random.Generator) -> tuple[Pattern, dict[str, float]]:
     """Magnitude and phase ripple in ln omega, one to four waves over the window."""
     x = np.log(sweep.omega)
-    waves, start, tilt = rng.uniform(1.2, 4.0), rng.uniform(0.0, 2.0 * np.pi), rng.uniform(-1.0, 1.0)
+    waves, start, tilt = (
+        rng.uniform(1.2, 4.0),
+        rng.uniform(0.0, 2.0 * np.pi),
+        rng.uniform(-1.0, 1.0),
+    )
     turn = 2.0 * np.pi * waves * (x - x.min()) / np.ptp(x) + start
     wave = np.cos(turn) + 1j * tilt * np.sin(turn)
     return (lambda k, size: k * (1.0 + size * wave)), {"waves": float(waves), "tilt": float(tilt)}
 
 
 def notch(sweep: Sweep, rng: np.random.Generator) -> tuple[Pattern, dict[str, float]]:
-    """An antiresonance beside a resonance (a fixture mode seen by the force channel only in part), fixed in Hz."""
+    """An antiresonance beside a resonance, fixed in Hz.
+
+    A fixture mode seen by the force channel only in part.
+    """
     centre, zeta = _where(sweep, rng, 0.2), float(rng.uniform(0.04, 0.15))
     r = sweep.omega / centre
 
@@ -54,7 +64,7 @@ def drift(sweep: Sweep, rng: np.random.Generator) -> tuple[Pattern, dict[str, fl
 
 
 def correlated_noise(sweep: Sweep, rng: np.random.Generator) -> tuple[Pattern, dict[str, float]]:
-    """One smooth random error per sweep in ln omega, on top of the white noise that the data admit to."""
+    """One smooth random error per sweep in ln omega, on top of the white noise of the data."""
     spacing = float(np.median(np.diff(np.unique(np.log(sweep.omega)))))
     length = max(float(rng.uniform(0.3, 1.0)), 2.0 * spacing)
     field = np.zeros(len(sweep), dtype=complex)
@@ -62,9 +72,13 @@ def correlated_noise(sweep: Sweep, rng: np.random.Generator) -> tuple[Pattern, d
     for number in range(series.max() + 1):
         rows = np.flatnonzero(series == number)
         x = np.log(sweep.omega[rows])
-        cover: Real = np.exp(-0.5 * ((x[:, None] - x[None, :]) / length) ** 2) + 1e-9 * np.eye(rows.size)
+        cover: Real = np.exp(-0.5 * ((x[:, None] - x[None, :]) / length) ** 2) + 1e-9 * np.eye(
+            rows.size
+        )
         root = np.linalg.cholesky(cover)
-        field[rows] = root @ rng.standard_normal(rows.size) + 1j * (root @ rng.standard_normal(rows.size))
+        field[rows] = root @ rng.standard_normal(rows.size) + 1j * (
+            root @ rng.standard_normal(rows.size)
+        )
     return (lambda k, size: k * (1.0 + size * field)), {"length": length}
 
 
@@ -79,6 +93,9 @@ ASYMMETRY = "asymmetric-spectrum"
 
 
 def havriliak_negami(s: Complex, p: Real, size: float) -> Complex:
-    """Fractional Zener (ke, k, c, alpha) with a skewed spectrum: the inner exponent 1 becomes exp(-size)."""
+    """Fractional Zener (ke, k, c, alpha) with a skewed spectrum.
+
+    The inner exponent 1 becomes exp(-size).
+    """
     ke, k, c, alpha = p
     return ke + k - k * (1.0 + (c / k) * s**alpha) ** (-np.exp(-size))

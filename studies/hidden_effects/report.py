@@ -10,15 +10,28 @@ from pathlib import Path
 
 import numpy as np
 
-from hidden_effects.figures import DESIGNS, Figure, Row, classed, first, flagged, named, share, sure, table, verdict
+from hidden_effects.figures import (
+    DESIGNS,
+    Figure,
+    Row,
+    classed,
+    first,
+    flagged,
+    named,
+    share,
+    sure,
+    table,
+    verdict,
+)
 from hidden_effects.strata.figures import by_detail, strata_table
 
 FURTHER = (
-    "`time`: the force is integrated in time and reduced to harmonics; `history`: hysteresis, ageing, break-in; "
-    "`noise`: gain and phase scatter apart, a constant force, heavy tails, correlated, a drift in random row order; "
-    "`wrong-base`: fractional-kelvin is asked where the truth is another network, and then no model at all; `notch`, "
-    "`ripple`: faults of the rig on noise of unknown size; `replicates`: each with a gain of its own; `rounding`: "
-    "three significant digits. The second table counts verdicts for every kind."
+    "`time`: the force is integrated in time and reduced to harmonics; `history`: hysteresis,"
+    " ageing, break-in; `noise`: gain and phase scatter apart, a constant force, heavy tails,"
+    " correlated, a drift in random row order; `wrong-base`: fractional-kelvin is asked where the"
+    " truth is another network, and then no model at all; `notch`, `ripple`: faults of the rig on"
+    " noise of unknown size; `replicates`: each with a gain of its own; `rounding`: three"
+    " significant digits. The second table counts verdicts for every kind."
 )
 BINS = (5.0, 15.0, 30.0, 60.0, 120.0, 400.0, 1200.0, np.inf)
 
@@ -50,27 +63,40 @@ def write(rows: list[Row], folder: Path, pictures: bool = True) -> list[Figure]:
 
 
 def stratified(rows: list[Row]) -> list[tuple[str, float, float, list[Figure]]]:
-    """Return detection, class, name and confident errors of one-effect cases per bin of detectability."""
+    """Detection, class, name and confident errors of one-effect cases per bin of detectability."""
     out = []
     for design in ("sweep", "field", "signals"):
         for low, high in pairwise(BINS):
-            here = [r for r in rows if r["design"] == design and r["kind"] == "one" and low <= r["chi2"] < high]
+            here = [
+                r
+                for r in rows
+                if r["design"] == design and r["kind"] == "one" and low <= r["chi2"] < high
+            ]
             if here:
                 tests = {"detected": flagged, "in first class": classed, "first by name": named}
                 cells = [share(name, design, here, test) for name, test in tests.items()]
-                cells.append(share("confident, wrong", design, here, lambda r: sure(r) and not named(r)))
+                cells.append(
+                    share("confident, wrong", design, here, lambda r: sure(r) and not named(r))
+                )
                 out.append((design, low, high, cells))
     return out
 
 
 def confusion(rows: list[Row], by: str) -> tuple[list[str], list[str], np.ndarray]:
-    """Return truths, answers and counts; ``by`` class an answer counts as the truth when that is in its class."""
+    """Return truths, answers and counts.
+
+    ``by`` class an answer counts as the truth when that is in its class.
+    """
     counts: Counter[tuple[str, str]] = Counter()
     for row in rows:
         if row["kind"] == "two":
             continue
         truth = row["truth"][0] if row["truth"] else "(nothing)"
-        said = first(row).get("effect", "?") if verdict(row) == "effect-missing" else f"({verdict(row)})"
+        said = (
+            first(row).get("effect", "?")
+            if verdict(row) == "effect-missing"
+            else f"({verdict(row)})"
+        )
         counts[truth, truth if by == "class" and classed(row) else said] += 1
     truths = sorted({t for t, _ in counts})
     answers = sorted({a for _, a in counts})
@@ -84,7 +110,9 @@ def _write_confusion(matrix: tuple[list[str], list[str], np.ndarray], path: Path
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def _markdown(rows: list[Row], figures: list[Figure], strata: list[tuple[str, float, float, list[Figure]]]) -> str:
+def _markdown(
+    rows: list[Row], figures: list[Figure], strata: list[tuple[str, float, float, list[Figure]]]
+) -> str:
     plain = [r for r in rows if r["design"] in DESIGNS]
     further = [r for r in rows if r["design"] not in DESIGNS]
     lines = ["# The hidden-effect test", "", *_head(rows)]
@@ -92,7 +120,11 @@ def _markdown(rows: list[Row], figures: list[Figure], strata: list[tuple[str, fl
         lines += ["", *_figures([f for f in figures if f.design in DESIGNS])]
     if further:
         lines += ["", "## Further strata", "", FURTHER, ""]
-        lines += [*_figures([f for f in figures if f.design not in DESIGNS]), "", *by_detail(further)]
+        lines += [
+            *_figures([f for f in figures if f.design not in DESIGNS]),
+            "",
+            *by_detail(further),
+        ]
     if plain:
         lines += ["", "## One hidden effect, by detectability", "", *_by_detectability(strata)]
         lines += ["", "## By effect, chi2 >= 60", ""]
@@ -106,28 +138,46 @@ def _head(rows: list[Row]) -> list[str]:
     drawn = sorted(Counter((r["design"], r["kind"]) for r in rows).items())
     seeds = [r["seed"] for r in rows]
     return [
-        f"{len(rows)} cases (seeds {min(seeds)} to {max(seeds)}), drawn by `studies/hidden_effects`,",
-        "which shares no code with the framework: " + ", ".join(f"{d} {k} {n}" for (d, k), n in drawn) + ".",
-        "chi2 is what the best refitted base model leaves of the noise-free data; intervals are 95 %.",
-        "`sweep` is one frequency sweep, `field` amplitude x temperature, `signals` force and displacement in time.",
+        (
+            f"{len(rows)} cases (seeds {min(seeds)} to {max(seeds)}), drawn by"
+            " `studies/hidden_effects`,"
+        ),
+        "which shares no code with the framework: "
+        + ", ".join(f"{d} {k} {n}" for (d, k), n in drawn)
+        + ".",
+        (
+            "chi2 is what the best refitted base model leaves of the noise-free data; intervals are"
+            " 95 %."
+        ),
+        (
+            "`sweep` is one frequency sweep, `field` amplitude x temperature, `signals` force and"
+            " displacement in time."
+        ),
     ]
 
 
 def _figures(figures: list[Figure]) -> list[str]:
-    lines = ["| figure | design | value | 95 % interval | cases | goal | met |", "|---|---|---|---|---|---|---|"]
+    lines = [
+        "| figure | design | value | 95 % interval | cases | goal | met |",
+        "|---|---|---|---|---|---|---|",
+    ]
     for f in figures:
         if f.n:
             goal = "" if f.goal is None else f"{f.better} {f.goal:g}"
             met = {True: "yes", False: "**no**", None: ""}[f.met]
             lines.append(
-                f"| {f.name} | {f.design} | {f.value:.3f} | {f.low:.3f}-{f.high:.3f} | {f.n} | {goal} | {met} |"
+                f"| {f.name} | {f.design} | {f.value:.3f} | {f.low:.3f}-{f.high:.3f} | {f.n} |"
+                f" {goal} | {met} |"
             )
     return lines
 
 
 def _by_detectability(strata: list[tuple[str, float, float, list[Figure]]]) -> list[str]:
     heads = ["detected", "in first class", "first by name", "confident, wrong"]
-    lines = ["| design | chi2 | cases | " + " | ".join(heads) + " |", "|---|---|---|" + "---|" * len(heads)]
+    lines = [
+        "| design | chi2 | cases | " + " | ".join(heads) + " |",
+        "|---|---|---|" + "---|" * len(heads),
+    ]
     for design, low, high, cells in strata:
         values = " | ".join(f"{c.value:.2f} ({c.low:.2f}-{c.high:.2f})" for c in cells)
         lines.append(f"| {design} | {low:g}-{high:g} | {cells[0].n} | {values} |")
@@ -145,6 +195,9 @@ def _by_effect(rows: list[Row]) -> list[str]:
             if not named(r)
         )
         worst = ", ".join(f"{n} x{c}" for n, c in others.most_common(2))
-        cells = f"{np.mean([classed(r) for r in here]):.2f} | {np.mean([named(r) for r in here]):.2f} | {worst}"
+        cells = (
+            f"{np.mean([classed(r) for r in here]):.2f} | {np.mean([named(r) for r in here]):.2f} |"
+            f" {worst}"
+        )
         lines.append(f"| {effect} | {design} | {len(here)} | {cells} |")
     return lines

@@ -1,4 +1,7 @@
-"""What a perfect fitter with this library would find in noise-free data: which other effects come close."""
+"""What a perfect fitter with this library would find in noise-free data.
+
+Which other effects come close.
+"""
 
 from __future__ import annotations
 
@@ -17,14 +20,19 @@ def fitted_base(case: Case) -> tuple[Network, Real]:
     """Return the model the user believes in, and its best parameters for the noise-free data."""
     law = case.network.law if "+" in case.model else None
     network = replace(case.network, law=law, effects=(), heating=False)
-    return network, refit(network, case.theta[: network.size_of_base], case.sweep, case.K_true, case.sigma, 100)[0]
+    return (
+        network,
+        refit(
+            network, case.theta[: network.size_of_base], case.sweep, case.K_true, case.sigma, 100
+        )[0],
+    )
 
 
 def rivals(case: Case, starts: int = 3) -> dict[str, float]:
     """Return for every effect of the library the noise-free chi-square that base + effect leaves.
 
-    A rival of the truth that leaves less than about 6 cannot be told from it by these data; for a case from
-    outside the library the smallest value is what stays unexplained.
+    A rival of the truth that leaves less than about 6 cannot be told from it by these data; for a
+    case from outside the library the smallest value is what stays unexplained.
     """
     base, theta = fitted_base(case)
     has_field = case.temperature is not None
@@ -49,7 +57,9 @@ def sizes() -> dict[str, int]:
     return counts | {name: len(law.parameters) for name, law in LAWS.items()} | {HEAT: 1}
 
 
-def _with_effect(case: Case, base: Network, theta: Real, effect: Effect, rng: np.random.Generator) -> float:
+def _with_effect(
+    case: Case, base: Network, theta: Real, effect: Effect, rng: np.random.Generator
+) -> float:
     """Refit base + effect from a random shape and the size that a linearisation asks for."""
     k0 = base.stiffness(case.sweep, theta)
     drawn = np.array(effect.draw(rng, Scene(case.sweep, k0, base.reduced(case.sweep, theta))))
@@ -64,9 +74,11 @@ def _with_effect(case: Case, base: Network, theta: Real, effect: Effect, rng: np
 
 
 def _with_heat(case: Case, base: Network, theta: Real) -> float:
-    """Refit base + self-heating, from a tenth of a degree and from three degrees at the hottest row."""
+    """Refit base + self-heating, from a tenth of a degree and from three at the hottest row."""
     assert case.amplitude is not None
-    power = float(np.max(0.5 * case.omega * base.stiffness(case.sweep, theta).imag * case.amplitude**2))
+    power = float(
+        np.max(0.5 * case.omega * base.stiffness(case.sweep, theta).imag * case.amplitude**2)
+    )
     grown = replace(base, heating=True)
     starts = [np.append(theta, degrees / max(power, 1e-300)) for degrees in (0.1, 3.0)]
     return min(refit(grown, p, case.sweep, case.K_true, case.sigma, 80)[1] for p in starts)

@@ -1,4 +1,4 @@
-"""Hide effects in a base model and scale them until the best refitted base leaves a wanted chi-square."""
+"""Hide effects in a base and scale them until the best refitted base leaves a wanted chi-square."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ def pick(rng: np.random.Generator, sweep: Sweep, network: Network, count: int) -
 class Plan:
     """A truth whose hidden part can be scaled.
 
-    ``names`` are the hidden effects, ``sizes`` the places of their sizes in ``theta``; ``fitted`` is the model that
-    the user believes in, whose parameters come first in ``theta``.
+    ``names`` are the hidden effects, ``sizes`` the places of their sizes in ``theta``; ``fitted``
+    is the model that the user believes in, whose parameters come first in ``theta``.
     """
 
     names: tuple[str, ...]
@@ -78,10 +78,15 @@ class Plan:
             labels = self.network.law.parameters if self.network.law else ()
         else:
             labels = ("resistance",) if name == HEAT else EFFECTS[name].parameters
-        return {label: float(v) for label, v in zip(labels, theta[first : first + len(labels)], strict=True)}
+        return {
+            label: float(v)
+            for label, v in zip(labels, theta[first : first + len(labels)], strict=True)
+        }
 
 
-def hide(rng: np.random.Generator, sweep: Sweep, network: Network, theta: Real, names: list[str]) -> Plan:
+def hide(
+    rng: np.random.Generator, sweep: Sweep, network: Network, theta: Real, names: list[str]
+) -> Plan:
     """Add the named effects to the base, with first sizes that disturb it by about a per cent."""
     own, nb = network.size_of_base, len(network.base.parameters)
     theta = theta.copy()
@@ -103,7 +108,13 @@ def hide(rng: np.random.Generator, sweep: Sweep, network: Network, theta: Real, 
         values += drawn
     grown = replace(network, effects=tuple(effects), heating=HEAT in names)
     fitted = replace(network, law=None) if SHIFT in names else network
-    return Plan(tuple(names), grown, np.concatenate([theta, values]), tuple(places[n] for n in names), fitted)
+    return Plan(
+        tuple(names),
+        grown,
+        np.concatenate([theta, values]),
+        tuple(places[n] for n in names),
+        fitted,
+    )
 
 
 def scale_to(
@@ -114,10 +125,12 @@ def scale_to(
     noise: dict[str, float],
     target: float,
 ) -> tuple[float, float]:
-    """Find the scale at which ``fitted`` leaves ``target`` of noise-free ``truth(scale)``; return it and chi-square.
+    """Find the scale at which ``fitted`` leaves ``target`` of noise-free ``truth(scale)``.
 
-    The first guess projects a small disturbance on what the base cannot follow; then secant steps in
-    ln scale against ln chi-square, every one with a full, warm-started refit.
+    Return it and chi-square.
+
+    The first guess projects a small disturbance on what the base cannot follow; then secant steps
+    in ln scale against ln chi-square, every one with a full, warm-started refit.
     """
     k0 = fitted.stiffness(sweep, start)
     sigma = deviation(noise, sweep, k0)
@@ -151,7 +164,7 @@ def _acceptable(truth: Callable[[float], Complex], scale: float, k0: Complex) ->
 
 
 def own_chi2(plan: Plan, theta: Real, name: str, sweep: Sweep, noise: dict[str, float]) -> float:
-    """Chi-square left of the noise-free truth when only ``name`` is missing from the fitted model."""
+    """Chi-square left of the noise-free truth when the fitted model lacks ``name`` alone."""
     k = plan.network.stiffness(sweep, theta)
     network = plan.network
     drop = np.zeros(theta.size, dtype=bool)

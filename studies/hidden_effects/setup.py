@@ -23,7 +23,10 @@ def _frequencies(rng: np.random.Generator, design: str) -> Real:
 
 
 def draw_sweep(rng: np.random.Generator, design: str, repeats: int, strain: bool) -> Sweep:
-    """Rows in measuring order: temperature by temperature, amplitude by amplitude, repeat by repeat."""
+    """Rows in measuring order.
+
+    Temperature by temperature, amplitude by amplitude, repeat by repeat.
+    """
     omega = _frequencies(rng, design)
     omega = omega[::-1] if rng.random() < 0.2 else omega
     top = 10.0 ** (rng.uniform(-2.5, -1.0) if strain else rng.uniform(-1.0, 1.3))
@@ -34,10 +37,18 @@ def draw_sweep(rng: np.random.Generator, design: str, repeats: int, strain: bool
     else:
         amplitudes, temperatures = np.array([top]), np.array([20.0])
     t, x, n, w = (
-        g.ravel() for g in np.meshgrid(temperatures, amplitudes, np.arange(1, repeats + 1), omega, indexing="ij")
+        g.ravel()
+        for g in np.meshgrid(
+            temperatures, amplitudes, np.arange(1, repeats + 1), omega, indexing="ij"
+        )
     )
     with_amplitude = design == "field" or rng.random() < 0.4
-    return Sweep(w, t if design == "field" else None, x if with_amplitude else None, n if repeats > 1 else None)
+    return Sweep(
+        w,
+        t if design == "field" else None,
+        x if with_amplitude else None,
+        n if repeats > 1 else None,
+    )
 
 
 def _law(rng: np.random.Generator) -> tuple[Law, Real]:
@@ -46,15 +57,19 @@ def _law(rng: np.random.Generator) -> tuple[Law, Real]:
     return LAWS["wlf-shift"], np.array([rng.uniform(3.0, 12.0), rng.uniform(80.0, 200.0)])
 
 
-def draw_base(rng: np.random.Generator, sweep: Sweep, wanted: str | Base | None = None) -> tuple[Network, Real]:
-    """A base model that relaxes inside the reduced window, and a temperature law where there are temperatures."""
+def draw_base(
+    rng: np.random.Generator, sweep: Sweep, wanted: str | Base | None = None
+) -> tuple[Network, Real]:
+    """A base that relaxes inside the reduced window, with a law where there are temperatures."""
     weights = np.array(list(BASE_WEIGHTS.values()))
     if isinstance(wanted, Base):
         base = wanted
     else:
         base = BASES[wanted or str(rng.choice(list(BASE_WEIGHTS), p=weights / weights.sum()))]
     law, own = _law(rng) if sweep.temperature is not None else (None, np.zeros(0))
-    reference = float(np.round(np.median(sweep.temperature), 1)) if sweep.temperature is not None else 20.0
+    reference = (
+        float(np.round(np.median(sweep.temperature), 1)) if sweep.temperature is not None else 20.0
+    )
     network = Network(base, law, reference=reference)
     window = network.reduced(sweep, np.concatenate([np.ones(len(base.parameters)), own]))
     low, high = np.log(window.min()), np.log(window.max())
@@ -70,7 +85,10 @@ def draw_noise(rng: np.random.Generator, sweep: Sweep, k: Complex) -> dict[str, 
     """0.1-3 % of |K| per part, in three of ten cases with an absolute floor sigma_F / X on top."""
     relative = float(10.0 ** rng.uniform(-3.0, np.log10(0.03)))
     share = float(rng.uniform(0.5, 3.0)) if rng.random() < 0.3 else 0.0
-    return {"relative": relative, "force": share * relative * float(np.min(np.abs(k) * _lever(sweep)))}
+    return {
+        "relative": relative,
+        "force": share * relative * float(np.min(np.abs(k) * _lever(sweep))),
+    }
 
 
 def deviation(noise: dict[str, float], sweep: Sweep, k: Complex) -> Real:

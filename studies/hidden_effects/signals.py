@@ -1,8 +1,11 @@
-"""Records of displacement and force with a nonlinear element in the signal: ``draw_signal_case(seed)``.
+"""Records of displacement and force with a nonlinear element in the signal.
 
-The displacement is prescribed, x = X sin(omega t). The force of the base model is its closed-form steady state; the
-nonlinear force is computed sample by sample from x and its velocity, so it carries all its harmonics. On top come
-noise on both channels, offsets and a start-up transient in the force that dies away in the first cycles.
+``draw_signal_case(seed)``.
+
+The displacement is prescribed, x = X sin(omega t). The force of the base model is its closed-form
+steady state; the nonlinear force is computed sample by sample from x and its velocity, so it
+carries all its harmonics. On top come noise on both channels, offsets and a start-up transient in
+the force that dies away in the first cycles.
 """
 
 from __future__ import annotations
@@ -34,7 +37,10 @@ class Record:
     def to_csv(self, path: str | Path) -> Path:
         """Write time, displacement and force."""
         table = np.column_stack([self.time, self.displacement, self.force])
-        lines = ["time [s],displacement [mm],force [N]", *(",".join(f"{v:.9g}" for v in row) for row in table)]
+        lines = [
+            "time [s],displacement [mm],force [N]",
+            *(",".join(f"{v:.9g}" for v in row) for row in table),
+        ]
         Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
         return Path(path)
 
@@ -43,8 +49,9 @@ class Record:
 class SignalCase:
     """Records of one specimen at several amplitudes and frequencies; stiffness is in kN/m = N/mm.
 
-    ``K_true`` is the first harmonic of the force over the displacement, free of noise, per record; ``sigma`` what a
-    least-squares harmonic over the undisturbed cycles can reach; ``chi2`` the detectability of the hidden effect.
+    ``K_true`` is the first harmonic of the force over the displacement, free of noise, per record;
+    ``sigma`` what a least-squares harmonic over the undisturbed cycles can reach; ``chi2`` the
+    detectability of the hidden effect.
     """
 
     seed: int
@@ -101,9 +108,12 @@ class SignalCase:
         }
 
 
-# --- forces in time, on whole cycles of x = X sin(omega t) --------------------------------------------------------
+# --- forces in time, on whole cycles of x = X sin(omega t)
 def friction_force(x: Real, v: Real, p: dict[str, float]) -> Real:
-    """Coulomb friction whose sign is smoothed around standstill (creep below a hundredth of the top speed)."""
+    """Coulomb friction whose sign is smoothed around standstill.
+
+    It creeps below a hundredth of the top speed.
+    """
     return p["force"] * np.tanh(v / (p["smooth"] * np.max(np.abs(v))))
 
 
@@ -118,7 +128,10 @@ def dead_zone_force(x: Real, v: Real, p: dict[str, float]) -> Real:
 
 
 def sliding_force(x: Real, v: Real, p: dict[str, float]) -> Real:
-    """Spring behind a slider: it sticks after every reversal until the spring has unloaded, then slides."""
+    """Spring behind a slider.
+
+    It sticks after every reversal until the spring has unloaded, then slides.
+    """
     top, limit = np.max(np.abs(x)), p["slip"]
     if top <= limit:
         return p["k"] * x
@@ -128,7 +141,10 @@ def sliding_force(x: Real, v: Real, p: dict[str, float]) -> Real:
 
 
 def inertia_force(x: Real, v: Real, p: dict[str, float]) -> Real:
-    """Return the force of a moving mass, m times the acceleration (x is one or more whole cycles of a sine)."""
+    """Return the force of a moving mass, m times the acceleration.
+
+    x is one or more whole cycles of a sine.
+    """
     top = np.max(np.abs(x))
     return -p["m"] * (np.max(np.abs(v)) / top) ** 2 * x
 
@@ -142,14 +158,16 @@ FORCES: dict[str, Callable[[Real, Real, dict[str, float]], Real]] = {
 }
 
 
-def first_harmonic(name: str, p: dict[str, float], omega: float, top: float, points: int = 4096) -> complex:
+def first_harmonic(
+    name: str, p: dict[str, float], omega: float, top: float, points: int = 4096
+) -> complex:
     """Return the complex stiffness of a nonlinear element by Fourier sum over one cycle."""
     turn = 2.0 * np.pi * (np.arange(points) + 0.5) / points
     f = FORCES[name](top * np.sin(turn), top * omega * np.cos(turn), p)
     return complex(2.0 * np.mean(f * np.sin(turn)), 2.0 * np.mean(f * np.cos(turn))) / top
 
 
-# --- drawing ------------------------------------------------------------------------------------------------------
+# --- drawing
 def draw_signal_case(seed: int) -> SignalCase:
     """Return the records of this seed, always the same; one of six has nothing hidden."""
     hidden = KINDS[seed % len(KINDS)]
@@ -161,13 +179,18 @@ def draw_signal_case(seed: int) -> SignalCase:
     raise RuntimeError(f"seed {seed}: no visible effect in 400 draws")
 
 
-def _draw_element(rng: np.random.Generator, hidden: str, k: float, sweep: Sweep) -> dict[str, float]:
+def _draw_element(
+    rng: np.random.Generator, hidden: str, k: float, sweep: Sweep
+) -> dict[str, float]:
     """Draw the element with a first size of about a per cent; the first entry is the size."""
     assert sweep.amplitude is not None
     low, high = float(sweep.amplitude.min()), float(sweep.amplitude.max())
     inside = float(np.exp(rng.uniform(np.log(1.1 * low), np.log(0.9 * high))))
     return {
-        "friction": {"force": 0.01 * k * np.sqrt(low * high), "smooth": float(rng.uniform(0.002, 0.01))},
+        "friction": {
+            "force": 0.01 * k * np.sqrt(low * high),
+            "smooth": float(rng.uniform(0.002, 0.01)),
+        },
         "cubic-stiffness": {"k3": 0.01 * k / high**2 * float(rng.choice([-1.0, 1.0]))},
         "dead-zone": {"k": 0.02 * k, "gap": inside},
         "elasto-sliding": {"k": 0.02 * k, "slip": inside},
@@ -178,7 +201,10 @@ def _draw_element(rng: np.random.Generator, hidden: str, k: float, sweep: Sweep)
 def _attempt(seed: int, hidden: str, rng: np.random.Generator) -> SignalCase:
     """Draw everything once."""
     decades, top = rng.uniform(1.0, 2.5), 10.0 ** rng.uniform(0.0, 1.3)
-    hertz = np.round(np.geomspace(1.0, 10.0**decades, int(rng.integers(6, 13))) * 10.0 ** rng.uniform(-1.0, 0.0), 3)
+    hertz = np.round(
+        np.geomspace(1.0, 10.0**decades, int(rng.integers(6, 13))) * 10.0 ** rng.uniform(-1.0, 0.0),
+        3,
+    )
     amplitudes = np.geomspace(top / rng.uniform(4.0, 15.0), top, int(rng.integers(3, 5)))
     x, f = (g.ravel() for g in np.meshgrid(amplitudes, hertz, indexing="ij"))
     sweep = Sweep(2.0 * np.pi * f, None, x)
@@ -186,7 +212,8 @@ def _attempt(seed: int, hidden: str, rng: np.random.Generator) -> SignalCase:
     k0 = network.stiffness(sweep, theta)
     cycles, samples = int(rng.integers(8, 17)), int(rng.integers(100, 257))
     noise = {"relative": float(10.0 ** rng.uniform(-2.5, -1.0)), "force": 0.0}
-    gain = np.sqrt(2.0 / ((cycles - 3) * samples))  # white noise on N samples -> amplitude of a harmonic
+    # White noise on N samples -> amplitude of a harmonic.
+    gain = np.sqrt(2.0 / ((cycles - 3) * samples))
     parameters: dict[str, float] = {}
     k, chi2 = k0, 0.0
     if hidden != "nothing":
@@ -197,11 +224,23 @@ def _attempt(seed: int, hidden: str, rng: np.random.Generator) -> SignalCase:
         unit = np.array([first_harmonic(hidden, element, w, a) for w, a in pairs])
         target = float(np.exp(rng.uniform(np.log(20.0), np.log(3000.0))))
         per_part = {"relative": noise["relative"] * gain, "force": 0.0}
-        # Every element is proportional to its size, so the truth is the base plus a multiple of one pattern.
-        scale, chi2 = scale_to(lambda scale: k0 + scale * unit, network, theta, sweep, per_part, target)
+        # Every element is proportional to its size, so the truth is the base plus a multiple of one
+        # pattern.
+        scale, chi2 = scale_to(
+            lambda scale: k0 + scale * unit, network, theta, sweep, per_part, target
+        )
         k, parameters = k0 + scale * unit, element | {size: element[size] * scale}
     records = tuple(
-        _record(rng, hidden, parameters, complex(k0[i]), f[i], x[i], (cycles, samples), noise["relative"])
+        _record(
+            rng,
+            hidden,
+            parameters,
+            complex(k0[i]),
+            f[i],
+            x[i],
+            (cycles, samples),
+            noise["relative"],
+        )
         for i in range(f.size)
     )
     return SignalCase(
@@ -228,7 +267,10 @@ def _record(
     length: tuple[int, int],
     relative: float,
 ) -> Record:
-    """One record of ``length`` = (cycles, samples per cycle), with noise, offsets, transient and a random start."""
+    """One record with noise, offsets, transient and a random start.
+
+    ``length`` is (cycles, samples per cycle).
+    """
     omega = 2.0 * np.pi * frequency
     time = np.arange(length[0] * length[1]) / (length[1] * frequency)
     turn = omega * time + rng.uniform(0.0, 2.0 * np.pi)

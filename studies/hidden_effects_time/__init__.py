@@ -1,1 +1,4 @@
-"""Hidden-effect cases for tests in time: what is drawn, how it is computed, how answers are counted."""
+"""Hidden-effect cases for tests in time.
+
+What is drawn, how it is computed, how answers are counted.
+"""

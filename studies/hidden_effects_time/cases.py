@@ -13,7 +13,7 @@ from springpot.measurement import Loading, TimeTest
 from .physics import Real, Stiffness, clock, creep, material, played, relaxation, to_history
 
 NOISE = (0.001, 0.02)
-"""Standard deviation of the noise as a share of the largest response, from a good transducer to a poor one."""
+"""Standard deviation of the noise over the largest response, of good transducers to poor ones."""
 SAMPLES = (120, 1000)
 REMEMBERED = 0.25
 """Share of the cases whose noise has a memory, as that of a filtered transducer."""
@@ -23,7 +23,9 @@ RAMP = 1.0
 
 @dataclass
 class Setting:
-    """One test before anything is hidden: the clock, what is imposed, the material and the ideal response.
+    """One test before anything is hidden.
+
+    The clock, what is imposed, the material and the ideal response.
 
     Attributes
     ----------
@@ -63,7 +65,9 @@ class Setting:
         middle = 1.0 / np.sqrt(self.t[self.t > 0.0][0] * self.t[-1])
         return float(abs(self.stiffness(np.array([1j * middle]))[0]))
 
-    def answer(self, stiffness: Stiffness | None = None, t: Real | None = None, x: Real | None = None) -> Real:
+    def answer(
+        self, stiffness: Stiffness | None = None, t: Real | None = None, x: Real | None = None
+    ) -> Real:
         """The response of a material, by another clock or to another course if these are given."""
         stiffness = self.stiffness if stiffness is None else stiffness
         clock = self.t if t is None else t
@@ -86,11 +90,45 @@ class Setting:
 
 Hidden = Callable[[Setting, np.random.Generator], Real]
 BASES = {
-    "relaxation": ("springpot", "maxwell", "zener", "fractional-kelvin", "fractional-maxwell", "fractional-zener"),
-    "creep": ("springpot", "kelvin", "zener", "fractional-kelvin", "fractional-maxwell", "fractional-zener"),
-    "recovery": ("springpot", "zener", "fractional-kelvin", "fractional-maxwell", "fractional-zener"),
-    "startup": ("springpot", "maxwell", "zener", "fractional-kelvin", "fractional-maxwell", "fractional-zener"),
-    "history": ("springpot", "maxwell", "zener", "fractional-kelvin", "fractional-maxwell", "fractional-zener"),
+    "relaxation": (
+        "springpot",
+        "maxwell",
+        "zener",
+        "fractional-kelvin",
+        "fractional-maxwell",
+        "fractional-zener",
+    ),
+    "creep": (
+        "springpot",
+        "kelvin",
+        "zener",
+        "fractional-kelvin",
+        "fractional-maxwell",
+        "fractional-zener",
+    ),
+    "recovery": (
+        "springpot",
+        "zener",
+        "fractional-kelvin",
+        "fractional-maxwell",
+        "fractional-zener",
+    ),
+    "startup": (
+        "springpot",
+        "maxwell",
+        "zener",
+        "fractional-kelvin",
+        "fractional-maxwell",
+        "fractional-zener",
+    ),
+    "history": (
+        "springpot",
+        "maxwell",
+        "zener",
+        "fractional-kelvin",
+        "fractional-maxwell",
+        "fractional-zener",
+    ),
 }
 
 
@@ -113,7 +151,12 @@ def drawn_setting(rng: np.random.Generator) -> Setting:
         "zener": {"k1": k * float(rng.uniform(0.1, 0.6)), "k2": k, "c": k * tau},
         "fractional-kelvin": {"k": k * float(rng.uniform(0.1, 0.6)), "c": k, "alpha": alpha},
         "fractional-maxwell": {"k": k, "c": k * tau**alpha, "alpha": alpha},
-        "fractional-zener": {"k1": k * float(rng.uniform(0.1, 0.6)), "k2": k, "c": k * tau**alpha, "alpha": alpha},
+        "fractional-zener": {
+            "k1": k * float(rng.uniform(0.1, 0.6)),
+            "k2": k,
+            "c": k * tau**alpha,
+            "alpha": alpha,
+        },
     }[base]
     if kind in ("relaxation", "creep"):
         t = np.geomspace(0.01, 100.0, n)
@@ -133,14 +176,18 @@ def drawn_setting(rng: np.random.Generator) -> Setting:
     return Setting(kind, base, own, t, x, Loading(t, x))
 
 
-# --- what the test did -------------------------------------------------------------------------------------------
+# --- what the test did
 
 
 def finite_ramp(at: Setting, rng: np.random.Generator) -> Real:
     """A step that took some time."""
     rise = at.truth["rise"] = _between(rng, 0.02, 1.0)
     stiffness = at.stiffness
-    function = (lambda s: stiffness(s) / s**2) if at.kind == "relaxation" else (lambda s: 1.0 / (s**2 * stiffness(s)))
+    function = (
+        (lambda s: stiffness(s) / s**2)
+        if at.kind == "relaxation"
+        else (lambda s: 1.0 / (s**2 * stiffness(s)))
+    )
     return _ramped(function, at.t, rise)
 
 
@@ -222,11 +269,13 @@ def one_stop(at: Setting, rng: np.random.Generator) -> Real:
 
 def lean(at: Setting, rng: np.random.Generator) -> Real:
     """Stiffer on one side."""
-    k2 = at.truth["k2"] = _between(rng, 0.01, 0.5) * at.size * float(rng.choice([-1.0, 1.0])) / np.abs(at.x).max()
+    k2 = at.truth["k2"] = (
+        _between(rng, 0.01, 0.5) * at.size * float(rng.choice([-1.0, 1.0])) / np.abs(at.x).max()
+    )
     return at.answer() + k2 * at.x**2
 
 
-# --- what the specimen or the rig has -----------------------------------------------------------------------------
+# --- what the specimen or the rig has
 
 
 def _linear(change: Callable[[Setting, np.random.Generator], Stiffness]) -> Hidden:
@@ -312,32 +361,57 @@ def delay(at: Setting, rng: np.random.Generator) -> Real:
 
 INSIDE: dict[str, dict[str, Hidden]] = {
     "relaxation": {
-        "finite-ramp": finite_ramp, "force-drift": drift, "thermal-force": thermal, "ageing": ageing,
-        "thermal-transient": warming, "parallel-spring": parallel_spring, "relaxation-mode": mode,
+        "finite-ramp": finite_ramp,
+        "force-drift": drift,
+        "thermal-force": thermal,
+        "ageing": ageing,
+        "thermal-transient": warming,
+        "parallel-spring": parallel_spring,
+        "relaxation-mode": mode,
     },
     "creep": {
-        "finite-ramp": finite_ramp, "displacement-drift": drift, "thermal-growth": thermal, "ageing": ageing,
-        "thermal-transient": warming, "series-spring": series_spring, "retardation-mode": retarded,
+        "finite-ramp": finite_ramp,
+        "displacement-drift": drift,
+        "thermal-growth": thermal,
+        "ageing": ageing,
+        "thermal-transient": warming,
+        "series-spring": series_spring,
+        "retardation-mode": retarded,
         "inertia": swinging,
     },
     "recovery": {
-        "displacement-drift": drift, "thermal-growth": thermal, "bearing-friction": bearing,
-        "series-spring": series_spring, "retardation-mode": retarded,
+        "displacement-drift": drift,
+        "thermal-growth": thermal,
+        "bearing-friction": bearing,
+        "series-spring": series_spring,
+        "retardation-mode": retarded,
     },
     "startup": {
-        "force-drift": drift, "thermal-force": thermal, "relaxation-mode": mode, "force-clipping": clipping,
+        "force-drift": drift,
+        "thermal-force": thermal,
+        "relaxation-mode": mode,
+        "force-clipping": clipping,
         "asymmetric-stop": one_stop,
     },
     "history": {
-        "force-drift": drift, "damage": damage, "force-clipping": clipping, "backlash-in-time": backlash,
-        "asymmetric-stop": one_stop, "asymmetric-stiffness": lean, "inertia": moving_mass, "friction": friction,
-        "cubic-stiffness": cubic, "dead-zone": gap, "time-delay": delay, "relaxation-mode": mode,
+        "force-drift": drift,
+        "damage": damage,
+        "force-clipping": clipping,
+        "backlash-in-time": backlash,
+        "asymmetric-stop": one_stop,
+        "asymmetric-stiffness": lean,
+        "inertia": moving_mass,
+        "friction": friction,
+        "cubic-stiffness": cubic,
+        "dead-zone": gap,
+        "time-delay": delay,
+        "relaxation-mode": mode,
         "series-spring": series_spring,
     },
-}  # fmt: skip
+}
 
 
-# --- what no effect of the library is -----------------------------------------------------------------------------
+# --- what no effect of the library is
 
 
 def hum(at: Setting, rng: np.random.Generator) -> Real:
@@ -382,10 +456,16 @@ def twice(at: Setting, rng: np.random.Generator) -> Real:
     return ideal + size * np.sin(2.0 * np.pi * float(rng.uniform(2.3, 4.7)) * steps)
 
 
-OUTSIDE: dict[str, Hidden] = {"hum": hum, "slip": slip, "bump": bump, "frozen": frozen, "wander": twice}
+OUTSIDE: dict[str, Hidden] = {
+    "hum": hum,
+    "slip": slip,
+    "bump": bump,
+    "frozen": frozen,
+    "wander": twice,
+}
 
 
-# --- a case --------------------------------------------------------------------------------------------------------
+# --- a case
 
 
 @dataclass(frozen=True, eq=False)
@@ -434,5 +514,7 @@ def drawn_case(seed: int, index: int) -> Case:
     memory = float(rng.uniform(0.2, 0.6)) if rng.random() < REMEMBERED else 0.0
     white = rng.normal(size=len(exact) + 50)
     noise = lfilter([np.sqrt(1.0 - memory**2)], [1.0, -memory], white)[50:]
-    test = TimeTest(at.t, exact + sd * noise, at.loading, at.control, "mm", "N", name=f"case-{index}")
+    test = TimeTest(
+        at.t, exact + sd * noise, at.loading, at.control, "mm", "N", name=f"case-{index}"
+    )
     return Case(at, name, name in OUTSIDE, test, sd, memory, exact)

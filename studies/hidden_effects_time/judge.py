@@ -17,8 +17,10 @@ from springpot.timetests import diagnose, identify, recorded
 from .cases import Case
 
 DETECTED, NAMED = 30.0, 60.0
-"""Chi-square of what the base model misses, beyond noise, from which it should be seen, and from which it should be
-named: as in the study of sweeps."""
+"""Chi-square of what the base model misses, beyond noise, from which it should be seen, and named.
+
+As in the study of sweeps.
+"""
 NEAR_FLOOR = (0.95, 1.05)
 
 
@@ -93,7 +95,8 @@ def judged(case: Case, index: int, effects: Sequence[Any]) -> Verdict:
         best = found.candidates[0].over_floor
     if found.candidates:
         delta = found.candidates[0].delta_bic
-    # The floor in the unit of the record: the error of the base fit over how many times the noise it is said to be.
+    # The floor in the unit of the record: the error of the base fit over how many times the noise
+    # it is said to be.
     floor = found.error.noise_floor / max(found.error.relative_rms, 1e-300)
     size = _rms(left) * floor
     return Verdict(
@@ -134,9 +137,15 @@ def _oracle(case: Case, theta: Any) -> Any:
     if not case.hidden or case.outside:
         return None
     words = ("effect", "time effect")
-    effect = next(plugins().find(w, case.hidden) for w in words if plugins().shelves[w].find(case.hidden) is not None)
+    effect = next(
+        plugins().find(w, case.hidden)
+        for w in words
+        if plugins().shelves[w].find(case.hidden) is not None
+    )
     model = grown(parse_model(case.setting.base), effect)
-    values = dict(case.setting.theta) | {f"{case.hidden}.{name}": value for name, value in case.setting.truth.items()}
+    values = dict(case.setting.theta) | {
+        f"{case.hidden}.{name}": value for name, value in case.setting.truth.items()
+    }
     try:
         fit = identify(case.test, model, seeds=[model.vector(values)], thorough=False)
     except SpringpotError:

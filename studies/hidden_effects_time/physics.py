@@ -1,8 +1,11 @@
-"""Responses in time, by numerical inversion of Laplace transforms: nothing here knows how springpot computes them.
+"""Responses in time, by numerical inversion of Laplace transforms.
 
-K(s) of each material is written out; relaxation is the inverse transform of K/s, creep that of 1/(s K), and any
-history on even samples is a sum of responses to ramps. Inversion by Euler summation (Abate & Whitt 2006,
-doi:10.1287/ijoc.1050.0137): good to nine digits for what is smooth or swings a few dozen times.
+Nothing here knows how springpot computes them.
+
+K(s) of each material is written out; relaxation is the inverse transform of K/s, creep that of 1/(s
+K), and any history on even samples is a sum of responses to ramps. Inversion by Euler summation
+(Abate & Whitt 2006, doi:10.1287/ijoc.1050.0137): good to nine digits for what is smooth or swings a
+few dozen times.
 """
 
 from __future__ import annotations
@@ -54,13 +57,15 @@ def creep(stiffness: Stiffness, t: Real) -> Real:
 def to_history(stiffness: Stiffness, t: Real, x: Real) -> Real:
     """Force for a displacement on even samples that begins at rest, straight between them."""
     step = t[1] - t[0]
-    ramp = np.concatenate([[0.0], inverse(lambda s: stiffness(s) / s**2, step * np.arange(1, len(t)))])
+    ramp = np.concatenate(
+        [[0.0], inverse(lambda s: stiffness(s) / s**2, step * np.arange(1, len(t)))]
+    )
     bends = np.diff(np.diff(x, prepend=x[0]) / step, append=0.0)
     found: Real = np.convolve(bends, ramp)[: len(t)]
     return found
 
 
-# --- materials: K(s), written out ---------------------------------------------------------------------------------
+# --- materials: K(s), written out
 
 
 def material(name: str, theta: dict[str, float]) -> Stiffness:
@@ -78,7 +83,7 @@ def material(name: str, theta: dict[str, float]) -> Stiffness:
     return known[name]
 
 
-# --- what is not linear, sample after sample ----------------------------------------------------------------------
+# --- what is not linear, sample after sample
 
 
 def played(x: Real, reach: float) -> Real:
@@ -91,7 +96,7 @@ def played(x: Real, reach: float) -> Real:
 
 
 def clock(pace: Callable[[Real], Real], t: Real) -> Real:
-    """Integral of a pace from 0 to t (n,), by Simpson's rule on a fine grid that is finer where t is short."""
+    """Integral of a pace from 0 to t (n,), by Simpson's rule on a grid finer where t is short."""
     grid = np.concatenate([[0.0], np.geomspace(1e-4 * t[0], t[-1], 20001)])
     middle = 0.5 * (grid[1:] + grid[:-1])
     parts = np.diff(grid) * (pace(grid[1:]) + 4.0 * pace(middle) + pace(grid[:-1])) / 6.0

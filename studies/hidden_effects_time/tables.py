@@ -30,7 +30,11 @@ def figures(verdicts: Sequence[Verdict]) -> list[tuple[str, float, int]]:
     plain = [each for each in inside if each.visible >= NAMED]
     unknown = [each for each in verdicts if each.outside and each.visible >= NAMED]
     return [
-        ("something missing is detected (chi-square >= 30)", share(seen, lambda v: v.flagged), len(seen)),
+        (
+            "something missing is detected (chi-square >= 30)",
+            share(seen, lambda v: v.flagged),
+            len(seen),
+        ),
         (
             "the true effect is in the class that is named (chi-square >= 60)",
             share(plain, lambda v: v.right),
@@ -42,7 +46,11 @@ def figures(verdicts: Sequence[Verdict]) -> list[tuple[str, float, int]]:
             len(plain),
         ),
         ("nothing missing, yet flagged", share(clean, lambda v: v.flagged), len(clean)),
-        ("nothing missing, called inconclusive", share(clean, lambda v: v.verdict == "inconclusive"), len(clean)),
+        (
+            "nothing missing, called inconclusive",
+            share(clean, lambda v: v.verdict == "inconclusive"),
+            len(clean),
+        ),
         (
             "members of the class, mean (chi-square >= 60)",
             float(np.mean([len(v.missing) for v in plain])) if plain else float("nan"),
@@ -53,15 +61,31 @@ def figures(verdicts: Sequence[Verdict]) -> list[tuple[str, float, int]]:
             share(plain, lambda v: near(v.after)),
             len(plain),
         ),
-        ("the same with the true model, fitted from the truth", share(plain, lambda v: near(v.oracle)), len(plain)),
-        ("outside the library: flagged (chi-square >= 60)", share(unknown, lambda v: v.flagged), len(unknown)),
+        (
+            "the same with the true model, fitted from the truth",
+            share(plain, lambda v: near(v.oracle)),
+            len(plain),
+        ),
+        (
+            "outside the library: flagged (chi-square >= 60)",
+            share(unknown, lambda v: v.flagged),
+            len(unknown),
+        ),
         (
             "outside the library: explained by one effect of the library",
             share(unknown, lambda v: v.verdict == "effect-missing"),
             len(unknown),
         ),
-        ("processor time of a diagnosis, median, s", float(np.median([v.seconds for v in verdicts])), len(verdicts)),
-        ("processor time of a diagnosis, mean, s", float(np.mean([v.seconds for v in verdicts])), len(verdicts)),
+        (
+            "processor time of a diagnosis, median, s",
+            float(np.median([v.seconds for v in verdicts])),
+            len(verdicts),
+        ),
+        (
+            "processor time of a diagnosis, mean, s",
+            float(np.mean([v.seconds for v in verdicts])),
+            len(verdicts),
+        ),
     ]
 
 
@@ -73,7 +97,11 @@ def by_effect(verdicts: Sequence[Verdict]) -> list[list[str]]:
         own = [each for each in inside if (each.kind, each.hidden) == (kind, name)]
         plain = [each for each in own if each.visible >= NAMED]
         named = "-" if own[0].outside else _percent(share(plain, lambda v: v.right))
-        first = "-" if own[0].outside else _percent(share(plain, lambda v: v.missing[:1] == (v.hidden,)))
+        first = (
+            "-"
+            if own[0].outside
+            else _percent(share(plain, lambda v: v.missing[:1] == (v.hidden,)))
+        )
         flagged = _percent(share(plain, lambda v: v.flagged))
         rows.append([kind, name, str(len(own)), str(len(plain)), flagged, named, first])
     return rows
@@ -97,10 +125,12 @@ def write_tables(verdicts: Sequence[Verdict], folder: Path, seed: int) -> None:
     lines = [
         "# Hidden effects of tests in time",
         "",
-        f"`python studies/hidden_effect_time.py --cases {len(verdicts)} --seed {seed}`: {len(verdicts)} "
-        "tests drawn anew, "
-        "computed by inversion of Laplace transforms, with one hidden effect, none, or one that the library lacks. "
-        "Chi-square is what the base model misses beyond noise; below 30 nothing can be expected to be seen.",
+        (
+            f"`python studies/hidden_effect_time.py --cases {len(verdicts)} --seed {seed}`:"
+            f" {len(verdicts)} tests drawn anew, computed by inversion of Laplace transforms, with"
+            " one hidden effect, none, or one that the library lacks. Chi-square is what the base"
+            " model misses beyond noise; below 30 nothing can be expected to be seen."
+        ),
         "",
         "| | figure | cases |",
         "|---|---:|---:|",

@@ -1,1 +1,4 @@
-"""What the studies of the paper share: its printed numbers, reading a study's results, the look of its figures."""
+"""What the studies of the paper share.
+
+Its printed numbers, reading a study's results, the look of its figures.
+"""

@@ -1,4 +1,7 @@
-"""The look of the studies' figures: the house style, saved as PNG and SVG, left out where matplotlib is missing."""
+"""The look of the studies' figures.
+
+The house style, saved as PNG and SVG, left out where matplotlib is missing.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,17 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["COLOURS", "INK", "MARKERS", "Curve", "can_draw", "legend_above", "logarithmic", "moduli", "sheet"]
+__all__ = [
+    "COLOURS",
+    "INK",
+    "MARKERS",
+    "Curve",
+    "can_draw",
+    "legend_above",
+    "logarithmic",
+    "moduli",
+    "sheet",
+]
 
 MARKERS = ("D", "^", "s", "o", "v", "P", "X")
 """Diamonds, triangles, squares and circles in the order of the paper's Figure 11."""
@@ -45,13 +58,22 @@ def sheet(folder: Path, stem: str, width: float = 7.2, height: float = 4.4) -> I
             save(figure, folder / f"{stem}{suffix}")
 
 
-def legend_above(figure: Figure, source: Axes | Sequence[Any], title: str, columns: int = 3) -> None:
+def legend_above(
+    figure: Figure, source: Axes | Sequence[Any], title: str, columns: int = 3
+) -> None:
     """A headline and the legend over the axes, never over the data."""
-    handles = list(source) if isinstance(source, Sequence) else source.get_legend_handles_labels()[0]
+    handles = (
+        list(source) if isinstance(source, Sequence) else source.get_legend_handles_labels()[0]
+    )
     legend = figure.legend(
-        handles=handles, title=title, title_fontsize=11.0, alignment="left", loc="outside upper left",
-        ncols=columns, handlelength=2.4,
-    )  # fmt: skip
+        handles=handles,
+        title=title,
+        title_fontsize=11.0,
+        alignment="left",
+        loc="outside upper left",
+        ncols=columns,
+        handlelength=2.4,
+    )
     legend.get_title().set_color(INK)
 
 
@@ -83,15 +105,29 @@ class Curve:
         return stiffness
 
 
-def moduli(axes: Axes, data: Measurement, curves: Sequence[Curve], part: str, log: bool = True) -> None:
-    """One modulus (``storage`` or ``loss``) against frequency: data as crosses, models as lines with markers."""
+def moduli(
+    axes: Axes, data: Measurement, curves: Sequence[Curve], part: str, log: bool = True
+) -> None:
+    """One modulus (``storage`` or ``loss``) against frequency.
+
+    Data as crosses, models as lines with markers.
+    """
     spaced = np.geomspace if log else np.linspace
     hertz = spaced(data.frequency.min(), data.frequency.max(), 121)
     for i, curve in enumerate(curves):
         stiffness = curve.at(2.0 * np.pi * hertz)
-        style = {"color": COLOURS[i], "marker": MARKERS[i], "markerfacecolor": "white", "markevery": (5 * i, 24)}
-        axes.plot(hertz, getattr(stiffness, _PART[part]), label=curve.label, **{**style, **curve.style})
-    axes.plot(data.frequency, getattr(data, part), "+", color=INK, markersize=7, zorder=4, label="data")
+        style = {
+            "color": COLOURS[i],
+            "marker": MARKERS[i],
+            "markerfacecolor": "white",
+            "markevery": (5 * i, 24),
+        }
+        axes.plot(
+            hertz, getattr(stiffness, _PART[part]), label=curve.label, **{**style, **curve.style}
+        )
+    axes.plot(
+        data.frequency, getattr(data, part), "+", color=INK, markersize=7, zorder=4, label="data"
+    )
     if log:
         logarithmic(axes, "x")
         logarithmic(axes, "y")

@@ -1,4 +1,7 @@
-"""Tables 1 and 2 as printed; Tables 3 to 6 are in the package, where the reconstructions are computed from them."""
+"""Tables 1 and 2 as printed.
+
+Tables 3 to 6 are in the package, where the reconstructions are computed from them.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,10 @@ MODELS = {
     "fractional-kelvin4": "Kelvin type, four parameters",
     "fractional-zener": "Maxwell type, four parameters",
 }
-"""The five models of section 5.1 and what the paper calls them; it gives no results of the springpot."""
+"""The five models of section 5.1 and what the paper calls them.
+
+It gives no results of the springpot.
+"""
 
 TABLE_1 = {
     "fractional-kelvin": {"k": 399.6, "c": 150.1, "alpha": 0.5999},
@@ -66,5 +72,10 @@ def in_fluid_columns(model: str, theta: dict[str, float]) -> tuple[float | None,
     if model == "fractional-maxwell-ab":
         return theta["k"], theta["k"] * theta["tau"] ** theta["beta"], None, theta["beta"]
     if model == "oldroyd-b":
-        return theta["k0"], theta["k1"] * theta["tau"] ** theta["alpha"], theta["k1"], theta["alpha"]
+        return (
+            theta["k0"],
+            theta["k1"] * theta["tau"] ** theta["alpha"],
+            theta["k1"],
+            theta["alpha"],
+        )
     return theta.get("k1", theta.get("k")), theta["c"], theta.get("k2"), theta["alpha"]

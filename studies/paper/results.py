@@ -53,7 +53,11 @@ class Results:
             for number, rows in store.trials():
                 if number in cells:
                     problem = cells[number].problem
-                    kept = [Trial(r.repetition, r.best, dict(r.theta)) for r in rows if r.best is not None]
+                    kept = [
+                        Trial(r.repetition, r.best, dict(r.theta))
+                        for r in rows
+                        if r.best is not None
+                    ]
                     found[problem.dataset, problem.model, cells[number].label] = kept
         return cls(found)
 
@@ -64,7 +68,9 @@ class Results:
     def best(self, dataset: str, model: str, optimiser: str | None = None) -> Trial | None:
         """The trial with the smallest objective, of one optimiser or of all."""
         cells = [
-            group for (d, m, o), group in self.trials.items() if (d, m) == (dataset, model) and optimiser in (None, o)
+            group
+            for (d, m, o), group in self.trials.items()
+            if (d, m) == (dataset, model) and optimiser in (None, o)
         ]
         return best_of([trial for group in cells for trial in group])
 
@@ -82,7 +88,10 @@ def relative_rms(model: str | Model, theta: dict[str, float], data: Measurement)
 
 
 def absolute_rms(model: str | Model, theta: dict[str, float], data: Measurement) -> float:
-    """Root of the paper's objective, eq. (44), over that of K = 0: what the paper minimises, as a relative number."""
+    """Root of the paper's objective, eq.
+
+    (44), over that of K = 0: what the paper minimises, as a relative number.
+    """
     found = parse_model(model) if isinstance(model, str) else model
     gap = np.abs(found.stiffness(found.vector(theta), data.points) - data.stiffness)
     return float(np.sqrt(np.sum(gap**2) / np.sum(data.magnitude**2)))

@@ -19,19 +19,22 @@ from .sets import SETS, RealSet
 PLACES = 3
 """Places told of those where the last model fails."""
 COLUMNS = (
-    "set", "points", "model", "noise floor", "source", "error/floor before", "effects accepted [cannot be told from]",
-    "error/floor after", "verdict", "what remains",
-)  # fmt: skip
+    *("set", "points", "model", "noise floor", "source", "error/floor before"),
+    *("effects accepted [cannot be told from]", "error/floor after", "verdict", "what remains"),
+)
 NOTE = (
-    "Error: root mean square of |K - K_model| / |K|; noise floor: the same of noise alone, here that of the last "
-    "model, since a bad model takes part of its failure for noise; source: where it comes from. Before: the model "
-    "alone over that same floor. Effects are accepted by `discover` on its own, in this order; in brackets those "
-    "that these data cannot tell from it. Verdict and remains: on the last model."
+    "Error: root mean square of |K - K_model| / |K|; noise floor: the same of noise alone, here"
+    " that of the last model, since a bad model takes part of its failure for noise; source: where"
+    " it comes from. Before: the model alone over that same floor. Effects are accepted by"
+    " `discover` on its own, in this order; in brackets those that these data cannot tell from it."
+    " Verdict and remains: on the last model."
 )
 
 
 def answer(one: RealSet, data: Measurement, ladder: Ladder, given: bool = False) -> dict[str, Any]:
-    """What the tool says of a set from one model: `springpot.discovery/1`, its tests and harmonics, without the rest.
+    """What the tool says of a set from one model.
+
+    `springpot.discovery/1`, its tests and harmonics, without the rest.
 
     Parameters
     ----------
@@ -55,20 +58,28 @@ def answer(one: RealSet, data: Measurement, ladder: Ladder, given: bool = False)
         "given": given,
         "model": ladder.steps[0].model.name,
         "yardsticks": yardsticks(one, data),
-        "last": {key: last[key] for key in kept} | {"where": [w["says"] for w in last["where"][:PLACES]]},
+        "last": (
+            {key: last[key] for key in kept}
+            | {"where": [w["says"] for w in last["where"][:PLACES]]}
+        ),
         "rivals": [_rival(c) for c in last["candidates"][:PLACES]],
         "harmonics": [finding.says for finding in tests if finding.found],
     }
 
 
 def _rival(candidate: dict[str, Any]) -> dict[str, Any]:
-    return {key: candidate[key] for key in ("effect", "verdict", "probability", "delta_bic", "parameters")}
+    return {
+        key: candidate[key]
+        for key in ("effect", "verdict", "probability", "delta_bic", "parameters")
+    }
 
 
 def save(found: Sequence[dict[str, Any]], folder: Path) -> Path:
     """Write the answers on one set."""
     (folder / "answers").mkdir(parents=True, exist_ok=True)
-    path: Path = write_text(folder / "answers" / f"{found[0]['set']}.json", json.dumps(found, indent=1) + "\n")
+    path: Path = write_text(
+        folder / "answers" / f"{found[0]['set']}.json", json.dumps(found, indent=1) + "\n"
+    )
     return path
 
 
@@ -82,20 +93,29 @@ def saved(folder: Path) -> Iterator[dict[str, Any]]:
 
 def table(answers: Sequence[dict[str, Any]]) -> Table:
     """One row for each set and model."""
-    return Table("Measured data: what is missing and what remains", COLUMNS, [_row(one) for one in answers], NOTE)
+    return Table(
+        "Measured data: what is missing and what remains",
+        COLUMNS,
+        [_row(one) for one in answers],
+        NOTE,
+    )
 
 
 def _row(one: dict[str, Any]) -> tuple[Entry, ...]:
     steps, last = one["steps"], one["last"]
     floor = steps[-1]["noise_floor"]
     before, after = (step["relative_rms"] / floor for step in (steps[0], steps[-1]))
-    source = last["error"]["noise_source"] + (" (given doubted)" if "given" in last["error"]["doubt"] else "")
-    accepted = "as given" if one["given"] else "; ".join(_accepted(step) for step in steps[1:]) or "none"
+    source = last["error"]["noise_source"] + (
+        " (given doubted)" if "given" in last["error"]["doubt"] else ""
+    )
+    accepted = (
+        "as given" if one["given"] else "; ".join(_accepted(step) for step in steps[1:]) or "none"
+    )
     remains = _remains(one)
     return (
-        one["set"], one["points"], asked(one), f"{100 * floor:.2g} %", source, round(before, 2), accepted,
-        round(after, 2), one["verdict"], remains,
-    )  # fmt: skip
+        *(one["set"], one["points"], asked(one), f"{100 * floor:.2g} %", source),
+        *(round(before, 2), accepted, round(after, 2), one["verdict"], remains),
+    )
 
 
 def _remains(one: dict[str, Any]) -> str:

@@ -1,4 +1,7 @@
-"""One picture for each set: data and model before and after the accepted effects, and the ladder between."""
+"""One picture for each set.
+
+Data and model before and after the accepted effects, and the ladder between.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,10 @@ from springpot.report.views import Scene
 
 
 def draw(ladder: Ladder, path: Path) -> None:
-    """Storage and loss above, residuals below: the first model, the last one, and the ladder between them."""
+    """Storage and loss above, residuals below.
+
+    The first model, the last one, and the ladder between them.
+    """
     ends = [ladder.steps[0], ladder.steps[-1]] if len(ladder.steps) > 1 else [ladder.steps[0]]
     with blank(4.6 * (len(ends) + 1) + 1.6, 6.4) as figure:
         grid = figure.add_gridspec(2, len(ends) + 1, height_ratios=(3, 1.4))

@@ -20,9 +20,10 @@ KELVIN, KILO, GAS = 273.15, 1e3, 8.314462618
 """Zero Celsius [K], J in a kJ, molar gas constant [J/(mol K)]."""
 COLUMNS = ("set", "model", "quantity", "found", "expected", "source of what is expected")
 NOTE = (
-    "Parameters with 95 % intervals. WLF: log10 a_T = -C1 (T - T0) / (C2 + T - T0), moved to the T0 of the "
-    "publication. Yield force: 4 F / pi is the first harmonic of a force of fixed size F, so that pi/4 of the median "
-    "of |K| times amplitude is what an eye would read off, for all forces together."
+    "Parameters with 95 % intervals. WLF: log10 a_T = -C1 (T - T0) / (C2 + T - T0), moved to the T0"
+    " of the publication. Yield force: 4 F / pi is the first harmonic of a force of fixed size F,"
+    " so that pi/4 of the median of |K| times amplitude is what an eye would read off, for all"
+    " forces together."
 )
 WLF = {
     "pdms": (6.64 / np.log(10.0), 299.4, 25.0, (0.0, 50.0), "NIST SP 260-147"),
@@ -41,7 +42,9 @@ def yardsticks(one: RealSet, data: Measurement) -> dict[str, float]:
     if one.name == "pdms" and (error := _nist_error()):
         found["published_error"] = error
     if one.is_signals:
-        found["signals_against_table"] = _against_table(data, read("friction-damper-brfd-lehigh@band_tension=36"))
+        found["signals_against_table"] = _against_table(
+            data, read("friction-damper-brfd-lehigh@band_tension=36")
+        )
     return found
 
 
@@ -72,19 +75,28 @@ def _against_table(data: Measurement, other: Measurement) -> float:
         return np.lexsort((of.conditions["amplitude"], of.omega.round(1)))
 
     if len(data) != len(other):
-        raise DataError(f"{data.name}: {len(data)} tests here, {len(other)} in the table of harmonics")
+        raise DataError(
+            f"{data.name}: {len(data)} tests here, {len(other)} in the table of harmonics"
+        )
     ours, theirs = data.stiffness[order(data)], other.stiffness[order(other)]
     return float(np.max(np.abs(ours / theirs - 1.0)))
 
 
 def asked(one: dict[str, Any]) -> str:
     """The model that discovery began with, and what it was given."""
-    return one["model"] + ("".join(f" + {step['accepted']}" for step in one["steps"][1:]) if one["given"] else "")
+    return one["model"] + (
+        "".join(f" + {step['accepted']}" for step in one["steps"][1:]) if one["given"] else ""
+    )
 
 
 def published(answers: Sequence[dict[str, Any]]) -> Table:
     """What was found beside what was expected."""
-    rows = [row for one in answers for part in (_wlf, _shifts, _errors, _force, _signals) for row in part(one)]
+    rows = [
+        row
+        for one in answers
+        for part in (_wlf, _shifts, _errors, _force, _signals)
+        for row in part(one)
+    ]
     return Table("Measured data: parameters against what is published", COLUMNS, rows, NOTE)
 
 
@@ -94,7 +106,10 @@ def _wlf(one: dict[str, Any]) -> Iterator[tuple[Entry, ...]]:
     if one["set"] not in WLF or "wlf-shift.C1" not in last:
         return
     c1, c2, t0, _, source = WLF[one["set"]]
-    ours = [[last[f"wlf-shift.{name}"][key] for key in ("value", "low", "high")] for name in ("C1", "C2")]
+    ours = [
+        [last[f"wlf-shift.{name}"][key] for key in ("value", "low", "high")]
+        for name in ("C1", "C2")
+    ]
     moved = t0 + KELVIN - one["yardsticks"]["reference_temperature"]
     factor = ours[1][0] / (ours[1][0] + moved)
     head = one["set"], asked(one)
@@ -127,7 +142,14 @@ def _log_shift(parameters: dict[str, Any], base: float, celsius: float) -> float
 def _errors(one: dict[str, Any]) -> Iterator[tuple[Entry, ...]]:
     if error := one["yardsticks"].get("published_error"):
         found = 100.0 * one["steps"][-1]["relative_rms"]
-        yield one["set"], asked(one), "error of the last model [%]", found, 100.0 * error, "NIST's own model"
+        yield (
+            one["set"],
+            asked(one),
+            "error of the last model [%]",
+            found,
+            100.0 * error,
+            "NIST's own model",
+        )
 
 
 def _force(one: dict[str, Any]) -> Iterator[tuple[Entry, ...]]:
@@ -148,4 +170,11 @@ def _force(one: dict[str, Any]) -> Iterator[tuple[Entry, ...]]:
 def _signals(one: dict[str, Any]) -> Iterator[tuple[Entry, ...]]:
     if difference := one["yardsticks"].get("signals_against_table"):
         what = "largest difference of K from the set's table [%]"
-        yield one["set"], asked(one), what, 100.0 * difference, 0.0, "harmonics published with the signals"
+        yield (
+            one["set"],
+            asked(one),
+            what,
+            100.0 * difference,
+            0.0,
+            "harmonics published with the signals",
+        )

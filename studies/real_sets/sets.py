@@ -63,7 +63,8 @@ SETS = (
         "pdms",
         "nist-srm2491",
         ("maxwell-5",),
-        "thermorheologically simple melt: WLF with C1 = 6.64 (ln), C2 = 299.4 K at 25 degC and a vertical shift",
+        "thermorheologically simple melt: WLF with C1 = 6.64 (ln), C2 = 299.4 K at 25 degC and a"
+        " vertical shift",
         "is the shift missed, and is it NIST's?",
         accept=("wlf-shift", "vertical-shift"),
     ),
@@ -109,7 +110,8 @@ SETS = (
         "polyisoprene",
         "reptate-polyisoprene-osc@molar_mass=33.6",
         ("fractional-maxwell-ab",),
-        "melt with WLF constants C1 = 8.772 (log10), C2 = 79.03 K at -35 degC and a small vertical shift",
+        "melt with WLF constants C1 = 8.772 (log10), C2 = 79.03 K at -35 degC and a small vertical"
+        " shift",
         "is the temperature found, and is it the published WLF?",
     ),
     RealSet(
@@ -170,7 +172,7 @@ SETS = (
 
 @cache
 def use_shared_data() -> None:
-    """Let ``shared/data`` beside the checkout be the data directory, where ``SPRINGPOT_DATA`` names no other."""
+    """Let ``shared/data`` beside the checkout be SPRINGPOT_DATA, where that names no other."""
     if "SPRINGPOT_DATA" not in os.environ and SHARED.is_dir():
         os.environ["SPRINGPOT_DATA"] = str(SHARED)
 
@@ -186,7 +188,11 @@ def opened(one: RealSet) -> Measurement:
     use_shared_data()
     if not one.is_signals:
         data = springpot.read(one.data)
-        return data if one.rows is None else data.subset(_beginning(data, *one.rows), f"{data.name}, {one.name}")
+        return (
+            data
+            if one.rows is None
+            else data.subset(_beginning(data, *one.rows), f"{data.name}, {one.name}")
+        )
     files = sorted(path for folder in folders() for path in glob(str(folder / one.data)))
     if not files:
         raise DataError(f"no files {one.data} in SPRINGPOT_DATA")
@@ -201,4 +207,6 @@ def _beginning(data: Measurement, label: str, word: str) -> NDArray[np.bool_]:
 def folders() -> Iterator[Path]:
     """The data directories."""
     use_shared_data()
-    yield from (Path(part) for part in os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep) if part)
+    yield from (
+        Path(part) for part in os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep) if part
+    )

@@ -1,4 +1,7 @@
-"""Every set asked without naming a model: any linear passive material is judged; what it leaves needs a cause."""
+"""Every set asked without naming a model: any linear passive material is judged.
+
+What it leaves needs a cause.
+"""
 
 from __future__ import annotations
 
@@ -33,18 +36,23 @@ CAUSES = (
 MOVED = "would explain the data as well, and no fit can tell"
 """How a note ends that names effects of a condition which was not varied by itself."""
 ONLY_POINTS = "nothing else is missing"
-"""What the headline says where single points are all that is wrong; beside other structure they explain nothing."""
+"""What the headline says where single points are all that is wrong.
+
+Beside other structure they explain nothing.
+"""
 COLUMNS = (
-    "set", "points", "noise floor", "material floor", "error before/floor", "effects accepted [cannot be told from]",
-    "error after/floor", "verdict", "named cause of what is left", "within 1.5 x or named",
-)  # fmt: skip
+    *("set", "points", "noise floor", "material floor", "error before/floor"),
+    *("effects accepted [cannot be told from]", "error after/floor", "verdict"),
+    *("named cause of what is left", "within 1.5 x or named"),
+)
 NOTE = (
-    "No model is named: any linear passive material is judged (model `material`), and `discover` accepts effects on "
-    "its own. Noise floor: of the last rung; material floor: the least error of any such material before an effect "
-    "is accepted. Named cause: the effects said to be missing where the verdict is `effect-missing`, otherwise what "
-    "a note tells of repeats, single points, the measuring chain, a column that no effect knows, effects of an "
-    "amplitude that moved with the frequency, temperatures at which no linear material behaves so or that no shift "
-    "joins, or force harmonics that the model does not make."
+    "No model is named: any linear passive material is judged (model `material`), and `discover`"
+    " accepts effects on its own. Noise floor: of the last rung; material floor: the least error of"
+    " any such material before an effect is accepted. Named cause: the effects said to be missing"
+    " where the verdict is `effect-missing`, otherwise what a note tells of repeats, single points,"
+    " the measuring chain, a column that no effect knows, effects of an amplitude that moved with"
+    " the frequency, temperatures at which no linear material behaves so or that no shift joins, or"
+    " force harmonics that the model does not make."
 )
 
 
@@ -84,7 +92,9 @@ def _missing(diagnosis: dict[str, Any]) -> list[str]:
 def save(answer: dict[str, Any], folder: Path) -> Path:
     """Write the answer on one set."""
     (folder / FOLDER).mkdir(parents=True, exist_ok=True)
-    path: Path = write_text(folder / FOLDER / f"{answer['set']}.json", json.dumps(answer, indent=1) + "\n")
+    path: Path = write_text(
+        folder / FOLDER / f"{answer['set']}.json", json.dumps(answer, indent=1) + "\n"
+    )
     return path
 
 
@@ -100,7 +110,10 @@ def table(answers: Sequence[dict[str, Any]]) -> Table:
     """One row for each set, and one for the goal."""
     good = sum(is_settled(one) for one in answers)
     met = "met" if good >= GOAL else "not met"
-    goal = f"goal: at least {GOAL} of {len(SETS)} within {NEAR:g} x of the noise floor or with a named cause"
+    goal = (
+        f"goal: at least {GOAL} of {len(SETS)} within {NEAR:g} x of the noise floor or with a named"
+        " cause"
+    )
     empty = (None,) * (len(COLUMNS) - 2)
     rows = [*(_row(one) for one in answers), (goal, *empty, f"{good} of {len(answers)}: {met}")]
     return Table("Measured data without a model", COLUMNS, rows, NOTE)
@@ -120,7 +133,9 @@ def cause(one: dict[str, Any]) -> str:
         return ""
     if ONLY_POINTS in last["says"]:
         return str(last["says"])
-    return "; ".join(note for note in last["notes"] if note.startswith(CAUSES) or note.endswith(MOVED))
+    return "; ".join(
+        note for note in last["notes"] if note.startswith(CAUSES) or note.endswith(MOVED)
+    )
 
 
 def is_settled(one: dict[str, Any]) -> bool:
@@ -131,11 +146,12 @@ def is_settled(one: dict[str, Any]) -> bool:
 def _row(one: dict[str, Any]) -> tuple[Entry, ...]:
     floor = float(one["steps"][-1]["noise_floor"])
     accepted = "; ".join(_accepted(step) for step in one["steps"][1:]) or "none"
+    material = _percent(one["first"]["error"]["material_floor"])
     return (
-        one["set"], one["points"], _percent(floor), _percent(one["first"]["error"]["material_floor"]),
-        round(ratio(one, 0), 2), accepted, round(ratio(one), 2), one["verdict"], cause(one) or None,
-        "yes" if is_settled(one) else "no",
-    )  # fmt: skip
+        *(one["set"], one["points"], _percent(floor), material, round(ratio(one, 0), 2)),
+        *(accepted, round(ratio(one), 2), one["verdict"]),
+        *(cause(one) or None, "yes" if is_settled(one) else "no"),
+    )
 
 
 def _percent(share: float) -> str:

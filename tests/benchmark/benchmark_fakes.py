@@ -35,7 +35,11 @@ class Walk(Optimiser):
         x = problem.lower + rng.random(problem.dimension) * room
         best, step = problem(x), 0.5
         while True:
-            y = np.clip(x + step * room * rng.standard_normal(problem.dimension), problem.lower, problem.upper)
+            y = np.clip(
+                x + step * room * rng.standard_normal(problem.dimension),
+                problem.lower,
+                problem.upper,
+            )
             value = problem(y)
             if value < best:
                 x, best = y, value
@@ -89,7 +93,9 @@ class Moody(Walk):
     def swallow(self, problem: Recorder, rng: np.random.Generator) -> None:
         for _ in range(1000):
             try:
-                problem(problem.lower + rng.random(problem.dimension) * (problem.upper - problem.lower))
+                problem(
+                    problem.lower + rng.random(problem.dimension) * (problem.upper - problem.lower)
+                )
             except BaseException:
                 continue
 
@@ -151,7 +157,9 @@ def measurement(noise: float = 0.0, name: str = "kelvin") -> Measurement:
     model = parse_model("fractional-kelvin")
     stiffness = model.stiffness(model.theta(**TRUTH), OMEGA)
     drawn = np.random.default_rng(5).standard_normal((2, len(OMEGA)))
-    return Measurement(OMEGA, stiffness * (1 + noise * (drawn[0] + 1j * drawn[1])), units=Units("kN/m"), name=name)
+    return Measurement(
+        OMEGA, stiffness * (1 + noise * (drawn[0] + 1j * drawn[1])), units=Units("kN/m"), name=name
+    )
 
 
 def artificial(noise: float = 0.0, name: str = "kelvin") -> DataSet:

@@ -1,4 +1,7 @@
-"""A disk that is full from some write on: SQLite's own system calls are replaced, as its tests do it."""
+"""A disk that is full from some write on.
+
+SQLite's own system calls are replaced, as its tests do it.
+"""
 
 from __future__ import annotations
 
@@ -59,7 +62,8 @@ class Disk:
         if failing:
             ctypes.set_errno(ENOSPC)
             return -1
-        # What is left of the room takes a part of the page, and the call that brings the rest fails.
+        # What is left of the room takes a part of the page, and the call that brings the rest
+        # fails.
         if self.writes == self.room + 1:
             size //= 2
         return os.pwrite(fd, ctypes.string_at(data, size), offset)

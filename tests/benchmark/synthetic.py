@@ -37,7 +37,12 @@ def dataset(number: int) -> DataSet:
     """One of many artificial data sets."""
     name = f"mock-{number}"
     return DataSet(
-        name, "mock data", lambda: measurement(0.0, name), kind="artificial", truth=TRUTH, model="fractional-kelvin"
+        name,
+        "mock data",
+        lambda: measurement(0.0, name),
+        kind="artificial",
+        truth=TRUTH,
+        model="fractional-kelvin",
     )
 
 
@@ -55,20 +60,34 @@ def fallen(start: float, rate: float, rng: np.random.Generator) -> tuple[float, 
     return float(values[-1]), pack(list(zip(evaluations.tolist(), values.tolist(), strict=True)))
 
 
-def results(cell: int, repetitions: int, bank: Sequence[tuple[float, bytes]], rng: np.random.Generator) -> Results:
+def results(
+    cell: int, repetitions: int, bank: Sequence[tuple[float, bytes]], rng: np.random.Generator
+) -> Results:
     """Trials of one cell, their traces drawn from a bank; some failed."""
     found = []
     for repetition in range(repetitions):
         if rng.random() < FAILED:
-            found.append(TrialResult(cell, repetition, Status.ERROR, "ValueError: out of luck", seconds=0.1))
+            found.append(
+                TrialResult(cell, repetition, Status.ERROR, "ValueError: out of luck", seconds=0.1)
+            )
             continue
         best, trace = bank[rng.integers(len(bank))]
         found.append(
             TrialResult(
-                cell, repetition, Status.BUDGET, best=best, theta=dict(TRUTH), parameter_error=0.1, oracle=best,
-                evaluations=BUDGET, seconds=0.1, trace=trace, recommended=b"", seen=b"",
+                cell,
+                repetition,
+                Status.BUDGET,
+                best=best,
+                theta=dict(TRUTH),
+                parameter_error=0.1,
+                oracle=best,
+                evaluations=BUDGET,
+                seconds=0.1,
+                trace=trace,
+                recommended=b"",
+                seen=b"",
             )
-        )  # fmt: skip
+        )
     return found
 
 
@@ -77,7 +96,10 @@ def synthetic_store(path: Path, problems: int, entrants: int, repetitions: int) 
     plan = plan_of(problems, entrants, repetitions)
     rng = np.random.default_rng(11)
     start = plan.cases[0].reference
-    banks = [[fallen(start, rate, rng) for _ in range(BANK)] for rate in np.geomspace(0.05, 0.5, entrants)]
+    banks = [
+        [fallen(start, rate, rng) for _ in range(BANK)]
+        for rate in np.geomspace(0.05, 0.5, entrants)
+    ]
     with Store(path, write=True) as store:
         numbers = store.register(plan, provenance(plan))
         for cell in plan.cells:

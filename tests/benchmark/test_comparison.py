@@ -9,7 +9,15 @@ import pytest
 from benchmark_fakes import moody_study, small_study
 
 from springpot.benchmark import Findings, Store, run_study
-from springpot.benchmark.comparison import OVER_ALL, choose, profiles, quality, rank, rankings, scopes
+from springpot.benchmark.comparison import (
+    OVER_ALL,
+    choose,
+    profiles,
+    quality,
+    rank,
+    rankings,
+    scopes,
+)
 from springpot.benchmark.rows import CellRow, ProblemRow
 from springpot.benchmark.scores import CellScores, Race, Scale, races_of, score_cell
 from springpot.benchmark.standings import rank_table
@@ -20,10 +28,21 @@ INF = np.inf
 SCALE = Scale(1e-6, 2000)
 
 
-def race(problem: int, values: dict[str, np.ndarray], hits: dict[str, np.ndarray] | None = None) -> Race:
+def race(
+    problem: int, values: dict[str, np.ndarray], hits: dict[str, np.ndarray] | None = None
+) -> Race:
     """A race in which each entrant ends at `values` (n,) at every mark."""
     row = ProblemRow(
-        problem, f"data-{problem}", "artificial", 10, "N/m", f"model-{problem % 2}", "paper", 1.0, 0.0, {}
+        problem,
+        f"data-{problem}",
+        "artificial",
+        10,
+        "N/m",
+        f"model-{problem % 2}",
+        "paper",
+        1.0,
+        0.0,
+        {},
     )
     marks, grid = len(SCALE.marks), len(SCALE.grid)
     cells = []
@@ -32,10 +51,17 @@ def race(problem: int, values: dict[str, np.ndarray], hits: dict[str, np.ndarray
         reached = np.where(given <= SCALE.target, 50.0, INF) if hits is None else hits[label]
         cells.append(
             CellScores(
-                CellRow(i, row, label, label, "{}", SCALE.budget), np.arange(n), reached, np.full(n, 2000.0),
-                np.tile(given[:, None], marks), np.zeros(grid), np.zeros((3, grid)), None, 3,
+                CellRow(i, row, label, label, "{}", SCALE.budget),
+                np.arange(n),
+                reached,
+                np.full(n, 2000.0),
+                np.tile(given[:, None], marks),
+                np.zeros(grid),
+                np.zeros((3, grid)),
+                None,
+                3,
             )
-        )  # fmt: skip
+        )
     return races_of(cells)[0]
 
 
@@ -68,7 +94,9 @@ def test_of_those_that_reach_the_target_the_cheapest_is_chosen():
 
 
 def test_few_trials_decide_nothing(rng):
-    found = choose(race(0, {"a": rng.random(3), "b": 9 + rng.random(3), "c": 9 + rng.random(3)}), 2, SCALE)
+    found = choose(
+        race(0, {"a": rng.random(3), "b": 9 + rng.random(3), "c": 9 + rng.random(3)}), 2, SCALE
+    )
     assert not found.decided
 
 
@@ -85,7 +113,10 @@ def test_failures_come_last_and_are_counted():
 
 
 def test_ranks_over_many_problems(rng):
-    races = [race(i, {"a": rng.random(5), "b": 2 + rng.random(5), "c": 2 + rng.random(5)}) for i in range(12)]
+    races = [
+        race(i, {"a": rng.random(5), "b": 2 + rng.random(5), "c": 2 + rng.random(5)})
+        for i in range(12)
+    ]
     found = rank(OVER_ALL, races, 2, SCALE)
     assert (found.blocks, found.unit, found.decided) == (12, "problems", True)
     assert found.ranks[0].value == found.ranks[0].low == found.ranks[0].high == 1.0
@@ -160,12 +191,17 @@ def test_scores_are_what_the_traces_say(tmp_path):
         problem, rows = scores.cell.problem, trials[scores.cell.id]
         best = bests[problem.id]
         goal = best + 1e-3 * (problem.reference - best)
-        first = [next((e for e, v in zip(*row.improvements(), strict=True) if v <= goal), INF) for row in rows]
+        first = [
+            next((e for e, v in zip(*row.improvements(), strict=True) if v <= goal), INF)
+            for row in rows
+        ]
         assert scores.hits.tolist() == first
         assert summary.success.value == np.mean(np.isfinite(first))
         assert summary.running_time.value == expected_running_time(np.array(first), scores.spent)
         values = [at(*row.improvements(), np.array([100]))[0] for row in rows]
-        assert scores.values[:, 0] == pytest.approx((np.array(values) - best) / (problem.reference - best))
+        assert scores.values[:, 0] == pytest.approx(
+            (np.array(values) - best) / (problem.reference - best)
+        )
         assert (np.diff(scores.attained) >= 0).all()
         noisy = problem.dataset == "noisy"
         assert (scores.clean is not None) == noisy

@@ -23,7 +23,9 @@ def scores(rng):
 
 
 def test_wilcoxon_holm_is_that_of_scikit_posthocs(posthocs, scores):
-    theirs = posthocs.posthoc_wilcoxon(list(scores.T), p_adjust="holm", zero_method="zsplit").to_numpy()
+    theirs = posthocs.posthoc_wilcoxon(
+        list(scores.T), p_adjust="holm", zero_method="zsplit"
+    ).to_numpy()
     assert s.wilcoxon_holm(scores) == pytest.approx(theirs, abs=1e-12)
 
 
@@ -50,7 +52,9 @@ def test_mean_ranks_and_effects_are_those_of_autorank(scores):
     autorank = pytest.importorskip("autorank", reason=WHY)
     pandas = pytest.importorskip("pandas", reason=WHY)
     frame = pandas.DataFrame(scores, columns=list("abcde"))
-    result = autorank.autorank(frame, alpha=0.05, verbose=False, order="ascending", force_mode="nonparametric")
+    result = autorank.autorank(
+        frame, alpha=0.05, verbose=False, order="ascending", force_mode="nonparametric"
+    )
     theirs = result.rankdf.meanrank
     assert s.mean_ranks(scores) == pytest.approx([theirs[name] for name in "abcde"])
     assert result.pvalue == pytest.approx(s.friedman(scores)[1])

@@ -27,9 +27,12 @@ def fresh():
     """Of the same study in a process that has done nothing else."""
     code = (
         "import json, sys; from springpot.benchmark import Study; "
-        "print(json.dumps([cell.digest for cell in Study('race', **json.loads(sys.argv[1])).plan().cells]))"
+        "cells = Study('race', **json.loads(sys.argv[1])).plan().cells; "
+        "print(json.dumps([cell.digest for cell in cells]))"
     )
-    said = subprocess.run([sys.executable, "-c", code, json.dumps(STUDY)], capture_output=True, text=True, check=True)
+    said = subprocess.run(
+        [sys.executable, "-c", code, json.dumps(STUDY)], capture_output=True, text=True, check=True
+    )
     return json.loads(said.stdout)
 
 
@@ -47,11 +50,15 @@ def test_a_digest_knows_nothing_of_what_ran_before(fresh):
 
 
 def test_a_digest_knows_nothing_of_order_and_name(fresh):
-    turned = {key: value[::-1] if isinstance(value, list) else value for key, value in STUDY.items()}
+    turned = {
+        key: value[::-1] if isinstance(value, list) else value for key, value in STUDY.items()
+    }
     assert sorted(digests(Study("another", **turned))) == sorted(fresh)
     assert len(set(fresh)) == len(fresh)
 
 
 def test_a_digest_knows_what_matters(fresh):
     assert not set(digests(Study("race", **{**STUDY, "budget": 301}))) & set(fresh)
-    assert digests(Study("race", **{**STUDY, "repetitions": 9})) == fresh  # raising them runs the new ones only
+    assert (
+        digests(Study("race", **{**STUDY, "repetitions": 9})) == fresh
+    )  # raising them runs the new ones only

@@ -8,7 +8,17 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from benchmark_fakes import Fixed, Heavy, Moody, Mute, Sleepy, Walk, artificial, moody_study, small_study
+from benchmark_fakes import (
+    Fixed,
+    Heavy,
+    Moody,
+    Mute,
+    Sleepy,
+    Walk,
+    artificial,
+    moody_study,
+    small_study,
+)
 
 from soaked import soaked
 from springpot.benchmark import FORMATS, Status, Store, run_study, supervisor
@@ -97,14 +107,20 @@ def test_the_clock_starts_at_the_first_value_also_after_a_worker_was_ended(tmp_p
     hung = [np.random.default_rng(plan.stream(plan.cells[0], r)).random() < 0.5 for r in range(4)]
     assert {True, False} == set(hung)
     assert [row.status is Status.TIMEOUT for row in rows] == hung
-    assert all(row.reason == "ended after the deadline of 0.4 s" for row in rows if row.status.failed)
+    assert all(
+        row.reason == "ended after the deadline of 0.4 s" for row in rows if row.status.failed
+    )
 
 
-def test_who_asks_for_no_value_is_waited_for_once_and_one_run_for_all_has_one_deadline(tmp_path, monkeypatch):
+def test_who_asks_for_no_value_is_waited_for_once_and_one_run_for_all_has_one_deadline(
+    tmp_path, monkeypatch
+):
     monkeypatch.setattr(supervisor, "IMPORTS", 0.5)
     study = moody_study("fine", optimisers=[Mute(), Fixed()], deadline=0.3)
     found = trials(run_study(study, workers=1, out=tmp_path, quiet=True).store)
-    told = [f"ended after {seconds} s, in which it asked for no value" for seconds in (0.8, 0.3, 0.3)]
+    told = [
+        f"ended after {seconds} s, in which it asked for no value" for seconds in (0.8, 0.3, 0.3)
+    ]
     assert [row.reason for row in found["mute"]] == told
     assert {row.reason for row in found["fixed"]} == {"ended after the deadline of 0.3 s"}
 
@@ -112,14 +128,20 @@ def test_who_asks_for_no_value_is_waited_for_once_and_one_run_for_all_has_one_de
 def test_times_are_those_of_the_processor_and_of_one_trial_alone(tmp_path):
     """What an optimiser that runs its repetitions side by side saves by that is told apart."""
     study = small_study(
-        datasets=[artificial()], models=["own"], optimisers=["pso-paper", Sleepy()], repetitions=20, budget=2000
+        datasets=[artificial()],
+        models=["own"],
+        optimisers=["pso-paper", Sleepy()],
+        repetitions=20,
+        budget=2000,
     )
     found = trials(run_study(study, engine="serial", out=tmp_path, quiet=True).store)
     swarm, sleepy = found["pso-paper"], found["sleepy"]
     assert [row.processor is None for row in swarm] == [False] + 19 * [True]
     # Beside 19 others it is a tenth; a third leaves room for a busy machine.
     assert all(0 < row.processor_batched < swarm[0].processor / 3 for row in swarm)
-    assert all(row.seconds - row.processor > 0.04 and row.processor_batched is None for row in sleepy)
+    assert all(
+        row.seconds - row.processor > 0.04 and row.processor_batched is None for row in sleepy
+    )
     header, *lines = (tmp_path / "small" / "timing.csv").read_text().splitlines()
     assert header.endswith("one trial alone [s],an evaluation of it [us],share in a batch [s]")
     assert len(lines) == 2

@@ -18,7 +18,10 @@ from springpot.errors import OutputError, SpringpotError, StudyError
 def study(**changes):
     datasets = [artificial(), artificial(0.05, "noisy"), measurement(0.02, "measured, real")]
     models = {"measured, real": ["springpot"]}
-    given = {"optimisers": [Walk(), ("slow <walk>", Walk(shrink=0.99)), Moody(mood="throw")], "repetitions": 3}
+    given = {
+        "optimisers": [Walk(), ("slow <walk>", Walk(shrink=0.99)), Moody(mood="throw")],
+        "repetitions": 3,
+    }
     return small_study(**{"datasets": datasets, "models": models, **given, **changes})
 
 
@@ -34,7 +37,9 @@ def sound(results):
     """Trials with a value, with their cells, in the order of the study."""
     with Store(results / "small" / "small.sqlite") as store:
         cells = {cell.id: cell for cell in store.cells()}
-        return [(cells[number], row) for number, rows in store.trials() for row in rows if row.trace]
+        return [
+            (cells[number], row) for number, rows in store.trials() for row in rows if row.trace
+        ]
 
 
 def runs_of(path):
@@ -59,7 +64,10 @@ def test_ioh_files_hold_every_improvement(results, sound, tmp_path):
         for told, run in zip(scenario["runs"], runs, strict=True):
             assert (run[0, 0], run[-1, 0]) == (1, told["evals"])
             assert told["best"]["y"] == run[:, 1].min()
-            found[index["algorithm"]["name"], index["function_name"], told["instance"]] = run, index["attributes"]
+            found[index["algorithm"]["name"], index["function_name"], told["instance"]] = (
+                run,
+                index["attributes"],
+            )
     assert len(found) == len(sound)
     for cell, row in sound:
         name = f"{cell.problem.dataset.replace(', ', '--')}_{cell.problem.model}_paper"
@@ -70,13 +78,17 @@ def test_ioh_files_hold_every_improvement(results, sound, tmp_path):
         if row.oracle is None:
             assert attributes == ["evaluations", "raw_y"]
         else:
-            assert run[-1, 2:] == pytest.approx([row.recommendations()[1][-1], row.oracle_trace()[1][-1]], rel=1e-15)
+            assert run[-1, 2:] == pytest.approx(
+                [row.recommendations()[1][-1], row.oracle_trace()[1][-1]], rel=1e-15
+            )
 
 
 def test_coco_files_hold_the_noise_free_precision(results, sound, tmp_path):
     made = export("small", "coco", tmp_path, results)
     assert (made.trials, made.left_out) == (len(sound), 9)
-    names = dict(line.split(" ", 1) for line in (tmp_path / "functions.txt").read_text().splitlines())
+    names = dict(
+        line.split(" ", 1) for line in (tmp_path / "functions.txt").read_text().splitlines()
+    )
     assert names == {
         "1": "kelvin_fractional-kelvin_paper",
         "2": "noisy_fractional-kelvin_paper",
@@ -96,11 +108,15 @@ def test_coco_files_hold_the_noise_free_precision(results, sound, tmp_path):
             assert table[-1, 0] == grid[-1, 0] == int(text.split(":")[1].split("|")[0])
             assert np.all(np.diff(table[:, 2]) <= 0)
             assert float(text.split("|")[1]) == pytest.approx(table[-1, 2], rel=0.06)
-    [noisy] = (row for cell, row in sound if cell.label == "walk" and cell.problem.dataset == "noisy"
-               and row.repetition == 0)  # fmt: skip
+    [noisy] = (
+        row
+        for cell, row in sound
+        if cell.label == "walk" and cell.problem.dataset == "noisy" and row.repetition == 0
+    )
     [reference] = {cell.problem.reference for cell, _ in sound if cell.problem.dataset == "noisy"}
     table = runs_of(tmp_path / "walk" / "data_f2" / "bbobexp_f2_DIM3.dat")[0]
-    # The truth has no misfit without noise, so the precision is the oracle trace over the value at the centre.
+    # The truth has no misfit without noise, so the precision is the oracle trace over the value at
+    # the centre.
     assert table[-1, 2] == pytest.approx(noisy.oracle_trace()[1][-1] / reference, rel=1e-9)
     assert table[-1, 4] == pytest.approx(noisy.best, rel=1e-9)
 
@@ -129,13 +145,37 @@ def test_bad_wishes_are_one_line(results, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "polars", None)
     (tmp_path / "file").write_text("in the way")
     for wish, error, message in [
-        (lambda: export("small", "xlsx", tmp_path, results), StudyError, "unknown export format 'xlsx': use ioh"),
-        (lambda: export("small", "parquet", tmp_path, results), StudyError, "needs pyarrow: pip install pyarrow"),
-        (lambda: export("small", "csv", tmp_path / "file" / "x", results), OutputError, "cannot write"),
+        (
+            lambda: export("small", "xlsx", tmp_path, results),
+            StudyError,
+            "unknown export format 'xlsx': use ioh",
+        ),
+        (
+            lambda: export("small", "parquet", tmp_path, results),
+            StudyError,
+            "needs pyarrow: pip install pyarrow",
+        ),
+        (
+            lambda: export("small", "csv", tmp_path / "file" / "x", results),
+            OutputError,
+            "cannot write",
+        ),
         (lambda: export("nothing", "csv", tmp_path, results), StudyError, "there are no results"),
-        (lambda: frame("small", "polars", out=results), StudyError, "needs polars: pip install polars"),
-        (lambda: frame("small", "dask", out=results), StudyError, "unknown library 'dask': use pandas or polars"),
-        (lambda: frame("small", "pandas", "plots", results), StudyError, "unknown results 'plots': use trials"),
+        (
+            lambda: frame("small", "polars", out=results),
+            StudyError,
+            "needs polars: pip install polars",
+        ),
+        (
+            lambda: frame("small", "dask", out=results),
+            StudyError,
+            "unknown library 'dask': use pandas or polars",
+        ),
+        (
+            lambda: frame("small", "pandas", "plots", results),
+            StudyError,
+            "unknown results 'plots': use trials",
+        ),
     ]:
         with pytest.raises(SpringpotError, match=message) as caught:
             wish()
@@ -145,10 +185,19 @@ def test_bad_wishes_are_one_line(results, tmp_path, monkeypatch):
 
 def test_labels_that_make_one_file_name_get_folders_of_their_own(tmp_path):
     twins = [("a b", Walk()), ("a-b", Walk(shrink=0.9)), ("A*B", Walk(shrink=0.8))]
-    run_study(small_study(optimisers=twins, repetitions=1, models=["own"]), engine="serial", out=tmp_path, quiet=True)
+    run_study(
+        small_study(optimisers=twins, repetitions=1, models=["own"]),
+        engine="serial",
+        out=tmp_path,
+        quiet=True,
+    )
     for kind in ("ioh", "coco"):
         export("small", kind, tmp_path / kind, tmp_path)
-        assert {path.name for path in (tmp_path / kind).iterdir() if path.is_dir()} == {"a-b", "a-b-2", "A-B-3"}
+        assert {path.name for path in (tmp_path / kind).iterdir() if path.is_dir()} == {
+            "a-b",
+            "a-b-2",
+            "A-B-3",
+        }
 
 
 @pytest.mark.parametrize("library", ["pandas", "polars"])
@@ -166,7 +215,9 @@ def test_parquet_reads_back(results, sound, tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is in the extra 'ecosystem'")
     export("small", "parquet", tmp_path, results)
     table = parquet.read_table(tmp_path / "trials.parquet")
-    assert [value for value in table["best"].to_pylist() if value is not None] == [row.best for _, row in sound]
+    assert [value for value in table["best"].to_pylist() if value is not None] == [
+        row.best for _, row in sound
+    ]
     assert table.schema.metadata[b"name"] == b"small"
     assert parquet.read_table(tmp_path / "traces.parquet").num_rows > len(sound)
 
@@ -185,7 +236,9 @@ def test_iohinspector_reads_it(results, sound, tmp_path, kind):
         ends = points.group_by("data_id").min()
         print(json.dumps([manager.overview["best_y"].to_list(), ends["raw_y"].to_list()]))
     """
-    done = subprocess.run([sys.executable, "-c", script, str(tmp_path)], capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", script, str(tmp_path)], capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stderr
     overview, ends = json.loads(done.stdout)
     assert len(overview) == len(ends) == len(sound)
@@ -205,7 +258,11 @@ def test_cocopp_writes_its_report(results, tmp_path, algorithms):
             path.unlink()
     command = [sys.executable, "-m", "springpot.benchmark.coco_suite", "coco", "-o", "report"]
     done = subprocess.run(
-        command, capture_output=True, text=True, cwd=tmp_path, env={**os.environ, "MPLBACKEND": "Agg"}
+        command,
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env={**os.environ, "MPLBACKEND": "Agg"},
     )
     assert done.returncode == 0, done.stderr
     assert "ALL done" in done.stdout

@@ -1,4 +1,7 @@
-"""A full disk costs what was not yet acknowledged: the same command goes on with every finished trial."""
+"""A full disk costs what was not yet acknowledged.
+
+The same command goes on with every finished trial.
+"""
 
 import shutil
 import sqlite3
@@ -13,7 +16,9 @@ from soaked import soaked
 from springpot.benchmark import Store
 from springpot.errors import StudyError
 
-pytestmark = pytest.mark.skipif(system() is None, reason="SQLite's table of system calls is out of reach here")
+pytestmark = pytest.mark.skipif(
+    system() is None, reason="SQLite's table of system calls is out of reach here"
+)
 ROUNDS, EACH = 2, 10
 
 
@@ -28,7 +33,12 @@ def work(path, plan, acknowledged):
         cells = store.register(plan, {})
         assert acknowledged <= {(cell, r) for cell in cells for r in store.finished(cells[cell])}
         for first in range(0, ROUNDS * EACH, EACH):
-            wanted = [(c, r) for c in cells for r in range(first, first + EACH) if r not in store.finished(cells[c])]
+            wanted = [
+                (c, r)
+                for c in cells
+                for r in range(first, first + EACH)
+                if r not in store.finished(cells[c])
+            ]
             store.add([result(r, cell=c) for c, r in wanted], cells)
             acknowledged |= set(wanted)
 
@@ -44,7 +54,9 @@ def failing(action, *given):
 
 def states(path):
     with Store(path) as store:
-        return [(row.repetition, row.status, row.best) for _, rows in store.trials() for row in rows]
+        return [
+            (row.repetition, row.status, row.best) for _, rows in store.trials() for row in rows
+        ]
 
 
 def writes_of(action):
@@ -62,7 +74,9 @@ def undisturbed(plan, tmp_path_factory):
 
 
 @pytest.mark.parametrize("lasting", [True, soaked(False)])
-def test_whichever_write_finds_the_disk_full_the_same_command_goes_on(plan, undisturbed, tmp_path, capfd, lasting):
+def test_whichever_write_finds_the_disk_full_the_same_command_goes_on(
+    plan, undisturbed, tmp_path, capfd, lasting
+):
     whole, writes = undisturbed
     assert writes > 50
     for room in range(writes):
@@ -76,11 +90,15 @@ def test_whichever_write_finds_the_disk_full_the_same_command_goes_on(plan, undi
 
 
 @pytest.mark.parametrize("step", [9, soaked(1)])
-def test_whichever_write_finds_the_disk_full_while_a_store_is_mended_no_trial_is_lost(undisturbed, tmp_path, step):
+def test_whichever_write_finds_the_disk_full_while_a_store_is_mended_no_trial_is_lost(
+    undisturbed, tmp_path, step
+):
     whole, _ = undisturbed
     damaged = shutil.copy(whole, tmp_path / "damaged.sqlite")
     with sqlite3.connect(damaged) as db:
-        (page,) = db.execute("SELECT rootpage FROM sqlite_master WHERE name = 'sqlite_autoindex_cell_1'").fetchone()
+        (page,) = db.execute(
+            "SELECT rootpage FROM sqlite_master WHERE name = 'sqlite_autoindex_cell_1'"
+        ).fetchone()
         (size,) = db.execute("PRAGMA page_size").fetchone()
     db.close()
     with damaged.open("r+b") as file:

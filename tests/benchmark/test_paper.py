@@ -35,7 +35,9 @@ def test_digits_round_numbers_and_both_ends_of_intervals():
 
 def test_a_caption_is_escaped_and_a_label_stands_as_it_is():
     latex = captioned(to_latex(TABLE), "90 % of it & more", "tab:race_1")
-    assert latex.startswith("\\begin{table}\n\\centering\n\\caption{90 \\% of it \\& more}\n\\label{tab:race_1}\n%")
+    assert latex.startswith(
+        "\\begin{table}\n\\centering\n\\caption{90 \\% of it \\& more}\n\\label{tab:race_1}\n%"
+    )
     assert latex.endswith("\\end{tabular}\n\\end{table}\n")
     assert captioned(to_latex(TABLE), None, None) == to_latex(TABLE)
 

@@ -51,7 +51,9 @@ def test_the_digest_depends_on_everything_that_a_result_depends_on():
 
 def test_a_label_or_a_limit_does_not_change_the_trial():
     base = small_study(datasets=[artificial()], models=["own"], optimisers=[Walk()])
-    assert digests(replace(base, optimisers=[("mine", Walk())], deadline=1.0, memory=64)) == digests(base)
+    assert digests(
+        replace(base, optimisers=[("mine", Walk())], deadline=1.0, memory=64)
+    ) == digests(base)
 
 
 def test_the_digest_of_data_sees_every_column():
@@ -94,7 +96,9 @@ def test_streams_do_not_depend_on_what_else_is_in_the_study():
 def test_only_what_is_missing_is_to_be_done():
     plan = small_study(repetitions=3).plan()
     tasks = list(plan.tasks(lambda cell: {0, 2} if cell.index else {0, 1, 2}))
-    assert sorted((task.cell, task.repetitions) for task in tasks) == [(i, (1,)) for i in range(1, len(plan.cells))]
+    assert sorted((task.cell, task.repetitions) for task in tasks) == [
+        (i, (1,)) for i in range(1, len(plan.cells))
+    ]
 
 
 def test_the_work_goes_from_optimiser_to_optimiser():
@@ -107,23 +111,36 @@ def test_the_work_goes_from_optimiser_to_optimiser():
 
 def test_one_run_of_an_optimiser_without_chance_stands_for_a_block(tmp_path):
     """DIRECT does the same whatever the stream; its repetitions are kept, but computed once."""
-    study = small_study(datasets=[artificial(0.02)], models=["own"], optimisers=["nlopt-direct-l"], repetitions=3)
+    study = small_study(
+        datasets=[artificial(0.02)], models=["own"], optimisers=["nlopt-direct-l"], repetitions=3
+    )
     assert [task.repetitions for task in study.plan().tasks(lambda cell: {1})] == [(0, 1, 2)]
     outcome = run_study(study, engine="serial", out=tmp_path, quiet=True)
     with Store(outcome.store) as store:
         ((_, rows),) = store.trials()
     assert [row.repetition for row in rows] == [0, 1, 2]
     assert len({replace(row, repetition=0).__repr__() for row in rows}) == 1
-    problem = Problem.of(parse_model("fractional-kelvin"), artificial(0.02).open(), study.plan().cases[0].objective)
-    alone = run(plugins().find("optimiser", "nlopt-direct-l")(), problem, study.budget, np.random.default_rng(7))
+    problem = Problem.of(
+        parse_model("fractional-kelvin"), artificial(0.02).open(), study.plan().cases[0].objective
+    )
+    alone = run(
+        plugins().find("optimiser", "nlopt-direct-l")(),
+        problem,
+        study.budget,
+        np.random.default_rng(7),
+    )
     assert alone.best == rows[0].best
 
 
 def test_a_batched_optimiser_gets_in_blocks_what_is_not_done():
-    plan = small_study(datasets=[artificial()], models=["own"], optimisers=[Herd()], repetitions=BLOCK + 2).plan()
+    plan = small_study(
+        datasets=[artificial()], models=["own"], optimisers=[Herd()], repetitions=BLOCK + 2
+    ).plan()
     blocks = [task.repetitions for task in plan.tasks(lambda cell: {0, 1})]
     assert blocks == [tuple(range(2, BLOCK)), (BLOCK, BLOCK + 1)]
-    assert [t.repetitions for t in plan.tasks(lambda cell: set(range(BLOCK)))] == [(BLOCK, BLOCK + 1)]
+    assert [t.repetitions for t in plan.tasks(lambda cell: set(range(BLOCK)))] == [
+        (BLOCK, BLOCK + 1)
+    ]
 
 
 def test_own_and_a_mapping_pair_data_with_models():
@@ -199,12 +216,23 @@ def test_a_study_needs_no_more_than_names():
     assert study.plan().cases[0].source.truth == TRUTH
 
 
-NUMBERS = {"deadline": 6, "target": np.float64(0.5), "accuracy": 1, "budget": 3e2, "repetitions": np.int64(4)}
+NUMBERS = {
+    "deadline": 6,
+    "target": np.float64(0.5),
+    "accuracy": 1,
+    "budget": 3e2,
+    "repetitions": np.int64(4),
+}
 
 
 def test_a_number_is_one_number_however_it_is_written():
-    """As Python's own float or int: what is sealed is what the store gives back, and digests are made of JSON."""
-    study = small_study(**NUMBERS, memory=np.float64(2048), seed=np.int32(1), stop_at_target=np.False_)
+    """As Python's own float or int.
+
+    What is sealed is what the store gives back, and digests are made of JSON.
+    """
+    study = small_study(
+        **NUMBERS, memory=np.float64(2048), seed=np.int32(1), stop_at_target=np.False_
+    )
     plain = small_study(deadline=6.0, target=0.5, accuracy=1.0, budget=300, repetitions=4)
     for key in (*NUMBERS, "memory", "seed", "stop_at_target"):
         assert type(getattr(study, key)) is type(getattr(plain, key)), key
@@ -215,7 +243,9 @@ def test_a_number_is_one_number_however_it_is_written():
         assert len({tuple(digests(small_study(datasets=[data]))) for data in alike}) == 1
 
 
-@pytest.mark.parametrize("change", [{"seed": True}, {"budget": True}, {"deadline": True}, {"stop_at_target": "no"}])
+@pytest.mark.parametrize(
+    "change", [{"seed": True}, {"budget": True}, {"deadline": True}, {"stop_at_target": "no"}]
+)
 def test_a_truth_is_no_number_and_a_word_no_truth(change):
     (key,) = change
     with pytest.raises(StudyError, match=f"{key} must be"):

@@ -1,4 +1,4 @@
-"""Progress: plain lines where there is no terminal, a bar where there is one, and both end with the truth."""
+"""Progress: plain lines without a terminal, a bar in one, and both end with the truth."""
 
 import io
 import os
@@ -39,7 +39,10 @@ def test_a_run_that_resumes_starts_from_what_is_there(tmp_path, capsys):
 
 def test_a_terminal_gets_a_bar():
     ours, theirs = pty.openpty()
-    code = "from springpot.benchmark.progress import *; p = make_progress('small', 40); p.update(40, 3); p.close()"
+    code = (
+        "from springpot.benchmark.progress import *; p = make_progress('small', 40); "
+        "p.update(40, 3); p.close()"
+    )
     environment = {**os.environ, "TERM": "xterm-256color"}
     subprocess.run([sys.executable, "-c", code], stderr=theirs, check=True, env=environment)
     os.close(theirs)

@@ -30,7 +30,14 @@ def test_wilson_of_nothing_is_nothing():
 
 def test_hitting_time_is_the_first_improvement_at_or_below_the_target():
     evaluations, values = np.array([1, 5, 9]), np.array([10.0, 4.0, 1.0])
-    assert [s.hitting_time(evaluations, values, t) for t in (20, 10, 9.9, 4, 1, 0.5)] == [1, 1, 5, 5, 9, INF]
+    assert [s.hitting_time(evaluations, values, t) for t in (20, 10, 9.9, 4, 1, 0.5)] == [
+        1,
+        1,
+        5,
+        5,
+        9,
+        INF,
+    ]
     assert s.hitting_time(np.empty(0, dtype=np.int64), np.empty(0), 1.0) == INF
 
 
@@ -95,7 +102,11 @@ def test_friedman_is_scipys_and_takes_infinite_scores(rng):
 def test_friedman_where_nothing_differs_is_certain_of_nothing():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        for scores in (np.zeros((5, 3)), np.full((5, 3), INF), np.arange(5.0)[:, None] * np.ones(3)):
+        for scores in (
+            np.zeros((5, 3)),
+            np.full((5, 3), INF),
+            np.arange(5.0)[:, None] * np.ones(3),
+        ):
             assert s.friedman(scores) == (0.0, 1.0)
 
 
@@ -122,7 +133,10 @@ def test_wilcoxon_holm_treats_two_failures_as_a_tie():
 
 
 @settings(deadline=None, max_examples=60)
-@given(st.lists(st.integers(0, 5), min_size=1, max_size=20), st.lists(st.integers(0, 5), min_size=1, max_size=20))
+@given(
+    st.lists(st.integers(0, 5), min_size=1, max_size=20),
+    st.lists(st.integers(0, 5), min_size=1, max_size=20),
+)
 def test_a12_is_the_mann_whitney_statistic(a, b):
     u = stats.mannwhitneyu(b, a, method="asymptotic").statistic
     assert s.a12(np.array(a, float), np.array(b, float)) == pytest.approx(u / (len(a) * len(b)))
@@ -163,7 +177,9 @@ def test_mann_whitney_is_scipys_and_takes_failures(rng):
     assert s.mann_whitney_holm(one[None]).tolist() == [[1.0]]
     trio = s.mann_whitney_holm(np.stack([one, other, other + 9.0]))
     assert np.array_equal(trio, trio.T)
-    assert trio[0, 2] == pytest.approx(3 * stats.mannwhitneyu(one, other + 9.0, method="asymptotic").pvalue)
+    assert trio[0, 2] == pytest.approx(
+        3 * stats.mannwhitneyu(one, other + 9.0, method="asymptotic").pvalue
+    )
 
 
 @pytest.mark.parametrize("blocks", [2, 5, 8, 12])
@@ -221,7 +237,12 @@ def test_mean_interval_agrees_with_scipys_bootstrap(rng):
     values = rng.exponential(size=(60, 2))
     ours = s.mean_interval(values, np.random.default_rng(1), draws=4000)
     theirs = stats.bootstrap(
-        (values,), np.mean, n_resamples=4000, axis=0, method="percentile", rng=np.random.default_rng(2)
+        (values,),
+        np.mean,
+        n_resamples=4000,
+        axis=0,
+        method="percentile",
+        rng=np.random.default_rng(2),
     ).confidence_interval
     assert [i.value for i in ours] == pytest.approx(values.mean(axis=0))
     assert [i.low for i in ours] == pytest.approx(theirs.low, rel=0.05)
@@ -239,6 +260,11 @@ def test_the_running_times_interval_agrees_with_scipys_bootstrap(rng):
     success = np.isfinite(hits).astype(float)
     cost = np.where(success == 1, hits, spent)
     theirs = stats.bootstrap(
-        (cost, success), ratio, paired=True, n_resamples=4000, method="percentile", rng=np.random.default_rng(2)
+        (cost, success),
+        ratio,
+        paired=True,
+        n_resamples=4000,
+        method="percentile",
+        rng=np.random.default_rng(2),
     ).confidence_interval
     assert (ours.low, ours.high) == pytest.approx((theirs.low, theirs.high), rel=0.05)

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from springpot.benchmark import Status, Store
-from springpot.benchmark.layout import SCHEMA
+from springpot.benchmark.schema import SCHEMA
 from springpot.benchmark.trace import pack, unpack
 from springpot.benchmark.trial import TrialResult
 from springpot.errors import StudyError
@@ -24,7 +24,9 @@ def path(tmp_path):
 
 def result(repetition=0, best=1.0, cell=0):
     trace = pack([(1, 9.0), (7, best)])
-    return TrialResult(cell, repetition, Status.BUDGET, best=best, theta={"k": 1 / 3}, evaluations=9, trace=trace)
+    return TrialResult(
+        cell, repetition, Status.BUDGET, best=best, theta={"k": 1 / 3}, evaluations=9, trace=trace
+    )
 
 
 @settings(deadline=None)
@@ -50,18 +52,25 @@ def test_what_is_put_in_comes_out(path):
     assert first.improvements()[0].tolist() == [1, 7]
     assert second.repetition == 1
     (failed,) = found[cells[1]]
-    assert (failed.status, failed.reason, failed.best, failed.trace) == (Status.CRASH, "gone", None, b"")
+    assert (failed.status, failed.reason, failed.best, failed.trace) == (
+        Status.CRASH,
+        "gone",
+        None,
+        b"",
+    )
 
 
 def test_numbers_of_another_kind_are_no_damage(path, capfd):
-    """SQLite gives 6.0 back for the 6 of a column of real numbers, and has no word for those of NumPy."""
+    """SQLite gives 6.0 back for the 6 of a real column, and knows no numbers of NumPy."""
     plan = small_study().plan()
     first = replace(plan.cases[0], reference=7, known=np.float32(1.0))
     plan = replace(plan, cases=(first, *plan.cases[1:]), budget=np.int64(300))
     with Store(path, write=True) as store:
         cells = store.register(plan, {})
         store.add([TrialResult(0, 0, Status.TIMEOUT, "late", seconds=6)], cells)
-        store.add([replace(result(1), best=np.float32(2.0), evaluations=np.int64(9), processor=1)], cells)
+        store.add(
+            [replace(result(1), best=np.float32(2.0), evaluations=np.int64(9), processor=1)], cells
+        )
     with Store(path) as store:
         late, other = dict(store.trials())[cells[0]]
     assert (late.status, late.seconds) == (Status.TIMEOUT, 6.0)
@@ -189,7 +198,9 @@ def test_programs_that_create_one_store_at_the_same_moment_all_succeed(tmp_path,
     barrier, told = context.Barrier(several), context.Queue()
     for attempt in range(attempts):
         path = tmp_path / str(attempt) / "small.sqlite"
-        programs = [context.Process(target=opens, args=(path, barrier, told)) for _ in range(several)]
+        programs = [
+            context.Process(target=opens, args=(path, barrier, told)) for _ in range(several)
+        ]
         for program in programs:
             program.start()
         assert [told.get(timeout=60) for _ in programs] == [""] * several
@@ -198,7 +209,7 @@ def test_programs_that_create_one_store_at_the_same_moment_all_succeed(tmp_path,
 
 
 def test_a_reader_is_not_disturbed_by_a_study_that_starts_meanwhile(path):
-    """It sees the store as it was, although the writer folds its log into the file again and again."""
+    """It sees the store as it was, although the writer folds its log into the file repeatedly."""
     with Store(path, write=True) as store:
         cells = store.register(small_study().plan(), {})
         store.add([result(r, cell=c) for c in cells for r in range(100)], cells)
@@ -208,7 +219,9 @@ def test_a_reader_is_not_disturbed_by_a_study_that_starts_meanwhile(path):
         first = next(trials)
         with Store(path, write=True) as writer:
             for start in range(100, 1000, 100):
-                writer.add([result(r, cell=c) for c in cells for r in range(start, start + 100)], cells)
+                writer.add(
+                    [result(r, cell=c) for c in cells for r in range(start, start + 100)], cells
+                )
                 writer._db.execute("PRAGMA wal_checkpoint")
         assert [len(rows) for _, rows in [first, *trials]] == [100] * len(cells)
     with Store(path) as reader:

@@ -46,7 +46,8 @@ def script(folder: Path, pause: float = 0.01, repetitions: int = REPETITIONS) ->
 
 def start(path: Path, out: Path) -> subprocess.Popen[str]:
     command = [sys.executable, str(path), "--out", str(out), "--workers", "2"]
-    # A shell's background job ignores Ctrl-C and so would all that it starts; the study must hear it here.
+    # A shell's background job ignores Ctrl-C and so would all that it starts; the study must hear
+    # it here.
     return subprocess.Popen(
         command, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=_hears_ctrl_c
     )
@@ -123,7 +124,8 @@ def test_ctrl_c_ends_at_once_and_keeps_what_is_finished(tmp_path):
     asked = monotonic()
     process.send_signal(signal.SIGINT)
     _, told = process.communicate(timeout=300)
-    # Two seconds are promised on an idle machine, and it needs as long to begin: what slows one slows the other.
+    # Two seconds are promised on an idle machine, and it needs as long to begin: what slows one
+    # slows the other.
     assert monotonic() - asked < 3 * (asked - begun)
     assert process.returncode == 130
     assert "trials are kept, run again to go on" in told
@@ -194,7 +196,9 @@ def test_a_program_says_what_is_wrong_in_one_line(tmp_path):
     assert done.stderr.count("\n") == 1
 
 
-def test_a_disk_that_fills_up_ends_in_one_line_and_the_study_goes_on_later(tmp_path, undisturbed, monkeypatch):
+def test_a_disk_that_fills_up_ends_in_one_line_and_the_study_goes_on_later(
+    tmp_path, undisturbed, monkeypatch
+):
     path = script(tmp_path, pause=0)
     room = Store.add
 
@@ -205,7 +209,10 @@ def test_a_disk_that_fills_up_ends_in_one_line_and_the_study_goes_on_later(tmp_p
         room(self, results, cells)
 
     monkeypatch.setattr(Store, "add", cramped)
-    with pytest.raises(StudyError, match="the disk is full; free some space and run again, finished trials are kept"):
+    with pytest.raises(
+        StudyError,
+        match="the disk is full; free some space and run again, finished trials are kept",
+    ):
         run_study(path, engine="serial", out=tmp_path, quiet=True)
     kept = count(tmp_path)
     assert 0 < kept < 8 * REPETITIONS
@@ -218,7 +225,9 @@ def test_a_disk_that_fills_up_ends_in_one_line_and_the_study_goes_on_later(tmp_p
 def whole(tmp_path_factory):
     """The bytes of a finished store."""
     folder = tmp_path_factory.mktemp("whole")
-    outcome = run_study(script(folder, pause=0), engine="serial", out=folder, quiet=True, tables=False)
+    outcome = run_study(
+        script(folder, pause=0), engine="serial", out=folder, quiet=True, tables=False
+    )
     return outcome.store.read_bytes()
 
 
@@ -249,8 +258,13 @@ def test_a_store_of_a_newer_version_is_left_alone(tmp_path):
 
 
 def test_results_in_a_read_only_folder_are_read(tmp_path):
-    """SQLite can put no log beside the store there; where permissions do not bind, nothing may be written either."""
-    store = run_study(script(tmp_path, pause=0), engine="serial", out=tmp_path, quiet=True, repeats=1).store
+    """SQLite can put no log beside the store there.
+
+    Where permissions do not bind, nothing may be written either.
+    """
+    store = run_study(
+        script(tmp_path, pause=0), engine="serial", out=tmp_path, quiet=True, repeats=1
+    ).store
     folder = store.parent
     before = sorted(folder.iterdir())
     folder.chmod(0o555)

@@ -39,17 +39,35 @@ NASTY = Table(
 @pytest.mark.parametrize(
     ("value", "shown"),
     [
-        (0, "0"), (20, "20"), (123456, "123456"), (0.0, "0"), (1.0, "1"), (0.123456, "0.1235"), (99.99999, "100"),
-        (1234.5, "1234"), (12345.6, "12346"), (1.5e6, "1.500e+06"), (1e-3, "0.001"), (9.99e-4, "9.990e-04"),
-        (-2.5e-9, "-2.500e-09"), (math.inf, "∞"), (-math.inf, "-∞"), (math.nan, "–"),
+        (0, "0"),
+        (20, "20"),
+        (123456, "123456"),
+        (0.0, "0"),
+        (1.0, "1"),
+        (0.123456, "0.1235"),
+        (99.99999, "100"),
+        (1234.5, "1234"),
+        (12345.6, "12346"),
+        (1.5e6, "1.500e+06"),
+        (1e-3, "0.001"),
+        (9.99e-4, "9.990e-04"),
+        (-2.5e-9, "-2.500e-09"),
+        (math.inf, "∞"),
+        (-math.inf, "-∞"),
+        (math.nan, "–"),
     ],
-)  # fmt: skip
+)
 def test_one_rule_for_numbers(value, shown):
     assert number(value) == shown
 
 
 def test_entries_as_people_read_them():
-    assert [text(entry) for entry in (None, "a", Interval(0.5, 0, 1), 3)] == ["–", "a", "0.5 [0, 1]", "3"]
+    assert [text(entry) for entry in (None, "a", Interval(0.5, 0, 1), 3)] == [
+        "–",
+        "a",
+        "0.5 [0, 1]",
+        "3",
+    ]
 
 
 def test_markdown_keeps_its_columns():
@@ -100,7 +118,9 @@ def test_all_formats_are_written_after_a_run(tmp_path):
     assert {path.name for path in outcome.tables} == names
     assert all(path.is_file() for path in outcome.tables)
     before = {path: path.read_bytes() for path in outcome.tables}
-    assert write_tables(small_study(), ["csv"], tmp_path) == [p for p in outcome.tables if p.suffix == ".csv"]
+    assert write_tables(small_study(), ["csv"], tmp_path) == [
+        p for p in outcome.tables if p.suffix == ".csv"
+    ]
     assert write_tables(outcome.store) == list(outcome.tables)
     assert {path: path.read_bytes() for path in outcome.tables} == before
 
@@ -130,7 +150,9 @@ def test_the_summary_says_what_the_trials_say(tmp_path):
 
 
 def test_noisy_data_are_also_judged_without_their_noise(tmp_path):
-    outcome = run_study(small_study(datasets=[artificial(0.05, "noisy")]), engine="serial", out=tmp_path, quiet=True)
+    outcome = run_study(
+        small_study(datasets=[artificial(0.05, "noisy")]), engine="serial", out=tmp_path, quiet=True
+    )
     model = parse_model("fractional-kelvin")
     truth = model.stiffness(model.theta(**TRUTH), OMEGA)
     with Store(outcome.store) as store:
@@ -147,7 +169,11 @@ def test_failures_never_become_numbers(tmp_path):
     rows = list(csv.DictReader((outcome.store.parent / "summary.csv").open()))
     bad = rows[0]
     assert (bad["failed"], bad["success"], bad["evaluations to target"]) == ("3", "0.0", "inf")
-    assert (bad["objective"], bad["parameter error"], bad["parameters within 0.01"]) == ("", "", "0.0")
+    assert (bad["objective"], bad["parameter error"], bad["parameters within 0.01"]) == (
+        "",
+        "",
+        "0.0",
+    )
     failures = list(csv.DictReader((outcome.store.parent / "failures.csv").open()))
     assert [(row["status"], row["trials"]) for row in failures] == [("error", "3")]
 
@@ -164,7 +190,9 @@ def test_stopping_at_the_target_where_the_truth_is_known(tmp_path):
 def test_noisy_data_stop_at_the_target_of_their_optimum(tmp_path):
     """The truth is no optimum of noisy data: who stops there has not arrived."""
     noisy = [artificial(0.05, "noisy")]
-    study = small_study(datasets=noisy, stop_at_target=True, target=0.02, models=["own"], budget=600)
+    study = small_study(
+        datasets=noisy, stop_at_target=True, target=0.02, models=["own"], budget=600
+    )
     case = study.plan().cases[0]
     assert case.optimum < 0.95 * case.known
     outcome = run_study(study, engine="serial", out=tmp_path, quiet=True)
@@ -184,12 +212,21 @@ def tight():
 
 
 def test_where_the_optimum_is_outside_of_the_box_trials_race_for_the_best_inside(tight, tmp_path):
-    """The swarm may leave the box and find better; that does not move the target of those that may not."""
+    """The swarm may leave the box and find better.
+
+    That does not move the target of those that may not.
+    """
     study = small_study(
-        datasets=[tight], models=["fractional-kelvin"], optimisers=["pso-paper", "cma-es"], stop_at_target=True
+        datasets=[tight],
+        models=["fractional-kelvin"],
+        optimisers=["pso-paper", "cma-es"],
+        stop_at_target=True,
     )
     case = study.plan().cases[0]
-    assert fit(parse_model("fractional-kelvin"), tight.open(), case.objective).cost < 1e-6 * case.optimum
+    assert (
+        fit(parse_model("fractional-kelvin"), tight.open(), case.objective).cost
+        < 1e-6 * case.optimum
+    )
     outcome = run_study(study, engine="serial", budget=2000, out=tmp_path, quiet=True)
     with Store(outcome.store) as store:
         assert list(store.bests().values()) == [case.optimum]
@@ -200,7 +237,9 @@ def test_where_the_optimum_is_outside_of_the_box_trials_race_for_the_best_inside
 
 
 def test_no_trial_stops_where_descents_do_not_agree_on_the_optimum(tight, monkeypatch):
-    monkeypatch.setattr("springpot.benchmark.study.minima_in_box", lambda problem: np.geomspace(1.0, 1e9, 32))
+    monkeypatch.setattr(
+        "springpot.benchmark.study.minima_in_box", lambda problem: np.geomspace(1.0, 1e9, 32)
+    )
     plan = small_study(datasets=[tight], stop_at_target=True, models=["fractional-kelvin"]).plan()
     assert plan.cases[0].optimum is None
     assert plan.stop_value(plan.cases[0]) == -math.inf
@@ -208,7 +247,11 @@ def test_no_trial_stops_where_descents_do_not_agree_on_the_optimum(tight, monkey
 
 def test_progress_is_measured_from_a_scale_of_the_data_however_large_the_box():
     """An absurd centre of the box must not make the target lax."""
-    case = small_study(models=["fractional-kelvin + inertia"], datasets=[artificial(0.02)]).plan().cases[0]
+    case = (
+        small_study(models=["fractional-kelvin + inertia"], datasets=[artificial(0.02)])
+        .plan()
+        .cases[0]
+    )
     problem = Problem.of(parse_model(case.model), case.source.measurement, case.objective)
     centre = problem.evaluate(0.5 * (problem.lower + problem.upper))
     nothing = float(np.sum(case.source.measurement.magnitude**2))
@@ -221,7 +264,9 @@ def test_progress_is_measured_from_a_scale_of_the_data_however_large_the_box():
 def test_a_study_may_add_files_of_its_own(tmp_path):
     def finish(path, folder):
         with Store(path) as store:
-            (folder / "names.json").write_text(json.dumps(sorted({cell.label for cell in store.cells()})))
+            (folder / "names.json").write_text(
+                json.dumps(sorted({cell.label for cell in store.cells()}))
+            )
 
     run_study(small_study(finish=finish), engine="serial", out=tmp_path, quiet=True)
     assert json.loads((tmp_path / "small" / "names.json").read_text()) == ["walk", "walk-slow"]

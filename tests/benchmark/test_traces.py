@@ -1,4 +1,4 @@
-"""What is kept of a run: every improvement, and on noisy data what it was worth without the noise."""
+"""What is kept of a run: every improvement and, on noisy data, its worth without the noise."""
 
 import sqlite3
 from dataclasses import replace
@@ -9,9 +9,9 @@ from benchmark_fakes import TRUTH, Walk, artificial, measurement, small_study
 
 from springpot import parse_model, plugins
 from springpot.benchmark import Status, Store, run_study
-from springpot.benchmark.layout import SCHEMA, trials_of
-from springpot.benchmark.salvage import columns
-from springpot.benchmark.seal import seal
+from springpot.benchmark.row_checksum import seal
+from springpot.benchmark.schema import SCHEMA, trials_of
+from springpot.benchmark.store_repair import columns
 from springpot.benchmark.trace import at, geometric_grid, improvements
 from springpot.benchmark.trial import Bench
 from springpot.errors import StudyError
@@ -29,7 +29,9 @@ def rows_of(study, folder, label):
 
 @pytest.mark.parametrize("name", ["walk", "pso-paper", "native", "cma-es", "nlopt-lbfgs"])
 def test_the_diary_holds_every_point_in_order(name, rng):
-    problem = Problem.of(parse_model("fractional-kelvin"), measurement(0.02), plugins().find("objective", "paper"))
+    problem = Problem.of(
+        parse_model("fractional-kelvin"), measurement(0.02), plugins().find("objective", "paper")
+    )
     optimiser = Walk() if name == "walk" else plugins().find("optimiser", name)
     optimiser = optimiser() if isinstance(optimiser, type) else optimiser
     done = run(optimiser, problem, 333, rng, diary=True)
@@ -45,9 +47,13 @@ def test_the_diary_holds_every_point_in_order(name, rng):
 
 
 def test_a_batch_of_runs_keeps_a_diary_for_each():
-    problem = Problem.of(parse_model("fractional-kelvin"), measurement(0.02), plugins().find("objective", "paper"))
+    problem = Problem.of(
+        parse_model("fractional-kelvin"), measurement(0.02), plugins().find("objective", "paper")
+    )
     swarm = plugins().find("optimiser", "pso-paper")()
-    together = run_batch(swarm, problem, 250, [np.random.default_rng(i) for i in range(3)], diary=True)
+    together = run_batch(
+        swarm, problem, 250, [np.random.default_rng(i) for i in range(3)], diary=True
+    )
     for i, done in enumerate(together):
         alone = run(swarm, problem, 250, np.random.default_rng(i), diary=True)
         for mine, other in zip(all_points(done.diary, 3), all_points(alone.diary, 3), strict=True):
@@ -55,7 +61,9 @@ def test_a_batch_of_runs_keeps_a_diary_for_each():
 
 
 def test_points_of_each_kind_are_counted_apart():
-    problem = Problem.of(parse_model("fractional-kelvin"), measurement(), plugins().find("objective", "paper"))
+    problem = Problem.of(
+        parse_model("fractional-kelvin"), measurement(), plugins().find("objective", "paper")
+    )
     recorder = Recorder(problem, 20)
     x = 0.5 * (problem.lower + problem.upper)
     recorder(x)
@@ -71,7 +79,13 @@ def test_noisy_data_have_a_recommendation_and_an_oracle_trace(tmp_path):
     noisy = Bench(plan.cases[0]).problem
     clean = replace(noisy, measurement=measurement())
     for row in rows_of(study, tmp_path, "walk"):
-        again = run(Walk(), noisy, 400, np.random.default_rng(plan.stream(plan.cells[0], row.repetition)), diary=True)
+        again = run(
+            Walk(),
+            noisy,
+            400,
+            np.random.default_rng(plan.stream(plan.cells[0], row.repetition)),
+            diary=True,
+        )
         points, _ = all_points(again.diary, noisy.dimension)
         values = clean.evaluate(points)
         seen = list(zip(*(column.tolist() for column in row.oracle_trace()), strict=True))
@@ -81,12 +95,16 @@ def test_noisy_data_have_a_recommendation_and_an_oracle_trace(tmp_path):
         assert recommended == pytest.approx(values[evaluations - 1])
         assert recommended[-1] == pytest.approx(row.oracle)
         assert seen[-1][1] <= row.oracle
-        assert row.parameter_error == pytest.approx(max(abs(row.theta[k] / TRUTH[k] - 1) for k in TRUTH))
+        assert row.parameter_error == pytest.approx(
+            max(abs(row.theta[k] / TRUTH[k] - 1) for k in TRUTH)
+        )
 
 
 def test_luck_with_the_noise_is_not_scored(tmp_path):
     """On noisy data the best value seen is not what the recommended point is worth."""
-    study = small_study(datasets=[NOISY], models=["own"], optimisers=[Walk()], repetitions=8, budget=2000)
+    study = small_study(
+        datasets=[NOISY], models=["own"], optimisers=[Walk()], repetitions=8, budget=2000
+    )
     rows = rows_of(study, tmp_path, "walk")
     assert any(np.any(np.diff(row.recommendations()[1]) > 0) for row in rows)
     assert any(row.oracle_trace()[1][-1] < row.oracle for row in rows)
@@ -96,7 +114,11 @@ def test_exact_data_are_their_own_oracle_and_measured_ones_have_none(tmp_path):
     exact = small_study(datasets=[artificial()], models=["own"], optimisers=[Walk()])
     for row in rows_of(exact, tmp_path / "exact", "walk"):
         assert row.recommended == row.seen == b""
-        assert row.oracle_trace()[1].tolist() == row.recommendations()[1].tolist() == row.improvements()[1].tolist()
+        assert (
+            row.oracle_trace()[1].tolist()
+            == row.recommendations()[1].tolist()
+            == row.improvements()[1].tolist()
+        )
     measured = small_study(datasets=[measurement(0.01)], models=["springpot"], optimisers=[Walk()])
     for row in rows_of(measured, tmp_path / "measured", "walk"):
         assert row.oracle_trace() is row.recommendations() is None
@@ -149,7 +171,10 @@ def test_what_was_damaged_in_an_older_store_is_damaged_in_the_new_one(tmp_path, 
         db.execute("ALTER TABLE trial DROP COLUMN processor")
         db.execute("ALTER TABLE trial DROP COLUMN processor_batched")
         old = db.execute(trials_of(columns(db)["trial"])).fetchall()
-        db.executemany("UPDATE trial SET seal = ? WHERE repetition = ?", [(seal(row[:-1]), row[1]) for row in old])
+        db.executemany(
+            "UPDATE trial SET seal = ? WHERE repetition = ?",
+            [(seal(row[:-1]), row[1]) for row in old],
+        )
         db.execute("UPDATE trial SET best = best * 0.9 WHERE repetition = 2")
         db.execute("PRAGMA user_version = 3")
     db.close()

@@ -2,11 +2,12 @@
 
     python tests/benchmarks/comparison_cost.py [TURNS] [PROMISE ...]
 
-The promises are those of docs/reliability.md that a study pays for: for each trial, for each process, or once. What
-one costs is the difference that it makes to the same study with a budget of a few evaluations, where nothing else
-takes long; runs with and without it take turns. The share is that of the whole comparison with one repetition, in
-which a process does the fewest trials. Times are processor times of all processes that a run has started, those that
-outlive their parent too; Linux only.
+The promises are those of docs/reliability.md that a study pays for: for each trial, for each
+process, or once. What one costs is the difference that it makes to the same study with a budget of
+a few evaluations, where nothing else takes long; runs with and without it take turns. The share is
+that of the whole comparison with one repetition, in which a process does the fewest trials. Times
+are processor times of all processes that a run has started, those that outlive their parent too;
+Linux only.
 """
 
 from __future__ import annotations
@@ -24,7 +25,8 @@ import numpy as np
 HERE = Path(__file__).resolve()
 ROOT = HERE.parents[2]
 ADOPT = 36
-"""PR_SET_CHILD_SUBREAPER of prctl(2): orphans become ours, and their times are told when they end."""
+"""PR_SET_CHILD_SUBREAPER of prctl(2): orphans become ours, and their times are told when they end.
+"""
 PROMISES = {
     "own-processes": "supervisor.Backlog.entrant_of = lambda self, task: 0",
     "canary": "canary.Witness.of = classmethod(lambda cls, problem: cls('', ''))",
@@ -34,11 +36,16 @@ PROMISES = {
     "seals": "store.seal = lambda values: b''; store.sound = store.whole = lambda *_: True",
     "derivatives": "problem.require_derivative = lambda *_: None",
 }
-"""What leaves each of them out: a line of a script, which coordinator and workers run before anything else."""
+"""What leaves each of them out.
+
+A line of a script, which coordinator and workers run before anything else.
+"""
 SCRIPT = """
 import sys
 sys.path.insert(0, {studies!r})
-from springpot.benchmark import audit, canary, store, supervisor, worker
+from springpot.benchmark import store, supervisor, worker
+from springpot.benchmark import recheck as audit
+from springpot.benchmark import tamper_test as canary
 from springpot.identification import problem
 {lines}
 from optimiser_comparison import study

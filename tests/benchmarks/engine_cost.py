@@ -1,4 +1,6 @@
-"""What isolated trials cost and what a second worker gains; wall times, so the machine should be quiet.
+"""What isolated trials cost and what a second worker gains.
+
+Wall times, so the machine should be quiet.
 
     python tests/benchmarks/engine_cost.py
 
@@ -40,19 +42,28 @@ class Busy(Optimiser):
             pass
 
 
-study = Study("busy", ["artificial-springpot"], ["own"], ["paper"], [Busy()], repetitions=SHORT, budget=10)
+study = Study(
+    "busy", ["artificial-springpot"], ["own"], ["paper"], [Busy()], repetitions=SHORT, budget=10
+)
 
 
 def seconds(declared: Study, workers: int | None) -> float:
-    """Duration of a run without its start: that of all trials less that of one; serial without workers."""
+    """Duration of a run without its start: that of all trials less that of one.
+
+    Serial without workers.
+    """
 
     def whole(repeats: int) -> float:
         with TemporaryDirectory() as folder:
             start = perf_counter()
             run_study(
-                replace(declared, repetitions=repeats), workers, "local" if workers else "serial",
-                out=Path(folder), quiet=True, tables=False,
-            )  # fmt: skip
+                replace(declared, repetitions=repeats),
+                workers,
+                "local" if workers else "serial",
+                out=Path(folder),
+                quiet=True,
+                tables=False,
+            )
             return perf_counter() - start
 
     few = workers or 1
@@ -64,11 +75,16 @@ def main() -> None:
     sides: list[tuple[Study, int | None]] = [(study, None), (study, 1)]
     burning = replace(study, optimisers=[Busy(MILLISECONDS)], repetitions=LONG)
     sides += [(burning, 1), (burning, 2)]
-    alone, isolated, one, two = np.median([[seconds(*side) for side in sides] for _ in range(TURNS)], axis=0)
+    alone, isolated, one, two = np.median(
+        [[seconds(*side) for side in sides] for _ in range(TURNS)], axis=0
+    )
     print(f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors")
     print(f"a trial: {1e3 * alone:.2f} ms in this process, {1e3 * isolated:.2f} ms in a worker")
     print(f"isolation: {1e3 * (isolated - alone):.2f} ms a trial")
-    print(f"trials of {MILLISECONDS} ms: one worker {1 / one:.1f}/s, two {1 / two:.1f}/s, ratio {one / two:.2f}")
+    print(
+        f"trials of {MILLISECONDS} ms: one worker {1 / one:.1f}/s, two {1 / two:.1f}/s, "
+        f"ratio {one / two:.2f}"
+    )
 
 
 if __name__ == "__main__":

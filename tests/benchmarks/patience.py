@@ -1,4 +1,7 @@
-"""Patience with a busy machine: a claim about speed fails only where it fails every time it is measured."""
+"""Patience with a busy machine.
+
+A claim about speed fails only where it fails every time it is measured.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,10 @@ ATTEMPTS = 5
 
 
 def patient(test: Callable[P, None]) -> Callable[P, None]:
-    """Measure again, up to five times in all: what else a machine does passes, slow code stays slow."""
+    """Measure again, up to five times in all.
+
+    What else a machine does passes, slow code stays slow.
+    """
 
     @wraps(test)
     def again(*args: P.args, **kwargs: P.kwargs) -> None:

@@ -2,8 +2,9 @@
 
     python tests/benchmarks/scale.py [TRIALS ...]
 
-Trials are made up (20 optimisers, 50 repetitions, 150 improvements each, one in a hundred failed); each size is made
-and read in processes of its own, whose peak memory is told. Times are processor times.
+Trials are made up (20 optimisers, 50 repetitions, 150 improvements each, one in a hundred failed);
+each size is made and read in processes of its own, whose peak memory is told. Times are processor
+times.
 """
 
 from __future__ import annotations
@@ -49,7 +50,10 @@ def measured(path: Path, names: tuple[str, ...]) -> tuple[float, float]:
 
 def main(sizes: list[int]) -> None:
     """Print one row for each size."""
-    print("| trials | store [MB] | bytes a trial | summary [s] | memory [MiB] | all tables [s] | memory [MiB] |")
+    print(
+        "| trials | store [MB] | bytes a trial | summary [s] | memory [MiB] | "
+        "all tables [s] | memory [MiB] |"
+    )
     print("|---:|---:|---:|---:|---:|---:|---:|")
     for trials in sizes:
         with TemporaryDirectory() as folder:
@@ -59,7 +63,12 @@ def main(sizes: list[int]) -> None:
             summary, little = measured(path, ("summary",))
             everything, most = measured(path, TABLES)
         figures = (f"{size / 1e6:.1f}", f"{size / trials:.0f}", f"{summary:.2f}", f"{little:.0f}")
-        print("|", " | ".join((str(trials), *figures, f"{everything:.2f}", f"{most:.0f}")), "|", flush=True)
+        print(
+            "|",
+            " | ".join((str(trials), *figures, f"{everything:.2f}", f"{most:.0f}")),
+            "|",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

@@ -1,7 +1,8 @@
-"""What the spectrum, a master curve and a diagnosis cost, as multiples of one bare SciPy solution in the same run.
+"""Cost of the spectrum, a master curve and a diagnosis, as multiples of one bare SciPy solution.
 
-The reference is non-negative least squares by SciPy of the same 40 points and 60 lines, the least that a spectrum
-takes. The limits are two to three times what was measured where they were set.
+The reference, measured in the same run, is non-negative least squares by SciPy of the same 40
+points and 60 lines, the least that a spectrum takes. The limits are two to three times what was
+measured where they were set.
 """
 
 from __future__ import annotations
@@ -76,7 +77,8 @@ def test_a_master_curve_costs_some_thousand_bare_solutions():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("temperatures", "points", "most"), [([20.0], 50, 3000), ([0.0, 20.0, 40.0, 60.0, 80.0], 60, 27000)]
+    ("temperatures", "points", "most"),
+    [([20.0], 50, 3000), ([0.0, 20.0, 40.0, 60.0, 80.0], 60, 27000)],
 )
 @patient
 def test_a_diagnosis_costs_some_thousand_bare_solutions(temperatures, points, most):

@@ -1,8 +1,9 @@
 """Evaluations to a target under pytest-benchmark: its timer counts evaluations instead of seconds.
 
-With ``--benchmark-enable --benchmark-autosave`` and later ``--benchmark-compare --benchmark-compare-fail=median:10%``
-accuracy is gated by the plugin's own means; what it prints as seconds are evaluations. A round is a run with its own
-seed, so two runs of the same code give the same figures to the last digit.
+With ``--benchmark-enable --benchmark-autosave`` and later ``--benchmark-compare
+--benchmark-compare-fail=median:10%`` accuracy is gated by the plugin's own means; what it prints as
+seconds are evaluations. A round is a run with its own seed, so two runs of the same code give the
+same figures to the last digit.
 """
 
 from __future__ import annotations
@@ -52,7 +53,10 @@ def test_evaluations_to_target(benchmark, name, model):
     seeds = iter(range(10**6))
     benchmark.extra_info["unit"] = "evaluations"
     benchmark.pedantic(
-        to_target, setup=lambda: ((optimiser, problem, target, next(seeds)), {}), rounds=ROUNDS, iterations=1
+        to_target,
+        setup=lambda: ((optimiser, problem, target, next(seeds)), {}),
+        rounds=ROUNDS,
+        iterations=1,
     )
     if benchmark.enabled:
         counts = np.array(benchmark.stats.stats.data)

@@ -1,4 +1,7 @@
-"""The native solver against a plain multi-start of SciPy's MINPACK, in the same run: ratios, never absolute times."""
+"""The native solver against a plain multi-start of SciPy's MINPACK, in the same run.
+
+Ratios, never absolute times.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,7 @@ FOUR = ("fractional-kelvin4", "fractional-zener")
 
 
 def multistart(model, data, rng, starts=20):
-    """Least squares in log parameters from random starts of the paper's box, ended by the first exact fit."""
+    """Least squares in log parameters from random starts in the paper's box, up to an exact fit."""
     from scipy.optimize import least_squares
 
     def residuals(u):
@@ -30,10 +33,15 @@ def multistart(model, data, rng, starts=20):
 
     best = None
     for _ in range(starts):
-        start = [rng.uniform(0.05, 1.0) if name == "alpha" else 1000.0 * rng.random() for name in model.names]
+        start = [
+            rng.uniform(0.05, 1.0) if name == "alpha" else 1000.0 * rng.random()
+            for name in model.names
+        ]
         with np.errstate(all="ignore"):
             try:
-                found = least_squares(residuals, np.log(start), method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15)
+                found = least_squares(
+                    residuals, np.log(start), method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15
+                )
             except ValueError:
                 continue
         best = found if best is None or found.cost < best.cost else best
@@ -57,10 +65,17 @@ def test_single_fits_take_less_time_than_scipy_from_random_starts():
     native, plain = {}, {}
     for name in TRUTHS:
         model, _, data = setup(name)
-        native[name] = seconds(lambda i, m=model, d=data: fit(m, d, rng=np.random.default_rng(i)), 60)
-        plain[name] = seconds(lambda i, m=model, d=data: multistart(m, d, np.random.default_rng(i)), 30)
-    print({name: (f"{1e3 * native[name]:.2f} ms", f"{1e3 * plain[name]:.2f} ms") for name in TRUTHS})
-    # The reference knows that the data are exact and stops at its first exact fit; it loses all the same.
+        native[name] = seconds(
+            lambda i, m=model, d=data: fit(m, d, rng=np.random.default_rng(i)), 60
+        )
+        plain[name] = seconds(
+            lambda i, m=model, d=data: multistart(m, d, np.random.default_rng(i)), 30
+        )
+    print(
+        {name: (f"{1e3 * native[name]:.2f} ms", f"{1e3 * plain[name]:.2f} ms") for name in TRUTHS}
+    )
+    # The reference knows that the data are exact and stops at its first exact fit; it loses all the
+    # same.
     assert sum(native.values()) < sum(plain.values())
 
 

@@ -1,7 +1,9 @@
-"""What measuring costs: the recorder per evaluation, and whole libraries with and without it, side by side.
+"""What measuring costs.
 
-Times are those of this process's own work and the least of many turns, so that other work on the machine hardly
-counts; only ratios are asserted.
+The recorder per evaluation, and whole libraries with and without it, side by side.
+
+Times are those of this process's own work and the least of many turns, so that other work on the
+machine hardly counts; only ratios are asserted.
 """
 
 from __future__ import annotations
@@ -19,7 +21,10 @@ from springpot.identification import Recorder, run
 
 MODEL = "fractional-zener"
 BUSY = 1.15
-"""What other work on the machine may add to a ratio before a test fails; the goals are those without it."""
+"""What other work on the machine may add to a ratio before a test fails.
+
+The goals are those without it.
+"""
 
 
 def least(calls, turns, clock=process_time):
@@ -35,9 +40,16 @@ def least(calls, turns, clock=process_time):
 
 @patient
 def test_the_recorder_costs_little_more_than_the_clamping_it_does(capsys):
-    """At most 2 us beyond the objective on a machine that clamps a point in 0.8 us: a factor of 2.5."""
+    """At most 2 us beyond the objective on a machine that clamps a point in 0.8 us.
+
+    A factor of 2.5.
+    """
     problem = artificial(MODEL)
-    x, low, high = 0.5 * (problem.lower + problem.upper), problem.space.lowest, problem.space.highest
+    x, low, high = (
+        0.5 * (problem.lower + problem.upper),
+        problem.space.lowest,
+        problem.space.highest,
+    )
 
     def free(_):
         return 1.0
@@ -51,9 +63,14 @@ def test_the_recorder_costs_little_more_than_the_clamping_it_does(capsys):
     def repeated(call):
         return lambda _: [call(x) for _ in range(chunk)]
 
-    free_alone, alone, recorded, clamping, bare = 1e6 / chunk * least([repeated(f) for f in calls], 400, perf_counter)
+    free_alone, alone, recorded, clamping, bare = (
+        1e6 / chunk * least([repeated(f) for f in calls], 400, perf_counter)
+    )
     with capsys.disabled():
-        print(f"\nrecorder {alone:.2f} us, clamping {clamping:.2f}, objective {bare:.2f}, recorded {recorded:.2f}")
+        print(
+            f"\nrecorder {alone:.2f} us, clamping {clamping:.2f}, objective {bare:.2f}, "
+            f"recorded {recorded:.2f}"
+        )
     assert alone - free_alone <= 2.5 * BUSY * clamping
     assert recorded <= 1.1 * BUSY * bare
 
@@ -62,16 +79,27 @@ def bare_pycma(problem, budget, seed):
     import cma
 
     rng = np.random.default_rng(seed)
-    room, done, size = problem.upper - problem.lower, 0, float(4 + int(3 * np.log(problem.dimension)))
+    room, done, size = (
+        problem.upper - problem.lower,
+        0,
+        float(4 + int(3 * np.log(problem.dimension))),
+    )
     while done < budget:
         options = {
-            "bounds": [0.0, 1.0], "popsize": int(size), "randn": lambda *shape: rng.standard_normal(shape),
-            "seed": np.nan, "maxiter": 10**9, "verbose": -9, "verb_log": 0,
-        }  # fmt: skip
+            "bounds": [0.0, 1.0],
+            "popsize": int(size),
+            "randn": lambda *shape: rng.standard_normal(shape),
+            "seed": np.nan,
+            "maxiter": 10**9,
+            "verbose": -9,
+            "verb_log": 0,
+        }
         strategy = cma.CMAEvolutionStrategy(rng.random(problem.dimension), 0.3, options)
         while done < budget and not strategy.stop():
             points = strategy.ask()
-            strategy.tell(points, problem.evaluate(problem.lower + np.array(points) * room).tolist())
+            strategy.tell(
+                points, problem.evaluate(problem.lower + np.array(points) * room).tolist()
+            )
             done += len(points)
         size *= 2
 
@@ -133,7 +161,10 @@ def test_a_library_takes_at_most_ten_percent_more_than_bare(library, capsys):
     ]
     alone, ours = 1e6 / budget * least(calls, turns)
     with capsys.disabled():
-        print(f"\n{library}: bare {alone:.2f} us per evaluation, {name} {ours:.2f} us, ratio {ours / alone:.3f}")
+        print(
+            f"\n{library}: bare {alone:.2f} us per evaluation, {name} {ours:.2f} us, "
+            f"ratio {ours / alone:.3f}"
+        )
     assert ours <= 1.1 * BUSY * alone
 
 
@@ -147,5 +178,7 @@ def test_side_by_side(benchmark, library, who):
         benchmark.pedantic(bare, (problem, budget, 0), rounds=5, warmup_rounds=1)
     else:
         benchmark.pedantic(
-            lambda: run(optimiser, problem, budget, np.random.default_rng(0)), rounds=5, warmup_rounds=1
+            lambda: run(optimiser, problem, budget, np.random.default_rng(0)),
+            rounds=5,
+            warmup_rounds=1,
         )

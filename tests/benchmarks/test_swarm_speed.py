@@ -1,8 +1,11 @@
-"""The paper's swarm, 50 runs of 20 particles side by side, against two references of the same minute.
+"""The paper's swarm, 50 runs of 20 particles side by side, against two references.
 
-An evaluation here is all that a run does for one: its share of the random numbers, the move of the particle with
-the paper's constraints, the objective at the 14 frequencies of section 5.1, and the recorder's count and best point.
-Times are of the processor, so that whoever else uses it counts less; no test asks for an absolute time.
+The references are measured within the same minute.
+
+An evaluation here is all that a run does for one: its share of the random numbers, the move of the
+particle with the paper's constraints, the objective at the 14 frequencies of section 5.1, and the
+recorder's count and best point. Times are of the processor, so that whoever else uses it counts
+less; no test asks for an absolute time.
 """
 
 from __future__ import annotations
@@ -18,16 +21,22 @@ from soaked import soaked
 from springpot.identification import run_batch
 from springpot_plugins.optimisers.swarm import PaperSwarm
 
-MODELS = ["fractional-kelvin4", *map(soaked, ("fractional-kelvin", "fractional-maxwell", "fractional-zener"))]
+MODELS = [
+    "fractional-kelvin4",
+    *map(soaked, ("fractional-kelvin", "fractional-maxwell", "fractional-zener")),
+]
 RUNS, EVALUATIONS = 50, 8020
 
-# Measured on a busy machine: 0.04 to 0.05, and 37 to 51; half as much again is left for other processors.
+# Measured on a busy machine: 0.04 to 0.05, and 37 to 51; half as much again is left for other
+# processors.
 PART_OF_PYSWARMS, TIMES_EXPONENTIALS = 0.08, 80.0
 
 
 def ours(problem, runs=RUNS):
     """All runs in one batch."""
-    return run_batch(PaperSwarm(), problem, EVALUATIONS, [np.random.default_rng(seed) for seed in range(runs)])
+    return run_batch(
+        PaperSwarm(), problem, EVALUATIONS, [np.random.default_rng(seed) for seed in range(runs)]
+    )
 
 
 @pytest.fixture
@@ -64,17 +73,26 @@ def test_fifty_runs_take_a_small_part_of_pyswarms(name, theirs, capsys):
     problem = artificial(name)
     ours(problem, 1), theirs(problem, 1)
     # Taken in turns, so that what else the machine does slows down both.
-    pairs = [(seconds(lambda: ours(problem)) / RUNS, seconds(lambda: theirs(problem, 2)) / 2) for _ in range(3)]
+    pairs = [
+        (seconds(lambda: ours(problem)) / RUNS, seconds(lambda: theirs(problem, 2)) / 2)
+        for _ in range(3)
+    ]
     mine, other = np.min(np.array(pairs), axis=0) / EVALUATIONS * 1e6
     with capsys.disabled():
-        print(f"\n{name}: {mine:.2f} us per evaluation, pyswarms {other:.2f}, ratio {mine / other:.3f}")
+        print(
+            f"\n{name}: {mine:.2f} us per evaluation, pyswarms {other:.2f}, "
+            f"ratio {mine / other:.3f}"
+        )
     assert mine <= PART_OF_PYSWARMS * other
 
 
 @pytest.mark.parametrize("name", MODELS)
 @patient
 def test_swarm_and_recorder_cost_little_beside_the_exponentials(name, capsys):
-    """A run against what no evaluation of a springpot can do without: one real exponential for each frequency."""
+    """A run against what no evaluation of a springpot can do without.
+
+    One real exponential for each frequency.
+    """
     problem = artificial(name)
     powers = np.random.default_rng(1).random((RUNS * 10, len(problem.measurement)))
     values = np.empty_like(powers)
@@ -87,7 +105,10 @@ def test_swarm_and_recorder_cost_little_beside_the_exponentials(name, capsys):
     pairs = [(seconds(lambda: ours(problem)), seconds(exponentials)) for _ in range(3)]
     mine, least = np.min(np.array(pairs), axis=0) / EVALUATIONS / RUNS * 1e6
     with capsys.disabled():
-        print(f"\n{name}: {mine:.2f} us per evaluation, exponentials alone {least:.4f}, ratio {mine / least:.0f}")
+        print(
+            f"\n{name}: {mine:.2f} us per evaluation, exponentials alone {least:.4f}, "
+            f"ratio {mine / least:.0f}"
+        )
     assert mine <= TIMES_EXPONENTIALS * least
 
 
@@ -100,4 +121,6 @@ def test_speed_of_fifty_runs(benchmark, name):
 
 @pytest.mark.benchmark(group="swarm")
 def test_speed_of_one_pyswarms_run(benchmark, theirs):
-    benchmark.pedantic(theirs, args=(artificial("fractional-kelvin4"), 1), rounds=3, warmup_rounds=1)
+    benchmark.pedantic(
+        theirs, args=(artificial("fractional-kelvin4"), 1), rounds=3, warmup_rounds=1
+    )

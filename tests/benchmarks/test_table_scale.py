@@ -1,4 +1,7 @@
-"""Size of the store and time of the tables as trials become ten times as many; in the soak, a hundred thousand."""
+"""Size of the store and time of the tables as trials become ten times as many.
+
+In the soak, a hundred thousand.
+"""
 
 from __future__ import annotations
 
@@ -17,10 +20,17 @@ from synthetic import synthetic_store
 from springpot.benchmark import Store
 from springpot.benchmark.findings import TABLES, study_tables
 
-SHAPES = {1000: (2, 10, 50), 2000: (4, 10, 50), 10_000: (20, 10, 50), 20_000: (20, 20, 50), 100_000: (100, 20, 50)}
+SHAPES = {
+    1000: (2, 10, 50),
+    2000: (4, 10, 50),
+    10_000: (20, 10, 50),
+    20_000: (20, 20, 50),
+    100_000: (100, 20, 50),
+}
 """Data sets, optimisers and repetitions of so many trials."""
 SLACK = 2.0
-"""Cost per trial at the largest size over that at the middle one; a quadratic cost would give 10."""
+"""Cost per trial at the largest size over that at the middle one; a quadratic cost would give 10.
+"""
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +68,8 @@ def test_store_and_tables_grow_linearly(stored, capsys, small, large):
     with capsys.disabled():
         for n in stores:
             print(
-                f"\n{n} trials: {sizes[n]:.0f} B each; summary {summary[n]:.2f} s, all tables {everything[n]:.2f} s"
+                f"\n{n} trials: {sizes[n]:.0f} B each; summary {summary[n]:.2f} s, "
+                f"all tables {everything[n]:.2f} s"
             )
     assert max(sizes.values()) < 1.1 * min(sizes.values())
     assert summary[large] / large < SLACK * summary[small] / small

@@ -1,4 +1,7 @@
-"""The recursion in time against what it replaces: a direct convolution with the relaxation function."""
+"""The recursion in time against what it replaces.
+
+A direct convolution with the relaxation function.
+"""
 
 from __future__ import annotations
 
@@ -30,10 +33,12 @@ def seconds(task) -> float:
 @pytest.mark.slow
 @pytest.mark.parametrize(("sampling", "least"), [("even", 20), ("uneven", 1000)])
 def test_the_recursion_against_a_direct_convolution(sampling: str, least: float):
-    """Both sum the same 30 exponentials over 100,000 samples; the convolution's time is that of a few of its rows.
+    """Both sum the same 30 exponentials over 100,000 samples.
 
-    With even steps a convolution may tabulate the relaxation function once and is one product a sample; with uneven
-    ones each pair of samples has its own.
+    The convolution's time is that of a few of its rows.
+
+    With even steps a convolution may tabulate the relaxation function once and is one product a
+    sample; with uneven ones each pair of samples has its own.
     """
     rng = np.random.default_rng(1)
     rates, weights = np.geomspace(1e-3, 1e3, 30), rng.uniform(0.5, 1.5, 30)
@@ -70,7 +75,9 @@ def test_derivatives_cost_a_few_times_the_force():
     x = np.sin(t)
     at = model.in_time(theta, tolerance=1e-6)
     whole = seconds(lambda: at.respond(t, x))
-    print(f"1,000 samples with derivatives by 4 parameters, spectrum included: {1e3 * whole:.1f} ms")
+    print(
+        f"1,000 samples with derivatives by 4 parameters, spectrum included: {1e3 * whole:.1f} ms"
+    )
     spectrum = seconds(lambda: model.spectrum(theta, (0.1, 300.0)))
     assert whole < 30 * spectrum
 
@@ -78,12 +85,18 @@ def test_derivatives_cost_a_few_times_the_force():
 @pytest.mark.slow
 @patient
 def test_an_identification_costs_a_few_curves():
-    """A thousand points of relaxation, with start, intervals and noise floor; a curve has its derivatives."""
+    """A thousand points of relaxation, with start, intervals and noise floor.
+
+    A curve has its derivatives.
+    """
     model = parse_model("fractional-maxwell")
     theta, t = np.array([400.0, 60.0, 0.5]), np.geomspace(0.01, 1000.0, 1000)
     scatter = 1.0 + 0.01 * np.random.default_rng(0).normal(size=len(t))
     test = TimeTest.of_relaxation(t, model.relaxation(theta, t) * scatter, "kPa")
     whole = seconds(lambda: identify(test, model))
     curve = seconds(lambda: model.in_time(theta, tolerance=1e-6).relaxation(t))
-    print(f"identification from 1,000 points of relaxation: {1e3 * whole:.1f} ms, one curve {1e3 * curve:.1f} ms")
+    print(
+        f"identification from 1,000 points of relaxation: {1e3 * whole:.1f} ms, "
+        f"one curve {1e3 * curve:.1f} ms"
+    )
     assert whole < 100 * curve

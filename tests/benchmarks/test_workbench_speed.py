@@ -1,4 +1,7 @@
-"""What the workbench adds to the computation: from a dropped file to its answer, and from a slider to its curve."""
+"""What the workbench adds to the computation.
+
+From a dropped file to its answer, and from a slider to its curve.
+"""
 
 from __future__ import annotations
 
@@ -25,12 +28,17 @@ HANDS = {"k": {"value": 390.0}, "c": {"value": 60.0}, "alpha": {"value": 0.55}}
 
 
 def table(seed: int) -> bytes:
-    """A damper with a moving mass, with another scatter for each seed, so that nothing is kept from before."""
+    """A damper with a moving mass, with another scatter for each seed.
+
+    So that nothing is kept from before.
+    """
     rng, frequency = np.random.default_rng(seed), np.geomspace(0.5, 50.0, POINTS)
     s = 2j * np.pi * frequency
     exact = 1.0 / (1.0 / 400.0 + 1.0 / (60.0 * s**0.55)) + 6e-4 * s**2
     k = exact * (1 + 0.005 * (rng.normal(size=POINTS) + 1j * rng.normal(size=POINTS)))
-    rows = "".join(f"{f:.6g},{v.real:.6g},{v.imag:.6g}\n" for f, v in zip(frequency, k, strict=True))
+    rows = "".join(
+        f"{f:.6g},{v.real:.6g},{v.imag:.6g}\n" for f, v in zip(frequency, k, strict=True)
+    )
     return f"frequency [Hz],storage [kN/m],loss [kN/m]\n{rows}".encode()
 
 
@@ -55,7 +63,10 @@ class Asked:
         return json.loads(last)["result"]
 
     def state(self, seed: int) -> dict[str, str]:
-        return {"data": self.ask("/api/data?name=damper.csv", table(seed))["digest"], "model": MODEL}
+        return {
+            "data": self.ask("/api/data?name=damper.csv", table(seed))["digest"],
+            "model": MODEL,
+        }
 
     def answer(self, seed: int) -> Any:
         return self.ask("/api/answer", json.dumps({"state": self.state(seed)}).encode())
@@ -73,7 +84,10 @@ def seconds(task: Any, *arguments: Any) -> float:
 
 @pytest.mark.soak
 def test_the_page_waits_little_longer_than_the_computation_takes():
-    """Reading, two processes, JSON of every preview: less than half of what the diagnosis itself takes."""
+    """Reading, two processes, JSON of every preview.
+
+    Less than half of what the diagnosis itself takes.
+    """
     asked = Asked()
     try:
         springpot.discover(measured_in("damper.csv", table(0))[0], MODEL, accept=[])  # imports
@@ -81,8 +95,13 @@ def test_the_page_waits_little_longer_than_the_computation_takes():
         for seed in range(1, REPEATS + 1):
             served.append(seconds(asked.answer, seed))
             measurement = measured_in("damper.csv", table(seed))[0]
-            bare.append(seconds(lambda data: springpot.discover(data, MODEL, accept=[]), measurement))
-        print(f"from the drop to the answer {middle(served):.3f} s, diagnosis alone {middle(bare):.3f} s")
+            bare.append(
+                seconds(lambda data: springpot.discover(data, MODEL, accept=[]), measurement)
+            )
+        print(
+            f"from the drop to the answer {middle(served):.3f} s, "
+            f"diagnosis alone {middle(bare):.3f} s"
+        )
         assert middle(served) < 1.5 * middle(bare)
 
         state = asked.state(1)
@@ -90,8 +109,12 @@ def test_the_page_waits_little_longer_than_the_computation_takes():
         text = asked.ask("/api/data?name=damper.csv", table(1))["text"]
         moved = [seconds(asked.ask, "/api/curve", body) for _ in range(5 * REPEATS)]
         drawn = [seconds(curve, print, state, text, HANDS) for _ in range(5 * REPEATS)]
-        print(f"from a slider to its curve {1e3 * middle(moved):.1f} ms, curve alone {1e3 * middle(drawn):.1f} ms")
-        # A request and two processes cost a few milliseconds; the answer of a diagnosis is the yardstick.
+        print(
+            f"from a slider to its curve {1e3 * middle(moved):.1f} ms, "
+            f"curve alone {1e3 * middle(drawn):.1f} ms"
+        )
+        # A request and two processes cost a few milliseconds; the answer of a diagnosis is the
+        # yardstick.
         assert middle(moved) < middle(bare) / 10
     finally:
         asked.bench.close()

@@ -74,5 +74,10 @@ def damper(write):
     frequency = np.geomspace(0.5, 50.0, 15)
     springpot = TRUTH["c"] * (2j * np.pi * frequency) ** TRUTH["alpha"]
     stiffness = 1.0 / (1.0 / TRUTH["k"] + 1.0 / springpot)
-    rows = [f"{f!r},{k.real!r},{k.imag!r}" for f, k in zip(frequency.tolist(), stiffness.tolist(), strict=True)]
-    return write("\n".join(["frequency [Hz],storage [kN/m],loss [kN/m]", *rows]) + "\n", "damper.csv")
+    rows = [
+        f"{f!r},{k.real!r},{k.imag!r}"
+        for f, k in zip(frequency.tolist(), stiffness.tolist(), strict=True)
+    ]
+    return write(
+        "\n".join(["frequency [Hz],storage [kN/m],loss [kN/m]", *rows]) + "\n", "damper.csv"
+    )

@@ -1,4 +1,4 @@
-"""Whatever is wrong with the input, ``springpot identify`` says so in one line and leaves with exit code 2."""
+"""Wrong input: ``springpot identify`` says so in one line and leaves with exit code 2."""
 
 import pytest
 
@@ -25,7 +25,10 @@ FILES = {
     "binary": (bytes(range(256)) * 40, []),
     "no table": ("Dear colleague,\n\nhere are the results.\n", []),
     "negative deviation": (
-        "frequency [Hz],storage [Pa],loss [Pa],storage_sd [Pa],loss_sd [Pa]\n1,2,3,-1,1\n2,3,4,1,1\n",
+        (
+            "frequency [Hz],storage [Pa],loss [Pa],storage_sd [Pa],"
+            "loss_sd [Pa]\n1,2,3,-1,1\n2,3,4,1,1\n"
+        ),
         ["storage_sd", "positive"],
     ),
 }
@@ -41,7 +44,9 @@ def test_bad_file(springpot, write, case):
 
 @pytest.mark.parametrize("model", ["spring", "maxwell", "fractional-zener"])
 def test_one_point_whatever_the_model(springpot, write, model):
-    assert springpot("identify", write(HEAD + "1,100,20\n"), "--model", model).is_one_line("one point")
+    assert springpot("identify", write(HEAD + "1,100,20\n"), "--model", model).is_one_line(
+        "one point"
+    )
 
 
 def test_the_good_file_is_good(springpot, write):
@@ -68,14 +73,19 @@ def test_a_folder(springpot, tmp_path):
 
 
 def test_no_such_condition(springpot, write):
-    assert springpot("identify", f"{write(GOOD)}@temperature=20", "--model", "maxwell").is_one_line("temperature")
+    assert springpot("identify", f"{write(GOOD)}@temperature=20", "--model", "maxwell").is_one_line(
+        "temperature"
+    )
 
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
         ([], ["missing option", "--model", "identify --help"]),
-        (["--model", "fractional-maxwel"], ["unknown model 'fractional-maxwel'", "fractional-maxwell"]),
+        (
+            ["--model", "fractional-maxwel"],
+            ["unknown model 'fractional-maxwel'", "fractional-maxwell"],
+        ),
         (["--model", "maxwell + inertya"], ["unknown effect 'inertya'", "inertia"]),
         (["--model", "maxwell +"], ["empty part"]),
         (["--model", ""], ["empty part"]),
@@ -101,4 +111,6 @@ def test_bad_option(springpot, write, arguments, words):
 
 
 def test_errors_leave_stdout_empty_with_json_too(springpot, write):
-    assert springpot("identify", write(GOOD), "--model", "nonsense", "--json").is_one_line("nonsense")
+    assert springpot("identify", write(GOOD), "--model", "nonsense", "--json").is_one_line(
+        "nonsense"
+    )

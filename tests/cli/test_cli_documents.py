@@ -1,4 +1,7 @@
-"""Documents of a user other than data: one file rule, and whatever stands in them, an answer or one line."""
+"""Documents of a user other than data.
+
+One file rule, and whatever stands in them, an answer or one line.
+"""
 
 import base64
 import json
@@ -22,10 +25,18 @@ FRAME = {
     "structure": {"storeys": 2, "mass": 1e5, "stiffness": [8e7, 7e7], "damping": 0.02},
     "damper": [
         {"fit": "fit.json", "storey": 1, "count": 40, "slope": 30},
-        {"model": "kelvin", "parameters": {"k": 1e5, "c": 2e4}, "unit": "N/m", "storey": 2, "temperature": 20.0},
+        {
+            "model": "kelvin",
+            "parameters": {"k": 1e5, "c": 2e4},
+            "unit": "N/m",
+            "storey": 2,
+        },
     ],
 }
-RECORD = [["time [s]", "acceleration [g]"], *([f"{0.02 * i:.2f}", f"{0.1 * (-1) ** i}"] for i in range(12))]
+RECORD = [
+    ["time [s]", "acceleration [g]"],
+    *([f"{0.02 * i:.2f}", f"{0.1 * (-1) ** i}"] for i in range(12)),
+]
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +51,9 @@ def folder(tmp_path_factory):
     omega = np.geomspace(3.0, 300.0, 12)
     stiffness = 1.0 / (1.0 / 400.0 + 1.0 / (60.0 * (1j * omega) ** 0.5))
     rows = zip(omega.tolist(), stiffness.real.tolist(), stiffness.imag.tolist(), strict=True)
-    table = "omega [rad/s],storage [kN/m],loss [kN/m]\n" + "".join(f"{w!r},{a!r},{b!r}\n" for w, a, b in rows)
+    table = "omega [rad/s],storage [kN/m],loss [kN/m]\n" + "".join(
+        f"{w!r},{a!r},{b!r}\n" for w, a, b in rows
+    )
     (folder / "damper.csv").write_text(table, encoding="utf-8")
     fit = identify(str(folder / "damper.csv"), "fractional-maxwell")
     (folder / "fit.json").write_text(to_json(fit), encoding="utf-8")
@@ -52,7 +65,10 @@ def folder(tmp_path_factory):
 
 
 def fuzzed(document, write_as, path, answer):
-    """Every changed document gives an answer, or one line with exit code 2; the document itself an answer."""
+    """Every changed document gives an answer, or one line with exit code 2.
+
+    The document itself an answer.
+    """
     path.write_text(write_as(document), encoding="utf-8")
     assert answer().code == 0, answer().err
     codes = set()
@@ -88,16 +104,29 @@ def test_a_structure_that_was_changed_is_used_or_refused(springpot, folder):
 def test_a_record_that_was_changed_is_used_or_refused(springpot, folder):
     path, frame = folder / "changed.csv", folder / "plain.toml"
     frame.write_text(documents.toml_text({"structure": FRAME["structure"]}), encoding="utf-8")
-    fuzzed(RECORD, csv_text, path, lambda: springpot("simulate", frame, "--record", path, "--draws", "0"))
+    fuzzed(
+        RECORD,
+        csv_text,
+        path,
+        lambda: springpot("simulate", frame, "--record", path, "--draws", "0"),
+    )
 
 
 def csv_text(rows):
     """Rows of cells, of which one may have become anything else."""
-    return "".join(",".join(map(str, row if isinstance(row, list) else [row])) + "\n" for row in rows)
+    return "".join(
+        ",".join(map(str, row if isinstance(row, list) else [row])) + "\n" for row in rows
+    )
 
 
 def test_a_session_that_was_changed_opens_or_is_refused(folder):
-    state = {"data": "0" * 64, "model": "fractional-maxwell", "accepted": ["inertia"], "excluded": [1], "seed": 0}
+    state = {
+        "data": "0" * 64,
+        "model": "fractional-maxwell",
+        "accepted": ["inertia"],
+        "excluded": [1],
+        "seed": 0,
+    }
     session = {
         "schema": "springpot.session/1",
         "data": {
@@ -119,7 +148,10 @@ def test_a_session_that_was_changed_opens_or_is_refused(folder):
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        ({"storeys": 20_000}, "storeys: 20000 is no number that it can be; give a whole one from 1 to 300"),
+        (
+            {"storeys": 20_000},
+            "storeys: 20000 is no number that it can be; give a whole one from 1 to 300",
+        ),
         ({"storeys": 2.7}, "storeys: 2.7"),
         ({"mass": documents.HUGE}, "mass: 1000"),
         ({"mass": float("nan")}, "nan is no finite number"),
@@ -128,19 +160,31 @@ def test_a_session_that_was_changed_opens_or_is_refused(folder):
 )
 def test_a_number_that_cannot_be_is_told(springpot, folder, change, says):
     path = folder / "wrong.toml"
-    path.write_text(documents.toml_text(FRAME | {"structure": FRAME["structure"] | change}), encoding="utf-8")
+    path.write_text(
+        documents.toml_text(FRAME | {"structure": FRAME["structure"] | change}), encoding="utf-8"
+    )
     assert springpot("simulate", path, "--frequency", "1").is_one_line("wrong.toml", says)
 
 
-@pytest.mark.parametrize("wrong", [{"count": -4}, {"count": 0}, {"slope": 90}, {"temperature": -300}, {"storey": 0}])
+@pytest.mark.parametrize(
+    "wrong", [{"count": -4}, {"count": 0}, {"slope": 90}, {"temperature": -300}, {"storey": 0}]
+)
 def test_a_damper_that_cannot_be_is_told(springpot, folder, wrong):
     path, [name] = folder / "wrong.toml", wrong
-    path.write_text(documents.toml_text(FRAME | {"damper": [FRAME["damper"][0] | wrong]}), encoding="utf-8")
-    assert springpot("simulate", path, "--frequency", "1").is_one_line("wrong.toml", f"damper 1: {name}")
+    path.write_text(
+        documents.toml_text(FRAME | {"damper": [FRAME["damper"][0] | wrong]}), encoding="utf-8"
+    )
+    assert springpot("simulate", path, "--frequency", "1").is_one_line(
+        "wrong.toml", f"damper 1: {name}"
+    )
 
 
 def test_friction_in_a_frame_far_too_stiff_is_no_endless_work(springpot, folder):
-    slides = {"model": "kelvin + friction", "unit": "N/m", "parameters": {"k": 1e5, "c": 2e4, "friction": {"F": 1.0}}}
+    slides = {
+        "model": "kelvin + friction",
+        "unit": "N/m",
+        "parameters": {"k": 1e5, "c": 2e4, "friction": {"F": 1.0}},
+    }
     stiff = {"mass": 1e-6, "stiffness": 1e12}
     (folder / "stiff.toml").write_text(
         documents.toml_text({"structure": stiff, "damper": [slides]}), encoding="utf-8"
@@ -174,7 +218,9 @@ def test_the_file_rule_holds_for_every_document(springpot, folder, tmp_path, kin
         read_baseline(path)
 
 
-@pytest.mark.parametrize("text", ["[" + "[]," * 1_000_001 + "1]", "[" * 100_000, '{"a": ' * 100_000])
+@pytest.mark.parametrize(
+    "text", ["[" + "[]," * 1_000_001 + "1]", "[" * 100_000, '{"a": ' * 100_000]
+)
 def test_json_of_a_million_brackets_is_refused_before_it_is_read(text, tmp_path, springpot):
     with pytest.raises(ValueError, match=r"more than|nested"):
         json_of(text)
@@ -191,7 +237,9 @@ def test_a_number_of_an_answer_is_one_that_a_float_holds(word):
         json_of(f"[{word}]", finite=True)
 
 
-@pytest.mark.parametrize("text", ["a." * 100_000 + "a = 1", '"a" . ' * 30_000, "a = " + "[" * 50_000, "a = nan"])
+@pytest.mark.parametrize(
+    "text", ["a." * 100_000 + "a = 1", '"a" . ' * 30_000, "a = " + "[" * 50_000, "a = nan"]
+)
 def test_toml_takes_no_more_memory_than_it_is_worth(text):
     """Of a dotted name Python's reader keeps every beginning."""
     with pytest.raises(ValueError, match=r"nested too deeply|no finite number"):

@@ -18,7 +18,9 @@ def test_a_fit_is_read_back_in_its_units(springpot, tmp_path):
     fit = springpot("identify", data, "--model", "maxwell + parallel-dashpot", "--json").json
     path = tmp_path / "fit.json"
     path.write_text(json.dumps(fit), encoding="utf-8")
-    answer = springpot("export-model", path, "--to", "csv", "--band", "1.0rad/s:1e2 rad/s", "--dashpot")
+    answer = springpot(
+        "export-model", path, "--to", "csv", "--band", "1.0rad/s:1e2 rad/s", "--dashpot"
+    )
     assert answer.code == 0, answer.err
     assert f"weight [{fit['parameters']['k']['unit']}]" in answer.out
     tau = fit["parameters"]["c"]["value"] / fit["parameters"]["k"]["value"]
@@ -29,23 +31,65 @@ def test_a_fit_is_read_back_in_its_units(springpot, tmp_path):
     ("arguments", "word"),
     [
         (["fractional-maxwell", "--to", "abaqsu", "--band", BAND], "did you mean abaqus"),
-        (["fractional-maxwell", "--to", "csv", "--band", BAND, "--set", "k=400"], "c, alpha missing"),
+        (
+            ["fractional-maxwell", "--to", "csv", "--band", BAND, "--set", "k=400"],
+            "c, alpha missing",
+        ),
         (["spring", "--to", "csv", "--band", "1:48", "--set", "k=1"], "such as 1Hz:48Hz"),
         (
-            ["spring + inertia", "--to", "csv", "--band", BAND, "--set", "k=1", "--set", "inertia.m=1"],
+            [
+                "spring + inertia",
+                "--to",
+                "csv",
+                "--band",
+                BAND,
+                "--set",
+                "k=1",
+                "--set",
+                "inertia.m=1",
+            ],
             "--without",
         ),
         (["spring", "--to", "csv", "--band", "48Hz:1Hz", "--set", "k=1"], "lower first"),
         (["spring", "--to", "csv", "--band", BAND, "--set", "k"], "NAME=VALUE"),
-        (["spring", "--to", "csv", "--band", BAND, "--set", "k=1", "--tolerance", "x"], "tolerance"),
         (
-            ["spring", "--to", "csv", "--band", BAND, "--set", "k=1", "--terms", "2", "--tolerance", "1%"],
+            ["spring", "--to", "csv", "--band", BAND, "--set", "k=1", "--tolerance", "x"],
+            "tolerance",
+        ),
+        (
+            [
+                "spring",
+                "--to",
+                "csv",
+                "--band",
+                BAND,
+                "--set",
+                "k=1",
+                "--terms",
+                "2",
+                "--tolerance",
+                "1%",
+            ],
             "both",
         ),
         (["none.json", "--to", "csv", "--band", BAND], "none.json"),
         (["spring", "--to", "abaqus", "--band", BAND, "--set", "k=1", "--unit", "kN/m"], "modulus"),
         (["dashpot", "--to", "csv", "--band", BAND, "--set", "c=1"], "--dashpot"),
-        (["dashpot", "--to", "abaqus", "--band", BAND, "--set", "c=1", "--unit", "MPa", "--dashpot"], "no place for"),
+        (
+            [
+                "dashpot",
+                "--to",
+                "abaqus",
+                "--band",
+                BAND,
+                "--set",
+                "c=1",
+                "--unit",
+                "MPa",
+                "--dashpot",
+            ],
+            "no place for",
+        ),
     ],
 )
 def test_bad_input_is_one_line(springpot, arguments: list[str], word: str):
@@ -91,7 +135,9 @@ def test_the_card_has_the_modulus_that_was_measured(springpot, fitted, header: s
     """A shear modulus written as Young's would make a part 2.98 times too soft."""
     path = fitted(header)
     poisson = 0.49
-    answer = springpot("export-model", path, "--to", "abaqus", "--band", BAND, "--poisson", str(poisson))
+    answer = springpot(
+        "export-model", path, "--to", "abaqus", "--band", BAND, "--poisson", str(poisson)
+    )
     assert answer.code == 0, answer.err
     whole = float(re.search(r"instantaneous ([\d.e+-]+)", answer.out)[1])
     young, nu = map(float, answer.out.partition("INSTANTANEOUS\n")[2].splitlines()[0].split(","))
@@ -107,9 +153,9 @@ def test_a_geometry_tells_the_modulus_and_a_stiffness_has_none(springpot, fitted
     path = fitted("storage [kN/m],loss [kN/m]")
     told = springpot("export-model", path, "--to", "json", "--band", BAND, "--json").json
     assert told["modulus"] is None
-    assert springpot("export-model", path, "--to", "json", "--band", BAND, "--modulus", "shear").is_one_line(
-        "leave out --modulus"
-    )
+    assert springpot(
+        "export-model", path, "--to", "json", "--band", BAND, "--modulus", "shear"
+    ).is_one_line("leave out --modulus")
 
 
 def test_a_modulus_that_nobody_told_is_asked_for_in_one_line(springpot, fitted):
@@ -118,7 +164,9 @@ def test_a_modulus_that_nobody_told_is_asked_for_in_one_line(springpot, fitted):
     assert springpot(*asked).is_one_line("give --modulus shear, young or bulk")
     assert "measured: shear modulus" in springpot(*asked, "--modulus", "shear").out
     assert springpot(*asked, "--modulus", "soft").is_one_line("shear, young, bulk")
-    assert springpot(*asked, "--modulus", "shear", "--bulk", "soft").is_one_line("constant or relaxing")
+    assert springpot(*asked, "--modulus", "shear", "--bulk", "soft").is_one_line(
+        "constant or relaxing"
+    )
 
 
 def test_what_a_user_says_of_the_modulus_must_agree_with_the_data(springpot, fitted):
@@ -158,13 +206,20 @@ def test_a_temperature_that_the_model_does_not_know_is_refused(springpot, fitted
 
 def test_what_is_no_fit_is_refused(springpot, write):
     for content in ("{}", "[1]", "{", '{"model": "spring", "parameters": {"k": 1}}'):
-        answer = springpot("export-model", write(content, "fit.json"), "--to", "csv", "--band", "1Hz:2Hz")
+        answer = springpot(
+            "export-model", write(content, "fit.json"), "--to", "csv", "--band", "1Hz:2Hz"
+        )
         assert answer.is_one_line("with --json")
 
 
 def test_a_fit_is_handed_over_at_its_own_reference_temperature(springpot, tmp_path):
-    """Where shifts are one is where the data were, not 20 degC; without a temperature that is meant."""
-    fit = springpot("identify", "nist-srm2491", "--model", "maxwell + arrhenius-shift", "--json").json
+    """Where shifts are one is where the data were, not 20 degC.
+
+    Without a temperature that is meant.
+    """
+    fit = springpot(
+        "identify", "nist-srm2491", "--model", "maxwell + arrhenius-shift", "--json"
+    ).json
     path = tmp_path / "fit.json"
     path.write_text(json.dumps(fit), encoding="utf-8")
 

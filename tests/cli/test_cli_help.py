@@ -19,7 +19,9 @@ finally:
 
 
 def test_help_loads_no_library_and_no_room():
-    done = subprocess.run([sys.executable, "-c", LISTS_MODULES], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", LISTS_MODULES], capture_output=True, text=True, check=True
+    )
     loaded = set(done.stderr.split())
     assert "identify" in done.stdout
     assert {"springpot.cli.group", "click"} <= loaded
@@ -29,7 +31,17 @@ def test_help_loads_no_library_and_no_room():
     tables = {name for name in own if name.endswith(".commands")}
     assert own - tables - {name.removesuffix(".commands") for name in tables} == {
         f"springpot.{name}"
-        for name in ("cli", "cli.faults", "cli.group", "cli.table", "errors", "lazy", "limits", "plain")
+        for name in (
+            "cli",
+            "cli.faults",
+            "cli.group",
+            "cli.table",
+            "errors",
+            "lazy",
+            "limits",
+            "owners",
+            "terminal_safe",
+        )
     }
 
 

@@ -4,9 +4,18 @@ import numpy as np
 import pytest
 
 KEYS = {
-    "schema", "model", "parameters", "search_parameters", "objective", "relative_rms", "evaluations", "seconds",
-    "optimiser", "status", "notes",
-}  # fmt: skip
+    "schema",
+    "model",
+    "parameters",
+    "search_parameters",
+    "objective",
+    "relative_rms",
+    "evaluations",
+    "seconds",
+    "optimiser",
+    "status",
+    "notes",
+}
 TRUTH = {"k": 400.0, "c": 60.0, "alpha": 0.5}
 
 
@@ -39,7 +48,8 @@ def test_effects_are_found_in_their_own_units(springpot, write):
     s = 2j * np.pi * frequency
     stiffness = 1.0 / (1.0 / 400.0 + 1.0 / (60.0 * s**0.5)) + 2.5e-3 * s**2
     rows = "\n".join(
-        f"{f!r},{k.real!r},{k.imag!r}" for f, k in zip(frequency.tolist(), stiffness.tolist(), strict=True)
+        f"{f!r},{k.real!r},{k.imag!r}"
+        for f, k in zip(frequency.tolist(), stiffness.tolist(), strict=True)
     )
     path = write(f"frequency [Hz],storage [kN/m],loss [kN/m]\n{rows}\n")
     answer = springpot("identify", path, "-m", "fractional-maxwell + inertia", "--json").json
@@ -68,7 +78,12 @@ def test_of_a_material_the_spectrum_is_told_in_words_json_and_picture(springpot,
     assert "[spectrum]" in answer.out
     assert path.read_bytes().startswith(b"\x89PNG")
     spectrum = springpot("identify", damper, "--model", "material", "--json").json["spectrum"]
-    assert len(spectrum["rates"]) == len(spectrum["weights"]) == len(spectrum["low"]) == len(spectrum["high"])
+    assert (
+        len(spectrum["rates"])
+        == len(spectrum["weights"])
+        == len(spectrum["low"])
+        == len(spectrum["high"])
+    )
     assert spectrum["unit"] == "kN/m"
     # The relaxing stiffness of a fractional Maxwell element is its spring's, and is not all seen.
     assert 200.0 < spectrum["equilibrium"]["value"] + sum(spectrum["weights"]) < 500.0
@@ -82,10 +97,14 @@ def test_the_error_stands_beside_both_floors(springpot, write):
         1.0 + 0.01 * (rng.normal(size=15) + 1j * rng.normal(size=15))
     )
     rows = "\n".join(
-        f"{f!r},{k.real!r},{k.imag!r}" for f, k in zip(frequency.tolist(), stiffness.tolist(), strict=True)
+        f"{f!r},{k.real!r},{k.imag!r}"
+        for f, k in zip(frequency.tolist(), stiffness.tolist(), strict=True)
     )
     answer = springpot(
-        "identify", write(f"frequency [Hz],storage [Pa],loss [Pa]\n{rows}\n"), "-m", "fractional-kelvin"
+        "identify",
+        write(f"frequency [Hz],storage [Pa],loss [Pa]\n{rows}\n"),
+        "-m",
+        "fractional-kelvin",
     )
     [error] = [line for line in answer.out.splitlines() if line.startswith("error ")]
     assert " x the noise floor of " in error
@@ -93,7 +112,9 @@ def test_the_error_stands_beside_both_floors(springpot, write):
 
 
 def test_no_optimiser_searches_a_spectrum(springpot, damper):
-    springpot("identify", damper, "-m", "material", "--optimiser", "pso-paper").is_one_line("spectrum", "optimiser")
+    springpot("identify", damper, "-m", "material", "--optimiser", "pso-paper").is_one_line(
+        "spectrum", "optimiser"
+    )
 
 
 @pytest.mark.parametrize("optimiser", ["pso-paper", "least-squares", "native"])
@@ -114,10 +135,13 @@ def test_intervals_hold_the_value(springpot, write, intervals):
     stiffness = 100.0 + 30.0 * (2j * np.pi * frequency) ** 0.4
     stiffness *= 1.0 + 0.01 * (rng.normal(size=15) + 1j * rng.normal(size=15))
     rows = "\n".join(
-        f"{f!r},{k.real!r},{k.imag!r}" for f, k in zip(frequency.tolist(), stiffness.tolist(), strict=True)
+        f"{f!r},{k.real!r},{k.imag!r}"
+        for f, k in zip(frequency.tolist(), stiffness.tolist(), strict=True)
     )
     path = write(f"frequency [Hz],storage [Pa],loss [Pa]\n{rows}\n")
-    answer = springpot("identify", path, "-m", "fractional-kelvin", "--intervals", intervals, "--json").json
+    answer = springpot(
+        "identify", path, "-m", "fractional-kelvin", "--intervals", intervals, "--json"
+    ).json
     for name, truth in {"k": 100.0, "c": 30.0, "alpha": 0.4}.items():
         entry = answer["parameters"][name]
         assert entry["low"] < entry["value"] < entry["high"]
@@ -128,7 +152,13 @@ def test_shift_constants_come_with_their_reference_temperature(springpot, write)
     frequency, celsius = np.tile(np.geomspace(0.5, 50.0, 12), 3), np.repeat([5.0, 25.0, 45.0], 12)
     s = 2j * np.pi * frequency * np.exp(50.0 / 8.314e-3 * (1.0 / (celsius + 273.15) - 1.0 / 298.15))
     stiffness = 1.0 / (1.0 / 400.0 + 1.0 / (60.0 * s**0.5))
-    columns = zip(frequency.tolist(), stiffness.real.tolist(), stiffness.imag.tolist(), celsius.tolist(), strict=True)
+    columns = zip(
+        frequency.tolist(),
+        stiffness.real.tolist(),
+        stiffness.imag.tolist(),
+        celsius.tolist(),
+        strict=True,
+    )
     rows = "\n".join(",".join(map(repr, row)) for row in columns)
     path = write(f"frequency [Hz],storage [Pa],loss [Pa],temperature [degC]\n{rows}\n")
     told = "shift constants refer to T_ref = 25 degC"

@@ -3,9 +3,19 @@
 import shlex
 
 KEYS = {
-    "schema", "data", "points", "frequency", "storage", "loss", "standard_deviations", "conditions", "labels",
-    "sweeps", "parts", "provenance",
-}  # fmt: skip
+    "schema",
+    "data",
+    "points",
+    "frequency",
+    "storage",
+    "loss",
+    "standard_deviations",
+    "conditions",
+    "labels",
+    "sweeps",
+    "parts",
+    "provenance",
+}
 
 
 def test_a_file(springpot, damper):
@@ -28,14 +38,19 @@ def test_conditions_become_sweeps(springpot, write):
     assert answer["conditions"] == {"temperature": {"from": 10.0, "to": 30.0, "unit": "degC"}}
     assert [sweep["points"] for sweep in answer["sweeps"]] == [3, 3]
     assert springpot("inspect", f"{path}@temperature=30", "--json").json["points"] == 3
-    assert [sweep["conditions"] for sweep in answer["sweeps"]] == ["temperature 10", "temperature 30"]
+    assert [sweep["conditions"] for sweep in answer["sweeps"]] == [
+        "temperature 10",
+        "temperature 30",
+    ]
     assert "temperature [degC]" in springpot("inspect", path).out
 
 
 def test_an_amplitude_sweep_is_one_line(springpot, write):
-    """Amplitudes that differ from point to point and temperatures that wander a little are one run."""
+    """Amplitudes that differ between points and temperatures that wander a little are one run."""
     rows = "\n".join(f"1,{10 - i},2,{20 + i % 2 / 10},{0.01 * 2**i}" for i in range(9))
-    path = write(f"frequency [Hz],storage [Pa],loss [Pa],temperature [degC],amplitude [%]\n{rows}\n")
+    path = write(
+        f"frequency [Hz],storage [Pa],loss [Pa],temperature [degC],amplitude [%]\n{rows}\n"
+    )
     [sweep] = springpot("inspect", path, "--json").json["sweeps"]
     assert sweep["points"] == 9
     assert (sweep["amplitude"]["from"], sweep["amplitude"]["to"]) == (0.01, 2.56)
@@ -52,7 +67,9 @@ def test_units_that_differ_in_case_only_are_doubted(springpot, write):
 
 def test_a_file_beside_the_name_is_suggested(springpot, damper):
     assert springpot("inspect", damper.with_suffix("")).is_one_line("did you mean", "damper.csv")
-    assert springpot("signals", damper.with_name("dampr.csv")).is_one_line("no such file", "damper.csv")
+    assert springpot("signals", damper.with_name("dampr.csv")).is_one_line(
+        "no such file", "damper.csv"
+    )
     answer = springpot("signals", damper.with_name("other.txt"))
     assert answer.is_one_line("other.txt: there is no such file")
     assert "did you mean" not in answer.err

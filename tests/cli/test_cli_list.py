@@ -5,21 +5,20 @@ import pytest
 from springpot.cli.listing import KINDS
 from springpot.registry import Fault, plugins
 
-KEYS = {
-    "models": {"name", "aliases", "summary", "citation", "parameters", "search_parameters", "needs", "drawing"},
-    "effects": {
-        "name", "aliases", "summary", "equation", "plane", "layer", "needs", "parameters", "citation", "approximate",
-    },
-    "time-effects": {"name", "aliases", "summary", "signature", "stage", "imposed", "parameters", "citation"},
-    "optimisers": {"name", "summary", "citation", "global", "gradient", "batched", "stochastic", "options"},
-    "datasets": {
-        "name", "kind", "points", "licence", "where", "summary", "citation", "doi", "origin", "test", "columns",
-        "model", "fit", "truth", "physics", "aliases", "unavailable",
-    },
-    "readers": {"name", "summary", "holds", "signals", "writes"},
-    "objectives": {"name", "summary", "citation"},
-    "writers": {"name", "summary", "suffix"},
-}  # fmt: skip
+KEY_NAMES = {
+    "models": "name aliases summary citation parameters search_parameters needs drawing",
+    "effects": "name aliases summary equation plane layer needs parameters citation approximate",
+    "time-effects": "name aliases summary signature stage imposed parameters citation",
+    "optimisers": "name summary citation global gradient batched stochastic options",
+    "datasets": (
+        "name kind points licence where summary citation doi origin test columns model fit truth "
+        "physics aliases unavailable"
+    ),
+    "readers": "name summary holds signals writes",
+    "objectives": "name summary citation",
+    "writers": "name summary suffix",
+}
+KEYS = {kind: set(keys.split()) for kind, keys in KEY_NAMES.items()}
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -43,7 +42,13 @@ def test_every_model_is_listed_by_name_and_can_be_drawn(springpot):
 
 def test_an_unbounded_parameter_is_null_in_json(springpot):
     [item] = springpot("list", "models", "springpot", "--json").json["items"]
-    assert item["parameters"][0] == {"name": "c", "symbol": "c", "unit": "N s^alpha/m", "lower": 0.0, "upper": None}
+    assert item["parameters"][0] == {
+        "name": "c",
+        "symbol": "c",
+        "unit": "N s^alpha/m",
+        "lower": 0.0,
+        "upper": None,
+    }
 
 
 def test_a_named_model_is_shown_whole(springpot):
@@ -61,18 +66,31 @@ def test_a_member_of_a_family_and_an_alias_can_be_named(springpot):
 
 
 def test_an_unavailable_plugin_is_listed_with_its_distribution_and_reason(springpot, monkeypatch):
-    monkeypatch.setattr(plugins(), "faults", [Fault("bad", "its-distribution", "ImportError: no module named q")])
-    assert "plugin 'bad' of its-distribution: ImportError: no module named q" in springpot("list", "effects").out
+    monkeypatch.setattr(
+        plugins(), "faults", [Fault("bad", "its-distribution", "ImportError: no module named q")]
+    )
+    assert (
+        "plugin 'bad' of its-distribution: ImportError: no module named q"
+        in springpot("list", "effects").out
+    )
     assert springpot("list", "effects", "--json").json["unavailable"] == [
-        {"plugin": "bad", "distribution": "its-distribution", "reason": "ImportError: no module named q"}
+        {
+            "plugin": "bad",
+            "distribution": "its-distribution",
+            "reason": "ImportError: no module named q",
+        }
     ]
 
 
 def test_readers_say_what_their_files_hold(springpot):
-    """Those of tests in time stand apart from those of sweeps, and each can be asked for by its name."""
-    listed = {item["name"]: item["holds"] for item in springpot("list", "readers", "--json").json["items"]}
+    """Those of tests in time stand apart from those of sweeps; each can be asked for by name."""
+    listed = {
+        item["name"]: item["holds"] for item in springpot("list", "readers", "--json").json["items"]
+    }
     assert {"sweeps", "signals", "tests in time"} == set(listed.values())
-    assert {name for name, holds in listed.items() if holds == "tests in time"} == set(plugins().names("time reader"))
+    assert {name for name, holds in listed.items() if holds == "tests in time"} == set(
+        plugins().names("time reader")
+    )
     for name in plugins().names("time reader"):
         assert name in springpot("list", "readers").out
         assert "holds: tests in time" in springpot("list", "readers", name).out

@@ -1,4 +1,7 @@
-"""``springpot identify`` of many files, jointly, and of what a user knows; text that fits its window."""
+"""``springpot identify`` of many files, jointly, and of what a user knows.
+
+Text that fits its window.
+"""
 
 import csv
 import io
@@ -26,8 +29,12 @@ def dampers(write, rng):
         frequency = np.geomspace(0.5, 50.0, 15)
         stiffness = 1.0 / (1.0 / k + 1.0 / (60.0 * (2j * np.pi * frequency) ** 0.5))
         stiffness *= 1.0 + 0.01 * (rng.normal(size=15) + 1j * rng.normal(size=15))
-        rows = zip(frequency.tolist(), stiffness.real.tolist(), stiffness.imag.tolist(), strict=True)
-        text = "frequency [Hz],storage [kN/m],loss [kN/m]\n" + "".join(f"{a!r},{b!r},{c!r}\n" for a, b, c in rows)
+        rows = zip(
+            frequency.tolist(), stiffness.real.tolist(), stiffness.imag.tolist(), strict=True
+        )
+        text = "frequency [Hz],storage [kN/m],loss [kN/m]\n" + "".join(
+            f"{a!r},{b!r},{c!r}\n" for a, b, c in rows
+        )
         paths.append(write(text, f"damper{i}.csv"))
     return paths
 
@@ -56,7 +63,10 @@ def test_csv_holds_values_ends_and_verdict(springpot, dampers):
 
 
 def test_json_of_many_files_is_lines(springpot, dampers):
-    lines = [json.loads(line) for line in springpot("identify", *dampers, *MODEL, "--json").out.splitlines()]
+    lines = [
+        json.loads(line)
+        for line in springpot("identify", *dampers, *MODEL, "--json").out.splitlines()
+    ]
     assert [line["data"] for line in lines] == ["damper0", "damper1", "damper2"]
 
 
@@ -82,8 +92,12 @@ def test_joint_files_keep_their_names_units_and_conditions():
     assert in_newton.stiffness.tolist() == [1.0 + 1j, 1000.0 + 1000.0j]
     with pytest.raises(library.errors.DataError, match="no joint test"):
         joined([one, library.Measurement([1.0], [1.0 + 1j])])
-    hot = library.Measurement([1.0], [1.0 + 1j], conditions={"temperature": [20.0]}, units=one.units)
-    with pytest.raises(library.errors.DataError, match=r"one lacks temperature.*'FILE\?temperature=20\[degC\]'"):
+    hot = library.Measurement(
+        [1.0], [1.0 + 1j], conditions={"temperature": [20.0]}, units=one.units
+    )
+    with pytest.raises(
+        library.errors.DataError, match=r"one lacks temperature.*'FILE\?temperature=20\[degC\]'"
+    ):
         joined([one, hot])
 
 
@@ -97,7 +111,16 @@ def test_joint_files_need_not_share_what_no_effect_knows():
 
 
 def test_what_is_known_beforehand_is_an_option(springpot, dampers):
-    options = ("--fix", "alpha=0.5", "--bounds", "k=0:350", "--start", "c=50", "--exclude", "frequency=..1")
+    options = (
+        "--fix",
+        "alpha=0.5",
+        "--bounds",
+        "k=0:350",
+        "--start",
+        "c=50",
+        "--exclude",
+        "frequency=..1",
+    )
     answer = springpot("identify", dampers[0], *MODEL, *options, "--json").json
     alpha = answer["parameters"]["alpha"]
     assert (alpha["value"], alpha["fixed"]) == (0.5, True)
@@ -128,7 +151,9 @@ def test_what_cannot_be_is_one_line(springpot, dampers, options, says):
 def test_options_of_an_optimiser_count(springpot, dampers):
     options = ("--budget", "60", "--seed", "1", "--json")
     few, many = (
-        springpot("identify", dampers[0], *MODEL, "--optimiser", f"pso-paper:particles={n}", *options).json
+        springpot(
+            "identify", dampers[0], *MODEL, "--optimiser", f"pso-paper:particles={n}", *options
+        ).json
         for n in (5, 30)
     )
     assert few["objective"]["value"] != many["objective"]["value"]
@@ -139,10 +164,14 @@ def test_no_line_is_wider_than_the_window_but_for_rows_of_tables(springpot, monk
     monkeypatch.setenv("COLUMNS", str(columns))
     text = springpot("diagnose", "artificial-hidden", *MODEL).out
     lines = [
-        line for line in text.splitlines() if not line.startswith(("next: ", "inertia ", "time-", "fixture", "--"))
+        line
+        for line in text.splitlines()
+        if not line.startswith(("next: ", "inertia ", "time-", "fixture", "--"))
     ]
     assert max(width(line) for line in lines if "probability" not in line) <= columns
-    assert text.splitlines()[-1].startswith("next: springpot discover artificial-hidden --model fractional-maxwell")
+    assert text.splitlines()[-1].startswith(
+        "next: springpot discover artificial-hidden --model fractional-maxwell"
+    )
     assert "-v tells" in text
     assert len(springpot("diagnose", "artificial-hidden", *MODEL, "-v").out) > len(text)
 

@@ -6,7 +6,13 @@ import springpot as package
 def test_the_text_has_factors_laws_and_a_verdict(springpot):
     answer = springpot("mastercurve", "nist-srm2491", "--reference", "20degC")
     assert answer.code == 0
-    for words in ("master curve of nist-srm2491 at 20 degC", "Arrhenius", "WLF", "VFT", "superposition   one curve"):
+    for words in (
+        "master curve of nist-srm2491 at 20 degC",
+        "Arrhenius",
+        "WLF",
+        "VFT",
+        "superposition   one curve",
+    ):
         assert words in answer.out
 
 
@@ -33,5 +39,7 @@ def test_a_picture(springpot, tmp_path):
 
 
 def test_bad_input_is_one_line(springpot):
-    assert springpot("mastercurve", "nist-srm2491", "--column", "water").is_one_line("water", "temperature")
+    assert springpot("mastercurve", "nist-srm2491", "--column", "water").is_one_line(
+        "water", "temperature"
+    )
     assert springpot("mastercurve", "nist-srm2491", "--reference", "hot").is_one_line("25degC")

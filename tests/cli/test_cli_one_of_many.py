@@ -1,4 +1,7 @@
-"""One file that cannot be used among many: told in one line, the others answered, exit code 2 at the end."""
+"""One file that cannot be used among many.
+
+Told in one line, the others answered, exit code 2 at the end.
+"""
 
 import json
 
@@ -24,7 +27,9 @@ def told_of(answer, bad):
     return True
 
 
-@pytest.mark.parametrize(("command", "model"), [("identify", MODEL), ("diagnose", MODEL), ("inspect", ())])
+@pytest.mark.parametrize(
+    ("command", "model"), [("identify", MODEL), ("diagnose", MODEL), ("inspect", ())]
+)
 def test_an_empty_file_stops_no_other(springpot, damper, empty, write, command, model):
     other = write(damper.read_bytes(), "other.csv")
     answer = springpot(command, damper, empty, other, *model, "--json")
@@ -35,13 +40,19 @@ def test_an_empty_file_stops_no_other(springpot, damper, empty, write, command, 
 def signals(write, name, hertz):
     time = np.linspace(0.0, 4.0, 801)
     phase = 2.0 * np.pi * hertz * time
-    rows = zip(time.tolist(), np.sin(phase).tolist(), (3.0 * np.sin(phase + 0.5)).tolist(), strict=True)
+    rows = zip(
+        time.tolist(), np.sin(phase).tolist(), (3.0 * np.sin(phase + 0.5)).tolist(), strict=True
+    )
     header = "time [s],displacement [mm],force [kN]\n"
     return write(header + "".join(f"{t!r},{x!r},{f!r}\n" for t, x, f in rows), name)
 
 
 def test_signals_of_many_go_on_past_one(springpot, write, empty, damper, tmp_path):
-    first, last, table = signals(write, "one.csv", 2.0), signals(write, "two.csv", 3.0), tmp_path / "out.csv"
+    first, last, table = (
+        signals(write, "one.csv", 2.0),
+        signals(write, "two.csv", 3.0),
+        tmp_path / "out.csv",
+    )
     answer = springpot("signals", first, empty, last, "-o", table, "--json")
     assert told_of(answer, empty)
     assert [row["file"] for row in json.loads(answer.out)["rows"]] == ["one", "two"]

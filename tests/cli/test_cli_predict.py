@@ -30,9 +30,12 @@ def test_numbers_table_and_picture_agree(springpot, fit, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("asked", "title", "at"), [("--omega", "omega [rad/s]", 2.0), ("--frequency", "frequency [Hz]", 2.0)]
+    ("asked", "title", "at"),
+    [("--omega", "omega [rad/s]", 2.0), ("--frequency", "frequency [Hz]", 2.0)],
 )
-def test_an_answer_is_told_in_the_frequencies_that_were_asked(springpot, fit, tmp_path, asked, title, at):
+def test_an_answer_is_told_in_the_frequencies_that_were_asked(
+    springpot, fit, tmp_path, asked, title, at
+):
     table = tmp_path / "predicted.csv"
     told = springpot("predict", fit, asked, "2,3000", "-o", table)
     unit = title.partition("[")[2].rstrip("]")
@@ -73,7 +76,12 @@ def test_points_outside_of_what_was_measured_are_marked_and_told_once(springpot,
     assert told.out.count("beyond the measured") == 1
     assert "2 of 3 points" in told.out
     rows = table.read_text().splitlines()
-    assert [row.rpartition(",")[2] for row in rows] == ["measured [text]", "outside", "within", "outside"]
+    assert [row.rpartition(",")[2] for row in rows] == [
+        "measured [text]",
+        "outside",
+        "within",
+        "outside",
+    ]
     assert library.read(table).labels["measured"].tolist() == ["outside", "within", "outside"]
     answer = springpot(*asked, "--json").json
     assert [point["outside_measured"] for point in answer["points"]] == [True, False, True]

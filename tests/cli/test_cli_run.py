@@ -17,8 +17,10 @@ from springpot.measurement import Measurement, Units
 
 omega = np.geomspace(1.0, 100.0, 12)
 springpot = 60.0 * (1j * omega) ** 0.5
-data = Measurement(omega, 1.0 / (1.0 / 900.0 + 1.0 / springpot), units=Units("kN/m", "mm"), name="damper")
-study = Study("small", [data], ["fractional-maxwell"], ["paper"], ["random-search"], repetitions=2, budget=50)
+stiffness = 1.0 / (1.0 / 900.0 + 1.0 / springpot)
+data = Measurement(omega, stiffness, units=Units("kN/m", "mm"), name="damper")
+study = Study("small", [data], ["fractional-maxwell"], ["paper"], ["random-search"],
+              repetitions=2, budget=50)
 """
 
 MOODY = """
@@ -77,10 +79,14 @@ def test_failed_trials_are_run_again_if_asked(springpot, write, tmp_path, monkey
 
 def test_bad_input_is_one_line(springpot, study, write):
     assert springpot("run", study, "--engine", "serial", "--quiet").code == 0
-    assert springpot("run", study, "--engine", "nonsense").is_one_line("unknown engine 'nonsense'", "dask:ADDRESS")
+    assert springpot("run", study, "--engine", "nonsense").is_one_line(
+        "unknown engine 'nonsense'", "dask:ADDRESS"
+    )
     assert springpot("run", "none.py").is_one_line("none.py")
     assert springpot("run", study, "--budget", "0").is_one_line("--budget")
-    assert springpot("run", study, "--workers", "2", "--engine", "serial").is_one_line("--workers or --engine")
+    assert springpot("run", study, "--workers", "2", "--engine", "serial").is_one_line(
+        "--workers or --engine"
+    )
     assert springpot("run", write("1 / 0", "broken.py")).is_one_line("line 1", "ZeroDivisionError")
     assert springpot("run", write("x = 1", "empty.py")).is_one_line("declares no study")
     assert springpot("tables", "nothing").is_one_line("run the study first")
@@ -93,14 +99,18 @@ def race(springpot, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert springpot("init", "study").code == 0
     script = tmp_path / "race.py"
-    short = script.read_text("utf-8").replace("repetitions=20", "repetitions=2").replace("budget=2000", "budget=100")
+    short = (
+        script.read_text("utf-8")
+        .replace("repetitions=20", "repetitions=2")
+        .replace("budget=2000", "budget=100")
+    )
     script.write_text(short, encoding="utf-8")
     assert springpot("run", script, "--engine", "serial", "-q", "--json").json["ran"] == 6
     return script
 
 
 def examples(text, command):
-    """The lines that start with `springpot COMMAND` in a text whose lines were broken, as arguments."""
+    """The lines of a text that start with `springpot COMMAND`, rejoined, as arguments."""
     flat = " ".join(text.split())
     found = re.findall(rf"springpot {command} race [^`]*?(?= Options:|`|$)", flat)
     return [shlex.split(line)[1:] for line in found]
@@ -127,7 +137,9 @@ def test_more_repetitions_of_that_race_run_the_new_ones_only(springpot, race):
         wanted = f"repetitions={repetitions},  # {'more ' * repetitions}"
         text = re.sub(r"repetitions=.*", wanted, race.read_text("utf-8"))
         race.write_text(text, encoding="utf-8")
-        del sys.modules["springpot_study_race"]  # a script is executed once in a process; users start another
+        del sys.modules[
+            "springpot_study_race"
+        ]  # a script is executed once in a process; users start another
         return springpot("run", race, "--engine", "serial", "-q", "--json").json["ran"]
 
     kept = springpot("tables", "race", "--table", "summary", "--json").json
@@ -139,7 +151,10 @@ def test_more_repetitions_of_that_race_run_the_new_ones_only(springpot, race):
 def test_a_script_run_by_python_tells_the_command_as_it_was_written(springpot, race):
     """The report is handed on: a path of one machine repeats nothing on another."""
     done = subprocess.run(
-        [sys.executable, race.name, "--engine", "serial", "-q"], cwd=race.parent, capture_output=True, text=True
+        [sys.executable, race.name, "--engine", "serial", "-q"],
+        cwd=race.parent,
+        capture_output=True,
+        text=True,
     )
     assert done.returncode == 0, done.stderr
     report = race.parent.joinpath("results", "race", "report.html").read_text("utf-8")

@@ -15,7 +15,9 @@ def records(write):
         turn = np.exp(2j * np.pi * f * time)
         displacement = 2.0 * turn.imag
         force = (2.0 * _stiffness(f) * turn).imag + rng.normal(size=len(time))
-        rows = "\n".join(f"{a!r},{b!r},{c!r}" for a, b, c in np.c_[time, displacement, force].tolist())
+        rows = "\n".join(
+            f"{a!r},{b!r},{c!r}" for a, b, c in np.c_[time, displacement, force].tolist()
+        )
         paths.append(write(f"time [s],displacement [mm],force [N]\n{rows}\n", f"test-{f:g}.csv"))
     return paths
 
@@ -62,5 +64,7 @@ def test_bad_input_is_one_line(springpot, records, damper, tmp_path):
     assert springpot("signals", damper).is_one_line("damper.csv", "signals")
     assert springpot("signals", records[0], "--frequency", "0").is_one_line("--frequency")
     assert springpot("signals", records[0], "--window", "90", "99").is_one_line("window")
-    assert springpot("signals", records[0], "-o", tmp_path / "no" / "a.csv").is_one_line("no folder")
+    assert springpot("signals", records[0], "-o", tmp_path / "no" / "a.csv").is_one_line(
+        "no folder"
+    )
     assert springpot("signals", records[0], "-o", tmp_path).is_one_line("is a folder")

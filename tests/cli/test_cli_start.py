@@ -50,7 +50,9 @@ def test_the_shell_is_offered_names(words, offered):
     from springpot.cli.group import springpot as group
 
     *before, incomplete = words
-    found = ShellComplete(group, {}, "springpot", "_SPRINGPOT_COMPLETE").get_completions(before, incomplete)
+    found = ShellComplete(group, {}, "springpot", "_SPRINGPOT_COMPLETE").get_completions(
+        before, incomplete
+    )
     assert offered in [item.value for item in found]
 
 

@@ -19,13 +19,17 @@ def table(header, values, seed):
     return (
         header
         + "\n"
-        + "".join(f"{t!r},{v!r}\n" for t, v in zip(T.tolist(), (values * scatter).tolist(), strict=True))
+        + "".join(
+            f"{t!r},{v!r}\n" for t, v in zip(T.tolist(), (values * scatter).tolist(), strict=True)
+        )
     )
 
 
 @pytest.fixture
 def relaxed(write):
-    return write(table("time [s],relaxation [kPa]", MODEL.relaxation(THETA, T), 1), "relaxation.csv")
+    return write(
+        table("time [s],relaxation [kPa]", MODEL.relaxation(THETA, T), 1), "relaxation.csv"
+    )
 
 
 @pytest.fixture
@@ -68,7 +72,9 @@ def test_identify_from_one_test(springpot, relaxed):
 
 def test_identify_from_all_tests_of_a_specimen(springpot, relaxed, crept, swept, tmp_path):
     figure = tmp_path / "tests.png"
-    answer = springpot("identify", swept, relaxed, crept, "-m", "fractional-maxwell", "--figure", figure)
+    answer = springpot(
+        "identify", swept, relaxed, crept, "-m", "fractional-maxwell", "--figure", figure
+    )
     assert answer.code == 0, answer.err
     for word in ("3 tests", "sweep", "relaxation", "creep", "alone: x floor where"):
         assert word in answer.out
@@ -87,7 +93,9 @@ def test_predict_says_whether_it_holds(springpot, fit, crept, swept, tmp_path):
     told = springpot("predict", fit, "--history", crept, "-o", table, "--figure", picture)
     assert told.code == 0, told.err
     assert "the prediction of creep holds" in told.out
-    assert table.read_text().startswith("time [s],strain [-],strain_low [-],strain_high [-],strain_measured [-]\n")
+    assert table.read_text().startswith(
+        "time [s],strain [-],strain_low [-],strain_high [-],strain_measured [-]\n"
+    )
     assert picture.stat().st_size > 5_000
     assert springpot("predict", fit, "--history", swept, "-o", table).code == 0
     ends = ("", "_low", "_high", "_measured")
@@ -110,13 +118,17 @@ def test_predict_frequencies_from_a_test_in_time(springpot, fit):
     answer = springpot("predict", fit, "--frequency", "0.1,1", "--json").json
     exact = MODEL.stiffness(THETA, 2 * np.pi * np.array([0.1, 1.0]))
     assert [row["storage"] for row in answer["points"]] == pytest.approx(exact.real, rel=0.05)
-    springpot("predict", fit, "--frequency", "1", "--history", "x.csv").is_one_line("or a --history")
+    springpot("predict", fit, "--frequency", "1", "--history", "x.csv").is_one_line(
+        "or a --history"
+    )
 
 
 def test_export_from_a_fit_to_tests_in_time(springpot, fit):
     assert (
         "uniaxialMaterial"
-        in springpot("export-model", fit, "--to", "opensees", "--band", "0.1Hz:1Hz", "--modulus", "young").out
+        in springpot(
+            "export-model", fit, "--to", "opensees", "--band", "0.1Hz:1Hz", "--modulus", "young"
+        ).out
     )
 
 
@@ -129,34 +141,64 @@ def test_diagnose_judges_the_raw_signal(springpot, relaxed):
 
 def test_any_optimiser_may_search(springpot, relaxed, fit):
     found = springpot(
-        "identify", relaxed, "-m", "fractional-maxwell", "--optimiser", "least-squares", "--budget", "300", "--json"
+        "identify",
+        relaxed,
+        "-m",
+        "fractional-maxwell",
+        "--optimiser",
+        "least-squares",
+        "--budget",
+        "300",
+        "--json",
     ).json
     assert found["optimiser"] == "least-squares"
     assert found["evaluations"] <= 300
     native = json.loads(fit.read_text())
     assert found["objective"]["value"] == pytest.approx(native["objective"]["value"], rel=1e-4)
-    told = springpot("identify", relaxed, "-m", "fractional-maxwell", "--optimiser", "cma-es", "--budget", "20")
+    told = springpot(
+        "identify", relaxed, "-m", "fractional-maxwell", "--optimiser", "cma-es", "--budget", "20"
+    )
     assert "cma-es: budget, 20 evaluations" in told.out
 
 
 def test_what_is_for_sweeps_is_refused(springpot, relaxed):
-    springpot("identify", relaxed, "-m", "fractional-maxwell", "--objective", "paper").is_one_line("for sweeps")
-    springpot("identify", relaxed, "-m", "fractional-maxwell", "--fix", "k=1").is_one_line("--fix is for sweeps")
+    springpot("identify", relaxed, "-m", "fractional-maxwell", "--objective", "paper").is_one_line(
+        "for sweeps"
+    )
+    springpot("identify", relaxed, "-m", "fractional-maxwell", "--fix", "k=1").is_one_line(
+        "--fix is for sweeps"
+    )
     springpot(
-        "identify", relaxed, "-m", "fractional-maxwell", "--geometry", "shear-pads area=1cm^2 gap=1mm"
+        "identify",
+        relaxed,
+        "-m",
+        "fractional-maxwell",
+        "--geometry",
+        "shear-pads area=1cm^2 gap=1mm",
     ).is_one_line("geometry")
 
 
 def test_bad_input_is_one_line(springpot, write, swept):
     bad = write("time [s],force [N]\n1,2\n2,3\n", "bad.csv")
-    springpot("identify", bad, "-m", "fractional-maxwell").is_one_line("a force without a displacement", "bad.csv")
+    springpot("identify", bad, "-m", "fractional-maxwell").is_one_line(
+        "a force without a displacement", "bad.csv"
+    )
     assert "sweep  " in springpot("identify", swept, swept, "-m", "fractional-maxwell").out
 
 
 def test_compare_ranks_models_of_tests_in_time(springpot, relaxed, crept, tmp_path):
     picture = tmp_path / "views.png"
     told = springpot(
-        "compare", relaxed, "-m", "fractional-maxwell", "-m", "maxwell", "-m", "spring + payne", "--figure", picture
+        "compare",
+        relaxed,
+        "-m",
+        "fractional-maxwell",
+        "-m",
+        "maxwell",
+        "-m",
+        "spring + payne",
+        "--figure",
+        picture,
     )
     assert told.code == 0, told.err
     assert "fractional-maxwell is best" in told.out
@@ -173,7 +215,9 @@ def test_discover_is_for_tests_in_time_too(springpot, relaxed):
     assert told.code == 0, told.err
     assert "fractional-kelvin + series-spring" in told.out
     assert "x floor" in told.out
-    springpot("discover", relaxed, "-m", "maxwell", "--auto", "--fix", "k=1").is_one_line("for sweeps")
+    springpot("discover", relaxed, "-m", "maxwell", "--auto", "--fix", "k=1").is_one_line(
+        "for sweeps"
+    )
 
 
 def test_without_a_model_any_material_is_judged(springpot, relaxed):
@@ -188,7 +232,9 @@ def test_of_several_tests_the_one_that_lacks_a_unit_is_named(springpot, relaxed,
 
 
 def test_an_effect_of_the_test_itself_is_found_named_and_added(springpot, write):
-    drifting = write(table("time [s],relaxation [kPa]", MODEL.relaxation(THETA, T) + 0.5 * T, 3), "drifting.csv")
+    drifting = write(
+        table("time [s],relaxation [kPa]", MODEL.relaxation(THETA, T) + 0.5 * T, 3), "drifting.csv"
+    )
     answer = springpot("diagnose", drifting, "-m", "fractional-maxwell", "--json").json
     assert answer["verdict"] == "effect-missing"
     assert "force-drift" in answer["candidates"][0]["class"]
@@ -196,19 +242,29 @@ def test_an_effect_of_the_test_itself_is_found_named_and_added(springpot, write)
     assert "force-drift: the zero of the force transducer drifts" in shown
     named = springpot("identify", drifting, "-m", "fractional-maxwell + force-drift", "--json").json
     assert named["parameters"]["force-drift.rate"]["value"] == pytest.approx(0.5, rel=0.1)
-    ladder = springpot("discover", drifting, "-m", "fractional-maxwell", "--accept", "force-drift", "--json").json
+    ladder = springpot(
+        "discover", drifting, "-m", "fractional-maxwell", "--accept", "force-drift", "--json"
+    ).json
     assert ladder["verdict"] == "adequate"
 
 
 def test_a_sweep_has_no_effect_of_a_test_in_time(springpot, swept):
-    springpot("identify", swept, "-m", "fractional-maxwell + force-drift").is_one_line("'force-drift'", "sweep")
-    springpot("diagnose", swept, "-m", "fractional-maxwell + force-drift").is_one_line("'force-drift'", "sweep")
+    springpot("identify", swept, "-m", "fractional-maxwell + force-drift").is_one_line(
+        "'force-drift'", "sweep"
+    )
+    springpot("diagnose", swept, "-m", "fractional-maxwell + force-drift").is_one_line(
+        "'force-drift'", "sweep"
+    )
 
 
 def test_inspect_of_a_record_tells_both_ways_on(springpot, write):
     t = np.linspace(0.0, 2.0, 200)
-    rows = "".join(f"{a!r},{b!r},{2 * b!r}\n" for a, b in zip(t.tolist(), np.sin(9 * t).tolist(), strict=True))
-    shown = springpot("inspect", write(f"time [s],displacement [mm],force [N]\n{rows}", "record.csv")).out
+    rows = "".join(
+        f"{a!r},{b!r},{2 * b!r}\n" for a, b in zip(t.tolist(), np.sin(9 * t).tolist(), strict=True)
+    )
+    shown = springpot(
+        "inspect", write(f"time [s],displacement [mm],force [N]\n{rows}", "record.csv")
+    ).out
     assert "next: springpot identify " in shown
     assert "steadily: springpot signals " in shown
 
@@ -217,4 +273,7 @@ def test_which_of_several_absent_effects_is_absent_is_no_news(springpot, relaxed
     answer = springpot("diagnose", relaxed, "--model", "fractional-maxwell", "--json").json
     absent = {each["effect"] for each in answer["candidates"] if each["verdict"] == "absent"}
     assert any(names[0] in absent for names in answer["classes"])
-    assert "cannot tell apart" not in springpot("diagnose", relaxed, "--model", "fractional-maxwell").out
+    assert (
+        "cannot tell apart"
+        not in springpot("diagnose", relaxed, "--model", "fractional-maxwell").out
+    )

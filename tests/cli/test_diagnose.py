@@ -1,4 +1,7 @@
-"""``springpot diagnose``, ``discover``, ``compare`` and ``demo``: what they print, write and refuse."""
+"""``springpot diagnose``, ``discover``, ``compare`` and ``demo``.
+
+What they print, write and refuse.
+"""
 
 import json
 from time import sleep
@@ -12,14 +15,23 @@ pytestmark = pytest.mark.usefixtures("asked_once", "unpainted")
 
 OMEGA = 2.0 * np.pi * np.geomspace(0.5, 100.0, 40)
 CANDIDATE = {
-    "effect", "class", "probability", "delta_bic", "score", "verdict", "predicted_error", "error_after", "parameters",
+    "effect",
+    "class",
+    "probability",
+    "delta_bic",
+    "score",
+    "verdict",
+    "predicted_error",
+    "error_after",
+    "parameters",
     "says",
-}  # fmt: skip
+}
 
 
 def table(stiffness, header="frequency [Hz],storage [kN/m],loss [kN/m]"):
     rows = [
-        f"{w / (2 * np.pi)!r},{k.real!r},{k.imag!r}" for w, k in zip(OMEGA.tolist(), stiffness.tolist(), strict=True)
+        f"{w / (2 * np.pi)!r},{k.real!r},{k.imag!r}"
+        for w, k in zip(OMEGA.tolist(), stiffness.tolist(), strict=True)
     ]
     return "\n".join([header, *rows]) + "\n"
 
@@ -48,7 +60,11 @@ def test_json_is_as_agreed(springpot, heavy):
     assert (answer["data"], answer["model"]) == ("heavy", "fractional-maxwell")
     assert set(answer["error"]) >= {"relative_rms", "noise_floor", "noise_source"}
     assert answer["error"]["noise_source"] == "estimated"
-    assert answer["error"]["noise_floor"] < answer["error"]["material_floor"] < answer["error"]["relative_rms"]
+    assert (
+        answer["error"]["noise_floor"]
+        < answer["error"]["material_floor"]
+        < answer["error"]["relative_rms"]
+    )
     assert answer["error"]["material_chance"] < 0.005
     assert answer["verdict"] == "effect-missing"
     assert set(answer["where"][0]) >= {"plane", "condition", "from", "to", "size", "says"}
@@ -75,7 +91,9 @@ def test_text_begins_with_the_verdict_and_ends_with_advice(springpot, heavy):
     assert "with inertia" in error
     assert "x floor; noise floor " in error
     assert "% (estimated); material floor " in error
-    assert lines[lines.index(error) + 1].startswith(("a material could be at ", "any linear material would be "))
+    assert lines[lines.index(error) + 1].startswith(
+        ("a material could be at ", "any linear material would be ")
+    )
     assert "where it fails:" in lines
     [row] = [line for line in lines if line.startswith("inertia ")]
     assert " kg" in row
@@ -87,8 +105,12 @@ def test_nothing_missing_is_said_plainly(springpot, sound):
     assert "absent, or it would have been seen" in answer.out
 
 
-def test_several_files_give_json_lines_and_a_bad_one_stops_nobody(springpot, heavy, sound, tmp_path):
-    answer = springpot("diagnose", heavy, tmp_path / "no.csv", sound, "-m", "fractional-maxwell", "--json")
+def test_several_files_give_json_lines_and_a_bad_one_stops_nobody(
+    springpot, heavy, sound, tmp_path
+):
+    answer = springpot(
+        "diagnose", heavy, tmp_path / "no.csv", sound, "-m", "fractional-maxwell", "--json"
+    )
     assert answer.code == 2
     # On a busy machine what is being done is told too.
     [line] = [line for line in answer.err.splitlines() if line.startswith("springpot: ")]
@@ -100,7 +122,10 @@ def test_several_files_give_json_lines_and_a_bad_one_stops_nobody(springpot, hea
 
 def test_the_same_seed_gives_the_same_bits(springpot, heavy, monkeypatch):
     monkeypatch.undo()  # both are worked out
-    first, again = (springpot("diagnose", heavy, "-m", "fractional-maxwell", "--seed", "3", "--json") for _ in "ab")
+    first, again = (
+        springpot("diagnose", heavy, "-m", "fractional-maxwell", "--seed", "3", "--json")
+        for _ in "ab"
+    )
     assert first.out == again.out
 
 
@@ -120,7 +145,8 @@ def test_the_error_falls_to_the_floor(springpot, heavy, way):
 
 
 @pytest.mark.parametrize(
-    "effects", [("--accept", "inertia", "--accept", "time-delay"), ("--accept", "inertia", "time-delay")]
+    "effects",
+    [("--accept", "inertia", "--accept", "time-delay"), ("--accept", "inertia", "time-delay")],
 )
 def test_effects_are_accepted_in_the_given_order(springpot, write, effects):
     data = write(table(damper(mass=6e-4, delay=4e-4)))
@@ -134,7 +160,16 @@ def test_report_and_figure_are_written(springpot, heavy, tmp_path):
     pytest.importorskip("matplotlib")
     report, figure = tmp_path / "a.html", tmp_path / "a.png"
     answer = springpot(
-        "discover", heavy, "-m", "fractional-maxwell", "--accept", "inertia", "--report", report, "--figure", figure
+        "discover",
+        heavy,
+        "-m",
+        "fractional-maxwell",
+        "--accept",
+        "inertia",
+        "--report",
+        report,
+        "--figure",
+        figure,
     )
     assert answer.code == 0
     assert str(report) in answer.out
@@ -161,7 +196,9 @@ def test_what_discover_cannot_do_is_one_line(springpot, heavy, arguments, words)
 @pytest.mark.parametrize("command", [("diagnose",), ("discover", "--auto"), ("compare",)])
 def test_too_few_points_is_one_line(springpot, write, command):
     data = write("frequency [Hz],storage [kN/m],loss [kN/m]\n1,2,3\n")
-    springpot(command[0], data, *command[1:], "-m", "fractional-zener").is_one_line("point", "parameters")
+    springpot(command[0], data, *command[1:], "-m", "fractional-zener").is_one_line(
+        "point", "parameters"
+    )
 
 
 def test_models_are_compared_in_text_json_and_figure(springpot, heavy, tmp_path):
@@ -229,7 +266,10 @@ def test_rows_of_several_tests_are_compared_one_by_one(springpot, write):
     loss = 0.5 * omega * (1.0 + 4.0 * current)
     rows = zip((omega / 2 / np.pi).tolist(), loss.tolist(), current.tolist(), strict=True)
     lines = [f"{f!r},20.0,{k!r},{i!r}" for f, k, i in rows]
-    path = write("\n".join(["frequency [Hz],storage [kN/m],loss [kN/m],current [A]", *lines]) + "\n", "mr.csv")
+    path = write(
+        "\n".join(["frequency [Hz],storage [kN/m],loss [kN/m],current [A]", *lines]) + "\n",
+        "mr.csv",
+    )
     last = springpot("compare", path, "-m", "kelvin", "-m", "maxwell").out.splitlines()[-1]
     assert last == f"next: springpot compare {path}@current=0 --model kelvin --model maxwell"
     chosen = springpot("compare", f"{path}@current=0", "-m", "kelvin", "-m", "maxwell")
@@ -262,7 +302,11 @@ def test_the_demonstration_tells_its_whole_story(springpot, undrawn, tmp_path, m
     monkeypatch.setattr(demo, "_run", lambda race, out: f"{race.name} of {len(race.optimisers)}\n")
     answer = springpot("demo", "--out", tmp_path / "story")
     assert answer.code == 0, answer.err
-    assert {path.name for path in (tmp_path / "story").iterdir()} >= {"ladder.png", "report.html", "story.txt"}
+    assert {path.name for path in (tmp_path / "story").iterdir()} >= {
+        "ladder.png",
+        "report.html",
+        "story.txt",
+    }
     assert "fractional-maxwell + inertia + time-delay" in answer.out
     last = "$ springpot workbench artificial-hidden --model fractional-maxwell"
     assert last in answer.out.splitlines()[-3:]  # told, not run
@@ -275,7 +319,10 @@ def test_the_race_of_the_demonstration_runs(tmp_path):
     from springpot.hooks import Race
 
     text = _run(
-        Race("small", ("artificial-fractional-kelvin",), ("native", "random-search"), "paper", 2, 60), tmp_path
+        Race(
+            "small", ("artificial-fractional-kelvin",), ("native", "random-search"), "paper", 2, 60
+        ),
+        tmp_path,
     )
     assert "random-search" in text
     assert (tmp_path / "small" / "small.sqlite").exists()
@@ -297,7 +344,14 @@ def test_an_effect_of_the_users_own_takes_part(heavy):
     import springpot
     from springpot.rheology import Effect, Layer, mass, parallel
 
-    mine = Effect("my-flywheel", parallel, mass("m"), "a flywheel turns with the piston", Layer.MOUNTING, "none")
+    mine = Effect(
+        "my-flywheel",
+        parallel,
+        mass("m"),
+        "a flywheel turns with the piston",
+        Layer.MOUNTING,
+        "none",
+    )
     diagnosis = springpot.diagnose(springpot.read(heavy), "fractional-maxwell", effects=[mine])
     [row] = [row for row in diagnosis.candidates if row.effect == "my-flywheel"]
     assert "inertia" in row.alike

@@ -23,7 +23,11 @@ def _raise(error):
     [
         (DataError("bad.csv: no rows"), 2, "springpot: bad.csv: no rows\n"),
         (DataError("first\n  second"), 2, "springpot: first second\n"),
-        (click.UsageError("No such option '--x'."), 2, "springpot: no such option '--x' (see 'springpot --help')\n"),
+        (
+            click.UsageError("No such option '--x'."),
+            2,
+            "springpot: no such option '--x' (see 'springpot --help')\n",
+        ),
         (KeyboardInterrupt(), 130, ""),
         (click.Abort(), 130, ""),
     ],
@@ -60,7 +64,10 @@ def test_the_answer_of_a_command_is_its_exit_code():
         (["list", "foo"], ["'foo'", "'models'", "springpot list --help"]),
         (["list"], ["missing argument", "kind"]),
         (["list", "models", "--jsn"], ["no such option", "--json"]),
-        (["list", "models", "fractional-zenner"], ["unknown model 'fractional-zenner'", "fractional-zener"]),
+        (
+            ["list", "models", "fractional-zenner"],
+            ["unknown model 'fractional-zenner'", "fractional-zener"],
+        ),
     ],
 )
 def test_wrong_usage_is_one_line_with_a_hint(springpot, arguments, words):
@@ -69,7 +76,9 @@ def test_wrong_usage_is_one_line_with_a_hint(springpot, arguments, words):
 
 def test_a_reader_that_goes_away_is_no_error():
     script = f"{sys.executable} -m springpot.cli list models --json | true; echo ${{PIPESTATUS[0]}}"
-    done = subprocess.run(["bash", "-c", script], capture_output=True, text=True, env=os.environ, check=True)
+    done = subprocess.run(
+        ["bash", "-c", script], capture_output=True, text=True, env=os.environ, check=True
+    )
     # Quiet whether or not the listing was written before the reader left.
     assert done.stderr == ""
     assert done.stdout.strip() in {"0", "141"}

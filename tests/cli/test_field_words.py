@@ -15,7 +15,10 @@ def table(omega, header, mass=0.02):
     """A fractional Maxwell element with a mass that the model lacks."""
     stiffness = 1.0 / (1.0 / 400.0 + 1.0 / (60.0 * (1j * omega) ** 0.5)) - mass * omega**2
     first = omega / (2.0 * np.pi) if "Hz" in header else omega
-    rows = [f"{x!r},{k.real!r},{k.imag!r}" for x, k in zip(first.tolist(), stiffness.tolist(), strict=True)]
+    rows = [
+        f"{x!r},{k.real!r},{k.imag!r}"
+        for x, k in zip(first.tolist(), stiffness.tolist(), strict=True)
+    ]
     return "\n".join([header, *rows]) + "\n"
 
 
@@ -50,8 +53,10 @@ def test_a_damper_engineer_reads_hertz_and_stiffness(springpot, write):
 def test_json_stays_in_hertz(springpot, rheometer, write):
     """Words change with the file, numbers for programs never."""
     same = write(table(OMEGA, "frequency [Hz],storage [Pa],loss [Pa]"), "hertz.csv")
-    first, second = (springpot("compare", path, *MODEL, "--json").json for path in (rheometer, same))
-    (where, again) = (answer["models"][0]["where"] for answer in (first, second))
+    first, second = (
+        springpot("compare", path, *MODEL, "--json").json for path in (rheometer, same)
+    )
+    where, again = (answer["models"][0]["where"] for answer in (first, second))
     assert where
     assert [place["from"] for place in where] == pytest.approx([place["from"] for place in again])
     assert springpot("inspect", rheometer, "--json").json["frequency"]["unit"] == "Hz"
@@ -70,7 +75,7 @@ def test_a_share_beyond_all_is_written_out():
 
 
 def test_far_from_the_noise_without_a_pattern_is_no_noise(springpot, write, rng):
-    """Thirty per cent of scatter in one direction of an otherwise smooth curve is not 'nothing but noise'."""
+    """Scatter of 30 % in one direction of an otherwise smooth curve is not 'nothing but noise'."""
     from springpot.comparison import Judgement
     from springpot.misfit.error import Error
 
@@ -89,11 +94,13 @@ def test_far_from_the_noise_without_a_pattern_is_no_noise(springpot, write, rng)
 
 
 def test_where_the_floor_moves_a_line_says_why(springpot):
-    """Amplitudes that differ from point to point leave no smooth curve whose scatter could be taken."""
+    """Amplitudes that differ from point to point leave no smooth curve to take scatter from."""
     import springpot as package
-    from springpot.report.climbed import ladder_text
+    from springpot.report.ladder_text import ladder_text
 
-    ladder = package.discover("artificial-hidden", "fractional-maxwell", accept=["inertia", "time-delay"])
+    ladder = package.discover(
+        "artificial-hidden", "fractional-maxwell", accept=["inertia", "time-delay"]
+    )
     floors = [step.noise_floor for step in ladder.steps]
     assert max(floors) > 1.1 * min(floors)
     said = ladder_text(ladder, 80)
@@ -107,7 +114,7 @@ def test_where_the_floor_moves_a_line_says_why(springpot):
 def test_no_reason_is_given_where_nothing_moved():
     from types import SimpleNamespace
 
-    from springpot.report.climbed import floor_moved
+    from springpot.report.ladder_text import floor_moved
 
     def steps(*floors, source="estimated"):
         error = SimpleNamespace(noise_source=source)
@@ -123,7 +130,9 @@ def test_comparisons_fit_the_window_and_name_the_next_command(springpot, rheomet
     monkeypatch.setenv("COLUMNS", "80")
     models = ("-m", "fractional-maxwell", "-m", "fractional-maxwell + inertia")
     lines = springpot("compare", rheometer, *models).out.splitlines()
-    assert lines[-1] == f"next: springpot identify {rheometer} --model 'fractional-maxwell + inertia'"
+    assert (
+        lines[-1] == f"next: springpot identify {rheometer} --model 'fractional-maxwell + inertia'"
+    )
     assert max(map(len, lines[:-1])) <= 80
     lines = springpot("compare", rheometer, "-m", "fractional-maxwell").out.splitlines()
     assert lines[-1].startswith("next: springpot diagnose ")
@@ -139,8 +148,13 @@ def test_a_master_curve_speaks_of_a_T(springpot, monkeypatch):
 def test_python_is_told_how_tests_in_time_are_opened(write):
     import springpot as package
 
-    path = write("time [s],relaxation [Pa]\n" + "".join(f"{t},{100 / t}\n" for t in range(1, 30)), "relaxation.csv")
-    with pytest.raises(package.errors.DataError, match=r"no sweep: open it by springpot\.open_in_time"):
+    path = write(
+        "time [s],relaxation [Pa]\n" + "".join(f"{t},{100 / t}\n" for t in range(1, 30)),
+        "relaxation.csv",
+    )
+    with pytest.raises(
+        package.errors.DataError, match=r"no sweep: open it by springpot\.open_in_time"
+    ):
         package.identify(path, "zener")
     with pytest.raises(package.errors.DataError, match=r"springpot\.timetests\.identify"):
         package.read(path)
@@ -149,13 +163,26 @@ def test_python_is_told_how_tests_in_time_are_opened(write):
 def test_an_answer_in_time_fits_the_window():
     from types import SimpleNamespace as Some
 
-    from springpot.report.fits import diagnosed_in_time_text
+    from springpot.report.fit_text import diagnosed_in_time_text
 
-    each = Some(effect="inertia", verdict="missing", delta_bic=1234.5, over_floor=1.02, says="a mass " * 20,
-                parameters={"inertia.m": {"value": 0.25, "unit": "kg"}})  # fmt: skip
-    found = Some(base=Some(model=Some(name="zener")), verdict="effect-missing", says="the error is " * 12,
-                 where=[Some(says="record is missed most " * 8)], candidates=[each], missing=("inertia",),
-                 classes=[("inertia", "specimen-inertia")])  # fmt: skip
+    each = Some(
+        effect="inertia",
+        verdict="missing",
+        delta_bic=1234.5,
+        over_floor=1.02,
+        says="a mass " * 20,
+        parameters={"inertia.m": {"value": 0.25, "unit": "kg"}},
+    )
+    found = Some(
+        base=Some(model=Some(name="zener")),
+        verdict="effect-missing",
+        says="the error is " * 12,
+        where=[Some(says="record is missed most " * 8)],
+        candidates=[each],
+        missing=("inertia",),
+        classes=[("inertia", "specimen-inertia")],
+        left_out={},
+    )
     told = diagnosed_in_time_text(found, 80)
     assert max(map(len, told.splitlines())) <= 80
     assert "m 0.25 kg" in told

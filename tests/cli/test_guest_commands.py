@@ -32,7 +32,9 @@ def test_a_guest_adds_its_commands(guests):
 
 
 def test_a_guest_takes_no_command_of_the_core(guests, monkeypatch):
-    monkeypatch.setattr("springpot.structure.commands.COMMANDS", {"identify": ("elsewhere", "other")})
+    monkeypatch.setattr(
+        "springpot.structure.commands.COMMANDS", {"identify": ("elsewhere", "other")}
+    )
     assert guests("springpot.structure.commands:COMMANDS") == table.CORE
 
 

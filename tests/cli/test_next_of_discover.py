@@ -7,7 +7,9 @@ pytestmark = pytest.mark.usefixtures("asked_once")
 
 
 def table(write, name, head, columns):
-    rows = "".join(",".join(f"{value:.8g}" for value in row) + "\n" for row in zip(*columns, strict=True))
+    rows = "".join(
+        ",".join(f"{value:.8g}" for value in row) + "\n" for row in zip(*columns, strict=True)
+    )
     return write(f"{head}\n{rows}", name)
 
 
@@ -24,7 +26,10 @@ def ages(write, rng):
 @pytest.fixture
 def hardening(write, rng):
     """Sweeps at six temperatures that no law joins: it relaxes more slowly when hot."""
-    omega, celsius = np.tile(np.geomspace(0.1, 10.0, 16), 6), np.repeat([20.0, 25.0, 30.0, 35.0, 40.0, 45.0], 16)
+    omega, celsius = (
+        np.tile(np.geomspace(0.1, 10.0, 16), 6),
+        np.repeat([20.0, 25.0, 30.0, 35.0, 40.0, 45.0], 16),
+    )
     slower = np.repeat([1.0, 0.3, 0.2, 0.01, 0.008, 0.001], 16)
     stiffness = 2000.0 / (1.0 + (2j * omega / slower) ** -0.3)
     stiffness = stiffness * (1.0 + 0.003 * (rng.normal(size=96) + 1j * rng.normal(size=96)))
@@ -37,7 +42,10 @@ def following(answer):
 
 
 def test_one_test_of_several_is_chosen_before_their_parameters(springpot, ages):
-    assert following(springpot("discover", ages, "--auto")) == f"next: springpot diagnose {ages}@waiting_time=5"
+    assert (
+        following(springpot("discover", ages, "--auto"))
+        == f"next: springpot diagnose {ages}@waiting_time=5"
+    )
 
 
 def test_what_diagnose_would_accept_is_offered_where_nothing_was(springpot, hardening):

@@ -1,4 +1,7 @@
-"""Where what a command writes goes: never over what it reads, and never a fault where it cannot be kept."""
+"""Where what a command writes goes.
+
+Never over what it reads, and never a fault where it cannot be kept.
+"""
 
 import os
 import subprocess

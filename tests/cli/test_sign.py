@@ -1,4 +1,4 @@
-"""A force that counts the other way is told by every command that opens it, with the command that turns it."""
+"""A force of opposite sign is told by every command that opens it, with the one that turns it."""
 
 import re
 import shlex
@@ -11,11 +11,16 @@ MOVED = np.sin(2.0 * np.pi * TIME)
 
 
 def record(write, force, name="rig.csv"):
-    rows = (f"{t!r},{x!r},{f!r}" for t, x, f in zip(TIME.tolist(), MOVED.tolist(), force.tolist(), strict=True))
+    rows = (
+        f"{t!r},{x!r},{f!r}"
+        for t, x, f in zip(TIME.tolist(), MOVED.tolist(), force.tolist(), strict=True)
+    )
     return write("\n".join(["time [s],displacement [mm],force [N]", *rows]) + "\n", name)
 
 
-def test_a_record_of_a_force_that_counts_the_other_way_is_diagnosed_the_other_way_next(springpot, write, rng):
+def test_a_record_of_a_force_that_counts_the_other_way_is_diagnosed_the_other_way_next(
+    springpot, write, rng
+):
     force = -3.0 * np.sin(2.0 * np.pi * TIME + 0.4) + 0.01 * rng.normal(size=len(TIME))
     path = record(write, force, "my rig.csv")
     answer = springpot("diagnose", path, "--model", "kelvin")
@@ -48,9 +53,12 @@ def test_a_step_that_is_answered_the_other_way_is_told(springpot, write):
     assert "force and displacement are opposed" in answer.out
 
 
-# The best model of such data has no stiffness at all, and the warnings that makes are another matter.
+# The best model of such data has no stiffness at all, and the warnings that makes are another
+# matter.
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-def test_a_sweep_of_a_force_that_counts_the_other_way_is_diagnosed_the_other_way_next(springpot, damper):
+def test_a_sweep_of_a_force_that_counts_the_other_way_is_diagnosed_the_other_way_next(
+    springpot, damper
+):
     lines = damper.read_text().splitlines()
     rows = [line.split(",") for line in lines[1:]]
     damper.write_text("\n".join([lines[0], *(f"{f},-{k},-{c}" for f, k, c in rows)]) + "\n")

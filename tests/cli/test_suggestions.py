@@ -1,4 +1,7 @@
-"""Every command that springpot suggests is one that it takes: by its names, its quotes and its choices of rows."""
+"""Every command that springpot suggests is one that it takes.
+
+By its names, its quotes and its choices of rows.
+"""
 
 import re
 import shlex
@@ -12,16 +15,29 @@ from springpot.registry import plugins
 FREQUENCY = np.geomspace(0.5, 50.0, 8).tolist()
 COMMAND = re.compile(r"^(?:next|or, [^:]*): springpot (.*?)(?:   \(|$)", re.MULTILINE)
 WITHIN = re.compile(r"""springpot (inspect (?:'[^']*'(?:"'"'[^']*')*))""")
-OPENED = re.compile(r"""(?:open|by|or|write|by name or number:|such as|modulus:) ('/[^']*'(?:"'"'[^']*')*)""")
+OPENED = re.compile(
+    r"""(?:open|by|or|write|by name or number:|such as|modulus:) ('/[^']*'(?:"'"'[^']*')*)"""
+)
 PLACEHOLDER = re.compile(r"(?:^|[ '/?,])[A-Z]{2,}(?:\.\w+)?(?=$|[ '#?,@=])")
 """A word in capitals stands for what only the user knows."""
 WORDS = [
-    "", "gel A", "Bob's gel", 'the "good" one', "50 % @ 20", "which?", "no #2", "a, b", "a=b", "$HOME", "früh", "-x",
-]  # fmt: skip
+    "",
+    "gel A",
+    "Bob's gel",
+    'the "good" one',
+    "50 % @ 20",
+    "which?",
+    "no #2",
+    "a, b",
+    "a=b",
+    "$HOME",
+    "früh",
+    "-x",
+]
 
 
 class Reached(Exception):
-    """The command is understood, and its data are open: what it would compute is tested elsewhere."""
+    """The command is understood and its data are open; its result is tested elsewhere."""
 
 
 @pytest.fixture
@@ -56,7 +72,11 @@ def suggestions(*texts):
     # Lines are broken at blanks, as in the name of a file.
     unbroken = re.sub(r"\n +", " ", plain)
     found += [f"inspect {match[1]}" for match in OPENED.finditer(unbroken)]
-    return [command for command in dict.fromkeys(found) if not PLACEHOLDER.search(command.replace("EXPR", ""))]
+    return [
+        command
+        for command in dict.fromkeys(found)
+        if not PLACEHOLDER.search(command.replace("EXPR", ""))
+    ]
 
 
 def file_of(folder, title, words, name="gel 1's #2.csv"):
@@ -78,8 +98,10 @@ def test_rows_of_any_word_are_chosen_by_what_is_suggested(springpot, understood,
 
 
 FILES = {
-    "several temperatures": "frequency [Hz],storage [Pa],loss [Pa],temperature [degC]\n"
-    + "".join(f"{f},{100 + f},{10 + f},{t}\n" for t in (20, 30) for f in (1, 2, 4, 8, 16)),
+    "several temperatures": (
+        "frequency [Hz],storage [Pa],loss [Pa],temperature [degC]\n"
+        + "".join(f"{f},{100 + f},{10 + f},{t}\n" for t in (20, 30) for f in (1, 2, 4, 8, 16))
+    ),
     "no units": "frequency,storage,loss\n1,2,3\n2,3,4\n4,5,6\n",
     "no frequency": "storage [Pa],loss [Pa],strain [%]\n1,2,3\n2,3,4\n4,5,6\n",
     "no names": "1,2,3\n2,3,4\n4,5,6\n8,9,9\n",
@@ -92,10 +114,20 @@ FILES = {
     "a step": "time [s],relaxation [Pa]\n0.1,3\n0.2,2\n0.4,1\n0.8,0.5\n",
     "a force alone": "time [s],Distance [mm],force [N]\n0,0,0\n1,1,1\n2,2,2\n3,3,3\n4,4,4\n",
     "no force": "time [s],displacement [mm]\n0,0\n1,1\n2,2\n3,3\n",
-    "a record": "time [s],displacement [mm],force [N]\n"
-    + "".join(f"{0.01 * i:.2f},{np.sin(0.2 * i):.5f},{np.sin(0.2 * i + 0.3):.5f}\n" for i in range(200)),
-    "a record of the wrong sign": "time [s],displacement [mm],force [N]\n"
-    + "".join(f"{0.01 * i:.2f},{np.sin(0.2 * i):.5f},{-np.sin(0.2 * i + 0.3):.5f}\n" for i in range(200)),
+    "a record": (
+        "time [s],displacement [mm],force [N]\n"
+        + "".join(
+            f"{0.01 * i:.2f},{np.sin(0.2 * i):.5f},{np.sin(0.2 * i + 0.3):.5f}\n"
+            for i in range(200)
+        )
+    ),
+    "a record of the wrong sign": (
+        "time [s],displacement [mm],force [N]\n"
+        + "".join(
+            f"{0.01 * i:.2f},{np.sin(0.2 * i):.5f},{-np.sin(0.2 * i + 0.3):.5f}\n"
+            for i in range(200)
+        )
+    ),
 }
 
 
@@ -121,7 +153,11 @@ def test_what_is_suggested_of_an_answer_is_taken(springpot, understood, damper, 
 
 
 def test_what_is_suggested_of_registered_data_is_taken(springpot, understood):
-    names = [data.name for data in plugins().items("data set") if not data.unavailable and not data.remote]
+    names = [
+        data.name
+        for data in plugins().items("data set")
+        if not data.unavailable and not data.remote
+    ]
     found = {command for name in names for command in suggestions(springpot("inspect", name).out)}
     assert len(found) >= len(names) > 3
     assert [complaint for command in sorted(found) if (complaint := understood(command))] == []

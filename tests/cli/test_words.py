@@ -35,14 +35,21 @@ def test_discovery_says_what_an_accepted_effect_may_be_as_well(springpot):
 def test_large_numbers_are_written_out():
     from springpot.misfit.words import plain
 
-    assert [plain(value, 2) for value in (890.4, 12.0, 0.05, 1234.0, 3e7)] == ["890", "12", "0.05", "1200", "3e+07"]
+    assert [plain(value, 2) for value in (890.4, 12.0, 0.05, 1234.0, 3e7)] == [
+        "890",
+        "12",
+        "0.05",
+        "1200",
+        "3e+07",
+    ]
 
 
 def test_tables_of_a_run_are_named_once(springpot, tmp_path):
     script = tmp_path / "tiny.py"
     script.write_text(
         "from springpot.benchmark import Study\n"
-        "study = Study('tiny', datasets=['artificial-springpot'], models=['own'], objectives=['paper'],\n"
+        "study = Study('tiny', datasets=['artificial-springpot'], models=['own'],"
+        " objectives=['paper'],\n"
         "              optimisers=['native'], repetitions=1, budget=100)\n"
     )
     answer = springpot("run", script, "--engine", "serial", "--quiet", "--out", tmp_path)

@@ -1,4 +1,7 @@
-"""Without a model `compare` calls adequate what `diagnose` calls so: an error of noise, in size and in pattern."""
+"""Without a model `compare` calls adequate what `diagnose` calls so.
+
+An error of noise, in size and in pattern.
+"""
 
 import numpy as np
 import pytest
@@ -37,6 +40,6 @@ def test_none_whose_residual_has_a_pattern_is_adequate(whole):
 
 @pytest.mark.soak
 def test_nor_where_a_ripple_is_within_the_noise_by_size():
-    """The errors of these fits are no larger than noise makes them; their residuals go up and down."""
+    """The errors of these fits are no larger than noise, but their residuals go up and down."""
     ranking = springpot.compare(sweep(np.random.default_rng(1), 12, ripple=0.0015))
     assert not [one.model.name for one in ranking.adequate if one.fails]

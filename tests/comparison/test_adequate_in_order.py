@@ -1,4 +1,7 @@
-"""No model is adequate at an error at which a simpler one is not: few numbers left to judge by are no merit."""
+"""No model is adequate at an error at which a simpler one is not.
+
+Few numbers left to judge by are no merit.
+"""
 
 from types import SimpleNamespace
 

@@ -1,4 +1,7 @@
-"""A linear model has a storage and a loss at one frequency: models with more parameters need a shift to be told."""
+"""A linear model has a storage and a loss at one frequency.
+
+Models with more parameters need a shift to be told.
+"""
 
 import numpy as np
 
@@ -12,12 +15,18 @@ def strain_sweep():
     real, imaginary = 0.01 * rng.normal(size=(2, len(strain)))
     modulus = (900.0 + 120.0j) / (1.0 + (strain / 0.1) ** 1.2) * (1.0 + real + 1j * imaginary)
     omega = np.full(len(strain), 2.0 * np.pi)
-    return springpot.Measurement(omega, modulus, conditions={"amplitude": strain}, units=springpot.Units("Pa", "-"))
+    return springpot.Measurement(
+        omega, modulus, conditions={"amplitude": strain}, units=springpot.Units("Pa", "-")
+    )
 
 
 def test_only_models_that_can_be_told_are_fitted():
     ranking = springpot.compare(strain_sweep())
-    sizes = {one.model.name: len(one.model.parameters) for one in ranking.judgements if not one.model.effects}
+    sizes = {
+        one.model.name: len(one.model.parameters)
+        for one in ranking.judgements
+        if not one.model.effects
+    }
     assert sizes
     assert max(sizes.values()) <= 2
     reasons = {one.reason for one in ranking.skipped}
@@ -25,7 +34,7 @@ def test_only_models_that_can_be_told_are_fitted():
 
 
 def test_a_ramp_of_temperature_reads_the_curve_of_a_model_at_many_places():
-    """A shift of times makes one frequency at forty temperatures a sweep, which tells five parameters."""
+    """A time shift makes one frequency at forty temperatures a sweep that tells five parameters."""
     rng = np.random.default_rng(1)
     celsius = np.linspace(-20.0, 100.0, 40)
     shifted = np.exp(60e3 / 8.314 * (1.0 / (celsius + 273.15) - 1.0 / 313.15))

@@ -19,7 +19,9 @@ def noisy(seed=1, level=0.01, factor=1.0, **given):
     rng = np.random.default_rng(seed)
     scatter = rng.normal(size=len(OMEGA)) + 1j * rng.normal(size=len(OMEGA))
     sd = level * np.abs(exact) * (1 + 1j) if given.pop("known", False) else None
-    return Measurement(OMEGA, exact * (1 + level * scatter), sd=sd, units=Units("kN/m", "mm"), **given)
+    return Measurement(
+        OMEGA, exact * (1 + level * scatter), sd=sd, units=Units("kN/m", "mm"), **given
+    )
 
 
 def found(judgement):
@@ -44,8 +46,14 @@ def test_the_right_model_holds_and_the_wrong_one_fails():
 @pytest.mark.parametrize("known", [False, True])
 @pytest.mark.parametrize(("draws", "few"), [(24, 2), pytest.param(60, 3, marks=pytest.mark.soak)])
 def test_noise_alone_rarely_alarms(known, draws, few):
-    """Wanted are 0.5 %: of 24 more than two, as of 60 more than three, have a chance of 0.03 % then."""
-    alarms = sum(springpot.compare(noisy(seed, known=known), [MAXWELL]).judgements[0].fails for seed in range(draws))
+    """Wanted are 0.5 %.
+
+    Of 24 more than two, as of 60 more than three, have a chance of 0.03 % then.
+    """
+    alarms = sum(
+        springpot.compare(noisy(seed, known=known), [MAXWELL]).judgements[0].fails
+        for seed in range(draws)
+    )
     assert alarms <= few
 
 
@@ -73,7 +81,9 @@ def test_a_trend_with_temperature_is_told_with_its_size():
         conditions={"temperature": np.repeat([0.0, 40.0], len(OMEGA))},
     )
     judgement = springpot.compare(data, [MAXWELL]).judgements[0]
-    [trend] = [finding for finding in judgement.findings if finding.test == "trend with temperature"]
+    [trend] = [
+        finding for finding in judgement.findings if finding.test == "trend with temperature"
+    ]
     assert trend.found
     assert "loses 18 %" in trend.says  # 0.9 / 1.1
     assert not [finding for finding in judgement.findings if finding.test == "trend with amplitude"]
@@ -85,14 +95,19 @@ def test_a_single_outlier_at_the_mains_frequency_is_named():
     omega, stiffness = OMEGA.copy(), data.stiffness.copy()
     omega[row] = 2 * np.pi * 50.0
     stiffness[row] *= 1.12
-    judgement = springpot.compare(Measurement(omega, stiffness, sd=data.sd), [MAXWELL]).judgements[0]
+    judgement = springpot.compare(Measurement(omega, stiffness, sd=data.sd), [MAXWELL]).judgements[
+        0
+    ]
     assert {"single points", "mains frequency"} <= found(judgement)
     [outlier] = [finding.says for finding in judgement.findings if finding.test == "single points"]
     assert outlier.endswith("stands out at 50 Hz (a multiple of the mains frequency)")
 
 
 def test_a_correlation_is_never_beyond_one():
-    """A misfit that is nothing at the ends of the sweeps: the pairs are larger than the points on the whole."""
+    """A misfit that is nothing at the ends of the sweeps.
+
+    The pairs are larger than the points on the whole.
+    """
     exact, bump = MAXWELL.stiffness(TRUTH, OMEGA), 0.3 * np.hanning(len(OMEGA))
     data = Measurement(
         np.tile(OMEGA, 2),
@@ -105,14 +120,17 @@ def test_a_correlation_is_never_beyond_one():
 
 
 @pytest.mark.parametrize(
-    ("power", "word"), [(-1.0, "Coulomb friction"), (0.0, "power-law damper"), (2.0, "cubic spring")]
+    ("power", "word"),
+    [(-1.0, "Coulomb friction"), (0.0, "power-law damper"), (2.0, "cubic spring")],
 )
 def test_harmonics_name_the_nonlinearity(power, word):
     amplitude = np.tile(np.geomspace(0.5, 4.0, 8), 5)
     harmonics = np.zeros((40, 2), dtype=complex)
     harmonics[:, 1] = 0.1 * amplitude**power
     data = noisy(conditions={"amplitude": amplitude}, harmonics=harmonics, known=True)
-    third, second = sorted(springpot.compare(data, [MAXWELL]).harmonics, key=lambda finding: finding.p_value)
+    third, second = sorted(
+        springpot.compare(data, [MAXWELL]).harmonics, key=lambda finding: finding.p_value
+    )
     assert third.found
     assert third.test == "harmonic 3"
     assert word in third.says
@@ -129,7 +147,9 @@ def test_harmonics_as_small_as_noise_are_nothing():
 def test_a_gain_of_ten_changes_nothing_but_the_moduli():
     data = noisy()
     tenfold = Measurement(OMEGA, 10 * data.stiffness)
-    one, ten = (springpot.compare(each, ["fractional-kelvin"]).judgements[0] for each in (data, tenfold))
+    one, ten = (
+        springpot.compare(each, ["fractional-kelvin"]).judgements[0] for each in (data, tenfold)
+    )
     assert found(one) == found(ten)
     assert one.error.relative_rms == pytest.approx(ten.error.relative_rms, rel=1e-6)
 
@@ -141,7 +161,9 @@ def test_the_dictionary_is_plain_data():
     floors = {"noise_floor", "noise_source", "doubt", "material_floor", "material_chance"}
     assert set(model["error"]) == {"relative_rms", *floors}
     assert model["parameters"]["k"]["unit"] == "kN/m"
-    assert all(set(test) == {"test", "statistic", "p_value", "found", "says"} for test in model["tests"])
+    assert all(
+        set(test) == {"test", "statistic", "p_value", "found", "says"} for test in model["tests"]
+    )
 
 
 def test_what_cannot_be_compared_is_said():

@@ -1,4 +1,7 @@
-"""Data that were computed without noise: only rounding is left, and the model that made them is named."""
+"""Data that were computed without noise.
+
+Only rounding is left, and the model that made them is named.
+"""
 
 import numpy as np
 import pytest
@@ -18,7 +21,9 @@ OMEGA = 2.0 * np.pi * np.geomspace(0.1, 10.0, 20)
     ],
 )
 def test_the_model_that_made_the_data_is_the_simplest(name, stiffness):
-    ranking = springpot.compare(springpot.Measurement(OMEGA, stiffness, units=springpot.Units("Pa", "-")))
+    ranking = springpot.compare(
+        springpot.Measurement(OMEGA, stiffness, units=springpot.Units("Pa", "-"))
+    )
     assert ranking.best.model.name == name
     assert ranking.best.adequate
     assert "that of arithmetic" in ranking.best.says

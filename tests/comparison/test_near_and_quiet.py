@@ -1,18 +1,18 @@
-"""The first sentence where a model's error is that of noise, and it is not called adequate all the same."""
+"""The first sentence where a model's error is that of noise and it is not called adequate."""
 
 import numpy as np
 import pytest
 
 import springpot
 from springpot.comparison import Ranking
-from springpot.comparison.compare import Judgement
-from springpot.misfit.unseen import one_of
+from springpot.comparison.comparing import Judgement
+from springpot.misfit.cross_validation import one_of
 
 OMEGA = np.geomspace(1.0, 100.0, 21)
 
 
 def first(monkeypatch, noise, why):
-    """The sentence of a ranking whose best model is near, by a noise of some size, with what a test found."""
+    """What a ranking with a near best model says, by the size of noise and the test's finding."""
     scatter = noise * np.random.default_rng(1).normal(size=(2, len(OMEGA)))
     stiffness = (3.0 + 0.3j) * (1.0 + scatter[0] + 1j * scatter[1])
     data = springpot.Measurement(OMEGA, stiffness, units=springpot.Units("kPa", "-"))
@@ -31,7 +31,10 @@ def first(monkeypatch, noise, why):
     ).says
 
 
-WHY = "error 0.7 x the noise floor; an amplitude that a fit has not seen is predicted to 1.7 x the noise"
+WHY = (
+    "error 0.7 x the noise floor; an amplitude that a fit has not seen is "
+    "predicted to 1.7 x the noise"
+)
 
 
 def test_a_small_noise_is_not_called_a_bad_measurement(monkeypatch):

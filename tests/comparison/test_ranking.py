@@ -11,9 +11,9 @@ from springpot.comparison.ranking import chance_beside, grouped, spends_most
 from springpot.errors import DataError
 from springpot.measurement import Measurement, Units
 from springpot.misfit.floor import beyond_floor
-from springpot.policy import COMPARISON, SEARCH
 from springpot.report.jsontext import jsonable
 from springpot.report.ranking import ranked_text
+from springpot.thresholds import COMPARISON, SEARCH
 
 OMEGA = 2.0 * np.pi * np.geomspace(0.3, 30.0, 25)
 SMALL = [
@@ -54,7 +54,9 @@ def test_the_truth_comes_first_with_what_no_material_can_do_without(heavy):
     assert sizes == sorted(sizes)
     names = {one.model.name for one in heavy.judgements}
     assert {"kelvin", "kelvin + inertia"} <= names
-    assert not {"kelvin", "kelvin + inertia", "springpot + inertia"} & {one.model.name for one in heavy.adequate}
+    assert not {"kelvin", "kelvin + inertia", "springpot + inertia"} & {
+        one.model.name for one in heavy.adequate
+    }
     assert min(one.delta_bic for one in heavy.judgements) == 0.0
 
 
@@ -85,7 +87,8 @@ def test_every_adequate_model_is_as_good_as_any_material(heavy):
     for one in heavy.judgements:
         as_good = chance_beside(one.refit, floor) >= COMPARISON.chance
         outdone = any(
-            other.delta_bic < one.delta_bic - SEARCH.decisive and len(other.refit.theta) > len(one.refit.theta)
+            other.delta_bic < one.delta_bic - SEARCH.decisive
+            and len(other.refit.theta) > len(one.refit.theta)
             for other in heavy.judgements
         )
         assert (one in heavy.adequate) == (as_good and not outdone and not beyond_floor(one.refit))
@@ -95,7 +98,10 @@ def test_models_that_need_what_was_not_measured_are_named_and_left_out(heavy):
     [one] = [one for one in heavy.skipped if one.model == "fractional-maxwell + friction"]
     assert one.reason == "needs the column amplitude"
     few = measured("kelvin", [1.0, 0.1], omega=OMEGA[:6])
-    reasons = {one.model: one.reason for one in ranked(few, [springpot.parse_model("prony-6"), *SMALL[:2]]).skipped}
+    reasons = {
+        one.model: one.reason
+        for one in ranked(few, [springpot.parse_model("prony-6"), *SMALL[:2]]).skipped
+    }
     assert reasons["prony-6"] == "13 parameters for 6 points"
 
 
@@ -104,7 +110,8 @@ def test_a_passive_material_needs_no_effect():
     assert [step.accepted for step in ranking.ladder.steps] == [None]
     assert ranking.best.model.name == "fractional-zener"
     assert all(
-        not one.model.effects or one.model.name == "fractional-maxwell + friction" for one in ranking.judgements
+        not one.model.effects or one.model.name == "fractional-maxwell + friction"
+        for one in ranking.judgements
     )
 
 
@@ -118,7 +125,9 @@ def test_where_nothing_holds_the_nearest_comes_first_and_is_called_so():
 
 
 def test_the_members_of_a_family_end_where_one_more_says_nothing():
-    family = next(item for item in springpot.registry.plugins().items("model") if item.name == "prony-N")
+    family = next(
+        item for item in springpot.registry.plugins().items("model") if item.name == "prony-N"
+    )
     ranking = ranked(measured("zener-2", [100.0, 80.0, 8.0, 120.0, 1.0]), [family])
     assert ranking.best.model.name == "prony-2"
     assert "prony-4" not in {one.model.name for one in ranking.judgements}
@@ -131,7 +140,9 @@ def test_the_answer_is_plain_data_and_the_same_for_the_same_seed(heavy):
     ranking = row["ranking"]
     assert ranking["accepted"] == ["inertia"]
     assert ranking["adequate"][0] == ranking["classes"][0][0] == row["best"]
-    assert ranking["material"]["material_floor"] == pytest.approx(row["models"][0]["error"]["material_floor"])
+    assert ranking["material"]["material_floor"] == pytest.approx(
+        row["models"][0]["error"]["material_floor"]
+    )
     assert len(row["models"]) == len(heavy.judgements) == 2 * 5
     assert all(0.0 <= model["error"]["material_chance"] <= 1.0 for model in row["models"])
     again = ranked(measured("fractional-maxwell + inertia", [400.0, 60.0, 0.55, 6e-3]))
@@ -179,11 +190,18 @@ def test_data_that_judge_no_model_are_refused():
 def switched(noise=0.01):
     """A magnetorheological damper at three currents, whose loss alone follows the current."""
     rng = np.random.default_rng(6)
-    current, omega = np.repeat([0.0, 1.0, 2.0], 8), np.tile(2.0 * np.pi * np.geomspace(0.3, 30.0, 8), 3)
+    current, omega = (
+        np.repeat([0.0, 1.0, 2.0], 8),
+        np.tile(2.0 * np.pi * np.geomspace(0.3, 30.0, 8), 3),
+    )
     exact = 20.0 + 1j * omega * 0.5 * (1.0 + 4.0 * current)
     scatter = rng.normal(size=24) + 1j * rng.normal(size=24)
     return Measurement(
-        omega, exact * (1 + noise * scatter), conditions={"current": current}, units=Units("N/mm", "mm"), name="mr"
+        omega,
+        exact * (1 + noise * scatter),
+        conditions={"current": current},
+        units=Units("N/mm", "mm"),
+        name="mr",
     )
 
 
@@ -198,7 +216,10 @@ def test_what_no_material_follows_to_the_noise_makes_no_model_adequate(mixed):
     assert mixed.near
     assert all(beyond_floor(one.refit) for one in mixed.near)
     assert mixed.best is mixed.near[0]
-    says = "is as near as any linear material, but not at the noise: what is missing is no part of the material"
+    says = (
+        "is as near as any linear material, but not at the noise: "
+        "what is missing is no part of the material"
+    )
     assert mixed.says == f"{mixed.best.model.name} {says}"
     text = ranked_text(mixed)
     assert "as any material" in text
@@ -213,15 +234,17 @@ def test_rows_of_several_tests_are_compared_one_by_one(mixed):
     assert given.one_test == jsonable(given)["one_test"] == "current=0"
     assert any("choose one by '@current=0'" in note for note in given.notes)
     one = switched()
-    alone = springpot.compare(one.subset(np.flatnonzero(one.conditions["current"] == 0.0)), ["kelvin"])
+    alone = springpot.compare(
+        one.subset(np.flatnonzero(one.conditions["current"] == 0.0)), ["kelvin"]
+    )
     assert alone.one_test == ""
     assert not alone.best.fails
 
 
 GEL = """
-    0.05 66.23 65.21; 0.09978 93.07 86.99; 0.1991 127.9 122.1; 0.3974 180.5 168.4; 0.7931 244.9 236.6;
-    1.583 354.7 317.7; 3.159 485.5 461.7; 6.304 686.1 643.9; 12.58 961 881.9; 25.11 1304 1192;
-    50.11 1793 1707; 100 2500 2286
+    0.05 66.23 65.21; 0.09978 93.07 86.99; 0.1991 127.9 122.1; 0.3974 180.5 168.4;
+    0.7931 244.9 236.6; 1.583 354.7 317.7; 3.159 485.5 461.7; 6.304 686.1 643.9;
+    12.58 961 881.9; 25.11 1304 1192; 50.11 1793 1707; 100 2500 2286
 """
 """Omega in rad/s, G' and G'' in Pa: a power law with 1.5 % of artificial noise."""
 
@@ -230,7 +253,9 @@ def test_few_numbers_are_not_followed_by_as_many_parameters():
     """It read: the simplest model is kelvin-6, with 13 parameters on 24 numbers."""
     omega, storage, loss = np.array([row.split() for row in GEL.split(";")], dtype=float).T
     data = Measurement(omega, storage + 1j * loss, units=Units("Pa", "-"), name="gel")
-    family = next(item for item in springpot.registry.plugins().items("model") if item.name == "kelvin-N")
+    family = next(
+        item for item in springpot.registry.plugins().items("model") if item.name == "kelvin-N"
+    )
     ranking = ranked(data, [*SMALL, family], effects=("inertia",))
     assert ranking.best.model.name == "springpot"
     assert ranking.best in ranking.adequate

@@ -1,8 +1,9 @@
 """Data with something hidden, from textbook formulas written here by hand.
 
-Nothing of the framework's elements is used, so that an error there cannot hide in the data. Stiffness is in kN/m,
-amplitude in mm, temperature in degC. The noise beside a hidden effect is chosen so that the best fit of the base
-model leaves a wanted noise-free chi-square, which alone says how easy the effect is to see.
+Nothing of the framework's elements is used, so that an error there cannot hide in the data.
+Stiffness is in kN/m, amplitude in mm, temperature in degC. The noise beside a hidden effect is
+chosen so that the best fit of the base model leaves a wanted noise-free chi-square, which alone
+says how easy the effect is to see.
 """
 
 from __future__ import annotations
@@ -71,7 +72,10 @@ def arrhenius(energy, at):
 
 @dataclass(frozen=True)
 class Base:
-    """A model as the user names it, the same by hand, and its parameters; where `shifted`, Arrhenius is last."""
+    """A model as the user names it, the same by hand, and its parameters.
+
+    Where `shifted`, Arrhenius is last.
+    """
 
     name: str
     law: object
@@ -88,7 +92,9 @@ class Base:
 KELVIN = Base("fractional-kelvin", kelvin, (100.0, 40.0, 0.4))
 MAXWELL = Base("fractional-maxwell", maxwell, (400.0, 60.0, 0.5))
 ZENER = Base("fractional-zener", zener, (60.0, 400.0, 40.0, 0.5))
-WARM_FLUID = Base("fractional-maxwell + arrhenius-shift", maxwell, (400.0, 60.0, 0.5, 40.0), shifted=True)
+WARM_FLUID = Base(
+    "fractional-maxwell + arrhenius-shift", maxwell, (400.0, 60.0, 0.5, 40.0), shifted=True
+)
 WARM = Base("fractional-kelvin + arrhenius-shift", kelvin, (100.0, 40.0, 0.4, 40.0), shifted=True)
 
 
@@ -113,7 +119,10 @@ def left_over(base, at, stiffness, level=LEVEL):
     top = np.full(len(truth), np.inf)
     top[_orders(base)] = 0.0
     starts = [truth, truth + 0.3 * np.where(np.arange(len(truth)) == _orders(base), -1.0, 1.0)]
-    return min(2.0 * least_squares(residual, start, bounds=(-np.inf, top), x_scale=0.1).cost for start in starts)
+    return min(
+        2.0 * least_squares(residual, start, bounds=(-np.inf, top), x_scale=0.1).cost
+        for start in starts
+    )
 
 
 def _orders(base):
@@ -121,7 +130,10 @@ def _orders(base):
 
 
 def hidden(base, at, effect, chi2, seed=1, **given):
-    """A measurement with an effect of usual size, its noise such that the base fit leaves `chi2` before noise."""
+    """A measurement with an effect of usual size.
+
+    Its noise is such that the base fit leaves `chi2` before noise.
+    """
     stiffness = exact(base, at, effect, SIZES[effect])
     level = LEVEL * np.sqrt(left_over(base, at, stiffness) / chi2)
     return measured(at, stiffness, seed, level=level, **given)
@@ -130,7 +142,8 @@ def hidden(base, at, effect, chi2, seed=1, **given):
 def measured(at, stiffness, seed=1, level=LEVEL, known=True, said=None, just=False, **given):
     """A measurement with noise proportional to |K|.
 
-    `said` is the level that the user believes in; `just` scales the draw so that its mean square is as said.
+    `said` is the level that the user believes in; `just` scales the draw so that its mean square is
+    as said.
     """
     scatter = np.random.default_rng(seed).normal(size=(2, len(at.omega)))
     if just:
@@ -152,7 +165,9 @@ def parallel(added):
 
 
 def series(compliance):
-    return lambda base, at, size: 1.0 / (1.0 / base.stiffness(base.truth, at) + compliance(1j * at.omega, at, size))
+    return lambda base, at, size: (
+        1.0 / (1.0 / base.stiffness(base.truth, at) + compliance(1j * at.omega, at, size))
+    )
 
 
 def chain(factor):
@@ -191,7 +206,7 @@ def kraus(at, h, xc=0.7, m=0.6):
 
 
 def speed_power(at, force, a):
-    """Force * |x'|^a sgn x' by its first harmonic: the integral of |cos|^(a+1) done by quadrature."""
+    """Force * |x'|^a sgn x' by its first harmonic: the integral of |cos|^(a+1) by quadrature."""
     angle = (np.arange(20000) + 0.5) / 20000 * 2.0 * np.pi
     first = 2.0 * np.mean(np.abs(np.cos(angle)) ** (a + 1.0))
     return 1j * force * first * (at.omega * at.x) ** a / at.x
@@ -216,7 +231,9 @@ EFFECTS = {
     "parallel-dashpot": parallel(lambda s, at, p: p * s),
     "parallel-springpot": parallel(lambda s, at, p: p * s**0.8),
     "relaxation-mode": parallel(lambda s, at, p: p * 0.05 * s / (1.0 + 0.05 * s)),
-    "diffusion": parallel(lambda s, at, p: p * (1.0 - np.tanh(np.sqrt(0.05 * s)) / np.sqrt(0.05 * s))),
+    "diffusion": parallel(
+        lambda s, at, p: p * (1.0 - np.tanh(np.sqrt(0.05 * s)) / np.sqrt(0.05 * s))
+    ),
     "hysteretic-loss": parallel(lambda s, at, p: 1j * p + 0 * s),
     "inertia": parallel(lambda s, at, p: p * s**2),
     "basset": parallel(lambda s, at, p: p * s**1.5),
@@ -244,7 +261,9 @@ EFFECTS = {
     "frequency-error": shift(lambda at, p: np.log1p(p)),
     "arrhenius-shift": shift(lambda at, p: np.log(arrhenius(p, at))),
     "wlf-shift": shift(
-        lambda at, p: -p * np.log(10.0) * (at.kelvin - at.reference) / (80.0 + at.kelvin - at.reference)
+        lambda at, p: (
+            -p * np.log(10.0) * (at.kelvin - at.reference) / (80.0 + at.kelvin - at.reference)
+        )
     ),
     "vertical-shift": chain(lambda s, at, p: (at.kelvin / at.reference) ** p),
     "entropic-spring": parallel(lambda s, at, p: p * at.kelvin / at.reference + 0 * s),
@@ -256,14 +275,43 @@ EFFECTS = {
 """What each effect does to the stiffness of a base, by its size."""
 
 SIZES = {
-    "parallel-spring": 21.0, "parallel-dashpot": 0.27, "parallel-springpot": 2.7, "relaxation-mode": 49.0,
-    "diffusion": 69.0, "hysteretic-loss": 9.1, "inertia": 2.2e-4, "basset": 5.5e-3, "series-spring": 5e-4,
-    "frame-resonance": 7.8e-5, "series-dashpot": 7.5e-4, "series-springpot": 1.4e-3, "retardation-mode": 1.3e-3,
-    "friction": 2.5, "elasto-sliding": 20.0, "power-law-damper": 2.0, "cubic-damping": 5e-4, "dead-zone": 25.0,
-    "cubic-stiffness": 6.6, "payne": 27.0, "intrinsic-nonlinearity": 0.021, "self-heating": 4e-6, "backlash": 0.012,
-    "crosstalk": 3.8, "time-delay": 2.5e-4, "phase-error": 0.043, "gain-error": 0.05, "filter-mismatch": 2.6e-4,
-    "fixture-resonance": 6.3e-4, "frequency-error": 0.05, "arrhenius-shift": 4.5, "wlf-shift": 0.19,
-    "vertical-shift": 0.46, "entropic-spring": 7.2, "arrhenius-dashpot": 0.03, "rig-drag": 0.12,
-    "specimen-inertia": 6.4e-4, "specimen-inertia-fixed": 1.5e-3,
-}  # fmt: skip
+    "parallel-spring": 21.0,
+    "parallel-dashpot": 0.27,
+    "parallel-springpot": 2.7,
+    "relaxation-mode": 49.0,
+    "diffusion": 69.0,
+    "hysteretic-loss": 9.1,
+    "inertia": 2.2e-4,
+    "basset": 5.5e-3,
+    "series-spring": 5e-4,
+    "frame-resonance": 7.8e-5,
+    "series-dashpot": 7.5e-4,
+    "series-springpot": 1.4e-3,
+    "retardation-mode": 1.3e-3,
+    "friction": 2.5,
+    "elasto-sliding": 20.0,
+    "power-law-damper": 2.0,
+    "cubic-damping": 5e-4,
+    "dead-zone": 25.0,
+    "cubic-stiffness": 6.6,
+    "payne": 27.0,
+    "intrinsic-nonlinearity": 0.021,
+    "self-heating": 4e-6,
+    "backlash": 0.012,
+    "crosstalk": 3.8,
+    "time-delay": 2.5e-4,
+    "phase-error": 0.043,
+    "gain-error": 0.05,
+    "filter-mismatch": 2.6e-4,
+    "fixture-resonance": 6.3e-4,
+    "frequency-error": 0.05,
+    "arrhenius-shift": 4.5,
+    "wlf-shift": 0.19,
+    "vertical-shift": 0.46,
+    "entropic-spring": 7.2,
+    "arrhenius-dashpot": 0.03,
+    "rig-drag": 0.12,
+    "specimen-inertia": 6.4e-4,
+    "specimen-inertia-fixed": 1.5e-3,
+}
 """Sizes that leave a chi-square near 300 with one per cent noise on the designs of the tests."""

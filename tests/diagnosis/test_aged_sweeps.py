@@ -1,4 +1,7 @@
-"""A few sweeps of one specimen, each at an age that was chosen: the age is what the misfit goes with."""
+"""A few sweeps of one specimen, each at an age that was chosen.
+
+The age is what the misfit goes with.
+"""
 
 import numpy as np
 import pytest
@@ -61,6 +64,8 @@ def test_a_note_on_negative_values_is_not_told_of_rows_that_have_none():
     data = table(setting_gel(OMEGA, MINUTES))
     stiffness = np.where(MINUTES == 5.0, -data.stiffness, data.stiffness)
     notes = {"note storage": "negative in 8 of 40 rows", "note loss": "negative in 8 of 40 rows"}
-    noted = springpot.Measurement(OMEGA, stiffness, conditions=dict(data.conditions), provenance=notes)
+    noted = springpot.Measurement(
+        OMEGA, stiffness, conditions=dict(data.conditions), provenance=notes
+    )
     assert dict(noted.subset(MINUTES == 50.0).provenance) == {}
     assert "note loss" in noted.subset(MINUTES < 30.0).provenance

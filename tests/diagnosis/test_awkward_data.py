@@ -1,4 +1,7 @@
-"""Data at the edge of what can be judged, and input that cannot be: no crash, one line, nothing invented."""
+"""Data at the edge of what can be judged, and input that cannot be.
+
+No crash, one line, nothing invented.
+"""
 
 import json
 
@@ -107,7 +110,8 @@ def test_models_that_do_not_fit_the_data_are_told_in_one_line(model, kind):
 
 
 @pytest.mark.parametrize(
-    ("effect", "says"), [("friction", "amplitude"), ("wlf-shift", "temperature"), ("gravity", "gravity")]
+    ("effect", "says"),
+    [("friction", "amplitude"), ("wlf-shift", "temperature"), ("gravity", "gravity")],
 )
 def test_effects_that_cannot_be_accepted_are_told_in_one_line(effect, says):
     data = measured(SWEEP, exact(KELVIN, SWEEP))
@@ -118,8 +122,18 @@ def test_effects_that_cannot_be_accepted_are_told_in_one_line(effect, says):
 
 
 def test_effects_whose_columns_are_missing_are_not_proposed():
-    diagnosis = springpot.diagnose(measured(SWEEP, exact(KELVIN, SWEEP, "hysteretic-loss", 15.0)), KELVIN.name)
-    needing = {"friction", "power-law-damper", "payne", "self-heating", "arrhenius-shift", "wlf-shift", "rig-drag"}
+    diagnosis = springpot.diagnose(
+        measured(SWEEP, exact(KELVIN, SWEEP, "hysteretic-loss", 15.0)), KELVIN.name
+    )
+    needing = {
+        "friction",
+        "power-law-damper",
+        "payne",
+        "self-heating",
+        "arrhenius-shift",
+        "wlf-shift",
+        "rig-drag",
+    }
     assert not needing & {c.effect for c in diagnosis.candidates}
     assert not needing & {name for group in diagnosis.classes for name in group}
 
@@ -136,7 +150,9 @@ def test_a_trial_whose_square_is_no_number_ends_nothing():
     s, rng = 1j * omega, np.random.default_rng(7)
     exact = 1.0 / (1.0 / 400.0 + 1.0 / (60.0 * s**0.5)) + 6e-4 * s**2
     noisy = exact * (1.0 + 0.01 * (rng.normal(size=40) + 1j * rng.normal(size=40)))
-    found = springpot.diagnose(springpot.Measurement(omega[::2], noisy[::2], units=springpot.Units("kN/m", "mm")))
+    found = springpot.diagnose(
+        springpot.Measurement(omega[::2], noisy[::2], units=springpot.Units("kN/m", "mm"))
+    )
     assert (found.verdict, found.best.effect) == ("effect-missing", "inertia")
 
 
@@ -145,7 +161,9 @@ def test_a_trial_whose_square_is_no_number_ends_nothing():
 def test_computed_data_lack_nothing(points, model):
     """Rounding has a pattern, and no instrument has it."""
     omega = np.geomspace(1.0, 100.0, points)
-    diagnosis = springpot.diagnose(springpot.Measurement(omega, 100.0 + 20.0 * (1j * omega) ** 0.3), model)
+    diagnosis = springpot.diagnose(
+        springpot.Measurement(omega, 100.0 + 20.0 * (1j * omega) ** 0.3), model
+    )
     assert diagnosis.verdict == "adequate"
 
 
@@ -154,7 +172,9 @@ def test_rows_that_were_copied_are_no_repeats():
     omega = np.geomspace(1.0, 100.0, 20)
     noise = 0.01 * (rng.normal(size=20) + 1j * rng.normal(size=20))
     stiffness = (100.0 + 20.0 * (1j * omega) ** 0.5) * (1.0 + noise)
-    data = springpot.Measurement(np.tile(omega, 3), np.tile(stiffness, 3), repeat=np.repeat([1, 2, 3], 20))
+    data = springpot.Measurement(
+        np.tile(omega, 3), np.tile(stiffness, 3), repeat=np.repeat([1, 2, 3], 20)
+    )
     error = springpot.diagnose(data, "fractional-kelvin").error
     assert error.noise_source == "estimated"
     assert error.noise_floor == pytest.approx(0.014, rel=0.5)
@@ -162,7 +182,9 @@ def test_rows_that_were_copied_are_no_repeats():
 
 def test_patterns_of_rounding_are_not_told_of():
     hertz = np.geomspace(0.1, 10.0, 12)
-    found = springpot.diagnose(springpot.Measurement(2.0 * np.pi * hertz, 1e4 * (1j * hertz) ** 0.3))
+    found = springpot.diagnose(
+        springpot.Measurement(2.0 * np.pi * hertz, 1e4 * (1j * hertz) ** 0.3)
+    )
     assert "is that of arithmetic" in found.says
     assert not [note for note in found.notes if "structure" in note]
 
@@ -170,5 +192,7 @@ def test_patterns_of_rounding_are_not_told_of():
 @pytest.mark.soak
 def test_computed_data_are_exact_beside_their_own_model_only():
     omega = np.geomspace(1.0, 100.0, 20)
-    diagnosis = springpot.diagnose(springpot.Measurement(omega, 100.0 + 20.0 * (1j * omega) ** 0.3), "kelvin")
+    diagnosis = springpot.diagnose(
+        springpot.Measurement(omega, 100.0 + 20.0 * (1j * omega) ** 0.3), "kelvin"
+    )
     assert diagnosis.verdict != "adequate"

@@ -1,4 +1,7 @@
-"""A slow oscillation whose first points were taken before a period had passed: they are no course of the specimen."""
+"""A slow oscillation whose first points were taken before a period had passed.
+
+They are no course of the specimen.
+"""
 
 import numpy as np
 import pytest
@@ -9,7 +12,10 @@ HERTZ, SPACING, ROWS = 0.03, 4.0, 40
 
 
 def record(transient, drift=0.0, hertz=HERTZ, spacing=SPACING, seed=1):
-    """A gel in one swinging, told every few seconds; at first it has not moved yet, as the stress is held."""
+    """A gel in one swinging, told every few seconds.
+
+    At first it has not moved yet, as the stress is held.
+    """
     time = 4000.0 + spacing * np.arange(ROWS)
     since = (time - time[0]) * hertz
     size = (1.0 - transient * np.exp(-since / 0.15)) * (1.0 + drift * since / since[-1])

@@ -1,4 +1,4 @@
-"""A bad point at the end of a sweep bends every model, and the physics of all others hides behind it."""
+"""A bad point at the end of a sweep bends every model, and hides the physics of all others."""
 
 import numpy as np
 import pytest

@@ -15,11 +15,13 @@ from springpot.registry import plugins
 
 def searched(data):
     library = list(plugins().items("effect"))
-    return examine(data, springpot.parse_model(KELVIN.name), library, np.random.default_rng(0)).search
+    return examine(
+        data, springpot.parse_model(KELVIN.name), library, np.random.default_rng(0)
+    ).search
 
 
 def stuck(found, theta):
-    """The same search as if the base model had ended elsewhere, which the scan would have flagged."""
+    """The same search as if the base model had ended elsewhere, flagged by the scan."""
     base = found.base
     off = base.model.stiffness(theta, base.fit.measurement.points) - base.fit.measurement.stiffness
     sd = base.noise.sd

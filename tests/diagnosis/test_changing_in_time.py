@@ -1,4 +1,7 @@
-"""Specimens that cure, dry or break down while they are measured, by a column of times; and those that do not."""
+"""Specimens that cure, dry or break down while they are measured, by a column of times.
+
+And those that do not.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ import pytest
 
 import springpot
 from soaked import soaked
-from springpot.misfit.course_search import change_in_order
+from springpot.misfit.drift_search import change_in_order
 
 LONG = np.linspace(60.0, 3600.0, 60)
 ROUND = np.array([0.5, 1.0, 2.0, 5.0, 10.0])
@@ -50,9 +53,15 @@ def said(found):
 
 @pytest.mark.parametrize(
     ("course", "verb", "meaning"),
-    [(cured, "rises", "cures"), (broken_down, "falls", "breaks down"), soaked(dried, "rises", "dries")],
+    [
+        (cured, "rises", "cures"),
+        (broken_down, "falls", "breaks down"),
+        soaked(dried, "rises", "dries"),
+    ],
 )
-def test_a_modulus_that_moves_with_time_at_one_frequency_is_told_of_from_start_to_end(course, verb, meaning):
+def test_a_modulus_that_moves_with_time_at_one_frequency_is_told_of_from_start_to_end(
+    course, verb, meaning
+):
     stiffness = 1000.0 * course(LONG) + 1j * (30.0 + 200.0 * course(LONG))
     found = springpot.diagnose(measured(np.ones(60), stiffness, LONG))
     assert found.verdict == "unexplained"
@@ -67,10 +76,14 @@ def test_a_modulus_that_moves_with_time_at_one_frequency_is_told_of_from_start_t
 
 
 def test_the_first_and_the_last_moduli_are_those_of_the_data():
-    found = springpot.diagnose(measured(np.ones(60), 1000.0 * cured(LONG) * (1.0 + 0.2j), LONG, noise=1e-4))
+    found = springpot.diagnose(
+        measured(np.ones(60), 1000.0 * cured(LONG) * (1.0 + 0.2j), LONG, noise=1e-4)
+    )
     first, last = 1000.0 * cured(LONG)[:6].mean(), 1000.0 * cured(LONG)[-6:].mean()
     told = re.search(r"storage rises from (\S+) to (\S+) Pa \((\S+) times\)", found.says)
-    np.testing.assert_allclose([float(each) for each in told.groups()], [first, last, last / first], rtol=0.01)
+    np.testing.assert_allclose(
+        [float(each) for each in told.groups()], [first, last, last / first], rtol=0.01
+    )
 
 
 def test_a_round_of_frequencies_that_is_measured_again_and_again_is_judged_by_its_last():
@@ -83,7 +96,9 @@ def test_a_round_of_frequencies_that_is_measured_again_and_again_is_judged_by_it
 @pytest.mark.parametrize("hertz", [1.0, 1e-3])
 def test_the_change_within_one_period_is_told(hertz):
     """At a rate of 1/2000 s a period of 1 s sees 0.05 %, one of 1000 s half of the modulus."""
-    found = springpot.diagnose(measured(np.full(60, hertz), (1000.0 + 200.0j) * broken_down(LONG), LONG))
+    found = springpot.diagnose(
+        measured(np.full(60, hertz), (1000.0 + 200.0j) * broken_down(LONG), LONG)
+    )
     told = re.search(r"changes by at most (\S+) % within one period", said(found))
     assert float(told[1]) == pytest.approx(100.0 / (2000.0 * hertz), rel=0.2)
     assert ("a steady state" in said(found)) == (hertz < 0.01)
@@ -98,7 +113,9 @@ def test_points_that_came_in_pairs_make_no_change_quicker():
 
 
 def test_a_phase_that_moves_while_the_size_stays_is_no_cure():
-    found = springpot.diagnose(measured(np.ones(60), 1000.0 * np.exp(1j * (0.1 + LONG / 3600.0)), LONG, noise=0.003))
+    found = springpot.diagnose(
+        measured(np.ones(60), 1000.0 * np.exp(1j * (0.1 + LONG / 3600.0)), LONG, noise=0.003)
+    )
     assert "the specimen changes (its phase, while |K| stays)" in said(found)
 
 
@@ -114,15 +131,19 @@ def test_where_nothing_changes_with_time_nothing_is_said_of_it(seed):
 
 
 def test_where_no_point_was_measured_twice_no_start_and_no_end_are_made_up():
-    hertz, celsius = (each.ravel() for each in np.meshgrid(np.geomspace(0.1, 10.0, 8), np.linspace(20.0, 60.0, 5)))
+    hertz, celsius = (
+        each.ravel() for each in np.meshgrid(np.geomspace(0.1, 10.0, 8), np.linspace(20.0, 60.0, 5))
+    )
     order = np.random.default_rng(2).permutation(40)
     hertz, celsius, time = hertz[order], celsius[order], 30.0 * np.arange(40)
     found = springpot.diagnose(
-        measured(hertz, (1000.0 + 200.0j * hertz) * broken_down(time), time, temperature=celsius), "kelvin"
+        measured(hertz, (1000.0 + 200.0j * hertz) * broken_down(time), time, temperature=celsius),
+        "kelvin",
     )
     assert "the specimen changes with time" in found.says
     assert "no point was measured again" in found.says
-    # One point is neither a start nor an end, and a row of each frequency at any temperature is no test.
+    # One point is neither a start nor an end, and a row of each frequency at any temperature is no
+    # test.
     assert "stays near" not in found.says
     assert "breaks down" not in said(found)
     assert found.one_test == ""
@@ -138,17 +159,24 @@ def test_what_was_left_empty_in_a_column_has_no_place_in_the_order_of_time():
 def test_one_sweep_cannot_tell_time_from_frequency(upwards):
     hertz = np.geomspace(0.1, 10.0, 25)[:: 1 if upwards else -1]
     time = np.cumsum(5.0 / hertz)
-    found = springpot.diagnose(measured(hertz, network(hertz) * (1.0 + 2.0 * time / time[-1]), time))
+    found = springpot.diagnose(
+        measured(hertz, network(hertz) * (1.0 + 2.0 * time / time[-1]), time)
+    )
     assert found.verdict == "unexplained"
     assert "the specimen changes with time" not in found.says
     assert "the time was not varied by itself but goes with the frequency" in said(found)
 
 
 def test_sweeps_at_several_temperatures_one_after_another_are_no_course_in_time():
-    hertz, celsius = np.tile(np.geomspace(0.1, 10.0, 10), 6), np.repeat(np.arange(0.0, 90.0, 15.0), 10)
+    hertz, celsius = (
+        np.tile(np.geomspace(0.1, 10.0, 10), 6),
+        np.repeat(np.arange(0.0, 90.0, 15.0), 10),
+    )
     # Each by a factor that no law gives.
     factor = np.repeat([1.0, 1.3, 0.8, 1.2, 0.7, 1.5], 10)
-    found = springpot.diagnose(measured(hertz, factor * network(hertz), 30.0 * np.arange(60), temperature=celsius))
+    found = springpot.diagnose(
+        measured(hertz, factor * network(hertz), 30.0 * np.arange(60), temperature=celsius)
+    )
     assert "changes with time" not in said(found)
 
 
@@ -174,7 +202,9 @@ def test_strains_that_were_set_one_after_another_are_the_cause():
         ((1000.0 + 200.0j) / (1.0 + strain**1.5), "strain-softening"),
         (20.0 + 5.0j + 4j * 50.0 / (np.pi * strain), "friction"),
     ):
-        found = springpot.diagnose(measured(np.ones(20), stiffness, 30.0 * np.arange(20.0), amplitude=strain))
+        found = springpot.diagnose(
+            measured(np.ones(20), stiffness, 30.0 * np.arange(20.0), amplitude=strain)
+        )
         assert found.best.effect == name
 
 
@@ -190,7 +220,10 @@ def test_sweeps_that_are_numbered_as_repeats_are_no_noise_where_they_go_with_tim
     hertz, time = np.tile(np.geomspace(0.1, 10.0, 13), 6), 20.0 * np.arange(78.0)
     data = measured(hertz, network(hertz) * (1.0 + time / 1000.0), time)
     repeats = springpot.Measurement(
-        data.omega, data.stiffness, conditions=data.conditions, repeat=np.repeat(np.arange(1, 7), 13)
+        data.omega,
+        data.stiffness,
+        conditions=data.conditions,
+        repeat=np.repeat(np.arange(1, 7), 13),
     )
     assert "the specimen changes with time" in springpot.diagnose(repeats).says
 
@@ -198,7 +231,9 @@ def test_sweeps_that_are_numbered_as_repeats_are_no_noise_where_they_go_with_tim
 def test_a_column_whose_values_follow_one_another_in_time_is_told_as_such():
     hertz, time = np.tile(np.geomspace(0.1, 10.0, 13), 6), 20.0 * np.arange(78.0)
     cycle = np.repeat(np.arange(1.0, 7.0), 13)
-    found = springpot.diagnose(measured(hertz, network(hertz) * (1.0 + time / 1000.0), time, cycle=cycle))
+    found = springpot.diagnose(
+        measured(hertz, network(hertz) * (1.0 + time / 1000.0), time, cycle=cycle)
+    )
     assert "it goes with cycle" in found.says
     assert "in the order of time, as which cycle stands, storage rises from" in said(found)
 
@@ -220,7 +255,10 @@ def test_a_time_of_another_name_is_known_by_its_unit(tmp_path):
 
 
 def test_factors_at_each_time_can_be_diagnosed():
-    """The next experiment has a time of its own: before, it had none and the diagnosis ended in a fault."""
+    """The next experiment has a time of its own.
+
+    Before, it had none and the diagnosis ended in a fault.
+    """
     hertz, time = np.tile(np.geomspace(0.1, 10.0, 13), 6), 20.0 * np.repeat(np.arange(6.0), 13)
     data = measured(hertz, network(hertz) * (1.0 + time / 100.0), time + 1.0)
     found = springpot.diagnose(data, "material + free-vertical-shift:time")

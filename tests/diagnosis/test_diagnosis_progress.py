@@ -25,13 +25,17 @@ def data():
     model = springpot.parse_model(f"{MODEL} + inertia")
     exact = model.stiffness(np.array([400.0, 60.0, 0.55, 2e-3]), omega)
     scatter = np.random.default_rng(2).normal(size=(2, len(omega))) * 0.005
-    return Measurement(omega, exact * (1.0 + scatter[0] + 1j * scatter[1]), units=Units("kN/m", "mm"), name="made")
+    return Measurement(
+        omega, exact * (1.0 + scatter[0] + 1j * scatter[1]), units=Units("kN/m", "mm"), name="made"
+    )
 
 
 def test_stages_come_in_the_order_of_the_work_and_change_no_bit(data):
     library = [plugins().effect(name) for name in EFFECTS]
     told = []
-    watched = diagnose(data, springpot.parse_model(MODEL), library, np.random.default_rng(0), told.append)
+    watched = diagnose(
+        data, springpot.parse_model(MODEL), library, np.random.default_rng(0), told.append
+    )
     silent = diagnose(data, springpot.parse_model(MODEL), library, np.random.default_rng(0))
     assert jsonable(watched) == jsonable(silent)
     assert told[0] == f"fitting {MODEL} and trying what may be missing from it"
@@ -41,10 +45,12 @@ def test_stages_come_in_the_order_of_the_work_and_change_no_bit(data):
 def test_every_rung_is_handed_out_when_it_is_reached(data):
     story = []
     ladder = springpot.discover(
-        data, MODEL, accept="inertia",
+        data,
+        MODEL,
+        accept="inertia",
         progress=lambda stage: story.append(stage.partition(":")[0]),
         reached=lambda so_far: story.append(len(so_far.steps)),
-    )  # fmt: skip
+    )
     assert list(dict.fromkeys(story)) == ["step 0", 1, "step 1", 2]
     assert len(ladder.steps) == 2
 
@@ -83,5 +89,7 @@ def test_ctrl_c_keeps_the_steps_that_were_reached(data, tmp_path, monkeypatch, c
 
 def test_ctrl_c_before_the_first_step_says_nothing(monkeypatch, capsys):
     interrupted_at(monkeypatch, "step 0: fitting")
-    assert exit_code(lambda: run(["discover", "artificial-hidden", "--model", MODEL, "--auto"])) == 130
+    assert (
+        exit_code(lambda: run(["discover", "artificial-hidden", "--model", MODEL, "--auto"])) == 130
+    )
     assert capsys.readouterr().out == ""

@@ -5,7 +5,18 @@ from itertools import pairwise, permutations
 
 import numpy as np
 import pytest
-from hidden_data import AMPLITUDES, BOTH, KELVIN, MAXWELL, SWEEP, WARM, design, exact, hidden, measured
+from hidden_data import (
+    AMPLITUDES,
+    BOTH,
+    KELVIN,
+    MAXWELL,
+    SWEEP,
+    WARM,
+    design,
+    exact,
+    hidden,
+    measured,
+)
 
 import springpot
 from soaked import soaked
@@ -19,11 +30,15 @@ def accepted(ladder):
 
 def parts(ladder):
     """The effects in the last model."""
-    return {part.strip() for part in ladder.to_dict()["steps"][-1]["model"].split("+")[1:]} - {"arrhenius-shift"}
+    return {part.strip() for part in ladder.to_dict()["steps"][-1]["model"].split("+")[1:]} - {
+        "arrhenius-shift"
+    }
 
 
 def test_one_hidden_effect_makes_one_step_to_the_floor():
-    ladder = springpot.discover(hidden(KELVIN, SWEEP, "inertia", 1000.0, seed=5, just=True), KELVIN.name)
+    ladder = springpot.discover(
+        hidden(KELVIN, SWEEP, "inertia", 1000.0, seed=5, just=True), KELVIN.name
+    )
     assert accepted(ladder) == ["inertia"]
     assert ladder.verdict == "adequate"
     first, last = ladder.steps
@@ -34,8 +49,10 @@ def test_one_hidden_effect_makes_one_step_to_the_floor():
 
 
 def two(base, at, one, other, sizes, level=0.01, seed=3):
-    """Two effects: parallel ones add, a chain acts on the sum, a mounting gives way within the moving mass."""
-    first, second = (exact(base, at, name, size) for name, size in zip((one, other), sizes, strict=True))
+    """Two effects: parallel ones add, a chain acts on the sum, a mount yields within a mass."""
+    first, second = (
+        exact(base, at, name, size) for name, size in zip((one, other), sizes, strict=True)
+    )
     plain = exact(base, at)
     chained = other in ("time-delay", "phase-error")
     stiffness = first * second / plain if chained else first + second - plain
@@ -58,9 +75,13 @@ HARD = {
     )
 }
 RARE = [
-    ("friction", "inertia"), ("inertia", "series-spring"), ("inertia", "time-delay"), ("parallel-spring", "inertia")
-]  # fmt: skip
-"""For the soak: each kind of effect is among the others, over frequency, amplitude and temperature."""
+    ("friction", "inertia"),
+    ("inertia", "series-spring"),
+    ("inertia", "time-delay"),
+    ("parallel-spring", "inertia"),
+]
+"""For the soak: each kind of effect is among the others, over frequency, amplitude and temperature.
+"""
 
 
 def marks(pair):
@@ -74,7 +95,8 @@ def found(pair):
     return springpot.discover(two(base, at, *pair, sizes), base.name)
 
 
-# An impossible start (a wave in a specimen that a wave drives) overflows on the way; it is not chosen.
+# An impossible start (a wave in a specimen that a wave drives) overflows on the way; it is not
+# chosen.
 @pytest.mark.filterwarnings("ignore:invalid value encountered")
 @pytest.mark.parametrize("pair", [pytest.param(p, marks=marks(p), id="+".join(p)) for p in PAIRS])
 def test_two_hidden_effects_are_both_found(pair):
@@ -87,14 +109,19 @@ def test_two_hidden_effects_are_both_found(pair):
     assert ladder.steps[-1].relative_rms / ladder.steps[-1].noise_floor < 1.3
 
 
-@pytest.mark.parametrize("pair", [("hysteretic-loss", "inertia"), ("friction", "cubic-stiffness")], ids="+".join)
+@pytest.mark.parametrize(
+    "pair", [("hysteretic-loss", "inertia"), ("friction", "cubic-stiffness")], ids="+".join
+)
 def test_errors_fall_from_step_to_step(pair):
     errors = [step.relative_rms for step in found(pair).steps]
     assert all(later < earlier for earlier, later in pairwise(errors))
 
 
 def test_what_a_later_effect_makes_idle_is_dropped():
-    """A wrong effect accepted by hand is the best neither alone nor with others: no last model keeps it for free."""
+    """A wrong effect accepted by hand is the best neither alone nor with others.
+
+    No last model keeps it for free.
+    """
     data = hidden(KELVIN, FINE, "inertia", 2000.0, seed=2)
     ladder = springpot.discover(data, KELVIN.name)
     assert parts(ladder) == {"inertia"}
@@ -103,7 +130,9 @@ def test_what_a_later_effect_makes_idle_is_dropped():
 
 
 @pytest.mark.filterwarnings("ignore:invalid value encountered")
-@pytest.mark.parametrize("pair", [("hysteretic-loss", "inertia"), soaked(("inertia", "series-spring"))], ids="+".join)
+@pytest.mark.parametrize(
+    "pair", [("hysteretic-loss", "inertia"), soaked(("inertia", "series-spring"))], ids="+".join
+)
 def test_every_effect_of_the_last_model_is_needed(pair):
     """Backward pruning: leaving any of them out brings the misfit back."""
     base, at, sizes = PAIRS[pair]
@@ -123,7 +152,9 @@ def test_accepting_by_hand_follows_the_order_given():
     ladder = springpot.discover(data, KELVIN.name, accept=["time-delay", "inertia"])
     assert accepted(ladder) == ["time-delay", "inertia"]
     assert len(ladder.steps) == 3
-    assert ladder.steps[2].relative_rms <= ladder.steps[1].relative_rms <= ladder.steps[0].relative_rms
+    assert (
+        ladder.steps[2].relative_rms <= ladder.steps[1].relative_rms <= ladder.steps[0].relative_rms
+    )
 
 
 def test_an_empty_list_accepts_nothing_and_still_judges():
@@ -134,7 +165,10 @@ def test_an_empty_list_accepts_nothing_and_still_judges():
 
 def test_an_alias_is_accepted_as_the_effect_it_means():
     data = hidden(MAXWELL, SWEEP, "parallel-spring", 1000.0)
-    ladders = [springpot.discover(data, MAXWELL.name, accept=[w]) for w in ("bearing-spring", "parallel-spring")]
+    ladders = [
+        springpot.discover(data, MAXWELL.name, accept=[w])
+        for w in ("bearing-spring", "parallel-spring")
+    ]
     assert ladders[0].steps[-1].relative_rms == ladders[1].steps[-1].relative_rms
     assert accepted(ladders[0]) == accepted(ladders[1])
 
@@ -142,7 +176,11 @@ def test_an_alias_is_accepted_as_the_effect_it_means():
 def test_an_accepted_effect_that_is_not_there_is_not_called_missing():
     data = measured(SWEEP, exact(KELVIN, SWEEP))
     ladder = springpot.discover(data, KELVIN.name, accept=["inertia"])
-    gain = 2 * len(SWEEP.omega) * (ladder.steps[0].relative_rms ** 2 - ladder.steps[1].relative_rms ** 2)
+    gain = (
+        2
+        * len(SWEEP.omega)
+        * (ladder.steps[0].relative_rms ** 2 - ladder.steps[1].relative_rms ** 2)
+    )
     assert -1e-3 <= gain / ladder.steps[0].noise_floor ** 2 < 12.0
 
 

@@ -10,7 +10,7 @@ import springpot
 from springpot.measurement import Measurement
 from springpot.misfit.floor import fitted_to_floor
 from springpot.misfit.frame import Frame
-from springpot.misfit.leftover import causal_evidence, discrepancy, log_shift_of
+from springpot.misfit.residual_causes import causal_evidence, discrepancy, log_shift_of
 
 LEVEL = 0.005
 CELSIUS = (0.0, 20.0, 40.0, 60.0)
@@ -91,8 +91,14 @@ def test_noise_is_no_breach_even_where_its_size_is_misstated(sd):
 @pytest.mark.parametrize(
     ("off", "word"),
     [
-        (lambda s, r: 0.03 * np.sin(6.0 * np.pi * decades(s)), "same frequencies at all temperatures"),
-        (lambda s, r: 0.03 * np.sin(6.0 * np.pi * decades(r)), "moves along the frequency with temperature"),
+        (
+            lambda s, r: 0.03 * np.sin(6.0 * np.pi * decades(s)),
+            "same frequencies at all temperatures",
+        ),
+        (
+            lambda s, r: 0.03 * np.sin(6.0 * np.pi * decades(r)),
+            "moves along the frequency with temperature",
+        ),
         (lambda s, r: 0.2 * s / (30.0 + s), "same frequencies at all temperatures"),
         (lambda s, r: 0.2 * r / (30.0 + r), "moves along the frequency with temperature"),
     ],
@@ -104,7 +110,10 @@ def test_fixed_and_moving_are_told_apart(off, word):
 
 def test_what_is_the_same_either_way_is_not_told():
     """A constant neither moves nor stays; a pattern at one temperature only does neither."""
-    for off in (lambda s, r: 0.03j + 0 * s, lambda s, r: 0.05 * np.sin(6 * np.pi * decades(s)) * (np.abs(r / s) > 2)):
+    for off in (
+        lambda s, r: 0.03j + 0 * s,
+        lambda s, r: 0.05 * np.sin(6 * np.pi * decades(s)) * (np.abs(r / s) > 2),
+    ):
         said = says(off, CELSIUS)
         assert "it stays" not in said
         assert "it moves" not in said
@@ -128,7 +137,9 @@ def test_the_evidence_does_not_depend_on_units():
         frame.jacobian * 10,
     )
     x, rows = np.log(frame.measurement.omega), [np.arange(n)]
-    assert causal_evidence(tenfold, x, rows) == pytest.approx(causal_evidence(frame, x, rows), rel=1e-6)
+    assert causal_evidence(tenfold, x, rows) == pytest.approx(
+        causal_evidence(frame, x, rows), rel=1e-6
+    )
     assert causal_evidence(replace(frame), x, rows) > 10.0
 
 
@@ -140,7 +151,8 @@ def test_the_shift_of_a_fitted_model():
     np.testing.assert_allclose(log_shift_of(fitted), wanted, rtol=1e-2, atol=1e-3)
     at = design(24)
     plain = fitted_to_floor(
-        springpot.parse_model("fractional-kelvin"), measured(at, 100.0 + 40.0 * (1j * at.omega) ** 0.4)
+        springpot.parse_model("fractional-kelvin"),
+        measured(at, 100.0 + 40.0 * (1j * at.omega) ** 0.4),
     )
     assert log_shift_of(plain) is None
 
@@ -152,18 +164,25 @@ def test_two_shifts_of_one_name_have_their_own_parameters():
     own = dict(zip(model.names, fitted.theta, strict=True))
     away = TEMPERATURES.kelvin - data.reference_temperature
     wanted = [
-        -np.log(10.0) * own[f"{name}.C1"] * away / (own[f"{name}.C2"] + away) for name in ("wlf-shift", "wlf-shift#2")
+        -np.log(10.0) * own[f"{name}.C1"] * away / (own[f"{name}.C2"] + away)
+        for name in ("wlf-shift", "wlf-shift#2")
     ]
     np.testing.assert_allclose(log_shift_of(fitted), sum(wanted), rtol=1e-9)
 
 
 def test_what_is_not_causal_may_be_an_ideal_hysteretic_loss():
-    assert "ideal hysteretic damping) is not causal either" in says(lambda s, r: 3j / (100.0 + 40.0 * r**0.4))
+    assert "ideal hysteretic damping) is not causal either" in says(
+        lambda s, r: 3j / (100.0 + 40.0 * r**0.4)
+    )
 
 
 def test_one_frequency_is_no_ground_for_a_word_on_causality():
     w = np.full(20, 10.0)
-    data = Measurement(w, np.full(20, 110.0 + 10j), conditions={"amplitude": np.geomspace(0.1, 1.0, 20)})
-    frame = Frame(data, np.full(20, 100.0 + 10j), np.full(20, 1.0 + 1.0j), np.zeros((0, 20), dtype=complex))
+    data = Measurement(
+        w, np.full(20, 110.0 + 10j), conditions={"amplitude": np.geomspace(0.1, 1.0, 20)}
+    )
+    frame = Frame(
+        data, np.full(20, 100.0 + 10j), np.full(20, 1.0 + 1.0j), np.zeros((0, 20), dtype=complex)
+    )
     [said] = discrepancy(frame)
     assert said.startswith("what is left is about 9 % of |G*|")

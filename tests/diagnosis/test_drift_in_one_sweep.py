@@ -1,6 +1,9 @@
-"""A gain that drifts while one sweep is measured looks like a phase that is wrong: the answer says so.
+"""A gain that drifts while one sweep is measured looks like a phase that is wrong.
 
-K (i omega)^e is a material again, and omega^e = (i omega)^e exp(-i e pi/2): beside any material the two are one.
+The answer says so.
+
+K (i omega)^e is a material again, and omega^e = (i omega)^e exp(-i e pi/2): beside any material the
+two are one.
 """
 
 import numpy as np
@@ -13,7 +16,7 @@ OPPOSITE = "opposite order"
 
 
 def sweep(rng, *, hertz=HERTZ, drift=0.0, phase=0.0):
-    """A material with a gain that grows by `drift` from the first row to the last, or with a phase that is off."""
+    """A material with a gain that grows by `drift` from first row to last, or a phase error."""
     s = 2j * np.pi * hertz
     stiffness = 60.0 + 1.0 / (1.0 / 400.0 + 1.0 / (40.0 * s**0.5))
     gain = (1.0 + drift) ** np.linspace(0.0, 1.0, len(hertz))

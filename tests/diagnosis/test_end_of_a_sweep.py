@@ -1,4 +1,7 @@
-"""The end of a sweep: there an effect begins, and there a bad point has neighbours on one side only."""
+"""The end of a sweep.
+
+There an effect begins, and there a bad point has neighbours on one side only.
+"""
 
 import numpy as np
 import pytest
@@ -25,7 +28,7 @@ def set_aside(found):
 
 @pytest.fixture(scope="module", params=[21, 31], ids=["7 points a decade", "10 points a decade"])
 def lowered_at_its_last_row(request):
-    """A gum of which the last row alone is a fifth lower, as by a mass that came up there at once."""
+    """A gum of which the last row alone is a fifth lower, as if a mass came up there at once."""
     omega = np.geomspace(0.1, 100.0, request.param)
     stiffness = 3.0 * (1j * omega) ** 0.2 + 8.0 * (1j * omega) ** 0.05
     stiffness[-1] -= 0.2 * np.abs(stiffness[-1])

@@ -1,8 +1,19 @@
-"""Exact dualities: effects that no data of the kind at hand can tell apart come back as one class."""
+"""Exact dualities: effects that no data of this kind can tell apart come back as one class."""
 
 import numpy as np
 import pytest
-from hidden_data import KELVIN, MAXWELL, TEMPERATURES, Base, Design, design, exact, hidden, jenkins, measured
+from hidden_data import (
+    KELVIN,
+    MAXWELL,
+    TEMPERATURES,
+    Base,
+    Design,
+    design,
+    exact,
+    hidden,
+    jenkins,
+    measured,
+)
 
 import springpot
 from soaked import soaked
@@ -50,7 +61,8 @@ def test_friction_at_one_amplitude_is_a_hysteretic_loss(effect):
     )
     # 4 F / (pi X) is the loss: the two describe one number.
     force, loss = (
-        of(diagnosis, name).parameters[p].value for name, p in (("friction", "F"), ("hysteretic-loss", "h"))
+        of(diagnosis, name).parameters[p].value
+        for name, p in (("friction", "F"), ("hysteretic-loss", "h"))
     )
     assert 4.0 * force / (np.pi * 0.5) == pytest.approx(loss, rel=1e-2)
 
@@ -61,14 +73,20 @@ def test_crosstalk_in_quadrature_at_one_amplitude_is_friction():
     stiffness = exact(KELVIN, ONE_AMPLITUDE) + 12.0j
     diagnosis = springpot.diagnose(measured(ONE_AMPLITUDE, stiffness), KELVIN.name)
     one_class(diagnosis, "friction", "hysteretic-loss", "crosstalk")
-    assert of(diagnosis, "crosstalk").error_after == pytest.approx(of(diagnosis, "friction").error_after, rel=1e-3)
+    assert of(diagnosis, "crosstalk").error_after == pytest.approx(
+        of(diagnosis, "friction").error_after, rel=1e-3
+    )
 
 
-@pytest.mark.parametrize("base", [CLASSICAL_KELVIN, soaked(CLASSICAL_MAXWELL)], ids=lambda b: b.name)
+@pytest.mark.parametrize(
+    "base", [CLASSICAL_KELVIN, soaked(CLASSICAL_MAXWELL)], ids=lambda b: b.name
+)
 @pytest.mark.parametrize("effect", ["relaxation-mode", soaked("retardation-mode")])
 def test_relaxation_and_retardation_modes_are_one(base, effect):
     """A mode beside and a mode in series are the same rational function of s."""
-    stiffness = exact(base, SWEEP, effect, {"relaxation-mode": 150.0, "retardation-mode": 4e-3}[effect])
+    stiffness = exact(
+        base, SWEEP, effect, {"relaxation-mode": 150.0, "retardation-mode": 4e-3}[effect]
+    )
     diagnosis = springpot.diagnose(measured(SWEEP, stiffness, level=0.005), base.name)
     one_class(diagnosis, "relaxation-mode", "retardation-mode")
     assert of(diagnosis, "relaxation-mode").error_after == pytest.approx(
@@ -77,7 +95,9 @@ def test_relaxation_and_retardation_modes_are_one(base, effect):
 
 
 def test_modes_on_a_fractional_kelvin_are_one_class_where_they_are_small():
-    diagnosis = springpot.diagnose(hidden(KELVIN, SWEEP, "retardation-mode", 60.0, seed=3, just=True), KELVIN.name)
+    diagnosis = springpot.diagnose(
+        hidden(KELVIN, SWEEP, "retardation-mode", 60.0, seed=3, just=True), KELVIN.name
+    )
     one_class(diagnosis, "relaxation-mode", "retardation-mode")
 
 
@@ -99,7 +119,9 @@ def test_a_spring_in_series_with_kelvin_is_the_zener_form(alpha):
     both = [springpot.diagnose(data, name) for name in names[1:]]
     assert [d.verdict for d in both] == ["adequate", "adequate"]
     assert both[0].error.relative_rms == pytest.approx(both[1].error.relative_rms, rel=1e-4)
-    assert of(diagnosis, "series-spring").error_after == pytest.approx(both[0].error.relative_rms, rel=1e-3)
+    assert of(diagnosis, "series-spring").error_after == pytest.approx(
+        both[0].error.relative_rms, rel=1e-3
+    )
 
 
 def test_a_solvent_beside_and_a_dashpot_in_series_are_one_fluid():
@@ -126,7 +148,10 @@ def test_mounting_compliance_is_absorbed_by_a_model_with_a_spring_in_series(name
     data = measured(SWEEP, exact(law, SWEEP, "series-spring", 2e-3))
     diagnosis = springpot.diagnose(data, name)
     assert diagnosis.verdict == "adequate"
-    assert [c.verdict for c in diagnosis.candidates if c.effect == "series-spring"] in ([], ["cannot-tell"])
+    assert [c.verdict for c in diagnosis.candidates if c.effect == "series-spring"] in (
+        [],
+        ["cannot-tell"],
+    )
 
 
 @pytest.mark.parametrize("effect", ["gain-error", "frequency-error"])
@@ -153,19 +178,29 @@ def test_errors_of_scale_are_absorbed_by_the_moduli(effect):
 def test_two_words_for_one_effect(alias, name):
     one, other = (springpot.parse_model(f"fractional-maxwell + {word}") for word in (alias, name))
     theta = np.array([400.0, 60.0, 0.5, 0.01])
-    np.testing.assert_array_equal(one.stiffness(theta, SWEEP.omega), other.stiffness(theta, SWEEP.omega))
+    np.testing.assert_array_equal(
+        one.stiffness(theta, SWEEP.omega), other.stiffness(theta, SWEEP.omega)
+    )
     assert [p.name for p in one.parameters] == [p.name for p in other.parameters]
 
 
 @pytest.mark.parametrize(
     ("chi2", "seed"),
     [(300.0, 1), (30000.0, 2)]
-    + [pytest.param(*case, marks=pytest.mark.soak) for case in ((300.0, 2), (300.0, 3), (30000.0, 1), (30000.0, 3))],
+    + [
+        pytest.param(*case, marks=pytest.mark.soak)
+        for case in ((300.0, 2), (300.0, 3), (30000.0, 1), (30000.0, 3))
+    ],
 )
 @pytest.mark.parametrize("effect", ["arrhenius-shift", "wlf-shift"])
 def test_two_temperatures_cannot_tell_arrhenius_from_wlf(effect, chi2, seed):
-    """One shift is all that two temperatures tell: one constant or two, where the fit ends among them is chance."""
-    diagnosis = springpot.diagnose(hidden(KELVIN, TWO_TEMPERATURES, effect, chi2, seed), KELVIN.name)
+    """One shift is all that two temperatures tell.
+
+    One constant or two, where the fit ends among them is chance.
+    """
+    diagnosis = springpot.diagnose(
+        hidden(KELVIN, TWO_TEMPERATURES, effect, chi2, seed), KELVIN.name
+    )
     one_class(diagnosis, "arrhenius-shift", "wlf-shift")
     assert max(each.probability for each in diagnosis.candidates) < 0.9
 
@@ -173,7 +208,9 @@ def test_two_temperatures_cannot_tell_arrhenius_from_wlf(effect, chi2, seed):
 # On a spring alone it is in test_exact_twins.py.
 @pytest.mark.soak
 def test_two_amplitudes_cannot_tell_a_cubic_spring_from_a_gap():
-    diagnosis = springpot.diagnose(hidden(KELVIN, TWO_AMPLITUDES, "cubic-stiffness", 400.0), KELVIN.name)
+    diagnosis = springpot.diagnose(
+        hidden(KELVIN, TWO_AMPLITUDES, "cubic-stiffness", 400.0), KELVIN.name
+    )
     one_class(diagnosis, "cubic-stiffness", "dead-zone")
 
 
@@ -212,14 +249,21 @@ def test_a_small_delay_and_a_small_filter_are_one_class():
 
 
 def test_a_slider_that_always_slips_at_one_amplitude_is_no_friction_alone():
-    """A slider with a spring changes storage too: at one amplitude the spring is absorbed and friction remains."""
+    """A slider with a spring changes storage too.
+
+    At one amplitude the spring is absorbed and friction remains.
+    """
     at = Design(ONE_AMPLITUDE.omega, ONE_AMPLITUDE.x)
-    diagnosis = springpot.diagnose(measured(at, exact(KELVIN, at) + jenkins(at, 200.0, 5.0)), KELVIN.name)
+    diagnosis = springpot.diagnose(
+        measured(at, exact(KELVIN, at) + jenkins(at, 200.0, 5.0)), KELVIN.name
+    )
     assert diagnosis.verdict == "effect-missing"
     assert "hysteretic-loss" in diagnosis.best.alike
 
 
 def test_three_temperatures_tell_a_vertical_shift_from_a_horizontal_one():
-    best = springpot.diagnose(hidden(KELVIN, TEMPERATURES, "vertical-shift", 1000.0), KELVIN.name).best
+    best = springpot.diagnose(
+        hidden(KELVIN, TEMPERATURES, "vertical-shift", 1000.0), KELVIN.name
+    ).best
     assert best.effect == "vertical-shift"
     assert "arrhenius-shift" not in best.alike

@@ -1,17 +1,31 @@
-"""The exact dualities of linear and first-harmonic rheology, one by one, as diagnoses of data made by hand.
+"""Diagnoses of the exact dualities of linear and first-harmonic rheology, one by one.
 
-Data come from formulas written here, at two sizes of the effect relative to the noise, each with a seed of its own;
-each base meets one of the two here, and both in ``make soak``. Wherever two effects draw the same curve both must be
-in the first class and neither may be said to be known. Where two forms of a model draw the same curve they must fit
-equally and be told the same.
+Data come from formulas written here, at two sizes of the effect relative to the noise, each with a
+seed of its own; each base meets one of the two here, and both in ``make soak``. Wherever two
+effects draw the same curve both must be in the first class and neither may be said to be known.
+Where two forms of a model draw the same curve they must fit equally and be told the same.
 
-What is only nested (one of the two draws every curve of the other, but not the other way round) is no duality: the
-restricted effect may be preferred, but the wider one must fit as well. Such tests say "nested".
+What is only nested (one of the two draws every curve of the other, but not the other way round) is
+no duality: the restricted effect may be preferred, but the wider one must fit as well. Such tests
+say "nested".
 """
 
 import numpy as np
 import pytest
-from hidden_data import GAS, KELVIN, MAXWELL, WARM, ZENER, ZERO, Base, Design, design, exact, jenkins, measured
+from hidden_data import (
+    GAS,
+    KELVIN,
+    MAXWELL,
+    WARM,
+    ZENER,
+    ZERO,
+    Base,
+    Design,
+    design,
+    exact,
+    jenkins,
+    measured,
+)
 
 import springpot
 from soaked import soaked
@@ -31,7 +45,10 @@ NOISES = ((0.002, 1), (0.02, 3))
 
 
 def crossed(name, values, noises=NOISES, rare=()):
-    """Each value with the noises in turn, so that either is seen; other pairs, and rare values, are for the soak."""
+    """Each value with the noises in turn, so that either is seen.
+
+    Other pairs, and rare values, are for the soak.
+    """
     pairs = []
     for i, value in enumerate(values):
         for j, (level, seed) in enumerate(noises):
@@ -69,12 +86,17 @@ def one_class(diagnosis, *names, error=1e-3):
     for name in names:
         assert of(diagnosis, name).alike == diagnosis.best.alike
         assert of(diagnosis, name).verdict != "absent"
-        assert of(diagnosis, name).error_after == pytest.approx(of(diagnosis, names[0]).error_after, rel=error)
+        assert of(diagnosis, name).error_after == pytest.approx(
+            of(diagnosis, names[0]).error_after, rel=error
+        )
         assert of(diagnosis, name).error_after < 1.2 * diagnosis.error.noise_floor
 
 
 def absorbed(diagnosis, *names):
-    """Nothing is missing, and of these effects nothing can be said: the model's own parameters follow them."""
+    """Nothing is missing, and of these effects nothing can be said.
+
+    The model's own parameters follow them.
+    """
     assert diagnosis.verdict == "adequate"
     for name in names:
         assert of(diagnosis, name).verdict == "cannot-tell"
@@ -86,14 +108,20 @@ def absorbed(diagnosis, *names):
 
 @crossed("base", [SPRING, DASHPOT])
 def test_a_mode_beside_a_spring_is_a_mode_in_series(base, level, seed):
-    """Zener is Poynting-Thomson, and Jeffreys is a dashpot in series with Kelvin: alpha = 1 of the duality."""
+    """Zener is Poynting-Thomson, and Jeffreys is a dashpot in series with Kelvin.
+
+    Alpha = 1 of the duality.
+    """
     data = measured(SWEEP, exact(base, SWEEP) + mode(SWEEP_S, 60.0, 0.05), seed, level)
     one_class(springpot.diagnose(data, base.name), "relaxation-mode", "retardation-mode")
 
 
 @crossed("base", [SOFT_KELVIN, DASHPOT])
 def test_a_spring_in_series_is_a_filter(base, level, seed):
-    """(k + c s) / (1 + s tau) is Zener and c s / (1 + s tau) is Maxwell: not in the catalogue, but exact."""
+    """(k + c s) / (1 + s tau) is Zener and c s / (1 + s tau) is Maxwell.
+
+    Not in the catalogue, but exact.
+    """
     data = measured(SWEEP, in_series(exact(base, SWEEP), 4000.0), seed, level)
     one_class(springpot.diagnose(data, base.name), "series-spring", "filter-mismatch")
 
@@ -118,12 +146,24 @@ def test_a_spring_in_series_is_a_filter(base, level, seed):
             0.02,
             3,
         ),
-        soaked("dashpot", 0.3 * SWEEP_S + in_series(30.0 * SWEEP_S, 150.0), "kelvin", "maxwell", 0.002, 1),
+        soaked(
+            "dashpot",
+            0.3 * SWEEP_S + in_series(30.0 * SWEEP_S, 150.0),
+            "kelvin",
+            "maxwell",
+            0.002,
+            1,
+        ),
     ],
     ids=["zener alpha=0.43", "zener alpha=1", "jeffreys alpha=0.4", "jeffreys spring"],
 )
-def test_zener_and_jeffreys_forms_are_reached_from_both_sides(kind, law, inside, outside, level, seed):
-    """In series with Kelvin's form or beside Maxwell's: each is found, and both end at the same error."""
+def test_zener_and_jeffreys_forms_are_reached_from_both_sides(
+    kind, law, inside, outside, level, seed
+):
+    """In series with Kelvin's form or beside Maxwell's.
+
+    Each is found, and both end at the same error.
+    """
     data = measured(SWEEP, law, seed, level)
     one, other = springpot.diagnose(data, inside), springpot.diagnose(data, outside)
     series, parallel = f"series-{kind}", f"parallel-{kind}"
@@ -144,7 +184,9 @@ def test_zener_and_jeffreys_forms_are_reached_from_both_sides(kind, law, inside,
     ],
     ids=["zener", "fractional-zener", "burgers"],
 )
-@pytest.mark.parametrize(("level", "seed"), [(0.003, 1), pytest.param(0.015, 2, marks=pytest.mark.soak)])
+@pytest.mark.parametrize(
+    ("level", "seed"), [(0.003, 1), pytest.param(0.015, 2, marks=pytest.mark.soak)]
+)
 def test_compliance_hides_in_every_form_that_has_a_spring_in_series(law, names, level, seed):
     data = measured(SWEEP, in_series(law, 700.0), seed, level)
     found = [springpot.diagnose(data, name) for name in names]
@@ -185,12 +227,15 @@ def test_modes_side_by_side_in_series_and_in_a_ladder_fit_alike(n, level, seed):
 
 
 @pytest.mark.parametrize(
-    ("n", "level", "seed", "forms"), [(1, 0.01, 2, 2), soaked(1, 0.01, 2, 3), soaked(2, 0.003, 1, 3)]
+    ("n", "level", "seed", "forms"),
+    [(1, 0.01, 2, 2), soaked(1, 0.01, 2, 3), soaked(2, 0.003, 1, 3)],
 )
 def test_one_more_mode_is_told_the_same_on_every_form(n, level, seed, forms):
     """On N modes in any form, one more beside them and one more in series are one class."""
     data = measured(SWEEP, spectrum(n + 1), seed, level)
-    found = [springpot.diagnose(data, form) for form in (f"prony-{n}", f"kelvin-{n}", cauer(n))[:forms]]
+    found = [
+        springpot.diagnose(data, form) for form in (f"prony-{n}", f"kelvin-{n}", cauer(n))[:forms]
+    ]
     for diagnosis in found:
         one_class(diagnosis, "relaxation-mode", "retardation-mode")
         assert diagnosis.best.error_after == pytest.approx(found[0].best.error_after, rel=1e-3)
@@ -199,9 +244,14 @@ def test_one_more_mode_is_told_the_same_on_every_form(n, level, seed, forms):
 # E6: gauges
 
 
-@pytest.mark.parametrize(("base", "gain", "seed"), [(SPRINGPOT, 0.5, 1), soaked(KELVIN, 1.2, 2), (MAXWELL, 0.5, 2)])
+@pytest.mark.parametrize(
+    ("base", "gain", "seed"), [(SPRINGPOT, 0.5, 1), soaked(KELVIN, 1.2, 2), (MAXWELL, 0.5, 2)]
+)
 def test_a_gain_is_a_scale_of_all_moduli(base, gain, seed):
-    """Gain, area or gap error, and vertical shift at one temperature: nothing but the moduli changes."""
+    """Gain, area or gap error, and vertical shift at one temperature.
+
+    Nothing but the moduli changes.
+    """
     plain = measured(ONE_TEMPERATURE, exact(base, ONE_TEMPERATURE), seed)
     data = measured(ONE_TEMPERATURE, gain * exact(base, ONE_TEMPERATURE), seed)
     absorbed(springpot.diagnose(data, base.name), "gain-error", "frequency-error")
@@ -221,9 +271,14 @@ def test_a_gain_at_one_of_two_temperatures_is_a_vertical_shift(seed):
     assert of(diagnosis, "gain-error").verdict == "cannot-tell"
 
 
-@pytest.mark.parametrize(("base", "faster", "seed"), [soaked(SPRINGPOT, 0.7, 1), (KELVIN, 1.3, 2), (MAXWELL, 0.7, 2)])
+@pytest.mark.parametrize(
+    ("base", "faster", "seed"), [soaked(SPRINGPOT, 0.7, 1), (KELVIN, 1.3, 2), (MAXWELL, 0.7, 2)]
+)
 def test_a_wrong_clock_is_a_scale_of_all_times(base, faster, seed):
-    """As is a thermometer that is off at one temperature: the order and the spring stay, the springpot takes it."""
+    """As is a thermometer that is off at one temperature.
+
+    The order and the spring stay, the springpot takes it.
+    """
     at, name = ONE_TEMPERATURE, base.name
     plain = measured(at, base.stiffness(base.truth, at), seed, level=1e-4)
     data = measured(at, base.stiffness(base.truth, at, np.log(faster)), seed, level=1e-4)
@@ -242,7 +297,9 @@ def test_a_wrong_thermometer_hides_in_a_model_with_a_shift(offset, seed):
     data = measured(at, KELVIN.stiffness(KELVIN.truth, at, 40.0 / GAS * inverse), seed)
     diagnosis = springpot.diagnose(data, WARM.name)
     absorbed(diagnosis, "frequency-error", "gain-error")
-    assert "arrhenius-shift" not in {c.effect for c in diagnosis.candidates}, "two shifts of one law are no physics"
+    assert "arrhenius-shift" not in {c.effect for c in diagnosis.candidates}, (
+        "two shifts of one law are no physics"
+    )
 
 
 @pytest.mark.parametrize(("level", "seed"), [soaked(0.003, 1), (0.01, 2)])
@@ -267,14 +324,19 @@ def test_a_constant_loss_at_one_amplitude_has_three_names(base, level, seed):
 
 @crossed("phase", [0.8, np.pi / 2.0], rare=[0.8])
 def test_crosstalk_at_one_amplitude_is_friction(phase, level, seed):
-    data = measured(ONE_AMPLITUDE, exact(KELVIN, ONE_AMPLITUDE) + 14.0 * np.exp(1j * phase), seed, level)
+    data = measured(
+        ONE_AMPLITUDE, exact(KELVIN, ONE_AMPLITUDE) + 14.0 * np.exp(1j * phase), seed, level
+    )
     one_class(springpot.diagnose(data, KELVIN.name), "friction", "hysteretic-loss", "crosstalk")
 
 
 @crossed("base", [SPRING, STIFF_KELVIN], noises=[(0.01, 1), (0.02, 3)], rare=[STIFF_KELVIN])
 @pytest.mark.parametrize("turned", [True, False], ids=["phase-error", "friction"])
 def test_a_phase_error_on_a_dominant_spring_is_friction(base, turned, level, seed):
-    """K e^(i phi) is K + i phi k where K is nearly k: exact on a spring, a matter of noise on a stiff Kelvin."""
+    """K e^(i phi) is K + i phi k where K is nearly k.
+
+    Exact on a spring, a matter of noise on a stiff Kelvin.
+    """
     stiffness = exact(base, ONE_AMPLITUDE)
     stiffness = stiffness * np.exp(0.05j) if turned else stiffness + 5.0j
     diagnosis = springpot.diagnose(measured(ONE_AMPLITUDE, stiffness, seed, level), base.name)
@@ -285,24 +347,36 @@ def test_a_phase_error_on_a_dominant_spring_is_friction(base, turned, level, see
 # E9: two amplitudes
 
 
-@crossed("effect", ["cubic-stiffness", "dead-zone"], noises=[(0.001, 1), (0.01, 3)], rare=["dead-zone"])
+@crossed(
+    "effect", ["cubic-stiffness", "dead-zone"], noises=[(0.001, 1), (0.01, 3)], rare=["dead-zone"]
+)
 @pytest.mark.parametrize("base", [soaked(KELVIN), SPRING], ids=lambda base: base.name)
-def test_storage_that_rises_between_two_amplitudes_has_two_names_or_three(base, effect, level, seed):
-    """One number, the rise: a cubic spring, a gap, and on a pure spring also K (1 + q X^2), which scales K''.
+def test_storage_that_rises_between_two_amplitudes_has_two_names_or_three(
+    base, effect, level, seed
+):
+    """One number, the rise.
 
-    Payne and Jenkins soften, and always lose energy in doing so; self-heating needs a loss to heat with.
+    A cubic spring, a gap, and on a pure spring also K (1 + q X^2), which scales K''.
+
+    Payne and Jenkins soften, and always lose energy in doing so; self-heating needs a loss to heat
+    with.
     """
     size = {"cubic-stiffness": 14.0, "dead-zone": 40.0}[effect]
     diagnosis = springpot.diagnose(
         measured(TWO_AMPLITUDES, exact(base, TWO_AMPLITUDES, effect, size), seed, level), base.name
     )
-    names = ("cubic-stiffness", "dead-zone") + (("intrinsic-nonlinearity",) if base is SPRING else ())
+    names = ("cubic-stiffness", "dead-zone") + (
+        ("intrinsic-nonlinearity",) if base is SPRING else ()
+    )
     one_class(diagnosis, *names)
 
 
 @pytest.mark.parametrize(("level", "seed"), [soaked(0.003, 1), (0.01, 2)])
 def test_storage_that_falls_between_two_amplitudes_is_nested_in_payne(level, seed):
-    """A gap only stiffens, so a cubic spring is left; Payne without loss has two numbers more and fits as well."""
+    """A gap only stiffens, so a cubic spring is left.
+
+    Payne without loss has two numbers more and fits as well.
+    """
     softening = exact(KELVIN, TWO_AMPLITUDES) - 0.75 * 14.0 * TWO_AMPLITUDES.x**2
     diagnosis = springpot.diagnose(measured(TWO_AMPLITUDES, softening, seed, level), KELVIN.name)
     assert "cubic-stiffness" in diagnosis.best.alike
@@ -313,7 +387,10 @@ def test_storage_that_falls_between_two_amplitudes_is_nested_in_payne(level, see
 
 @pytest.mark.parametrize(("level", "seed"), [(0.003, 1), soaked(0.01, 2)])
 def test_a_slider_at_two_amplitudes_is_nested_in_payne(level, seed):
-    """Its two numbers fit three facts, the fall of K' and two losses; the four of Payne fit any three."""
+    """Its two numbers fit three facts, the fall of K' and two losses.
+
+    The four of Payne fit any three.
+    """
     data = exact(KELVIN, TWO_AMPLITUDES) + jenkins(TWO_AMPLITUDES, 40.0, 15.0)
     diagnosis = springpot.diagnose(measured(TWO_AMPLITUDES, data, seed, level), KELVIN.name)
     assert "elasto-sliding" in diagnosis.best.alike
@@ -339,17 +416,26 @@ def test_a_turned_and_tilted_springpot_is_a_springpot_of_another_order(phi, seed
 def test_at_one_frequency_a_phase_error_is_an_order(phi, level, seed):
     """Without a tilt to see nothing at all can be said of a phase error."""
     at = Design(np.full(12, 10.0))
-    diagnosis = springpot.diagnose(measured(at, exact(SPRINGPOT, at) * np.exp(1j * phi), seed, level), "springpot")
+    diagnosis = springpot.diagnose(
+        measured(at, exact(SPRINGPOT, at) * np.exp(1j * phi), seed, level), "springpot"
+    )
     assert diagnosis.verdict in ("adequate", "inconclusive")
-    assert [c.verdict for c in diagnosis.candidates if c.effect == "phase-error"] in ([], ["cannot-tell"])
+    assert [c.verdict for c in diagnosis.candidates if c.effect == "phase-error"] in (
+        [],
+        ["cannot-tell"],
+    )
 
 
 @pytest.mark.parametrize(("phi", "seed"), [(-0.03, 1), soaked(0.03, 2)])
 def test_over_an_octave_a_phase_error_hides_in_the_order_and_over_decades_it_shows(phi, seed):
     octave = design(24, 1.0, 2.0)
-    narrow = springpot.diagnose(measured(octave, exact(SPRINGPOT, octave) * np.exp(1j * phi), seed), "springpot")
+    narrow = springpot.diagnose(
+        measured(octave, exact(SPRINGPOT, octave) * np.exp(1j * phi), seed), "springpot"
+    )
     assert narrow.verdict == "adequate"
     assert of(narrow, "phase-error").verdict == "cannot-tell"
-    wide = springpot.diagnose(measured(SWEEP, exact(SPRINGPOT, SWEEP) * np.exp(1j * phi), seed), "springpot")
+    wide = springpot.diagnose(
+        measured(SWEEP, exact(SPRINGPOT, SWEEP) * np.exp(1j * phi), seed), "springpot"
+    )
     assert wide.best.effect == "phase-error"
     assert wide.best.error_after < 1.2 * wide.error.noise_floor < wide.error.relative_rms

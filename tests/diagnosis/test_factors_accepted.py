@@ -1,4 +1,4 @@
-"""Where no law joins the times at several temperatures: what is told leads to a command that works."""
+"""Where no law joins the times of several temperatures, the advice gives a command that works."""
 
 import re
 
@@ -29,10 +29,15 @@ def test_a_factor_at_each_level_can_be_accepted(gelling):
 
 
 def test_they_are_named_before_a_law_that_leaves_most(gelling):
-    """A power of the temperature takes half of the error; a factor of the times at each takes all of it."""
+    """A power of the temperature takes half of the error.
+
+    A factor of the times at each takes all of it.
+    """
     found = springpot.diagnose(gelling)
     assert found.leading[0] == "free-shift"
-    told = re.search(r"free-shift takes it to ([\d.]+) x: a factor of its own at each temperature", found.says)
+    told = re.search(
+        r"free-shift takes it to ([\d.]+) x: a factor of its own at each temperature", found.says
+    )
     assert told is not None
     assert float(told[1]) < 1.2
 

@@ -17,7 +17,7 @@ from springpot.diagnosis.grown import Grown
 from springpot.identification import Window, shown
 from springpot.misfit.shapes import orthonormal
 from springpot.registry import plugins
-from springpot.report.climbed import doubt_text
+from springpot.report.ladder_text import doubt_text
 
 WARM = design(8, temperatures=(15.0, 25.0, 35.0))
 NARROW = design(60, 0.1, 100.0)
@@ -30,7 +30,10 @@ def examined(data, model=KELVIN.name):
 
 @pytest.mark.parametrize("effect", ["arrhenius-shift", "wlf-shift"])
 def test_a_parameter_that_the_data_do_not_determine_costs_next_to_nothing(effect):
-    """Over 20 K the free volume's second constant is anyone's guess: neither law may be called unlikely for it."""
+    """Over 20 K the free volume's second constant is anyone's guess.
+
+    Neither law may be called unlikely for it.
+    """
     chances = examined(hidden(KELVIN, WARM, effect, 3000.0)).evidence.effects
     assert chances["arrhenius-shift"] + chances["wlf-shift"] > 0.9
     assert min(chances["arrhenius-shift"], chances["wlf-shift"]) > 0.05
@@ -42,11 +45,14 @@ def test_a_richer_effect_that_has_become_a_simpler_one_pays_all_the_same():
     assert chances["elasto-sliding"] < 0.1
 
 
-@pytest.mark.parametrize(("model", "effect", "whole"), [
-    ("fractional-kelvin-voigt", "relaxation-mode", False),
-    ("kelvin", "relaxation-mode", True),
-    ("fractional-kelvin-voigt", "parallel-dashpot", True),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("model", "effect", "whole"),
+    [
+        ("fractional-kelvin-voigt", "relaxation-mode", False),
+        ("kelvin", "relaxation-mode", True),
+        ("fractional-kelvin-voigt", "parallel-dashpot", True),
+    ],
+)
 def test_one_part_more_of_a_broad_spectrum_may_be_another_shape_of_it(model, effect, whole):
     base, part = springpot.parse_model(model), plugins().effect(effect)
     grown = Grown((part,), SimpleNamespace(model=base + part), 0.0)
@@ -67,9 +73,8 @@ def test_a_time_shows_within_the_measured_ones():
     window = Window.of(measured(SWEEP, exact(KELVIN, SWEEP)))
     tau = parameter("kelvin + relaxation-mode", "relaxation-mode.tau")
     fastest, slowest = 1.0 / SWEEP.omega.max(), 1.0 / SWEEP.omega.min()
-    assert [inside(x, shown(tau, window)) for x in (fastest / 10, 2 * fastest, slowest / 2, slowest * 10)] == [
-        False, True, True, False,
-    ]  # fmt: skip
+    times = (fastest / 10, 2 * fastest, slowest / 2, slowest * 10)
+    assert [inside(x, shown(tau, window)) for x in times] == [False, True, True, False]
 
 
 def test_an_order_shows_away_from_its_bounds():
@@ -146,7 +151,9 @@ def test_a_force_of_noise_weighs_more_at_a_smaller_amplitude():
     smaller = min(plan, key=lambda a: a.action["amplitude"][0])
     usual = replace(smaller, points=replace(smaller.points, amplitude=np.full(20, 0.75)))
     tiny = replace(smaller, points=replace(smaller.points, amplitude=np.full(20, 1e-9)))
-    clashes = [Clash(found["friction"], found["power-law-damper"], action) for action in (usual, tiny)]
+    clashes = [
+        Clash(found["friction"], found["power-law-damper"], action) for action in (usual, tiny)
+    ]
     assert clashes[0]._quieter() == 1.0
     assert clashes[1]._quieter() == pytest.approx(0.75e9)
 

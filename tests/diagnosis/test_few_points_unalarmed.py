@@ -1,4 +1,7 @@
-"""Eleven points with little noise, of which nothing is missing: no test is alarmed, so nothing is called missing."""
+"""Eleven points with little noise, of which nothing is missing.
+
+No test is alarmed, so nothing is called missing.
+"""
 
 import re
 
@@ -6,7 +9,7 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.policy import VERDICT
+from springpot.thresholds import VERDICT
 
 RIDDLE = re.compile(r"takes it to (0\.\d+|1(\.[01]\d*)?) x, and something is missing beside it")
 
@@ -32,7 +35,10 @@ def test_without_an_alarm_nothing_is_called_missing_or_unexplained(whole):
 
 
 def test_nor_is_something_unknown_likelier_than_nothing(whole):
-    """It was called likelier than 0.999: of 22 numbers the spectrum leaves few by which to judge another shape."""
+    """It was called likelier than 0.999.
+
+    Of 22 numbers the spectrum leaves few by which to judge another shape.
+    """
     assert whole.evidence["unknown"] < 0.5
 
 

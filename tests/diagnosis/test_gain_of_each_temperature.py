@@ -1,4 +1,7 @@
-"""A specimen that was clamped anew at each temperature: a gain of its own at each, which no law joins."""
+"""A specimen that was clamped anew at each temperature.
+
+A gain of its own at each, which no law joins.
+"""
 
 import numpy as np
 import pytest
@@ -8,7 +11,14 @@ from springpot.cli.diagnose import _next_command
 from springpot.diagnosis import diagnose
 
 MODEL = "material + wlf-shift"
-EFFECTS = ("free-shift", "free-vertical-shift", "vertical-shift", "arrhenius-dashpot", "time-delay", "inertia")
+EFFECTS = (
+    "free-shift",
+    "free-vertical-shift",
+    "vertical-shift",
+    "arrhenius-dashpot",
+    "time-delay",
+    "inertia",
+)
 
 
 @pytest.fixture(scope="module")
@@ -18,9 +28,14 @@ def found():
     s = 2j * np.pi * hertz * 10.0 ** (-8.0 * (celsius - 35.0) / (90.0 + celsius - 35.0))
     gain = np.repeat(1.0 + 0.02 * rng.normal(size=8), 8)
     real, imaginary = 0.003 * rng.normal(size=(2, len(s)))
-    stiffness = gain * (2.0 + 1.0 / (1.0 / 400.0 + 1.0 / (30.0 * s**0.5))) * (1.0 + real + 1j * imaginary)
+    stiffness = (
+        gain * (2.0 + 1.0 / (1.0 / 400.0 + 1.0 / (30.0 * s**0.5))) * (1.0 + real + 1j * imaginary)
+    )
     data = springpot.Measurement(
-        2.0 * np.pi * hertz, stiffness, conditions={"temperature": celsius}, units=springpot.Units("kN/m", "mm")
+        2.0 * np.pi * hertz,
+        stiffness,
+        conditions={"temperature": celsius},
+        units=springpot.Units("kN/m", "mm"),
     )
     effects = [springpot.plugins().effect(name) for name in EFFECTS]
     return diagnose(data, springpot.parse_model(MODEL), effects, np.random.default_rng(0))

@@ -39,6 +39,8 @@ def test_many_handfuls_of_points_are_hardly_ever_missing_an_effect(points):
     """Two in a hundred are granted, as to any data from which nothing is missing."""
     cases = [(seed, model) for seed in range(3, 103) for model in (None, "maxwell")]
     flagged = [
-        case for case in cases if springpot.diagnose(few(points, case[0]), case[1]).verdict == "effect-missing"
+        case
+        for case in cases
+        if springpot.diagnose(few(points, case[0]), case[1]).verdict == "effect-missing"
     ]
     assert len(flagged) <= 0.02 * len(cases), flagged

@@ -5,8 +5,8 @@ import pytest
 
 import springpot
 from springpot.diagnosis.marginal import _price_of_a_bound
-from springpot.policy import EVIDENCE
 from springpot.registry import parse_model
+from springpot.thresholds import EVIDENCE
 
 OMEGA = np.geomspace(0.5, 60.0, 24)
 AMPLITUDE = 2.0
@@ -16,7 +16,7 @@ LOSS = 4j * FORCE / (np.pi * AMPLITUDE)
 
 
 def measured(third):
-    """K of a solid with a loss the same at all frequencies, noise of 1 %, and a third harmonic of the force."""
+    """K of a solid with the same loss at all frequencies, 1 % noise and a third force harmonic."""
     rng = np.random.default_rng(5)
     noise = rng.standard_normal((2, 2, 24)) @ np.eye(24)
     stiffness = (SOLID + LOSS) * (1.0 + 0.01 * (noise[0, 0] + 1j * noise[0, 1]))
@@ -34,16 +34,23 @@ def test_friction_makes_a_third_of_its_force_at_three_times_the_frequency():
     theta = model.vector({"k": 100.0, "c": 0.0, "friction.F": FORCE})
     third = model.third_harmonic(theta, points)
     np.testing.assert_allclose(np.abs(third), np.abs(LOSS / 3.0 / (100.0 + LOSS)), rtol=1e-12)
-    assert not np.any(parse_model("kelvin + inertia").third_harmonic(np.array([100.0, 1.0, 0.1]), points))
+    assert not np.any(
+        parse_model("kelvin + inertia").third_harmonic(np.array([100.0, 1.0, 0.1]), points)
+    )
     assert (
-        parse_model("kelvin + payne").third_harmonic(np.ones(6)[: len(parse_model("kelvin + payne").names)], points)
+        parse_model("kelvin + payne").third_harmonic(
+            np.ones(6)[: len(parse_model("kelvin + payne").names)], points
+        )
         is None
     )
 
 
 @pytest.mark.parametrize(
     ("third", "effect", "other"),
-    [(LOSS / 3.0 / (SOLID + LOSS), "friction", "hysteretic-loss"), (0.0, "hysteretic-loss", "friction")],
+    [
+        (LOSS / 3.0 / (SOLID + LOSS), "friction", "hysteretic-loss"),
+        (0.0, "hysteretic-loss", "friction"),
+    ],
     ids=["with", "without"],
 )
 def test_friction_and_a_hysteretic_loss_are_told_apart_at_one_amplitude(third, effect, other):
@@ -56,33 +63,46 @@ def test_friction_and_a_hysteretic_loss_are_told_apart_at_one_amplitude(third, e
 def test_without_harmonics_they_are_one_class():
     data = measured(0.0)
     data = springpot.Measurement(data.omega, data.stiffness, conditions=data.conditions)
-    assert {"friction", "hysteretic-loss"} <= set(springpot.diagnose(data, "fractional-kelvin").best.alike)
+    assert {"friction", "hysteretic-loss"} <= set(
+        springpot.diagnose(data, "fractional-kelvin").best.alike
+    )
 
 
 def test_filled_rubber_makes_little_of_a_third_harmonic():
     """At most a twelfth of dK / d ln X, so that none is left where K no longer changes."""
     model = parse_model("kelvin + payne")
-    theta = model.vector({"k": 1.0, "c": 0.0, "payne.k": 2.0, "payne.h": 0.3, "payne.Xc": 1.0, "payne.m": 0.6})
+    theta = model.vector(
+        {"k": 1.0, "c": 0.0, "payne.k": 2.0, "payne.h": 0.3, "payne.Xc": 1.0, "payne.m": 0.6}
+    )
     amplitude = np.array([1e-9, 0.3, 1.0, 3.0, 1e9])
     step = 1e-5
 
     def stiffness(x):
         return model.stiffness(theta, springpot.rheology.Points(np.zeros(5), amplitude=x))
 
-    slope = np.abs(stiffness(amplitude * np.exp(step)) - stiffness(amplitude * np.exp(-step))) / (2.0 * step)
+    slope = np.abs(stiffness(amplitude * np.exp(step)) - stiffness(amplitude * np.exp(-step))) / (
+        2.0 * step
+    )
     at = springpot.rheology.Points(np.zeros(5), amplitude=amplitude)
     centre, radius = model.third_harmonic_range(theta, at)
     np.testing.assert_array_equal(centre, 0.0)
-    np.testing.assert_allclose(radius, slope / 12.0 / np.abs(stiffness(amplitude)), rtol=1e-3, atol=1e-9)
+    np.testing.assert_allclose(
+        radius, slope / 12.0 / np.abs(stiffness(amplitude)), rtol=1e-3, atol=1e-9
+    )
 
 
 def test_a_bound_costs_what_its_room_is_beside_a_prediction():
-    """In units of what is known of a prediction: one that is right, a bound far away, and one that is met."""
+    """In units of what is known of a prediction.
+
+    One that is right, a bound far away, and one that is met.
+    """
     one = np.ones(3)
     assert _price_of_a_bound(0.0 * one, 0.0 * one) == 0.0
     # Beside a harmonic of nothing only the decades of the room are paid for.
     assert _price_of_a_bound(0.0 * one, 10.0 * one) == pytest.approx(np.log(1.0 + np.log(10.0)))
     # Where one is seen, a prediction that met it would have been the better guess by its square.
-    assert _price_of_a_bound(2.0 * one, 2.0 * one) == pytest.approx(np.log(4.0 * (1.0 + np.log(2.0))))
+    assert _price_of_a_bound(2.0 * one, 2.0 * one) == pytest.approx(
+        np.log(4.0 * (1.0 + np.log(2.0)))
+    )
     # Never more than to know nothing at all.
     assert _price_of_a_bound(1e3 * one, 1e6 * one) == -EVIDENCE.unpredicted_harmonic

@@ -23,7 +23,11 @@ def measured():
 def notes(measured, said, unit="Pa"):
     facts = {} if said is None else {"inertia as modulus": f"{said:g} Pa s^2"}
     measured = replace(measured, provenance=facts, units=springpot.Units(unit, "-"))
-    return [note for note in springpot.diagnose(measured, "fractional-maxwell").notes if "header" in note]
+    return [
+        note
+        for note in springpot.diagnose(measured, "fractional-maxwell").notes
+        if "header" in note
+    ]
 
 
 def test_an_inertia_that_agrees(measured):
@@ -33,7 +37,9 @@ def test_an_inertia_that_agrees(measured):
     assert "agrees with it" in note
 
 
-@pytest.mark.parametrize(("said", "words"), [(0.02, "of it: what a correction left"), (1e-4, "times as much")])
+@pytest.mark.parametrize(
+    ("said", "words"), [(0.02, "of it: what a correction left"), (1e-4, "times as much")]
+)
 def test_an_inertia_that_does_not(measured, said, words):
     [note] = notes(measured, said)
     assert words in note
@@ -51,10 +57,18 @@ def test_nothing_is_said_without_a_header_or_of_a_damper(measured):
 
 
 def test_an_inertia_of_which_nothing_is_known_agrees_with_nothing(measured):
-    said = replace(measured, provenance={"inertia as modulus": "1.4 Pa s^2"}, units=springpot.Units("Pa", "-"))
-    [found] = [row for row in springpot.diagnose(said, "fractional-maxwell").candidates if row.effect == "inertia"]
+    said = replace(
+        measured, provenance={"inertia as modulus": "1.4 Pa s^2"}, units=springpot.Units("Pa", "-")
+    )
+    [found] = [
+        row
+        for row in springpot.diagnose(said, "fractional-maxwell").candidates
+        if row.effect == "inertia"
+    ]
     [known] = found.parameters.values()
-    open_ended = replace(found, verdict="cannot-tell", parameters={"m": replace(known, low=0.0, high=np.inf)})
+    open_ended = replace(
+        found, verdict="cannot-tell", parameters={"m": replace(known, low=0.0, high=np.inf)}
+    )
     assert list(header_notes([open_ended], said)) == []
     closed = replace(found, parameters={"m": replace(known, low=0.0, high=2.0)})
     assert "agrees with it" in next(header_notes([closed], said))

@@ -1,30 +1,50 @@
-"""Every effect, hidden in data at three sizes: barely visible, plain (all of both in the soak), and large.
+"""Every effect, hidden in data at three sizes.
 
-A size is the chi-square that the best base model leaves on noise-free data: the three mean the same for all effects.
+Barely visible, plain (all of both in the soak), and large.
+
+A size is the chi-square that the best base model leaves on noise-free data: the three mean the same
+for all effects.
 """
 
 from functools import cache
 
 import numpy as np
 import pytest
-from hidden_data import AMPLITUDES, KELVIN, MAXWELL, SLOW, SWEEP, TEMPERATURES, WARM, WARM_FLUID, hidden
+from hidden_data import (
+    AMPLITUDES,
+    KELVIN,
+    MAXWELL,
+    SLOW,
+    SWEEP,
+    TEMPERATURES,
+    WARM,
+    WARM_FLUID,
+    hidden,
+)
 
 import springpot
 from soaked import soaked
 
 PLACES = {
-    (KELVIN, SWEEP): "parallel-dashpot parallel-springpot relaxation-mode diffusion hysteretic-loss inertia basset "
-    "series-spring series-dashpot series-springpot retardation-mode time-delay phase-error filter-mismatch "
-    "fixture-resonance specimen-inertia specimen-inertia-fixed",
+    (KELVIN, SWEEP): (
+        "parallel-dashpot parallel-springpot relaxation-mode diffusion hysteretic-loss inertia"
+        " basset series-spring series-dashpot series-springpot retardation-mode time-delay"
+        " phase-error filter-mismatch fixture-resonance specimen-inertia specimen-inertia-fixed"
+    ),
     (MAXWELL, SWEEP): "parallel-spring",
-    (KELVIN, AMPLITUDES): "friction elasto-sliding power-law-damper dead-zone cubic-stiffness payne "
-    "intrinsic-nonlinearity self-heating backlash crosstalk",
+    (KELVIN, AMPLITUDES): (
+        "friction elasto-sliding power-law-damper dead-zone cubic-stiffness payne "
+        "intrinsic-nonlinearity self-heating backlash crosstalk"
+    ),
     (KELVIN, SLOW): "cubic-damping",
     (KELVIN, TEMPERATURES): "arrhenius-shift wlf-shift vertical-shift",
     (WARM_FLUID, TEMPERATURES): "entropic-spring",
     (WARM, TEMPERATURES): "arrhenius-dashpot rig-drag",
 }
-"""A base and a design on which each effect can be seen; gain and clock errors are absorbed by every base."""
+"""A base and a design on which each effect can be seen.
+
+Gain and clock errors are absorbed by every base.
+"""
 WHERE = {effect: place for place, names in PLACES.items() for effect in names.split()}
 
 
@@ -34,17 +54,36 @@ def diagnosed(effect, chi2, seed=5):
     return springpot.diagnose(hidden(base, at, effect, chi2, seed, just=True), base.name)
 
 
-PLAIN = ("inertia", "series-spring", "time-delay", "friction", "arrhenius-shift", "parallel-dashpot")
+PLAIN = (
+    "inertia",
+    "series-spring",
+    "time-delay",
+    "friction",
+    "arrhenius-shift",
+    "parallel-dashpot",
+)
 """One of each composition; at the smaller sizes the others are in the soak."""
 BARELY = ("inertia", "series-spring", "friction")
 """Asked at the smallest size by another test too."""
 FEW_POINTS = ("self-heating", "rig-drag")
-"""Seen in sweeps of six points only, where structure looks most like scatter; in the soak also these."""
+"""Seen in sweeps of six points only, where structure looks most like scatter.
+
+In the soak also these.
+"""
 MORE_OF_FEW_POINTS = ("cubic-damping", "entropic-spring", "arrhenius-dashpot")
 
-KINDS = ("parallel-springpot", "retardation-mode", "specimen-inertia", "cubic-stiffness", "backlash")
-"""With the others, and with what test_discovery.py, test_equivalence_classes.py and test_unknown.py find as large,
-one of every law and of every place in the chain."""
+KINDS = (
+    "parallel-springpot",
+    "retardation-mode",
+    "specimen-inertia",
+    "cubic-stiffness",
+    "backlash",
+)
+"""One of every law and of every place in the chain, together with the others.
+
+Counted are also those that test_discovery.py, test_equivalence_classes.py and test_unknown.py find
+as large.
+"""
 
 
 def some(*effects):
@@ -86,7 +125,9 @@ def test_a_large_effect_brings_the_error_to_the_floor(effect):
 
 
 MISSED_SIZE = {
-    "elasto-sliding": "the linearised error is twice the realised one: its curve depends strongly on F / k",
+    "elasto-sliding": (
+        "the linearised error is twice the realised one: its curve depends strongly on F / k"
+    ),
     "payne": "the linearised error is half as much again as the realised one",
 }
 
@@ -94,7 +135,11 @@ MISSED_SIZE = {
 @pytest.mark.parametrize(
     "effect",
     [
-        soaked(e, marks=[pytest.mark.xfail(strict=False, reason=MISSED_SIZE[e])]) if e in MISSED_SIZE else e
+        (
+            soaked(e, marks=[pytest.mark.xfail(strict=False, reason=MISSED_SIZE[e])])
+            if e in MISSED_SIZE
+            else e
+        )
         for e in (
             "inertia",
             "series-spring",
@@ -112,7 +157,8 @@ def test_predicted_and_realised_error_agree(effect):
 
 
 @pytest.mark.parametrize(
-    "effect", ["inertia", "friction", "series-spring", *FEW_POINTS, *map(soaked, MORE_OF_FEW_POINTS)]
+    "effect",
+    ["inertia", "friction", "series-spring", *FEW_POINTS, *map(soaked, MORE_OF_FEW_POINTS)],
 )
 def test_truthful_standard_deviations_are_believed(effect):
     """However much is missing: the noise is as said, and nothing is doubtful."""
@@ -125,7 +171,10 @@ def test_truthful_standard_deviations_are_believed(effect):
 @pytest.mark.parametrize(("effect", "parameter", "truth"), [("inertia", "m", 2.2e-4)])
 @pytest.mark.parametrize(("draws", "least"), [(4, 3), soaked(12, 9)])
 def test_intervals_cover_the_truth(effect, parameter, truth, draws, least):
-    """Ninety-five per cent intervals: of 4, fewer than 3 happens once in 70; of 12, fewer than 9 once in 400."""
+    """Ninety-five per cent intervals: of 4, fewer than 3 happens once in 70.
+
+    Of 12, fewer than 9 once in 400.
+    """
     base, at = WHERE[effect]
     covered = 0
     for seed in range(draws):

@@ -1,4 +1,7 @@
-"""Nothing is invented: noise alone, noise misjudged, outliers, and structure that no effect of the library has."""
+"""Nothing is invented.
+
+Noise alone, noise misjudged, outliers, and structure that no effect of the library has.
+"""
 
 from functools import cache
 
@@ -15,13 +18,18 @@ WORDS = ("missing", "absent", "cannot-tell")
 
 def text(diagnosis):
     """Everything that is said about the data."""
-    return " ".join([diagnosis.error.doubt, *diagnosis.notes, *(w.says for w in diagnosis.where)]).lower()
+    return " ".join(
+        [diagnosis.error.doubt, *diagnosis.notes, *(w.says for w in diagnosis.where)]
+    ).lower()
 
 
 @pytest.mark.parametrize("known", [True, False], ids=["sigma-known", "sigma-unknown"])
 @pytest.mark.parametrize(("draws", "flags"), [(8, 1), pytest.param(24, 2, marks=pytest.mark.soak)])
 def test_noise_alone_is_seldom_flagged_and_never_accepted(draws, flags, known):
-    """Two per cent may be flagged: of 8, more than one, or of 24, more than two, happens about once in eighty."""
+    """Two per cent may be flagged.
+
+    Of 8, more than one, or of 24, more than two, happens about once in eighty.
+    """
     ladders = [
         springpot.discover(measured(SWEEP, exact(KELVIN, SWEEP), seed=s, known=known), KELVIN.name)
         for s in range(draws)
@@ -40,13 +48,17 @@ def test_an_unlucky_draw_of_unknown_noise_is_not_accepted_as_an_effect(seed):
 @pytest.mark.parametrize("base", [KELVIN, soaked(ZENER)], ids=lambda b: b.name)
 def test_noise_alone_over_amplitudes_is_left_alone(base):
     for seed in range(2):
-        ladder = springpot.discover(measured(AMPLITUDES, exact(base, AMPLITUDES), seed=seed), base.name)
+        ladder = springpot.discover(
+            measured(AMPLITUDES, exact(base, AMPLITUDES), seed=seed), base.name
+        )
         assert len(ladder.steps) == 1
         assert ladder.verdict in ("adequate", "inconclusive")
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.0])
-@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.soak) for seed in (2, 3))])
+@pytest.mark.parametrize(
+    "seed", [1, *(pytest.param(seed, marks=pytest.mark.soak) for seed in (2, 3))]
+)
 def test_a_misstated_sigma_is_doubted_and_invents_nothing(factor, seed):
     data = measured(FINE, exact(KELVIN, FINE), seed=seed, said=LEVEL * factor)
     ladder = springpot.discover(data, KELVIN.name)
@@ -79,7 +91,10 @@ def spoilt(known, rows):
 
 @cache
 def ladder_of_spoilt(known, rows):
-    """With one rung, its last diagnosis is that of the model itself: one examination serves all that is asked."""
+    """With one rung, its last diagnosis is that of the model itself.
+
+    One examination serves all that is asked.
+    """
     return springpot.discover(spoilt(known, rows), KELVIN.name)
 
 
@@ -118,8 +133,9 @@ def is_shown_and_not_named(diagnosis):
     assert diagnosis.where
 
 
-# Here is what nothing else tests: a ripple beside a noise that was said is in test_shared_structure.py, a step of the
-# gain in test_unknown.py, and the ladder of a notch below. All of them are in the soak.
+# Here is what nothing else tests: a ripple beside a noise that was said is in
+# test_shared_structure.py, a step of the gain in test_unknown.py, and the ladder of a notch below.
+# All of them are in the soak.
 @pytest.mark.parametrize(
     ("kind", "known"),
     [
@@ -129,8 +145,8 @@ def is_shown_and_not_named(diagnosis):
     ],
 )
 def test_structure_outside_the_library_is_unexplained_and_shown(kind, known):
-    # A notch of three points under noise of unknown size is at the edge: of 14 seeds 10 are unexplained, and 4 name
-    # "frame-resonance or another narrow feature".
+    # A notch of three points under noise of unknown size is at the edge: of 14 seeds 10 are
+    # unexplained, and 4 name "frame-resonance or another narrow feature".
     data = measured(FINE, exact(KELVIN, FINE) * STRANGE[kind], seed=7, known=known)
     is_shown_and_not_named(springpot.diagnose(data, KELVIN.name))
 
@@ -138,13 +154,17 @@ def test_structure_outside_the_library_is_unexplained_and_shown(kind, known):
 # Where effects are tried and dropped again, as beside a fast ripple, a ladder costs ten diagnoses.
 @pytest.mark.parametrize("kind", [kind if kind == "notch" else soaked(kind) for kind in STRANGE])
 def test_structure_outside_the_library_is_not_folded_into_the_model(kind):
-    ladder = springpot.discover(measured(FINE, exact(KELVIN, FINE) * STRANGE[kind], seed=6), KELVIN.name)
+    ladder = springpot.discover(
+        measured(FINE, exact(KELVIN, FINE) * STRANGE[kind], seed=6), KELVIN.name
+    )
     assert ladder.verdict == "unexplained"
     assert len(ladder.steps) == 1
     is_shown_and_not_named(ladder.diagnosis)
 
 
-@pytest.mark.parametrize(("effect", "at"), [("inertia", SWEEP), ("friction", AMPLITUDES), (None, SWEEP)])
+@pytest.mark.parametrize(
+    ("effect", "at"), [("inertia", SWEEP), ("friction", AMPLITUDES), (None, SWEEP)]
+)
 def test_every_candidate_has_a_verdict_and_what_is_absent_a_bound(effect, at):
     data = measured(at, exact(KELVIN, at)) if effect is None else hidden(KELVIN, at, effect, 200.0)
     diagnosis = springpot.diagnose(data, KELVIN.name)
@@ -162,7 +182,10 @@ def test_every_candidate_has_a_verdict_and_what_is_absent_a_bound(effect, at):
 
 
 def test_what_is_absent_would_have_been_seen_at_three_times_its_bound():
-    """The bound is a share of |K|: the same data with the effect three times as large as its bound show it."""
+    """The bound is a share of |K|.
+
+    The same data with the effect three times as large as its bound show it.
+    """
     clean = springpot.diagnose(measured(SWEEP, exact(KELVIN, SWEEP), seed=8), KELVIN.name)
     found = {c.effect: c for c in clean.candidates if c.verdict == "absent"}
     assert "inertia" in found
@@ -173,10 +196,17 @@ def test_what_is_absent_would_have_been_seen_at_three_times_its_bound():
     assert "inertia" in seen.best.alike
 
 
-@pytest.mark.parametrize("effect", ["basset", "series-springpot", soaked("inertia"), soaked("parallel-springpot")])
+@pytest.mark.parametrize(
+    "effect", ["basset", "series-springpot", soaked("inertia"), soaked("parallel-springpot")]
+)
 def test_free_orders_stay_between_spring_and_dashpot(effect):
     diagnosis = springpot.diagnose(hidden(KELVIN, SWEEP, effect, 1000.0), KELVIN.name)
-    orders = [v for c in diagnosis.candidates for n, v in c.parameters.items() if n.rpartition(".")[2] == "alpha"]
+    orders = [
+        v
+        for c in diagnosis.candidates
+        for n, v in c.parameters.items()
+        if n.rpartition(".")[2] == "alpha"
+    ]
     assert orders
     for order in orders:
         assert 0.0 <= order.low <= order.value <= order.high <= 1.0

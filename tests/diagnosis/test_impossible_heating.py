@@ -1,4 +1,7 @@
-"""An amplitude sweep that fits best where a specimen would be hotter than any: something is missing, by no name."""
+"""An amplitude sweep that fits best where a specimen would be hotter than any.
+
+Something is missing, by no name.
+"""
 
 import numpy as np
 import pytest
@@ -15,7 +18,9 @@ def diagnosis():
     model = springpot.parse_model("zener + smooth-hysteresis + self-heating")
     known = {**TRUTH, **{f"smooth-hysteresis.{name}": value for name, value in YIELDING.items()}}
     omega = np.full(len(STRAIN), 2.0 * np.pi)
-    still = springpot.Measurement(omega, np.ones(len(STRAIN), complex), conditions={"amplitude": STRAIN})
+    still = springpot.Measurement(
+        omega, np.ones(len(STRAIN), complex), conditions={"amplitude": STRAIN}
+    )
     exact = model.stiffness(np.array([known[name] for name in model.names]), still.points)
     real, imaginary = 0.0005 * np.random.default_rng(1).normal(size=(2, len(STRAIN)))
     return springpot.diagnose(

@@ -1,4 +1,7 @@
-"""A misfit that a wave in a specimen would follow best if that were a metre thick: not named, and told."""
+"""A misfit that a wave in a specimen would follow best if that were a metre thick.
+
+Not named, and told.
+"""
 
 import numpy as np
 import pytest
@@ -28,7 +31,10 @@ def diagnosed(effect, mass, hertz=HERTZ, unit="Pa"):
 def test_a_specimen_a_metre_thick_is_not_named(effect, unit):
     found = diagnosed(effect, 1000.0 * 0.7**2, unit=unit)
     assert effect not in found.leading
-    assert any(f"{effect} would explain much" in note and "unit of the modulus" in note for note in found.notes)
+    assert any(
+        f"{effect} would explain much" in note and "unit of the modulus" in note
+        for note in found.notes
+    )
 
 
 def test_a_specimen_of_a_few_centimetres_is():

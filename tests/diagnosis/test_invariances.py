@@ -1,4 +1,7 @@
-"""What must not change an answer: the order of rows, the unit of stiffness, the day, the size of the set."""
+"""What must not change an answer.
+
+The order of rows, the unit of stiffness, the day, the size of the set.
+"""
 
 import json
 from functools import cache
@@ -24,7 +27,10 @@ def data(effect, known=True):
 
 @cache
 def diagnosed(measurement):
-    """A measurement is itself and no other: `data` gives the same one each time, and it is diagnosed once."""
+    """A measurement is itself and no other.
+
+    `data` gives the same one each time, and it is diagnosed once.
+    """
     return springpot.diagnose(measurement, KELVIN.name)
 
 
@@ -38,7 +44,10 @@ def strict(result):
 
 
 def close(one, other, factor=None):
-    """The same ranking, classes and figures; `factor` says how the parameters of an effect have changed."""
+    """The same ranking, classes and figures.
+
+    `factor` says how the parameters of an effect have changed.
+    """
     assert one.verdict == other.verdict
     assert one.error.relative_rms == pytest.approx(other.error.relative_rms, rel=1e-6)
     assert one.error.noise_floor == pytest.approx(other.error.noise_floor, rel=1e-6)
@@ -89,7 +98,11 @@ def test_a_gain_of_ten_multiplies_the_moduli_only(effect):
         units=ordered.units,
     )
     one, other = diagnosed(ordered), diagnosed(strong)
-    close(one, other, {name: 10.0 for name, v in one.best.parameters.items() if v.unit in ("kg", "N", "kN/m")})
+    close(
+        one,
+        other,
+        {name: 10.0 for name, v in one.best.parameters.items() if v.unit in ("kg", "N", "kN/m")},
+    )
 
 
 def test_a_gain_of_ten_multiplies_the_moduli_only_where_the_noise_is_unknown():
@@ -118,14 +131,25 @@ def test_the_same_seed_gives_the_same_ladder():
 
 
 def test_a_ladder_begins_with_the_diagnosis_of_its_model():
-    assert strict(discovered("inertia").steps[0].case.diagnosis) == strict(diagnosed(data("inertia")))
+    assert strict(discovered("inertia").steps[0].case.diagnosis) == strict(
+        diagnosed(data("inertia"))
+    )
 
 
 def test_results_are_strict_json_of_the_agreed_form():
     diagnosis = diagnosed(data("inertia"))
     found = json.loads(strict(diagnosis))
     assert found["schema"] == "springpot.diagnosis/1"
-    assert {"data", "model", "error", "verdict", "where", "candidates", "classes", "next_experiment"} <= set(found)
+    assert {
+        "data",
+        "model",
+        "error",
+        "verdict",
+        "where",
+        "candidates",
+        "classes",
+        "next_experiment",
+    } <= set(found)
     assert {"relative_rms", "noise_floor", "noise_source"} <= set(found["error"])
     for candidate in found["candidates"]:
         assert {"effect", "class", "probability", "delta_bic", "score", "verdict"} <= set(candidate)
@@ -135,7 +159,9 @@ def test_results_are_strict_json_of_the_agreed_form():
             assert {"value", "low", "high", "unit"} <= set(value)
     assert all(0.0 <= c["probability"] <= 1.0 for c in found["candidates"])
     experiment = found["next_experiment"]
-    assert experiment is None or {"says", "separates", "expected_separation_sigma"} <= set(experiment)
+    assert experiment is None or {"says", "separates", "expected_separation_sigma"} <= set(
+        experiment
+    )
 
 
 def test_a_ladder_is_strict_json_of_the_agreed_form():
@@ -148,10 +174,17 @@ def test_a_ladder_is_strict_json_of_the_agreed_form():
 
 @pytest.mark.parametrize(
     ("points", "kept", "within"),
-    [(10, 10, 0.3), (20_000, 100, 0.2), pytest.param(20_000, MOST_POINTS, 0.02, marks=pytest.mark.soak)],
+    [
+        (10, 10, 0.3),
+        (20_000, 100, 0.2),
+        pytest.param(20_000, MOST_POINTS, 0.02, marks=pytest.mark.soak),
+    ],
 )
 def test_few_and_very_many_points(points, kept, within, monkeypatch):
-    """Of very many a part is diagnosed: here a small one, which takes a second and not half a minute."""
+    """Of very many a part is diagnosed.
+
+    Here a small one, which takes a second and not half a minute.
+    """
     monkeypatch.setattr("springpot.measurement.replicates.MOST_POINTS", kept)
     at = design(points)
     stiffness = exact(KELVIN, at, "inertia", 3e-4)
@@ -164,7 +197,10 @@ def test_few_and_very_many_points(points, kept, within, monkeypatch):
 def test_repeats_tell_the_noise():
     at = Design(np.tile(SWEEP.omega, 4))
     data = measured(
-        at, exact(KELVIN, at, "inertia", 3e-4), known=False, repeat=np.repeat(np.arange(4), len(SWEEP.omega))
+        at,
+        exact(KELVIN, at, "inertia", 3e-4),
+        known=False,
+        repeat=np.repeat(np.arange(4), len(SWEEP.omega)),
     )
     diagnosis = diagnosed(data)
     assert diagnosis.error.noise_source == "repeats"

@@ -10,7 +10,9 @@ from springpot.diagnosis.ladder import _explained
 
 def rung(error, verdict):
     """A rung by its error of prediction in units of the floor and its verdict."""
-    case = SimpleNamespace(diagnosis=SimpleNamespace(verdict=verdict), search=SimpleNamespace(base=error))
+    case = SimpleNamespace(
+        diagnosis=SimpleNamespace(verdict=verdict), search=SimpleNamespace(base=error)
+    )
     return SimpleNamespace(relative_rms=0.01 * error, noise_floor=0.01, case=case)
 
 
@@ -24,7 +26,14 @@ def rung(error, verdict):
         ([(30.0, "unexplained"), (2.3, "unexplained"), (2.2, "unexplained")], 2),
         ([(30.0, "unexplained"), (9.0, "unexplained"), (2.3, "unexplained")], 3),
     ],
-    ids=["explained", "hidden by one another", "curve fitting", "last word", "shift", "shift and another"],
+    ids=[
+        "explained",
+        "hidden by one another",
+        "curve fitting",
+        "last word",
+        "shift",
+        "shift and another",
+    ],
 )
 def test_what_predicts_the_unseen_better_stays(rungs, kept, monkeypatch):
     monkeypatch.setattr(ladder, "prediction_gain", lambda before, after: after / before)

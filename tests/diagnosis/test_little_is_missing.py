@@ -1,4 +1,7 @@
-"""A pattern is certain however small; the headline tells its size, so that the user can say whether it matters."""
+"""A pattern is certain however small.
+
+The headline tells its size, so that the user can say whether it matters.
+"""
 
 import numpy as np
 import pytest
@@ -13,8 +16,12 @@ def stepped(size, noise):
     rng = np.random.default_rng(4)
     s = 2j * np.pi * HERTZ
     real, imaginary = noise * rng.normal(size=(2, len(HERTZ)))
-    stiffness = (20.0 + 15.0 * s**0.4) * (1.0 + size * (HERTZ > 3.0)) * (1.0 + real + 1j * imaginary)
-    return springpot.diagnose(springpot.Measurement(s.imag, stiffness, units=springpot.Units("kN/m", "mm")))
+    stiffness = (
+        (20.0 + 15.0 * s**0.4) * (1.0 + size * (HERTZ > 3.0)) * (1.0 + real + 1j * imaginary)
+    )
+    return springpot.diagnose(
+        springpot.Measurement(s.imag, stiffness, units=springpot.Units("kN/m", "mm"))
+    )
 
 
 @pytest.mark.parametrize(("size", "noise", "little"), [(0.004, 0.0003, True), (0.1, 0.005, False)])

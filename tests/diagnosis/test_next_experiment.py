@@ -20,7 +20,10 @@ def explained(effect, at=SWEEP, chi2=200.0):
     """The case, and the best fitted model with each effect."""
     library = list(plugins().items("effect"))
     case = examine(
-        hidden(KELVIN, at, effect, chi2), springpot.parse_model(KELVIN.name), library, np.random.default_rng(0)
+        hidden(KELVIN, at, effect, chi2),
+        springpot.parse_model(KELVIN.name),
+        library,
+        np.random.default_rng(0),
     )
     return case, best_with(case.search)
 
@@ -30,7 +33,10 @@ def upwards(measurement):
 
 
 def refitted(truth, rival, action):
-    """The same separation from a fit of the rival to noise-free old and new points, by the identification layer."""
+    """The same separation, from a fit of the rival to noise-free old and new points.
+
+    The identification layer fits.
+    """
     old = truth.fit.measurement
     new = truth.model.stiffness(truth.theta, action.points)
     level = np.median(truth.noise.sd.real / np.abs(truth.stiffness))
@@ -53,9 +59,13 @@ def test_the_fitted_separation_is_that_of_an_independent_fit():
 
 def test_a_rival_far_from_its_parameters_follows_further_than_its_slopes_tell():
     case, best = explained("time-delay")
-    clash = Clash(best["time-delay"], best["fixture-resonance"], upwards(case.search.base.fit.measurement))
+    clash = Clash(
+        best["time-delay"], best["fixture-resonance"], upwards(case.search.base.fit.measurement)
+    )
     assert clash.fitted() < 0.7 * clash.linear
-    assert clash.fitted() == pytest.approx(refitted(clash.truth, clash.rival, clash.action), rel=0.05)
+    assert clash.fitted() == pytest.approx(
+        refitted(clash.truth, clash.rival, clash.action), rel=0.05
+    )
 
 
 def test_a_model_that_holds_another_follows_it_everywhere():
@@ -69,8 +79,12 @@ def test_a_model_that_holds_another_follows_it_everywhere():
 def test_where_no_measurement_tells_more_none_is_asked_for():
     """A measurement that leaves the odds as they are is no advice, and no number of it either."""
     _, best = explained("friction", AMPLITUDES, 3000.0)
-    advice = next_experiment(best["friction"], best["friction"], ("friction", "friction too"), (0.5, 0.5))
-    assert advice.says.startswith("no feasible measurement tells friction from friction too: even the best (")
+    advice = next_experiment(
+        best["friction"], best["friction"], ("friction", "friction too"), (0.5, 0.5)
+    )
+    assert advice.says.startswith(
+        "no feasible measurement tells friction from friction too: even the best ("
+    )
     assert "less than 0.1 sigma" in advice.says
     assert advice.expected_separation_sigma < 1e-3
     assert not advice.action
@@ -83,11 +97,17 @@ def test_where_no_measurement_tells_more_none_is_asked_for():
         ((2.0, 3.0), "it separates a from b by 2 sigma"),
         (
             (4.0, 0.3),
-            "if a is right it speaks against b by 4 sigma; if not, a stays possible; 1.2 sigma are to be expected",
+            (
+                "if a is right it speaks against b by 4 sigma; if not, a stays possible; "
+                "1.2 sigma are to be expected"
+            ),
         ),
         (
             (0.3, 150.0),
-            "if b is right it rules out a by 150 sigma; if not, b stays possible; 1.1e+02 sigma are to be expected",
+            (
+                "if b is right it rules out a by 150 sigma; if not, b stays possible; "
+                "1.1e+02 sigma are to be expected"
+            ),
         ),
     ],
 )
@@ -149,7 +169,9 @@ def test_at_one_frequency_others_are_proposed_not_the_same_again():
 
 
 def test_a_certain_answer_asks_for_nothing():
-    diagnosis = springpot.diagnose(hidden(KELVIN, SWEEP, "phase-error", 3000.0, just=True), KELVIN.name)
+    diagnosis = springpot.diagnose(
+        hidden(KELVIN, SWEEP, "phase-error", 3000.0, just=True), KELVIN.name
+    )
     assert diagnosis.best.alike == ("phase-error",)
     assert diagnosis.next_experiment is None
 
@@ -157,9 +179,14 @@ def test_a_certain_answer_asks_for_nothing():
 def test_a_strain_has_no_unit_in_the_advice():
     at = design(6, 0.3, 30.0, amplitudes=(0.01, 0.03))
     data = measured(at, KELVIN.stiffness(KELVIN.truth, at))
-    strain = Measurement(data.omega, data.stiffness, conditions=data.conditions, units=springpot.Units("kPa", "-"))
+    strain = Measurement(
+        data.omega, data.stiffness, conditions=data.conditions, units=springpot.Units("kPa", "-")
+    )
     says = [action.says for action in actions(strain) if "amplitude" in action.says]
-    assert says == ["measure 20 points at the amplitude 0.09", "measure 20 points at the amplitude 0.00333"]
+    assert says == [
+        "measure 20 points at the amplitude 0.09",
+        "measure 20 points at the amplitude 0.00333",
+    ]
 
 
 def sweep(points, **given):
@@ -178,10 +205,15 @@ def test_a_denser_sweep_is_denser_and_costs_as_many_points_as_it_has(points):
 
 
 @pytest.mark.parametrize(
-    ("unit", "asked"), [(None, False), ("Pa", False), ("N m/rad", False), ("N/m", True), ("kN/mm", True)]
+    ("unit", "asked"),
+    [(None, False), ("Pa", False), ("N m/rad", False), ("N/m", True), ("kN/mm", True)],
 )
 def test_a_known_mass_is_asked_for_only_with_its_size(unit, asked):
     given = {"units": springpot.Units(unit)} if unit else {}
-    masses = [action.says for action in actions(sweep(20, **given)) if action.mass or "mass" in action.says]
+    masses = [
+        action.says
+        for action in actions(sweep(20, **given))
+        if action.mass or "mass" in action.says
+    ]
     assert bool(masses) == asked
     assert all(re.search(r"a known mass of about \S+ kg in place", sentence) for sentence in masses)

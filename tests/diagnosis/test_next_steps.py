@@ -42,7 +42,11 @@ def noisy(stiffness, level, seed=5):
 
 def table(frequency, stiffness, **columns):
     """A table as the user writes it; the keyword `current_in_A` is the column `current [A]`."""
-    given = {"frequency [Hz]": frequency, "storage [kN/m]": stiffness.real, "loss [kN/m]": stiffness.imag}
+    given = {
+        "frequency [Hz]": frequency,
+        "storage [kN/m]": stiffness.real,
+        "loss [kN/m]": stiffness.imag,
+    }
     for keyword, cells in columns.items():
         name, unit_follows, unit = keyword.partition("_in_")
         if unit_follows:
@@ -52,7 +56,7 @@ def table(frequency, stiffness, **columns):
 
 
 def levels(values, gains, column, level=0.005, law=damper, rows="frequencies"):
-    """The law with a gain of its own at each value of a column, in the order in which the rows were measured."""
+    """The law with a gain of its own at each value of a column, in the order of measurement."""
     which, frequency = np.repeat(np.arange(len(values)), len(SWEEP)), np.tile(SWEEP, len(values))
     order = {
         "sweeps": np.arange(len(which)),
@@ -73,7 +77,10 @@ def save(tmp_path_factory):
         with path.open("w", newline="") as file:
             rows = csv.writer(file)
             rows.writerow(columns)
-            cells = [getattr(column, "tolist", lambda column=column: column)() for column in columns.values()]
+            cells = [
+                getattr(column, "tolist", lambda column=column: column)()
+                for column in columns.values()
+            ]
             rows.writerows(zip(*cells, strict=True))
         return str(path)
 
@@ -82,11 +89,17 @@ def save(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def unexplained(save):
-    """A sweep from high to low, and a gain that wanders along its rows; two columns have nothing to do with it."""
+    """A sweep from high to low, and a gain that wanders along its rows.
+
+    Two columns have nothing to do with it.
+    """
     wander = 1.0 + 0.005 * np.sin(np.linspace(0.0, 4.0, len(LONG)))
     stiffness = noisy(wander * damper(LONG[::-1]), 0.0005)
     torque = np.abs(stiffness) * np.random.default_rng(2).uniform(0.9, 1.1, len(LONG))
-    return save("drift", table(LONG[::-1], stiffness, torque_in_Nm=torque, preload_in_N=np.full(len(LONG), 5.0)))
+    return save(
+        "drift",
+        table(LONG[::-1], stiffness, torque_in_Nm=torque, preload_in_N=np.full(len(LONG), 5.0)),
+    )
 
 
 @pytest.fixture(scope="module")
@@ -133,7 +146,10 @@ COLUMNS = {
 
 @pytest.fixture(scope="module")
 def apart(save):
-    """Files in which one column sets the rows apart, by its name; the first has columns that cannot be it."""
+    """Files in which one column sets the rows apart, by its name.
+
+    The first has columns that cannot be it.
+    """
     tables = {}
     for name, (column, values, gains, rows) in COLUMNS.items():
         tables[name] = levels(values, gains, column, rows=rows)
@@ -185,7 +201,9 @@ def test_a_column_behind_the_misfit_is_in_json_and_opens_again(apart, tells, tmp
 
 def shuffled(save, gains):
     """Four currents in no order: a table may be sorted by frequency, by column, or not at all."""
-    return save(f"shuffled {gains[1]}", levels((0.0, 0.5, 1.0, 1.5), gains, "current_in_A", rows="random"))
+    return save(
+        f"shuffled {gains[1]}", levels((0.0, 0.5, 1.0, 1.5), gains, "current_in_A", rows="random")
+    )
 
 
 @pytest.mark.parametrize("gains", [(1.0, 1.2, 0.9, 1.5), (1.0, 1.03, 0.98, 1.05)])
@@ -202,11 +220,13 @@ def test_the_noise_is_not_the_difference_of_the_values(save):
 
 
 def test_gains_that_rise_and_fall_from_sweep_to_sweep_are_no_fault():
-    """Beside any material waves in the specimen are tried, and here their slopes are too small to be squared."""
+    """Waves in the specimen are tried beside any material; their slopes are too small to square."""
     frequency, gains = np.tile(np.geomspace(0.5, 50.0, 10), 4), np.repeat([1.0, 1.2, 0.9, 1.5], 10)
     s = (2j * np.pi * frequency) ** 0.5
     storage, loss = np.random.default_rng(5).normal(size=(2, 40))
-    stiffness = gains * (400.0 * 60.0 * s / (400.0 + 60.0 * s)) * (1.0 + 0.005 * (storage + 1j * loss))
+    stiffness = (
+        gains * (400.0 * 60.0 * s / (400.0 + 60.0 * s)) * (1.0 + 0.005 * (storage + 1j * loss))
+    )
     batch = np.repeat(["a", "b", "c", "d"], 10)
     data = springpot.Measurement(2.0 * np.pi * frequency, stiffness, labels={"batch": batch})
     assert springpot.diagnose(data).one_test == "batch=a"
@@ -244,7 +264,8 @@ def test_numbers_of_batches_are_no_sizes(save):
 def test_a_column_of_which_the_misfit_is_independent_is_not_named(save):
     """A mass at every current alike; and a second file from which nothing is missing."""
     missing = diagnosed(
-        save("every", levels((1.0, 2.0, 3.0), (1.0, 1.0, 1.0), "current_in_A", law=heavy)), "fractional-maxwell"
+        save("every", levels((1.0, 2.0, 3.0), (1.0, 1.0, 1.0), "current_in_A", law=heavy)),
+        "fractional-maxwell",
     )
     assert missing.leading[0] in MASSES
     nothing = diagnosed(save("nothing", levels((1.0, 2.0, 3.0), (1.0, 1.0, 1.0), "current_in_A")))
@@ -263,7 +284,7 @@ def test_labels_by_chance_do_not_hide_a_mass(heavy_file):
 
 
 def test_columns_of_every_row_and_of_all_rows_are_not_named(unexplained):
-    """A torque that was measured goes with everything, and a preload that was never changed with nothing."""
+    """A measured torque goes with everything, a preload that was never changed with nothing."""
     found = diagnosed(unexplained)
     assert found.verdict == "unexplained"
     assert not found.one_test
@@ -277,7 +298,9 @@ def test_a_column_that_goes_one_to_one_with_temperature_is_not_put_before_it(sav
     shift = np.exp(60.0 / 8.314e-3 * (1.0 / (celsius + 273.15) - 1.0 / 293.15))
     stiffness = noisy(damper(frequency * shift), 0.01)
     run = [f"run {cell:g}" for cell in celsius]
-    found = diagnosed(save("oven", table(frequency, stiffness, temperature_in_degC=celsius, run=run)))
+    found = diagnosed(
+        save("oven", table(frequency, stiffness, temperature_in_degC=celsius, run=run))
+    )
     assert found.verdict == "effect-missing"
     assert found.leading[0] in {"arrhenius-shift", "wlf-shift"}
     assert "run" not in found.says
@@ -301,7 +324,10 @@ SCATTER = 0.01
 def repeated(column, laws):
     """Each law measured three times, one frequency after the other; the column holds its name."""
     frequency = np.tile(SWEEP, 3 * len(laws))
-    repeat, word = np.tile(np.repeat([1, 2, 3], len(SWEEP)), len(laws)), np.repeat(list(laws), 3 * len(SWEEP))
+    repeat, word = (
+        np.tile(np.repeat([1, 2, 3], len(SWEEP)), len(laws)),
+        np.repeat(list(laws), 3 * len(SWEEP)),
+    )
     exact = np.concatenate([np.tile(damper(SWEEP, *law), 3) for law in laws.values()])
     stiffness = noisy(exact, SCATTER)
     order = np.lexsort((word, repeat, frequency))
@@ -334,16 +360,22 @@ def test_specimens_that_are_the_repeats_tell_the_noise(save, model):
 
 
 def test_three_materials_that_were_numbered_as_repeats_are_not_adequate(save):
-    """An error of 90 % of |K| is not the noise of any of them, and it is 1.8 times what is called the floor."""
+    """An error of 90 % of |K| is no noise of any of them; it is 1.8 times the so-called floor."""
     stiffness = noisy(np.concatenate([damper(SWEEP, k) for k in (400.0, 900.0, 100.0)]), SCATTER)
-    numbers, words = np.repeat([1, 2, 3], len(SWEEP)), np.repeat(["soft", "hard", "thick"], len(SWEEP))
+    numbers, words = (
+        np.repeat([1, 2, 3], len(SWEEP)),
+        np.repeat(["soft", "hard", "thick"], len(SWEEP)),
+    )
     columns = table(np.tile(SWEEP, 3), stiffness, repeat=numbers, material=words)
     found = diagnosed(save("numbered", columns))
     assert found.verdict != "adequate"
 
 
 def test_currents_that_were_numbered_as_repeats_are_not_adequate(save):
-    """A point at another current was not measured again; here they are 30 and 60 % apart, in noise of 1.4 %."""
+    """A point at another current was not measured again.
+
+    Here they are 30 and 60 % apart, in noise of 1.4 %.
+    """
     columns = levels((0.0, 0.5, 1.0), (1.0, 1.3, 1.6), "current_in_A", level=SCATTER)
     columns["repeat"] = [1 + int(2.0 * current) for current in columns["current [A]"]]
     found = diagnosed(save("numbered currents", columns))
@@ -391,10 +423,16 @@ def test_words_with_commas_choose_rows(lanes, selector, points, celsius):
 
 @pytest.mark.parametrize(
     "selector",
-    ["binder=Lane", "binder=Lane 1 (recovered, aged)", "binder=Lane 1 (recovered, no ageing),temperature=99"],
+    [
+        "binder=Lane",
+        "binder=Lane 1 (recovered, aged)",
+        "binder=Lane 1 (recovered, no ageing),temperature=99",
+    ],
 )
 def test_words_that_choose_no_one_are_refused_with_what_there_is(lanes, selector):
-    with pytest.raises(DataError, match=r"there are: (46, 52, 58|Lane 1 \(recovered, no ageing\), Lane 2)"):
+    with pytest.raises(
+        DataError, match=r"there are: (46, 52, 58|Lane 1 \(recovered, no ageing\), Lane 2)"
+    ):
         springpot.read(f"{lanes}@{selector}")
 
 
@@ -406,7 +444,9 @@ def test_the_note_gives_a_selector_that_works(lanes, tells):
 
 
 def test_a_selector_with_commas_and_a_model_pass_through_a_shell(lanes, tells):
-    words = next_command(tells("diagnose", f"{lanes}@temperature=58", "--model", "fractional-maxwell"))
+    words = next_command(
+        tells("diagnose", f"{lanes}@temperature=58", "--model", "fractional-maxwell")
+    )
     assert words[0] == "diagnose"
     assert words[2:] == ["--model", "fractional-maxwell"]
     part = springpot.read(words[1])
@@ -455,7 +495,9 @@ def test_where_nothing_is_missing_and_no_model_was_named_models_are_compared(sav
 
 
 @pytest.mark.parametrize(
-    ("level", "more"), [(3e-4, False), (8e-5, True)], ids=["a few hundred sigma", "more than a thousand"]
+    ("level", "more"),
+    [(3e-4, False), (8e-5, True)],
+    ids=["a few hundred sigma", "more than a thousand"],
 )
 def test_no_measurement_is_promised_to_tell_more_than_a_thousand_sigma(level, more):
     """A delay of 0.3 ms and a resonance that acts like one: the less noise the further apart."""

@@ -1,4 +1,6 @@
-"""A mount that hardens and a film that slips, in series with a specimen: integrated in time, then reduced here.
+"""A mount that hardens and a film that slips, in series with a specimen.
+
+Integrated in time, then reduced here.
 
 The library balances first harmonics only; the records here hold all of them.
 """
@@ -17,7 +19,9 @@ SOFT = pytest.param({"stiff": 100.0, "cubic": 20.0}, marks=pytest.mark.soak)
 QUARTIC = pytest.param({"force": 100.0, "power": 4}, marks=pytest.mark.soak)
 OMEGA, X = (
     grid.ravel()
-    for grid in np.meshgrid(2.0 * np.pi * np.geomspace(0.1, 10.0, 6), [0.3, 1.0, 2.0, 4.0], indexing="ij")
+    for grid in np.meshgrid(
+        2.0 * np.pi * np.geomspace(0.1, 10.0, 6), [0.3, 1.0, 2.0, 4.0], indexing="ij"
+    )
 )
 
 
@@ -25,12 +29,21 @@ def first_harmonic(rate, force, omega, cycles):
     """F_1 of the last of some cycles from rest; `force` and `rate` take the time and the state."""
     period = 2.0 * np.pi / omega
     last = period * (cycles - 1.0 + np.arange(SAMPLES) / SAMPLES)
-    found = solve_ivp(rate, (0.0, period * cycles), [0.0], "LSODA", last, rtol=1e-7, atol=1e-9, max_step=period / 50)
+    found = solve_ivp(
+        rate,
+        (0.0, period * cycles),
+        [0.0],
+        "LSODA",
+        last,
+        rtol=1e-7,
+        atol=1e-9,
+        max_step=period / 50,
+    )
     return np.fft.rfft(force(last, found.y[0]))[1] * 2.0 / SAMPLES
 
 
 def hardening_mount(omega, amplitude, k=100.0, c=4.0, stiff=300.0, cubic=60.0):
-    """A Kelvin specimen that moves by y behind a mount with the force stiff z + cubic z^3, z = x - y."""
+    """A Kelvin specimen that moves by y behind a mount of force stiff z + cubic z^3, z = x - y."""
 
     def mount(t, y):
         z = amplitude * np.cos(omega * t) - y
@@ -53,7 +66,9 @@ def measured(law, **own):
     stiffness = np.array([law(*at, **own) / at[1] for at in zip(OMEGA, X, strict=True)])
     scatter = np.random.default_rng(1).standard_normal((2, len(X)))
     noisy = stiffness * (1.0 + 0.01 * (scatter[0] + 1j * scatter[1]))
-    return springpot.Measurement(OMEGA, noisy, conditions={"amplitude": X}, units=springpot.Units("kN/m", "mm"))
+    return springpot.Measurement(
+        OMEGA, noisy, conditions={"amplitude": X}, units=springpot.Units("kN/m", "mm")
+    )
 
 
 @pytest.mark.parametrize("own", [{}, SOFT], ids=["stiff", "soft"])
@@ -64,7 +79,9 @@ def test_a_hardening_spring_in_series_is_no_nonlinearity_of_the_material(own):
     stiff, cubic = own.get("stiff", 300.0), own.get("cubic", 60.0)
     assert found.best.parameters["k"].value == pytest.approx(stiff, rel=0.03)
     # K = stiff + 3/4 cubic Z^2 is twice as stiff at Xh.
-    assert found.best.parameters["Xh"].value == pytest.approx(np.sqrt(stiff / (0.75 * cubic)), rel=0.05)
+    assert found.best.parameters["Xh"].value == pytest.approx(
+        np.sqrt(stiff / (0.75 * cubic)), rel=0.05
+    )
 
 
 @pytest.mark.parametrize("own", [soaked({}), QUARTIC], ids=["cubic", "quartic"])

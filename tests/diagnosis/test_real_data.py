@@ -1,4 +1,4 @@
-"""Measured data whose missing physics is known from their publications or from how the device works."""
+"""Measured data whose missing physics is known from publications or from the device itself."""
 
 import os
 from pathlib import Path
@@ -12,7 +12,8 @@ from springpot.errors import SpringpotError
 from springpot.registry import plugins
 
 SHARED = Path(
-    os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0] or Path(__file__).parents[3] / "shared" / "data"
+    os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0]
+    or Path(__file__).parents[3] / "shared" / "data"
 )
 SHIFTS = {"arrhenius-shift", "wlf-shift"}
 RUBBING = {"friction", "elasto-sliding"}
@@ -39,7 +40,10 @@ KNOWN = {}
 
 
 def rubbing(shared, model):
-    """Discovery on the banded damper by hand, made once; its first step is the diagnosis of the model alone."""
+    """Discovery on the banded damper by hand, made once.
+
+    Its first step is the diagnosis of the model alone.
+    """
     if model not in KNOWN:
         KNOWN[model] = springpot.discover(shared(BANDED), model, accept=["elasto-sliding"])
     return KNOWN[model]
@@ -49,11 +53,15 @@ def missing(diagnosis):
     return {c.effect for c in diagnosis.candidates if c.verdict == "missing"}
 
 
-@pytest.mark.parametrize("celsius", [(0, 20, 50), soaked((0, 10, 20, 30, 40, 50))], ids=["three", "all"])
+@pytest.mark.parametrize(
+    "celsius", [(0, 20, 50), soaked((0, 10, 20, 30, 40, 50))], ids=["three", "all"]
+)
 def test_discovery_finds_both_shifts_of_the_melt(shared, celsius):
     """NIST reduced these data by a horizontal and a vertical (density) shift."""
     data = shared("nist-srm2491")
-    ladder = springpot.discover(data.subset(np.isin(data.conditions["temperature"], celsius)), "maxwell-5")
+    ladder = springpot.discover(
+        data.subset(np.isin(data.conditions["temperature"], celsius)), "maxwell-5"
+    )
     first = ladder.steps[0].case.diagnosis
     assert first.verdict == "effect-missing"
     assert set(first.best.alike) & SHIFTS
@@ -65,10 +73,14 @@ def test_discovery_finds_both_shifts_of_the_melt(shared, celsius):
 
 
 def test_the_shift_of_the_melt_is_that_of_its_certificate(shared):
-    """ln a_T = -C1 (T - 25) / (C2 + T - 25) with C1 = 6.64 and C2 = 299.4 K, beside a vertical shift (SP 260-147)."""
+    """ln a_T = -C1 (T - 25) / (C2 + T - 25), C1 = 6.64, C2 = 299.4 K, and a vertical shift.
+
+    Both are from SP 260-147.
+    """
     data = shared("nist-srm2491")
     before, after = (
-        springpot.identify(data, f"maxwell-5{shifts}") for shifts in ("", " + wlf-shift + vertical-shift")
+        springpot.identify(data, f"maxwell-5{shifts}")
+        for shifts in ("", " + wlf-shift + vertical-shift")
     )
     c1, c2 = (after[f"wlf-shift.{name}"].value for name in ("C1", "C2"))
     celsius = np.array([0.0, 10.0, 20.0, 25.0, 30.0, 40.0, 50.0])
@@ -88,10 +100,15 @@ def test_a_banded_friction_damper_rubs(shared, model):
     assert diagnosis.best.effect in RUBBING
 
 
-@pytest.mark.xfail(strict=True, reason="2.6 tonnes of moving mass, or none at all, are called missing beside it")
+@pytest.mark.xfail(
+    strict=True, reason="2.6 tonnes of moving mass, or none at all, are called missing beside it"
+)
 @pytest.mark.parametrize("model", ["kelvin", soaked("fractional-kelvin")])
 def test_a_banded_friction_damper_has_nothing_else_that_ten_points_prove(shared, model):
-    assert missing(rubbing(shared, model).steps[0].case.diagnosis) <= RUBBING | {"backlash", "payne"}
+    assert missing(rubbing(shared, model).steps[0].case.diagnosis) <= RUBBING | {
+        "backlash",
+        "payne",
+    }
 
 
 def test_the_friction_force_of_the_banded_damper(shared):
@@ -103,7 +120,9 @@ def test_the_friction_force_of_the_banded_damper(shared):
 
 @pytest.mark.parametrize("current", [1.0, soaked(0.5)])
 def test_a_magnetorheological_damper_yields_like_friction(shared, current):
-    diagnosis = springpot.diagnose(shared(f"mr-damper-utfsm-sinusoid@current={current:g}"), "kelvin")
+    diagnosis = springpot.diagnose(
+        shared(f"mr-damper-utfsm-sinusoid@current={current:g}"), "kelvin"
+    )
     assert diagnosis.verdict == "effect-missing"
     assert RUBBING & set(diagnosis.best.alike)
     force = diagnosis.best.parameters["F"].value
@@ -152,7 +171,8 @@ def test_the_bad_highest_frequency_of_a_soft_solid_is_found(shared):
     assert data.loss[np.argmax(data.omega)] < 0 < np.sort(data.loss)[1]
     diagnosis = springpot.diagnose(data, "fractional-kelvin")
     assert diagnosis.verdict in ("effect-missing", "unexplained")
-    # As a single point where the model bends elsewhere only, else as the place at which it fails first of all.
+    # As a single point where the model bends elsewhere only, else as the place at which it fails
+    # first of all.
     assert any(w.low > 90.0 for w in diagnosis.where)
     assert not missing(diagnosis) - {"inertia", "specimen-inertia", "time-delay", "filter-mismatch"}
     without = springpot.diagnose(data)
@@ -161,12 +181,17 @@ def test_the_bad_highest_frequency_of_a_soft_solid_is_found(shared):
 
 def test_a_set_without_temperatures_refuses_a_shift_in_one_line(shared):
     with pytest.raises(SpringpotError, match="temperature"):
-        springpot.discover(shared("mr-damper-utfsm-sinusoid@current=1"), "kelvin", accept=["wlf-shift"])
+        springpot.discover(
+            shared("mr-damper-utfsm-sinusoid@current=1"), "kelvin", accept=["wlf-shift"]
+        )
 
 
 @pytest.mark.soak
 def test_bitumen_at_seven_temperatures_comes_down_to_what_its_replicates_scatter_by(shared):
-    """No model is named and no option set: replicates that share a disturbance do not end the search."""
+    """No model is named and no option set.
+
+    Replicates that share a disturbance do not end the search.
+    """
     ladder = springpot.discover(shared("fhwa-ptf-binder-dsr@lane=1"))
     assert [step.accepted for step in ladder.steps] == [None, "wlf-shift", "vertical-shift"]
     last = ladder.steps[-1]

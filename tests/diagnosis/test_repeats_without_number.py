@@ -16,7 +16,9 @@ def swept(gains, seed=3):
     for gain in gains:
         noise = rng.normal(size=s.size) + 1j * rng.normal(size=s.size)
         rows.append(gain * stiffness * (1.0 + 0.005 * noise))
-    return springpot.Measurement(np.tile(2.0 * np.pi * FREQUENCY, len(gains)), np.concatenate(rows), name="gel")
+    return springpot.Measurement(
+        np.tile(2.0 * np.pi * FREQUENCY, len(gains)), np.concatenate(rows), name="gel"
+    )
 
 
 def test_specimens_that_differ_are_no_missing_effect():

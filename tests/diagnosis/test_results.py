@@ -1,4 +1,7 @@
-"""What a discovery and a comparison are to a Python user: pictures, texts, things to keep and to go on from."""
+"""What a discovery and a comparison are to a Python user.
+
+Pictures, texts, things to keep and to go on from.
+"""
 
 import copy
 import pickle
@@ -47,8 +50,18 @@ def test_what_is_printed_is_the_text_of_the_command_line(ladder, compared, capsy
 
 def test_short_forms_fit_on_a_line(ladder, compared):
     step = ladder.steps[1]
-    assert repr(step) == f"<Step {MODEL} + inertia: error {step.relative_rms / step.noise_floor:.3g} x floor>"
-    for thing in (ladder, *ladder.steps, step.case, compared, *compared.judgements, ladder.diagnosis):
+    assert (
+        repr(step)
+        == f"<Step {MODEL} + inertia: error {step.relative_rms / step.noise_floor:.3g} x floor>"
+    )
+    for thing in (
+        ladder,
+        *ladder.steps,
+        step.case,
+        compared,
+        *compared.judgements,
+        ladder.diagnosis,
+    ):
         assert len(repr(thing)) < 400
         assert "\n" not in repr(thing)
 
@@ -117,5 +130,8 @@ def test_a_diagnosis_tells_the_parameters_of_the_model_that_it_judges(ladder, tm
     path = tmp_path / "diagnosis.json"
     path.write_text(to_json(diagnosis), encoding="utf-8")
     assert springpot.load(path).parameters == diagnosis.parameters
-    path.write_text(to_json({k: v for k, v in diagnosis.to_dict().items() if k != "parameters"}), encoding="utf-8")
+    path.write_text(
+        to_json({k: v for k, v in diagnosis.to_dict().items() if k != "parameters"}),
+        encoding="utf-8",
+    )
     assert springpot.load(path).parameters == {}

@@ -1,4 +1,7 @@
-"""Of a material's times there is one law: what a second one would mend is no physics of the material."""
+"""Of a material's times there is one law.
+
+What a second one would mend is no physics of the material.
+"""
 
 import numpy as np
 import pytest
@@ -19,21 +22,26 @@ def measured(misread=0.0, seed=2):
     stiffness = 2e4 + 3e4 * (1j * OMEGA * shift) ** 0.35
     noise = np.random.default_rng(seed).normal(size=(2, OMEGA.size))
     disturbed = stiffness * (1.0 + 0.004 * (noise[0] + 1j * noise[1]))
-    return springpot.Measurement(OMEGA, disturbed, conditions={"temperature": TEMPERATURE}, name="melt")
+    return springpot.Measurement(
+        OMEGA, disturbed, conditions={"temperature": TEMPERATURE}, name="melt"
+    )
 
 
 def effects(*names):
     return [plugins().effect(name) for name in names]
 
 
-@pytest.mark.parametrize(("first", "second", "is_one"), [
-    ("wlf-shift", "arrhenius-shift", True),
-    ("wlf-shift", "vertical-shift", False),
-    ("wlf-shift", "self-heating", False),
-    ("inertia", "wlf-shift", False),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("first", "second", "is_one"),
+    [
+        ("wlf-shift", "arrhenius-shift", True),
+        ("wlf-shift", "vertical-shift", False),
+        ("wlf-shift", "self-heating", False),
+        ("inertia", "wlf-shift", False),
+    ],
+)
 def test_a_second_law_is_one_of_the_same_condition(first, second, is_one):
-    (own, other) = effects(first, second)
+    own, other = effects(first, second)
     assert _second_law([own], other) is is_one
 
 

@@ -1,4 +1,4 @@
-"""What errs alike at one frequency in sweep after sweep, or in neighbours along one, is no noise."""
+"""Errors alike at one frequency of every sweep, or in neighbours along a sweep, are no noise."""
 
 import numpy as np
 import pytest
@@ -15,14 +15,19 @@ NOISE = 0.005
 def rippled(at, base, waves, size=0.02, **given):
     """A periodic gain error along ln omega, the same in all sweeps."""
     x = np.log(at.omega / at.omega.min()) / np.log(at.omega.max() / at.omega.min())
-    return measured(at, exact(base, at) * (1.0 + size * np.cos(2.0 * np.pi * waves * x)), level=NOISE, **given)
+    return measured(
+        at, exact(base, at) * (1.0 + size * np.cos(2.0 * np.pi * waves * x)), level=NOISE, **given
+    )
 
 
 @pytest.mark.parametrize(
     ("waves", "known"),
     [
         (6.5, False),
-        *(pytest.param(*case, marks=pytest.mark.soak) for case in ((4.0, True), (4.0, False), (6.5, True))),
+        *(
+            pytest.param(*case, marks=pytest.mark.soak)
+            for case in ((4.0, True), (4.0, False), (6.5, True))
+        ),
     ],
 )
 def test_a_ripple_in_all_sweeps_is_not_taken_for_noise(waves, known):
@@ -38,7 +43,9 @@ def test_given_deviations_are_not_overruled_by_a_ripple_of_neighbours():
     assert diagnosis.verdict == "unexplained"
 
 
-@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.soak) for seed in range(2, 6))])
+@pytest.mark.parametrize(
+    "seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.soak) for seed in range(2, 6))]
+)
 def test_independent_noise_in_all_sweeps_stays_noise(seed):
     data = measured(SWEEPS, exact(WARM, SWEEPS), seed, level=NOISE, known=False)
     diagnosis = springpot.diagnose(data, WARM.name)
@@ -77,28 +84,34 @@ def test_a_resonance_is_not_tried_where_a_common_effect_explains_all():
 
 
 def test_an_accepted_effect_never_raises_the_error(resonant):
-    """The rung starts from the smaller model, where this effect is a narrow valley that cold starts miss."""
+    """The rung starts from the smaller model: cold starts miss the narrow valley of this effect."""
     before, after = resonant.steps
     assert after.relative_rms < before.relative_rms
     assert after.relative_rms == pytest.approx(after.noise_floor, rel=0.15)
 
 
-@pytest.mark.parametrize(("ratio", "words"), [(1.04, "1 x"), (3.14, "3.1 x"), (99.4, "99 x"), (151.0, "151 x")])
+@pytest.mark.parametrize(
+    ("ratio", "words"), [(1.04, "1 x"), (3.14, "3.1 x"), (99.4, "99 x"), (151.0, "151 x")]
+)
 def test_ratios_never_show_a_power_of_ten(ratio, words):
     assert times(ratio) == words
 
 
 def shared_error(seed, length=4.0):
-    """Independent noise, and a weaker error that each sweep shares with its neighbours along frequency."""
+    """Independent noise, and a weaker error shared along frequency by neighbours of each sweep."""
     rng = np.random.default_rng(seed)
-    cover = np.exp(-0.5 * (np.subtract.outer(np.arange(14.0), np.arange(14.0)) / length) ** 2) + 1e-9 * np.eye(14)
+    cover = np.exp(
+        -0.5 * (np.subtract.outer(np.arange(14.0), np.arange(14.0)) / length) ** 2
+    ) + 1e-9 * np.eye(14)
     root = np.linalg.cholesky(cover)
     stiffness = exact(WARM, SWEEPS)
     error = np.ones(len(stiffness), dtype=complex)
     for celsius in np.unique(SWEEPS.celsius):
         rows = np.flatnonzero(SWEEPS.celsius == celsius)
         error[rows] += 0.6 * NOISE * (root @ rng.normal(size=(14, 2))) @ np.array([1.0, 1.0j])
-    scatter = NOISE * np.abs(stiffness) * (rng.normal(size=(2, len(stiffness))).T @ np.array([1.0, 1.0j]))
+    scatter = (
+        NOISE * np.abs(stiffness) * (rng.normal(size=(2, len(stiffness))).T @ np.array([1.0, 1.0j]))
+    )
     return springpot.Measurement(
         SWEEPS.omega, stiffness * error + scatter, conditions={"temperature": SWEEPS.celsius}
     )

@@ -1,4 +1,7 @@
-"""Sweeps at temperatures too far apart to overlap: the shift is taken all the same, though something is left."""
+"""Sweeps at temperatures too far apart to overlap.
+
+The shift is taken all the same, though something is left.
+"""
 
 import numpy as np
 import pytest
@@ -11,7 +14,7 @@ OMEGA = np.tile(np.geomspace(0.3, 30.0, 11), 5)
 
 
 def foam(rng):
-    """A Huet-Sayegh material that follows WLF, with a gain and a phase of its own at each temperature."""
+    """A Huet-Sayegh material that follows WLF, with its own gain and phase at each temperature."""
     reduced = OMEGA * 10.0 ** (-35.0 * (TEMPERATURES + 10.0) / (130.0 + TEMPERATURES + 10.0))
     x = 30j * reduced
     stiffness = 0.3 + 90.0 / (1.0 + 1.5 * x**-0.32 + 0.2 * x**-0.08)
@@ -19,7 +22,10 @@ def foam(rng):
     real, imaginary = 0.0008 * rng.normal(size=(2, len(OMEGA)))
     stiffness = stiffness * np.exp(1j * phase) * (1.0 + gain) * (1.0 + real + 1j * imaginary)
     return springpot.Measurement(
-        OMEGA, stiffness, conditions={"temperature": TEMPERATURES}, units=springpot.Units("MPa", "-")
+        OMEGA,
+        stiffness,
+        conditions={"temperature": TEMPERATURES},
+        units=springpot.Units("MPa", "-"),
     )
 
 

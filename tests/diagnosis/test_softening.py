@@ -1,6 +1,7 @@
-"""A material that softens as a whole with the amplitude, a liquid that thins with the rate, and what is neither.
+"""A material that softens with amplitude, a liquid that thins with the rate, and neither.
 
-The laws are typed here by hand; nothing of the library's elements enters.
+The material softens as a whole. The laws are typed here by hand; nothing of the library's elements
+enters.
 """
 
 from __future__ import annotations
@@ -37,7 +38,10 @@ def thinned(omega, x, limit=8.0, m=0.7):
 
 
 def slipping(omega, x, force=400.0, power=0.4):
-    """A gel behind a film whose stress goes as a power of its speed: the film's share of the strain by iteration."""
+    """A gel behind a film whose stress goes as a power of its speed.
+
+    The film's share of the strain by iteration.
+    """
     k, speed = gel(omega), 0.5 * omega * x
     for _ in range(500):
         film = force * speed**power / (speed / omega)
@@ -53,7 +57,9 @@ def payne(x):
 def measured(stiffness, omega=OMEGA, x=X, seed=1, noise=0.01):
     scatter = np.random.default_rng(seed).standard_normal((2, len(x)))
     noisy = stiffness * (1.0 + noise * (scatter[0] + 1j * scatter[1]))
-    return springpot.Measurement(omega, noisy, conditions={"amplitude": x}, units=springpot.Units("Pa", "-"))
+    return springpot.Measurement(
+        omega, noisy, conditions={"amplitude": x}, units=springpot.Units("Pa", "-")
+    )
 
 
 @pytest.mark.parametrize(("limit", "n"), [(1.5, 1.6), soaked(0.5, 2.0), soaked(3.0, 0.9)])
@@ -94,7 +100,9 @@ OTHERS = {
 }
 
 
-@pytest.mark.parametrize("effect", ["payne", *map(soaked, ("power-law-slip", "friction", "cubic-stiffness"))])
+@pytest.mark.parametrize(
+    "effect", ["payne", *map(soaked, ("power-law-slip", "friction", "cubic-stiffness"))]
+)
 def test_what_changes_storage_and_loss_unequally_is_no_softening_of_the_whole(effect):
     found = springpot.diagnose(measured(OTHERS[effect]()), GEL)
     assert effect in found.best.alike
@@ -109,7 +117,10 @@ def test_a_material_that_does_not_soften_lacks_nothing(seed):
 def test_at_one_amplitude_no_rate_is_made_of_the_frequency():
     """K / (1 + (omega X)^n) would be a factor of the frequency there, which no liquid has."""
     omega = 2.0 * np.pi * np.geomspace(0.1, 10.0, 25)
-    held, varied = np.full(25, 0.01), np.geomspace(0.01, 1.0, 25)[np.random.default_rng(2).permutation(25)]
+    held, varied = (
+        np.full(25, 0.01),
+        np.geomspace(0.01, 1.0, 25)[np.random.default_rng(2).permutation(25)],
+    )
     thinning = plugins().effect("shear-thinning")
     assert applicable([thinning], measured(gel(omega), omega, held)) == []
     assert applicable([thinning], measured(gel(omega), omega, varied)) == [thinning]

@@ -1,4 +1,7 @@
-"""A few points that are far off: they do not raise the noise floor, and what they leave is not called adequate."""
+"""A few points that are far off.
+
+They do not raise the noise floor, and what they leave is not called adequate.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +39,10 @@ def test_a_notch_neither_raises_the_floor_nor_is_called_adequate(place, seed):
     assert base.floor == pytest.approx(NOISE, rel=0.5)
     assert not inside[place]
     assert np.sum(~inside) <= 8
-    assert np.max(np.abs(free.model.stiffness(free.theta, data.points) / exact(KELVIN, AT) - 1.0)) < 0.02
+    assert (
+        np.max(np.abs(free.model.stiffness(free.theta, data.points) / exact(KELVIN, AT) - 1.0))
+        < 0.02
+    )
     if (place, seed) == (33, 0):
         assert springpot.diagnose(data, MODEL).verdict != "adequate"
 
@@ -59,16 +65,25 @@ def test_noise_alone_leaves_the_fit_as_it_is():
 
 
 def test_long_tails_are_no_structure():
-    """Student's t with three degrees of freedom: far points anywhere are told one by one, and nothing is missing."""
+    """Student's t with three degrees of freedom.
+
+    Far points anywhere are told one by one, and nothing is missing.
+    """
     for seed in range(3):
         tails = np.random.default_rng(seed).standard_t(3.0, (2, len(ORDER)))
         factor = 1.0 + NOISE * (tails[0] + 1j * tails[1])
         answer = springpot.diagnose(seen_through(factor, seed), MODEL)
-        assert answer.verdict in ("adequate", "inconclusive") or "nothing else is missing" in answer.says
+        assert (
+            answer.verdict in ("adequate", "inconclusive")
+            or "nothing else is missing" in answer.says
+        )
 
 
 def test_where_repeats_share_a_disturbance_a_gain_of_each_temperature_is_no_unknown():
-    """Three specimens at each of four temperatures, each sweep with a gain of its own; the shift is still named."""
+    """Three specimens at each of four temperatures, each sweep with a gain of its own.
+
+    The shift is still named.
+    """
     rng = np.random.default_rng(5)
     at = design(15, temperatures=(10.0, 25.0, 40.0, 55.0))
     hidden = exact(WARM, at)
@@ -92,7 +107,9 @@ def test_where_repeats_share_a_disturbance_a_gain_of_each_temperature_is_no_unkn
 def test_one_absurd_point_is_all_that_is_told(known):
     at = design(48)
     factor = np.where(np.arange(48) == 20, 1.2, 1.0)
-    answer = springpot.diagnose(measured(at, exact(KELVIN, at) * factor, 1, 0.007, known=known), MODEL)
+    answer = springpot.diagnose(
+        measured(at, exact(KELVIN, at) * factor, 1, 0.007, known=known), MODEL
+    )
     assert answer.verdict == "unexplained"
     assert "a single point stands out" in answer.says
     assert "nothing else is missing" in answer.says

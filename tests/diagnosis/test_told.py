@@ -35,7 +35,10 @@ def test_what_stands_beside_the_leading_effect_is_named_with_its_rivals():
 
 
 def test_an_interval_holds_the_truth_although_its_model_leaves_structure():
-    """Alone the mass is fitted to data that a delay has bent: the misfit, not the noise, says how uncertain it is."""
+    """Alone the mass is fitted to data that a delay has bent.
+
+    The misfit, not the noise, says how uncertain it is.
+    """
     stiffness, mass = two()
     diagnosis = springpot.diagnose(measured(WIDE, stiffness, level=0.004), ZENER.name)
     value = next(each for each in diagnosis.candidates if each.effect == "inertia").parameters["m"]
@@ -73,9 +76,14 @@ def test_the_model_that_predicts_is_the_one_that_is_proposed():
 
 
 def test_effects_that_change_nothing_are_not_called_alike():
-    """Beside the true effect every other one vanishes, and all curves are one: that makes them no class."""
+    """Beside the true effect every other one vanishes, and all curves are one.
+
+    That makes them no class.
+    """
     library = list(plugins().items("effect"))
-    case = examine(shifted(), springpot.parse_model("fractional-kelvin"), library, np.random.default_rng(0))
+    case = examine(
+        shifted(), springpot.parse_model("fractional-kelvin"), library, np.random.default_rng(0)
+    )
     frame, base = case.search.frame, case.search.base
     alone = {grown.names[0]: grown.refit for grown in case.search.grown if len(grown.effects) == 1}
     for group in case.diagnosis.classes[1:]:
@@ -94,7 +102,10 @@ def test_a_held_parameter_costs_what_its_profile_says():
 
 
 def test_the_next_experiment_settles_the_more_open_question():
-    """The mass is certain; what stands beside it is not, and it is that which a measurement should tell."""
+    """The mass is certain.
+
+    What stands beside it is not, and it is that which a measurement should tell.
+    """
     stiffness, _ = two()
     diagnosis = springpot.diagnose(measured(WIDE, stiffness, level=0.004), ZENER.name)
     beside = {each.effect: each for each in diagnosis.candidates if each.says.startswith("beside ")}
@@ -108,7 +119,7 @@ def test_the_next_experiment_settles_the_more_open_question():
 
 
 def test_a_floor_below_that_of_the_model_alone_is_explained(monkeypatch):
-    """Where a better model scatters less than the judged one, identify and diagnose tell two floors."""
+    """If a better model scatters less than the judged, identify and diagnose tell two floors."""
     from types import SimpleNamespace
 
     from springpot.diagnosis import notes

@@ -1,4 +1,7 @@
-"""An amplitude sweep at one frequency is two curves: two effects that follow them are told with a doubt."""
+"""An amplitude sweep at one frequency is two curves.
+
+Two effects that follow them are told with a doubt.
+"""
 
 import numpy as np
 import pytest

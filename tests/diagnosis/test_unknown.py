@@ -1,4 +1,7 @@
-"""Faults of the measuring chain that no effect of the library is: told as such, not given the nearest name."""
+"""Faults of the measuring chain that no effect of the library is.
+
+Told as such, not given the nearest name.
+"""
 
 import numpy as np
 import pytest
@@ -26,7 +29,12 @@ def told(diagnosis, words):
 
 @pytest.mark.parametrize(
     ("base", "kind"),
-    [(KELVIN, "steps"), (ZENER, "changes slowly"), soaked(ZENER, "steps"), soaked(KELVIN, "changes slowly")],
+    [
+        (KELVIN, "steps"),
+        (ZENER, "changes slowly"),
+        soaked(ZENER, "steps"),
+        soaked(KELVIN, "changes slowly"),
+    ],
 )
 def test_a_gain_that_steps_or_creeps_is_the_chain_and_no_effect(base, kind):
     stiffness = exact(base, SWEEP) * gain(SWEEP, kind)
@@ -51,13 +59,16 @@ def test_a_gain_that_creeps_with_time_is_no_temperature_effect():
     order = np.lexsort((FIELD.omega, FIELD.celsius))
     at = type(FIELD)(FIELD.omega[order], None, FIELD.celsius[order])
     creep = 1.0 + 0.12 * (1.0 - np.exp(-np.arange(len(order)) / (0.3 * len(order))))
-    diagnosis = springpot.diagnose(measured(at, exact(KELVIN, at) * creep, level=0.003), KELVIN.name)
+    diagnosis = springpot.diagnose(
+        measured(at, exact(KELVIN, at) * creep, level=0.003), KELVIN.name
+    )
     assert diagnosis.verdict == "unexplained"
     assert told(diagnosis, "from row to row")
 
 
 @pytest.mark.parametrize(
-    "effect", ["time-delay", "phase-error", *map(soaked, ("inertia", "parallel-dashpot", "series-spring"))]
+    "effect",
+    ["time-delay", "phase-error", *map(soaked, ("inertia", "parallel-dashpot", "series-spring"))],
 )
 def test_an_effect_is_not_taken_for_a_fault_of_the_chain(effect):
     base = ZENER if effect == "inertia" else KELVIN
@@ -68,22 +79,29 @@ def test_an_effect_is_not_taken_for_a_fault_of_the_chain(effect):
 
 
 def test_a_step_is_sought_among_many_frequencies_too(monkeypatch):
-    """Of many places some are tried: here of forty-five a third, as few of them are as much of a test."""
+    """Of many places some are tried.
+
+    Here of forty-five a third, as few of them are as much of a test.
+    """
     monkeypatch.setattr("springpot.diagnosis.marginal.MOST_STEPS", 15)
     dense = design(45, 0.1, 100.0)
     (note,) = told(
-        springpot.diagnose(measured(dense, exact(KELVIN, dense) * gain(dense, "steps"), level=0.01), KELVIN.name),
+        springpot.diagnose(
+            measured(dense, exact(KELVIN, dense) * gain(dense, "steps"), level=0.01), KELVIN.name
+        ),
         "steps at",
     )
     assert placed(note) == pytest.approx(5.0, rel=0.15)
 
 
 def test_an_effect_that_is_needed_twice_may_be_a_part_of_another_shape():
-    """A skewed spectrum (Havriliak and Negami 1967) looks like two modes, and like more than that."""
+    """A skewed spectrum (Havriliak and Negami 1967) looks like two modes or more."""
     omega, rng = np.geomspace(0.01, 1000.0, 60), np.random.default_rng(1)
     exact = 1000.0 + 9000.0 * (1.0 - (1.0 + (1j * omega) ** 0.7) ** -0.75)
     noise = 0.003 * (rng.normal(size=60) + 1j * rng.normal(size=60))
-    found = springpot.diagnose(springpot.Measurement(omega, exact * (1.0 + noise)), "fractional-zener")
+    found = springpot.diagnose(
+        springpot.Measurement(omega, exact * (1.0 + noise)), "fractional-zener"
+    )
     assert found.verdict == "effect-missing"
     assert found.candidates[0].probability < 0.8
     assert "in their place" in found.says

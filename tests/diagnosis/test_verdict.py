@@ -11,7 +11,7 @@ import pytest
 
 import springpot
 from springpot.diagnosis.verdict import RULES, Facts, _stand_out_together, rule_for
-from springpot.policy import VERDICT
+from springpot.thresholds import VERDICT
 
 CLEAR = VERDICT.clear_evidence
 SEEN = {"by_battery": True, "certain": True}
@@ -37,7 +37,17 @@ SEEN = {"by_battery": True, "certain": True}
         (SEEN | {"gain": CLEAR, "named": True, "left": True}, "unexplained"),
         (SEEN | {"gain": CLEAR, "named": True, "left": True, "nearly_all": True}, "effect-missing"),
         (SEEN | {"gain": CLEAR, "named": True, "unknown": True}, "unexplained"),
-        (SEEN | {"gain": CLEAR, "named": True, "unknown": True, "chain": True, "nearly_all": True}, "unexplained"),
+        (
+            SEEN
+            | {
+                "gain": CLEAR,
+                "named": True,
+                "unknown": True,
+                "chain": True,
+                "nearly_all": True,
+            },
+            "unexplained",
+        ),
         (SEEN | {"gain": CLEAR}, "unexplained"),
         ({"by_scan": True, "gain": CLEAR}, "inconclusive"),
         ({"ruled_out": True, "gain": CLEAR, "named": True}, "effect-missing"),

@@ -1,4 +1,4 @@
-"""The error that is printed after an effect is what accepting it gives, on whatever way it is accepted."""
+"""The error printed after an effect is what accepting it gives, whatever way it is accepted."""
 
 from __future__ import annotations
 
@@ -37,4 +37,6 @@ def test_a_seed_in_a_shallow_valley_does_not_keep_a_fit_beside_any_material_ther
     place = best.model.names.index("payne.Xc")
     astray[place] *= 1e3
     astray[place - 2 : place] *= 1e-3
-    assert fit(model, data, seeds_theta=[astray], starts=2).cost == pytest.approx(best.cost, rel=1e-6)
+    assert fit(model, data, seeds_theta=[astray], starts=2).cost == pytest.approx(
+        best.cost, rel=1e-6
+    )

@@ -7,7 +7,14 @@ import springpot
 from springpot.diagnosis import diagnose
 from wide_sweeps import C1, C2, NOISE, spectrum
 
-EFFECTS = ("wlf-shift", "arrhenius-shift", "vertical-shift", "time-delay", "inertia", "specimen-inertia-fixed")
+EFFECTS = (
+    "wlf-shift",
+    "arrhenius-shift",
+    "vertical-shift",
+    "time-delay",
+    "inertia",
+    "specimen-inertia-fixed",
+)
 
 
 @pytest.fixture(scope="module")

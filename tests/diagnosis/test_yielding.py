@@ -1,7 +1,9 @@
-"""Yielding dampers and filled rubber: alike in K of the first harmonic, apart in what else the force holds.
+"""Yielding dampers and filled rubber.
 
-The dampers are Bouc and Wen's differential equation, integrated in time here and reduced to harmonics by a Fourier
-transform: nothing of the library's formulas enters.
+Alike in K of the first harmonic, apart in what else the force holds.
+
+The dampers are Bouc and Wen's differential equation, integrated in time here and reduced to
+harmonics by a Fourier transform: nothing of the library's formulas enters.
 """
 
 from __future__ import annotations
@@ -30,7 +32,9 @@ def bouc_wen(amplitude, k, force, n, beta):
         return speed * (1.0 - np.abs(z) ** n * (beta * np.sign(z * speed) + 1.0 - beta))
 
     last = 2.0 * np.pi * (CYCLES - 1.0 + np.arange(SAMPLES) / SAMPLES)
-    found = solve_ivp(rate, (0.0, 2.0 * np.pi * CYCLES), [0.0], t_eval=last, rtol=1e-8, atol=1e-10, max_step=0.05)
+    found = solve_ivp(
+        rate, (0.0, 2.0 * np.pi * CYCLES), [0.0], t_eval=last, rtol=1e-8, atol=1e-10, max_step=0.05
+    )
     spectrum = np.fft.rfft(force * found.y[0]) * 2.0 / SAMPLES
     return spectrum[1] / amplitude, spectrum[3] / amplitude
 
@@ -60,12 +64,16 @@ def damper(*theta):
 SHARP, DAHL = (100.0, 200.0, 2.0, 0.5), (100.0, 50.0, 1.0, 0.9)
 
 
-@pytest.mark.parametrize("theta", [(100.0, 100.0, 1.0, 0.5), soaked(SHARP), soaked((100.0, 300.0, 1.0, 0.7))])
+@pytest.mark.parametrize(
+    "theta", [(100.0, 100.0, 1.0, 0.5), soaked(SHARP), soaked((100.0, 300.0, 1.0, 0.7))]
+)
 def test_a_damper_that_yields_gradually_is_no_filled_rubber(theta):
     found = springpot.diagnose(measured(damper(*theta)[0]), "fractional-kelvin")
     assert found.verdict == "effect-missing"
     assert found.best.effect == "smooth-hysteresis"
-    assert all(candidate.probability < 0.2 for candidate in found.candidates if candidate.effect == "payne")
+    assert all(
+        candidate.probability < 0.2 for candidate in found.candidates if candidate.effect == "payne"
+    )
     for name, value in zip(("k", "F"), theta[:2], strict=True):
         interval = found.best.parameters[name]
         assert interval.low < value < interval.high
@@ -93,18 +101,30 @@ def test_filled_rubber_whose_stress_is_nearly_a_sinusoid_is_payne(share):
 
 
 def test_the_bound_is_half_of_what_an_elastic_law_would_make():
-    """A cubic spring's third harmonic is a sixth of how its K moves with ln X; payne may make half as much of its."""
+    """A cubic spring's third harmonic is a sixth of how its K moves with ln X.
+
+    Payne may make half as much of its.
+    """
     at = Points(np.zeros(3), amplitude=np.array([0.3, 1.0, 4.0]))
     moved = Points(np.zeros(3), amplitude=at.amplitude * np.exp(1e-5))
-    for name, theta, share in (("cubic-stiffness", [0.7], 1.0 / 6.0), ("payne", [3.0, 0.4, 1.1, 0.5], 1.0 / 12.0)):
+    for name, theta, share in (
+        ("cubic-stiffness", [0.7], 1.0 / 6.0),
+        ("payne", [3.0, 0.4, 1.1, 0.5], 1.0 / 12.0),
+    ):
         model = parse_model(f"springpot + {name}")
         given = np.array([1.0, 0.0, *theta])
         slope = (model.stiffness(given, moved) - model.stiffness(given, at)) / 1e-5
         centre, radius = model.third_harmonic_range(given, at)
         most = np.abs(centre) + radius
-        np.testing.assert_allclose(most * np.abs(model.stiffness(given, at)), share * np.abs(slope), rtol=1e-4)
+        np.testing.assert_allclose(
+            most * np.abs(model.stiffness(given, at)), share * np.abs(slope), rtol=1e-4
+        )
     assert np.all(
-        np.isinf(parse_model("springpot + backlash").third_harmonic_range(np.array([1.0, 0.5, 0.1]), at)[1])
+        np.isinf(
+            parse_model("springpot + backlash").third_harmonic_range(np.array([1.0, 0.5, 0.1]), at)[
+                1
+            ]
+        )
     )
 
 

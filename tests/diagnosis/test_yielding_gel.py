@@ -1,4 +1,7 @@
-"""An amplitude sweep of a weak gel at one frequency: its network breaks up, and no gel heats itself so much."""
+"""An amplitude sweep of a weak gel at one frequency.
+
+Its network breaks up, and no gel heats itself so much.
+"""
 
 import numpy as np
 import pytest
@@ -9,7 +12,10 @@ STRAIN = np.geomspace(0.001, 0.3, 10)
 
 
 def softened(rng, force, length):
-    """Kraus' law (Rubber Chemistry and Technology 45, 1972) of a network of 25 beside 5 + 2i, to its half."""
+    """Kraus' law of a network of 25, down to its half, beside 5 + 2i.
+
+    Kraus 1972, Rubber Chemistry and Technology 45.
+    """
     u = STRAIN / 0.3
     stiffness = 5.0 + 2.0j + 25.0 * (1.0 + 0.2j * u) / (1.0 + u**2)
     real, imaginary = 0.02 * rng.normal(size=(2, len(STRAIN)))

@@ -1,4 +1,7 @@
-"""A plugin of springpot with one of each kind; this file and the entry point in pyproject.toml are all it takes."""
+"""A plugin of springpot with one of each kind.
+
+This file and the entry point in pyproject.toml are all it takes.
+"""
 
 from __future__ import annotations
 
@@ -61,7 +64,8 @@ def springpot_models() -> Iterable[Model]:
     return [MODEL]
 
 
-# An effect: an element and the way in which it joins a model. This element is a law of its own, with its derivatives.
+# An effect: an element and the way in which it joins a model. This element is a law of its own,
+# with its derivatives.
 
 
 def high_pass(at: Points, omega_c: Any) -> Any:
@@ -116,12 +120,15 @@ def springpot_time_effects() -> Iterable[TimeEffect]:
     return [TIME_EFFECT]
 
 
-# An optimiser: a frozen dataclass of options with one method. The recorder counts, keeps the best and ends the run.
+# An optimiser: a frozen dataclass of options with one method. The recorder counts, keeps the best
+# and ends the run.
 
 
 @dataclass(frozen=True)
 class OneFifth(Optimiser):
-    """The (1+1) evolution strategy: one point, and a random step that grows with success and shrinks without.
+    """The (1+1) evolution strategy.
+
+    One point, and a random step that grows with success and shrinks without.
 
     Parameters
     ----------
@@ -131,7 +138,9 @@ class OneFifth(Optimiser):
 
     step: float = 0.2
     name: ClassVar[str] = "example-optimiser"
-    card: ClassVar[Card] = Card("(1+1) evolution strategy, one-fifth rule", "Rechenberg, Evolutionsstrategie, 1973")
+    card: ClassVar[Card] = Card(
+        "(1+1) evolution strategy, one-fifth rule", "Rechenberg, Evolutionsstrategie, 1973"
+    )
 
     def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
         """Step until the recorder ends it."""
@@ -183,16 +192,21 @@ def springpot_datasets() -> Iterable[DataSet]:
     return [DATA]
 
 
-# A reader: how a format is recognised, read and written. This one is {"unit": ..., "omega": [...], ...} in JSON.
+# A reader: how a format is recognised, read and written. This one is {"unit": ..., "omega": [...],
+# ...} in JSON.
 
 
 def read(path: Path, choice: Choice) -> Measurement:
     """The measurement in a file; whatever is wrong with it is told in one line."""
     if choice:
-        raise DataError("an example-json file holds one sweep with its unit, there is nothing to choose")
+        raise DataError(
+            "an example-json file holds one sweep with its unit, there is nothing to choose"
+        )
     try:
         table = json.loads(path.read_text(encoding="utf-8"))
-        omega, storage, loss = (np.array([float(v) for v in table[key]]) for key in ("omega", "storage", "loss"))
+        omega, storage, loss = (
+            np.array([float(v) for v in table[key]]) for key in ("omega", "storage", "loss")
+        )
         units = Units(known_unit(table["unit"], MODULUS_UNITS, "storage and loss"))
         return Measurement(omega, storage + 1j * loss, units=units, name=path.stem)
     except Exception as error:
@@ -201,10 +215,16 @@ def read(path: Path, choice: Choice) -> Measurement:
 
 def text(data: Measurement) -> str:
     """The text of a file; what the format has no place for is refused, not lost."""
-    if data.conditions or data.labels or any(column is not None for column in (data.sd, data.repeat, data.harmonics)):
+    if (
+        data.conditions
+        or data.labels
+        or any(column is not None for column in (data.sd, data.repeat, data.harmonics))
+    ):
         raise DataError(f"{data.name}: example-json holds frequency, storage and loss only")
     columns = {"omega": data.omega, "storage": data.storage, "loss": data.loss}
-    return json.dumps({"unit": data.units.stiffness} | {key: column.tolist() for key, column in columns.items()})
+    return json.dumps(
+        {"unit": data.units.stiffness} | {key: column.tolist() for key, column in columns.items()}
+    )
 
 
 def recognises(head: bytes) -> float:
@@ -215,4 +235,12 @@ def recognises(head: bytes) -> float:
 @hookimpl
 def springpot_readers() -> Iterable[Reader]:
     """One reader."""
-    return [Reader("example-json", "JSON with unit, omega in rad/s, storage and loss", recognises, read, text=text)]
+    return [
+        Reader(
+            "example-json",
+            "JSON with unit, omega in rad/s, storage and loss",
+            recognises,
+            read,
+            text=text,
+        )
+    ]

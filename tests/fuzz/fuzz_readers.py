@@ -1,7 +1,10 @@
-"""Coverage-guided fuzzing of one reader: ``python tests/fuzz/fuzz_readers.py READER [SECONDS] [libFuzzer options]``.
+"""Coverage-guided fuzzing of one reader.
 
-Needs the extra ``fuzz`` (atheris). A reader may answer with a measurement or a one-line DataError, nothing else, and
-within ten seconds and two gigabytes. Seeds are the small files of every layout that the tests are made of.
+``python tests/fuzz/fuzz_readers.py READER [SECONDS] [libFuzzer options]``.
+
+Needs the extra ``fuzz`` (atheris). A reader may answer with a measurement or a one-line DataError,
+nothing else, and within ten seconds and two gigabytes. Seeds are the small files of every layout
+that the tests are made of.
 """
 
 from __future__ import annotations
@@ -43,7 +46,10 @@ SHEET = "xl/worksheets/sheet1.xml"
 _BOOK = samples.xlsx()
 SHEETS = (
     samples.table("20 °C\nfrequency [Hz],storage [kN/m],loss [kN/m]"),
-    f",20 °C,,40 °C,\nf [Hz],G' [Pa],G'' [Pa],G' [Pa],G'' [Pa]\n{samples.rows([samples.OMEGA] * 5)}",
+    (
+        ",20 °C,,40 °C,\n"
+        f"f [Hz],G' [Pa],G'' [Pa],G' [Pa],G'' [Pa]\n{samples.rows([samples.OMEGA] * 5)}"
+    ),
     f"40 °C\nlog10 f [Hz],G'_A [Pa],tan d_A,G'_B [Pa],tan d_B\n{samples.rows([samples.OMEGA] * 5)}",
 )
 """Sheets as their name, which may be a line of numbers as well, and lines of cells."""
@@ -53,29 +59,49 @@ def seeds() -> dict[str, list[bytes]]:
     """Files of each format."""
     hertz = samples.table("f, E_stor, E_loss\nHz, MPa, MPa").encode()
     plain = samples.table("frequency [Hz],storage [kN/m],loss [kN/m]").encode()
-    wide = samples.table("Kreisfrequenz in rad/s;Speichermodul in Pa;Verlustmodul in Pa", ";", ",").encode("utf-16")
+    wide = samples.table(
+        "Kreisfrequenz in rad/s;Speichermodul in Pa;Verlustmodul in Pa", ";", ","
+    ).encode("utf-16")
     with zipfile.ZipFile(io.BytesIO(_BOOK)) as archive:
         sheet = archive.read(SHEET)
     few = slice(0, 40)
-    arrays = {"t_s": samples.TIME[few], "disp_mm": samples.MOVED[few], "force_kN": samples.PULLED[few]}
+    arrays = {
+        "t_s": samples.TIME[few],
+        "disp_mm": samples.MOVED[few],
+        "force_kN": samples.PULLED[few],
+    }
     signals = samples.rows(list(arrays.values())).encode()
     return {
         "springpot-csv": [plain],
         "signals-csv": [
             b"time [s],displacement [mm],force [N]\n" + signals,
             b"t_s,disp_mm,force_N\n" + signals,
-            b"Report\n\nTime\tAxial Displacement\tAxial Force\nSec\tmm\tkN\n" + signals.replace(b",", b"\t"),
-            b'"Total Time (s)","Position(Linear:Position) (mm)","Load(Linear:Load) (kN)"\n' + signals,
+            b"Report\n\nTime\tAxial Displacement\tAxial Force\nSec\tmm\tkN\n"
+            + signals.replace(b",", b"\t"),
+            b'"Total Time (s)","Position(Linear:Position) (mm)","Load(Linear:Load) (kN)"\n'
+            + signals,
         ],
-        "rheocompass": [samples.rheocompass_short(), samples.rheocompass_full(), samples.rheoplus()],
+        "rheocompass": [
+            samples.rheocompass_short(),
+            samples.rheocompass_full(),
+            samples.rheoplus(),
+        ],
         "trios": [samples.trios(), samples.trios("\t")],
         "trios-lims": [samples.trios_lims()],
         "trios-json": [samples.trios_json(), samples.trios_json(official=False)],
         "malvern": [samples.malvern()],
         "reptate": [samples.reptate(), samples.reptate(True)],
         "reptate-laos": [b"omega=2.0;gamma=1.0;\n" + signals.replace(b",", b"\t")],
-        "excel": [_BOOK, b"\x01" + sheet, *(b"\x02" + text.replace(",", "\t").encode() for text in SHEETS)],
-        "signals-mat": [samples.mat(**arrays), samples.mat(False, **arrays), samples.mat(False, run=arrays)],
+        "excel": [
+            _BOOK,
+            b"\x01" + sheet,
+            *(b"\x02" + text.replace(",", "\t").encode() for text in SHEETS),
+        ],
+        "signals-mat": [
+            samples.mat(**arrays),
+            samples.mat(False, **arrays),
+            samples.mat(False, run=arrays),
+        ],
         "signals-tdms": [samples.tdms()],
         "table": [
             hertz,
@@ -87,13 +113,19 @@ def seeds() -> dict[str, list[bytes]]:
             *(text.partition("\n")[2].encode() for text in SHEETS),
             samples.table("log ω,log G',ln G''").encode(),
             b"f [Hz],0.1,1,10\nG' [Pa],1 000,2 000,3\nG'' [Pa],1.0D+02,2,3\n",
-            b"T = 20 C\nSeg,Storage,Loss,f [Hz]\n,modulus [Pa],modulus [Pa]\n1|1,1,2,3\n40 \xc2\xb0C\n2|2,7,8,9\n",
+            (
+                b"T = 20 C\nSeg,Storage,Loss,f [Hz]\n,modulus [Pa],modulus [Pa]\n1|1,1,2,3\n"
+                b"40 \xc2\xb0C\n2|2,7,8,9\n"
+            ),
         ],
     }
 
 
 def workbook(sheet: bytes) -> bytes:
-    """The workbook with other contents of its sheet, so that the fuzzer need not find out how zip archives sum up."""
+    """The workbook with other contents of its sheet.
+
+    So that the fuzzer need not find out how zip archives sum up.
+    """
     stream = io.BytesIO()
     with zipfile.ZipFile(io.BytesIO(_BOOK)) as old, zipfile.ZipFile(stream, "w") as new:
         for entry in old.infolist():
@@ -102,7 +134,7 @@ def workbook(sheet: bytes) -> bytes:
 
 
 class Sheet:
-    """A sheet as openpyxl gives it, made of lines of cells without the slow way through an archive."""
+    """A sheet as from openpyxl, made of lines of cells without the slow way through an archive."""
 
     def __init__(self, text: str) -> None:
         self.title, _, self.rows = text.partition("\n")
@@ -147,7 +179,9 @@ def main() -> None:
 
     def one(data: bytes) -> None:
         mark = data[:1] if name == "excel" else b""
-        content = {b"\x01": lambda: workbook(data[1:]), b"\x02": lambda: _BOOK}.get(mark, lambda: data)()
+        content = {b"\x01": lambda: workbook(data[1:]), b"\x02": lambda: _BOOK}.get(
+            mark, lambda: data
+        )()
         openpyxl.load_workbook = load if mark != b"\x02" else lambda *_, **__: Book(data[1:])
         assert 0.0 <= reader.recognises(content[: 1 << 16]) <= 1.0
         path.write_bytes(content)

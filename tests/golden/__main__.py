@@ -34,7 +34,9 @@ def answers_of(kind: str) -> dict[str, Any]:
 
 def main() -> int:
     """Ask, compare, tell; 1 where an answer moved."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--kind", choices=list(CASES), action="append")
     parser.add_argument("--verdicts", action="store_true")
     parser.add_argument("--update", action="store_true")

@@ -16,7 +16,7 @@ from springpot.cli.group import run
 
 FOLDER = Path(__file__).parent
 UNTOLD = ("seconds", "evaluations", "notes", "file", "version")
-"""Keys of an answer that may differ between two machines, or that tell of the run and not of the data."""
+"""Keys of an answer that may differ between machines, or that tell of the run, not of the data."""
 DIGITS = 5
 
 
@@ -58,7 +58,10 @@ def cases_of(kind: str) -> list[Case]:
 
 
 def moved(before: Any, after: Any, place: str = "") -> Iterator[str]:
-    """Each place where two documents differ: numbers by more than rounding, in percent where they are near."""
+    """Each place where two documents differ.
+
+    Numbers by more than rounding, in percent where they are near.
+    """
     if isinstance(before, dict) and isinstance(after, dict):
         for key in [*before, *(key for key in after if key not in before)]:
             inner = f"{place}.{key}" if place else key
@@ -83,7 +86,10 @@ def same(before: Any, after: Any, within: float) -> bool:
 
 
 def gist(answer: dict[str, Any]) -> dict[str, Any]:
-    """What must be the same on every machine: the verdict, the class that is named, and the sizes of the error."""
+    """What must be the same on every machine.
+
+    The verdict, the class that is named, and the sizes of the error.
+    """
     said: dict[str, Any] = {"verdict": answer.get("verdict"), "class": named_class(answer)}
     error = answer.get("error", answer)
     for key in ("relative_rms", "noise_floor", "material_floor"):

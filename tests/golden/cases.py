@@ -1,7 +1,7 @@
 """Questions with committed answers: 60 diagnoses, 30 fits, 20 tests in time, each one command line.
 
-Data are computed here from textbook formulas, or are registered data sets: nothing of the framework's elements is
-used, so that an error there cannot hide in the data.
+Data are computed here from textbook formulas, or are registered data sets: nothing of the
+framework's elements is used, so that an error there cannot hide in the data.
 """
 
 from __future__ import annotations
@@ -23,7 +23,10 @@ TIME = np.geomspace(0.02, 200.0, 120)
 
 @dataclass(frozen=True)
 class Case:
-    """One command line; `arguments` name files of `files`, which are written to the folder it runs in."""
+    """One command line.
+
+    `arguments` name files of `files`, which are written to the folder it runs in.
+    """
 
     name: str
     arguments: tuple[str, ...]
@@ -42,7 +45,9 @@ def generator(name: str) -> np.random.Generator:
 
 def table(columns: dict[str, np.ndarray]) -> str:
     """A CSV text."""
-    rows = "".join(",".join(f"{x:.9g}" for x in row) + "\n" for row in zip(*columns.values(), strict=True))
+    rows = "".join(
+        ",".join(f"{x:.9g}" for x in row) + "\n" for row in zip(*columns.values(), strict=True)
+    )
     return ",".join(columns) + "\n" + rows
 
 
@@ -81,7 +86,11 @@ def sweep(name: str, base: str, effect: str) -> str:
     x = np.repeat(levels, len(omega) // len(levels))
     s = 1j * omega
     k = disturbed(EFFECTS[effect](s, BASES[base](s), x), generator(name))
-    columns = {"frequency [Hz]": omega / (2.0 * np.pi), "storage [kN/m]": k.real, "loss [kN/m]": k.imag}
+    columns = {
+        "frequency [Hz]": omega / (2.0 * np.pi),
+        "storage [kN/m]": k.real,
+        "loss [kN/m]": k.imag,
+    }
     if len(levels) > 1:
         columns["amplitude [mm]"] = x
     return table(columns)
@@ -108,14 +117,26 @@ def diagnoses() -> Iterator[Case]:
     for base in BASES:
         for effect in EFFECTS:
             name = f"{base} hides {effect}"
-            yield Case(name, ("diagnose", "sweep.csv", "--model", base), (("sweep.csv", sweep(name, base, effect)),))
+            yield Case(
+                name,
+                ("diagnose", "sweep.csv", "--model", base),
+                (("sweep.csv", sweep(name, base, effect)),),
+            )
     for base in ("fractional-kelvin", "fractional-zener"):
         name = f"{base} hides a temperature"
-        yield Case(name, ("diagnose", "sweep.csv", "--model", base), (("sweep.csv", heated(name, base)),))
+        yield Case(
+            name, ("diagnose", "sweep.csv", "--model", base), (("sweep.csv", heated(name, base)),)
+        )
     for effect in ("nothing", "inertia", "time-delay", "series-spring", "unknown", "friction"):
         name = f"any material hides {effect}"
         yield Case(name, ("diagnose", "sweep.csv"), (("sweep.csv", sweep(name, "zener", effect)),))
-    for truth in ("springpot", "fractional-kelvin", "fractional-maxwell", "fractional-kelvin4", "fractional-zener"):
+    for truth in (
+        "springpot",
+        "fractional-kelvin",
+        "fractional-maxwell",
+        "fractional-kelvin4",
+        "fractional-zener",
+    ):
         for model in ("springpot", "fractional-zener"):
             name = f"artificial-{truth}-noise1"
             yield Case(f"{name} as {model}", ("diagnose", name, "--model", model))
@@ -127,12 +148,23 @@ def diagnoses() -> Iterator[Case]:
         ("artificial-hidden", "fractional-maxwell + inertia"),
         ("artificial-hidden", "fractional-maxwell + inertia + time-delay"),
     ):
-        yield Case(" as ".join((name, *model)), ("diagnose", name, *(("--model", *model) if model else ())))
+        yield Case(
+            " as ".join((name, *model)), ("diagnose", name, *(("--model", *model) if model else ()))
+        )
 
 
 def fits() -> Iterator[Case]:
-    """Thirty fits: the paper's five models on its five artificial materials, and measured and published ones."""
-    models = ("springpot", "fractional-kelvin", "fractional-maxwell", "fractional-kelvin4", "fractional-zener")
+    """Thirty fits: the paper's models on its artificial materials, measured and published ones.
+
+    Of the paper's models and artificial materials there are five each.
+    """
+    models = (
+        "springpot",
+        "fractional-kelvin",
+        "fractional-maxwell",
+        "fractional-kelvin4",
+        "fractional-zener",
+    )
     for truth in models:
         for model in models:
             name = f"artificial-{truth}-noise2"
@@ -164,7 +196,7 @@ def in_time(name: str, header: str, signal: np.ndarray, time: np.ndarray = TIME)
 
 
 def record(name: str, friction: float = 0.0) -> str:
-    """Displacement and force of the solid, with 40 kN/m beside a springless Maxwell element, at 1 Hz."""
+    """Displacement and force at 1 Hz of the solid: 40 kN/m beside a springless Maxwell element."""
     time = np.linspace(0.0, 8.0, 400)
     moved, speed = np.sin(2.0 * np.pi * time), 2.0 * np.pi * np.cos(2.0 * np.pi * time)
     force = 40.0 * moved + 3.0 * speed + friction * np.sign(speed)
@@ -183,7 +215,9 @@ def frequency(name: str, change: str) -> str:
     if change == "gain-error":
         k = 1.05 * k
     k = disturbed(k, generator(name))
-    return table({"frequency [Hz]": OMEGA / (2.0 * np.pi), "storage [kPa]": k.real, "loss [kPa]": k.imag})
+    return table(
+        {"frequency [Hz]": OMEGA / (2.0 * np.pi), "storage [kPa]": k.real, "loss [kPa]": k.imag}
+    )
 
 
 def tests_in_time() -> Iterator[Case]:
@@ -193,16 +227,26 @@ def tests_in_time() -> Iterator[Case]:
         "relaxation of nothing hidden": (relaxed, relaxation()),
         "relaxation hides a slow part": (relaxed, relaxation(60.0)),
         "relaxation hides a drift": (relaxed, relaxation() - 0.1 * TIME),
-        "relaxation hides a ramp": (relaxed, relaxation() - 200.0 * np.exp(-TIME / 0.3) * np.exp(-TIME / 0.1)),
+        "relaxation hides a ramp": (
+            relaxed,
+            relaxation() - 200.0 * np.exp(-TIME / 0.3) * np.exp(-TIME / 0.1),
+        ),
         "creep of nothing hidden": ("compliance [1/kPa]", creep()),
         "creep hides a flow": ("compliance [1/kPa]", creep() + 4e-5 * TIME),
-        "creep hides a slow part": ("compliance [1/kPa]", creep() + 0.004 * (1.0 - np.exp(-TIME / 30.0))),
+        "creep hides a slow part": (
+            "compliance [1/kPa]",
+            creep() + 0.004 * (1.0 - np.exp(-TIME / 30.0)),
+        ),
     }
     for name, (header, signal) in alone.items():
         files = (("test.csv", in_time(name, header, signal)),)
         yield Case(name, ("diagnose", "test.csv", "--model", "zener"), files)
     for name, friction in (("record of nothing hidden", 0.0), ("record hides friction", 8.0)):
-        yield Case(name, ("diagnose", "test.csv", "--model", "kelvin"), (("test.csv", record(name, friction)),))
+        yield Case(
+            name,
+            ("diagnose", "test.csv", "--model", "kelvin"),
+            (("test.csv", record(name, friction)),),
+        )
     step = ("step.csv", in_time("relaxation", relaxed, relaxation()))
     crept = ("step.csv", in_time("creep", "compliance [1/kPa]", creep()))
     for beside, second in (("relaxation", step), ("creep", crept)):

@@ -15,7 +15,8 @@ from cases import CASES
 ONE_IN = 4
 """The suite asks each fourth question, the soak all of them."""
 WITHIN = 0.02
-"""Relative difference that another machine's rounding may make of a fit's error or a noise floor."""
+"""Relative difference that another machine's rounding may make of a fit's error or a noise floor.
+"""
 
 
 def questions():
@@ -28,7 +29,10 @@ def questions():
 @pytest.mark.parametrize(("kind", "case"), list(questions()))
 def test_verdict_named_class_and_errors_are_the_committed_ones(kind, case, tmp_path):
     before, after = gist(kept(kind)[case.name]), gist(asked(case, tmp_path))
-    assert {key for key in before if not same(before[key], after[key], WITHIN)} == set(), (before, after)
+    assert {key for key in before if not same(before[key], after[key], WITHIN)} == set(), (
+        before,
+        after,
+    )
 
 
 def test_each_question_has_a_committed_answer_and_each_answer_its_question():
@@ -42,6 +46,13 @@ def test_there_are_sixty_diagnoses_thirty_fits_and_twenty_tests_in_time():
 
 def test_what_moved_is_told_by_its_place():
     before = {"verdict": "adequate", "candidates": [{"effect": "inertia", "score": 2.0}]}
-    after = {"verdict": "adequate", "candidates": [{"effect": "inertia", "score": 3.0}], "split": ""}
-    assert list(moved(before, after)) == ["candidates[inertia].score: 2.0 -> 3.0", "split: None -> ''"]
+    after = {
+        "verdict": "adequate",
+        "candidates": [{"effect": "inertia", "score": 3.0}],
+        "split": "",
+    }
+    assert list(moved(before, after)) == [
+        "candidates[inertia].score: 2.0 -> 3.0",
+        "split: None -> ''",
+    ]
     assert list(moved(before, before)) == []

@@ -1,4 +1,7 @@
-"""Artificial data for the tests of the native solver: section 5.1 of the paper, and random truths in its box."""
+"""Artificial data for the tests of the native solver.
+
+Section 5.1 of the paper, and random truths in its box.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +36,10 @@ def relative_weights(stiffness: Complex) -> Complex:
 
 
 def random_truths(name: str, count: int, rng: np.random.Generator) -> tuple[Model, Real, Complex]:
-    """Truths uniform in the paper's box (k0 < kinf < 1000, tau in (0, 1) s, alpha in (0.05, 1)) and their data."""
+    """Truths uniform in the paper's box, and their data.
+
+    The box is k0 < kinf < 1000, tau in (0, 1) s, alpha in (0.05, 1).
+    """
     model = parse_model(name)
     assert model.search is not None
     stiffnesses = np.sort(1000.0 * rng.random((count, 2)), axis=1)

@@ -8,7 +8,13 @@ import pytest
 from paper_problems import artificial
 from springpot.identification import BoundedDescent, Recorder, minima_in_box, scanned_starts
 
-MODELS = ["springpot", "fractional-kelvin", "fractional-maxwell", "fractional-kelvin4", "fractional-zener"]
+MODELS = [
+    "springpot",
+    "fractional-kelvin",
+    "fractional-maxwell",
+    "fractional-kelvin4",
+    "fractional-zener",
+]
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -21,7 +27,7 @@ def test_descents_end_at_the_truth_of_exact_data_and_agree(model):
 
 
 def test_every_scanned_shape_is_counted_and_none_before_its_turn(rng):
-    """After a few evaluations a run must not know the best of the shapes that it has not yet counted."""
+    """After few evaluations a run must not know the best of the shapes that it has not counted."""
     problem = artificial("fractional-zener")
     count = len(scanned_starts(problem, rng))
     early = []

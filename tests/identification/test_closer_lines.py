@@ -1,4 +1,4 @@
-"""Effects around a material of few relaxation times, which lie between the lines of the first lattice."""
+"""Effects around a material of few relaxation times, between the lines of the first lattice."""
 
 import numpy as np
 import pytest
@@ -46,6 +46,9 @@ def test_more_freedom_never_comes_out_worse():
 
 def test_a_column_behind_a_misfit_is_offered_to_a_master_curve():
     found = springpot.diagnose(measured(0.004))
-    assert any("mastercurve DATA --column water" in note and "free-shift:water" in note for note in found.notes)
+    assert any(
+        "mastercurve DATA --column water" in note and "free-shift:water" in note
+        for note in found.notes
+    )
     joined = springpot.diagnose(measured(0.004), "material + free-shift:water")
     assert "same conditions" not in joined.says

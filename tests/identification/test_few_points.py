@@ -16,7 +16,9 @@ def zener(count: int, noise: float, seed: int = 0) -> springpot.Measurement:
     power = (1j * omega * 0.03) ** 0.62
     real, imaginary = noise * np.random.default_rng(seed).normal(size=(2, count))
     stiffness = (120.0 + 440.0 * power / (1.0 + power)) * (1.0 + real + 1j * imaginary)
-    return springpot.Measurement(omega, stiffness, units=springpot.Units("kN/m", "mm"), name=f"zener{count}")
+    return springpot.Measurement(
+        omega, stiffness, units=springpot.Units("kN/m", "mm"), name=f"zener{count}"
+    )
 
 
 @pytest.mark.parametrize("count", [5, 6, 8, 14])
@@ -25,7 +27,8 @@ def test_a_spectrum_leaves_numbers_over_that_tell_the_scatter(count, noise):
     data = zener(count, noise)
     found = fit_spectrum(any_material(), data, default_objective(data))
     assert len(found.theta) <= 2 * count - SPARE
-    # What is left out is of no weight: the curve is still followed to a small part of the noise of any instrument.
+    # What is left out is of no weight: the curve is still followed to a small part of the noise of
+    # any instrument.
     assert np.sqrt(found.cost / (2 * count)) < 0.01
 
 

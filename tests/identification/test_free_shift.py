@@ -19,13 +19,18 @@ def superposable(noise=0.0, base="fractional-zener", theta=(1.0, 30.0, 2.0, 0.6)
     """Sweeps over two decades at five temperatures, each with its own factors."""
     omega = np.geomspace(0.1, 10.0, 11)
     model, theta = parse_model(base), np.array(theta)
-    parts = [np.exp(b) * model.stiffness(theta, omega * np.exp(a)) for a, b in zip(LOG_A, LOG_B, strict=True)]
+    parts = [
+        np.exp(b) * model.stiffness(theta, omega * np.exp(a))
+        for a, b in zip(LOG_A, LOG_B, strict=True)
+    ]
     stiffness = np.concatenate(parts)
     random = np.random.default_rng(seed)
     error = random.normal(size=len(stiffness)) + 1j * random.normal(size=len(stiffness))
     temperature = np.repeat(TEMPERATURES, len(omega)) + random.uniform(-0.2, 0.2, len(stiffness))
     return springpot.Measurement(
-        np.tile(omega, 5), stiffness * (1.0 + noise * error), conditions={"temperature": temperature}
+        np.tile(omega, 5),
+        stiffness * (1.0 + noise * error),
+        conditions={"temperature": temperature},
     )
 
 
@@ -61,14 +66,22 @@ def test_the_order_of_rows_changes_nothing():
 def test_another_column_than_temperature():
     data = superposable()
     water = np.repeat([0.0, 1.0, 2.0, 5.0, 10.0], 11)
-    moist = replace(data, conditions={"water": water}, stiffness=data.stiffness / np.exp(np.repeat(LOG_B, 11)))
+    moist = replace(
+        data, conditions={"water": water}, stiffness=data.stiffness / np.exp(np.repeat(LOG_B, 11))
+    )
     found = fit(parse_model("material + free-shift:water"), moist)
-    np.testing.assert_allclose(np.log(factors(found, "free-shift:water")), LOG_A[[0, 1, 3, 4]], atol=2e-3)
+    np.testing.assert_allclose(
+        np.log(factors(found, "free-shift:water")), LOG_A[[0, 1, 3, 4]], atol=2e-3
+    )
 
 
 def test_two_columns_at_once():
     """Temperature and water on a grid with a corner missing; their shifts add up."""
-    omega, model, theta = np.geomspace(0.1, 10.0, 9), parse_model("fractional-zener"), np.array([1.0, 30.0, 2.0, 0.6])
+    omega, model, theta = (
+        np.geomspace(0.1, 10.0, 9),
+        parse_model("fractional-zener"),
+        np.array([1.0, 30.0, 2.0, 0.6]),
+    )
     rows = [(i, j) for i in range(3) for j in range(3) if (i, j) != (2, 2)]
     log_t, log_w = np.array([1.7, 0.0, -1.2]), np.array([0.9, 0.0, -0.8])
     parts = [model.stiffness(theta, omega * np.exp(log_t[i] + log_w[j])) for i, j in rows]
@@ -80,7 +93,9 @@ def test_two_columns_at_once():
     data = replace(data, reference=293.15)
     found = fit(parse_model("material + free-shift + free-shift:water"), data)
     np.testing.assert_allclose(np.log(factors(found, "free-shift.")), log_t[[0, 2]], atol=2e-3)
-    np.testing.assert_allclose(np.log(factors(found, "free-shift:water.")), log_w[[0, 2]], atol=2e-3)
+    np.testing.assert_allclose(
+        np.log(factors(found, "free-shift:water.")), log_w[[0, 2]], atol=2e-3
+    )
 
 
 def test_the_reference_is_told():

@@ -12,7 +12,12 @@ from springpot import Measurement, parse_model
 from springpot.identification import fit
 
 OMEGA = np.geomspace(0.01, 100.0, 25)
-NAMES = ("fractional-zener", "fractional-maxwell + inertia", "makris", "fractional-zener + time-delay")
+NAMES = (
+    "fractional-zener",
+    "fractional-maxwell + inertia",
+    "makris",
+    "fractional-zener + time-delay",
+)
 
 
 def made(name, seed, share=0.01):
@@ -20,7 +25,9 @@ def made(name, seed, share=0.01):
     rng = np.random.default_rng(seed)
     model = parse_model(name)
     middle = np.array([p.scale != "log" for p in model.parameters])
-    theta = np.where(middle, rng.uniform(0.2, 0.8, len(middle)), 10.0 ** rng.uniform(-1.0, 1.0, len(middle)))
+    theta = np.where(
+        middle, rng.uniform(0.2, 0.8, len(middle)), 10.0 ** rng.uniform(-1.0, 1.0, len(middle))
+    )
     exact = model.stiffness(theta, OMEGA)
     noise = rng.normal(size=(2, len(OMEGA))) * share * np.abs(exact)
     return model, theta, Measurement(OMEGA, exact + noise[0] + 1j * noise[1])
@@ -29,7 +36,7 @@ def made(name, seed, share=0.01):
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(st.sampled_from(NAMES), st.integers(0, 10**6), st.data())
 def test_a_search_at_its_optimum_has_come_to_rest(name, seed, data):
-    """Of starts that end alike one that stopped by itself is told, though another lies lower by a rounding."""
+    """Of starts that end alike the one that stopped by itself is told, not one a rounding lower."""
     model, theta, measured = made(name, seed)
     some = st.sets(st.integers(0, len(theta) - 1), max_size=len(theta) - 1)
     held = data.draw(some)

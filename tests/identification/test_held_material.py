@@ -16,7 +16,9 @@ def heavy(seed: int, noise: float = 0.014) -> springpot.Measurement:
     omega = 2 * np.pi * np.geomspace(5.0, 100.0, 20)
     stiffness = 1 / (1 / 900 + 1 / (150 + 12 * (1j * omega) ** 0.5)) - MASS * omega**2
     real, imaginary = noise * np.random.default_rng(seed).normal(size=(2, 20))
-    return springpot.Measurement(omega, stiffness * (1 + real + 1j * imaginary), units=springpot.Units("N/mm", "mm"))
+    return springpot.Measurement(
+        omega, stiffness * (1 + real + 1j * imaginary), units=springpot.Units("N/mm", "mm")
+    )
 
 
 def test_a_mass_beside_any_material_is_known_to_a_part_of_its_size():
@@ -31,7 +33,10 @@ def test_a_mass_beside_any_material_is_known_to_a_part_of_its_size():
 
 
 def test_more_noise_makes_the_interval_wider():
-    ends = [intervals_beside_material(Uncertainty.of(fit(HEAVY, heavy(1, noise)))) for noise in (0.003, 0.03)]
+    ends = [
+        intervals_beside_material(Uncertainty.of(fit(HEAVY, heavy(1, noise))))
+        for noise in (0.003, 0.03)
+    ]
     quiet, noisy = (float(high[-1] - low[-1]) for low, high in ends)
     assert noisy > 3 * quiet
 

@@ -9,7 +9,7 @@ from native_problems import OMEGA, TRUTHS, noisy, setup
 import springpot
 from springpot.errors import DataError
 from springpot.identification import Fit, Uncertainty, fit, identify
-from springpot.identification.identify import _grown, _without_effects
+from springpot.identification.fitting import _grown, _without_effects
 from springpot.identification.notes import notes_on
 from springpot.measurement import Measurement, Units
 from springpot.registry import parse_model
@@ -49,7 +49,9 @@ def test_search_parameters_are_the_published_form():
     found = springpot.identify(data, "fractional-zener").to_dict()["search_parameters"]
     k1, k2, c, alpha = theta
     values = {name: entry["value"] for name, entry in found.items()}
-    assert values == pytest.approx({"k0": k1, "kinf": k1 + k2, "tau": (c / k2) ** (1 / alpha), "alpha": alpha})
+    assert values == pytest.approx(
+        {"k0": k1, "kinf": k1 + k2, "tau": (c / k2) ** (1 / alpha), "alpha": alpha}
+    )
     assert springpot.identify(data, "springpot").to_dict()["search_parameters"] == {}
 
 
@@ -59,7 +61,9 @@ def test_search_intervals_cover_the_truth(rng):
     inside = dict.fromkeys(truth, 0)
     for _ in range(150):
         # Not the public one, which also judges how good each fit is.
-        found = identify(Measurement(OMEGA, noisy(data.stiffness, 0.01, rng)), parse_model("fractional-maxwell"))
+        found = identify(
+            Measurement(OMEGA, noisy(data.stiffness, 0.01, rng)), parse_model("fractional-maxwell")
+        )
         for name, entry in found.to_dict()["search_parameters"].items():
             inside[name] += entry["low"] <= truth[name] <= entry["high"]
     assert all(0.89 <= count / 150 <= 1.0 for count in inside.values())
@@ -84,14 +88,18 @@ def test_given_deviations_are_used_by_default():
     assert found.fit.cost == pytest.approx(found.fit.dof, rel=0.8)
     assert not said(found, "too narrow")
     tight = noisy_data("fractional-kelvin", 0.01, 1, sd=0.1 * sd)
-    assert said(springpot.identify(tight, "fractional-kelvin"), "given standard deviations", "too narrow")
+    assert said(
+        springpot.identify(tight, "fractional-kelvin"), "given standard deviations", "too narrow"
+    )
 
 
 @pytest.mark.parametrize("optimiser", ["least-squares", "differential-evolution"])
 def test_any_optimiser_gives_the_same_answer(optimiser):
     data = noisy_data("fractional-maxwell", 0.01, 2)
     native = springpot.identify(data, "fractional-maxwell")
-    other = springpot.identify(data, "fractional-maxwell", optimiser=optimiser, budget=4000, seed=1, restarts=2)
+    other = springpot.identify(
+        data, "fractional-maxwell", optimiser=optimiser, budget=4000, seed=1, restarts=2
+    )
     assert other.optimiser == optimiser
     assert other.theta == pytest.approx(native.theta, rel=1e-3)
     assert other.evaluations <= 2 * 4000
@@ -102,7 +110,8 @@ def test_any_optimiser_gives_the_same_answer(optimiser):
 def test_same_seed_same_result(intervals):
     data = noisy_data("fractional-kelvin", 0.02, 3)
     first, second = (
-        springpot.identify(data, "fractional-kelvin", seed=5, intervals=intervals).to_dict() for _ in range(2)
+        springpot.identify(data, "fractional-kelvin", seed=5, intervals=intervals).to_dict()
+        for _ in range(2)
     )
     for result in (first, second):
         del result["seconds"]
@@ -122,7 +131,9 @@ def test_a_superfluous_parameter_is_named():
 
 
 def test_a_parameter_at_zero_widens_the_search_form_too():
-    found = springpot.identify(noisy_data("fractional-maxwell", 0.01, 2), "fractional-zener").to_dict()
+    found = springpot.identify(
+        noisy_data("fractional-maxwell", 0.01, 2), "fractional-zener"
+    ).to_dict()
     k0, k1 = found["search_parameters"]["k0"], found["parameters"]["k1"]
     assert k0["high"] == pytest.approx(k1["high"])
     assert k1["high"] > 1.0
@@ -132,26 +143,35 @@ def test_a_rigid_element_is_named():
     # In these data there is no spring in series: the best one is infinitely stiff.
     exact = setup("fractional-kelvin")[2]
     found = springpot.identify(exact, "fractional-kelvin + series-spring")
-    assert said(found, "series-spring.k", "rigid") or said(found, "series-spring.k", "not determined")
+    assert said(found, "series-spring.k", "rigid") or said(
+        found, "series-spring.k", "not determined"
+    )
 
 
 def test_weak_and_correlated_parameters_are_named():
     data = noisy_data("fractional-zener", 0.03, 5)
     assert said(springpot.identify(data, "fractional-zener"), "c is weakly identified")
-    low = Measurement(OMEGA[:4], parse_model("fractional-zener").stiffness(setup("fractional-zener")[1], OMEGA[:4]))
+    low = Measurement(
+        OMEGA[:4],
+        parse_model("fractional-zener").stiffness(setup("fractional-zener")[1], OMEGA[:4]),
+    )
     assert said(springpot.identify(low, "fractional-zener"), "strongly correlated")
     assert springpot.identify(noisy_data("springpot", 0.001, 0), "springpot").notes == ()
 
 
 def test_undetermined_parameters_are_named():
     model = parse_model("fractional-maxwell + series-spring")
-    data = Measurement(OMEGA, parse_model("fractional-maxwell").stiffness(np.array([400.0, 150.0, 0.6]), OMEGA))
+    data = Measurement(
+        OMEGA, parse_model("fractional-maxwell").stiffness(np.array([400.0, 150.0, 0.6]), OMEGA)
+    )
     assert said(springpot.identify(data, model), "k and series-spring.k are not determined")
 
 
 def test_as_many_unknowns_as_data_is_said_and_more_is_an_error():
     data = setup("fractional-zener")[2]
-    assert said(springpot.identify(data.subset(np.array([0, 13])), "fractional-zener"), "as many parameters")
+    assert said(
+        springpot.identify(data.subset(np.array([0, 13])), "fractional-zener"), "as many parameters"
+    )
     with pytest.raises(DataError, match="5 parameters"):
         springpot.identify(data.subset(np.array([0, 13])), "fractional-zener + inertia")
 
@@ -165,13 +185,16 @@ def test_one_point_is_an_error_whatever_the_model(model):
 @pytest.mark.parametrize("intervals", ["jacobian", "profile", "bootstrap"])
 def test_intervals_hold_the_estimate_and_agree_between_the_forms(intervals):
     for model in ("fractional-kelvin", "fractional-zener"):
-        found = springpot.identify(noisy_data("springpot", 0.01, 2), model, intervals=intervals).to_dict()
+        found = springpot.identify(
+            noisy_data("springpot", 0.01, 2), model, intervals=intervals
+        ).to_dict()
         inner, outer = found["parameters"], found["search_parameters"]
         for row in [*inner.values(), *outer.values()]:
             low, high = row["low"] or 0.0, np.inf if row["high"] is None else row["high"]
             assert low <= row["value"] <= high
         assert outer["alpha"] == inner["alpha"]
-    # The spring is as good as zero: whatever holds for its stiffness holds for k0, which is the same.
+    # The spring is as good as zero: whatever holds for its stiffness holds for k0, which is the
+    # same.
     assert outer["k0"]["low"] == inner["k1"]["low"] == 0.0
 
 
@@ -188,7 +211,7 @@ def test_a_failed_search_is_repeated_and_reported(monkeypatch):
     # The module is hidden behind the function of the same name.
     import sys
 
-    module = sys.modules["springpot.identification.identify"]
+    module = sys.modules["springpot.identification.fitting"]
     data = noisy_data("fractional-maxwell", 0.02, 7)
     calls = []
 
@@ -197,7 +220,9 @@ def test_a_failed_search_is_repeated_and_reported(monkeypatch):
         found = fit(model, measurement, objective, **options)
         if not model.effects:
             return found
-        return Fit(model, measurement, found.objective, found.theta, found.cost * 10, found.evaluations)
+        return Fit(
+            model, measurement, found.objective, found.theta, found.cost * 10, found.evaluations
+        )
 
     monkeypatch.setattr(module, "fit", lazy)
     found = springpot.identify(data, "fractional-maxwell + inertia")
@@ -224,7 +249,9 @@ def test_simpler_models_are_compared_when_asked():
 def test_notes_are_about_the_interval_they_are_given():
     data = noisy_data("springpot", 0.001, 0)
     known = Uncertainty.of(fit(parse_model("springpot"), data))
-    assert any("weakly" in note for note in notes_on(known, known.fit.theta * 0.1, known.fit.theta * 10))
+    assert any(
+        "weakly" in note for note in notes_on(known, known.fit.theta * 0.1, known.fit.theta * 10)
+    )
 
 
 def test_unknown_names_are_one_line():

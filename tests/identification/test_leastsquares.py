@@ -1,4 +1,7 @@
-"""Batched Levenberg-Marquardt: each row is solved as if it were alone, bounds are kept, budgets counted."""
+"""Batched Levenberg-Marquardt.
+
+Each row is solved as if it were alone, bounds are kept, budgets counted.
+"""
 
 import numpy as np
 import pytest
@@ -63,14 +66,18 @@ def test_it_agrees_with_minpack(many, rng):
         def residuals(u, problem=problem):
             return problem(u[None], np.zeros(1, dtype=int))[0][0]
 
-        reference = optimize.least_squares(residuals, np.ones(3), method="lm", xtol=1e-14, ftol=1e-14)
+        reference = optimize.least_squares(
+            residuals, np.ones(3), method="lm", xtol=1e-14, ftol=1e-14
+        )
         assert found.cost[i] <= 2.0 * reference.cost * (1.0 + 1e-9)
 
 
 def test_the_box_is_kept_and_the_best_point_in_it_is_found(many):
     truth, data = many
     upper = np.array([np.inf, 1.0, np.inf])
-    found = levenberg_marquardt(Exponentials(data), np.tile([1.0, 0.7, 0.0], (50, 1)), NO_BOX[0], upper)
+    found = levenberg_marquardt(
+        Exponentials(data), np.tile([1.0, 0.7, 0.0], (50, 1)), NO_BOX[0], upper
+    )
     held = truth[:, 1] > 1.0
     assert np.all(found.u[:, 1] <= 1.0)
     assert found.u[held, 1] == pytest.approx(1.0)

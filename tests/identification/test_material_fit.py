@@ -28,16 +28,19 @@ def alone(ripple):
 
 
 @pytest.mark.parametrize(
-    "effect", ["series-spring", "series-dashpot", "retardation-mode", "relaxation-mode", "parallel-spring"]
+    "effect",
+    ["series-spring", "series-dashpot", "retardation-mode", "relaxation-mode", "parallel-spring"],
 )
 def test_an_element_beside_any_material_is_a_part_of_the_material(ripple, alone, effect):
     grown = fit(springpot.parse_model(f"material + {effect}"), ripple)
     assert grown.cost == pytest.approx(alone.cost, rel=1e-3)
 
 
-@pytest.mark.parametrize("effect", ["series-spring", "retardation-mode", "specimen-inertia", "inertia", "time-delay"])
+@pytest.mark.parametrize(
+    "effect", ["series-spring", "retardation-mode", "specimen-inertia", "inertia", "time-delay"]
+)
 def test_the_cost_is_that_of_the_fitted_curve(ripple, effect):
-    """Where K is not linear in the spectrum, the objective foretold by a linear step is not yet the real one."""
+    """Where K is not linear in the spectrum, the objective of a linear step is not the real one."""
     grown = fit(springpot.parse_model(f"material + {effect}"), ripple)
     fitted = grown.model.stiffness(grown.theta, ripple.points)
     rest = weighted(ripple.stiffness - fitted, grown.objective.weights(ripple))

@@ -1,4 +1,4 @@
-"""The native solver finds the truth, from any seed, in one data set or in thousands, small or large."""
+"""The native solver finds the truth from any seed, in one data set or thousands of any size."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,9 @@ from springpot.registry import parse_model, plugins
 @pytest.mark.parametrize("name", TRUTHS)
 def test_noise_free_parameters_are_exact_from_a_hundred_seeds(name):
     model, theta, data = setup(name)
-    errors = [fit(model, data, rng=np.random.default_rng(seed)).theta / theta - 1.0 for seed in range(100)]
+    errors = [
+        fit(model, data, rng=np.random.default_rng(seed)).theta / theta - 1.0 for seed in range(100)
+    ]
     assert np.max(np.abs(errors)) < 1e-6
 
 
@@ -97,8 +99,12 @@ def test_jacobian_and_residual_are_those_of_the_objective(rng):
     for i in range(len(theta)):
         shifted = found.u.copy()
         shifted[i] += step
-        moved = found.objective.residual(model.stiffness(found.from_u(shifted), OMEGA), measured, weights)
-        assert found.jacobian_u[:, i] == pytest.approx((moved - residual) / step, rel=1e-3, abs=1e-4)
+        moved = found.objective.residual(
+            model.stiffness(found.from_u(shifted), OMEGA), measured, weights
+        )
+        assert found.jacobian_u[:, i] == pytest.approx(
+            (moved - residual) / step, rel=1e-3, abs=1e-4
+        )
     assert found.to_u(found.from_u(found.u)) == pytest.approx(found.u, abs=1e-12)
 
 
@@ -113,7 +119,11 @@ def test_a_given_start_is_never_made_worse(rng):
     theta = model.theta(k=400.0, c=150.0, alpha=0.6, inertia__m=0.02)
     measured = Measurement(OMEGA, noisy(model.stiffness(theta, OMEGA), 0.01, rng))
     start = theta * 1.05
-    before = float(np.sum(np.abs((model.stiffness(start, OMEGA) - measured.stiffness) / measured.magnitude) ** 2))
+    before = float(
+        np.sum(
+            np.abs((model.stiffness(start, OMEGA) - measured.stiffness) / measured.magnitude) ** 2
+        )
+    )
     found = fit(model, measured, starts=0, seeds_theta=[start])
     assert found.cost < before
 
@@ -139,7 +149,10 @@ def test_grown_and_classical_models_are_found_too(expression):
 
 
 def _plain(name: str) -> float:
-    """A size for a parameter by its name: orders below one, times well apart, the rest of order a hundred."""
+    """A size for a parameter by its name.
+
+    Orders below one, times well apart, the rest of order a hundred.
+    """
     last = name.rpartition(".")[2]
     number = int("".join(filter(str.isdigit, last)) or 1)
     if last in ("alpha", "beta", "r", "q"):
@@ -160,7 +173,9 @@ def test_large_data_are_thinned_and_then_used_whole(rng):
 def test_ten_points_are_enough():
     model, theta, _ = setup("fractional-zener")
     omega = np.geomspace(1.0, 80.0, 10)
-    assert fit(model, Measurement(omega, model.stiffness(theta, omega))).theta == pytest.approx(theta, rel=1e-6)
+    assert fit(model, Measurement(omega, model.stiffness(theta, omega))).theta == pytest.approx(
+        theta, rel=1e-6
+    )
 
 
 @pytest.mark.parametrize("factor", [1e-12, 1e-3, 1e9])
@@ -173,7 +188,9 @@ def test_units_do_not_matter(factor):
 def test_more_unknowns_than_data_is_an_error():
     model = parse_model("fractional-zener")
     data = Measurement(OMEGA[:1], np.array([1.0 + 1.0j]))
-    with pytest.raises(DataError, match="4 parameters, but there are only 2 numbers in 1 measured point;"):
+    with pytest.raises(
+        DataError, match="4 parameters, but there are only 2 numbers in 1 measured point;"
+    ):
         fit(model, data)
 
 
@@ -185,7 +202,8 @@ def test_a_missing_column_is_an_error():
 
 def test_bounds_are_never_left(rng):
     model = parse_model("fractional-kelvin")
-    # Inertia alone bends the data downwards, which no springpot can follow: the order runs to its bound.
+    # Inertia alone bends the data downwards, which no springpot can follow: the order runs to its
+    # bound.
     measured = Measurement(OMEGA, 400.0 + 5.0j * OMEGA**1.3)
     found = fit(model, measured)
     assert 0.0 <= found.theta[2] <= 1.0
@@ -197,7 +215,9 @@ def test_a_hopeless_model_is_not_searched_further(rng):
     model, _, data = setup("fractional-zener")
     wrong = parse_model("kelvin")
     whole = fit(wrong, data)
-    assert fit(wrong, data, effort=Effort(hopeless=0.1 * whole.cost)).evaluations <= whole.evaluations
+    assert (
+        fit(wrong, data, effort=Effort(hopeless=0.1 * whole.cost)).evaluations <= whole.evaluations
+    )
     assert fit(model, data, effort=Effort(hopeless=0.0)).cost <= whole.cost
 
 

@@ -1,4 +1,7 @@
-"""What a sum of relaxations follows is a part of any material; masses, constant losses and instruments are not."""
+"""What a sum of relaxations follows is a part of any material.
+
+Masses, constant losses and instruments are not.
+"""
 
 import pytest
 

@@ -25,7 +25,13 @@ from springpot.identification import (
 )
 from springpot.identification.ledger import Ledger
 
-NAMES = ["springpot", "fractional-kelvin", "fractional-maxwell", "fractional-kelvin4", "fractional-zener"]
+NAMES = [
+    "springpot",
+    "fractional-kelvin",
+    "fractional-maxwell",
+    "fractional-kelvin4",
+    "fractional-zener",
+]
 
 
 def points(problem, count, seed=0):
@@ -169,10 +175,16 @@ def test_a_group_gives_the_bits_of_single_recorders(name, runs):
     alone = [Recorder(problem, 50) for _ in range(runs)]
     for _ in range(3):
         together = group.batch(x, factor)
-        apart = [recorder.batch(rows, f) for recorder, rows, f in zip(alone, x, factor, strict=True)]
+        apart = [
+            recorder.batch(rows, f) for recorder, rows, f in zip(alone, x, factor, strict=True)
+        ]
         np.testing.assert_array_equal(together, apart)
     for one, other in zip(group.recorders, alone, strict=True):
-        assert (one.evaluations, one.best, one.trace) == (other.evaluations, other.best, other.trace)
+        assert (one.evaluations, one.best, one.trace) == (
+            other.evaluations,
+            other.best,
+            other.trace,
+        )
         np.testing.assert_array_equal(one.best_x, other.best_x)
     with pytest.raises(BudgetSpent):
         group.batch(x)
@@ -259,11 +271,15 @@ def test_status_comes_from_the_recorder(optimiser, status, count):
 
 def test_an_interruption_is_not_a_status():
     with pytest.raises(KeyboardInterrupt):
-        run(fail(KeyboardInterrupt()), artificial("fractional-kelvin4"), 9, np.random.default_rng(0))
+        run(
+            fail(KeyboardInterrupt()), artificial("fractional-kelvin4"), 9, np.random.default_rng(0)
+        )
 
 
 def test_target_is_a_status():
-    found = run(Scripted(spend), artificial("fractional-kelvin4"), 99, np.random.default_rng(0), target=inf)
+    found = run(
+        Scripted(spend), artificial("fractional-kelvin4"), 99, np.random.default_rng(0), target=inf
+    )
     assert (found.status, found.evaluations) == ("target", 1)
 
 
@@ -300,12 +316,17 @@ def test_a_batch_of_runs_is_the_runs_one_by_one(optimiser):
     together = run_batch(optimiser, problem, 33, [np.random.default_rng(seed) for seed in seeds])
     apart = [run(optimiser, problem, 33, np.random.default_rng(seed)) for seed in seeds]
     for one, other in zip(together, apart, strict=True):
-        assert (one.status, one.evaluations, one.best, one.trace) == ("budget", 33, other.best, other.trace)
+        assert (one.status, one.evaluations, one.best, one.trace) == (
+            "budget",
+            33,
+            other.best,
+            other.trace,
+        )
         np.testing.assert_array_equal(one.theta, other.theta)
 
 
 def free(name):
-    """A deed that evaluates three points, tries to set one thing of the record and spends the rest."""
+    """A deed that evaluates three points, tries to set part of the record and spends the rest."""
 
     def deed(problem, rng):
         for _ in range(3):
@@ -334,7 +355,10 @@ FORGERIES = {
 
 @pytest.mark.parametrize("name", FORGERIES)
 def test_an_optimiser_cannot_set_the_record(name):
-    """It fails over the attempt, deceives only itself, or nothing happens: what is kept is what was evaluated."""
+    """It fails over the attempt, deceives only itself, or nothing happens.
+
+    What is kept is what was evaluated.
+    """
     problem = artificial("fractional-kelvin4")
     found = run(free(name), problem, 9, np.random.default_rng(1))
     numbers = [number for number, _ in found.trace]

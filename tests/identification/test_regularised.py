@@ -20,7 +20,9 @@ def identified(expression, theta, level=0.002, seed=5, factor=1.0, fitted="mater
 
 
 def inside(spectrum, margin=3.0):
-    return (spectrum.rates > margin * spectrum.seen[0]) & (spectrum.rates < spectrum.seen[1] / margin)
+    return (spectrum.rates > margin * spectrum.seen[0]) & (
+        spectrum.rates < spectrum.seen[1] / margin
+    )
 
 
 @pytest.mark.parametrize("alpha", [0.3, 0.6])
@@ -38,12 +40,18 @@ def test_it_gives_the_stiffness_back_to_within_the_noise():
     found = identified("fractional-zener", [300.0, 200.0, 30.0, 0.4])
     spectrum, s = found.spectrum, 1j * OMEGA
     maxwell = s / (s + spectrum.rates[:, None])
-    again = spectrum.equilibrium + spectrum.viscosity * s + spectrum.step * spectrum.density @ maxwell
-    exact = springpot.parse_model("fractional-zener").stiffness(np.array([300.0, 200.0, 30.0, 0.4]), OMEGA)
+    again = (
+        spectrum.equilibrium + spectrum.viscosity * s + spectrum.step * spectrum.density @ maxwell
+    )
+    exact = springpot.parse_model("fractional-zener").stiffness(
+        np.array([300.0, 200.0, 30.0, 0.4]), OMEGA
+    )
     assert np.max(np.abs(again / exact - 1.0)) < 0.005
     misfit = np.abs(again / found.measurement.stiffness - 1.0) ** 2
     variance = found.fit.cost / found.fit.dof
-    assert np.sum(misfit) == pytest.approx(2 * len(OMEGA) * variance, rel=1e-2)  # the discrepancy principle
+    assert np.sum(misfit) == pytest.approx(
+        2 * len(OMEGA) * variance, rel=1e-2
+    )  # the discrepancy principle
 
 
 def test_no_weight_is_negative_and_the_band_holds_the_line():
@@ -62,19 +70,28 @@ def test_two_modes_far_apart_are_two_peaks():
 
 
 def test_more_noise_is_smoother_and_less_certain():
-    quiet, loud = (identified("zener-2", [100.0, 80.0, 80.0, 120.0, 1.0], level).spectrum for level in (0.001, 0.05))
+    quiet, loud = (
+        identified("zener-2", [100.0, 80.0, 80.0, 120.0, 1.0], level).spectrum
+        for level in (0.001, 0.05)
+    )
     assert quiet.density.max() > 1.2 * loud.density.max()
     here = inside(quiet)
     assert np.mean((loud.high - loud.low)[here]) > 3.0 * np.mean((quiet.high - quiet.low)[here])
 
 
 def test_another_unit_of_stiffness_changes_the_numbers_alone():
-    one, ten = (identified("springpot", [50.0, 0.4], factor=factor).spectrum for factor in (1.0, 1e6))
-    np.testing.assert_allclose(ten.density, 1e6 * one.density, rtol=1e-5, atol=1e-3 * one.density.max())
+    one, ten = (
+        identified("springpot", [50.0, 0.4], factor=factor).spectrum for factor in (1.0, 1e6)
+    )
+    np.testing.assert_allclose(
+        ten.density, 1e6 * one.density, rtol=1e-5, atol=1e-3 * one.density.max()
+    )
 
 
 def test_effects_around_the_material_stay_as_they_were_found():
-    found = identified("fractional-maxwell + inertia", [400.0, 60.0, 0.5, 1e-4], fitted="material + inertia")
+    found = identified(
+        "fractional-maxwell + inertia", [400.0, 60.0, 0.5, 1e-4], fitted="material + inertia"
+    )
     spectrum = found.spectrum
     plain = identified("fractional-maxwell", [400.0, 60.0, 0.5]).spectrum
     here = inside(plain, 10.0)
@@ -83,7 +100,9 @@ def test_effects_around_the_material_stay_as_they_were_found():
 
 def test_the_same_generator_gives_the_same_band():
     found = identified("springpot", [50.0, 0.4])
-    first, again, other = (regularised(found.fit, np.random.default_rng(seed)) for seed in (1, 1, 2))
+    first, again, other = (
+        regularised(found.fit, np.random.default_rng(seed)) for seed in (1, 1, 2)
+    )
     assert np.array_equal(first.high, again.high)
     assert not np.array_equal(first.high, other.high)
     assert np.array_equal(first.density, other.density)
@@ -100,7 +119,16 @@ def test_a_network_of_elements_has_no_spectrum_to_choose():
 def test_plain_data_give_the_stiffness_back():
     found = identified("fractional-zener", [300.0, 200.0, 30.0, 0.4])
     row, s = found.to_dict()["spectrum"], 1j * OMEGA
-    assert set(row) == {"rates", "weights", "low", "high", "unit", "equilibrium", "viscosity", "seen"}
+    assert set(row) == {
+        "rates",
+        "weights",
+        "low",
+        "high",
+        "unit",
+        "equilibrium",
+        "viscosity",
+        "seen",
+    }
     assert (row["unit"], row["viscosity"]["unit"]) == ("kN/m", "kN s/m")
     lines = np.array(row["weights"])[:, None] * s / (s + np.array(row["rates"])[:, None])
     again = row["equilibrium"]["value"] + row["viscosity"]["value"] * s + lines.sum(axis=0)

@@ -1,4 +1,4 @@
-"""A fit in a user's hands: parameters as printed, residuals, predictions, pictures, files, pickles."""
+"""A fit in a user's hands: printed parameters, residuals, predictions, pictures, files, pickles."""
 
 from __future__ import annotations
 
@@ -34,7 +34,9 @@ def warm() -> Identification:
 
 def test_parameters_come_as_they_are_printed(fit: Identification):
     assert fit["inertia.m"].unit == "kg"
-    assert fit.theta[3] == pytest.approx(fit["inertia.m"].value / 1000.0)  # kN/m data hold a mass in Mg
+    assert fit.theta[3] == pytest.approx(
+        fit["inertia.m"].value / 1000.0
+    )  # kN/m data hold a mass in Mg
     for name, truth in TRUTH.items():
         value = fit.parameters[name]
         assert value.low < value.value < value.high
@@ -47,7 +49,9 @@ def test_covariance_is_in_the_same_units(fit: Identification):
     sd = np.sqrt(np.diag(fit.covariance))
     for name, one in zip(fit.model.names, sd, strict=True):
         value = fit[name]
-        assert one == pytest.approx((value.high - value.low) / 2.0 / fit.uncertainty.quantile, rel=0.03)
+        assert one == pytest.approx(
+            (value.high - value.low) / 2.0 / fit.uncertainty.quantile, rel=0.03
+        )
 
 
 def test_residuals_and_floor_explain_the_error(fit: Identification):
@@ -83,21 +87,27 @@ def test_the_band_is_the_scatter_of_fits_to_new_noise(rng: np.random.Generator):
     predicted, widths = [], []
     for _ in range(40):
         noise = 0.02 * np.abs(exact) * (rng.normal(size=20) + 1j * rng.normal(size=20))
-        found = springpot.identify(springpot.Measurement(omega, exact + noise), model).predict(100.0)
+        found = springpot.identify(springpot.Measurement(omega, exact + noise), model).predict(
+            100.0
+        )
         predicted.append(found.storage[0])
         widths.append(found.high.real[0] - found.low.real[0])
-    # 1.99 standard deviations either way at 37 degrees of freedom; of 40 draws the scatter is known to 11 %.
+    # 1.99 standard deviations either way at 37 degrees of freedom; of 40 draws the scatter is known
+    # to 11 %.
     assert np.mean(widths) / (2 * 2.03) == pytest.approx(np.std(predicted, ddof=1), rel=0.35)
 
 
 @pytest.mark.parametrize(
-    ("expression", "at_rest"), [("fractional-kelvin", "k"), ("fractional-zener", "k1"), ("fractional-maxwell", None)]
+    ("expression", "at_rest"),
+    [("fractional-kelvin", "k"), ("fractional-zener", "k1"), ("fractional-maxwell", None)],
 )
 def test_at_rest_only_springs_carry(expression: str, at_rest: str | None):
     omega = np.geomspace(0.1, 100.0, 20)
     model = springpot.parse_model(expression)
     own = {"k": 100.0, "k1": 100.0, "k2": 300.0, "c": 60.0, "alpha": 0.4}
-    data = springpot.Measurement(omega, model.stiffness(model.vector({n: own[n] for n in model.names}), omega))
+    data = springpot.Measurement(
+        omega, model.stiffness(model.vector({n: own[n] for n in model.names}), omega)
+    )
     [value] = springpot.identify(data, model).predict(frequency=0.0).stiffness
     assert value == pytest.approx(0.0 if at_rest is None else own[at_rest], rel=1e-6)
 
@@ -126,9 +136,12 @@ def test_the_wrong_question_is_refused(fit: Identification, asked: dict[str, obj
 
 
 @pytest.mark.parametrize(
-    ("temperature", "says"), [(293.15, "looks like kelvin"), (-300.0, "absolute zero"), (None, "say temperature=")]
+    ("temperature", "says"),
+    [(293.15, "looks like kelvin"), (-300.0, "absolute zero"), (None, "say temperature=")],
 )
-def test_temperatures_are_in_celsius_and_are_not_guessed(warm: Identification, temperature: float, says: str):
+def test_temperatures_are_in_celsius_and_are_not_guessed(
+    warm: Identification, temperature: float, says: str
+):
     with pytest.raises(DataError, match=says):
         warm.predict(frequency=1.0, temperature=temperature)
 
@@ -187,7 +200,11 @@ def test_what_is_held_leaves_the_fit_and_stays_in_the_answer():
     found = springpot.identify("artificial-hidden", MODEL, fix={"alpha": 0.5, "inertia.m": 0.6})
     assert found.model.names == ("k", "c", "time-delay.tau")
     assert list(found.parameters) == list(TRUTH)
-    assert (found["inertia.m"].value, found["inertia.m"].unit, found["inertia.m"].fixed) == (0.6, "kg", True)
+    assert (found["inertia.m"].value, found["inertia.m"].unit, found["inertia.m"].fixed) == (
+        0.6,
+        "kg",
+        True,
+    )
     assert found["c"].unit == "kN s^0.5/m"
     free = springpot.identify("artificial-hidden", MODEL)
     assert found.fit.cost >= free.fit.cost
@@ -223,7 +240,9 @@ def test_a_start_leads_to_the_optimum_that_it_is_near():
 
 def test_diagnosis_and_discovery_know_what_is_held_and_left_out():
     known = {"fix": {"alpha": 0.5}, "exclude": "frequency=..0.6"}
-    ladder = springpot.discover("artificial-hidden", "fractional-maxwell", accept="inertia", **known)
+    ladder = springpot.discover(
+        "artificial-hidden", "fractional-maxwell", accept="inertia", **known
+    )
     assert ladder.model.held == {"alpha": 0.5}
     assert "alpha" not in ladder.model.names
     assert len(ladder.steps[0].case.search.base.data.raw) < len(springpot.read("artificial-hidden"))
@@ -259,7 +278,9 @@ def test_every_answer_is_loaded_as_it_was_written(fit: Identification, tmp_path)
     ladder = springpot.discover("artificial-hidden", "fractional-maxwell", accept="inertia")
     for answer in (
         fit,
-        springpot.identify("artificial-hidden", MODEL, fix={"alpha": 0.5}, bounds={"k": (0.0, 390.0)}),
+        springpot.identify(
+            "artificial-hidden", MODEL, fix={"alpha": 0.5}, bounds={"k": (0.0, 390.0)}
+        ),
         springpot.identify("nist-srm2491@temperature=20", "fractional-zener"),
         springpot.identify("artificial-hidden", "material + inertia"),
         ladder.diagnosis,
@@ -281,7 +302,10 @@ def test_every_answer_is_loaded_as_it_was_written(fit: Identification, tmp_path)
         ("nothing", "is no JSON"),
         ("[1, 2]", "no schema"),
         ('{"schema": "springpot.run/1"}', "springpot.run/1"),
-        ('{"schema": "springpot.identification/1", "model": "zener"}', "damaged or of an older version"),
+        (
+            '{"schema": "springpot.identification/1", "model": "zener"}',
+            "damaged or of an older version",
+        ),
         ("[" * 100_000, "is no JSON"),
     ],
 )
@@ -295,6 +319,12 @@ def test_what_cannot_be_loaded_is_told_in_one_line(tmp_path, text: str, says: st
 
 
 def test_numbers_of_a_list_stand_in_one_line():
-    text = to_json({"words": ["a\n[\n1\n]", "b"], "numbers": [1.0, None, -2e-7], "rows": [[1, 2], [3, 4]]})
-    assert json.loads(text) == {"words": ["a\n[\n1\n]", "b"], "numbers": [1.0, None, -2e-7], "rows": [[1, 2], [3, 4]]}
+    text = to_json(
+        {"words": ["a\n[\n1\n]", "b"], "numbers": [1.0, None, -2e-7], "rows": [[1, 2], [3, 4]]}
+    )
+    assert json.loads(text) == {
+        "words": ["a\n[\n1\n]", "b"],
+        "numbers": [1.0, None, -2e-7],
+        "rows": [[1, 2], [3, 4]],
+    }
     assert '"numbers": [1.0, null, -2e-07]' in text

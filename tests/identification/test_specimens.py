@@ -1,4 +1,7 @@
-"""Specimens that differ are no repeats: intervals of a joint fit follow the specimens, or say that they do not."""
+"""Specimens that differ are no repeats.
+
+Intervals of a joint fit follow the specimens, or say that they do not.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,9 @@ def specimens(count, rng, differ=0.03, noise=0.005, temperatures=None):
         conditions = {}
         if temperatures is not None:
             conditions["temperature"] = np.full(12, temperatures[i])
-        sweeps.append(Measurement(OMEGA, exact * (1.0 + scatter), conditions=conditions, name=f"{i}.csv"))
+        sweeps.append(
+            Measurement(OMEGA, exact * (1.0 + scatter), conditions=conditions, name=f"{i}.csv")
+        )
     return joined(sweeps)
 
 
@@ -45,7 +50,9 @@ def test_intervals_hold_the_mean_specimen_as_often_as_they_say(count):
 
 def test_specimens_that_differ_are_told_in_place_of_noise():
     fit = springpot.identify(specimens(5, np.random.default_rng(1)), "fractional-maxwell")
-    assert any("specimens differ by" in note and "follow the scatter of 5" in note for note in fit.notes)
+    assert any(
+        "specimens differ by" in note and "follow the scatter of 5" in note for note in fit.notes
+    )
     assert "nothing is left but noise" not in fit.standing.says
     assert "specimens differ by" in fit.standing.says
 

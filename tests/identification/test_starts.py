@@ -1,4 +1,7 @@
-"""Starts read off the data: shapes fill their space, gains are exact, branches are found in any network."""
+"""Starts read off the data.
+
+Shapes fill their space, gains are exact, branches are found in any network.
+"""
 
 import numpy as np
 import pytest
@@ -65,7 +68,9 @@ def test_scaled_shapes_give_the_data_back(rng):
     assert one.coordinates.theta(back, one.coordinates.size)[0] == pytest.approx(theta, rel=1e-9)
 
 
-@pytest.mark.parametrize("expression", ["fractional-kelvin4", "fractional-zener", "fractional-maxwell + inertia"])
+@pytest.mark.parametrize(
+    "expression", ["fractional-kelvin4", "fractional-zener", "fractional-maxwell + inertia"]
+)
 def test_placed_starts_have_the_gains_of_an_exact_projection(expression, rng):
     _, _, data = setup("fractional-zener")
     one = task(expression, noisy(data.stiffness, 0.01, rng))
@@ -130,7 +135,9 @@ def test_a_rate_is_sought_over_frequencies_and_amplitudes_together():
 
 def test_a_power_of_time_that_is_itself_sought_needs_no_stiffness():
     """A time to the power of an order, as a plugin may have it."""
-    window = Window(stiffness=1.0, time=10.0, amplitude=1.0, time_decades=3.0, amplitude_decades=2.0)
+    window = Window(
+        stiffness=1.0, time=10.0, amplitude=1.0, time_decades=3.0, amplitude_decades=2.0
+    )
     order = Parameter("n", "n", Dimension(), 0.0, 1.0, "linear", 0.5)
     found = settings((order, Parameter("A", "A", Dimension(time="n"))), window, 50)
     assert np.all(np.isfinite(found))

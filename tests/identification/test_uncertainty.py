@@ -58,24 +58,32 @@ def test_profile_ends_where_the_objective_has_risen_enough(found):
     weights = found.objective.weights(base)
     design = np.stack([np.ones(len(OMEGA), dtype=complex), (1j * OMEGA) ** low])
     rows = np.concatenate([design.real * weights.real, design.imag * weights.imag], axis=1)
-    target = np.concatenate([base.stiffness.real * weights.real, base.stiffness.imag * weights.imag])
+    target = np.concatenate(
+        [base.stiffness.real * weights.real, base.stiffness.imag * weights.imag]
+    )
     best = np.linalg.lstsq(rows.T, target, rcond=None)[1][0]
     assert held.names[2] == "alpha"
     assert best == pytest.approx(allowed, rel=1e-3)
 
 
 def test_the_profile_of_a_springpot_s_constant_holds_the_constant_itself(rng):
-    # The solver's coordinate, c omega^alpha, would let c move with alpha; far from linear the two differ much.
+    # The solver's coordinate, c omega^alpha, would let c move with alpha; far from linear the two
+    # differ much.
     model, _, data = setup("fractional-maxwell")
     found = fit(model, Measurement(OMEGA, noisy(data.stiffness, 0.05, rng)))
     allowed = found.cost * (1.0 + student(0.95, found.dof) ** 2 / found.dof)
     for end in profile(found, "c"):
 
         def rest(x, end=end):
-            difference = model.stiffness(np.array([x[0], end, x[1]]), OMEGA) / found.measurement.stiffness - 1.0
+            difference = (
+                model.stiffness(np.array([x[0], end, x[1]]), OMEGA) / found.measurement.stiffness
+                - 1.0
+            )
             return np.concatenate([difference.real, difference.imag])
 
-        best = least_squares(rest, found.theta[[0, 2]], x_scale=[100.0, 0.1], xtol=1e-12, ftol=1e-12)
+        best = least_squares(
+            rest, found.theta[[0, 2]], x_scale=[100.0, 0.1], xtol=1e-12, ftol=1e-12
+        )
         assert 2.0 * best.cost == pytest.approx(allowed, rel=2e-3)
 
 
@@ -99,7 +107,11 @@ def test_what_the_data_do_not_determine_has_no_end():
     theta = model.vector(dict(zip(model.names, [400.0, 150.0, 0.6, 800.0], strict=True)))
     known = Uncertainty.of(fit(model, Measurement(OMEGA, model.stiffness(theta, OMEGA))))
     low, high = known.interval()
-    lost = [i for i, p in enumerate(model.parameters) if p.unit.stiffness and not isinstance(p.unit.time, str)]
+    lost = [
+        i
+        for i, p in enumerate(model.parameters)
+        if p.unit.stiffness and not isinstance(p.unit.time, str)
+    ]
     assert np.all(np.isinf(high[lost]))
     assert np.all(low[lost] == 0.0)
     assert np.all(np.isfinite(high[[1, 2]]))
@@ -129,7 +141,8 @@ def test_intervals_of_positive_parameters_stay_positive_and_orders_in_bounds(rng
 
 
 @pytest.mark.parametrize(
-    ("dof", "expected"), [(1, 12.7062), (2, 4.30265), (3, 3.18245), (10, 2.22814), (100, 1.98397), (np.inf, 1.95996)]
+    ("dof", "expected"),
+    [(1, 12.7062), (2, 4.30265), (3, 3.18245), (10, 2.22814), (100, 1.98397), (np.inf, 1.95996)],
 )
 def test_student_quantiles(dof, expected):
     # Tabulated values; the expansion is worst at three degrees of freedom.

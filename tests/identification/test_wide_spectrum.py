@@ -1,4 +1,7 @@
-"""A free spectrum under a shift of 55 decades: the same answer, whether the shift is sought or given."""
+"""A free spectrum under a shift of 55 decades.
+
+The same answer, whether the shift is sought or given.
+"""
 
 import numpy as np
 import pytest

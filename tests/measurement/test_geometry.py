@@ -47,7 +47,7 @@ def test_shear_pads_are_area_over_thickness():
 
 @pytest.mark.parametrize("geometry", EXAMPLES[:-1], ids=lambda geometry: geometry.name)
 def test_work_of_the_force_is_work_in_the_material_or_less(geometry):
-    """Stress times strain, where it is largest, over the whole volume is no less than force times displacement."""
+    """Peak stress times strain over the whole volume is at least force times displacement."""
     volume = {
         "shear-pads": lambda g: g.pads * g.area * g.gap,
         "annular-dashpot": lambda g: pi * (g.outer_radius**2 - g.inner_radius**2) * g.length,
@@ -86,10 +86,11 @@ def test_an_open_annulus_by_integration():
 
 @pytest.mark.parametrize("outer", [0.0201, 0.022, 0.03, 0.08])
 def test_a_closed_annulus_solves_the_flow_between_piston_and_tube(outer):
-    """Unit velocity on the piston, none on the tube, and the flux that the piston displaces, as linear equations."""
+    """Unit velocity on the piston, none on the tube and the displaced flux, as linear equations."""
     inner, length = 0.02, 0.1
     geometry = AnnularDashpot(inner, outer, length, closed=True)
-    # v(r) = p (r^2 - R_o^2) / 4 + c ln(r / R_o) for unit viscosity; unknown are p, the pressure gradient, and c.
+    # v(r) = p (r^2 - R_o^2) / 4 + c ln(r / R_o) for unit viscosity; unknown are p, the pressure
+    # gradient, and c.
     flux = [quad(lambda r, k=k: 2 * pi * r * _flow(k, r, outer), inner, outer)[0] for k in (0, 1)]
     rows = [[_flow(0, inner, outer), _flow(1, inner, outer)], flux]
     p, c = np.linalg.solve(rows, [1.0, -pi * inner**2])
@@ -108,13 +109,21 @@ def test_a_narrow_closed_annulus_is_a_slot_with_pressure():
     closed = AnnularDashpot(radius, radius + gap, 0.1, closed=True)
     assert closed.shape == pytest.approx(6 * pi * 0.1 * (radius / gap) ** 3, rel=1e-2)
     # The series for narrow gaps continues the formula.
-    just = [AnnularDashpot(1.0, np.exp(a), 0.1, closed=True).shape * a**3 for a in (0.01999, 0.02001)]
+    just = [
+        AnnularDashpot(1.0, np.exp(a), 0.1, closed=True).shape * a**3 for a in (0.01999, 0.02001)
+    ]
     assert just[0] == pytest.approx(just[1], rel=1e-5)
 
 
 @pytest.mark.parametrize(
     ("ratio", "constant", "modulus"),
-    [(1.0, 0.1406, 0.208), (1.5, 0.196, 0.231), (2.0, 0.229, 0.246), (4.0, 0.281, 0.282), (10.0, 0.312, 0.312)],
+    [
+        (1.0, 0.1406, 0.208),
+        (1.5, 0.196, 0.231),
+        (2.0, 0.229, 0.246),
+        (4.0, 0.281, 0.282),
+        (10.0, 0.312, 0.312),
+    ],
 )
 def test_a_torsion_bar_agrees_with_the_table_of_timoshenko_and_goodier(ratio, constant, modulus):
     bar = TorsionBar(length=0.5, width=0.002, thickness=ratio * 0.002)
@@ -134,7 +143,10 @@ SIZES = st.floats(1e-4, 10.0)
 
 def damper(unit="kN/m", amplitude="mm", scale=1.0):
     stiffness = scale * (400.0 + 30j) * (1j * OMEGA) ** 0.6
-    conditions = {"amplitude": np.linspace(0.1, 2.0, len(OMEGA)), "temperature": np.full(len(OMEGA), 20.0)}
+    conditions = {
+        "amplitude": np.linspace(0.1, 2.0, len(OMEGA)),
+        "temperature": np.full(len(OMEGA), 20.0),
+    }
     return Measurement(
         OMEGA,
         stiffness,
@@ -157,7 +169,12 @@ def test_there_and_back_is_the_same_within_a_rounding(geometry, scale, modulus):
     after = between.as_stiffness(geometry, unit, amplitude)
     assert between.units == Units(modulus, "-")
     assert after.units == before.units
-    for part in (lambda m: m.storage, lambda m: m.loss, lambda m: m.sd.real, lambda m: m.conditions["amplitude"]):
+    for part in (
+        lambda m: m.storage,
+        lambda m: m.loss,
+        lambda m: m.sd.real,
+        lambda m: m.conditions["amplitude"],
+    ):
         assert ulps(part(after), part(before)) <= 1.0
 
 
@@ -165,8 +182,12 @@ def test_units_and_the_amplitude_are_converted():
     measured = damper()
     found = measured.as_modulus(ShearPads(area=0.02, gap=0.01), "kPa")
     np.testing.assert_allclose(found.stiffness, measured.stiffness * 0.01 / 0.02, rtol=1e-14)
-    np.testing.assert_allclose(found.conditions["amplitude"], measured.conditions["amplitude"] * 1e-3 / 0.01)
-    np.testing.assert_array_equal(found.conditions["temperature"], measured.conditions["temperature"])
+    np.testing.assert_allclose(
+        found.conditions["amplitude"], measured.conditions["amplitude"] * 1e-3 / 0.01
+    )
+    np.testing.assert_array_equal(
+        found.conditions["temperature"], measured.conditions["temperature"]
+    )
     back = found.as_stiffness(ShearPads(area=0.02, gap=0.01))
     assert back.units == Units("N/m", "m")
     assert through(back, ShearPads(0.02, 0.01)).units.is_modulus
@@ -256,7 +277,10 @@ def test_a_slip_in_a_geometry_is_one_line_that_helps(text, message):
     assert "\n" not in str(caught.value)
 
 
-@given(st.text(max_size=60) | st.tuples(st.sampled_from(list(GEOMETRIES)), st.text(max_size=40)).map(" area=".join))
+@given(
+    st.text(max_size=60)
+    | st.tuples(st.sampled_from(list(GEOMETRIES)), st.text(max_size=40)).map(" area=".join)
+)
 def test_any_text_is_a_geometry_or_one_line(text):
     said = ""
     try:

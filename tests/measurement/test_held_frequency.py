@@ -12,9 +12,11 @@ CELSIUS = np.linspace(20.0, 60.0, 41)
 
 
 def ramp(hertz, wander):
-    """Temperature ramps at some held frequencies, each frequency of a row a little off by such a share."""
+    """Temperature ramps at some held frequencies, that of each row off by a given small share."""
     rng = np.random.default_rng(5)
-    omega, warm = (each.ravel() for each in np.meshgrid(2.0 * np.pi * np.array(hertz), CELSIUS, indexing="ij"))
+    omega, warm = (
+        each.ravel() for each in np.meshgrid(2.0 * np.pi * np.array(hertz), CELSIUS, indexing="ij")
+    )
     stiffness = 1e4 * np.exp(-(warm - 20.0) / 20.0) * (1j * omega) ** 0.2
     stiffness = stiffness * (1.0 + 0.01 * rng.standard_normal(len(warm)))
     measured = omega * (1.0 + wander * rng.standard_normal(len(warm)))
@@ -36,7 +38,7 @@ def test_a_ramp_at_one_frequency_has_no_master_curve(wander):
 
 
 def test_a_ramp_stays_one_run_wherever_its_frequency_lies():
-    """Also where rounding would make two of a frequency that is measured now a little lower, now a little higher."""
+    """Also where rounding would split a frequency measured now a bit lower, now a bit higher."""
     omega = np.exp(0.0005 + 1e-4 * np.tile([-1.0, 1.0], 8))
     warm = np.repeat(np.arange(20.0, 60.0, 5.0), 2)
     data = springpot.Measurement(omega, np.ones(16) + 1j, conditions={"temperature": warm})

@@ -14,7 +14,11 @@ GLASSY = 1.0 / (1e-3 + 0.05 * (1j * OMEGA) ** -0.6)
 
 def data(omega, amplitude=None, temperature=None):
     conditions = {"amplitude": amplitude, "temperature": temperature}
-    given = {name: np.asarray(column, dtype=float) for name, column in conditions.items() if column is not None}
+    given = {
+        name: np.asarray(column, dtype=float)
+        for name, column in conditions.items()
+        if column is not None
+    }
     return Measurement(omega, np.full(len(omega), 1.0 + 0.1j), conditions=given)
 
 
@@ -40,7 +44,9 @@ def test_a_sweep_of_amplitudes_at_one_frequency_is_independent():
     assert independent(data(np.full(15, 6.0), np.geomspace(0.01, 10.0, 15)), "amplitude")
 
 
-@pytest.mark.parametrize("levels", [np.geomspace(0.1, 10.0, 31), np.where(np.arange(31) % 2, 1.0, 1.3)])
+@pytest.mark.parametrize(
+    "levels", [np.geomspace(0.1, 10.0, 31), np.where(np.arange(31) % 2, 1.0, 1.3)]
+)
 def test_amplitudes_in_random_order_are_independent(levels):
     assert independent(data(OMEGA, np.random.default_rng(3).permutation(levels)), "amplitude")
 
@@ -87,7 +93,9 @@ def test_one_strain_sweep_among_many_frequency_sweeps_is_enough():
     omega, celsius = grid(OMEGA, [0.0, 25.0, 50.0])
     sweep = np.geomspace(1e-4, 1e-1, 12)
     whole = data(
-        np.r_[omega, np.full(12, 62.8)], np.r_[np.full(len(omega), 1e-3), sweep], np.r_[celsius, np.full(12, 25.0)]
+        np.r_[omega, np.full(12, 62.8)],
+        np.r_[np.full(len(omega), 1e-3), sweep],
+        np.r_[celsius, np.full(12, 25.0)],
     )
     assert independent(whole, "amplitude")
 
@@ -106,7 +114,10 @@ def test_units_and_order_of_rows_do_not_matter(factor, seed):
     rng = np.random.default_rng(seed)
     x = rng.choice([0.3, 1.0, 2.0], 31) * (1.0 + 0.1 * OMEGA**0.1)
     order = rng.permutation(31)
-    one, other = spread_of(data(OMEGA, x), "amplitude"), spread_of(data(OMEGA[order], factor * x[order]), "amplitude")
+    one, other = (
+        spread_of(data(OMEGA, x), "amplitude"),
+        spread_of(data(OMEGA[order], factor * x[order]), "amplitude"),
+    )
     assert other.own == pytest.approx(one.own, rel=1e-6)
     assert other.whole == pytest.approx(one.whole, rel=1e-9)
     assert other.own <= other.whole

@@ -13,7 +13,9 @@ from springpot.measurement import average_repeats
 
 def test_sweeps_are_labelled_by_their_own_conditions():
     temperature = np.array([20.0, 20.0, 30.0, 30.0])
-    measured = Measurement(np.array([1.0, 2.0] * 2), np.full(4, 1 + 1j), conditions={"temperature": temperature})
+    measured = Measurement(
+        np.array([1.0, 2.0] * 2), np.full(4, 1 + 1j), conditions={"temperature": temperature}
+    )
     sweeps = dict(measured.sweeps())
     assert list(sweeps) == ["temperature 20", "temperature 30"]
     assert sweeps["temperature 30"].tolist() == [2, 3]
@@ -21,13 +23,17 @@ def test_sweeps_are_labelled_by_their_own_conditions():
 
 def test_slightly_different_temperatures_are_one_sweep():
     temperature = np.array([20.00, 20.01, 19.99])
-    measured = Measurement(np.array([1.0, 2.0, 3.0]), np.full(3, 1 + 1j), conditions={"temperature": temperature})
+    measured = Measurement(
+        np.array([1.0, 2.0, 3.0]), np.full(3, 1 + 1j), conditions={"temperature": temperature}
+    )
     assert [label for label, _ in measured.sweeps()] == ["temperature 20"]
 
 
 def test_rows_without_a_name_keep_the_temperature_at_which_shift_factors_are_one():
     temperature = np.array([10.0, 20.0, 30.0, 30.0, 30.0])
-    measured = Measurement(np.arange(1.0, 6.0), np.full(5, 1 + 1j), conditions={"temperature": temperature})
+    measured = Measurement(
+        np.arange(1.0, 6.0), np.full(5, 1 + 1j), conditions={"temperature": temperature}
+    )
     once = measured.subset(np.array([0, 1, 2]))
     assert measured.reference_temperature == once.reference_temperature == 303.15
     assert replace(once, stiffness=2 * once.stiffness).points.reference_temperature == 303.15
@@ -86,10 +92,22 @@ def test_arrays_are_taken_as_they_are():
             {"conditions": {"temperature": [20, np.nan, np.nan]}},
             "temperature is no finite number in 2 of 3 points, first at 0.3183 Hz",
         ),
-        ({"conditions": {"amplitude": [np.inf, 1, 1]}}, "amplitude is no finite number in 1 of 3 points"),
-        ({"sd": [1 + 1j, complex(np.inf, 1.0), 1 + 1j]}, "standard deviations must be positive and finite"),
-        ({"sd": [1 + 1j, complex(1.0, np.inf), 1 + 1j]}, "standard deviations must be positive and finite"),
-        ({"sd": [1 + 1j, complex(np.nan, 1.0), 1 + 1j]}, "standard deviations must be positive and finite"),
+        (
+            {"conditions": {"amplitude": [np.inf, 1, 1]}},
+            "amplitude is no finite number in 1 of 3 points",
+        ),
+        (
+            {"sd": [1 + 1j, complex(np.inf, 1.0), 1 + 1j]},
+            "standard deviations must be positive and finite",
+        ),
+        (
+            {"sd": [1 + 1j, complex(1.0, np.inf), 1 + 1j]},
+            "standard deviations must be positive and finite",
+        ),
+        (
+            {"sd": [1 + 1j, complex(np.nan, 1.0), 1 + 1j]},
+            "standard deviations must be positive and finite",
+        ),
         ({"conditions": {"temperatur": [1, 2, 3]}}, "'temperatur' is nearly 'temperature'"),
         ({"conditions": {"Amplitudes": [1, 2, 3]}}, "models know temperature and amplitude"),
     ],
@@ -100,7 +118,11 @@ def test_what_is_no_measurement_is_said(given, says):
 
 
 def test_gaps_in_other_conditions_are_welcome():
-    assert np.isnan(Measurement([1.0], [1.0 + 0.0j], conditions={"pressure": [np.nan]}).conditions["pressure"][0])
+    assert np.isnan(
+        Measurement([1.0], [1.0 + 0.0j], conditions={"pressure": [np.nan]}).conditions["pressure"][
+            0
+        ]
+    )
 
 
 def test_other_conditions_are_welcome():

@@ -1,4 +1,4 @@
-"""Columns beside a measurement: which set something, and which only name or repeat what is known."""
+"""Columns beside a measurement: which set something, and which only name or repeat the known."""
 
 import numpy as np
 import pytest

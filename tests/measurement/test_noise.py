@@ -12,7 +12,7 @@ def exact():
 
 
 def test_noise_is_that_of_eq_53(exact):
-    """Redo eq. (53), (17), (43) by complex numbers: force times conj(displacement) over its square."""
+    """Redo eq. (53), (17), (43) in complex numbers: force times conj(displacement) / its square."""
     r = np.random.default_rng(5).uniform(size=(4, len(exact)))
     q = 0.005 - 0.01j
     u = exact.stiffness * q

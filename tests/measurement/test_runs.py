@@ -1,4 +1,7 @@
-"""The runs that a user is shown: what was set parts the rows, what was swept or only wandered does not."""
+"""The runs that a user is shown.
+
+What was set parts the rows, what was swept or only wandered does not.
+"""
 
 import numpy as np
 
@@ -10,10 +13,16 @@ FREQUENCIES = np.geomspace(1.0, 100.0, 12)
 
 def lengths(omega, **columns):
     """Rows of each sweep."""
-    labels = {key: np.array(column) for key, column in columns.items() if np.array(column).dtype.kind == "U"}
+    labels = {
+        key: np.array(column)
+        for key, column in columns.items()
+        if np.array(column).dtype.kind == "U"
+    }
     repeat = columns.pop("repeat", None)
     conditions = {key: column for key, column in columns.items() if key not in labels}
-    data = Measurement(omega, np.full(len(omega), 1 + 1j), conditions=conditions, labels=labels, repeat=repeat)
+    data = Measurement(
+        omega, np.full(len(omega), 1 + 1j), conditions=conditions, labels=labels, repeat=repeat
+    )
     return [len(run.rows) for run in runs_of(data)]
 
 
@@ -54,7 +63,10 @@ def test_every_row_is_in_one_sweep(rng):
     data = Measurement(
         omega,
         np.full(60, 1 + 1j),
-        conditions={"temperature": rng.choice([20.0, 30.0], 60), "amplitude": rng.choice([0.1, 1.0], 60)},
+        conditions={
+            "temperature": rng.choice([20.0, 30.0], 60),
+            "amplitude": rng.choice([0.1, 1.0], 60),
+        },
         labels={"step": rng.choice(np.array(["a", "b"]), 60)},
     )
     rows = np.concatenate([run.rows for run in runs_of(data)])

@@ -68,7 +68,10 @@ def test_what_is_not_there_is_told(choice: dict[str, str], says: str):
         (lambda: Measurement(W, K, units="kN/m"), r"units are Units\('kN/m', 'mm'\)"),
         (lambda: Measurement(W, K.real), r"stiffness is real: give storage \+ 1j \* loss"),
         (lambda: Measurement(W, [1, 2, 3, 4]), "stiffness is real"),
-        (lambda: Measurement(W, K, conditions={"temperature": [293.15, 303.15, 313.15, 323.15]}), "subtract 273.15"),
+        (
+            lambda: Measurement(W, K, conditions={"temperature": [293.15, 303.15, 313.15, 323.15]}),
+            "subtract 273.15",
+        ),
         (lambda: Measurement(W, K, conditions={"temperature": [-300.0] * 4}), "absolute zero"),
     ],
 )
@@ -88,8 +91,14 @@ def test_the_right_calls_are_as_short():
 
 def test_a_note_on_several_tests_is_of_the_rows_that_are_left(tmp_path):
     path = tmp_path / "job.csv"
-    rows = [f"{f},100,10,{t},{run}" for run, t in (("a", 20), ("b", 20), ("c", 40)) for f in (1, 2, 3, 4)]
-    path.write_text("\n".join(["frequency [Hz],storage [Pa],loss [Pa],temperature [degC],run", *rows]))
+    rows = [
+        f"{f},100,10,{t},{run}"
+        for run, t in (("a", 20), ("b", 20), ("c", 40))
+        for f in (1, 2, 3, 4)
+    ]
+    path.write_text(
+        "\n".join(["frequency [Hz],storage [Pa],loss [Pa],temperature [degC],run", *rows])
+    )
     note = "note together"
     assert "3 values of run, choose one by '@run=a'" in springpot.read(path).provenance[note]
     assert "2 values of run" in springpot.read(f"{path}@temperature=20").provenance[note]

@@ -12,7 +12,7 @@ from soaked import soaked
 from springpot.errors import DataError
 from springpot.measurement import Signals, harmonics_of, measurement_from_signals, steady
 from springpot.measurement.motion import highest_of_noise
-from springpot.policy import SIGNALS
+from springpot.thresholds import SIGNALS
 
 STIFFNESS = 300.0 + 120.0j
 
@@ -57,7 +57,9 @@ def test_any_frequency_and_sampling(cycles, per_cycle, omega):
     assert found.stiffness == pytest.approx(STIFFNESS, rel=1e-5)
 
 
-@pytest.mark.parametrize("case", ["reversed", "shuffled", "missing", "duplicated", "irregular", "unequal"])
+@pytest.mark.parametrize(
+    "case", ["reversed", "shuffled", "missing", "duplicated", "irregular", "unequal"]
+)
 def test_disorder_changes_nothing(case, rng):
     t, q, u = signals(time=np.sort(rng.uniform(0, 15.0, 3000)) if case == "irregular" else None)
     if case == "reversed":
@@ -162,7 +164,8 @@ def test_options_are_checked():
 
 
 @given(
-    st.lists(st.floats(allow_nan=True, allow_infinity=True, width=32), min_size=0, max_size=60), st.integers(0, 99)
+    st.lists(st.floats(allow_nan=True, allow_infinity=True, width=32), min_size=0, max_size=60),
+    st.integers(0, 99),
 )
 @settings(max_examples=150, deadline=None)
 def test_any_numbers_give_an_answer_or_a_data_error(values, seed):
@@ -183,7 +186,9 @@ def test_long_records_are_worked_on_in_blocks(rng):
 
 
 @pytest.mark.parametrize("cycles", [4321.7, 5091.3, 5737.9])
-def test_the_frequency_of_a_record_far_longer_than_what_it_is_first_read_from(cycles, rng, monkeypatch):
+def test_the_frequency_of_a_record_far_longer_than_what_it_is_first_read_from(
+    cycles, rng, monkeypatch
+):
     monkeypatch.setattr(steady, "EXCERPT", 256)
     found = harmonics_of(*signals(rng, n=100_000, cycles=cycles, noise=0.01))
     assert found.omega == pytest.approx(5.0, rel=1e-7)
@@ -223,23 +228,29 @@ def test_strain_in_percent_and_stress_give_a_modulus():
     with pytest.raises(DataError, match="no stiffness"):
         measurement_from_signals([Signals(t, q, u, "%", "N", "a")])
     with pytest.raises(DataError, match="different units"):
-        measurement_from_signals([Signals(t, q, u, "%", "Pa", "a"), Signals(t, q, u, "mm", "N", "b")])
+        measurement_from_signals(
+            [Signals(t, q, u, "%", "Pa", "a"), Signals(t, q, u, "mm", "N", "b")]
+        )
     with pytest.raises(DataError, match="no signals"):
         measurement_from_signals([])
 
 
 def started(rng, *, cycles=11, relative=0.003, n=1600, omega=5.0, slow=0.3):
-    """A force that starts with a decaying transient, noise on both channels, and the sd that no method can beat."""
+    """A force that starts with a transient, noise on both channels, and the least sd possible."""
     t = np.linspace(0.0, 2 * np.pi * cycles / omega, n, endpoint=False)
     turn = np.exp(1j * (omega * t + rng.uniform(0, 2 * np.pi)))
     size = 2.0 * abs(STIFFNESS)
-    u = (STIFFNESS * 2.0 * turn).real + slow * size * np.exp(-t * omega / (2 * np.pi) / rng.uniform(0.2, 0.6))
+    u = (STIFFNESS * 2.0 * turn).real + slow * size * np.exp(
+        -t * omega / (2 * np.pi) / rng.uniform(0.2, 0.6)
+    )
     share = relative / np.sqrt(2)
     q = 2.0 * (turn.real + share * rng.normal(size=n))
     return (t, q, u + size * share * rng.normal(size=n)), relative * abs(STIFFNESS) * np.sqrt(2 / n)
 
 
-@pytest.mark.parametrize(("cycles", "slow"), [(11, 0.3), soaked(14, -0.1), soaked(8, 0.3), soaked(11, 0.0)])
+@pytest.mark.parametrize(
+    ("cycles", "slow"), [(11, 0.3), soaked(14, -0.1), soaked(8, 0.3), soaked(11, 0.0)]
+)
 def test_a_start_up_transient_costs_little_and_is_not_taken_for_noise(cycles, slow, rng):
     errors, told = [], []
     for _ in range(80):
@@ -248,7 +259,8 @@ def test_a_start_up_transient_costs_little_and_is_not_taken_for_noise(cycles, sl
         errors.append(found.stiffness - STIFFNESS)
         told.append(found.sd)
     scatter = np.sqrt(np.mean(np.abs(errors) ** 2) / 2)
-    # 160 numbers give the scatter to 6 %; a fit that takes the transient for steady motion is 5 to 20 times off.
+    # 160 numbers give the scatter to 6 %; a fit that takes the transient for steady motion is 5 to
+    # 20 times off.
     assert scatter < 1.25 * ideal
     assert np.sqrt(np.mean(np.abs(told) ** 2) / 2) == pytest.approx(scatter, rel=0.2)
 
@@ -275,11 +287,16 @@ def test_slow_wander_and_unfitted_harmonics_do_not_widen_the_uncertainty(rng):
 
 
 def test_a_vibration_that_the_force_follows_says_nothing_against_the_stiffness():
-    """Beside the test frequency, of the same K or of the opposite one: only the second is noise of K."""
+    """Beside the test frequency, of the same K or of the opposite one.
+
+    Only the second is noise of K.
+    """
     t, q, u = signals(n=3000, cycles=15)
     other = 0.1 * np.exp(1j * 0.8 * 5.0 * t)
     same, opposite = (
-        harmonics_of(t, q + other.real, u + (sign * STIFFNESS * other).real, omega=5.0, window=(0.0, t[-1]))
+        harmonics_of(
+            t, q + other.real, u + (sign * STIFFNESS * other).real, omega=5.0, window=(0.0, t[-1])
+        )
         for sign in (1, -1)
     )
     assert same.residual == pytest.approx(opposite.residual, rel=1e-2)
@@ -288,10 +305,16 @@ def test_a_vibration_that_the_force_follows_says_nothing_against_the_stiffness()
 
 @pytest.mark.parametrize("wrong", [1.7, 6.5, 10.0, 33.0])
 def test_a_frequency_at_which_nothing_oscillates_is_refused(wrong, rng):
-    with pytest.raises(DataError, match=r"does not oscillate at .* rad/s \(.* Hz\); give the frequency") as refused:
+    with pytest.raises(
+        DataError, match=r"does not oscillate at .* rad/s \(.* Hz\); give the frequency"
+    ) as refused:
         harmonics_of(*signals(rng, cycles=20, noise=0.01), omega=wrong)
     assert "\n" not in str(refused.value)
-    assert "5 rad/s" in str(refused.value) or "5.0" in str(refused.value) or "4.99" in str(refused.value)
+    assert (
+        "5 rad/s" in str(refused.value)
+        or "5.0" in str(refused.value)
+        or "4.99" in str(refused.value)
+    )
 
 
 @pytest.mark.parametrize("samples", [40, 400, 3000])
@@ -300,23 +323,31 @@ def test_a_record_in_which_nothing_oscillates_is_refused(samples, rng):
     for _ in range(5):
         t = np.arange(samples) / 300.0
         with pytest.raises(DataError) as refused:
-            harmonics_of(t, 27.0 + 0.02 * rng.normal(size=samples), -112.0 + 0.1 * rng.normal(size=samples))
+            harmonics_of(
+                t, 27.0 + 0.02 * rng.normal(size=samples), -112.0 + 0.1 * rng.normal(size=samples)
+            )
         assert "\n" not in str(refused.value)
-        assert re.search("nothing oscillates|no frequency found|one is needed|too few", str(refused.value))
+        assert re.search(
+            "nothing oscillates|no frequency found|one is needed|too few", str(refused.value)
+        )
 
 
 def test_a_faint_oscillation_is_not_taken_for_nothing(rng):
     """A fifth of the noise of a single sample, in 4000 of them."""
     t = np.linspace(0.0, 40.0, 4000)
     q, u = np.cos(5.0 * t), (STIFFNESS * np.exp(5j * t)).real
-    found = harmonics_of(t, q + 5.0 * rng.normal(size=4000), u + 5.0 * rng.normal(size=4000), window=(0.0, 40.0))
+    found = harmonics_of(
+        t, q + 5.0 * rng.normal(size=4000), u + 5.0 * rng.normal(size=4000), window=(0.0, 40.0)
+    )
     assert found.omega == pytest.approx(5.0, rel=0.02)
 
 
 def test_a_weak_but_real_second_tone_can_be_asked_for(rng):
     t, q, u = signals(rng, cycles=20, noise=0.01)
     tone = np.exp(1j * 13.0 * t)
-    found = harmonics_of(t, q + 0.1 * tone.real, u + 0.1 * (200j * tone).real, omega=13.0, window=(0.0, t[-1]))
+    found = harmonics_of(
+        t, q + 0.1 * tone.real, u + 0.1 * (200j * tone).real, omega=13.0, window=(0.0, t[-1])
+    )
     assert abs(found.stiffness - 200j) < 4 * abs(found.sd)
 
 
@@ -344,7 +375,10 @@ def test_a_damper_that_gives_work_away_is_told(force, says):
 
 def test_the_work_of_a_cycle_counts_all_harmonics():
     time = np.linspace(0.0, 40.0, 40_000)
-    moved, pulled = np.cos(2 * time) + 0.1 * np.cos(6 * time), 3 * np.cos(2 * time + 0.5) + np.cos(6 * time + 1.0)
+    moved, pulled = (
+        np.cos(2 * time) + 0.1 * np.cos(6 * time),
+        3 * np.cos(2 * time + 0.5) + np.cos(6 * time + 1.0),
+    )
     found = harmonics_of(time, moved, pulled)
     expected = np.pi * (3 * np.sin(0.5) + 3 * 0.1 * np.sin(1.0))
     np.testing.assert_allclose(found.work, expected, rtol=1e-6)
@@ -353,14 +387,19 @@ def test_the_work_of_a_cycle_counts_all_harmonics():
 def test_rows_are_in_the_order_of_frequency_then_of_amplitude():
     time = np.linspace(0.0, 40.0, 4000)
     cases = (("c", 5.0, 1.0), ("b", 2.0, 3.0), ("a", 2.0, 1.0))
-    tests = [Signals(time, x * np.cos(w * time), x * np.cos(w * time + 0.3), name=n) for n, w, x in cases]
+    tests = [
+        Signals(time, x * np.cos(w * time), x * np.cos(w * time + 0.3), name=n) for n, w, x in cases
+    ]
     measured = measurement_from_signals(tests)
     assert measured.labels["file"].tolist() == ["a", "b", "c"]
     np.testing.assert_allclose(measured.conditions["amplitude"], [1.0, 3.0, 1.0], rtol=1e-6)
 
 
 def test_the_longest_records_have_a_threshold():
-    """A chance of 0.1 % among 1e14 candidates is lost beside one; the tail of F with two degrees is exponential."""
+    """A chance of 0.1 % among 1e14 candidates is lost beside one.
+
+    The tail of F with two degrees is exponential.
+    """
     samples = 1e7
     highest = highest_of_noise(samples, 0.5 * samples**2)
     assert highest == pytest.approx(np.log(0.5 * samples**2 / (1.0 - SIGNALS.motion)), rel=1e-4)

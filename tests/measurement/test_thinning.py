@@ -1,4 +1,4 @@
-"""Of very many points those that are diagnosed: every sweep over its whole range, with its repeats."""
+"""Points diagnosed out of very many: every sweep over its whole range, with its repeats."""
 
 import numpy as np
 import pytest
@@ -44,12 +44,17 @@ def test_a_dense_sweep_does_not_crowd_out_a_short_one():
     assert np.sum(kept.conditions["temperature"] == 40.0) == 10
 
 
-@pytest.mark.parametrize(("sweeps", "points", "repeats"), [(900, 5, 1), (4, 3, 900), (1, 1, 4000), (1, 5, 1000)])
+@pytest.mark.parametrize(
+    ("sweeps", "points", "repeats"), [(900, 5, 1), (4, 3, 900), (1, 1, 4000), (1, 5, 1000)]
+)
 def test_never_too_many_and_never_one_end_only(sweeps, points, repeats):
     f, t, k = (
         c.ravel()
         for c in np.meshgrid(
-            np.geomspace(1.0, 10.0, points), 5.0 * np.arange(sweeps), np.arange(repeats), indexing="ij"
+            np.geomspace(1.0, 10.0, points),
+            5.0 * np.arange(sweeps),
+            np.arange(repeats),
+            indexing="ij",
         )
     )
     given = {"repeat": k} if repeats > 1 else {}
@@ -60,7 +65,10 @@ def test_never_too_many_and_never_one_end_only(sweeps, points, repeats):
 
 
 def test_a_ramp_of_the_temperature_keeps_all_its_frequencies():
-    t, f = (c.ravel() for c in np.meshgrid(np.linspace(-20.0, 60.0, 800), [1.0, 3.0, 10.0, 30.0], indexing="ij"))
+    t, f = (
+        c.ravel()
+        for c in np.meshgrid(np.linspace(-20.0, 60.0, 800), [1.0, 3.0, 10.0, 30.0], indexing="ij")
+    )
     kept = thinned(data(f, conditions={"temperature": t}))
     for each in (1.0, 3.0, 10.0, 30.0):
         at = np.isclose(kept.frequency, each)

@@ -41,7 +41,9 @@ def test_a_record_that_begins_late_rose_from_nothing():
     assert late.loading.time[0] == 0.0
     assert late.loading.value[0] == 0.0
     assert late.rise == pytest.approx(0.1)
-    given_ramp = TimeTest.of_history([0.1, 0.2, 3.0], [0.03, 0.03, 0.03], [4.0, 3.0, 1.0], "-", "Pa", rise=0.02)
+    given_ramp = TimeTest.of_history(
+        [0.1, 0.2, 3.0], [0.03, 0.03, 0.03], [4.0, 3.0, 1.0], "-", "Pa", rise=0.02
+    )
     assert given_ramp.rise == pytest.approx(0.02)
 
 
@@ -65,7 +67,9 @@ def test_a_loading_is_its_jumps_and_the_rest(times, values):
     at = at[~np.isin(np.round(at, 9), knots)]
     when, size = loading.jumps
     stepped = (size * (at[:, None] > when)).sum(axis=1)
-    smooth = 0.0 if loading.smooth is None else np.interp(at, loading.smooth.time, loading.smooth.value)
+    smooth = (
+        0.0 if loading.smooth is None else np.interp(at, loading.smooth.time, loading.smooth.value)
+    )
     last = np.searchsorted(knots, at, side="right")
     before, after = np.clip(last - 1, 0, None), np.clip(last, None, len(knots) - 1)
     width = np.maximum(knots[after] - knots[before], 1e-300)
@@ -129,7 +133,10 @@ def test_a_computed_record_has_no_noise_but_a_floor():
 
 
 def test_a_force_that_was_held_and_released_was_imposed():
-    """Of a creep with recovery neither channel stands still in the end: the force has two levels, and that tells."""
+    """Of a creep with recovery neither channel stands still in the end.
+
+    The force has two levels, and that tells.
+    """
     t = np.linspace(0.0, 20.0, 400)
     force = np.where((t > 0.1) & (t < 8.0), 2.0, 0.0)
     crept = np.where(t < 8.0, np.sqrt(np.maximum(t - 0.1, 0.0)), 2.8 * np.exp(-0.3 * (t - 8.0)))
@@ -147,7 +154,9 @@ def test_too_few_samples_are_told(count):
         lambda: TimeTest.planned(time, time, "mm"),
         lambda: TimeTest.of_relaxation(time, time, "Pa"),
     ):
-        with pytest.raises(DataError, match=f"{count} samples with all of their numbers are no test in time"):
+        with pytest.raises(
+            DataError, match=f"{count} samples with all of their numbers are no test in time"
+        ):
             make()
 
 

@@ -61,11 +61,19 @@ def test_temperatures(value, unit, celsius):
 @pytest.mark.parametrize(
     ("written", "unit"),
     [
-        ("µN.m", "uN m"), ("[°C]", "degC"), ("rad·s-1", "rad/s"),
-        ("mPa.s", "mPa s"), ("Pas", "Pa s"), ("1/Pa", "1/Pa"),
-        ("rad/(N.m)", "rad/N m"), ("dyn/cm2", "dyn/cm^2"), ("kN*s/m", "kN s/m"), ("Nm/rad", "N m/rad"), ("", "-"),
+        ("µN.m", "uN m"),
+        ("[°C]", "degC"),
+        ("rad·s-1", "rad/s"),
+        ("mPa.s", "mPa s"),
+        ("Pas", "Pa s"),
+        ("1/Pa", "1/Pa"),
+        ("rad/(N.m)", "rad/N m"),
+        ("dyn/cm2", "dyn/cm^2"),
+        ("kN*s/m", "kN s/m"),
+        ("Nm/rad", "N m/rad"),
+        ("", "-"),
     ],
-)  # fmt: skip
+)
 def test_one_spelling_of_a_unit(written, unit):
     assert normal_unit(written) == unit
     assert normal_unit(unit) == unit

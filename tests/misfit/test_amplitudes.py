@@ -17,7 +17,9 @@ GEL = 1e3 * (1.0 + 0.3 * (1j * OMEGA) ** 0.25)
 def measured(stiffness, level=0.004, **conditions):
     noise = np.random.default_rng(1).normal(size=(2, OMEGA.size))
     disturbed = stiffness * (1.0 + level * (noise[0] + 1j * noise[1]))
-    return springpot.Measurement(OMEGA, disturbed, conditions={"amplitude": AMPLITUDE, **conditions}, name="gel")
+    return springpot.Measurement(
+        OMEGA, disturbed, conditions={"amplitude": AMPLITUDE, **conditions}, name="gel"
+    )
 
 
 def notes(data):

@@ -7,9 +7,9 @@ import pytest
 
 import springpot
 from soaked import soaked
-from springpot.misfit.battery import battery
 from springpot.misfit.floor import fitted_to_floor
 from springpot.misfit.frame import near_an_alarm
+from springpot.misfit.residual_battery import battery
 from springpot.misfit.residual_tests import TESTS
 
 MODEL = springpot.parse_model("fractional-zener")
@@ -29,7 +29,7 @@ def scatter(kind, rng, shape):
 
 
 def sweeps(kind, seed=0, error=0.0):
-    """One sweep of 48 points, or three of 16 at three temperatures, with noise of 1 % of unknown size."""
+    """One sweep of 48 points, or three of 16 at three temperatures; noise of 1 %, size unknown."""
     temperature = np.repeat([0.0, 10.0, 20.0], 16) if kind == "one noisy sweep" else None
     omega = np.geomspace(0.5, 300.0, 48)
     if temperature is not None:
@@ -47,7 +47,7 @@ def judged(data):
 @pytest.mark.parametrize("kind", ["normal", "long tails", "one noisy sweep", soaked("gain only")])
 @pytest.mark.parametrize(("draws", "few", "rare"), [(12, 4, 2), soaked(24, 5, 2), soaked(60, 9, 4)])
 def test_chances_on_noise_alone_are_chances(kind, draws, few, rare):
-    """So many may be below 0.05, and so many below 0.01, but for one run in 1,000, and one in 500."""
+    """Largest counts below 0.05 and below 0.01, but for one run in 1,000 and one in 500."""
     chances = np.array([judged(sweeps(kind, seed)).p_value for seed in range(draws)])
     assert np.sum(chances < 0.05) <= few
     assert np.sum(chances < 0.01) <= rare
@@ -75,7 +75,10 @@ def test_structure_of_each_kind_raises_the_alarm_and_is_told(name):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_a_ripple_of_the_size_of_an_unknown_noise_is_seen_on_few_points(seed):
-    """Four waves on 27 points, as large as the noise: it is half of all that is left, and yet not taken for noise."""
+    """Four waves on 27 points, as large as the noise.
+
+    It is half of all that is left, and yet not taken for noise.
+    """
     omega, rng = np.geomspace(0.5, 300.0, 27), np.random.default_rng(seed)
     waves = 0.014 * np.exp(1j * (2.0 * np.pi * 4.0 * np.linspace(0.0, 1.0, 27) + seed))
     noise = 0.01 * (rng.normal(size=27) + 1j * rng.normal(size=27))
@@ -98,7 +101,11 @@ def test_sweeps_of_one_point_or_two_stand_beside_long_ones(single):
 def test_every_test_has_a_sentence_and_a_silent_battery_finds_nothing():
     found = judged(sweeps("normal", 1))
     assert not found.alarm
-    assert {finding.test for finding in found.findings} == set(found.parts) <= {test.name for test in TESTS}
+    assert (
+        {finding.test for finding in found.findings}
+        == set(found.parts)
+        <= {test.name for test in TESTS}
+    )
     assert all(finding.says and not finding.found for finding in found.findings)
 
 

@@ -18,7 +18,10 @@ TRUTH = np.array([100.0, 900.0, 60.0, 0.5])
 
 
 def melt(seed, slow=0.0, phase=0.0):
-    """Five sweeps with 0.3 % noise; `slow` moves a second process by its own factor, `phase` turns the coldest."""
+    """Five sweeps with 0.3 % noise.
+
+    `slow` moves a second process by its own factor, `phase` turns the coldest.
+    """
     rng = np.random.default_rng(seed)
     omega, celsius = np.tile(OMEGA, 5), np.repeat(CELSIUS, 16)
     shift = np.exp(-0.12 * (celsius - 10.0))
@@ -29,7 +32,9 @@ def melt(seed, slow=0.0, phase=0.0):
     coldest = celsius == CELSIUS[0]
     stiffness = stiffness * np.exp(1j * phase * coldest * np.log(omega / OMEGA[0]))
     noise = 0.003 * (rng.normal(size=80) + 1j * rng.normal(size=80))
-    return springpot.Measurement(omega, stiffness * (1.0 + noise), conditions={"temperature": celsius})
+    return springpot.Measurement(
+        omega, stiffness * (1.0 + noise), conditions={"temperature": celsius}
+    )
 
 
 def notes(measurement):

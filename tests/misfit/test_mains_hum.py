@@ -31,7 +31,9 @@ def disturbed(hertz, rng):
 
 @pytest.mark.parametrize(("hertz", "hums"), [(50.0, True), (47.0, False)])
 def test_the_note_on_a_point_that_was_set_aside_speaks_of_it(hertz, hums):
-    effects = [springpot.plugins().effect(name) for name in ("inertia", "time-delay", "phase-error")]
+    effects = [
+        springpot.plugins().effect(name) for name in ("inertia", "time-delay", "phase-error")
+    ]
     data = disturbed(hertz, np.random.default_rng(1))
     found = diagnose(data, springpot.parse_model("material"), effects, np.random.default_rng(0))
     (note,) = [note for note in found.notes if "set aside" in note]

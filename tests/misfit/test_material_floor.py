@@ -1,4 +1,7 @@
-"""The material floor is a floor: no linear passive model with the same effects is nearer to the same rows."""
+"""The material floor is a floor.
+
+No linear passive model with the same effects is nearer to the same rows.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,16 @@ from springpot.misfit import any_material
 from springpot.misfit.floor import fitted_to_floor
 from springpot.misfit.material import material_floor
 
-NETWORKS = ("springpot", "fractional-zener", "burgers", "zener", "maxwell-2", "maxwell-3", "maxwell-5", "makris")
+NETWORKS = (
+    "springpot",
+    "fractional-zener",
+    "burgers",
+    "zener",
+    "maxwell-2",
+    "maxwell-3",
+    "maxwell-5",
+    "makris",
+)
 ROUNDING = 2e-5
 """Error of a free spectrum that follows computed data."""
 
@@ -24,7 +36,9 @@ def measured(name, seed, noise, with_sd=False):
     rng = np.random.default_rng(seed)
     model = parse_model(name)
     orders = np.array([p.scale != "log" for p in model.parameters])
-    theta = np.where(orders, rng.uniform(0.2, 0.8, len(orders)), 10.0 ** rng.uniform(-1.0, 1.0, len(orders)))
+    theta = np.where(
+        orders, rng.uniform(0.2, 0.8, len(orders)), 10.0 ** rng.uniform(-1.0, 1.0, len(orders))
+    )
     count = int(rng.choice([6, 12, 30, 60]))
     omega = np.geomspace(0.01, 100.0, count)
     exact = model.stiffness(theta, omega)
@@ -49,8 +63,12 @@ def test_no_network_is_nearer_to_its_own_data_than_any_material(name, seed, nois
 
 
 @settings(max_examples=8, deadline=None, derandomize=True)
-@given(st.sampled_from(NETWORKS), st.integers(0, 10**6), st.sampled_from([1e-4, 1e-2]), st.booleans())
-def test_the_floor_is_of_the_norm_in_which_the_error_is_told_and_not_of_the_fit(name, seed, noise, with_sd):
+@given(
+    st.sampled_from(NETWORKS), st.integers(0, 10**6), st.sampled_from([1e-4, 1e-2]), st.booleans()
+)
+def test_the_floor_is_of_the_norm_in_which_the_error_is_told_and_not_of_the_fit(
+    name, seed, noise, with_sd
+):
     model, theta, _, data = measured(name, seed, noise, with_sd)
     if 2 * len(data) <= len(theta):
         return
@@ -59,7 +77,10 @@ def test_the_floor_is_of_the_norm_in_which_the_error_is_told_and_not_of_the_fit(
     plain = Measurement(data.omega, data.stiffness)
     nearest = fit(model, plain, seeds_theta=[theta])
     assert floor.relative_rms <= base.relative_rms
-    assert floor.relative_rms <= 1.01 * error_of(model.stiffness(nearest.theta, data.omega), plain) + ROUNDING
+    assert (
+        floor.relative_rms
+        <= 1.01 * error_of(model.stiffness(nearest.theta, data.omega), plain) + ROUNDING
+    )
 
 
 @pytest.mark.parametrize("effect", ["inertia", "series-spring"])

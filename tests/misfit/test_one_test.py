@@ -5,23 +5,27 @@ import pytest
 
 import springpot
 from springpot.misfit.floor import fitted_to_floor
-from springpot.misfit.leftover import column_behind, one_test_of
+from springpot.misfit.residual_causes import column_behind, one_test_of
 
 CELSIUS = np.repeat(np.linspace(0.0, 50.0, 6), 8)
 OMEGA = 2.0 * np.pi * np.tile(np.geomspace(0.1, 30.0, 8), 6)
 
 
 def table(rng, name, number, gain=1.0):
-    """A fractional Kelvin element of which the times change with the temperature, which the model does not know."""
+    """A fractional Kelvin element whose times vary with temperature, unknown to the model."""
     stiffness = gain * (60.0 + 40.0 * (1j * OMEGA * np.exp(-0.05 * (CELSIUS - 25.0))) ** 0.4)
     real, imaginary = 0.003 * rng.normal(size=(2, len(OMEGA)))
     return springpot.Measurement(
-        OMEGA, stiffness * (1.0 + real + 1j * imaginary), conditions={"temperature": CELSIUS, name: number}
+        OMEGA,
+        stiffness * (1.0 + real + 1j * imaginary),
+        conditions={"temperature": CELSIUS, name: number},
     )
 
 
 def advice(data):
-    column = column_behind(fitted_to_floor(springpot.parse_model("fractional-kelvin"), data).frame())
+    column = column_behind(
+        fitted_to_floor(springpot.parse_model("fractional-kelvin"), data).frame()
+    )
     return one_test_of(data, column)
 
 

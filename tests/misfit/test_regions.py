@@ -11,8 +11,14 @@ ALARM = 0.003
 def furthest(n, dof, draws=30000):
     """Largest |mean| of any run of n points of noise in its standard deviations, by hand."""
     rng = np.random.default_rng(5)
-    sums = np.concatenate([np.zeros((draws, 1)), np.cumsum(rng.standard_normal((draws, n)), axis=1)], axis=1)
-    runs = [np.abs(sums[:, j] - sums[:, i]) / np.sqrt(j - i) for i in range(n) for j in range(i + 1, n + 1)]
+    sums = np.concatenate(
+        [np.zeros((draws, 1)), np.cumsum(rng.standard_normal((draws, n)), axis=1)], axis=1
+    )
+    runs = [
+        np.abs(sums[:, j] - sums[:, i]) / np.sqrt(j - i)
+        for i in range(n)
+        for j in range(i + 1, n + 1)
+    ]
     scale = 1.0 if dof == np.inf else rng.chisquare(dof, draws) / dof
     return np.max(runs, axis=0) / np.sqrt(scale)
 

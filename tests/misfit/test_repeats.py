@@ -11,7 +11,10 @@ from springpot.misfit.repeats import repeats_structure, sets_apart
 
 def repeated(seed=3):
     """Eight points, some measured twice and some three times, in no order."""
-    point, repeat = np.repeat(np.arange(8), [2, 3] * 4), np.concatenate([np.arange(c) for c in [2, 3] * 4])
+    point, repeat = (
+        np.repeat(np.arange(8), [2, 3] * 4),
+        np.concatenate([np.arange(c) for c in [2, 3] * 4]),
+    )
     rng = np.random.default_rng(seed)
     order = rng.permutation(len(point))
     k = 100.0 + rng.standard_normal(20) + 1j * (10.0 + rng.standard_normal(20))
@@ -19,7 +22,10 @@ def repeated(seed=3):
 
 
 def test_simulated_repeats_lose_their_own_means(monkeypatch):
-    """By hand with the same draws: the chance of the drift of the deviations, each point's mean taken away."""
+    """By hand with the same draws.
+
+    The chance of the drift of the deviations, each point's mean taken away.
+    """
     data, n = repeated(), 20
     noise = np.random.default_rng(7).standard_normal((DRAWS, 2, n))
     for point in range(8):
@@ -45,7 +51,7 @@ ALONG = np.linspace(-1.0, 1.0, 30)
 
 
 def three_runs(error, seed=0):
-    """A sweep measured three times with noise of 0.5 %, and a relative error (30,) of each run beside it."""
+    """A sweep measured three times with noise of 0.5 % and a relative error (30,) of each run."""
     rng = np.random.default_rng(seed)
     omega, repeat = np.tile(SWEEP, 3), np.repeat([1, 2, 3], 30)
     noise = 0.005 * (rng.normal(size=90) + 1j * rng.normal(size=90))
@@ -89,14 +95,21 @@ def test_one_slow_curve_over_all_rows_is_a_drift_and_curves_of_runs_are_none():
     assert creeping.drift > 0.75
     steps = iter([0.05, -0.1, 0.05])
     jumping = sets_apart(
-        average_repeats(three_runs(lambda rng: np.full(30, next(steps)) + 0.03 * ALONG * rng.normal()))
+        average_repeats(
+            three_runs(lambda rng: np.full(30, next(steps)) + 0.03 * ALONG * rng.normal())
+        )
     )
     assert not jumping.one_curve
 
 
-@pytest.mark.parametrize(("gains", "told"), [((0.03, 0.0, -0.01), True), ((0.0, 0.03, -0.01), False)])
+@pytest.mark.parametrize(
+    ("gains", "told"), [((0.03, 0.0, -0.01), True), ((0.0, 0.03, -0.01), False)]
+)
 def test_runs_that_go_one_way_are_said_to_drift_if_they_are_one_specimen(gains, told):
-    """Three specimens stand in one order or the other by chance: it is a word in a note, and no verdict."""
+    """Three specimens stand in one order or the other by chance.
+
+    It is a word in a note, and no verdict.
+    """
     rng = np.random.default_rng(3)
     omega = np.tile(np.geomspace(1.0, 300.0, 40), 3)
     gain = 1.0 + np.repeat(gains, 40)
@@ -113,7 +126,9 @@ def test_runs_that_go_one_way_are_said_to_drift_if_they_are_one_specimen(gains, 
 
 
 @pytest.mark.parametrize(("shared", "verdict"), [(0.012, "unexplained"), (0.0, "adequate")])
-def test_errors_that_neighbours_share_are_seen_in_repeats_and_in_their_mean_together(shared, verdict):
+def test_errors_that_neighbours_share_are_seen_in_repeats_and_in_their_mean_together(
+    shared, verdict
+):
     """Neither alone is beyond chance; of the product of two chances it is."""
     rng = np.random.default_rng(11)
     omega = np.geomspace(1.0, 300.0, 40)
@@ -137,7 +152,10 @@ def test_errors_that_neighbours_share_are_seen_in_repeats_and_in_their_mean_toge
 
 
 def test_one_specimen_that_drifts_is_not_taken_for_several():
-    """Four runs, one after another, while the stiffness settles: with a gain of each run the drift were hidden."""
+    """Four runs, one after another, while the stiffness settles.
+
+    With a gain of each run the drift were hidden.
+    """
     drifts, specimens = 0, 0
     for seed in range(20):
         rng = np.random.default_rng([17, seed])
@@ -146,7 +164,11 @@ def test_one_specimen_that_drifts_is_not_taken_for_several():
         stiffness = 1e4 * omega**0.3 * (1.0 + 0.2j) * (1.0 + noise)
         settling = 1.0 + 0.04 * np.exp(-np.arange(80) / 30.0)
         gains = 1.0 + 0.02 * rng.standard_normal(4)[repeat]
-        drifts += average_repeats(Measurement(omega, stiffness * settling, repeat=repeat)).own_gain == 0.0
-        specimens += average_repeats(Measurement(omega, stiffness * gains, repeat=repeat)).own_gain > 0.0
+        drifts += (
+            average_repeats(Measurement(omega, stiffness * settling, repeat=repeat)).own_gain == 0.0
+        )
+        specimens += (
+            average_repeats(Measurement(omega, stiffness * gains, repeat=repeat)).own_gain > 0.0
+        )
     assert drifts >= 18
     assert specimens >= 18

@@ -1,4 +1,7 @@
-"""Where a model fails: along frequency, temperature and amplitude; nothing where there is only noise."""
+"""Where a model fails: along frequency, temperature and amplitude.
+
+Nothing where there is only noise.
+"""
 
 import numpy as np
 import pytest
@@ -16,10 +19,18 @@ def stiffness(omega):
     return 100.0 + 40.0 * (1j * omega) ** 0.4
 
 
-def frame(*, frequencies=20, temperatures=(), amplitudes=(), off=None, seed=1, dof=np.inf, level=LEVEL):
-    """A fit whose misfit, relative to the modelled |K|, is `off(f, T, X)`, plus noise; nothing was absorbed."""
+def frame(
+    *, frequencies=20, temperatures=(), amplitudes=(), off=None, seed=1, dof=np.inf, level=LEVEL
+):
+    """A fit whose misfit, relative to the modelled |K|, is `off(f, T, X)`, plus noise.
+
+    Nothing was absorbed.
+    """
     f = np.geomspace(0.1, 100.0, frequencies) if frequencies > 1 else np.array([2.0])
-    f, t, x = (c.ravel() for c in np.meshgrid(f, temperatures or [20.0], amplitudes or [1.0], indexing="ij"))
+    f, t, x = (
+        c.ravel()
+        for c in np.meshgrid(f, temperatures or [20.0], amplitudes or [1.0], indexing="ij")
+    )
     modelled = stiffness(2 * np.pi * f)
     rng = np.random.default_rng(seed)
     sd = level * np.abs(modelled)
@@ -28,7 +39,9 @@ def frame(*, frequencies=20, temperatures=(), amplitudes=(), off=None, seed=1, d
     misfit = 0.0 if off is None else off(f, t, x) * np.abs(modelled)
     conditions = {"temperature": t} if temperatures else {}
     conditions |= {"amplitude": x} if amplitudes else {}
-    data = Measurement(2 * np.pi * f, modelled + misfit + noise, conditions=conditions, units=Units("kN/m", "mm"))
+    data = Measurement(
+        2 * np.pi * f, modelled + misfit + noise, conditions=conditions, units=Units("kN/m", "mm")
+    )
     weights = (1.0 + 1.0j) / (scale * sd)
     return Frame(data, modelled, weights, np.zeros((0, len(f)), dtype=complex), dof)
 
@@ -39,7 +52,9 @@ def says(fit):
 
 def test_a_misfit_that_changes_sign_with_temperature_is_told_per_temperature():
     """Its mean over the temperatures is nothing."""
-    found = says(frame(temperatures=(0.0, 20.0, 40.0, 60.0), off=lambda f, t, x: (t - 30.0) / 100.0))
+    found = says(
+        frame(temperatures=(0.0, 20.0, 40.0, 60.0), off=lambda f, t, x: (t - 30.0) / 100.0)
+    )
     assert len(found) == 2
     low, high = sorted(found, key=lambda sentence: "too high" in sentence)
     assert "too low at all frequencies at 40 degC and above" in low
@@ -98,16 +113,22 @@ def test_a_notch_is_no_ripple():
 
 def test_few_sentences_however_ragged_the_misfit():
     ragged = np.random.default_rng(3).normal(size=(24, 5))
-    fit = frame(frequencies=24, temperatures=(0.0, 10.0, 20.0, 30.0, 40.0), off=lambda f, t, x: 0.3 * ragged.ravel())
+    fit = frame(
+        frequencies=24,
+        temperatures=(0.0, 10.0, 20.0, 30.0, 40.0),
+        off=lambda f, t, x: 0.3 * ragged.ravel(),
+    )
     assert 1 <= len(where(fit)) <= MOST
 
 
 @pytest.mark.parametrize("step", [5.0, 0.5, 0.3])
 @pytest.mark.parametrize("frequencies", [1, 2])
 def test_a_sweep_of_the_temperature_without_steps_is_told_along_the_temperature(step, frequencies):
-    """Neighbours that lie as close as the drift of one value are not one value if they go on for 80 K."""
+    """Neighbours as close as the drift of one value are not one value if they go on for 80 K."""
     celsius = tuple(np.arange(-20.0, 60.1, step))
-    found = says(frame(frequencies=frequencies, temperatures=celsius, off=lambda f, t, x: (t - 20.0) / 100.0))
+    found = says(
+        frame(frequencies=frequencies, temperatures=celsius, off=lambda f, t, x: (t - 20.0) / 100.0)
+    )
     assert len(found) == 2
     low, high = sorted(found, key=lambda sentence: "too high" in sentence)
     assert "degC and above, larger at higher temperatures" in low
@@ -132,7 +153,10 @@ def test_a_value_that_drifts_about_its_setting_is_one_value():
 @pytest.mark.parametrize("along", ["omega", "temperature", "amplitude"])
 def test_a_ripple_has_a_period_in_decades_only_along_the_frequency(along):
     swept = {
-        "omega": {"frequencies": 60, "off": lambda f, t, x: 0.03 * np.sin(2.0 * np.pi * 4.0 * np.log10(f))},
+        "omega": {
+            "frequencies": 60,
+            "off": lambda f, t, x: 0.03 * np.sin(2.0 * np.pi * 4.0 * np.log10(f)),
+        },
         "temperature": {
             "frequencies": 2,
             "temperatures": tuple(np.arange(0.0, 100.0)),
@@ -152,8 +176,14 @@ def test_a_ripple_has_a_period_in_decades_only_along_the_frequency(along):
 def test_that_a_misfit_is_the_same_at_all_frequencies_is_said_once():
     everywhere = says(frame(temperatures=(0.0, 20.0, 40.0), off=lambda f, t, x: 0.1 * (t < 30.0)))
     assert everywhere
-    assert all("same at all frequencies" not in sentence and "level" not in sentence for sentence in everywhere)
-    assert "too low at all frequencies at 20 degC and below, the same at all these temperatures" in everywhere[0]
+    assert all(
+        "same at all frequencies" not in sentence and "level" not in sentence
+        for sentence in everywhere
+    )
+    assert (
+        "too low at all frequencies at 20 degC and below, the same at all these temperatures"
+        in everywhere[0]
+    )
     above = says(frame(off=lambda f, t, x: 30.0 * (f > 3.0) / np.abs(stiffness(2 * np.pi * f))))
     assert any("Hz, level along frequency" in sentence for sentence in above)
 
@@ -184,7 +214,12 @@ def test_a_ripple_counts_among_the_places():
         {"frequencies": 40, "dof": 50.0},
         {"frequencies": 1, "amplitudes": tuple(np.geomspace(0.1, 10.0, 20))},
         {"frequencies": 12, "temperatures": (0.0, 10.0, 20.0, 30.0)},
-        {"frequencies": 8, "temperatures": (0.0, 20.0, 40.0), "amplitudes": (0.1, 0.3, 1.0), "dof": 80.0},
+        {
+            "frequencies": 8,
+            "temperatures": (0.0, 20.0, 40.0),
+            "amplitudes": (0.1, 0.3, 1.0),
+            "dof": 80.0,
+        },
     ],
 )
 @pytest.mark.parametrize(("draws", "most"), [(20, 2), soaked(60, 4)])

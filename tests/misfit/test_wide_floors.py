@@ -1,4 +1,7 @@
-"""The noise floor and the material floor over 58 decades of reduced frequency: neither gives way to rounding."""
+"""The noise floor and the material floor over 58 decades of reduced frequency.
+
+Neither gives way to rounding.
+"""
 
 import numpy as np
 import pytest

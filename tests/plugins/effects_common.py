@@ -7,7 +7,8 @@ import numpy as np
 from springpot.registry import plugins
 from springpot.rheology import Effect, Model, Parameter, Points
 
-# Those with a factor for each level have no parameters before they meet data: tests/rheology/test_levels.py.
+# Those with a factor for each level have no parameters before they meet data:
+# tests/rheology/test_levels.py.
 EFFECTS = {effect.name: effect for effect in plugins().items("effect") if not effect.by_levels}
 BASES = {
     "fractional-zener": {"k1": 1.0, "k2": 3.0, "c": 0.8, "alpha": 0.6},
@@ -20,10 +21,33 @@ POINTS = Points(
     reference_temperature=298.0,
 )
 SIZES = {
-    "omega_r": 9.0, "zeta": 0.2, "phi": 0.3, "g": 0.2, "e": 0.15, "tau": 0.07, "k3": -0.2, "q": -0.05, "n": 1.3,
-    "C1": 8.0, "C2": 120.0, "Ea": 40.0, "b": 0.5, "F": 0.4, "a": 0.4, "alpha": 0.35, "h": 0.5, "m": 0.3, "k": 1.5,
-    "Xc": 1.2, "s": 0.2, "c": 0.6, "c3": 0.05, "beta": 0.6, "Xh": 0.8, "Vc": 1.7,
-}  # fmt: skip
+    "omega_r": 9.0,
+    "zeta": 0.2,
+    "phi": 0.3,
+    "g": 0.2,
+    "e": 0.15,
+    "tau": 0.07,
+    "k3": -0.2,
+    "q": -0.05,
+    "n": 1.3,
+    "C1": 8.0,
+    "C2": 120.0,
+    "Ea": 40.0,
+    "b": 0.5,
+    "F": 0.4,
+    "a": 0.4,
+    "alpha": 0.35,
+    "h": 0.5,
+    "m": 0.3,
+    "k": 1.5,
+    "Xc": 1.2,
+    "s": 0.2,
+    "c": 0.6,
+    "c3": 0.05,
+    "beta": 0.6,
+    "Xh": 0.8,
+    "Vc": 1.7,
+}
 
 
 def size(parameter: Parameter) -> float:
@@ -59,4 +83,7 @@ def cauchy(function, x: float, radius: float, nodes: int = 24) -> np.ndarray:
 def stencil(function, x: float, step: float) -> np.ndarray:
     """Derivative at x of a function of a real variable, by central differences of eighth order."""
     weights = {1: 4 / 5, 2: -1 / 5, 3: 4 / 105, 4: -1 / 280}
-    return sum(w * (function(x + i * step) - function(x - i * step)) for i, w in weights.items()) / step
+    return (
+        sum(w * (function(x + i * step) - function(x - i * step)) for i, w in weights.items())
+        / step
+    )

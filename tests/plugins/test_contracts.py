@@ -12,15 +12,20 @@ from springpot.registry import plugins
 from springpot.testing import PluginContract
 
 SHARED = Path(
-    os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0] or Path(__file__).parents[3] / "shared" / "data"
+    os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0]
+    or Path(__file__).parents[3] / "shared" / "data"
 )
 SIGNALS = b"time [s],displacement [mm],force [N]\n" + b"".join(
-    b"%.2f,%.6f,%.6f\n" % (0.01 * i, (7 * i % 20) / 10 - 1, (7 * i % 20) / 5 + (3 * i % 20) / 10) for i in range(200)
+    b"%.2f,%.6f,%.6f\n" % (0.01 * i, (7 * i % 20) / 10 - 1, (7 * i % 20) / 5 + (3 * i % 20) / 10)
+    for i in range(200)
 )
 
 
 def samples() -> dict[str, list[Path | bytes]]:
-    """Files by the name of the reader that knows them: those of the instruments are in the shared data."""
+    """Files by the name of the reader that knows them.
+
+    Those of the instruments are in the shared data.
+    """
     found: dict[str, list[Path | bytes]] = {"signals-csv": [SIGNALS]}
     readers = list(plugins().items("reader"))
     for path in sorted((SHARED / "instrument-files").glob("*.[ct][sx][vt]")):
@@ -41,7 +46,8 @@ class TestModels(PluginContract):
 
 class TestEffects(PluginContract):
     plugin = "springpot_plugins.effects"
-    # Their parameter is the force at one amplitude unit per second, which is another speed in other units.
+    # Their parameter is the force at one amplitude unit per second, which is another speed in other
+    # units.
     skip: ClassVar = {"power-law-damper": ["units"], "power-law-slip": ["units"]}
 
 
@@ -60,7 +66,8 @@ class TestDataSets(PluginContract):
 class TestReaders(PluginContract):
     plugin = "springpot_plugins.readers"
     samples = SAMPLES
-    # Where the shared data are absent, some readers have no sample; their own tests build small files.
+    # Where the shared data are absent, some readers have no sample; their own tests build small
+    # files.
     skip: ClassVar = {
         reader.name: ["samples"]
         for reader in plugins().items("reader")

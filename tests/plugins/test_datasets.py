@@ -20,9 +20,12 @@ from springpot_plugins.datasets import (
 from springpot_plugins.datasets.artificial import TRUTH
 
 SHARED = Path(
-    os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0] or Path(__file__).parents[3] / "shared" / "data"
+    os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0]
+    or Path(__file__).parents[3] / "shared" / "data"
 )
-needs_shared = pytest.mark.skipif(not SHARED.is_dir(), reason="no shared data beside the checkout (SPRINGPOT_DATA)")
+needs_shared = pytest.mark.skipif(
+    not SHARED.is_dir(), reason="no shared data beside the checkout (SPRINGPOT_DATA)"
+)
 
 
 @pytest.fixture
@@ -75,7 +78,12 @@ def test_noise_has_its_seed_its_size_and_its_sides(model):
     one, again = opened(f"artificial-{model}-noise1"), artificial.artificial(model, 0.01)
     assert one.stiffness.tobytes() == again.stiffness.tobytes()
     assert one.stiffness.tobytes() != artificial.artificial(model, 0.01, seed=1).stiffness.tobytes()
-    for name, bound in (("noise1", 0.011), ("noise2", 0.022), ("symmetric1", 0.022), ("symmetric2", 0.045)):
+    for name, bound in (
+        ("noise1", 0.011),
+        ("noise2", 0.022),
+        ("symmetric1", 0.022),
+        ("symmetric2", 0.045),
+    ):
         error = np.abs(opened(f"artificial-{model}-{name}").stiffness / exact.stiffness - 1)
         assert 0.1 * bound < error.max() < bound
     with pytest.raises(DataError, match="no artificial data"):
@@ -94,7 +102,9 @@ def test_fluid_reconstructions_follow_eq_29_and_30():
     e, eta, a = 30474.4, 1781.8, 0.8937
     power = (eta / e) * found.omega**a
     below = 1 + 2 * power * np.cos(a * np.pi / 2) + power**2
-    np.testing.assert_allclose(found.storage, e * power * (power + np.cos(a * np.pi / 2)) / below, rtol=1e-12)
+    np.testing.assert_allclose(
+        found.storage, e * power * (power + np.cos(a * np.pi / 2)) / below, rtol=1e-12
+    )
     np.testing.assert_allclose(found.loss, e * power * np.sin(a * np.pi / 2) / below, rtol=1e-12)
     assert found.frequency.min() == pytest.approx(0.3)
     assert found.frequency.max() == pytest.approx(5.0)
@@ -138,7 +148,9 @@ def test_rheodata_frequency_sweep():
 def test_choosing_rows():
     whole = nist.datasets()[0].open()
     assert len(select(whole, {"temperature": "20.3"})) == 16
-    with pytest.raises(DataError, match=r"no temperature near 25 \(there are: 0, 10, 20, 30, 40, 50\)"):
+    with pytest.raises(
+        DataError, match=r"no temperature near 25 \(there are: 0, 10, 20, 30, 40, 50\)"
+    ):
         select(whole, {"temperature": "25"})
     with pytest.raises(DataError, match="no condition 'colour'"):
         select(whole, {"colour": "red"})
@@ -151,7 +163,9 @@ def folder(tmp_path, monkeypatch):
     """A data directory with one set."""
     place = tmp_path / "my-damper"
     place.mkdir()
-    (place / "raw.csv").write_text('f;Ks;Kl;bath;what\n1;2;3;20;"Lane 1 (new)"\n2;3;4;20;"Lane 10 (new)"\n')
+    (place / "raw.csv").write_text(
+        'f;Ks;Kl;bath;what\n1;2;3;20;"Lane 1 (new)"\n2;3;4;20;"Lane 10 (new)"\n'
+    )
     monkeypatch.setenv(folders.VARIABLE, str(tmp_path))
     return place
 
@@ -242,7 +256,10 @@ def test_conditions_of_the_shared_sets(monkeypatch, spec, rows):
 
 @needs_shared
 def test_friction_signals_agree_with_the_table_of_their_harmonics(monkeypatch):
-    """43 records: first harmonics within a few per cent of an independent fit, frequencies nearer to the nominal."""
+    """43 records: first harmonics within a few per cent of an independent fit.
+
+    Their frequencies are nearer to the nominal ones.
+    """
     from springpot.registry import signals_to_measurement
 
     place = SHARED / "friction-damper-brfd-lehigh" / "signals"
@@ -250,7 +267,10 @@ def test_friction_signals_agree_with_the_table_of_their_harmonics(monkeypatch):
         pytest.skip("no signals in the shared data")
     monkeypatch.setenv(folders.VARIABLE, str(SHARED))
     table = opened("friction-damper-brfd-lehigh")
-    row = {name.replace("/", "_").removesuffix(".json"): i for i, name in enumerate(table.labels["file"].tolist())}
+    row = {
+        name.replace("/", "_").removesuffix(".json"): i
+        for i, name in enumerate(table.labels["file"].tolist())
+    }
     found = signals_to_measurement(sorted(place.glob("*.csv")))
     where = [row[name] for name in found.labels["file"].tolist()]
     error = np.abs(found.stiffness / table.stiffness[where] - 1)

@@ -1,4 +1,4 @@
-"""Data sets that are downloaded once: from a server in this process, since tests need no network."""
+"""Data sets downloaded once, from a server in this process, since tests need no network."""
 
 import hashlib
 import os
@@ -67,7 +67,14 @@ def certificate(tmp_path_factory):
         pytest.skip("no openssl to make a certificate with")
     folder = tmp_path_factory.mktemp("certificate")
     made = ["req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=127.0.0.1"]
-    names = ["-addext", "subjectAltName=IP:127.0.0.1", "-keyout", str(folder / "key"), "-out", str(folder / "own")]
+    names = [
+        "-addext",
+        "subjectAltName=IP:127.0.0.1",
+        "-keyout",
+        str(folder / "key"),
+        "-out",
+        str(folder / "own"),
+    ]
     subprocess.run([program, *made, *names], check=True, capture_output=True)
     return folder
 
@@ -122,7 +129,9 @@ def test_a_file_of_other_content_is_never_replaced(server, tmp_path):
     assert len(dataset.open()) == 2
 
 
-def test_a_file_that_appears_during_the_download_is_not_replaced_either(server, tmp_path, monkeypatch):
+def test_a_file_that_appears_during_the_download_is_not_replaced_either(
+    server, tmp_path, monkeypatch
+):
     put = download._put
 
     def late(draft, path):
@@ -146,7 +155,9 @@ def test_of_two_processes_that_fetch_a_file_at_once_both_have_it(server, tmp_pat
     assert [path.read_bytes() for path in left(tmp_path)] == [CONTENT]
 
 
-def test_a_file_that_another_process_puts_there_before_the_download_is_used(server, tmp_path, monkeypatch):
+def test_a_file_that_another_process_puts_there_before_the_download_is_used(
+    server, tmp_path, monkeypatch
+):
     asked, exists = [], Path.exists
 
     def late(path, **options):
@@ -230,7 +241,9 @@ def test_a_file_that_is_here_is_not_fetched(server, tmp_path, monkeypatch):
     place = tmp_path / "data" / "my-damper"
     place.mkdir(parents=True)
     (place / "raw.csv").write_bytes(CONTENT + b"4;5;6\n")
-    (place / "dataset.toml").write_text(MANIFEST.format(url="https://127.0.0.1:9/raw.csv", sha256="0" * 64))
+    (place / "dataset.toml").write_text(
+        MANIFEST.format(url="https://127.0.0.1:9/raw.csv", sha256="0" * 64)
+    )
     monkeypatch.setenv(folders.VARIABLE, str(tmp_path / "data"))
     [dataset] = [found for found in folders.datasets() if found.name == "my-damper"]
     assert len(dataset.open()) == 3
@@ -278,7 +291,9 @@ def test_a_file_that_is_gone_and_a_server_that_is_not_there(server, tmp_path):
 def test_without_pooch_it_says_what_to_install(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pooch", None)
     monkeypatch.setattr(download, "find_spec", lambda name: None)
-    said = read_manifest(MANIFEST.format(url="https://example.org/a.csv", sha256="0" * 64), tmp_path, "m").dataset()
+    said = read_manifest(
+        MANIFEST.format(url="https://example.org/a.csv", sha256="0" * 64), tmp_path, "m"
+    ).dataset()
     assert "pip install 'springpot[download]'" in said.unavailable
     assert "pip install 'springpot[download]'" in complaint(said)
     with pytest.raises(DataError, match="pip install"):
@@ -328,10 +343,21 @@ def test_every_described_set_whose_folder_is_here_opens(monkeypatch):
     sets = list(springpot_datasets())
     names = [name for dataset in sets for name in (dataset.name, *dataset.aliases)]
     assert len(names) == len(set(names))
-    described = [dataset for dataset in sets if {dataset.name, *dataset.aliases} & set(os.listdir(SHARED))]
+    described = [
+        dataset for dataset in sets if {dataset.name, *dataset.aliases} & set(os.listdir(SHARED))
+    ]
     assert described, "none of the folders there is known"
     for dataset in described:
-        for fact in ("summary", "citation", "licence", "origin", "test", "columns", "physics", "size"):
+        for fact in (
+            "summary",
+            "citation",
+            "licence",
+            "origin",
+            "test",
+            "columns",
+            "physics",
+            "size",
+        ):
             assert getattr(dataset, fact), (dataset.name, fact)
         assert dataset.where == "here"
         assert len(dataset.open()) == dataset.size, dataset.name
@@ -357,9 +383,13 @@ def folder_of(tmp_path, monkeypatch, text, files):
 
 
 def test_a_set_of_several_files_that_differ_in_temperature(tmp_path, monkeypatch):
-    columns = '[columns]\nomega = { from = "w", unit = "rad/s" }\nstorage = { from = "a", unit = "kPa" }\n'
+    columns = '[columns]\nomega = { from = "w", unit = "rad/s" }\n'
+    columns += 'storage = { from = "a", unit = "kPa" }\n'
     columns += 'loss = { from = "b", unit = "kPa" }\n'
-    files = '[files]\n"cold.csv" = { "temperature [K]" = 273.15 }\n"warm.csv" = { "temperature [K]" = 293.15 }\n'
+    files = (
+        '[files]\n"cold.csv" = { "temperature [K]" = 273.15 }\n'
+        '"warm.csv" = { "temperature [K]" = 293.15 }\n'
+    )
     content = {"cold.csv": "w,a,b\n1,2,3\n2,3,4\n", "warm.csv": "w,a,b\n1,1,2\n"}
     dataset = folder_of(tmp_path, monkeypatch, 'summary = "two"\n' + columns + files, content)
     found = dataset.open()
@@ -367,7 +397,9 @@ def test_a_set_of_several_files_that_differ_in_temperature(tmp_path, monkeypatch
     np.testing.assert_array_equal(found.stiffness, [2 + 3j, 3 + 4j, 1 + 2j])
     assert "temperature [K]" in dataset.columns
     (tmp_path / "data" / "mine" / "warm.csv").unlink()
-    assert "warm.csv is missing" in next(d for d in folders.datasets() if d.name == "mine").unavailable
+    assert (
+        "warm.csv is missing" in next(d for d in folders.datasets() if d.name == "mine").unavailable
+    )
 
 
 def test_a_set_that_the_reader_of_its_format_opens(tmp_path, monkeypatch):

@@ -31,16 +31,34 @@ VALUES = {
     "Vc": 7.0,
     "b": 0.6,
 }
-VALUES |= {"q": 0.03, "s": 1e-6, "phi": 0.1, "g": 0.2, "e": 0.05, "Ea": 40.0, "C1": 5.0, "C2": 120.0, "n": 1.2}
+VALUES |= {
+    "q": 0.03,
+    "s": 1e-6,
+    "phi": 0.1,
+    "g": 0.2,
+    "e": 0.05,
+    "Ea": 40.0,
+    "C1": 5.0,
+    "C2": 120.0,
+    "n": 1.2,
+}
 VALUES |= {"b": 0.6, "alpha": 0.3, "a": 0.7, "zeta": 0.1, "omega_r": 300.0}
 OWN = {("payne", "m"): 0.6, ("hysteretic-loss", "h"): 12.0, ("basset", "c"): 0.02}
-# A loop that solves a differential equation is compared with it in time, in test_describing_functions.
+# A loop that solves a differential equation is compared with it in time, in
+# test_describing_functions.
 EFFECTS = sorted(
-    (effect for effect in plugins().items("effect") if "z' =" not in effect.equation and not effect.by_levels),
+    (
+        effect
+        for effect in plugins().items("effect")
+        if "z' =" not in effect.equation and not effect.by_levels
+    ),
     key=lambda effect: effect.name,
 )
 SHARED = "Y = "
-"""An amplitude that its own definition holds: what the element of a series takes of the displacement."""
+"""An amplitude that its own definition holds.
+
+What the element of a series takes of the displacement.
+"""
 
 
 def modelled(omega):
@@ -60,7 +78,13 @@ def evaluated(equation, values):
     names = {name: getattr(np, name) for name in functions}
     names |= {"gamma": gamma, "min": np.minimum, "i": 1j, "s": 1j * OMEGA, "omega": OMEGA}
     names |= {"R": 8.31446261815324e-3}
-    names |= {"K": modelled(OMEGA).view(Stiffness), "X": AMPLITUDE, "T": TEMPERATURE, "Tr": REFERENCE, **values}
+    names |= {
+        "K": modelled(OMEGA).view(Stiffness),
+        "X": AMPLITUDE,
+        "T": TEMPERATURE,
+        "Tr": REFERENCE,
+        **values,
+    }
     typed = re.sub(r"\|(.*)\|", r"abs(\1)", equation.replace("^", "**"))
     whole, *definitions = re.split(r", (\w+) = ", typed)
     meanings = dict(zip(definitions[::2], definitions[1::2], strict=True))
@@ -76,7 +100,9 @@ def shared(names, meanings, row):
     """The amplitude at one row that is what its definition says."""
 
     def off(amplitude):
-        here = {name: value[row] if np.ndim(value) else value for name, value in names.items()} | {"Y": amplitude}
+        here = {name: value[row] if np.ndim(value) else value for name, value in names.items()} | {
+            "Y": amplitude
+        }
         for name, meaning in reversed(meanings.items()):
             if name != "Y":
                 here[name] = eval(meaning, {}, here)
@@ -88,8 +114,12 @@ def shared(names, meanings, row):
 @pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.name)
 def test_the_equation_is_what_the_effect_computes(effect):
     grown = MODEL + effect
-    own = {p.name: OWN.get((effect.name, p.name), VALUES[p.name]) for p in effect.element.parameters}
-    theta = dict(zip(MODEL.names, THETA, strict=True)) | {f"{effect.name}.{name}": own[name] for name in own}
+    own = {
+        p.name: OWN.get((effect.name, p.name), VALUES[p.name]) for p in effect.element.parameters
+    }
+    theta = dict(zip(MODEL.names, THETA, strict=True)) | {
+        f"{effect.name}.{name}": own[name] for name in own
+    }
     at = Points(np.log(OMEGA), AMPLITUDE, TEMPERATURE, REFERENCE)
     computed = grown.stiffness(np.array([theta[name] for name in grown.names]), at)
     np.testing.assert_allclose(evaluated(effect.equation, own), computed, rtol=1e-10, atol=1e-10)

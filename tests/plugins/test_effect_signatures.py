@@ -1,4 +1,6 @@
-"""The signature of each effect to first order: what it does to storage and loss, and how that varies.
+"""The signature of each effect to first order.
+
+What it does to storage and loss, and how that varies.
 
 One test for each row of the matrix of signatures, from formulas written here by hand.
 """
@@ -9,7 +11,16 @@ import numpy as np
 import pytest
 from effects_common import BASES, EFFECTS, POINTS, base, grown
 
-from springpot.rheology import FULL, Points, balanced_series, fixed_side_wave, heated, mass, moving_side_wave, spring
+from springpot.rheology import (
+    FULL,
+    Points,
+    balanced_series,
+    fixed_side_wave,
+    heated,
+    mass,
+    moving_side_wave,
+    spring,
+)
 
 SMALL = 1e-6
 W, X, T, TR = POINTS.omega, POINTS.amplitude, POINTS.temperature, POINTS.reference_temperature
@@ -22,11 +33,15 @@ SLOPE = RESPONSE.by_log_omega / K
 
 def measured(name, at=POINTS, **own):
     model = ZENER + EFFECTS[name]
-    return model.stiffness(model.vector(BASES["fractional-zener"] | {f"{name}.{k}": v for k, v in own.items()}), at)
+    return model.stiffness(
+        model.vector(BASES["fractional-zener"] | {f"{name}.{k}": v for k, v in own.items()}), at
+    )
 
 
 def same(found, expected, order=SMALL):
-    np.testing.assert_allclose(found, np.broadcast_to(expected, found.shape), rtol=0, atol=20 * order)
+    np.testing.assert_allclose(
+        found, np.broadcast_to(expected, found.shape), rtol=0, atol=20 * order
+    )
 
 
 PARALLEL = {
@@ -43,7 +58,10 @@ PARALLEL = {
     "cubic-damping": ({"c3": 0.3}, 0.75j * 0.3 * W**3 * X**2),
     "crosstalk": ({"F": 0.3, "phi": 0.5}, 0.3 * np.exp(0.5j) / X),
     "entropic-spring": ({"k": 0.3}, 0.3 * T / TR + 0j),
-    "arrhenius-dashpot": ({"c": 0.3, "Ea": 20.0}, 0.3j * W * np.exp(20e3 / 8.314462618 * (1 / T - 1 / TR))),
+    "arrhenius-dashpot": (
+        {"c": 0.3, "Ea": 20.0},
+        0.3j * W * np.exp(20e3 / 8.314462618 * (1 / T - 1 / TR)),
+    ),
     "rig-drag": ({"c": 0.3}, 0.3j * W),
 }
 
@@ -59,7 +77,10 @@ SERIES = {
     "series-dashpot": ({"c": 5.0}, 1 / (5j * W)),
     "series-springpot": ({"c": 5.0, "alpha": 0.4}, 0.2 * (1j * W) ** -0.4),
     "retardation-mode": ({"k": 5.0, "tau": 2.0}, 0.2 / (1 + 2j * W)),
-    "frame-resonance": ({"k": 5.0, "omega_r": 9.0, "zeta": 0.2}, 0.2 / (1 - (W / 9) ** 2 + 0.4j * W / 9)),
+    "frame-resonance": (
+        {"k": 5.0, "omega_r": 9.0, "zeta": 0.2},
+        0.2 / (1 - (W / 9) ** 2 + 0.4j * W / 9),
+    ),
 }
 
 
@@ -93,7 +114,9 @@ def test_chain_and_shift_effects_change_the_logarithm(name):
 
 def test_the_two_signs_of_a_filter_belong_to_the_two_channels():
     np.testing.assert_allclose(measured("filter-mismatch", tau=0.3), K / (1 + 0.3j * W), rtol=1e-12)
-    np.testing.assert_allclose(measured("filter-mismatch", tau=-0.3), K * (1 + 0.3j * W), rtol=1e-12)
+    np.testing.assert_allclose(
+        measured("filter-mismatch", tau=-0.3), K * (1 + 0.3j * W), rtol=1e-12
+    )
 
 
 def test_specimen_inertia_is_a_third_of_the_mass_or_minus_a_sixth():
@@ -102,7 +125,10 @@ def test_specimen_inertia_is_a_third_of_the_mass_or_minus_a_sixth():
 
 
 def test_specimen_inertia_is_the_wave_in_a_bar_of_many_slices():
-    """A ladder of small masses and springs, solved slice by slice, is the wave; both ends are checked."""
+    """A ladder of small masses and springs, solved slice by slice, is the wave.
+
+    Both ends are checked.
+    """
     slices, m = 4000, 0.4
     stiffness, mass = K * slices, m / slices
     # From the fixed end outwards: displacement and force of each slice, masses halved at the ends.
@@ -162,7 +188,11 @@ def test_power_law_damper_has_no_storage_and_two_power_laws(a):
 
 def test_dead_zone_stiffens_with_amplitude_and_loses_nothing():
     x = np.array([0.3, 0.6, 1.0, 10.0, 1e6])
-    value = EFFECTS["dead-zone"].element.respond(np.array([2.0, 0.5]), Points(np.zeros(5), amplitude=x)).value
+    value = (
+        EFFECTS["dead-zone"]
+        .element.respond(np.array([2.0, 0.5]), Points(np.zeros(5), amplitude=x))
+        .value
+    )
     assert value[0] == 0.0
     assert np.all(np.diff(value.real) > 0)
     np.testing.assert_array_equal(value.imag, 0.0)
@@ -189,7 +219,9 @@ def test_temperature_superposes_what_arrhenius_or_wlf_shifted():
 
 
 def test_wlf_survives_its_pole():
-    at = Points(np.zeros(4), temperature=np.array([150.0, 197.9, 198.0, 198.1]), reference_temperature=298.0)
+    at = Points(
+        np.zeros(4), temperature=np.array([150.0, 197.9, 198.0, 198.1]), reference_temperature=298.0
+    )
     model = ZENER + EFFECTS["wlf-shift"]
     theta = model.vector(BASES["fractional-zener"] | {"wlf-shift.C1": 15.0, "wlf-shift.C2": 100.0})
     response = model.network.respond(theta, at, FULL)
@@ -206,7 +238,9 @@ LINEAR_IN_PLANE = {
 }
 OF_THE_SPECIMEN = (heated, moving_side_wave, fixed_side_wave, balanced_series)
 OF_THE_DEVICE = [
-    effect for effect in EFFECTS.values() if effect.plane != "shift" and effect.composition not in OF_THE_SPECIMEN
+    effect
+    for effect in EFFECTS.values()
+    if effect.plane != "shift" and effect.composition not in OF_THE_SPECIMEN
 ]
 
 
@@ -224,10 +258,13 @@ def test_the_change_in_its_own_plane_does_not_depend_on_the_model(effect):
 def test_smooth_hysteresis_is_a_spring_when_small_and_friction_when_large():
     x = np.array([1e-4, 1e5])
     k, force, _, beta = theta = np.array([2.0, 0.5, 1.0, 0.5])
-    value = EFFECTS["smooth-hysteresis"].element.respond(theta, Points(np.zeros(2), amplitude=x)).value
+    value = (
+        EFFECTS["smooth-hysteresis"].element.respond(theta, Points(np.zeros(2), amplitude=x)).value
+    )
     assert value[0] == pytest.approx(k, rel=1e-3)
     assert value[1] == pytest.approx(4j * force / (np.pi * x[1]), rel=3e-3)
-    # To first order in z the way down is z - (2 beta - 1) z^2 / 2, then z + z^2 / 2: a loop of 4 beta / 3 Z^3.
+    # To first order in z the way down is z - (2 beta - 1) z^2 / 2, then z + z^2 / 2: a loop of 4
+    # beta / 3 Z^3.
     area = 4.0 * beta * k**2 * x[0] ** 3 / (3.0 * force)
     assert value[0].imag == pytest.approx(area / (np.pi * x[0] ** 2), rel=1e-3)
 
@@ -235,20 +272,25 @@ def test_smooth_hysteresis_is_a_spring_when_small_and_friction_when_large():
 def test_sharp_smooth_hysteresis_is_elasto_sliding():
     x = np.geomspace(0.05, 20.0, 9)
     at = Points(np.zeros(9), amplitude=x)
-    smooth = EFFECTS["smooth-hysteresis"].element.respond(np.array([2.0, 0.5, 200.0, 0.5]), at).value
+    smooth = (
+        EFFECTS["smooth-hysteresis"].element.respond(np.array([2.0, 0.5, 200.0, 0.5]), at).value
+    )
     sharp = EFFECTS["elasto-sliding"].element.respond(np.array([2.0, 0.5]), at).value
     np.testing.assert_allclose(smooth, sharp, atol=0.01 * 2.0)
 
 
 def test_dahl_friction_has_a_loop_of_two_exponentials():
-    """With n = beta = 1 the falling half is z = (1 + Z) exp((x - X) k / F) - 1 with Z = tanh(k X / F)."""
+    """If n = beta = 1 the falling half is z = (1 + Z) exp((x - X) k / F) - 1; Z = tanh(k X / F)."""
     k, force, amplitude = 2.0, 0.5, 0.4
     angle = (np.arange(4096) + 0.5) * np.pi / 4096
     reach = k * amplitude / force
     falling = (1.0 + np.tanh(reach)) * np.exp(reach * (np.cos(angle) - 1.0)) - 1.0
     theta, at = np.array([k, force, 1.0, 1.0]), Points(np.zeros(1), amplitude=np.array([amplitude]))
     effect = EFFECTS["smooth-hysteresis"]
-    for n, found in ((1, effect.element.respond(theta, at).value), (3, effect.third_harmonic(theta, at))):
+    for n, found in (
+        (1, effect.element.respond(theta, at).value),
+        (3, effect.third_harmonic(theta, at)),
+    ):
         expected = 2.0 * force / amplitude * np.mean(falling * np.exp(-1j * n * angle))
         np.testing.assert_allclose(found, expected, atol=1e-6)
 
@@ -257,7 +299,11 @@ def test_softening_of_the_whole_halves_k_at_its_amplitude_and_leaves_the_phase()
     found = measured("strain-softening", Xc=1.2, n=1.6) / K
     np.testing.assert_allclose(found, 1.0 / (1.0 + (X / 1.2) ** 1.6), rtol=1e-12)
     x = np.array([1e-6, 1.2, 1.2e5, 1.2e6])
-    value = EFFECTS["strain-softening"].element.respond(np.array([1.2, 1.6]), Points(np.zeros(4), amplitude=x)).value
+    value = (
+        EFFECTS["strain-softening"]
+        .element.respond(np.array([1.2, 1.6]), Points(np.zeros(4), amplitude=x))
+        .value
+    )
     assert value[0] == pytest.approx(1.0, rel=1e-9)
     assert value[1] == pytest.approx(0.5)
     assert np.log10(value[2].real / value[3].real) == pytest.approx(1.6, rel=1e-6)

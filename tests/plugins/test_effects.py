@@ -11,14 +11,20 @@ import numpy as np
 import pytest
 from effects_common import BASES, EFFECTS, POINTS, base, cauchy, grown, own_theta, stencil, values
 
+from springpot.errors import DataError
 from springpot.measurement.units import Units
 from springpot.registry import Registry, parse_model
 from springpot.rheology import FULL, Points, balanced_series, draw, heated
 
 DESIGN = {
-    "stiffness": "parallel-spring parallel-dashpot parallel-springpot relaxation-mode inertia hysteretic-loss",
-    "amplitude": "friction elasto-sliding smooth-hysteresis power-law-damper cubic-stiffness dead-zone payne "
-    "self-heating",
+    "stiffness": (
+        "parallel-spring parallel-dashpot parallel-springpot relaxation-mode"
+        " inertia hysteretic-loss"
+    ),
+    "amplitude": (
+        "friction elasto-sliding smooth-hysteresis power-law-damper"
+        " cubic-stiffness dead-zone payne self-heating"
+    ),
     "compliance": "series-spring series-dashpot series-springpot",
     "signal": "time-delay phase-error gain-error fixture-resonance",
     "others": "arrhenius-shift wlf-shift vertical-shift specimen-inertia",
@@ -69,7 +75,9 @@ def test_leading_axes_are_evaluated_side_by_side(name):
         alone = model.network.respond(stack[i], POINTS, FULL)
         np.testing.assert_allclose(together.value[i], alone.value, rtol=1e-13)
         np.testing.assert_allclose(together.by_theta[i], alone.by_theta, rtol=1e-12, atol=1e-13)
-        np.testing.assert_allclose(together.by_log_omega[i], alone.by_log_omega, rtol=1e-12, atol=1e-13)
+        np.testing.assert_allclose(
+            together.by_log_omega[i], alone.by_log_omega, rtol=1e-12, atol=1e-13
+        )
 
 
 @every_effect
@@ -91,12 +99,19 @@ def test_every_pair_is_the_same_model_whatever_the_order_of_typing():
         model, theta = grown("fractional-zener", one, other)
         swapped, _ = grown("fractional-zener", other, one)
         assert model.names == swapped.names
-        np.testing.assert_array_equal(model.stiffness(theta, POINTS), swapped.stiffness(theta, POINTS))
+        np.testing.assert_array_equal(
+            model.stiffness(theta, POINTS), swapped.stiffness(theta, POINTS)
+        )
 
 
 def test_effects_join_from_the_material_outwards():
-    """Temperature moves the material, not the rig; the mass is outside the mounting; the chain sees all."""
-    model, theta = grown("fractional-maxwell", "time-delay", "inertia", "series-spring", "arrhenius-shift")
+    """Temperature moves the material, not the rig; the mass is outside the mounting.
+
+    The chain sees all.
+    """
+    model, theta = grown(
+        "fractional-maxwell", "time-delay", "inertia", "series-spring", "arrhenius-shift"
+    )
     given = values(model, "fractional-maxwell")
     material, own = grown("fractional-maxwell", "arrhenius-shift")
     k = material.stiffness(own, POINTS)
@@ -136,15 +151,21 @@ def test_a_missing_column_is_named(name):
     model, theta = grown("fractional-maxwell", name)
     assert model.needs == EFFECTS[name].needs <= {"amplitude", "temperature"}
     for column in model.needs:
-        with pytest.raises(ValueError, match=column):
+        with pytest.raises(DataError, match=column):
             model.stiffness(theta, replace(POINTS, **{column: None}))
     bare = dict.fromkeys({"amplitude", "temperature"} - model.needs)
-    np.testing.assert_array_equal(model.stiffness(theta, replace(POINTS, **bare)), model.stiffness(theta, POINTS))
+    np.testing.assert_array_equal(
+        model.stiffness(theta, replace(POINTS, **bare)), model.stiffness(theta, POINTS)
+    )
 
 
 @every_effect
 def test_bounds_hold_the_typical_size_and_signs_are_physical(name):
-    signed = {"tau": ("time-delay", "filter-mismatch"), "k3": ("cubic-stiffness",), "q": ("intrinsic-nonlinearity",)}
+    signed = {
+        "tau": ("time-delay", "filter-mismatch"),
+        "k3": ("cubic-stiffness",),
+        "q": ("intrinsic-nonlinearity",),
+    }
     signed |= {"phi": ("phase-error", "crosstalk"), "g": ("gain-error",), "e": ("frequency-error",)}
     signed |= {"n": ("vertical-shift",)}
     for parameter in EFFECTS[name].element.parameters:
@@ -228,7 +249,8 @@ def sample_and_hold(at, period):
 @hookimpl
 def springpot_effects():
     hold = Formula((Parameter("T", "T", SECOND),), sample_and_hold, kind="hold")
-    return [Effect("sample-and-hold", chain, hold, "the converter holds each sample for a period", Layer.SIGNAL)]
+    says = "the converter holds each sample for a period"
+    return [Effect("sample-and-hold", chain, hold, says, Layer.SIGNAL)]
 """
 
 
@@ -263,7 +285,7 @@ def test_linear_effects_make_no_third_harmonic(name):
 @pytest.mark.parametrize("first", ["wlf-shift", "hardening-mount", "fixture-resonance"])
 @pytest.mark.parametrize("name", EFFECTS)
 def test_a_model_fixed_at_its_parameters_grows_as_the_model_itself(name, first):
-    """What the scan evaluates for all settings of an effect is the grown model with the others held."""
+    """The scan evaluates, for all settings of an effect, the grown model with the others held."""
     model, theta = grown("fractional-zener", first)
     effect = EFFECTS[name]
     own = own_theta(effect) * np.array([[1.0], [0.9], [1.05]])

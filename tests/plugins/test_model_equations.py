@@ -46,20 +46,32 @@ def eq_22(k: float, tau: float, a: float) -> np.ndarray:
 def eq_23_24(k: float, tau: float, a: float) -> np.ndarray:
     x = tau * OMEGA
     below = 1 + x ** (2 * a) + 2 * x**a * np.cos(a * PI / 2)
-    return k * x**a * (x**a + np.cos(a * PI / 2)) / below + 1j * k * x**a * np.sin(a * PI / 2) / below
+    return (
+        k * x**a * (x**a + np.cos(a * PI / 2)) / below + 1j * k * x**a * np.sin(a * PI / 2) / below
+    )
 
 
 @pytest.mark.parametrize("name", ["fractional-kelvin4", "fractional-zener", "oldroyd-b"])
 @given(k0=positive, step=positive, tau=positive, a=orders)
-def test_four_parameter_models_are_eq_13_14_and_31_32(name: str, k0: float, step: float, tau: float, a: float):
-    np.testing.assert_allclose(from_search(name, k0, k0 + step, tau, a), eq_13_14(k0, k0 + step, tau, a), rtol=1e-8)
+def test_four_parameter_models_are_eq_13_14_and_31_32(
+    name: str, k0: float, step: float, tau: float, a: float
+):
+    np.testing.assert_allclose(
+        from_search(name, k0, k0 + step, tau, a), eq_13_14(k0, k0 + step, tau, a), rtol=1e-8
+    )
 
 
 @given(k=positive, tau=positive, a=orders)
 def test_three_parameter_models_are_eq_22_to_24_and_29_30(k: float, tau: float, a: float):
-    np.testing.assert_allclose(from_search("fractional-kelvin", k, tau, a), eq_22(k, tau, a), rtol=1e-11)
-    np.testing.assert_allclose(from_search("fractional-maxwell", k, tau, a), eq_23_24(k, tau, a), rtol=1e-11)
-    np.testing.assert_allclose(from_search("fractional-maxwell-ab", k, tau, a, a), eq_23_24(k, tau, a), rtol=1e-11)
+    np.testing.assert_allclose(
+        from_search("fractional-kelvin", k, tau, a), eq_22(k, tau, a), rtol=1e-11
+    )
+    np.testing.assert_allclose(
+        from_search("fractional-maxwell", k, tau, a), eq_23_24(k, tau, a), rtol=1e-11
+    )
+    np.testing.assert_allclose(
+        from_search("fractional-maxwell-ab", k, tau, a, a), eq_23_24(k, tau, a), rtol=1e-11
+    )
 
 
 @given(c=positive, a=orders)
@@ -67,15 +79,21 @@ def test_springpot_is_eq_25_26(c: float, a: float):
     stiffness = k_of("springpot", c, a)
     expected = c * OMEGA**a * np.cos(a * PI / 2) + 1j * c * OMEGA**a * np.sin(a * PI / 2)
     np.testing.assert_allclose(stiffness, expected, rtol=1e-12)
-    np.testing.assert_allclose(stiffness.imag * np.cos(a * PI / 2), stiffness.real * np.sin(a * PI / 2), rtol=1e-9)
+    np.testing.assert_allclose(
+        stiffness.imag * np.cos(a * PI / 2), stiffness.real * np.sin(a * PI / 2), rtol=1e-9
+    )
 
 
 @given(k=positive, tau=positive, ratio=st.floats(0.05, 1.0), beta=orders)
 def test_unequal_orders_are_eq_27(k: float, tau: float, ratio: float, beta: float):
     alpha = ratio * beta
     expected = k * (S * tau) ** beta / (1 + (S * tau) ** alpha)
-    np.testing.assert_allclose(from_search("fractional-maxwell-ab", k, tau, alpha, beta), expected, rtol=1e-10)
-    np.testing.assert_allclose(k_of("fractional-maxwell-ab", k, tau, ratio, beta), expected, rtol=1e-10)
+    np.testing.assert_allclose(
+        from_search("fractional-maxwell-ab", k, tau, alpha, beta), expected, rtol=1e-10
+    )
+    np.testing.assert_allclose(
+        k_of("fractional-maxwell-ab", k, tau, ratio, beta), expected, rtol=1e-10
+    )
 
 
 def test_makris_own_parameters_give_eq_54():
@@ -86,7 +104,9 @@ def test_makris_own_parameters_give_eq_54():
 @given(lam=positive, c0=positive, r=st.floats(0.2, 1.0), more=st.floats(0.0, 1.0))
 def test_makris_is_eq_54_for_all_lawful_orders(lam: float, c0: float, r: float, more: float):
     q = r + (1 - r) * more
-    np.testing.assert_allclose(from_search("makris", lam, c0, r, q), c0 * S**q / (1 + lam * S**r), rtol=1e-9)
+    np.testing.assert_allclose(
+        from_search("makris", lam, c0, r, q), c0 * S**q / (1 + lam * S**r), rtol=1e-9
+    )
 
 
 def row(*stiffness: np.ndarray | float) -> np.ndarray:
@@ -97,7 +117,9 @@ def mode(k: float, tau: float) -> np.ndarray:
     return k * S * tau / (1 + S * tau)
 
 
-def huet(k: float, d: float, t: float, a: float, b: float, extra: np.ndarray | float = 0.0) -> np.ndarray:
+def huet(
+    k: float, d: float, t: float, a: float, b: float, extra: np.ndarray | float = 0.0
+) -> np.ndarray:
     return k / (1 + d * (S * t) ** -a + (S * t) ** -b + extra)
 
 
@@ -136,7 +158,9 @@ EQUATIONS: dict[str, Callable[..., np.ndarray | float]] = {
     "fractional-jeffreys-kelvin": lambda c1, c2, c3, a: row(c1 * S, c2 * S + c3 * S**a),
     "fractional-zener5": lambda k, c1, a, c2, b: k + row(c1 * S**a, c2 * S**b),
     "fractional-zener-general": lambda c1, a, c2, b, c3, g: c1 * S**a + row(c2 * S**b, c3 * S**g),
-    "fractional-poynting-thomson-general": lambda c1, a, c2, b, c3, g: row(c1 * S**a, c2 * S**b + c3 * S**g),
+    "fractional-poynting-thomson-general": lambda c1, a, c2, b, c3, g: row(
+        c1 * S**a, c2 * S**b + c3 * S**g
+    ),
     "fractional-burgers": lambda k1, c1, a, k2, c2, b: row(k1, c1 * S**a, k2 + c2 * S**b),
     "huet": huet,
     "huet-sayegh": lambda k0, *rest: k0 + huet(*rest),
@@ -159,14 +183,18 @@ def test_a_material_is_a_spring_a_dashpot_and_lines():
     network = Continuum((0.5, 40.0))
     theta = np.array([3.0, 0.2, 5.0, 7.0])
     expected = 3.0 + 0.2 * S + 5.0 * S / (S + 0.5) + 7.0 * S / (S + 40.0)
-    np.testing.assert_allclose(network.respond(theta, Points.at(S.imag)).value, expected, rtol=1e-13)
+    np.testing.assert_allclose(
+        network.respond(theta, Points.at(S.imag)).value, expected, rtol=1e-13
+    )
 
 
 @pytest.mark.parametrize("name", EQUATIONS)
 def test_network_is_its_equation(name: str, rng: np.random.Generator):
     model = parse_model(name.replace("-N", "-2"))
     for theta in sample(model.parameters, rng, (5,)):
-        np.testing.assert_allclose(model.stiffness(theta, OMEGA), EQUATIONS[name](*theta), rtol=1e-11)
+        np.testing.assert_allclose(
+            model.stiffness(theta, OMEGA), EQUATIONS[name](*theta), rtol=1e-11
+        )
 
 
 @pytest.mark.parametrize("exponent", [1.0, 0.5])

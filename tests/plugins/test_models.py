@@ -20,18 +20,22 @@ from springpot.registry import parse_model, plugins
 from springpot.rheology import Dimension, Model, Parameter, Points, drawing_of
 from springpot.rheology.family import Family
 
-REGISTERED = [item.build(3) if isinstance(item, Family) else item for item in plugins().items("model")]
+REGISTERED = [
+    item.build(3) if isinstance(item, Family) else item for item in plugins().items("model")
+]
 MODELS = {model.base: model for model in REGISTERED}
 SEARCHED = [name for name, model in MODELS.items() if model.search]
 LIMITED = [name for name in SEARCHED if "kinf" in [p.name for p in MODELS[name].search.parameters]]
 OMEGA = np.logspace(-3, 3, 9)
 AT_UNIT_SPEED = {"power-law-damper", "power-law-slip"}
-"""Effects whose parameter is a force at one amplitude unit per second, and so means another speed in other units."""
+"""Effects whose parameter is a force at one unit of speed: at another speed in other units."""
 MODEL_SOURCE = re.compile(r"eq\. \(\d+\)|10\.\d{4,}/\S+|\(\d{4}\)")
 
 
 def points(n: int = 9) -> Points:
-    return Points(np.log(np.logspace(-1, 1.5, n)), np.linspace(0.5, 2.0, n), np.linspace(285.0, 305.0, n))
+    return Points(
+        np.log(np.logspace(-1, 1.5, n)), np.linspace(0.5, 2.0, n), np.linspace(285.0, 305.0, n)
+    )
 
 
 def with_orders(model: Model, rng: np.random.Generator, *ends: float) -> np.ndarray:
@@ -81,7 +85,10 @@ def test_dissipates_and_stores_for_all_lawful_parameters(name: str, seed: int):
 
 
 def storage_from_loss(loss: Callable[[np.ndarray], np.ndarray], relaxed: float) -> np.ndarray:
-    """K'(w) = K'(0) + PV integral over v of K''(w e^v) (1 - coth v) / pi, by a rule that steps around v = 0."""
+    """K'(w) = K'(0) + PV integral over v of K''(w e^v) (1 - coth v) / pi.
+
+    The rule of the integral steps around v = 0.
+    """
     v = 0.2 * (np.arange(-1100, 200) + 0.5)
     log_omega = np.log(OMEGA[:, None]) + v
     weights = 0.2 / np.pi * (1.0 - 1.0 / np.tanh(v))
@@ -96,7 +103,9 @@ def test_storage_follows_from_loss_by_kramers_and_kronig(name: str, rng: np.rand
     def at(log_omega: np.ndarray) -> np.ndarray:
         return model.network.respond(theta, Points(log_omega)).value
 
-    storage = storage_from_loss(lambda log_omega: at(log_omega).imag, at(np.array([-220.0])).real[0])
+    storage = storage_from_loss(
+        lambda log_omega: at(log_omega).imag, at(np.array([-220.0])).real[0]
+    )
     exact = model.stiffness(theta, OMEGA)
     np.testing.assert_allclose(storage / np.abs(exact), exact.real / np.abs(exact), atol=1e-8)
 
@@ -105,7 +114,9 @@ def test_kramers_and_kronig_refuse_a_loss_that_does_not_belong_to_the_storage():
     model, theta = MODELS["fractional-zener"], np.array([1.0, 2.0, 3.0, 0.5])
 
     def tilted(log_omega: np.ndarray) -> np.ndarray:
-        return model.network.respond(theta, Points(log_omega)).value.imag * (1 + 0.01 * np.tanh(log_omega))
+        return model.network.respond(theta, Points(log_omega)).value.imag * (
+            1 + 0.01 * np.tanh(log_omega)
+        )
 
     exact = model.stiffness(theta, OMEGA).real
     assert np.max(np.abs(storage_from_loss(tilted, 1.0) / exact - 1)) > 1e-3
@@ -114,7 +125,7 @@ def test_kramers_and_kronig_refuse_a_loss_that_does_not_belong_to_the_storage():
 def converted(
     model: Model, theta: np.ndarray, stiffness: float, time: float = 1.0, amplitude: float = 1.0
 ) -> np.ndarray:
-    """`theta` in units in which stiffness, time and amplitude have these values for each one of the old."""
+    """`theta` in units where stiffness, time and amplitude have these values for each old one."""
     values = dict(zip(model.names, theta, strict=True))
 
     def factor(unit: Dimension) -> float:
@@ -126,14 +137,16 @@ def converted(
 
 @pytest.mark.parametrize("name", MODELS)
 def test_units_are_those_of_the_equations(name: str, rng: np.random.Generator):
-    """From newton to kilonewton and from second to minute the numbers change as the parameters' units say."""
+    """From N to kN and from s to min the numbers change as the parameters' units say."""
     model = MODELS[name]
     theta = sample(model.parameters, rng)
     minutes = model.stiffness(converted(model, theta, 1e-3, time=1 / 60), OMEGA * 60)
     np.testing.assert_allclose(minutes, 1e-3 * model.stiffness(theta, OMEGA), rtol=1e-9)
 
 
-@pytest.mark.parametrize("effect", [name for name in plugins().names("effect") if name not in AT_UNIT_SPEED])
+@pytest.mark.parametrize(
+    "effect", [name for name in plugins().names("effect") if name not in AT_UNIT_SPEED]
+)
 def test_units_of_effects_are_those_of_their_equations(effect: str, rng: np.random.Generator):
     """From newton and metre to kilonewton and millimetre."""
     model, at = MODELS["fractional-zener"] + effect, points()
@@ -155,7 +168,9 @@ def test_units_are_printed(name: str):
             if parameter.unit.stiffness:
                 assert units.stiffness.split("/")[0] in label
         if isinstance(parameter.unit.time, str):
-            assert parameter.unit.time in [p.name for p in (searched if parameter in searched else model.parameters)]
+            assert parameter.unit.time in [
+                p.name for p in (searched if parameter in searched else model.parameters)
+            ]
 
 
 def test_units_are_printed_as_the_paper_prints_them():
@@ -167,11 +182,15 @@ def test_units_are_printed_as_the_paper_prints_them():
 def test_leading_axes_equal_looping(name: str, rng: np.random.Generator):
     model = MODELS[name]
     theta = sample(model.parameters, rng, (2, 3))
-    stiffness, jacobian, slope = (f(theta, OMEGA) for f in (model.stiffness, model.jacobian, model.slope))
+    stiffness, jacobian, slope = (
+        f(theta, OMEGA) for f in (model.stiffness, model.jacobian, model.slope)
+    )
     assert jacobian.shape == (2, 3, len(OMEGA), len(model.names))
     for i in np.ndindex(2, 3):
         np.testing.assert_allclose(stiffness[i], model.stiffness(theta[i], OMEGA), rtol=1e-13)
-        np.testing.assert_allclose(jacobian[i], model.jacobian(theta[i], OMEGA), rtol=1e-12, atol=1e-14)
+        np.testing.assert_allclose(
+            jacobian[i], model.jacobian(theta[i], OMEGA), rtol=1e-12, atol=1e-14
+        )
         np.testing.assert_allclose(slope[i], model.slope(theta[i], OMEGA), rtol=1e-12, atol=1e-14)
 
 
@@ -228,7 +247,9 @@ def test_limits_are_those_of_the_search_form(name: str, rng: np.random.Generator
     x = searched_points(model, rng, 1)[0]
     far = Points(np.array([-200.0, 200.0]))
     limits = model.network.respond(model.search.to_elements(x), far).value
-    np.testing.assert_allclose(limits, [x[searched.index("k0")], x[searched.index("kinf")]], rtol=1e-6)
+    np.testing.assert_allclose(
+        limits, [x[searched.index("k0")], x[searched.index("kinf")]], rtol=1e-6
+    )
 
 
 @pytest.mark.parametrize("effect", plugins().names("effect"))
@@ -241,7 +262,9 @@ def test_a_grown_network_still_shows_its_material(effect: str):
 
 
 def test_names_and_aliases_are_unique():
-    counted = Counter(name for item in plugins().items("model") for name in (_title(item), *item.aliases))
+    counted = Counter(
+        name for item in plugins().items("model") for name in (_title(item), *item.aliases)
+    )
     assert [name for name, count in counted.items() if count > 1] == []
 
 
@@ -276,7 +299,8 @@ def test_an_effect_taken_twice_keeps_its_parameters_apart():
 
 
 SUMS = (
-    "inertia parallel-spring series-spring series-dashpot friction time-delay gain-error phase-error arrhenius-shift"
+    "inertia parallel-spring series-spring series-dashpot friction time-delay gain-error"
+    " phase-error arrhenius-shift"
 )
 
 

@@ -1,4 +1,7 @@
-"""Algorithms of optimagic as optimisers: its contract, its options, and that nobody waits for it who does not ask."""
+"""Algorithms of optimagic as optimisers.
+
+Its contract, its options, and that nobody waits for it who does not ask.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,8 @@ from springpot.registry import plugins
 from springpot.testing import check_optimiser
 
 needs_optimagic = pytest.mark.skipif(
-    find_spec("optimagic") is None, reason="optimagic is not installed: pip install 'springpot[optimagic]'"
+    find_spec("optimagic") is None,
+    reason="optimagic is not installed: pip install 'springpot[optimagic]'",
 )
 UNBOUNDED = {"optimagic-scipy-bfgs", "optimagic-scipy-ls-lm"}
 """They leave the box; the recorder moves their points into the parameters' own limits."""
@@ -44,11 +48,16 @@ def test_it_keeps_the_contract(name):
 
 @needs_optimagic
 def test_a_worker_can_have_it_and_its_options():
-    optimiser = optimiser_of("optimagic-scipy-lbfgsb:convergence_ftol_rel=1e-3,limited_memory_storage_length=4")
+    optimiser = optimiser_of(
+        "optimagic-scipy-lbfgsb:convergence_ftol_rel=1e-3,limited_memory_storage_length=4"
+    )
     assert optimiser.convergence_ftol_rel == 1e-3
     again = pickle.loads(pickle.dumps(optimiser))
     assert (type(again), again) == (type(optimiser), optimiser)
-    traces = [run(each, artificial("springpot"), 60, np.random.default_rng(3)).trace for each in (optimiser, again)]
+    traces = [
+        run(each, artificial("springpot"), 60, np.random.default_rng(3)).trace
+        for each in (optimiser, again)
+    ]
     assert traces[0] == traces[1]
 
 
@@ -56,7 +65,9 @@ def test_a_worker_can_have_it_and_its_options():
 def test_a_slip_is_answered_with_the_nearest_names():
     with pytest.raises(ModelError, match="did you mean optimagic-scipy-lbfgsb"):
         plugins().find("optimiser", "optimagic-scipy-lbfgs")
-    assert "optimagic-bhhh" not in next(plugins().items("optimiser family")).members()  # for likelihoods only
+    assert (
+        "optimagic-bhhh" not in next(plugins().items("optimiser family")).members()
+    )  # for likelihoods only
 
 
 @needs_optimagic
@@ -77,12 +88,14 @@ def test_it_races(tmp_path):
 
 
 def test_nobody_waits_for_it_who_does_not_ask():
-    """Listing all optimisers names it and does not import it; nor does anything else at the start."""
+    """Listing all optimisers names it without importing it; nor does the start import it."""
     code = (
         "import sys; from springpot.cli.group import run; run(['list', 'optimisers']); "
         "print('optimagic' in sys.modules)"
     )
-    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    said = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    ).stdout
     assert "springpot list optimisers optimagic-NAME" in said
     assert said.splitlines()[-1] == "False"
 

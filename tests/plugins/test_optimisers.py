@@ -1,4 +1,7 @@
-"""Every built-in optimiser: exact budget, same seed same bits, limits kept, the optimum found, faults reported."""
+"""Every built-in optimiser.
+
+Exact budget, same seed same bits, limits kept, the optimum found, faults reported.
+"""
 
 from __future__ import annotations
 
@@ -18,8 +21,9 @@ STOCHASTIC = [name for name in NAMES if OPTIMISERS[name].card.stochastic]
 BATCHED = [name for name in NAMES if OPTIMISERS[name].card.batched]
 BUDGETS = [1, 2, 7, 57, 200]
 
-# Evaluations after which the objective of the four-parameter problems is below 1e-8 of the data's square; what the
-# methods that are not listed reach is too little for the paper's problem, as it is in other implementations.
+# Evaluations after which the objective of the four-parameter problems is below 1e-8 of the data's
+# square; what the methods that are not listed reach is too little for the paper's problem, as it is
+# in other implementations.
 GOOD = {
     "cma-es": 4000,
     "differential-evolution": 8000,
@@ -54,7 +58,8 @@ def test_same_seed_same_bits_whatever_ran_before(name, model):
     problem, optimiser = artificial(model), OPTIMISERS[name]()
     first = run(optimiser, problem, 150, generator(5))
     run(optimiser, artificial("fractional-maxwell"), 20, generator(6))
-    np.random.seed(123)  # noqa: NPY002  a library that draws from the process-wide generator shows here
+    # A library that draws from the process-wide generator shows here.
+    np.random.seed(123)  # noqa: NPY002
     second = run(optimiser, problem, 150, generator(5))
     assert (first.status, first.best, first.trace) == (second.status, second.best, second.trace)
     np.testing.assert_array_equal(first.theta, second.theta)
@@ -62,13 +67,19 @@ def test_same_seed_same_bits_whatever_ran_before(name, model):
 
 @pytest.mark.parametrize("name", STOCHASTIC)
 def test_different_seeds_differ(name):
-    traces = [run(OPTIMISERS[name](), artificial("fractional-zener"), 40, generator(s)).trace for s in (1, 2)]
+    traces = [
+        run(OPTIMISERS[name](), artificial("fractional-zener"), 40, generator(s)).trace
+        for s in (1, 2)
+    ]
     assert traces[0] != traces[1]
 
 
 @pytest.mark.parametrize("name", [n for n in NAMES if n not in STOCHASTIC])
 def test_deterministic_ones_do_not_depend_on_the_seed(name):
-    traces = [run(OPTIMISERS[name](), artificial("fractional-zener"), 40, generator(s)).trace for s in (1, 2)]
+    traces = [
+        run(OPTIMISERS[name](), artificial("fractional-zener"), 40, generator(s)).trace
+        for s in (1, 2)
+    ]
     assert traces[0] == traces[1]
 
 
@@ -89,7 +100,9 @@ def test_results_keep_limits_and_thermodynamic_order(name, model):
 @pytest.mark.parametrize("model", ["fractional-kelvin4", "fractional-zener"])
 @pytest.mark.parametrize("name", sorted(GOOD))
 def test_good_ones_find_the_artificial_optimum(name, model):
-    found = run(OPTIMISERS[name](), artificial(model), GOOD[name], generator(2), target=1e-8 * scale(model))
+    found = run(
+        OPTIMISERS[name](), artificial(model), GOOD[name], generator(2), target=1e-8 * scale(model)
+    )
     assert found.status == "target"
     np.testing.assert_allclose(found.theta, truth(model), rtol=0.02)
 
@@ -123,7 +136,10 @@ class Broken(Problem):
 def test_a_failing_objective_is_a_status(name):
     real = artificial("fractional-kelvin4")
     found = run(
-        OPTIMISERS[name](), Broken(real.model, real.measurement, real.objective, real.space), 5000, generator()
+        OPTIMISERS[name](),
+        Broken(real.model, real.measurement, real.objective, real.space),
+        5000,
+        generator(),
     )
     assert found.status == "failed: ZeroDivisionError: the model is broken"
     assert found.evaluations < 5000
@@ -136,7 +152,11 @@ def test_a_batch_gives_the_bits_of_single_runs(name):
     together = run_batch(optimiser, problem, 1030, [generator(s) for s in range(7)])
     apart = [run(optimiser, problem, 1030, generator(s)) for s in range(7)]
     for one, other in zip(together, apart, strict=True):
-        assert (one.status, one.evaluations, one.trace) == (other.status, other.evaluations, other.trace)
+        assert (one.status, one.evaluations, one.trace) == (
+            other.status,
+            other.evaluations,
+            other.trace,
+        )
         np.testing.assert_array_equal(one.theta, other.theta)
 
 

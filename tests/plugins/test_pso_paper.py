@@ -1,4 +1,7 @@
-"""The paper's swarm against a second writing of section 4: one particle after another, in plain Python."""
+"""The paper's swarm against a second writing of section 4.
+
+One particle after another, in plain Python.
+"""
 
 from __future__ import annotations
 
@@ -16,10 +19,17 @@ def kelvin4(position, problem):
     """J of the Kelvin-type model by eq. (13), (14) and (44), penalties and |tau| included."""
     k0, kinf, tau, alpha = position
     penalty = 1e5 if k0 <= 0 or kinf <= 0 or not 0 < tau < 1 or not 0 < alpha < 1 else 1.0
-    k0, kinf, tau, alpha = max(k0, 1e-9 * KBAR), max(kinf, 1e-9 * KBAR), abs(tau), min(abs(alpha), 1.0)
+    k0, kinf, tau, alpha = (
+        max(k0, 1e-9 * KBAR),
+        max(kinf, 1e-9 * KBAR),
+        abs(tau),
+        min(abs(alpha), 1.0),
+    )
     kinf = kinf if kinf > k0 else 1.01 * k0
     total = 0.0
-    for omega, measured in zip(problem.measurement.omega, problem.measurement.stiffness, strict=True):
+    for omega, measured in zip(
+        problem.measurement.omega, problem.measurement.stiffness, strict=True
+    ):
         power = (tau * omega) ** alpha
         c, s = cos(alpha * pi / 2), sin(alpha * pi / 2)
         below = 1 + 2 * power * c + power**2
@@ -32,7 +42,10 @@ def kelvin4(position, problem):
 def fly(problem, rng, particles=20, instances=400):
     """Section 4 literally; returns the best objective of each instance."""
     expected = [KBAR, KBAR, 1.0, 1.0]
-    p = [[r * e for r, e in zip(row, expected, strict=True)] for row in rng.random((particles, 4)).tolist()]
+    p = [
+        [r * e for r, e in zip(row, expected, strict=True)]
+        for row in rng.random((particles, 4)).tolist()
+    ]
     v = [[0.0] * 4 for _ in range(particles)]
     b, value = [list(row) for row in p], [kelvin4(row, problem) for row in p]
     history = [min(value)]
@@ -67,7 +80,9 @@ def test_follows_the_plain_writing_of_section_4(seed):
     best = np.full(121, inf)
     for number, value in found.trace:
         best[(number - 1) // 20 :] = value
-    np.testing.assert_allclose(best, fly(problem, np.random.default_rng(seed), instances=120), rtol=1e-9)
+    np.testing.assert_allclose(
+        best, fly(problem, np.random.default_rng(seed), instances=120), rtol=1e-9
+    )
 
 
 # P(every parameter within 1 %) of one run, as an independent implementation found it in 500 seeds.
@@ -76,7 +91,9 @@ INDEPENDENT = {"fractional-kelvin": 0.388, "fractional-maxwell": 1.0, "fractiona
 
 @pytest.mark.parametrize("name", sorted(INDEPENDENT))
 def test_finds_the_answer_as_often_as_an_independent_implementation(name):
-    runs = run_batch(PaperSwarm(), artificial(name), 8020, [np.random.default_rng(seed) for seed in range(100)])
+    runs = run_batch(
+        PaperSwarm(), artificial(name), 8020, [np.random.default_rng(seed) for seed in range(100)]
+    )
     error = np.max(np.abs([found.theta / truth(name) - 1 for found in runs]), axis=1)
     expected = INDEPENDENT[name]
     spread = np.sqrt(expected * (1 - expected) * (1 / 100 + 1 / 500))

@@ -39,10 +39,17 @@ def test_the_plain_case(opened):
 
 
 @pytest.mark.parametrize("separator", [",", ";", "\t"])
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "latin-1"])
+@pytest.mark.parametrize(
+    "encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "latin-1"]
+)
 @pytest.mark.parametrize("ending", ["\n", "\r\n", "\r"])
 def test_encodings_separators_and_line_ends(opened, separator, encoding, ending):
-    rows = ["# Prüfer: Müller", "omega [rad/s],storage [Pa],loss [Pa],temperature [°C]", "1,2.5,3,20", "2,4,5,20"]
+    rows = [
+        "# Prüfer: Müller",
+        "omega [rad/s],storage [Pa],loss [Pa],temperature [°C]",
+        "1,2.5,3,20",
+        "2,4,5,20",
+    ]
     text = ending.join(row if row.startswith("#") else row.replace(",", separator) for row in rows)
     found = opened(text.encode(encoding))
     np.testing.assert_array_equal(found.stiffness, [2.5 + 3j, 4 + 5j])
@@ -52,14 +59,20 @@ def test_encodings_separators_and_line_ends(opened, separator, encoding, ending)
 
 @pytest.mark.parametrize("separator", [";", "\t"])
 def test_decimal_comma(opened, separator):
-    text = "frequency [Hz],storage [Pa],loss [Pa]".replace(",", separator) + f"\n1,5{separator}2,25{separator}1e3\n"
+    text = (
+        "frequency [Hz],storage [Pa],loss [Pa]".replace(",", separator)
+        + f"\n1,5{separator}2,25{separator}1e3\n"
+    )
     found = opened(text)
     assert found.frequency[0] == pytest.approx(1.5)
     assert found.stiffness[0] == 2.25 + 1000j
 
 
 def test_magnitude_with_phase_or_loss_factor(opened):
-    for line in ("|K| [N/mm],phase [deg]\n1,5,30", "magnitude [N/mm],loss_factor [-]\n1,5,0.57735026918962573"):
+    for line in (
+        "|K| [N/mm],phase [deg]\n1,5,30",
+        "magnitude [N/mm],loss_factor [-]\n1,5,0.57735026918962573",
+    ):
         found = opened("frequency [Hz]," + line + "\n")
         np.testing.assert_allclose(found.stiffness, [5 * np.exp(1j * np.pi / 6)], rtol=1e-14)
     found = opened("frequency [Hz],storage [N/mm],tan delta [-]\n1,5,0.2\n")
@@ -67,14 +80,19 @@ def test_magnitude_with_phase_or_loss_factor(opened):
 
 
 def test_units_of_loss_and_deviations_follow_the_storage(opened):
-    found = opened("frequency [kHz],storage [kN/m],loss [N/m],storage_sd [N/mm],loss_sd\n1,2,3000,4,5\n")
+    found = opened(
+        "frequency [kHz],storage [kN/m],loss [N/m],storage_sd [N/mm],loss_sd\n1,2,3000,4,5\n"
+    )
     assert found.omega[0] == pytest.approx(2000 * np.pi)
     np.testing.assert_allclose(found.stiffness, [2 + 3j])
     np.testing.assert_allclose(found.sd, [4 + 5j])
 
 
 def test_further_columns_are_conditions_or_labels(opened):
-    found = opened("frequency [Hz],storage [Pa],loss [Pa],current [A],lane,run [text]\n1,2,3,0.5,a,1\n2,2,3,,b,2\n")
+    found = opened(
+        "frequency [Hz],storage [Pa],loss [Pa],current [A],lane,"
+        "run [text]\n1,2,3,0.5,a,1\n2,2,3,,b,2\n"
+    )
     np.testing.assert_array_equal(found.conditions["current"], [0.5, np.nan])
     assert found.labels["lane"].tolist() == ["a", "b"]
     assert found.labels["run"].tolist() == ["1", "2"]
@@ -92,8 +110,14 @@ ERRORS = {
         "frequency [Hz],storage [Pa]\n1,2\n",
         r"found .*; missing loss \[unit\], phase \[deg\] or loss_factor",
     ),
-    "missing frequency": ("storage [Pa],loss [Pa]\n1,2\n", r"missing frequency \[Hz\] or omega \[rad/s\]"),
-    "no unit": ("frequency,storage [Pa],loss [Pa]\n1,2,3\n", r"no unit; .*write frequency \[Hz\] or omega \[rad/s\]"),
+    "missing frequency": (
+        "storage [Pa],loss [Pa]\n1,2\n",
+        r"missing frequency \[Hz\] or omega \[rad/s\]",
+    ),
+    "no unit": (
+        "frequency,storage [Pa],loss [Pa]\n1,2,3\n",
+        r"no unit; .*write frequency \[Hz\] or omega \[rad/s\]",
+    ),
     "no modulus unit": (
         "frequency [Hz],storage,loss\n1,2,3\n",
         r"'storage', 'loss' have no unit; if they are Pa, open '.*storage=Pa,loss=Pa'",
@@ -101,7 +125,10 @@ ERRORS = {
     "unknown unit": ("frequency [Hz],storage [kN/mn],loss [Pa]\n1,2,3\n", r"did you mean \[kN/m\]"),
     "omega in hertz": ("omega [Hz],storage [Pa],loss [Pa]\n1,2,3\n", "omega is in rad/s"),
     "mixed kinds": ("frequency [Hz],storage [kN/m],loss [Pa]\n1,2,3\n", "cannot be converted"),
-    "negative frequency": (HEADER + "1,2,3\n-1,2,3\n", r"line 3, column 'frequency \[Hz\]': .* positive, got -1"),
+    "negative frequency": (
+        HEADER + "1,2,3\n-1,2,3\n",
+        r"line 3, column 'frequency \[Hz\]': .* positive, got -1",
+    ),
     "zero frequency": (HEADER + "0,2,3\n", "must be positive"),
     "duplicate": (HEADER + "1,2,3\n2,2,3\n1,5,6\n", "line 4.*stands already in line 2.*repeat"),
     "nan": (HEADER + "1,nan,3\n", r"line 2, column 'storage \[kN/m\]': 'nan' is no finite number"),
@@ -118,14 +145,26 @@ ERRORS = {
         "frequency [Hz],storage [Pa],loss [Pa],storage [Pa]\n1,2,3,4\n",
         "two columns are called 'storage'",
     ),
-    "both frequencies": ("frequency [Hz],omega [rad/s],storage [Pa],loss [Pa]\n1,2,3,4\n", "keep one"),
-    "sd alone": ("frequency [Hz],storage [Pa],loss [Pa],loss_sd [Pa]\n1,2,3,4\n", "standard deviations need"),
+    "both frequencies": (
+        "frequency [Hz],omega [rad/s],storage [Pa],loss [Pa]\n1,2,3,4\n",
+        "keep one",
+    ),
+    "sd alone": (
+        "frequency [Hz],storage [Pa],loss [Pa],loss_sd [Pa]\n1,2,3,4\n",
+        "standard deviations need",
+    ),
     "sd zero": (
         "frequency [Hz],storage [Pa],loss [Pa],storage_sd [Pa],loss_sd [Pa]\n1,2,3,0,1\n",
         "line 2.*positive",
     ),
-    "amplitude unit": ("frequency [Hz],storage [Pa],loss [Pa],amplitude\n1,2,3,4\n", r"amplitude \[-\] for a strain"),
-    "absolute zero": ("frequency [Hz],storage [Pa],loss [Pa],temperature [K]\n1,2,3,-4\n", "absolute zero"),
+    "amplitude unit": (
+        "frequency [Hz],storage [Pa],loss [Pa],amplitude\n1,2,3,4\n",
+        r"amplitude \[-\] for a strain",
+    ),
+    "absolute zero": (
+        "frequency [Hz],storage [Pa],loss [Pa],temperature [K]\n1,2,3,-4\n",
+        "absolute zero",
+    ),
     "repeat": ("frequency [Hz],storage [Pa],loss [Pa],repeat\n1,2,3,1.5\n", "whole"),
     "binary": (bytes(range(256)) * 20, "no reader recognises"),
 }
@@ -159,14 +198,20 @@ def _random_measurement(rng, n, sd, extra):
     return Measurement(
         omega,
         stiffness,
-        sd=np.abs(rng.normal(size=n)) + 1j * np.abs(rng.normal(size=n)) + (1 + 1j) * 1e-300 if sd else None,
-        conditions={
-            "temperature": rng.normal(size=n),
-            "amplitude": np.exp(rng.normal(size=n)),
-            "current": rng.normal(size=n),
-        }
-        if extra
-        else {},
+        sd=(
+            np.abs(rng.normal(size=n)) + 1j * np.abs(rng.normal(size=n)) + (1 + 1j) * 1e-300
+            if sd
+            else None
+        ),
+        conditions=(
+            {
+                "temperature": rng.normal(size=n),
+                "amplitude": np.exp(rng.normal(size=n)),
+                "current": rng.normal(size=n),
+            }
+            if extra
+            else {}
+        ),
         repeat=np.arange(n) if extra else None,
         harmonics=rng.normal(size=(n, 3)) + 1j * rng.normal(size=(n, 3)) if extra else None,
         units=Units("kgf/mm", "um"),
@@ -182,12 +227,18 @@ def _same_bits(first, second):
         assert (a is None) == (b is None), name
         assert a is None or a.tobytes() == b.tobytes(), name
     assert first.conditions.keys() == second.conditions.keys()
-    assert all(first.conditions[key].tobytes() == second.conditions[key].tobytes() for key in first.conditions)
+    assert all(
+        first.conditions[key].tobytes() == second.conditions[key].tobytes()
+        for key in first.conditions
+    )
     assert {key: column.tolist() for key, column in first.labels.items()} == {
         key: column.tolist() for key, column in second.labels.items()
     }
     assert first.name == second.name
-    origins = [{k: v for k, v in each.provenance.items() if k not in NOTES_OF_VALUES} for each in (first, second)]
+    origins = [
+        {k: v for k, v in each.provenance.items() if k not in NOTES_OF_VALUES}
+        for each in (first, second)
+    ]
     assert origins[0] == origins[1]
 
 
@@ -219,15 +270,42 @@ BYTES = st.one_of(
     st.lists(
         st.sampled_from(
             (
-                *("frequency [Hz]", "omega [rad/s]", "storage [Pa]", "loss [Pa]", "time [s]", "force [N]", "x_mm"),
-                *("repeat", "h2_re", "1", "-2.5", "1e999", "nan", "", "#", '"', ",", ";", "\t", "\n", "\r", "\0"),
+                *(
+                    "frequency [Hz]",
+                    "omega [rad/s]",
+                    "storage [Pa]",
+                    "loss [Pa]",
+                    "time [s]",
+                    "force [N]",
+                    "x_mm",
+                ),
+                *(
+                    "repeat",
+                    "h2_re",
+                    "1",
+                    "-2.5",
+                    "1e999",
+                    "nan",
+                    "",
+                    "#",
+                    '"',
+                    ",",
+                    ";",
+                    "\t",
+                    "\n",
+                    "\r",
+                    "\0",
+                ),
                 *("1,5", "[", "(", "²"),
             )
         ),
         max_size=40,
     ).map(lambda parts: _head_of(",".join(parts))),
     st.lists(
-        st.lists(st.sampled_from(["1", "2.5", "nan", "", "x", "1e400", "-0"]), min_size=3, max_size=3), max_size=8
+        st.lists(
+            st.sampled_from(["1", "2.5", "nan", "", "x", "1e400", "-0"]), min_size=3, max_size=3
+        ),
+        max_size=8,
     ).map(lambda rows: _head_of(HEADER + "\n".join(",".join(row) for row in rows))),
 )
 
@@ -284,13 +362,17 @@ def test_signals_of_many_headers(tmp_path, header, separator, decimal, scale, un
 
 
 def test_missing_samples_and_a_header_with_a_remark(tmp_path):
-    lines = _signal_text("t_s,disp_mm,force_N,vel_mm_s (every 4th sample, converted from in/kip)").splitlines()
+    lines = _signal_text(
+        "t_s,disp_mm,force_N,vel_mm_s (every 4th sample, converted from in/kip)"
+    ).splitlines()
     lines[1:] = [line + ",0" for line in lines[1:]]
     lines[100] = lines[100].replace(lines[100].split(",")[1], "")
     lines[200] = "1.5,nan,,"
     path = tmp_path / "run.csv"
     path.write_text("\n".join(lines))
-    np.testing.assert_allclose(signals_to_measurement([path]).stiffness, [3 * np.exp(0.5j)], rtol=1e-6)
+    np.testing.assert_allclose(
+        signals_to_measurement([path]).stiffness, [3 * np.exp(0.5j)], rtol=1e-6
+    )
 
 
 @pytest.mark.parametrize(
@@ -298,7 +380,10 @@ def test_missing_samples_and_a_header_with_a_remark(tmp_path):
     [
         ("time [s],displacement [mm]\n1,2\n", "no column of force"),
         ("time,displacement [mm],force [N]\n1,2,3\n", r"no unit; write time \[s\]"),
-        ("time [s],displacement [mm],force [N]\n1,2,x\n", "line 2, column 'force \\[N\\]': 'x' is no number"),
+        (
+            "time [s],displacement [mm],force [N]\n1,2,x\n",
+            "line 2, column 'force \\[N\\]': 'x' is no number",
+        ),
         ("time [s],displacement [mm],force [N]\n", "no row of numbers"),
         (HEADER + "1,2,3\n", "no signals against time"),
     ],

@@ -1,14 +1,29 @@
-"""Cards of solids: the modulus that was measured comes back from what each solver reads, by its own equations."""
+"""Cards of solids: each solver's own equations give the measured modulus from what it reads."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from test_writers import OMEGA, SERIES, WRITERS, abaqus_materials, handoff, numbers, read_comsol, read_opensees
+from test_writers import (
+    OMEGA,
+    SERIES,
+    WRITERS,
+    abaqus_materials,
+    handoff,
+    numbers,
+    read_comsol,
+    read_opensees,
+)
 
 from springpot.rheology import Complex
 
-GIVEN = [("G", "constant"), ("G", "relaxing"), ("E", "constant"), ("E", "relaxing"), ("K", "relaxing")]
+GIVEN = [
+    ("G", "constant"),
+    ("G", "relaxing"),
+    ("E", "constant"),
+    ("E", "relaxing"),
+    ("K", "relaxing"),
+]
 
 
 def sum_of(inf: float, terms: list[tuple[float, float]]) -> Complex:
@@ -17,7 +32,9 @@ def sum_of(inf: float, terms: list[tuple[float, float]]) -> Complex:
 
 
 def from_shares(whole: float, shares: list[tuple[float, float]]) -> Complex:
-    return sum_of(whole * (1 - sum(g for g, _ in shares)), [(whole * g, time) for g, time in shares])
+    return sum_of(
+        whole * (1 - sum(g for g, _ in shares)), [(whole * g, time) for g, time in shares]
+    )
 
 
 def elastic(young: float, poisson: float) -> tuple[float, float]:
@@ -38,7 +55,9 @@ def abaqus_frequency(text: str) -> tuple[Complex, Complex]:
     [[young, poisson]] = material["*ELASTIC, MODULI=LONG TERM"]
     rows = np.array(material["*VISCOELASTIC, FREQUENCY=TABULAR"])
     f = OMEGA / (2 * np.pi)
-    real_g, imaginary_g, real_k, imaginary_k = (np.interp(f, rows[:, 4], rows[:, i]) for i in range(4))
+    real_g, imaginary_g, real_k, imaginary_k = (
+        np.interp(f, rows[:, 4], rows[:, i]) for i in range(4)
+    )
     shear, bulk = elastic(young, poisson)
     return shear * (1 - imaginary_g + 1j * real_g), bulk * (1 - imaginary_k + 1j * real_k)
 
@@ -58,11 +77,16 @@ def ansys(text: str) -> tuple[Complex, Complex]:
 
 
 def ls_dyna(text: str) -> tuple[Complex, Complex]:
-    """G, beta, K, beta in fields of ten signs; without K the bulk modulus is that of the first card."""
+    """G, beta, K, beta in fields of ten signs.
+
+    Without K the bulk modulus is that of the first card.
+    """
     lines = text.splitlines()
     first = next(line for line in lines if line.startswith("         1       &RO"))
     card = lines.index("$#      gi     betai        ki    betaki")
-    rows = [[float(line[i : i + 10]) for i in range(0, len(line), 10)] for line in lines[card + 1 : -1]]
+    rows = [
+        [float(line[i : i + 10]) for i in range(0, len(line), 10)] for line in lines[card + 1 : -1]
+    ]
     bulk = float(first[20:30]) * np.ones(len(OMEGA), dtype=complex)
     if len(rows[0]) == 4:
         bulk = sum_of(rows[0][2], [(row[2], 1 / row[3]) for row in rows[1:]])
@@ -79,7 +103,9 @@ CARDS = {
 
 @pytest.mark.parametrize(("measured", "way"), GIVEN)
 @pytest.mark.parametrize("card", CARDS)
-def test_the_measured_modulus_comes_back_from_the_card_of_a_solid(card: str, measured: str, way: str):
+def test_the_measured_modulus_comes_back_from_the_card_of_a_solid(
+    card: str, measured: str, way: str
+):
     read, name, within = CARDS[card]
     for poisson in (0.3, 0.49):
         text = WRITERS[name].written(handoff(letter=measured, bulk=way, poisson=poisson))
@@ -90,12 +116,16 @@ def test_the_measured_modulus_comes_back_from_the_card_of_a_solid(card: str, mea
             np.testing.assert_allclose(bulk, bulk[0].real, rtol=within)
             assert "the bulk modulus is constant" in text
         else:
-            np.testing.assert_allclose(bulk / shear, 2 * (1 + poisson) / (3 * (1 - 2 * poisson)), rtol=within)
+            np.testing.assert_allclose(
+                bulk / shear, 2 * (1 + poisson) / (3 * (1 - 2 * poisson)), rtol=within
+            )
             assert "the bulk modulus relaxes" in text
 
 
 @pytest.mark.parametrize("poisson", [0.3, 0.49])
-def test_a_bar_in_opensees_has_youngs_modulus_and_a_branch_in_comsol_the_shear_modulus(poisson: float):
+def test_a_bar_in_opensees_has_youngs_modulus_and_a_branch_in_comsol_the_shear_modulus(
+    poisson: float,
+):
     """1 / E = 1 / (3 G) + 1 / (9 K) with a constant K, which nu at once tells."""
     given = SERIES.stiffness(OMEGA)
     whole = SERIES.instantaneous
@@ -108,6 +138,11 @@ def test_a_bar_in_opensees_has_youngs_modulus_and_a_branch_in_comsol_the_shear_m
 
 
 def test_a_format_of_any_modulus_says_which_it_is():
-    for letter, word in (("G", "shear modulus"), ("E", "Young's modulus"), ("K", "bulk modulus"), ("", "modulus")):
+    for letter, word in (
+        ("G", "shear modulus"),
+        ("E", "Young's modulus"),
+        ("K", "bulk modulus"),
+        ("", "modulus"),
+    ):
         for name in ("csv", "json", "python", "fmu"):
             assert f"{word} in MPa" in WRITERS[name].written(handoff(letter=letter))

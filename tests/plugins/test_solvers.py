@@ -1,4 +1,7 @@
-"""What is handed over, run by the solvers themselves; each is skipped where it is not installed (extra `solvers`)."""
+"""What is handed over, run by the solvers themselves.
+
+Each is skipped where it is not installed (extra `solvers`).
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,14 @@ THETA = MODEL.theta(k=400.0, c=60.0, alpha=0.55)
 
 
 def handed(format_name: str):
-    return exported("fractional-maxwell", format_name, band="1Hz:48Hz", values=GIVEN, unit="kN/m", tolerance="0.2%")
+    return exported(
+        "fractional-maxwell",
+        format_name,
+        band="1Hz:48Hz",
+        values=GIVEN,
+        unit="kN/m",
+        tolerance="0.2%",
+    )
 
 
 OPENSEES = """
@@ -59,7 +69,12 @@ def test_opensees_gives_k_over_the_band(frequency):
     pytest.importorskip("openseespy", reason="openseespy is not installed (extra solvers)")
     run = [sys.executable, "-c", OPENSEES, str(frequency)]
     done = subprocess.run(
-        run, input=handed("openseespy").text, capture_output=True, text=True, timeout=600, check=False
+        run,
+        input=handed("openseespy").text,
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
     )
     if "Failed to import openseespy" in done.stderr:
         pytest.skip("openseespy lacks a library of this machine, such as libblas3")
@@ -89,7 +104,9 @@ def series_force():
     series = handed("fmu").handoff.prony
     force, q = series.equilibrium * X, np.zeros(len(series.times))
     for k, h in enumerate(np.diff(T), 1):
-        q = np.exp(-h / series.times) * q - np.expm1(-h / series.times) * series.times / h * (X[k] - X[k - 1])
+        q = np.exp(-h / series.times) * q - np.expm1(-h / series.times) * series.times / h * (
+            X[k] - X[k - 1]
+        )
         force[k] += series.weights @ q
     return force
 
@@ -119,7 +136,9 @@ def cosimulated(unit, derivatives):
 
     told = read_model_description(str(unit))
     slave = FMU2Slave(
-        guid=told.guid, unzipDirectory=extract(str(unit)), modelIdentifier=told.coSimulation.modelIdentifier
+        guid=told.guid,
+        unzipDirectory=extract(str(unit)),
+        modelIdentifier=told.coSimulation.modelIdentifier,
     )
     slave.instantiate()
     slave.setupExperiment(startTime=0.0)
@@ -187,15 +206,21 @@ SOLID_THETA = SOLID.theta(k1=2.0, k2=30.0, c=0.5, alpha=0.6)
 def terms():
     """What stands in the exported table: the spring, and weight and time of each term."""
     given = ["k1=2", "k2=30", "c=0.5", "alpha=0.6"]
-    table = exported("fractional-zener", "csv", band="1Hz:48Hz", values=given, unit="MPa", tolerance="0.2%").text
+    table = exported(
+        "fractional-zener", "csv", band="1Hz:48Hz", values=given, unit="MPa", tolerance="0.2%"
+    ).text
     rows = csv.reader(line for line in table.splitlines() if not line.startswith("#"))
     _, (_, spring, _), *rest = rows
-    return float(spring), [float(weight) for _, weight, _ in rest], [float(time) for _, _, time in rest]
+    return (
+        float(spring),
+        [float(weight) for _, weight, _ in rest],
+        [float(time) for _, _, time in rest],
+    )
 
 
 @pytest.mark.parametrize(("frequency", "cycles"), [(1.0, 3), (8.0, 6), (48.0, 8)])
 def test_finite_elements_run_the_series(terms, frequency, cycles):
-    """A block of eight elements in simple shear, whose force over displacement is the shear modulus."""
+    """Eight elements in simple shear, whose force over displacement is the shear modulus."""
     pytest.importorskip("felupe", reason="felupe is not installed (extra solvers)")
     import felupe
 
@@ -220,7 +245,10 @@ def test_finite_elements_run_the_series(terms, frequency, cycles):
     }
     step = felupe.Step([solid], ramp={bounds["top"]: moved[1:]}, boundaries=bounds)
     pulled = np.array(
-        [felupe.tools.force(field, each.fun, bounds["top"])[0] for each in step.generate(x0=field, verbose=0)]
+        [
+            felupe.tools.force(field, each.fun, bounds["top"])[0]
+            for each in step.generate(x0=field, verbose=0)
+        ]
     )
     alike = SOLID.respond(SOLID_THETA, t, moved)[1:]
     assert np.abs(pulled - alike).max() < 0.02 * np.abs(alike).max()

@@ -1,4 +1,7 @@
-"""Effects of tests in time do what their names say; a broken one is told apart. Contract: see test_contracts."""
+"""Effects of tests in time do what their names say; a broken one is told apart.
+
+Contract: see test_contracts.
+"""
 
 from __future__ import annotations
 
@@ -59,7 +62,9 @@ def test_a_slow_step_is_a_ramp():
     t = np.geomspace(0.01, 100.0, 50)
     step = TimeTest.of_relaxation(t, t, "kPa")
     ramp = TimeTest.of_relaxation(t, t, "kPa", rise=0.3)
-    assert held("finite-ramp", [0.3], step) == pytest.approx(recorded(MODEL, THETA, ramp).value, rel=1e-5)
+    assert held("finite-ramp", [0.3], step) == pytest.approx(
+        recorded(MODEL, THETA, ramp).value, rel=1e-5
+    )
 
 
 def test_play_is_what_is_left_of_a_spring_with_a_slider():
@@ -70,7 +75,9 @@ def test_play_is_what_is_left_of_a_spring_with_a_slider():
         end = min(max(end, here - 0.2), here + 0.2)
         followed.append(end)
     behind = TimeTest.of_history(T, np.array(followed), 3.0 * x, "mm", "N")
-    assert held("backlash-in-time", [0.2], test) == pytest.approx(recorded(MODEL, THETA, behind).value, abs=1e-6)
+    assert held("backlash-in-time", [0.2], test) == pytest.approx(
+        recorded(MODEL, THETA, behind).value, abs=1e-6
+    )
 
 
 def test_a_bearing_that_holds_lets_less_through_and_holds_back():
@@ -100,7 +107,9 @@ def test_damage_is_counted_by_the_way_and_not_by_the_samples():
     x = np.sin(2.0 * T)
     whole = held("damage", [0.05], TimeTest.of_history(T, x, 3.0 * x, "mm", "N"))
     model = Timed(MODEL, (plugins().find("time effect", "damage"),))
-    some = recorded(model, np.append(THETA, 0.05), TimeTest.of_history(T, x, 3.0 * x, "mm", "N"), at=T[::7]).value
+    some = recorded(
+        model, np.append(THETA, 0.05), TimeTest.of_history(T, x, 3.0 * x, "mm", "N"), at=T[::7]
+    ).value
     assert whole[::7] == pytest.approx(some, rel=1e-6, abs=1e-6)
 
 
@@ -108,8 +117,17 @@ def test_a_mass_does_not_go_by_the_clock_of_its_material():
     t = np.geomspace(0.01, 100.0, 50)
     test = TimeTest.of_compliance(t, t, "kPa")
     model = parse_timed("fractional-zener + inertia + ageing")
-    theta = model.vector({"k1": 50.0, "k2": 400.0, "c": 60.0, "alpha": 0.5, "inertia.m": 1.0, "ageing.mu": 0.5,
-                          "ageing.waited": 1.0})  # fmt: skip
+    theta = model.vector(
+        {
+            "k1": 50.0,
+            "k2": 400.0,
+            "c": 60.0,
+            "alpha": 0.5,
+            "inertia.m": 1.0,
+            "ageing.mu": 0.5,
+            "ageing.waited": 1.0,
+        }
+    )
     with pytest.raises(ModelError, match="does not go by the clock"):
         recorded(model, theta, test)
 

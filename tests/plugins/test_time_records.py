@@ -1,4 +1,7 @@
-"""Records of displacement and force in other files than tables are tests in time too; what swings not is told."""
+"""Records of displacement and force in other files than tables are tests in time too.
+
+What swings not is told.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,9 @@ MOVED, PULLED = np.sin(2.0 * T), 3.0 * np.sin(2.0 * T + 0.5)
 
 
 def laos(first="omega=2;gamma=1;T=37;"):
-    rows = "".join(f"{t:.6g}\t{x:.12g}\t{f:.12g}\n" for t, x, f in zip(T, MOVED, PULLED, strict=True))
+    rows = "".join(
+        f"{t:.6g}\t{x:.12g}\t{f:.12g}\n" for t, x, f in zip(T, MOVED, PULLED, strict=True)
+    )
     return f"{first}\n{rows}"
 
 
@@ -23,11 +28,18 @@ def test_a_laos_file_is_a_test_in_time(tmp_path):
     path = tmp_path / "film.laos"
     path.write_text(laos())
     [test] = open_in_time(path)
-    assert (test.name, test.kind, test.units.stiffness, test.temperature) == ("film", "history", "Pa", 37.0)
+    assert (test.name, test.kind, test.units.stiffness, test.temperature) == (
+        "film",
+        "history",
+        "Pa",
+        37.0,
+    )
     np.testing.assert_allclose(test.response, PULLED, rtol=1e-10)
     np.testing.assert_allclose(test.loading.value[-len(T) :], MOVED, atol=1e-10)
     # Step one of the paper still reads it.
-    assert signals_to_measurement([path]).stiffness[0] == pytest.approx(3.0 * np.exp(0.5j), rel=1e-5)
+    assert signals_to_measurement([path]).stiffness[0] == pytest.approx(
+        3.0 * np.exp(0.5j), rel=1e-5
+    )
 
 
 def test_a_minus_of_typographers_is_a_minus(tmp_path):
@@ -78,7 +90,8 @@ def springpot_command(capsys):
     from springpot.cli.faults import exit_code
     from springpot.cli.group import run
 
-    # Not by `main`, which takes over Ctrl-C for the rest of its process, and that is the one of all tests.
+    # Not by `main`, which takes over Ctrl-C for the rest of its process, and that is the one of all
+    # tests.
     def printed(*arguments):
         assert exit_code(lambda: run(list(arguments))) == 0
         return capsys.readouterr().out
@@ -88,7 +101,9 @@ def springpot_command(capsys):
 
 def test_columns_that_are_called_a_record_open_as_one(tmp_path):
     path = tmp_path / "nameless.txt"
-    path.write_text("".join(f"{t:.6g},{x:.9g},{f:.9g}\n" for t, x, f in zip(T, MOVED, PULLED, strict=True)))
+    path.write_text(
+        "".join(f"{t:.6g},{x:.9g},{f:.9g}\n" for t, x, f in zip(T, MOVED, PULLED, strict=True))
+    )
     found = open_measurement(f"{path}?1=time[s],2=displacement[mm],3=force[N]")
     assert found.stiffness[0] == pytest.approx(3.0 * np.exp(0.5j), rel=1e-5)
 
@@ -100,7 +115,9 @@ def test_a_sweep_is_sent_from_signals_to_inspect(tmp_path):
         signals_to_measurement([path])
 
 
-PUSHED = "".join(f"{t:.4g},{10 - 0.2 * t:.6g},{0.2 * t:.6g},{0.5 * t + 0.02 * t * t:.8g}\n" for t in T)
+PUSHED = "".join(
+    f"{t:.4g},{10 - 0.2 * t:.6g},{0.2 * t:.6g},{0.5 * t + 0.02 * t * t:.8g}\n" for t in T
+)
 
 
 def test_a_compression_against_the_gap_is_told_as_no_oscillation(tmp_path):

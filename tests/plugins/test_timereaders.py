@@ -1,4 +1,7 @@
-"""Files of tests in time: the layouts of tables, RheoCompass, TRIOS, MTS and RepTate, and how they are refused."""
+"""Files of tests in time.
+
+The layouts of tables, RheoCompass, TRIOS, MTS and RepTate, and how they are refused.
+"""
 
 from __future__ import annotations
 
@@ -55,7 +58,9 @@ def test_time_is_read_in_its_unit_and_decimals_may_have_commas(tmp_path):
 
 def test_what_the_file_leaves_open_is_said_behind_it(tmp_path):
     path = put(tmp_path, "Time\tRelaxation Modulus\n0.2\t30\n0.4\t20\n1\t10\n")
-    with pytest.raises(DataError, match=r"no unit; write Time \[s\], or say it by '.*\?time=s,relaxation=Pa'"):
+    with pytest.raises(
+        DataError, match=r"no unit; write Time \[s\], or say it by '.*\?time=s,relaxation=Pa'"
+    ):
         open_in_time(path)
     [test] = open_in_time(f"{path}?time=s,relaxation=kPa,temperature=320[K],ramp=50[ms]")
     assert (test.units.stiffness, test.rise) == ("kPa", 0.05)
@@ -80,7 +85,9 @@ REFUSED = {
     "time [s],relaxation [Pa]\n-1,2\n1,3\n": "lies before the load",
     "time [s],relaxation [N]\n1,2\n2,3\n": "no unit of a modulus",
     "time [s],force [N]\n1,2\n2,3\n": "a force without a displacement",
-    "time [s],stress [Pa],shear rate [1/s],viscosity [Pa s]\n1,20,1,20\n2,30,1,30\n": "steady flow, neither an osc",
+    "time [s],stress [Pa],shear rate [1/s],viscosity [Pa s]\n1,20,1,20\n2,30,1,30\n": (
+        "steady flow, neither an osc"
+    ),
     "time [s],displacement [mm]\n1,2\n2,3\n": "a displacement without a force",
     "time [s],displacement [mm],force [Pa]\n1,2,1\n2,3,1\n": "units that make no stiffness",
     "time [s],compliance [Pa]\n1,2\n2,3\n": "no unit of a compliance",
@@ -127,7 +134,9 @@ def test_reptate_layouts(tmp_path):
     assert shear.kind == "startup"
     assert shear.response == pytest.approx([2.0, 8.0, 10.0])
     assert shear.loading.value[-1] == pytest.approx(4.0)
-    [creep] = open_in_time(put(tmp_path, f"{head}stress=10;\nt strain\n0.1 1\n1 4\n2 5\n", "x.creep"))
+    [creep] = open_in_time(
+        put(tmp_path, f"{head}stress=10;\nt strain\n0.1 1\n1 4\n2 5\n", "x.creep")
+    )
     assert (creep.kind, creep.loading.value[-1]) == ("creep", 10.0)
 
 
@@ -168,7 +177,10 @@ def test_an_mts_record_with_numbers_for_names():
 
 
 def test_sweeps_of_real_instruments_stay_sweeps():
-    for parts in (("rheowin-starch-gel", "stress-sweep_500Pa.csv"), ("hermes-multi-technique", "normalized.csv")):
+    for parts in (
+        ("rheowin-starch-gel", "stress-sweep_500Pa.csv"),
+        ("hermes-multi-technique", "normalized.csv"),
+    ):
         path = shared(*parts)
         assert open_in_time(path) == ()
         assert len(open_measurement(path)) > 10

@@ -1,4 +1,7 @@
-"""Every format for solvers: parsed back, it gives K within the printed digits; what it cannot hold it refuses."""
+"""Every format for solvers: parsed back, it gives K within the printed digits.
+
+What it cannot hold it refuses.
+"""
 
 from __future__ import annotations
 
@@ -19,12 +22,24 @@ from springpot.solvers.exporting import exported
 WRITERS = {writer.name: writer for writer in plugins().items("writer")}
 OMEGA = np.geomspace(1.0, 300.0, 40)
 SERIES = Prony(
-    12.5, 0.0, np.array([31.25, 4.125e-3, 127.0]), np.array([1.2345678e-3, 0.25, 7.0]), (1.0, 300.0), 0.0043
+    12.5,
+    0.0,
+    np.array([31.25, 4.125e-3, 127.0]),
+    np.array([1.2345678e-3, 0.25, 7.0]),
+    (1.0, 300.0),
+    0.0043,
 )
 
 
 def handoff(prony: Prony = SERIES, **changes) -> Handoff:
-    whole = {"unit": "MPa", "is_modulus": True, "poisson": 0.49, "letter": "E", "bulk": "relaxing", **changes}
+    whole = {
+        "unit": "MPa",
+        "is_modulus": True,
+        "poisson": 0.49,
+        "letter": "E",
+        "bulk": "relaxing",
+        **changes,
+    }
     return Handoff(prony, "fractional-zener", {"k": "3 MPa"}, **whole)
 
 
@@ -37,7 +52,11 @@ def own_handoff(name: str) -> Handoff:
 
 def k_of(equilibrium: float, viscosity: float, pairs: list[tuple[float, float]]) -> Real:
     s = 1j * OMEGA
-    return equilibrium + viscosity * s + sum(weight * s * time / (1 + s * time) for weight, time in pairs)
+    return (
+        equilibrium
+        + viscosity * s
+        + sum(weight * s * time / (1 + s * time) for weight, time in pairs)
+    )
 
 
 def numbers(text: str) -> list[float]:
@@ -46,11 +65,17 @@ def numbers(text: str) -> list[float]:
 
 def read_json(text: str):
     whole = json.loads(text)
-    return k_of(whole["equilibrium"], whole["viscosity"], [(t["weight"], t["time_s"]) for t in whole["terms"]])
+    return k_of(
+        whole["equilibrium"],
+        whole["viscosity"],
+        [(t["weight"], t["time_s"]) for t in whole["terms"]],
+    )
 
 
 def read_csv(text: str):
-    rows = list(csv.reader(io.StringIO("".join(line for line in text.splitlines(True) if line[0] != "#"))))[1:]
+    rows = list(
+        csv.reader(io.StringIO("".join(line for line in text.splitlines(True) if line[0] != "#")))
+    )[1:]
     terms = [(float(weight), float(time)) for name, weight, time in rows if name.isdigit()]
     others = {name.split()[0]: float(weight) for name, weight, _ in rows if not name.isdigit()}
     return k_of(others["spring"], others.get("dashpot", 0.0), terms)
@@ -83,11 +108,15 @@ def read_abaqus(text: str):
     terms = material["*VISCOELASTIC, TIME=PRONY"]
     assert all(g == k for g, k, _ in terms)
     assert sum(g for g, _, _ in terms) < 1
-    return k_of(modulus * (1 - sum(g for g, _, _ in terms)), 0.0, [(modulus * g, tau) for g, _, tau in terms])
+    return k_of(
+        modulus * (1 - sum(g for g, _, _ in terms)),
+        0.0,
+        [(modulus * g, tau) for g, _, tau in terms],
+    )
 
 
 def read_abaqus_frequency(text: str, omega: Real):
-    """G'' = G_inf w Re g*, G' = G_inf (1 - w Im g*): a table of w g* against f, or g* = g1* f^-a."""
+    """G'' = G_inf w Re g*, G' = G_inf (1 - w Im g*): w g* tabled against f, or g* = g1* f^-a."""
     material = abaqus_materials(text)["SPRINGPOT_FREQUENCY"]
     [[modulus, _]] = material["*ELASTIC, MODULI=LONG TERM"]
     f = omega / (2 * np.pi)
@@ -112,7 +141,9 @@ def read_ansys(text: str):
         constants.update(enumerate(numbers(rest), int(start)))
     flat = [constants[i] for i in range(1, 2 * int(tables[0]) + 1)]
     terms = list(zip(flat[::2], flat[1::2], strict=True))
-    return k_of(modulus * (1 - sum(g for g, _ in terms)), 0.0, [(modulus * g, tau) for g, tau in terms])
+    return k_of(
+        modulus * (1 - sum(g for g, _ in terms)), 0.0, [(modulus * g, tau) for g, tau in terms]
+    )
 
 
 def read_opensees(text: str):
@@ -153,14 +184,20 @@ def read_ls_dyna(text: str):
     """Fields of ten signs: G, beta, K, beta; the term without decay is the long-term one."""
     lines = text.splitlines()
     card = lines.index("$#      gi     betai        ki    betaki")
-    rows = [[float(line[i : i + 10]) for i in range(0, 40, 10)] for line in lines[card + 1 : lines.index("*END")]]
+    rows = [
+        [float(line[i : i + 10]) for i in range(0, 40, 10)]
+        for line in lines[card + 1 : lines.index("*END")]
+    ]
     young = [2 * (1 + 0.49) * g for g, *_ in rows]
     assert all(
-        k == pytest.approx(e / (3 * (1 - 2 * 0.49)), rel=1e-4) for e, (_, _, k, _) in zip(young, rows, strict=True)
+        k == pytest.approx(e / (3 * (1 - 2 * 0.49)), rel=1e-4)
+        for e, (_, _, k, _) in zip(young, rows, strict=True)
     )
     assert all(row[1] == row[3] for row in rows)
     assert rows[0][1] == 0
-    return k_of(young[0], 0.0, [(e, 1 / row[1]) for e, row in zip(young[1:], rows[1:], strict=True)])
+    return k_of(
+        young[0], 0.0, [(e, 1 / row[1]) for e, row in zip(young[1:], rows[1:], strict=True)]
+    )
 
 
 def read_nastran(text: str):
@@ -173,7 +210,9 @@ def read_nastran(text: str):
             number = int(line.split(",")[1])
             tables[number] = []
         elif line.startswith(",") and number:
-            tables[number] += [real(field) for field in line.split(",") if field not in ("", "ENDT")]
+            tables[number] += [
+                real(field) for field in line.split(",") if field not in ("", "ENDT")
+            ]
     assert "PBUSHT,100,K,101\n,,GE,102\n" in text
     (f, k), (g, loss) = ((tables[n][::2], tables[n][1::2]) for n in (101, 102))
     at = OMEGA / (2 * np.pi)
@@ -187,7 +226,9 @@ def real(field: str) -> float:
 
 def read_comsol(text: str):
     rows = dict(re.findall(r"^(\w+) ([-+.\deE]+)", text, re.M))
-    terms = [(float(rows[f"G_{i}"]), float(rows[f"tau_{i}"])) for i in range(1, len(SERIES.times) + 1)]
+    terms = [
+        (float(rows[f"G_{i}"]), float(rows[f"tau_{i}"])) for i in range(1, len(SERIES.times) + 1)
+    ]
     return k_of(float(rows["G_inf"]), float(rows.get("eta", 0.0)), terms)
 
 
@@ -197,7 +238,11 @@ def read_fmu(text: str):
         name: [float(x) for x in body.split(",")][:-1]
         for name, body in re.findall(r"(W|TAU)\[N \+ 1\] = {(.*)}", text)
     }
-    return k_of(float(re.search(r"KE = (.*);", text)[1]), 0.0, list(zip(lists["W"], lists["TAU"], strict=True)))
+    return k_of(
+        float(re.search(r"KE = (.*);", text)[1]),
+        0.0,
+        list(zip(lists["W"], lists["TAU"], strict=True)),
+    )
 
 
 DIGITS = {"ls-dyna": 5e-5, "nastran": 1e-3}
@@ -212,14 +257,18 @@ READ = {
 @pytest.mark.parametrize("name", WRITERS)
 def test_parsed_back_it_is_the_same_material(name: str):
     text = WRITERS[name].written(own_handoff(name))
-    np.testing.assert_allclose(READ[name](text), SERIES.stiffness(OMEGA), rtol=DIGITS.get(name, 1e-7))
+    np.testing.assert_allclose(
+        READ[name](text), SERIES.stiffness(OMEGA), rtol=DIGITS.get(name, 1e-7)
+    )
 
 
 @pytest.mark.parametrize("name", [name for name, writer in WRITERS.items() if writer.dashpot])
 def test_a_dashpot_comes_back_too(name: str):
     series = Prony(0.0, 2.5, SERIES.weights, SERIES.times, SERIES.band, 0.01)
     text = WRITERS[name].written(handoff(series, is_modulus=False, unit="kN/m"))
-    np.testing.assert_allclose(READ[name](text), series.stiffness(OMEGA), rtol=DIGITS.get(name, 1e-7))
+    np.testing.assert_allclose(
+        READ[name](text), series.stiffness(OMEGA), rtol=DIGITS.get(name, 1e-7)
+    )
 
 
 @pytest.mark.parametrize("name", WRITERS)
@@ -268,7 +317,9 @@ def test_more_terms_than_a_card_holds_are_refused():
 
 
 def test_fractional_parameters_keep_their_power_of_time():
-    given = Handoff(SERIES, "fractional-maxwell", {"c": "60 kN s^alpha/m", "alpha": "0.55 -"}, "kN/m", False)
+    given = Handoff(
+        SERIES, "fractional-maxwell", {"c": "60 kN s^alpha/m", "alpha": "0.55 -"}, "kN/m", False
+    )
     text = WRITERS["comsol"].written(given)
     assert 'c 60[kN*s^0.55/m] "' in text
     assert 'alpha 0.55 "' in text
@@ -280,7 +331,8 @@ def test_the_python_file_follows_a_history():
     t = np.linspace(0.0, 2.0, 4001)
     found = room["respond"](t, 3.0 * t)
     ramp = 3.0 * (
-        SERIES.equilibrium * t[-1] + np.sum(SERIES.weights * SERIES.times * -np.expm1(-t[-1] / SERIES.times))
+        SERIES.equilibrium * t[-1]
+        + np.sum(SERIES.weights * SERIES.times * -np.expm1(-t[-1] / SERIES.times))
     )
     assert found[-1] == pytest.approx(ramp, rel=1e-9)
 
@@ -299,7 +351,9 @@ def test_a_model_with_its_parameters():
     assert len(found.handoff.prony.times) <= 5
     omega = 2 * np.pi * np.geomspace(1, 48, 50)
     s = (1j * omega) ** 0.55
-    np.testing.assert_allclose(found.handoff.prony.stiffness(omega), 1 / (1 / 400 + 1 / (60 * s)), rtol=0.008)
+    np.testing.assert_allclose(
+        found.handoff.prony.stiffness(omega), 1 / (1 / 400 + 1 / (60 * s)), rtol=0.008
+    )
 
 
 @pytest.mark.parametrize(
@@ -314,7 +368,11 @@ def test_a_model_with_its_parameters():
 def test_abaqus_has_the_model_itself_at_frequencies(expression, values, law, within):
     """No Prony series stands between them: its error, of half a per cent, is not in the table."""
     model = parse_model(expression)
-    theta = 2.0 + np.arange(len(model.names)) if values is None else [float(v.partition("=")[2]) for v in values]
+    theta = (
+        2.0 + np.arange(len(model.names))
+        if values is None
+        else [float(v.partition("=")[2]) for v in values]
+    )
     given = [f"{name}={value}" for name, value in zip(model.names, theta, strict=True)]
     text = exported(
         expression,

@@ -1,4 +1,4 @@
-"""Being here, it puts this folder's modules, and the samples of the readers' tests, within reach."""
+"""By being here it puts this folder's modules and the readers' samples within reach."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "plugins"))
 def nobody_listens_to_the_garbage_collector() -> Iterator[None]:
     """What falls into a listener is lost, as hypothesis has one, which times the collector.
 
-    An end of time that is lost there is told again, maybe into pytest's report of the loss, and that fails the test.
+    An end of time that is lost there is told again, maybe into pytest's report of the loss, and
+    that fails the test.
     """
     listening = list(gc.callbacks)
     gc.callbacks.clear()

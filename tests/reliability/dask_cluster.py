@@ -29,9 +29,24 @@ def cluster(folder: Path, count: int = 2) -> Iterator[Cluster]:
     """A scheduler and so many workers of one thread; nobody starts a lost one again."""
     where = folder / "scheduler.json"
     scheduler = _spawn(
-        folder, "distributed.cli.dask_scheduler", "--scheduler-file", str(where), "--port", "0", "--no-dashboard"
+        folder,
+        "distributed.cli.dask_scheduler",
+        "--scheduler-file",
+        str(where),
+        "--port",
+        "0",
+        "--no-dashboard",
     )
-    options = ["--nworkers", "1", "--nthreads", "1", "--no-nanny", "--no-dashboard", "--scheduler-file", str(where)]
+    options = [
+        "--nworkers",
+        "1",
+        "--nthreads",
+        "1",
+        "--no-nanny",
+        "--no-dashboard",
+        "--scheduler-file",
+        str(where),
+    ]
     workers = [_spawn(folder, "distributed.cli.dask_worker", *options) for _ in range(count)]
     try:
         end = monotonic() + START

@@ -45,7 +45,11 @@ class Innocent(Optimiser):
         x = problem.lower + rng.random(problem.dimension) * room
         best = problem(x)
         while True:
-            y = np.clip(x + step * room * rng.standard_normal(problem.dimension), problem.lower, problem.upper)
+            y = np.clip(
+                x + step * room * rng.standard_normal(problem.dimension),
+                problem.lower,
+                problem.upper,
+            )
             value = problem(y)
             if value < best:
                 x, best = y, value
@@ -64,7 +68,9 @@ class Faulty(Innocent):
     def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
         if budget > 1:
             for _ in range(3):
-                problem(problem.lower + rng.random(problem.dimension) * (problem.upper - problem.lower))
+                problem(
+                    problem.lower + rng.random(problem.dimension) * (problem.upper - problem.lower)
+                )
             DEEDS[self.deed](problem, rng)
         super().minimise(problem, budget, rng)
 
@@ -115,7 +121,9 @@ def leave_a_program(problem: Recorder, rng: np.random.Generator) -> None:
 
 
 def leave_a_session(problem: Recorder, rng: np.random.Generator) -> None:
-    subprocess.Popen([sys.executable, "-c", f"import time; time.sleep({LASTING})"], start_new_session=True)
+    subprocess.Popen(
+        [sys.executable, "-c", f"import time; time.sleep({LASTING})"], start_new_session=True
+    )
     time.sleep(LASTING)
 
 
@@ -189,7 +197,9 @@ def patch_model(problem: Recorder, rng: np.random.Generator) -> None:
 
 def clear_data(problem: Recorder, rng: np.random.Generator) -> None:
     data = problem.problem.measurement.stiffness
-    data[:] = problem.problem.model.stiffness(problem.problem.space.theta(problem.upper), data_points(problem))
+    data[:] = problem.problem.model.stiffness(
+        problem.problem.space.theta(problem.upper), data_points(problem)
+    )
 
 
 def data_points(problem: Recorder) -> object:
@@ -362,22 +372,43 @@ def data() -> DataSet:
     model = parse_model("fractional-kelvin")
     omega = 2 * np.pi * np.geomspace(0.1, 10.0, 12)
     drawn = np.random.default_rng(5).standard_normal((2, len(omega)))
-    stiffness = model.stiffness(model.theta(**truth), omega) * (1 + 0.02 * (drawn[0] + 1j * drawn[1]))
+    stiffness = model.stiffness(model.theta(**truth), omega) * (
+        1 + 0.02 * (drawn[0] + 1j * drawn[1])
+    )
     measured = Measurement(omega, stiffness, units=Units("kN/m"), name="kelvin")
     return DataSet(
-        "kelvin", "artificial", lambda: measured, kind="artificial", truth=truth, model="fractional-kelvin"
+        "kelvin",
+        "artificial",
+        lambda: measured,
+        kind="artificial",
+        truth=truth,
+        model="fractional-kelvin",
     )
 
 
 def race(deeds: list[str], repetitions: int = 1) -> Study:
-    """Innocent trials among those of faulty optimisers: at the beginning, in their midst and at the end."""
+    """Innocent trials among those of faulty optimisers.
+
+    At the beginning, in their midst and at the end.
+    """
     faulty = [(f"faulty {deed}", Faulty(deed=deed)) for deed in deeds]
     half = len(faulty) // 2
     entrants = [
-        ("innocent 1", Innocent(0.2)), *faulty[:half], ("innocent 2", Innocent(0.3)), *faulty[half:],
-        ("innocent 3", Innocent(0.4)), ("innocent 4", Innocent(0.5)),
-    ]  # fmt: skip
+        ("innocent 1", Innocent(0.2)),
+        *faulty[:half],
+        ("innocent 2", Innocent(0.3)),
+        *faulty[half:],
+        ("innocent 3", Innocent(0.4)),
+        ("innocent 4", Innocent(0.5)),
+    ]
     return Study(
-        "faulty", [data()], ["own"], ["paper"], entrants, repetitions=repetitions, budget=120, deadline=DEADLINE,
+        "faulty",
+        [data()],
+        ["own"],
+        ["paper"],
+        entrants,
+        repetitions=repetitions,
+        budget=120,
+        deadline=DEADLINE,
         memory=512,
-    )  # fmt: skip
+    )

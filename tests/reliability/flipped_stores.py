@@ -15,7 +15,13 @@ from springpot.benchmark import Store, Study, run_study
 from springpot.benchmark.findings import study_tables
 from springpot.errors import StudyError
 
-SAME, NAMED, REFUSED, WRONG, FAULT = "same tables", "named, the rest used", "one line", "other numbers", "a fault"
+SAME, NAMED, REFUSED, WRONG, FAULT = (
+    "same tables",
+    "named, the rest used",
+    "one line",
+    "other numbers",
+    "a fault",
+)
 HARMLESS = (SAME, NAMED, REFUSED)
 
 
@@ -50,9 +56,17 @@ def look(path: Path) -> Seen:
                     continue
                 evaluations, values = row.improvements()
                 trials[labels[number], row.repetition] = (
-                    row.status, row.best, row.theta_text, row.oracle, row.evaluations, row.trace, row.recommended,
-                    row.seen, tuple(evaluations), tuple(values),
-                )  # fmt: skip
+                    row.status,
+                    row.best,
+                    row.theta_text,
+                    row.oracle,
+                    row.evaluations,
+                    row.trace,
+                    row.recommended,
+                    row.seen,
+                    tuple(evaluations),
+                    tuple(values),
+                )
         for _, table in study_tables(store):
             str(table)
     return Seen(trials, failed, told.getvalue())
@@ -82,11 +96,18 @@ def verdict(path: Path, sound: Seen) -> str:
 
 
 def mended(path: Path, sound: Seen) -> bool:
-    """Whether a run with ``--retry-failed`` brings everything back, or refuses in one line to touch the file."""
+    """Whether ``--retry-failed`` restores everything, or refuses in one line to touch the file."""
     before = path.read_bytes()
     try:
         with contextlib.redirect_stderr(io.StringIO()):
-            run_study(study(), engine="serial", out=path.parents[1], quiet=True, retry_failed=True, tables=False)
+            run_study(
+                study(),
+                engine="serial",
+                out=path.parents[1],
+                quiet=True,
+                retry_failed=True,
+                tables=False,
+            )
     except StudyError as error:
         # What no longer looks like a store of ours is left alone.
         return "\n" not in str(error) and path.read_bytes() == before

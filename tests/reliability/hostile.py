@@ -1,6 +1,7 @@
 """Files that would take a machine: each a function of its size, written to a folder.
 
-``size`` is 1 for the file that was found to do harm, and a share of it where a test needs only to see the rule.
+``size`` is 1 for the file that was found to do harm, and a share of it where a test needs only to
+see the rule.
 """
 
 from __future__ import annotations
@@ -30,8 +31,15 @@ def compressed_zeros(folder: Path, size: float) -> Path:
     """A MATLAB file of one megabyte whose one matrix unpacks to a gigabyte of zeros."""
     count = int(125e6 * size)
     name = b"t_s\0\0\0\0\0"
-    body = struct.pack("<IIII", 6, 8, 6, 0) + struct.pack("<IIii", 5, 8, 1, count) + struct.pack("<II", 1, 3) + name
-    head = struct.pack("<II", 14, len(body) + 8 + 8 * count) + body + struct.pack("<II", 9, 8 * count)
+    body = (
+        struct.pack("<IIII", 6, 8, 6, 0)
+        + struct.pack("<IIii", 5, 8, 1, count)
+        + struct.pack("<II", 1, 3)
+        + name
+    )
+    head = (
+        struct.pack("<II", 14, len(body) + 8 + 8 * count) + body + struct.pack("<II", 9, 8 * count)
+    )
     packer = zlib.compressobj(9)
     pieces, zeros = [packer.compress(head)], bytes(1 << 20)
     left = 8 * count
@@ -64,7 +72,14 @@ def one_word(folder: Path, size: float) -> Path:
 def many_columns(folder: Path, size: float) -> Path:
     """A million columns."""
     count = int(1e6 * size)
-    return _text(folder, "wide.csv", ",".join(f"c{i}" for i in range(count)), "\n", ",".join(["1"] * count), "\n")
+    return _text(
+        folder,
+        "wide.csv",
+        ",".join(f"c{i}" for i in range(count)),
+        "\n",
+        ",".join(["1"] * count),
+        "\n",
+    )
 
 
 def many_columns_of_a_table(folder: Path, size: float) -> Path:
@@ -96,8 +111,8 @@ def long_signals(folder: Path, size: float) -> Path:
 
 
 SHEET = (
-    '<?xml version="1.0" encoding="UTF-8"?><worksheet xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main">'
-    "<sheetData>"
+    '<?xml version="1.0" encoding="UTF-8"?>'
+    '<worksheet xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"><sheetData>'
 )
 
 
@@ -151,7 +166,9 @@ def xml_bomb(folder: Path, size: float) -> Path:
             f'<!ENTITY a{i} "{f"&a{i - 1};" * 10}">' for i in range(1, levels + 1)
         )
         sheet = SHEET.replace("?>", f"?><!DOCTYPE worksheet [{entities}]>", 1)
-        cell = f'<row><c t="inlineStr"><is><t>&a{levels};</t></is></c></row></sheetData></worksheet>'
+        cell = (
+            f'<row><c t="inlineStr"><is><t>&a{levels};</t></is></c></row></sheetData></worksheet>'
+        )
         book.writestr("xl/worksheets/sheet1.xml", sheet + cell)
 
     return _workbook(folder, "laughs.xlsx", write)
@@ -160,26 +177,41 @@ def xml_bomb(folder: Path, size: float) -> Path:
 def deep_json(folder: Path, size: float) -> Path:
     """A TRIOS export nested a hundred thousand deep."""
     depth = int(100_000 * size)
-    return _text(folder, "deep.json", '{"Experiment": ', '{"Procedure": ' * depth, "1", "}" * depth, "}")
+    return _text(
+        folder, "deep.json", '{"Experiment": ', '{"Procedure": ' * depth, "1", "}" * depth, "}"
+    )
 
 
 def many_results(folder: Path, size: float) -> Path:
     """A TRIOS export of thirty thousand results."""
     header = '{"A": {"DisplayName": "Angular frequency", "Unit": {"Name": "rad/s"}}}'
     one = '{"DataSet": {"ColumnHeaders": ' + header + ', "Rows": [{"A": 1.0}]}}'
-    return _text(folder, "results.json", '{"Experiment": {"Results": [', ",".join([one] * int(30_000 * size)), "]}}")
+    return _text(
+        folder,
+        "results.json",
+        '{"Experiment": {"Results": [',
+        ",".join([one] * int(30_000 * size)),
+        "]}}",
+    )
 
 
 def many_steps(folder: Path, size: float) -> Path:
     """A TRIOS text of thirty thousand steps."""
-    step = "[step]\nsweep\nStorage modulus,Loss modulus,Angular frequency\nPa,Pa,rad/s\n1,2,3\n2,3,4\n"
+    step = (
+        "[step]\nsweep\nStorage modulus,Loss modulus,Angular frequency\nPa,Pa,rad/s\n1,2,3\n2,3,4\n"
+    )
     return _text(folder, "steps.txt", "Filename,a gel\n", step * int(30_000 * size))
 
 
 def many_intervals(folder: Path, size: float) -> Path:
     """A RheoCompass text of thirty thousand intervals."""
     names = "Angular Frequency\tStorage Modulus\tLoss Modulus\n\t\t\n[rad/s]\t[Pa]\t[Pa]\n"
-    return _text(folder, "intervals.txt", "Test:\ta gel\n", f"Interval:\t1\n{names}1\t2\t3\n" * int(30_000 * size))
+    return _text(
+        folder,
+        "intervals.txt",
+        "Test:\ta gel\n",
+        f"Interval:\t1\n{names}1\t2\t3\n" * int(30_000 * size),
+    )
 
 
 def wide_curves(folder: Path, size: float) -> Path:
@@ -209,7 +241,11 @@ def blanks_in_a_line(folder: Path, size: float) -> Path:
     """Titles parted by a hundred thousand blanks each."""
     blank = " " * int(100_000 * size)
     return _text(
-        folder, "blanks.txt", blank.join(["", "time", "[s]", "displacement", "[mm]", "force", "x"]), "\n", ROWS
+        folder,
+        "blanks.txt",
+        blank.join(["", "time", "[s]", "displacement", "[mm]", "force", "x"]),
+        "\n",
+        ROWS,
     )
 
 

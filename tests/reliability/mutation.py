@@ -1,8 +1,8 @@
 """Single-line changes of the framework, drawn at random: a test of the tests.
 
 A change is one that a tired hand could make: a comparison turned, an operator exchanged, a number
-doubled, a condition negated. Text for people, type annotations and docstrings are left alone, for no
-test should hang on them.
+doubled, a condition negated. Text for people, type annotations and docstrings are left alone, for
+no test should hang on them.
 """
 
 from __future__ import annotations
@@ -48,7 +48,10 @@ TURNED: dict[type, type] = {
 
 @dataclass(frozen=True)
 class Change:
-    """A part of one line, and what stands there instead; places count bytes from the line's beginning."""
+    """A part of one line, and what stands there instead.
+
+    Places count bytes from the line's beginning.
+    """
 
     line: int
     start: int
@@ -171,7 +174,11 @@ class Copy:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         for name in COPIED:
-            shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__", "*.sqlite*"))
+            shutil.copytree(
+                ROOT / name,
+                folder / name,
+                ignore=shutil.ignore_patterns("__pycache__", "*.sqlite*"),
+            )
         for path in ROOT.glob("*.*"):
             if path.is_file():
                 shutil.copy(path, folder)
@@ -189,11 +196,25 @@ class Copy:
     def passes(self, room: str) -> bool:
         """Whether the tests of a room pass."""
         own = os.pathsep.join(str(self.folder / name) for name in ("framework", "plugins"))
-        command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests_of(room)]
+        command = [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-x",
+            "-q",
+            "-p",
+            "no:cacheprovider",
+            *tests_of(room),
+        ]
         environment = {**os.environ, "PYTHONPATH": own, "PYTHONDONTWRITEBYTECODE": "1"}
         try:
             done = subprocess.run(
-                command, cwd=self.folder, env=environment, capture_output=True, timeout=PATIENCE, check=False
+                command,
+                cwd=self.folder,
+                env=environment,
+                capture_output=True,
+                timeout=PATIENCE,
+                check=False,
             )
         except subprocess.TimeoutExpired:
             return False

@@ -14,8 +14,12 @@ from springpot_plugins.readers import springpot_readers
 
 READERS = tuple(springpot_readers())
 ALLOWED_TIMES = 4
-"""How many times its budget a reader may take before it has ended: one step within a library cannot be interrupted,
-and takes longer on a slow machine. Without a budget these files take 20 to 1000 times as long, or never end."""
+"""How many times its budget a reader may take before it has ended.
+
+One step within a library cannot be interrupted,
+and takes longer on a slow machine. Without a budget these files take 20 to 1000 times as long, or
+never end.
+"""
 
 
 @dataclass(frozen=True)
@@ -29,7 +33,8 @@ class Cost:
     fault : str
         What it should not have done; empty for a measurement or a refusal in one line.
     seconds, memory : float
-        Processor time, and bytes at the peak beyond what there was before (nan where the system does not tell).
+        Processor time, and bytes at the peak beyond what there was before (nan where the system
+        does not tell).
     time_share, memory_share : float
         The same as shares of what is allowed.
     """
@@ -51,14 +56,28 @@ def cost_of(path: Path, action=None) -> Cost:
     """Open a file, or do something else with it, within its budget as the command line does."""
     budget = budget_of(path)
     _forget_peak()
-    before, reserved, start = _status("VmHWM"), _status("VmData") - _status("RssAnon"), process_time()
+    before, reserved, start = (
+        _status("VmHWM"),
+        _status("VmData") - _status("RssAnon"),
+        process_time(),
+    )
     said = fault = ""
     try:
         with own_process():
-            _ = open_measurement(path, (), READERS) if action is None else within_budget(path, action)
+            _ = (
+                open_measurement(path, (), READERS)
+                if action is None
+                else within_budget(path, action)
+            )
     except DataError as error:
         said = str(error)
-        fault = "more than one line" if "\n" in said else "" if path.name in said else "the file is not named"
+        fault = (
+            "more than one line"
+            if "\n" in said
+            else ""
+            if path.name in said
+            else "the file is not named"
+        )
     except BaseException as error:
         if isinstance(error, KeyboardInterrupt):
             raise
@@ -66,7 +85,8 @@ def cost_of(path: Path, action=None) -> Cost:
     seconds, memory = process_time() - start, _status("VmHWM") - before
     if seconds > ALLOWED_TIMES * budget.seconds:
         fault = fault or f"{seconds:.1f} s of {budget.seconds:.1f}"
-    # The kernel counts what a process asks for: what this one had asked for before, and not used, is not counted.
+    # The kernel counts what a process asks for: what this one had asked for before, and not used,
+    # is not counted.
     allowed = budget.memory + reserved
     if memory > allowed:
         fault = fault or f"{memory / 2**20:.0f} MiB of {budget.memory >> 20}"

@@ -1,9 +1,11 @@
-"""The long tests of reliability: ``python tests/reliability/soak.py [PART ...] [--scale X] [--seed N] [--out DIR]``.
+"""The long tests of reliability.
 
-A part is a module ``soak_NAME.py`` in this folder with a function ``rows(rng, scale)`` that yields a `Row` for
-each promise that it put to the test. ``scale`` is the share of the full number of cases: 1 in ``make soak``, far
-less in the test that the soak itself works. The tables go to ``results/soak``; the exit code is 1 if a promise was
-broken.
+``python tests/reliability/soak.py [PART ...] [--scale X] [--seed N] [--out DIR]``.
+
+A part is a module ``soak_NAME.py`` in this folder with a function ``rows(rng, scale)`` that yields
+a `Row` for each promise that it put to the test. ``scale`` is the share of the full number of
+cases: 1 in ``make soak``, far less in the test that the soak itself works. The tables go to
+``results/soak``; the exit code is 1 if a promise was broken.
 """
 
 from __future__ import annotations
@@ -67,7 +69,8 @@ def write(found: dict[str, list[Row]], folder: Path) -> None:
     for part in sorted(path.stem for path in folder.glob("*.csv")):
         with (folder / f"{part}.csv").open(newline="", encoding="utf-8") as stream:
             entries = [
-                Row(what, int(cases), int(held), said) for what, cases, held, said in list(csv.reader(stream))[1:]
+                Row(what, int(cases), int(held), said)
+                for what, cases, held, said in list(csv.reader(stream))[1:]
             ]
         lines += table(part, entries)
     (folder / "README.md").write_text("\n".join(lines).rstrip() + "\n", encoding="utf-8")
@@ -82,7 +85,8 @@ def run(part: str, seed: int, scale: float) -> list[Row]:
         found.append(row)
         mark = "held  " if row.held == row.cases else "BROKEN"
         print(
-            f"{perf_counter() - start:7.0f} s  {mark}  {part}: {row.what}: {row.held} of {row.cases}  {row.measured}"
+            f"{perf_counter() - start:7.0f} s  {mark}  {part}: {row.what}: "
+            f"{row.held} of {row.cases}  {row.measured}"
         )
         sys.stdout.flush()
     return found
@@ -91,7 +95,9 @@ def run(part: str, seed: int, scale: float) -> list[Row]:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the parts; 1 if a promise was broken."""
     asked = argparse.ArgumentParser(description="The long tests of reliability.")
-    asked.add_argument("parts", nargs="*", metavar="PART", help=f"of {', '.join(parts())}; all by default")
+    asked.add_argument(
+        "parts", nargs="*", metavar="PART", help=f"of {', '.join(parts())}; all by default"
+    )
     asked.add_argument("--scale", type=float, default=1.0, help="share of the full number of cases")
     asked.add_argument("--seed", type=int, default=1)
     asked.add_argument("--out", type=Path, default=ROOT / "results" / "soak")

@@ -1,4 +1,7 @@
-"""Files of every format with wrong bytes: a measurement or a refusal in one line, and no other exception."""
+"""Files of every format with wrong bytes.
+
+A measurement or a refusal in one line, and no other exception.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,11 @@ def spoilt(content: bytes, rng: np.random.Generator) -> bytes:
     found = bytearray(content)
     for _ in range(int(rng.integers(1, 9))):
         place = int(rng.integers(0, len(found) + 1))
-        word = WORDS[rng.integers(len(WORDS))] if rng.random() < 0.5 else rng.bytes(int(rng.integers(0, 5)))
+        word = (
+            WORDS[rng.integers(len(WORDS))]
+            if rng.random() < 0.5
+            else rng.bytes(int(rng.integers(0, 5)))
+        )
         found[place : place + int(rng.integers(0, 12))] = word
     return bytes(found[: rng.integers(0, len(found))] if rng.random() < 0.1 else found)
 

@@ -1,4 +1,7 @@
-"""Hostile files at full size, and at shares of it: each is read or refused in one line, within its budget."""
+"""Hostile files at full size, and at shares of it.
+
+Each is read or refused in one line, within its budget.
+"""
 
 from __future__ import annotations
 
@@ -27,12 +30,19 @@ def rows(rng: np.random.Generator, scale: float) -> Iterator[Row]:
             with TemporaryDirectory() as folder:
                 path = make(Path(folder), size * scale)
                 found += [cost_of(path), parts_cost(path)]
-        time, memory = (max(getattr(cost, key) for cost in found) for key in ("time_share", "memory_share"))
+        time, memory = (
+            max(getattr(cost, key) for cost in found) for key in ("time_share", "memory_share")
+        )
         said = f"at most {time:.0%} of the time and {memory:.0%} of the memory allowed"
         read = sum(not cost.said and not cost.fault for cost in found)
         faults = "; ".join(sorted({cost.fault for cost in found if cost.fault}))
         what = (make.__doc__ or make.__name__).strip().rstrip(".")
-        yield Row(what, len(found), sum(cost.held for cost in found), f"{said}; {read} read  {faults}".strip())
+        yield Row(
+            what,
+            len(found),
+            sum(cost.held for cost in found),
+            f"{said}; {read} read  {faults}".strip(),
+        )
     with TemporaryDirectory() as folder:
         yield _signals(hostile.long_signals(Path(folder), scale))
 
@@ -45,4 +55,9 @@ def _signals(path: Path) -> Row:
     size, allowed = path.stat().st_size / 1e6, budget_of(path).seconds
     time = f"{cost.seconds:.0f} s with the harmonics ({allowed:.0f} s allowed)"
     said = f"{size:.0f} MB, {time}, {cost.memory / 2**20:.0f} MiB {cost.fault}"
-    return Row("Time signals of any length still open", 1, int(right and cost.memory < LITTLE), said.strip())
+    return Row(
+        "Time signals of any length still open",
+        1,
+        int(right and cost.memory < LITTLE),
+        said.strip(),
+    )

@@ -1,4 +1,7 @@
-"""Stores with one flipped bit: told or harmless, never another number, and mended by ``--retry-failed``."""
+"""Stores with one flipped bit.
+
+Told or harmless, never another number, and mended by ``--retry-failed``.
+"""
 
 from __future__ import annotations
 

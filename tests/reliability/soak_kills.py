@@ -1,4 +1,7 @@
-"""A study killed again and again: nothing is lost, nothing is double, and the end is bit for bit the same."""
+"""A study killed again and again.
+
+Nothing is lost, nothing is double, and the end is bit for bit the same.
+"""
 
 from __future__ import annotations
 
@@ -40,14 +43,16 @@ study = replace(race([], {repetitions}), optimisers=[("a", Slow(0.2)), ("b", Slo
 
 
 def rows(rng: np.random.Generator, scale: float) -> Iterator[Row]:
-    """A row for what was kept at each kill, one for the end, one for what the killed ones left running."""
+    """A row each for what was kept at a kill, for the end, for what the killed left running."""
     kills = max(2, round(scale * KILLS))
     # So many trials, that the study is never done before the last kill.
     repetitions = 40 * kills
     with TemporaryDirectory() as name:
         folder = Path(name)
         script = folder / "killed.py"
-        text = SCRIPT.format(here=str(Path(__file__).parent), pause="{pause}", repetitions=repetitions)
+        text = SCRIPT.format(
+            here=str(Path(__file__).parent), pause="{pause}", repetitions=repetitions
+        )
         script.write_text(text.format(pause=0.005))
         kept = sound = at_work = 0
         for i in range(kills):
@@ -55,12 +60,16 @@ def rows(rng: np.random.Generator, scale: float) -> Iterator[Row]:
             sound += now >= kept
             at_work += now > kept
             kept = now
-        yield Row("kill -9, nothing lost", kills, sound, f"{at_work} of them while trials were coming in")
+        yield Row(
+            "kill -9, nothing lost", kills, sound, f"{at_work} of them while trials were coming in"
+        )
         left = _left_behind()
         yield Row("kill -9, no process left behind", kills, kills - left)
         outcome = run_study(script, out=folder, quiet=True, tables=False)
         script.write_text(text.format(pause=0.0))
-        alone = run_study(_renamed(script), engine="serial", out=folder / "alone", quiet=True, tables=False)
+        alone = run_study(
+            _renamed(script), engine="serial", out=folder / "alone", quiet=True, tables=False
+        )
         here, there = trials(outcome.store), trials(alone.store)
         same = sum(here.get(key) == row for key, row in there.items())
         yield Row("trials at the end, bit for bit those of an undisturbed study", len(there), same)
@@ -116,5 +125,5 @@ def _left_behind() -> int:
             parent = (entry / "stat").read_text().rsplit(")", 1)[1].split()[1]
         except OSError:
             continue
-        found += b"springpot.benchmark.nursery" in command and parent == "1"
+        found += b"springpot.benchmark.fork_server" in command and parent == "1"
     return found

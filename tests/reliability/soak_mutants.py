@@ -12,7 +12,10 @@ from soak import Row
 
 COUNT = 100
 LEAST = 0.85
-"""Share of the changes that the room's own tests are to notice; some change nothing that anybody could see."""
+"""Share of the changes that the room's own tests are to notice.
+
+Some change nothing that anybody could see.
+"""
 
 
 def rows(rng: np.random.Generator, scale: float) -> Iterator[Row]:

@@ -22,7 +22,9 @@ REPETITIONS = 12
 
 def rows(rng: np.random.Generator, scale: float) -> Iterator[Row]:
     """A row for what became of the faulty trials and one for the innocent, for each engine."""
-    deeds = [str(deed) for deed in rng.permutation(list(DEEDS))[: max(2, round(scale * len(DEEDS)))]]
+    deeds = [
+        str(deed) for deed in rng.permutation(list(DEEDS))[: max(2, round(scale * len(DEEDS)))]
+    ]
     with TemporaryDirectory() as folder:
         yield from _race("local engine", "local", deeds, Path(folder))
     if find_spec("distributed") is None:
@@ -35,21 +37,34 @@ def rows(rng: np.random.Generator, scale: float) -> Iterator[Row]:
 
 
 def _race(where: str, engine: str, deeds: list[str], folder: Path) -> Iterator[Row]:
-    alone = run_study(race([], REPETITIONS), engine="serial", out=folder / "alone", quiet=True, tables=False)
+    alone = run_study(
+        race([], REPETITIONS), engine="serial", out=folder / "alone", quiet=True, tables=False
+    )
     undisturbed = trials(alone.store)
     start = perf_counter()
-    outcome = run_study(race(deeds, REPETITIONS), engine=engine, out=folder, quiet=True, tables=False)
+    outcome = run_study(
+        race(deeds, REPETITIONS), engine=engine, out=folder, quiet=True, tables=False
+    )
     took = perf_counter() - start
     found = trials(outcome.store)
     status = {deed: [found[f"faulty {deed}", r] for r in range(REPETITIONS)] for deed in deeds}
     held = [deed for deed in deeds if all(_true_or_told(row) for row in status[deed])]
     told = sum(any(row[0] in TOLD for row in status[deed]) for deed in deeds)
     says = f"{told} told by a status, the others harmless to their numbers; {took:.0f} s"
-    yield Row(f"{where}: kinds of faulty optimiser, {REPETITIONS} trials of each", len(deeds), len(held), says)
+    yield Row(
+        f"{where}: kinds of faulty optimiser, {REPETITIONS} trials of each",
+        len(deeds),
+        len(held),
+        says,
+    )
     same = sum(found[key] == row for key, row in undisturbed.items())
     yield Row(f"{where}: innocent trials beside them, bit for bit", len(undisturbed), same)
 
 
 def _true_or_told(row: tuple[object, ...]) -> bool:
     status, reason, best = row[:3]
-    return bool(reason) if status in TOLD else status in TRUE and isinstance(best, float) and best > 1e-6
+    return (
+        bool(reason)
+        if status in TOLD
+        else status in TRUE and isinstance(best, float) and best > 1e-6
+    )

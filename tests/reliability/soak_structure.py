@@ -1,4 +1,7 @@
-"""Files whose structure was repeated, nested, padded and widened: each is read or refused, within its budget."""
+"""Files whose structure was repeated, nested, padded and widened.
+
+Each is read or refused, within its budget.
+"""
 
 from __future__ import annotations
 
@@ -37,8 +40,18 @@ def _row(operation: str, rng: np.random.Generator, cases: int, path: Path) -> Ro
         name, content = structure.made(operation, rng, LARGEST)
         both = structure.costs(path, content, SECONDS + len(content) / 1e7)
         found += [(f"case {case}, {name}", cost) for cost in both]
-    time, memory = (max(getattr(cost, key) for _, cost in found) for key in ("time_share", "memory_share"))
+    time, memory = (
+        max(getattr(cost, key) for _, cost in found) for key in ("time_share", "memory_share")
+    )
     read = sum(not cost.said and not cost.fault for _, cost in found)
-    worst = f"at most {time:.0%} of the time and {memory:.0%} of the memory allowed; {read} read, the rest refused"
+    worst = (
+        f"at most {time:.0%} of the time and {memory:.0%} of the memory allowed; "
+        f"{read} read, the rest refused"
+    )
     faults = [f"{what}: {cost.fault}" for what, cost in found if cost.fault]
-    return Row(f"files, {operation} first", len(found), len(found) - len(faults), "; ".join([worst, *faults[:3]]))
+    return Row(
+        f"files, {operation} first",
+        len(found),
+        len(found) - len(faults),
+        "; ".join([worst, *faults[:3]]),
+    )

@@ -1,7 +1,9 @@
-"""A fuzzer of structure: files whose parts are repeated, nested, padded and widened, rather than spoilt byte by byte.
+"""A fuzzer of structure.
 
-What takes a machine is seldom a wrong byte; it is a right one a million times. Seeds are the small files of every
-layout that the readers' tests are made of.
+Files whose parts are repeated, nested, padded and widened, rather than spoilt byte by byte.
+
+What takes a machine is seldom a wrong byte; it is a right one a million times. Seeds are the small
+files of every layout that the readers' tests are made of.
 """
 
 from __future__ import annotations
@@ -127,7 +129,9 @@ def _compressed(content: bytes, change: Callable[[bytes], bytes]) -> bytes:
     return content[:128] + (15).to_bytes(4, "little") + len(packed).to_bytes(4, "little") + packed
 
 
-def changed(name: str, content: bytes, change: Callable[[bytes], bytes], rng: np.random.Generator) -> bytes:
+def changed(
+    name: str, content: bytes, change: Callable[[bytes], bytes], rng: np.random.Generator
+) -> bytes:
     """The file of a reader after a change: of what is packed in it, where it is packed."""
     if name == "excel":
         return _in_workbook(content, change)
@@ -137,7 +141,7 @@ def changed(name: str, content: bytes, change: Callable[[bytes], bytes], rng: np
 
 
 def made(operation: str, rng: np.random.Generator, most: int) -> tuple[str, bytes]:
-    """The name of a reader and a file in its format after one to three operations, the first of them given."""
+    """A reader's name and a file in its format after one to three operations, the first given."""
     name = sorted(SEEDS)[rng.integers(len(SEEDS))]
     more = [list(OPERATIONS)[i] for i in rng.integers(0, len(OPERATIONS), rng.integers(0, 3))]
 
@@ -151,7 +155,10 @@ def made(operation: str, rng: np.random.Generator, most: int) -> tuple[str, byte
 
 @contextmanager
 def broken_off(seconds: float) -> Iterator[None]:
-    """Break off what the budget could not: the clock is the processor's, the alarm heard even within a pattern."""
+    """Break off what the budget could not.
+
+    The clock is the processor's, the alarm heard even within a pattern.
+    """
 
     def ring(*_: object) -> None:
         raise TimeoutError(f"still reading after {seconds:.0f} s")

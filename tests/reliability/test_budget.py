@@ -1,4 +1,6 @@
-"""The one rule for readers: in springpot's own process whatever a reader does ends in time and in its memory.
+"""The one rule for readers.
+
+In springpot's own process whatever a reader does ends in time and in its memory.
 
 In a user's own Python nothing is limited or left behind: see test_reading_in_python.
 """
@@ -16,7 +18,9 @@ from springpot.errors import DataError
 from springpot.limits import own_process, uncounted
 from springpot.measurement import Reader, budget, budget_of, open_measurement, within_budget
 
-LINUX = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux limits the memory of a process")
+LINUX = pytest.mark.skipif(
+    not sys.platform.startswith("linux"), reason="only Linux limits the memory of a process"
+)
 
 
 @pytest.fixture(autouse=True)
@@ -130,7 +134,10 @@ def test_what_ends_about_when_its_time_does_leaves_nothing_behind(path, monkeypa
     for i in range(30):
         last = time.thread_time() + 0.02 + (i - 10) * 1e-3
         try:
-            within_budget(path, lambda last=last: [None for _ in iter(lambda: time.thread_time() < last, False)])
+            within_budget(
+                path,
+                lambda last=last: [None for _ in iter(lambda: time.thread_time() < last, False)],
+            )
         except DataError:
             ended += 1
         for _ in range(1000):  # where a word that came too late would be heard
@@ -186,7 +193,7 @@ def test_what_springpot_makes_of_the_data_is_not_counted_against_the_reader(path
 
 
 def test_no_word_is_heard_after_the_end_however_slowly_a_reader_unwinds(path, monkeypatch):
-    """A word that is said while another is being heard escaped, once, into what came after the reading."""
+    """A word said while another is being heard escaped, once, into what came after the reading."""
     monkeypatch.setattr(budget, "SECONDS", 0.003)
     monkeypatch.setattr(limits, "_TICK", 0.0005)
     interval = sys.getswitchinterval()

@@ -1,4 +1,7 @@
-"""The command as a whole: its own output stays its own, Ctrl-C is quiet at any moment, no path is too long."""
+"""The command as a whole.
+
+Its own output stays its own, Ctrl-C is quiet at any moment, no path is too long.
+"""
 
 import json
 import os
@@ -64,24 +67,40 @@ def test_quiet_is_quiet_and_a_long_folder_of_temporary_files_no_hindrance(tmp_pa
 
 @pytest.mark.parametrize("after", [0.5, 1.5, *map(soaked, (0.3, 0.4, 0.6, 0.8, 1.1))])
 def test_ctrl_c_in_the_first_moments_shows_no_traceback(tmp_path, after):
-    command = [sys.executable, "-m", "springpot", "run", str(script(tmp_path, 2000)), "--out", str(tmp_path)]
+    command = [
+        sys.executable,
+        "-m",
+        "springpot",
+        "run",
+        str(script(tmp_path, 2000)),
+        "--out",
+        str(tmp_path),
+    ]
     # A terminal sends Ctrl-C to all processes of its group.
     process = subprocess.Popen(
-        command, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
+        command,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-    )  # fmt: skip
+    )
     sleep(after)
     os.killpg(process.pid, signal.SIGINT)
     _, told = process.communicate(timeout=300)
-    if told.startswith("Fatal Python error") or "in _run_module_as_main" in told.partition("springpot/cli")[0]:
+    if (
+        told.startswith("Fatal Python error")
+        or "in _run_module_as_main" in told.partition("springpot/cli")[0]
+    ):
         pytest.skip("on this busy machine Python had not come to the first line of ours")
     assert "Traceback" not in told
-    # Before Python has set its handler the signal itself ends the process, without a word; a shell calls both 130.
+    # Before Python has set its handler the signal itself ends the process, without a word; a shell
+    # calls both 130.
     assert process.returncode == 130 or (process.returncode == -signal.SIGINT and not told)
 
 
 def test_ctrl_c_while_a_string_is_run_ends_with_the_same_code(tmp_path):
-    """As while a dataclass is made: CPython then ends itself by the signal, whatever the exit code."""
+    """As while a dataclass is made: CPython then ends by the signal, whatever the exit code."""
     path = tmp_path / "study.py"
     path.write_text('exec("import os, signal; os.kill(os.getpid(), signal.SIGINT)")')
     done = springpot("run", path, "--out", tmp_path)
@@ -92,9 +111,13 @@ def test_ctrl_c_ends_an_optimiser_of_identify_too(tmp_path):
     model = "fractional-maxwell"
     asked = ["identify", f"artificial-{model}", "--model", model, "--optimiser", "nlopt-esch"]
     process = subprocess.Popen(
-        [sys.executable, "-m", "springpot", *asked, "--budget", "100000000"], text=True, stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE, start_new_session=True, env=os.environ | {MARK: str(tmp_path)},
-    )  # fmt: skip
+        [sys.executable, "-m", "springpot", *asked, "--budget", "100000000"],
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+        env=os.environ | {MARK: str(tmp_path)},
+    )
     # The command, and the process in which its optimiser runs.
     while process.poll() is None and len(left_behind(str(tmp_path))) < 2:
         sleep(0.02)
@@ -128,11 +151,21 @@ springpot.cli.main(["list"])
 @pytest.mark.parametrize("closed", [0, 1, 2])
 def test_a_stream_that_is_closed_is_no_fault(tmp_path, closed):
     """As services start their programs."""
-    asked = ["identify", "artificial-fractional-kelvin", "--model", "fractional-kelvin", "--optimiser", "cma-es"]
+    asked = [
+        "identify",
+        "artificial-fractional-kelvin",
+        "--model",
+        "fractional-kelvin",
+        "--optimiser",
+        "cma-es",
+    ]
     done = subprocess.run(
-        [sys.executable, "-m", "springpot", *asked, "--budget", "300", "--json"], text=True, capture_output=True,
-        preexec_fn=lambda: os.close(closed), env=os.environ | {"SPRINGPOT_CACHE": str(tmp_path)},
-    )  # fmt: skip
+        [sys.executable, "-m", "springpot", *asked, "--budget", "300", "--json"],
+        text=True,
+        capture_output=True,
+        preexec_fn=lambda: os.close(closed),
+        env=os.environ | {"SPRINGPOT_CACHE": str(tmp_path)},
+    )
     assert (done.returncode, done.stderr) == (0, "")
     if closed != 1:
         assert json.loads(done.stdout)["optimiser"] == "cma-es"
@@ -167,7 +200,14 @@ def test_what_a_plugin_prints_is_not_in_the_json(tmp_path):
     (about / "METADATA").write_text("Metadata-Version: 2.1\nName: talking\nVersion: 0.1\n")
     (about / "entry_points.txt").write_text("[springpot]\ntalking = talking\n")
     paths = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
-    asked = ["identify", "nist-srm2491@temperature=20", "--model", "fractional-maxwell", "--objective", "talking"]
+    asked = [
+        "identify",
+        "nist-srm2491@temperature=20",
+        "--model",
+        "fractional-maxwell",
+        "--objective",
+        "talking",
+    ]
     done = springpot(*asked, "--json", PYTHONPATH=paths)
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["objective"]["name"] == "talking"
@@ -180,7 +220,11 @@ def test_a_link_that_leads_to_itself_is_one_line(tmp_path):
     store = tmp_path / "out" / "faulty" / "faulty.sqlite"
     store.parent.mkdir(parents=True)
     store.symlink_to(store.name)
-    for asked in (["tables", link], ["run", link], ["run", script(tmp_path), "--out", tmp_path / "out", "--quiet"]):
+    for asked in (
+        ["tables", link],
+        ["run", link],
+        ["run", script(tmp_path), "--out", tmp_path / "out", "--quiet"],
+    ):
         done = springpot(*asked)
         assert done.returncode == 2, done.stderr
         assert done.stderr.count("\n") == 1

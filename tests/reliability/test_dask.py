@@ -1,4 +1,4 @@
-"""A study on a real dask cluster of separate processes, whose workers, scheduler and trials come to harm."""
+"""A study on a real dask cluster of processes: harm to workers, scheduler and trials."""
 
 import os
 import signal
@@ -14,12 +14,22 @@ from springpot.errors import StudyError
 
 pytest.importorskip("distributed", reason="dask is not installed")
 
-DEEDS = ["segfault", "success without a result", "sleep", "kill its parent", "patch the objective", "an error"]
+DEEDS = [
+    "segfault",
+    "success without a result",
+    "sleep",
+    "kill its parent",
+    "patch the objective",
+    "an error",
+]
 
 
 @pytest.fixture(scope="module")
 def dask(tmp_path_factory):
-    """For the tests in their order: a fault hurts no process, then a worker is lost, at last the scheduler."""
+    """For the tests in their order.
+
+    A fault hurts no process, then a worker is lost, at last the scheduler.
+    """
     with cluster(tmp_path_factory.mktemp("cluster")) as found:
         yield found
 
@@ -33,7 +43,9 @@ def another(tmp_path):
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory):
     folder = tmp_path_factory.mktemp("undisturbed")
-    return trials(run_study(race([], 3), engine="serial", out=folder, quiet=True, tables=False).store)
+    return trials(
+        run_study(race([], 3), engine="serial", out=folder, quiet=True, tables=False).store
+    )
 
 
 def at_third_call(monkeypatch, deed):
@@ -52,24 +64,36 @@ def at_third_call(monkeypatch, deed):
 @pytest.mark.parametrize("repetitions", [1, soaked(3)])
 def test_a_fault_in_a_trial_is_its_status_there_too(dask, undisturbed, tmp_path, repetitions):
     study = race(DEEDS, repetitions)
-    outcome = run_study(study, engine=f"dask:{dask.address}", out=tmp_path, quiet=True, tables=False)
+    outcome = run_study(
+        study, engine=f"dask:{dask.address}", out=tmp_path, quiet=True, tables=False
+    )
     found = trials(outcome.store)
     check(found, undisturbed, DEEDS, repetitions)
     assert "SIGSEGV" in found["faulty segfault", 0][1]
     assert found["faulty sleep", 0][:2] == ("timeout", "ended after the deadline of 2 s")
     assert found["faulty patch the objective", 0][0] == "changed"
-    assert all(worker.poll() is None for worker in dask.workers), "a trial has ended a worker of the cluster"
+    assert all(worker.poll() is None for worker in dask.workers), (
+        "a trial has ended a worker of the cluster"
+    )
 
 
-def test_a_cluster_that_loses_a_worker_gives_the_bits_of_a_serial_run(dask, undisturbed, tmp_path, monkeypatch):
+def test_a_cluster_that_loses_a_worker_gives_the_bits_of_a_serial_run(
+    dask, undisturbed, tmp_path, monkeypatch
+):
     at_third_call(monkeypatch, dask.workers[0].kill)
-    outcome = run_study(race([], 3), engine=f"dask:{dask.address}", out=tmp_path, quiet=True, tables=False)
+    outcome = run_study(
+        race([], 3), engine=f"dask:{dask.address}", out=tmp_path, quiet=True, tables=False
+    )
     assert (outcome.ran, outcome.failed) == (12, 0)
     assert trials(outcome.store) == undisturbed
 
 
-@pytest.mark.parametrize(("number", "one"), [(signal.SIGKILL, "dask"), soaked(signal.SIGTERM, "another")])
-def test_a_scheduler_that_dies_is_one_line_and_the_study_goes_on_later(number, one, request, tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ("number", "one"), [(signal.SIGKILL, "dask"), soaked(signal.SIGTERM, "another")]
+)
+def test_a_scheduler_that_dies_is_one_line_and_the_study_goes_on_later(
+    number, one, request, tmp_path, monkeypatch
+):
     dask = request.getfixturevalue(one)
     at_third_call(monkeypatch, lambda: os.kill(dask.scheduler.pid, number))
     study = race([], 6)
@@ -87,6 +111,8 @@ def test_a_scheduler_that_dies_is_one_line_and_the_study_goes_on_later(number, o
 
 def test_no_scheduler_is_one_line(tmp_path, monkeypatch):
     monkeypatch.setattr("springpot.benchmark.engine.ANSWER", 0.5)
-    with pytest.raises(StudyError, match=r"no dask scheduler answers at tcp://127\.0\.0\.1:9") as caught:
+    with pytest.raises(
+        StudyError, match=r"no dask scheduler answers at tcp://127\.0\.0\.1:9"
+    ) as caught:
         run_study(race([]), engine="dask:tcp://127.0.0.1:9", out=tmp_path, quiet=True)
     assert "\n" not in str(caught.value)

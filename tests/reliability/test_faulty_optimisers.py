@@ -11,10 +11,21 @@ from springpot.benchmark import Store, run_study
 QUICK = [deed for deed in DEEDS if deed not in ("spin", "ignore signals", "hold the interpreter")]
 """Those that do not only wait for a deadline once more, and burn the processor meanwhile."""
 ALIKE = {
-    "abort", "exit code 7", "kill its group", "an end of generators", "overflow of the stack", "leave a fork",
-    "leave a timer", "raise on rounding", "clear the environment", "patch the clock", "forge the count",
-    "write into all files", "replace float", "a point of another shape",
-}  # fmt: skip
+    "abort",
+    "exit code 7",
+    "kill its group",
+    "an end of generators",
+    "overflow of the stack",
+    "leave a fork",
+    "leave a timer",
+    "raise on rounding",
+    "clear the environment",
+    "patch the clock",
+    "forge the count",
+    "write into all files",
+    "replace float",
+    "a point of another shape",
+}
 """Beside each of these another does the same by other means; all are in the soak."""
 DIFFERENT = [deed for deed in QUICK if deed not in ALIKE]
 
@@ -25,18 +36,28 @@ def trials(path):
         labels = {cell.id: cell.label for cell in store.cells()}
         return {
             (labels[number], row.repetition): (
-                str(row.status), row.reason, row.best, row.theta_text, row.parameter_error, row.oracle,
-                row.evaluations, row.trace, row.recommended, row.seen,
+                str(row.status),
+                row.reason,
+                row.best,
+                row.theta_text,
+                row.parameter_error,
+                row.oracle,
+                row.evaluations,
+                row.trace,
+                row.recommended,
+                row.seen,
             )
             for number, rows in store.trials()
             for row in rows
-        }  # fmt: skip
+        }
 
 
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory):
     folder = tmp_path_factory.mktemp("undisturbed")
-    return trials(run_study(race([], 3), engine="serial", out=folder, quiet=True, tables=False).store)
+    return trials(
+        run_study(race([], 3), engine="serial", out=folder, quiet=True, tables=False).store
+    )
 
 
 def check(found, undisturbed, deeds, repetitions=3):
@@ -49,7 +70,9 @@ def check(found, undisturbed, deeds, repetitions=3):
             assert (reason != "") == (status in TOLD), deed
 
 
-@pytest.mark.parametrize(("deeds", "repetitions"), [(DIFFERENT, 1), soaked(QUICK, 3)], ids=["some", "all"])
+@pytest.mark.parametrize(
+    ("deeds", "repetitions"), [(DIFFERENT, 1), soaked(QUICK, 3)], ids=["some", "all"]
+)
 def test_beside_faulty_optimisers_innocent_ones_keep_their_bits(
     undisturbed, tmp_path, monkeypatch, deeds, repetitions
 ):
@@ -57,7 +80,13 @@ def test_beside_faulty_optimisers_innocent_ones_keep_their_bits(
     outcome = run_study(race(deeds, repetitions), workers=2, out=tmp_path, quiet=True, tables=False)
     found = trials(outcome.store)
     check(found, undisturbed, deeds, repetitions)
-    for deed in ("patch the objective", "patch the model", "clear the data", "clear the weights", "move the box"):
+    for deed in (
+        "patch the objective",
+        "patch the model",
+        "clear the data",
+        "clear the weights",
+        "move the box",
+    ):
         assert found[f"faulty {deed}", 0][0] == "changed", deed
     assert found["faulty forge the trace", 0][0] == "changed"
     assert "evaluated past the recorder" in found["faulty evaluate unseen", 0][1]

@@ -1,4 +1,4 @@
-"""A store knows itself: damage is told in one line, the rest is used, and --retry-failed mends it."""
+"""A store knows itself: it tells damage in one line, uses the rest; --retry-failed mends it."""
 
 import sqlite3
 import subprocess
@@ -30,15 +30,29 @@ def test_a_flipped_bit_is_never_a_fault_and_never_another_number(sound, tmp_path
 @pytest.mark.parametrize(
     ("change", "told"),
     [
-        ("UPDATE trial SET best = best * 0.9 WHERE cell = 2 AND repetition = 3", "innocent 2 on kelvin"),
-        ("UPDATE trial SET status = 'target' WHERE cell = 2 AND repetition = 3", "innocent 2 on kelvin"),
-        ("UPDATE trial SET status = 'nonsense' WHERE cell = 2 AND repetition = 3", "repetition 3 is damaged"),
-        ("UPDATE trace SET points = zeroblob(20) WHERE cell = 2 AND repetition = 3", "innocent 2 on kelvin"),
+        (
+            "UPDATE trial SET best = best * 0.9 WHERE cell = 2 AND repetition = 3",
+            "innocent 2 on kelvin",
+        ),
+        (
+            "UPDATE trial SET status = 'target' WHERE cell = 2 AND repetition = 3",
+            "innocent 2 on kelvin",
+        ),
+        (
+            "UPDATE trial SET status = 'nonsense' WHERE cell = 2 AND repetition = 3",
+            "repetition 3 is damaged",
+        ),
+        (
+            "UPDATE trace SET points = zeroblob(20) WHERE cell = 2 AND repetition = 3",
+            "innocent 2 on kelvin",
+        ),
         ("DELETE FROM trace WHERE cell = 2 AND repetition = 3", "innocent 2 on kelvin"),
         ("UPDATE trace SET seen = x'00' WHERE cell = 2 AND repetition = 3", "innocent 2 on kelvin"),
     ],
 )
-def test_a_damaged_trial_is_named_the_rest_is_used_and_a_run_mends_it(sound, tmp_path, change, told):
+def test_a_damaged_trial_is_named_the_rest_is_used_and_a_run_mends_it(
+    sound, tmp_path, change, told
+):
     path, seen = sound
     target = copy_of(path, tmp_path)
     with sqlite3.connect(target) as db:
@@ -50,7 +64,9 @@ def test_a_damaged_trial_is_named_the_rest_is_used_and_a_run_mends_it(sound, tmp
     assert found.trials.keys() == seen.trials.keys() - {("innocent 2", 3)}
     assert found.trials.items() <= seen.trials.items()
     assert found.failed == 1
-    outcome = run_study(study(), engine="serial", out=tmp_path, quiet=True, retry_failed=True, tables=False)
+    outcome = run_study(
+        study(), engine="serial", out=tmp_path, quiet=True, retry_failed=True, tables=False
+    )
     assert outcome.ran == 1
     assert look(target) == seen
 
@@ -82,7 +98,9 @@ def test_a_damaged_description_is_one_line_and_a_run_writes_it_again(sound, tmp_
     with sqlite3.connect(target) as db:
         db.execute("UPDATE fact SET value = '1e-3' WHERE name = 'target'")
     db.close()
-    with pytest.raises(StudyError, match="description of the study is damaged: run the study again"):
+    with pytest.raises(
+        StudyError, match="description of the study is damaged: run the study again"
+    ):
         look(target)
     assert run_study(study(), engine="serial", out=tmp_path, quiet=True, tables=False).ran == 0
     assert look(target) == seen
@@ -132,12 +150,17 @@ def test_a_store_in_which_nothing_is_yet_is_one_line(tmp_path):
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_a_flipped_bit_in_the_log_of_a_killed_run_costs_trials_and_never_changes_one(tmp_path, sound, seed):
+def test_a_flipped_bit_in_the_log_of_a_killed_run_costs_trials_and_never_changes_one(
+    tmp_path, sound, seed
+):
     target = tmp_path / "flips" / "flips.sqlite"
     # Whoever has it open keeps the log from being folded into the file, as does who kills the run.
     with Store(target, write=True):
         run_study(study(), engine="serial", out=tmp_path, quiet=True, tables=False)
-        parts = {name: target.with_name(name).read_bytes() for name in ("flips.sqlite", "flips.sqlite-wal")}
+        parts = {
+            name: target.with_name(name).read_bytes()
+            for name in ("flips.sqlite", "flips.sqlite-wal")
+        }
     assert len(parts["flips.sqlite-wal"]) > 10 * len(parts["flips.sqlite"])
     for name, content in parts.items():
         target.with_name(name).write_bytes(content)
@@ -160,9 +183,20 @@ def test_the_command_tells_of_damage_in_one_line(sound, tmp_path):
     with sqlite3.connect(target) as db:
         db.execute("UPDATE trial SET evaluations = 1 WHERE cell = 1 AND repetition = 0")
     db.close()
-    command = [sys.executable, "-m", "springpot", "tables", str(target), "--table", "failures", "--json"]
+    command = [
+        sys.executable,
+        "-m",
+        "springpot",
+        "tables",
+        str(target),
+        "--table",
+        "failures",
+        "--json",
+    ]
     done = subprocess.run(command, text=True, capture_output=True)
     assert done.returncode == 0
     assert done.stderr.count("\n") == 1
-    assert "the trial innocent 1 on kelvin, fractional-kelvin, repetition 0 is damaged" in done.stderr
+    assert (
+        "the trial innocent 1 on kelvin, fractional-kelvin, repetition 0 is damaged" in done.stderr
+    )
     assert "--retry-failed runs it again" in done.stdout

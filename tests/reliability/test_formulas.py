@@ -1,4 +1,7 @@
-"""No cell that a spreadsheet would run gets into a CSV file; what springpot wrote it reads back as it was."""
+"""No cell that a spreadsheet would run gets into a CSV file.
+
+What springpot wrote it reads back as it was.
+"""
 
 import csv
 import io
@@ -10,7 +13,14 @@ from hypothesis import strategies as st
 
 from springpot.benchmark.exporting import _csv
 from springpot.benchmark.tables import Table, to_csv
-from springpot.measurement import Measurement, guarded, guarded_line, open_measurement, unguarded, unguarded_line
+from springpot.measurement import (
+    Measurement,
+    guarded,
+    guarded_line,
+    open_measurement,
+    unguarded,
+    unguarded_line,
+)
 from springpot.registry import write_measurement
 from springpot_plugins.readers import springpot_readers
 
@@ -81,7 +91,9 @@ def test_the_export_of_a_study():
 @settings(max_examples=100, deadline=None)
 @example("@\t\"@-..@'.e+", "", 'e,"@')
 @example("a", 'x,""=1+1', "b")
-def test_a_measurement_is_written_without_formulas_and_read_back(tmp_path_factory, label, note, name):
+def test_a_measurement_is_written_without_formulas_and_read_back(
+    tmp_path_factory, label, note, name
+):
     path = tmp_path_factory.mktemp("written") / "data.csv"
     labels = np.array([" ".join(label.split()), "b"])
     data = Measurement(
@@ -102,7 +114,9 @@ def test_a_measurement_is_written_without_formulas_and_read_back(tmp_path_factor
 
 def test_names_of_conditions_and_labels_as_well(tmp_path):
     path = tmp_path / "data.csv"
-    data = Measurement([1.0], [1 + 1j], conditions={"=cmd": np.array([3.0])}, labels={"@sum": np.array(["x"])})
+    data = Measurement(
+        [1.0], [1 + 1j], conditions={"=cmd": np.array([3.0])}, labels={"@sum": np.array(["x"])}
+    )
     write_measurement(data, path)
     assert not [cell for cell in cells_of(path.read_text()) if runs(cell)]
     found = open_measurement(path, (), springpot_readers())

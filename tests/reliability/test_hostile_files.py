@@ -1,4 +1,6 @@
-"""Every file that once took the machine is refused in one line, or read: within the budget of its size in springpot's
+"""Every file that once took the machine is refused in one line, or read.
+
+Within the budget of its size in springpot's
 own process, and by bounded sizes in anybody else's.
 """
 
@@ -13,15 +15,18 @@ from springpot.registry import signals_to_measurement
 READ = {"blank_lines", "comments", "xml_bomb"}
 """Files of which something may be made."""
 SIZES = {"compressed_zeros": 0.4, "zip_bomb": 0.4}
-"""Of those that cost more to pack than to refuse: what is left unpacks to twice the memory that is allowed."""
+"""Of those that cost more to pack than to refuse.
+
+What is left unpacks to twice the memory that is allowed.
+"""
 
 
 @pytest.fixture
 def short(monkeypatch):
     """A small part of the time, so that the tests are done sooner; all else as it is."""
     monkeypatch.setattr(budget, "SECONDS", 0.2)
-    # A step within a library, which nothing interrupts, is no shorter for that; on a busy one it took four seconds.
-    # Without a budget these files take 20 to 1000 times it.
+    # A step within a library, which nothing interrupts, is no shorter for that; on a busy one it
+    # took four seconds. Without a budget these files take 20 to 1000 times it.
     monkeypatch.setattr("opening_cost.ALLOWED_TIMES", 100)
     monkeypatch.setattr(budget, "BYTES_A_SECOND", 100e6)
 
@@ -37,7 +42,9 @@ def test_a_hostile_file_takes_no_more_than_its_budget(make, tmp_path):
         assert opened.said
 
 
-@pytest.mark.parametrize("name", ["many_columns_of_a_table", "small_tables", "many_steps", "many_intervals"])
+@pytest.mark.parametrize(
+    "name", ["many_columns_of_a_table", "small_tables", "many_steps", "many_intervals"]
+)
 def test_in_a_users_own_python_sizes_are_bounded(name, tmp_path, monkeypatch):
     """The files that took longest; fewer tables than in earnest, so that the test is quick."""
     monkeypatch.setattr("springpot_plugins.readers.blocks.MOST_TABLES", 100)
@@ -61,7 +68,9 @@ def test_a_text_is_no_longer_than_is_read_in_one_piece(tmp_path, monkeypatch):
         open_measurement(path, (), READERS)
 
 
-@pytest.mark.parametrize("make", [hostile.fifo, hostile.device, hostile.linked_device], ids=lambda m: m.__name__)
+@pytest.mark.parametrize(
+    "make", [hostile.fifo, hostile.device, hostile.linked_device], ids=lambda m: m.__name__
+)
 def test_what_is_no_regular_file_is_refused_everywhere(make, tmp_path):
     path = make(tmp_path, 1.0)
     for action in (

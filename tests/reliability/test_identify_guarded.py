@@ -1,4 +1,7 @@
-"""``identify --optimiser`` is protected like a study: what the optimiser does is one line, never a result."""
+"""``identify --optimiser`` is protected like a study.
+
+What the optimiser does is one line, never a result.
+"""
 
 import json
 import os
@@ -28,18 +31,30 @@ from springpot.identification import guard
 
 guard.DEADLINE, guard.MEMORY = 3.0, 512
 find = registry.Registry.find
+def finding(self, word, name):
+    return made if word == "optimiser" else find(self, word, name)
 for name, words in json.loads(sys.argv[1]):
     if os.fork() == 0:
         made = (lambda: Faulty(deed=name)) if name else Innocent
-        registry.Registry.find = lambda self, word, name: made if word == "optimiser" else find(self, word, name)
+        registry.Registry.find = finding
         for stream in (1, 2):
             os.dup2(os.open(f"{{name}}.{{stream}}", os.O_WRONLY | os.O_CREAT), stream)
         main(words)
     print(os.waitstatus_to_exitcode(os.wait()[1]), flush=True)
 """
-"""One command line after the other, each in a process of its own, which need not import anything any more."""
+"""One command line after the other, each in a process of its own with all imports made."""
 DATA = "artificial-fractional-maxwell"
-ASKED = ["identify", DATA, "--model", "fractional-maxwell", "--optimiser", "x", "--budget", "300", "--json"]
+ASKED = [
+    "identify",
+    DATA,
+    "--model",
+    "fractional-maxwell",
+    "--optimiser",
+    "x",
+    "--budget",
+    "300",
+    "--json",
+]
 DEEDS = {
     "success without a result": "the process ended with exit code 0",
     "segfault": "the process was ended by SIGSEGV",
@@ -66,15 +81,22 @@ class Done:
 
 @pytest.fixture(scope="module")
 def done(tmp_path_factory):
-    """What came of `identify` with each faulty optimiser, and under no name with the innocent one."""
+    """What came of `identify` with each faulty optimiser and, unnamed, with the innocent one."""
     folder = tmp_path_factory.mktemp("guarded")
-    commands = [(deed, ASKED) for deed in (*DEEDS, "shout", "leave an orphan")] + [("", [*ASKED, "--seed", "3"])]
+    commands = [(deed, ASKED) for deed in (*DEEDS, "shout", "leave an orphan")] + [
+        ("", [*ASKED, "--seed", "3"])
+    ]
     program = [sys.executable, "-c", PROGRAM.format(here=str(HERE)), json.dumps(commands)]
     # What is piped to the command is not for the optimiser.
     ran = subprocess.run(
-        program, text=True, capture_output=True, cwd=folder, check=True, input="y\n" * 99,
+        program,
+        text=True,
+        capture_output=True,
+        cwd=folder,
+        check=True,
+        input="y\n" * 99,
         env=os.environ | {MARK: str(folder)},
-    )  # fmt: skip
+    )
     codes = ran.stdout.split()
     assert left_behind(str(folder)) == []
     return {
@@ -124,7 +146,9 @@ def test_weights_that_are_no_numbers_are_one_line_that_names_the_objective():
 
     objective = Objective("nan", "nothing", nothing)
     for optimiser in (Innocent(), None):
-        with pytest.raises(springpot.errors.PluginError, match="the objective 'nan' weighs points of"):
+        with pytest.raises(
+            springpot.errors.PluginError, match="the objective 'nan' weighs points of"
+        ):
             springpot.identify(DATA, "fractional-maxwell", optimiser=optimiser, objective=objective)
 
 
@@ -158,7 +182,9 @@ def test_a_restart_that_fails_is_a_note_where_another_finds_something():
                 raise ValueError("not today")
 
     found = springpot.identify(DATA, "fractional-maxwell", optimiser=Moody(), restarts=8, seed=1)
-    assert any("of 8 restarts failed, the first: ValueError: not today" in note for note in found.notes)
+    assert any(
+        "of 8 restarts failed, the first: ValueError: not today" in note for note in found.notes
+    )
 
 
 def test_where_threads_run_the_record_is_checked_all_the_same(monkeypatch):
@@ -166,4 +192,6 @@ def test_where_threads_run_the_record_is_checked_all_the_same(monkeypatch):
 
     monkeypatch.setattr(processes, "can_copy", lambda: False)
     with pytest.raises(springpot.errors.OptionError, match="its best point has the objective"):
-        springpot.identify(DATA, "fractional-maxwell", optimiser=Faulty(deed="forge the trace"), budget=60)
+        springpot.identify(
+            DATA, "fractional-maxwell", optimiser=Faulty(deed="forge the trace"), budget=60
+        )

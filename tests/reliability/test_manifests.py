@@ -1,4 +1,7 @@
-"""A manifest is a stranger's word: it reads and writes nothing outside its folder, and spoils no other data set."""
+"""A manifest is a stranger's word.
+
+It reads and writes nothing outside its folder, and spoils no other data set.
+"""
 
 import os
 from importlib.metadata import entry_points
@@ -27,9 +30,9 @@ HOSTILE = {
     "nested-tables": ("[" + ".".join("a" * 8000) + "]", "nested too deeply"),
     "huge-size": (f"size = {'9' * 400}{GOOD}", "size is the number of rows"),
     "huge-number": (f"size = {'9' * 5000}{GOOD}", "."),
-    "huge-condition": (f'{GOOD}\n[conditions]\n"amplitude [mm]" = {"9" * 400}', "finite numbers"),
-    "infinite-condition": (f'{GOOD}\n[conditions]\n"amplitude [mm]" = inf', "finite numbers"),
-    "true-condition": (f'{GOOD}\n[conditions]\n"amplitude [mm]" = true', "finite numbers"),
+    "huge-condition": (f'{GOOD}\n[conditions]\n"amplitude [mm]" = {"9" * 400}', "finite number"),
+    "infinite-condition": (f'{GOOD}\n[conditions]\n"amplitude [mm]" = inf', "finite number"),
+    "true-condition": (f'{GOOD}\n[conditions]\n"amplitude [mm]" = true', "finite number"),
     "exponential": (GOOD.replace("lane (\\w+)", "((a+)+)+$"), "which is not taken|one group"),
     "backtracking": (GOOD.replace("lane (\\w+)", "(a+)+$"), "repeats a group"),
     "polynomial": (GOOD.replace("lane (\\w+)", "a*a*a*a*a*a*(b)"), "more than 4"),
@@ -153,7 +156,24 @@ def test_a_pipe_is_waited_for_nowhere(directory):
 
 
 @pytest.mark.parametrize(
-    "name", ["", ".", "..", ".a", "a/b", "a\\b", "a\0b", "a\nb", "\x1b[2J", "a:b", "a ", "a.", "-rf", "~", "x" * 200]
+    "name",
+    [
+        "",
+        ".",
+        "..",
+        ".a",
+        "a/b",
+        "a\\b",
+        "a\0b",
+        "a\nb",
+        "\x1b[2J",
+        "a:b",
+        "a ",
+        "a.",
+        "-rf",
+        "~",
+        "x" * 200,
+    ],
 )
 def test_names_that_are_not_taken(name, tmp_path):
     assert not is_name(name)
@@ -161,14 +181,19 @@ def test_names_that_are_not_taken(name, tmp_path):
         inside(tmp_path, f"sub/{name}/..")
 
 
-@pytest.mark.parametrize("name", ["a", "normalized.csv", "Messung 3 (neu).csv", "Dämpfer.txt", "run=1,f+2.csv"])
+@pytest.mark.parametrize(
+    "name", ["a", "normalized.csv", "Messung 3 (neu).csv", "Dämpfer.txt", "run=1,f+2.csv"]
+)
 def test_names_that_are(name, tmp_path):
     assert is_name(name)
     assert inside(tmp_path, f"sub/{name}") == tmp_path / "sub" / name
 
 
 def test_the_costliest_pattern_that_is_taken_ends_soon():
-    """Four repetitions in a row, which find nothing: some million steps, where nested ones would take 2^80."""
+    """Four repetitions in a row, which find nothing.
+
+    Some million steps, where nested ones would take 2^80.
+    """
     pattern = patterns.checked("a*a*a*a*(b)")
     assert patterns.picked(pattern, "a" * 100_000) == ""
     assert patterns.picked(patterns.checked(r"T=([-\d.]+) K"), "run 3, T=-12.5 K") == "-12.5"

@@ -41,7 +41,9 @@ def test_each_change_is_one_line_that_python_reads_and_that_differs():
         text = (ROOT / mutant.path).read_text()
         changed = mutant.change.made(text)
         ast.parse(changed)
-        assert sum(a != b for a, b in zip(text.splitlines(), changed.splitlines(), strict=True)) == 1
+        assert (
+            sum(a != b for a, b in zip(text.splitlines(), changed.splitlines(), strict=True)) == 1
+        )
 
 
 def test_changes_are_spread_over_the_rooms():

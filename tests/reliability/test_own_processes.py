@@ -1,4 +1,7 @@
-"""The command line and the workers of the page are springpot's own processes: what takes too long there is ended."""
+"""The command line and the workers of the page are springpot's own processes.
+
+What takes too long there is ended.
+"""
 
 import base64
 import json
@@ -14,7 +17,9 @@ TOLD = "more than 0.2 s of processor time"
 
 def python(program, **options):
     command = [sys.executable, "-c", SHORT + program]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False, **options)
+    return subprocess.run(
+        command, capture_output=True, text=True, timeout=120, check=False, **options
+    )
 
 
 @pytest.fixture(scope="module")

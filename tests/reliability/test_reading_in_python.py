@@ -1,4 +1,7 @@
-"""In a user's own Python a file is simply read: no limit, timer, signal, thread or lock of the process is touched."""
+"""In a user's own Python a file is simply read.
+
+No limit, timer, signal, thread or lock of the process is touched.
+"""
 
 import signal
 import subprocess
@@ -11,8 +14,12 @@ import pytest
 import springpot
 from springpot.measurement import within_budget
 
-TABLE = "frequency [Hz],storage [kN/m],loss [kN/m]\n" + "".join(f"{i},{2 * i},{3 * i}\n" for i in range(1, 11))
-LINUX = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux limits the memory of a process")
+TABLE = "frequency [Hz],storage [kN/m],loss [kN/m]\n" + "".join(
+    f"{i},{2 * i},{3 * i}\n" for i in range(1, 11)
+)
+LINUX = pytest.mark.skipif(
+    not sys.platform.startswith("linux"), reason="only Linux limits the memory of a process"
+)
 
 
 @pytest.fixture
@@ -38,7 +45,11 @@ print("goes on")
 def test_a_tool_that_watches_works_after_a_read(table):
     # Before, it turned for ever: longer than any import on a busy machine.
     done = subprocess.run(
-        [sys.executable, "-c", WATCHED, table], capture_output=True, text=True, timeout=60, check=False
+        [sys.executable, "-c", WATCHED, table],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
     )
     assert (done.returncode, done.stdout) == (0, "goes on\n"), done.stderr
 
@@ -50,7 +61,10 @@ def state():
     return (
         resource.getrlimit(resource.RLIMIT_AS),
         resource.getrlimit(resource.RLIMIT_CPU),
-        [signal.getitimer(timer) for timer in (signal.ITIMER_REAL, signal.ITIMER_VIRTUAL, signal.ITIMER_PROF)],
+        [
+            signal.getitimer(timer)
+            for timer in (signal.ITIMER_REAL, signal.ITIMER_VIRTUAL, signal.ITIMER_PROF)
+        ],
         [signal.getsignal(number) for number in (signal.SIGALRM, signal.SIGVTALRM, signal.SIGPROF)],
         threading.active_count(),
         sys.unraisablehook,

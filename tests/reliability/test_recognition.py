@@ -1,4 +1,4 @@
-"""Recognition sees a bounded head of a file and takes time in proportion to it, whatever stands there."""
+"""Recognition sees a bounded head of a file, in time proportional to it, whatever is there."""
 
 from itertools import product
 from time import process_time
@@ -31,16 +31,53 @@ UNITS = (
         b"#",
         b"# ",
     ),
-    *(b",", b", ", b";", b"; ", b"=", b"a=1;", b"_", b"a_", b"1", b"1d", b"1,", b"1 C ", b"-", b"G' ", b"f [Hz],"),
-    *(b"Storage modulus ", b"Interval", b"[", b"]", b"{", b'{"Procedure":', b"\xc2\xb0", b"/", b" / ", b"in ", b"'"),
+    *(
+        b",",
+        b", ",
+        b";",
+        b"; ",
+        b"=",
+        b"a=1;",
+        b"_",
+        b"a_",
+        b"1",
+        b"1d",
+        b"1,",
+        b"1 C ",
+        b"-",
+        b"G' ",
+        b"f [Hz],",
+    ),
+    *(
+        b"Storage modulus ",
+        b"Interval",
+        b"[",
+        b"]",
+        b"{",
+        b'{"Procedure":',
+        b"\xc2\xb0",
+        b"/",
+        b" / ",
+        b"in ",
+        b"'",
+    ),
     b"time [s],",
 )
 """What is said again and again."""
-FRAMES = ((b"", b""), (b"x", b'x"'), (b'"', b'"y"\n1,2\n1,2'), (b"a [Hz],b", b",c [Pa]\n1 2 3\n"), (b"log ", b" 1"))
+FRAMES = (
+    (b"", b""),
+    (b"x", b'x"'),
+    (b'"', b'"y"\n1,2\n1,2'),
+    (b"a [Hz],b", b",c [Pa]\n1 2 3\n"),
+    (b"log ", b" 1"),
+)
 """What stands before and behind it."""
 FACTOR = 4
 SLACK = 2.5
-"""Of the time of a head four times as long: a quadratic recogniser takes sixteen times as long, rather than four."""
+"""Of the time of a head four times as long.
+
+A quadratic recogniser takes sixteen times as long, rather than four.
+"""
 LITTLE = 0.1
 """Seconds that no one waits for, and that a clock cannot tell apart."""
 
@@ -60,7 +97,9 @@ def seconds(reader, head):
 IN_TURN = [(unit, FRAMES[i % len(FRAMES)]) for i, unit in enumerate(UNITS)]
 
 
-@pytest.mark.parametrize("cases", [IN_TURN, soaked(list(product(UNITS, FRAMES)))], ids=["in turn", "all"])
+@pytest.mark.parametrize(
+    "cases", [IN_TURN, soaked(list(product(UNITS, FRAMES)))], ids=["in turn", "all"]
+)
 @pytest.mark.parametrize("reader", READERS, ids=lambda reader: reader.name)
 def test_recognition_is_linear(reader, cases):
     slow = []
@@ -68,7 +107,9 @@ def test_recognition_is_linear(reader, cases):
         long = before + unit * (HEAD // len(unit)) + behind
         whole = seconds(reader, long[-HEAD:])
         if whole > LITTLE:
-            part = seconds(reader, (before + unit * (HEAD // FACTOR // len(unit)) + behind)[-HEAD // FACTOR :])
+            part = seconds(
+                reader, (before + unit * (HEAD // FACTOR // len(unit)) + behind)[-HEAD // FACTOR :]
+            )
             if whole > FACTOR * SLACK * part + LITTLE:
                 slow.append((before, unit, behind, part, whole))
     assert not slow

@@ -1,4 +1,7 @@
-"""Every measured file that is at hand: one command opens it, or says in one line exactly what it needs."""
+"""Every measured file that is at hand.
+
+One command opens it, or says in one line exactly what it needs.
+"""
 
 import os
 import re
@@ -10,19 +13,24 @@ from springpot.cli.faults import exit_code
 from springpot.cli.group import run
 
 SHARED = Path(
-    os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0] or Path(__file__).parents[3] / "shared" / "data"
+    os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0]
+    or Path(__file__).parents[3] / "shared" / "data"
 )
 SIGNALS = 4
 """Records of one rig that are tried; the others are like them."""
 
 
 def files():
-    found = sorted(path for path in SHARED.rglob("*") if path.is_file() and path.name != "PROVENANCE.md")
+    found = sorted(
+        path for path in SHARED.rglob("*") if path.is_file() and path.name != "PROVENANCE.md"
+    )
     records = [path for path in found if path.parent.name == "signals"]
     return [path for path in found if path not in records[SIGNALS:]]
 
 
-@pytest.fixture(params=files() or [None], ids=lambda path: path and f"{path.parent.name}/{path.name}")
+@pytest.fixture(
+    params=files() or [None], ids=lambda path: path and f"{path.parent.name}/{path.name}"
+)
 def measured(request):
     if request.param is None:
         pytest.skip("no shared data (SPRINGPOT_DATA)")
@@ -40,7 +48,9 @@ def test_inspect_opens_it_or_says_what_it_needs(measured, capsys, monkeypatch):
     assert "Traceback" not in err
     if code == 0:
         assert re.search(r"^next.*: springpot ", out, re.MULTILINE)
-        assert max(len(line) for line in out.splitlines() if str(measured) not in line) <= 92  # one long name
+        assert (
+            max(len(line) for line in out.splitlines() if str(measured) not in line) <= 92
+        )  # one long name
         return
     assert (code, out) == (2, "")
     assert err.count("\n") == 1

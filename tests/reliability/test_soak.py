@@ -1,4 +1,4 @@
-"""The runner of the long tests: it finds its parts, writes their tables and tells a broken promise."""
+"""The runner of long tests: it finds its parts, writes their tables, tells a broken promise."""
 
 import sys
 from types import SimpleNamespace
@@ -13,7 +13,9 @@ def part(monkeypatch):
     """A part that is not in the folder, with the rows that a test gives it."""
 
     def add(name, *rows):
-        monkeypatch.setitem(sys.modules, soak.PREFIX + name, SimpleNamespace(rows=lambda rng, scale: iter(rows)))
+        monkeypatch.setitem(
+            sys.modules, soak.PREFIX + name, SimpleNamespace(rows=lambda rng, scale: iter(rows))
+        )
         known = soak.parts()
         monkeypatch.setattr(soak, "parts", lambda: [*known, name])
 
@@ -27,7 +29,9 @@ def test_a_broken_promise_is_told_by_the_exit_code_and_kept_in_the_table(part, t
     assert soak.main(["bad", "--out", str(tmp_path)]) == 1
     assert "BROKEN" in capsys.readouterr().out
     page = (tmp_path / "README.md").read_text()
-    assert "| kills | 5 | 5 | nothing lost |" in page, "a part that was run before stays on the page"
+    assert "| kills | 5 | 5 | nothing lost |" in page, (
+        "a part that was run before stays on the page"
+    )
     assert "| flips | 3 | 2 |  |" in page
 
 

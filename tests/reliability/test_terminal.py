@@ -1,4 +1,7 @@
-"""What strangers write never commands the terminal: not by file names, JSON, manifests, labels or errors."""
+"""What strangers write never commands the terminal.
+
+Not by file names, JSON, manifests, labels or errors.
+"""
 
 import io
 import json
@@ -16,15 +19,18 @@ from springpot.cli.faults import exit_code
 from springpot.cli.group import run
 from springpot.errors import DataError
 from springpot.measurement import Measurement
-from springpot.plain import PlainStream, below, plain, plain_json, plain_streams
 from springpot.report.jsontext import to_json
+from springpot.terminal_safe import PlainStream, below, plain, plain_json, plain_streams
 
 EVIL = "\x1b]0;owned\x07\x1b[2J\x9b31m\u202eevil\x7f"
 IN_TEXT = "\x9d0;owned\x9c\x9b31m\u202eevil"
 COMMANDS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 HEAD = "omega [rad/s],storage [Pa],loss [Pa]"
 ROWS = "".join(f"{w},100,{2 * w}{{more}}\n" for w in range(1, 13))
-"""A Kelvin element, in which there is nothing to be found: what is told is looked at, not how it was come by."""
+"""A Kelvin element, in which there is nothing to be found.
+
+What is told is looked at, not how it was come by.
+"""
 
 
 def file_with_evil_name(folder):
@@ -37,16 +43,25 @@ def labels(folder):
     """Commands that a text file may hold: one with ESC is no text."""
     path = folder / "labels.csv"
     rows = ROWS.format(more=f",{IN_TEXT}")
-    path.write_text(f"# {IN_TEXT}: {IN_TEXT}\n# operator: {IN_TEXT}\n{HEAD},sample {IN_TEXT}\n{rows}", "utf-8")
+    path.write_text(
+        f"# {IN_TEXT}: {IN_TEXT}\n# operator: {IN_TEXT}\n{HEAD},sample {IN_TEXT}\n{rows}", "utf-8"
+    )
     return path
 
 
 def trios_json(folder):
     columns = [("Angular frequency", "rad/s"), ("Storage modulus", "Pa"), ("Loss modulus", "Pa")]
-    headers = {str(i): {"DisplayName": name, "Unit": {"Name": unit}} for i, (name, unit) in enumerate(columns)}
+    headers = {
+        str(i): {"DisplayName": name, "Unit": {"Name": unit}}
+        for i, (name, unit) in enumerate(columns)
+    }
     rows = [{"0": w, "1": 100.0, "2": 2.0 * w} for w in range(1, 13)]
     table = {"ColumnHeaders": headers, "Rows": rows, "Properties": {"Name": EVIL}}
-    root = {"Sample": {"Name": EVIL}, "StartTime": EVIL, "Results": [{"DataSet": table}, {"DataSet": table}]}
+    root = {
+        "Sample": {"Name": EVIL},
+        "StartTime": EVIL,
+        "Results": [{"DataSet": table}, {"DataSet": table}],
+    }
     path = folder / "trios.json"
     path.write_text(json.dumps({"TRIOSJSONExportSchema": EVIL, "Experiment": root}))
     return path
@@ -87,13 +102,22 @@ def test_a_manifest_and_its_folder_do_not_either(tmp_path, capsys, monkeypatch):
 
     monkeypatch.setenv(folders.VARIABLE, str(tmp_path))
     escaped = "".join(f"\\u{ord(sign):04x}" for sign in EVIL)
-    manifest = f'file = "a.csv"\nsummary = "{escaped}"\nlicence = "{escaped}"\nphysics = ["{escaped}"]\n[columns]\n'
-    for name, text in (("good", f'{manifest}"{escaped}" = "x"'), (f"broken {EVIL}", "= "), ("other", f"'{EVIL}")):
+    manifest = (
+        f'file = "a.csv"\nsummary = "{escaped}"\nlicence = "{escaped}"\n'
+        f'physics = ["{escaped}"]\n[columns]\n'
+    )
+    for name, text in (
+        ("good", f'{manifest}"{escaped}" = "x"'),
+        (f"broken {EVIL}", "= "),
+        ("other", f"'{EVIL}"),
+    ):
         (tmp_path / name).mkdir()
         (tmp_path / name / "dataset.toml").write_text(text)
     sets = folders.datasets()
-    assert any("\x1b" in dataset.summary for dataset in sets), "what is told apart is what was written"
-    from springpot.report import cards
+    assert any("\x1b" in dataset.summary for dataset in sets), (
+        "what is told apart is what was written"
+    )
+    from springpot.report import plugin_cards as cards
 
     kind = cards.KINDS["datasets"]
 
@@ -169,11 +193,16 @@ def test_progress_is_written_over_itself_and_still_plain(monkeypatch):
 
 @pytest.mark.skipif(not hasattr(os, "openpty"), reason="no terminals here")
 def test_on_a_real_terminal_tables_are_ruled_and_still_plain(tmp_path):
-    """What rich draws with is sent, what the file says is not: on a terminal the cells go another way."""
+    """What rich draws with is sent, what the file says is not.
+
+    On a terminal the cells go another way.
+    """
     path = labels(tmp_path)
     main, side = os.openpty()
     command = [sys.executable, "-c", "from springpot.cli import main; main()", "inspect", str(path)]
-    with subprocess.Popen(command, stdout=side, stderr=side, env={**os.environ, "TERM": "xterm"}) as process:
+    with subprocess.Popen(
+        command, stdout=side, stderr=side, env={**os.environ, "TERM": "xterm"}
+    ) as process:
         os.close(side)
         said = b""
         while True:

@@ -1,4 +1,4 @@
-"""A wrong derivative of a plugin's model is noticed when the model is first used, whatever uses it."""
+"""A wrong derivative of a plugin's model is noticed on first use, whatever uses the model."""
 
 from dataclasses import replace
 
@@ -18,7 +18,7 @@ OMEGA = 2 * np.pi * np.geomspace(0.5, 50.0, 25)
 
 
 def model(slip):
-    """A fractional Kelvin element whose derivative is off by `slip` of the share of one parameter."""
+    """A fractional Kelvin element, its derivative off by `slip` of the share of one parameter."""
 
     def respond(at, k, c, alpha):
         power = (1j * at.omega) ** alpha
@@ -38,7 +38,9 @@ def data(scale=1.0):
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e6])
-@pytest.mark.parametrize(("slip", "name"), [((0.1, 0, 0), "k"), ((0, -2.0, 0), "c"), ((0, 0, 0.01), "alpha")])
+@pytest.mark.parametrize(
+    ("slip", "name"), [((0.1, 0, 0), "k"), ((0, -2.0, 0), "c"), ((0, 0, 0.01), "alpha")]
+)
 def test_it_is_told_before_anything_is_fitted(slip, name, scale):
     for use in (
         lambda: springpot.identify(data(scale), model(slip)),
@@ -63,7 +65,10 @@ class TwoWays(Springpot):
 def test_so_is_a_stiffness_that_depends_on_whether_derivatives_are_asked_for():
     careless = Model("careless", TwoWays(quasi_property("c", "alpha"), order()), "a test", "none")
     for _ in range(2):
-        with pytest.raises(ModelError, match="stiffness of careless is another by 2 % where its derivative is asked"):
+        with pytest.raises(
+            ModelError,
+            match="stiffness of careless is another by 2 % where its derivative is asked",
+        ):
             springpot.identify(data(), careless)
 
 
@@ -74,15 +79,20 @@ def test_a_right_derivative_is_no_complaint():
 
 @pytest.mark.parametrize("name", springpot.plugins().names("effect"))
 def test_no_installed_effect_is_accused(name):
-    conditions = {"temperature": np.linspace(10.0, 40.0, len(OMEGA)), "amplitude": np.linspace(0.5, 2.0, len(OMEGA))}
+    conditions = {
+        "temperature": np.linspace(10.0, 40.0, len(OMEGA)),
+        "amplitude": np.linspace(0.5, 2.0, len(OMEGA)),
+    }
     measured = replace(data(), conditions=conditions, units=Units("kN/m", "mm"))
     grown = springpot.parse_model("fractional-maxwell") + name
     Problem.of(grown, measured, default_objective(measured))
 
 
-@pytest.mark.parametrize(("apart", "wrong"), [((0.1, 0.0, 0.0, 0.0), False), ((0.1, 0.1, 0.1, 0.1), True)])
+@pytest.mark.parametrize(
+    ("apart", "wrong"), [((0.1, 0.0, 0.0, 0.0), False), ((0.1, 0.1, 0.1, 0.1), True)]
+)
 def test_what_differs_at_one_place_only_has_no_single_solution_there(monkeypatch, apart, wrong):
-    """Where a hardening mount balances a resonant specimen rounding decides between two amplitudes."""
+    """If a hardening mount balances a resonant specimen, rounding picks one of two amplitudes."""
     found = iter(apart)
     monkeypatch.setattr(derivative, "_apart", lambda *_: next(found))
     sound = model((0.0, 0.0, 0.0))

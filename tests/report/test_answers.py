@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.digits import number
+from springpot.format_numbers import number
 from springpot.measurement import Measurement, Units
 from springpot.report.answers import beside_floor, diagnosis_text, worth_showing
-from springpot.report.climbed import change, changes_text, ladder_text
 from springpot.report.html import report_html
+from springpot.report.ladder_text import change, changes_text, ladder_text
 from springpot.report.numbers import percent
 from springpot.report.reference import reference_note
 from springpot.report.residuals import set_aside
@@ -44,7 +44,10 @@ def places_of(page):
     ("form", "words"),
     [
         (lambda f: 1.0 + 0.04 * np.sin(6.0 * np.pi * np.log10(f)), "The misfit swings by about"),
-        (lambda f: 1.0 - 0.25 * np.exp(-((np.log(f / 12.0) / 0.12) ** 2)), "between 11.1 and 13 Hz"),
+        (
+            lambda f: 1.0 - 0.25 * np.exp(-((np.log(f / 12.0) / 0.12) ** 2)),
+            "between 11.1 and 13 Hz",
+        ),
     ],
     ids=["ripple", "notch"],
 )
@@ -55,7 +58,9 @@ def test_the_report_names_every_place_that_the_diagnosis_names(form, words):
     assert words in places_of(page)
     assert "noise" not in places_of(page)
     # What the figures leave to no model is drawn nevertheless.
-    assert ("Open diamonds" in page) is any(place.condition == "single point" for place in ladder.diagnosis.where)
+    assert ("Open diamonds" in page) is any(
+        place.condition == "single point" for place in ladder.diagnosis.where
+    )
 
 
 def test_without_a_place_only_an_adequate_model_leaves_noise():
@@ -66,7 +71,9 @@ def test_without_a_place_only_an_adequate_model_leaves_noise():
         told = replace(ladder.diagnosis, verdict=verdict, where=())
         assert "o single band of frequencies stands out" in diagnosis_text(told)
         case = replace(ladder.steps[0].case, diagnosis=told)
-        changed = replace(ladder, steps=(replace(ladder.steps[0], case=case),), diagnosis=told, verdict=verdict)
+        changed = replace(
+            ladder, steps=(replace(ladder.steps[0], case=case),), diagnosis=told, verdict=verdict
+        )
         shown = places_of(report_html(changed, damper(), ["x"]))
         assert "No single band of frequencies stands out" in shown
         assert "noise" not in shown
@@ -76,11 +83,19 @@ def superposed(celsius=(5.0, 25.0, 45.0)):
     """A damper whose times follow WLF constants of 8 and 120 K about the middle temperature."""
     temperature = np.repeat(celsius, len(OMEGA))
     above = temperature - celsius[1]
-    s = (1j * np.tile(OMEGA, len(celsius)) * 10.0 ** (-8.0 * above / (120.0 + above))) ** 0.55 * 60.0
+    s = (
+        1j * np.tile(OMEGA, len(celsius)) * 10.0 ** (-8.0 * above / (120.0 + above))
+    ) ** 0.55 * 60.0
     scatter = np.random.default_rng(5).normal(size=(2, len(temperature)))
     values = (80.0 + 400.0 * s / (400.0 + s)) * (1.0 + 0.01 * (scatter[0] + 1j * scatter[1]))
     omega = np.tile(OMEGA, len(celsius))
-    return Measurement(omega, values, conditions={"temperature": temperature}, units=Units("kN/m", "mm"), name="warm")
+    return Measurement(
+        omega,
+        values,
+        conditions={"temperature": temperature},
+        units=Units("kN/m", "mm"),
+        name="warm",
+    )
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +106,9 @@ def warm():
 def test_shift_constants_come_with_their_reference_temperature(warm):
     page = report_html(warm, superposed(), ["x"])
     assert "shift constants refer to T_ref = 25 degC" in ladder_text(warm)
-    assert "shift constants refer to T_ref = 25 degC" in diagnosis_text(warm.steps[0].case.diagnosis, superposed())
+    assert "shift constants refer to T_ref = 25 degC" in diagnosis_text(
+        warm.steps[0].case.diagnosis, superposed()
+    )
     for heading in ("Which effects could it be?", "The model"):
         section = page.partition(f"<h2>{heading}")[2].partition("<h2>")[0]
         assert "Shift constants refer to T_ref = 25 °C" in section
@@ -100,11 +117,14 @@ def test_shift_constants_come_with_their_reference_temperature(warm):
 @pytest.mark.parametrize(
     ("expression", "told"),
     [
-        ("fractional-zener", False), ("fractional-zener + inertia", False), ("fractional-zener + rig-drag", False),
-        ("fractional-zener + arrhenius-shift", True), ("fractional-zener + vertical-shift", True),
+        ("fractional-zener", False),
+        ("fractional-zener + inertia", False),
+        ("fractional-zener + rig-drag", False),
+        ("fractional-zener + arrhenius-shift", True),
+        ("fractional-zener + vertical-shift", True),
         ("fractional-zener + arrhenius-dashpot", True),
     ],
-)  # fmt: skip
+)
 def test_a_reference_is_told_only_where_something_refers_to_it(expression, told):
     network = springpot.parse_model(expression).network
     assert bool(reference_note(superposed(), [network])) is told
@@ -113,7 +133,9 @@ def test_a_reference_is_told_only_where_something_refers_to_it(expression, told)
 
 def test_every_forecast_stands_beside_the_floor(warm):
     step, best = warm.steps[1], warm.steps[0].case.diagnosis.candidates[0]
-    forecast = f"{percent(step.predicted_error)} ({number(step.predicted_error / step.noise_floor, 2)} x)"
+    forecast = (
+        f"{percent(step.predicted_error)} ({number(step.predicted_error / step.noise_floor, 2)} x)"
+    )
     assert forecast in ladder_text(warm)
     floor = warm.steps[0].noise_floor
     after = f"{percent(best.error_after, 2)} ({number(best.error_after / floor, 2)} x)"
@@ -140,12 +162,19 @@ def test_an_error_beside_its_floor(value, floor, words):
 @pytest.mark.parametrize(
     ("ratio", "words"),
     [
-        (1.091, "by +9.1 %"), (0.52, "by -48 %"), (12.0, "by a factor of 12.0"), (0.01, "by a factor of 0.0100"),
-        (1e-4, "fell more than 1000-fold"), (8.41e-12, "fell to nothing"), (0.0, "fell to nothing"),
-        (3e4, "rose more than 1000-fold"), (4e9, "rose beyond all bounds"), (-2.0, "changed sign"),
+        (1.091, "by +9.1 %"),
+        (0.52, "by -48 %"),
+        (12.0, "by a factor of 12.0"),
+        (0.01, "by a factor of 0.0100"),
+        (1e-4, "fell more than 1000-fold"),
+        (8.41e-12, "fell to nothing"),
+        (0.0, "fell to nothing"),
+        (3e4, "rose more than 1000-fold"),
+        (4e9, "rose beyond all bounds"),
+        (-2.0, "changed sign"),
         (float("inf"), "rose beyond all bounds"),
     ],
-)  # fmt: skip
+)
 def test_moves_beyond_a_thousand_are_told_in_words(ratio, words):
     assert change(ratio) == words
 
@@ -153,7 +182,10 @@ def test_moves_beyond_a_thousand_are_told_in_words(ratio, words):
 def test_what_moved_far_stands_apart_from_what_is_counted(warm):
     step = replace(warm.steps[1], changed={"k2": 8.41e-12, "c": 1.5})
     assert changes_text(step) == "+ wlf-shift changed c by +50 %; k2 fell to nothing"
-    assert changes_text(replace(step, changed={"k2": 8.41e-12})) == "with + wlf-shift k2 fell to nothing"
+    assert (
+        changes_text(replace(step, changed={"k2": 8.41e-12}))
+        == "with + wlf-shift k2 fell to nothing"
+    )
     assert changes_text(replace(step, changed={})) == ""
     page = report_html(replace(warm, steps=(warm.steps[0], step)), superposed(), ["x"])
     assert "c by +50 %; k2 fell to nothing" in page
@@ -180,7 +212,9 @@ def test_a_hopeless_effect_is_not_shown_as_a_suggestion():
         damper(lambda f: 1.0 + 0.04 * np.sin(6.0 * np.pi * np.log10(f))), "fractional-maxwell"
     )
     found = ladder.steps[-1].case.diagnosis
-    hopeless = tuple(replace(row, probability=0.001, verdict="cannot-tell") for row in found.candidates[:3])
+    hopeless = tuple(
+        replace(row, probability=0.001, verdict="cannot-tell") for row in found.candidates[:3]
+    )
     told = replace(found, verdict="unexplained", candidates=hopeless, leading=())
     assert worth_showing(told) == []
     name, says = hopeless[0].effect, hopeless[0].says

@@ -17,14 +17,18 @@ pytest.importorskip("matplotlib")
 HERTZ = np.geomspace(0.1, 30.0, 14)
 CELSIUS = (0.0, 20.0, 40.0)
 STIFFNESS, COMPLIANCE, LOG, _ = PLANES
-WARM = Fit(parse_model("fractional-zener + arrhenius-shift"), np.array([20.0, 400.0, 60.0, 0.5, 120.0]))
+WARM = Fit(
+    parse_model("fractional-zener + arrhenius-shift"), np.array([20.0, 400.0, 60.0, 0.5, 120.0])
+)
 
 
 def _scene(share=0.01, fits=(WARM,)):
     """Three temperatures whose noise is the same share of |K| throughout, or one share for each."""
     temperature = np.repeat(CELSIUS, len(HERTZ))
     omega = 2.0 * np.pi * np.tile(HERTZ, len(CELSIUS))
-    blank = Measurement(omega, np.ones(len(omega), complex), conditions={"temperature": temperature})
+    blank = Measurement(
+        omega, np.ones(len(omega), complex), conditions={"temperature": temperature}
+    )
     exact = WARM.at(blank.points)
     sd = np.repeat(np.broadcast_to(share, 3), len(HERTZ)) * np.abs(exact) * (1.0 + 1.0j)
     given = {"sd": sd, "conditions": {"temperature": temperature}, "units": Units("kN/m", "mm")}
@@ -50,7 +54,8 @@ def test_each_sweep_has_its_own_band_where_they_differ(plane):
     found = _drawn(lambda axes, shown: draw_plane(axes, shown, plane), scene)
     size = scene.measurement.magnitude ** (1.0 if plane is STIFFNESS else -1.0)
     wanted = {
-        scene.data_colour(i).upper(): 0.02 * float(np.max(size[sweep.rows])) for i, sweep in enumerate(scene.sweeps)
+        scene.data_colour(i).upper(): 0.02 * float(np.max(size[sweep.rows]))
+        for i, sweep in enumerate(scene.sweeps)
     }
     assert len(wanted) == 3
     assert found.keys() == wanted.keys()
@@ -93,8 +98,12 @@ def test_residuals_coloured_by_temperature_come_with_a_key(monkeypatch, count):
     monkeypatch.setattr(residuals, "finished", keep)
     data = _scene().measurement
     scatter = np.random.default_rng(3).normal(size=(2, len(data)))
-    noisy = Measurement(data.omega, data.stiffness * (1 + 0.01 * (scatter[0] + 1j * scatter[1])), units=data.units,
-                        conditions=data.conditions)  # fmt: skip
+    noisy = Measurement(
+        data.omega,
+        data.stiffness * (1 + 0.01 * (scatter[0] + 1j * scatter[1])),
+        units=data.units,
+        conditions=data.conditions,
+    )
     models = ["fractional-zener", "fractional-zener + arrhenius-shift"][-count:]
     residuals.figure_compared(springpot.compare(noisy, models), "unused.png")
     assert {"0 °C", "20 °C", "40 °C"} <= set(kept[0])

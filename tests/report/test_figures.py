@@ -22,13 +22,17 @@ KELVIN = Fit(parse_model("fractional-kelvin"), np.array([90.0, 30.0, 0.6]), "the
 
 
 def _sweep(fit=MAXWELL, **given):
-    return Measurement(OMEGA, fit.model.stiffness(fit.theta, OMEGA), units=Units("kN/m", "mm"), **given)
+    return Measurement(
+        OMEGA, fit.model.stiffness(fit.theta, OMEGA), units=Units("kN/m", "mm"), **given
+    )
 
 
 def _temperatures(count=3):
     data = _sweep()
     levels = np.repeat(np.linspace(0.0, 40.0, count), len(OMEGA))
-    return Measurement(np.tile(OMEGA, count), np.tile(data.stiffness, count), conditions={"temperature": levels})
+    return Measurement(
+        np.tile(OMEGA, count), np.tile(data.stiffness, count), conditions={"temperature": levels}
+    )
 
 
 SMALL, LARGE = figures.figure_identification, figures.figure_comparison
@@ -92,7 +96,9 @@ def test_sweeps(given, column, count):
 
 @pytest.mark.parametrize("name", ["amplitude", "temperature"])
 def test_at_one_frequency_the_condition_is_the_axis(name):
-    data = Measurement(np.full(8, 6.28), np.full(8, 1 + 1j), conditions={name: np.linspace(1.0, 60.0, 8)})
+    data = Measurement(
+        np.full(8, 6.28), np.full(8, 1 + 1j), conditions={name: np.linspace(1.0, 60.0, 8)}
+    )
     assert axis_of(data).column == name
     assert len(sweeps_of(data, axis_of(data))) == 1
 
@@ -111,7 +117,12 @@ def _boxes(figure):
 
 FITS = {"none": [], "one": [MAXWELL], "two": [MAXWELL, KELVIN]}
 SWEEPS = {"one": 1, "three": 3, "twelve": 12}
-FULLEST = [(SMALL, "one", "twelve"), (SMALL, "two", "one"), (LARGE, "none", "three"), (LARGE, "two", "twelve")]
+FULLEST = [
+    (SMALL, "one", "twelve"),
+    (SMALL, "two", "one"),
+    (LARGE, "none", "three"),
+    (LARGE, "two", "twelve"),
+]
 """A legend of each kind, and both at their widest; all other pairs are in the soak."""
 
 
@@ -123,7 +134,11 @@ FULLEST = [(SMALL, "one", "twelve"), (SMALL, "two", "one"), (LARGE, "none", "thr
     ],
 )
 def test_nothing_overlaps_and_nothing_is_cut_off(monkeypatch, draw, fits, sweeps):
-    data, fits, kept = _temperatures(SWEEPS[sweeps]) if SWEEPS[sweeps] > 1 else _sweep(), FITS[fits], []
+    data, fits, kept = (
+        _temperatures(SWEEPS[sweeps]) if SWEEPS[sweeps] > 1 else _sweep(),
+        FITS[fits],
+        [],
+    )
     for last in ("save", "finished"):
         monkeypatch.setattr(figures, last, lambda figure, path: kept.append(_boxes(figure)))
     draw(data, fits, "unused.png")
@@ -184,8 +199,12 @@ def test_residuals_stand_beside_the_material_floor(tmp_path):
     from springpot.report import residuals
 
     rng = np.random.default_rng(2)
-    data = _sweep(Fit(parse_model("fractional-maxwell + inertia"), np.array([900.0, 60.0, 0.5, 2e-3])))
-    data = Measurement(data.omega, data.stiffness * (1 + 0.01 * rng.normal(size=12)), units=data.units)
+    data = _sweep(
+        Fit(parse_model("fractional-maxwell + inertia"), np.array([900.0, 60.0, 0.5, 2e-3]))
+    )
+    data = Measurement(
+        data.omega, data.stiffness * (1 + 0.01 * rng.normal(size=12)), units=data.units
+    )
     comparison = compare(data, ["fractional-maxwell"])
     [judged] = comparison.judgements
     with canvas.blank(19.0, 4.0) as figure:
@@ -193,7 +212,9 @@ def test_residuals_stand_beside_the_material_floor(tmp_path):
         residuals._row_of_residuals(
             row, Scene(comparison.measurement, residuals.fits_of(comparison)), judged.error, True
         )
-        levels = sorted(line.get_ydata()[0] for line in row[0].lines if line.get_linestyle() == "--")
+        levels = sorted(
+            line.get_ydata()[0] for line in row[0].lines if line.get_linestyle() == "--"
+        )
     level = 100.0 * judged.error.material_floor
     assert level > 1.0
     np.testing.assert_allclose(levels, [-level, level])
@@ -206,7 +227,9 @@ def test_the_error_of_a_fit_stands_beside_both_floors(model, monkeypatch):
     kept = []
     for module in (figures, spectrum):
         monkeypatch.setattr(
-            module, "finished", lambda figure, path: kept.append(figure.legends[0].get_title().get_text())
+            module,
+            "finished",
+            lambda figure, path: kept.append(figure.legends[0].get_title().get_text()),
         )
     found = springpot.identify("artificial-hidden", model)
     found.plot("unused.png")

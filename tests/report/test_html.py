@@ -22,13 +22,21 @@ pytest.importorskip("matplotlib")
 
 EVIL = "<script>alert(1)</script>\"'&amp;$\\frac$"
 OMEGA = 2.0 * np.pi * np.geomspace(0.5, 100.0, 40)
-COMMAND = ["springpot", "discover", f"{EVIL}.csv", "--model", "fractional-maxwell", "--accept", "inertia"]
+COMMAND = [
+    "springpot",
+    "discover",
+    f"{EVIL}.csv",
+    "--model",
+    "fractional-maxwell",
+    "--accept",
+    "inertia",
+]
 LONG = ("specimen-inertia-fixed", "-inertia", "self-heating")
-KNOWN = {
-    "html", "head", "meta", "title", "style", "body", "main", "h1", "h2", "h3", "p", "b", "i", "ul", "li", "div",
-    "span", "figure", "img", "figcaption", "table", "thead", "tbody", "tr", "th", "td", "details", "summary", "pre",
-    "svg", "g", "text", "polyline", "polygon", "script",
-}  # fmt: skip
+TAGS = """
+    html head meta title style body main h1 h2 h3 p b i ul li div span figure img figcaption table
+    thead tbody tr th td details summary pre svg g text polyline polygon script
+"""
+KNOWN = set(TAGS.split())
 
 
 class Page(HTMLParser):
@@ -97,15 +105,21 @@ def test_names_from_data_stay_text(page):
 
 def test_nothing_is_fetched_from_elsewhere(page):
     found = Page(page)
-    sources = [value for _, key, value in found.attributes if key in {"src", "href", "data", "action"}]
+    sources = [
+        value for _, key, value in found.attributes if key in {"src", "href", "data", "action"}
+    ]
     assert sources
     assert all(value.startswith("data:image/svg+xml;base64,") for value in sources)
     assert not re.search(r"url\((?!#)", page)
     assert "@import" not in page
-    [policy] = [value for _, key, value in found.attributes if key == "content" and "default-src" in value]
+    [policy] = [
+        value for _, key, value in found.attributes if key == "content" and "default-src" in value
+    ]
     assert policy.startswith("default-src 'none'")
     program = re.findall(r"<script>(.*?)</script>", page, re.S)[-1]
-    assert policy.endswith(f"script-src 'sha256-{b64encode(sha256(program.encode()).digest()).decode()}'")
+    assert policy.endswith(
+        f"script-src 'sha256-{b64encode(sha256(program.encode()).digest()).decode()}'"
+    )
 
 
 def test_every_rung_is_in_it_with_what_each_effect_would_do(page, ladder):
@@ -124,7 +138,10 @@ def test_every_rung_is_in_it_with_what_each_effect_would_do(page, ladder):
 def test_points_that_no_model_was_fitted_to_are_named(ladder):
     whole = measured()
     more = Measurement(
-        np.append(2.0, whole.omega), np.append(9.0 + 1.0j, whole.stiffness), units=whole.units, name="one more"
+        np.append(2.0, whole.omega),
+        np.append(9.0 + 1.0j, whole.stiffness),
+        units=whole.units,
+        name="one more",
     )
     assert excluded_rows(ladder, more) == [0]
 
@@ -139,11 +156,19 @@ def test_pictures_hold_no_script_either(page):
 @pytest.mark.parametrize(
     "heading",
     [
-        "Point at it", "The error, step by step", "Data and model", "Where the model fails", "Residual planes",
-        "Other views", "Which effects could it be?", "What these data cannot tell apart", "What to measure next",
-        "The model", "To repeat this",
+        "Point at it",
+        "The error, step by step",
+        "Data and model",
+        "Where the model fails",
+        "Residual planes",
+        "Other views",
+        "Which effects could it be?",
+        "What these data cannot tell apart",
+        "What to measure next",
+        "The model",
+        "To repeat this",
     ],
-)  # fmt: skip
+)
 def test_every_section_is_there(page, heading):
     assert tag("h2", heading) in page
 
@@ -166,7 +191,9 @@ def test_the_same_result_gives_the_same_page(page, ladder):
 @pytest.mark.usefixtures("unpainted")
 def test_sweeps_have_their_colours_named():
     data = measured((0.0, 20.0, 40.0), "three sweeps")
-    page = report_html(springpot.discover(data, "fractional-maxwell", accept=["inertia"]), data, ["x"])
+    page = report_html(
+        springpot.discover(data, "fractional-maxwell", accept=["inertia"]), data, ["x"]
+    )
     words = Page(page).words
     assert {"0 °C", "20 °C", "40 °C"} <= set(words)
 
@@ -195,7 +222,8 @@ def test_a_picture_of_many_steps_has_room_for_every_name(ladder):
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     long = [
-        replace(ladder.steps[1], accepted=name) for name in ("specimen-inertia-fixed", "-inertia", "self-heating")
+        replace(ladder.steps[1], accepted=name)
+        for name in ("specimen-inertia-fixed", "-inertia", "self-heating")
     ]
     figure = figure_ladder(replace(ladder, steps=(*ladder.steps, *long, *long)))
     FigureCanvasAgg(figure).draw()
@@ -212,7 +240,11 @@ def test_a_picture_of_many_steps_has_room_for_every_name(ladder):
 def test_markup_escapes_text_once_and_html_never(text):
     assert html(html(text)) == html(text)
     element = Page(tag("p", text, title=text))
-    assert (element.tags, element.words, element.attributes) == (["p"], [text], [("p", "title", text)])
+    assert (element.tags, element.words, element.attributes) == (
+        ["p"],
+        [text],
+        [("p", "title", text)],
+    )
     assert tag("p", Html("<b>x</b>")) == "<p><b>x</b></p>"
     assert joined([text, Html("<br>")]).endswith("<br>")
 

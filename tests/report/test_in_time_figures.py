@@ -1,4 +1,7 @@
-"""Pictures of tests in time: every axis names its own quantity, and frequencies are those of the data."""
+"""Pictures of tests in time.
+
+Every axis names its own quantity, and frequencies are those of the data.
+"""
 
 from dataclasses import replace
 
@@ -14,10 +17,16 @@ def test_every_axis_names_what_it_shows():
     pytest.importorskip("matplotlib")
     from springpot.report.timetests import figure_tests
 
-    model, t, omega = parse_model("maxwell"), np.geomspace(0.1, 10.0, 20), np.geomspace(0.1, 10.0, 8)
+    model, t, omega = (
+        parse_model("maxwell"),
+        np.geomspace(0.1, 10.0, 20),
+        np.geomspace(0.1, 10.0, 8),
+    )
     theta = model.theta(k=2.0, c=3.0)
     sweep = Measurement(omega=omega, stiffness=model.stiffness(theta, omega))
-    sweep = replace(sweep, units=replace(sweep.units, stiffness="kPa", amplitude="-", clock="rad/s"))
+    sweep = replace(
+        sweep, units=replace(sweep.units, stiffness="kPa", amplitude="-", clock="rad/s")
+    )
     tests = [
         TimeTest.of_relaxation(t, model.relaxation(theta, t), "kPa"),
         TimeTest.of_compliance(t, model.creep(theta, t), "kPa"),

@@ -14,8 +14,15 @@ from springpot.rheology.drawing import sketch
 from springpot.rheology.family import Family
 
 SVG = "{http://www.w3.org/2000/svg}"
-NETWORKS = [item.build(3).network if isinstance(item, Family) else item.network for item in plugins().items("model")]
-NETWORKS.append(chain(parallel(mass("inertia.m"), series(spring("mounting-compliance.k"), springpot())), dashpot()))
+NETWORKS = [
+    item.build(3).network if isinstance(item, Family) else item.network
+    for item in plugins().items("model")
+]
+NETWORKS.append(
+    chain(
+        parallel(mass("inertia.m"), series(spring("mounting-compliance.k"), springpot())), dashpot()
+    )
+)
 
 
 def labels(node: Node) -> list[Label]:

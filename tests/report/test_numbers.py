@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from springpot.digits import number
+from springpot.format_numbers import number
 from springpot.report.numbers import percent, seconds, with_interval
 
 
@@ -73,4 +73,9 @@ def test_what_is_printed_is_near_what_was_meant(value, below, above):
 def test_percent_and_seconds():
     assert percent(0.0031) == "0.310 %"
     assert percent(nan) == "-"
-    assert [seconds(s) for s in (3e-4, 0.012, 3.0, 1000.0)] == ["300 us", "12.0 ms", "3.00 s", "16.7 min"]
+    assert [seconds(s) for s in (3e-4, 0.012, 3.0, 1000.0)] == [
+        "300 us",
+        "12.0 ms",
+        "3.00 s",
+        "16.7 min",
+    ]

@@ -17,7 +17,16 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmark"))
 from benchmark_fakes import Moody, Walk, artificial, small_study
 
 from springpot.benchmark import Findings, Store, run_study
-from springpot.benchmark.report.plot import Dot, Line, Pen, Ranked, Scale, critical_differences, plot, scatter
+from springpot.benchmark.report.plot import (
+    Dot,
+    Line,
+    Pen,
+    Ranked,
+    Scale,
+    critical_differences,
+    plot,
+    scatter,
+)
 from springpot.benchmark.report.pools import share_text
 from springpot.benchmark.report.study import write_study_report
 from springpot.benchmark.statistics import wilson
@@ -64,8 +73,12 @@ def read(page: str) -> Reader:
     return reader
 
 
-def report_of(tmp_path: Path, optimisers: list[Optimiser | tuple[str, Optimiser]], **changes: object) -> str:
-    outcome = run_study(small_study(optimisers=optimisers, **changes), engine="serial", out=tmp_path, quiet=True)
+def report_of(
+    tmp_path: Path, optimisers: list[Optimiser | tuple[str, Optimiser]], **changes: object
+) -> str:
+    outcome = run_study(
+        small_study(optimisers=optimisers, **changes), engine="serial", out=tmp_path, quiet=True
+    )
     path = write_study_report(str(outcome.store))
     assert path == outcome.store.parent / "report.html"
     return path.read_text(encoding="utf-8")
@@ -81,7 +94,9 @@ def test_nothing_is_loaded_and_nothing_runs(page):
     reader = read(page)
     assert not {"script", "iframe", "link", "object", "img"} & set(reader.tags)
     loading = [
-        value for name, value in reader.attributes if name in {"src", "href", "action"} or name.startswith("on")
+        value
+        for name, value in reader.attributes
+        if name in {"src", "href", "action"} or name.startswith("on")
     ]
     assert loading == []
     assert "url(" not in page
@@ -148,7 +163,12 @@ def test_steps_stay_in_the_frame_and_skip_what_is_infinite():
 
 
 def test_a_flat_line_has_one_step():
-    picture = plot([Line("a", np.arange(1.0, 50), np.ones(49), Pen(9))], Scale("n", 1, 49), Scale("f", 0, 2), "t")
+    picture = plot(
+        [Line("a", np.arange(1.0, 50), np.ones(49), Pen(9))],
+        Scale("n", 1, 49),
+        Scale("f", 0, 2),
+        "t",
+    )
     [path] = re.findall(r'd="(M[^"]*)"', picture)
     assert path.count("V") == 0
     assert 'stroke-dasharray="6 3"' in picture
@@ -195,7 +215,7 @@ def test_a_share_is_whole_only_where_it_is():
 
 
 def test_accuracy_stands_against_time(tmp_path):
-    """A small point for each problem, a large one for each optimiser, and the names of those that none beats."""
+    """A small point a problem, a large one an optimiser, and the names of those that none beats."""
     text = report_of(tmp_path, [("quick", Walk()), ("slow", Walk(shrink=0.99))])
     picture = text.partition("<title>accuracy against time</title>")[2].partition("</svg>")[0]
     assert picture.count('r="2.5"') == 2 * 4  # two data sets, two models
@@ -207,7 +227,10 @@ def test_accuracy_stands_against_time(tmp_path):
 def test_a_point_beyond_the_axes_is_drawn_at_their_end():
     dots = [Dot("far", 1e9, 1e9, Pen(0), large=True, name="far"), Dot("near", 1e-9, 1e-9, Pen(8))]
     picture = scatter(dots, Scale("s", 0.1, 10.0, True), Scale("excess", 1e-3, 1.0, True), "t")
-    assert all(0.0 <= value <= 420.0 for value in numbers(" ".join(re.findall(r'c[xy]="([^"]*)"', picture))))
+    assert all(
+        0.0 <= value <= 420.0
+        for value in numbers(" ".join(re.findall(r'c[xy]="([^"]*)"', picture)))
+    )
     assert 'text-anchor="end"' in picture.partition("far")[2]
     assert 'fill="white"' in picture  # beyond the first seven colours points are hollow
 

@@ -18,7 +18,9 @@ from springpot.report.views import Scene
 pytest.importorskip("matplotlib")
 
 HERTZ = np.geomspace(0.1, 30.0, 12)
-WARM = Fit(parse_model("fractional-zener + arrhenius-shift"), np.array([80.0, 400.0, 60.0, 0.5, 60.0]))
+WARM = Fit(
+    parse_model("fractional-zener + arrhenius-shift"), np.array([80.0, 400.0, 60.0, 0.5, 60.0])
+)
 
 
 def _measured(celsius, hertz=HERTZ, amplitude=None):
@@ -30,8 +32,12 @@ def _measured(celsius, hertz=HERTZ, amplitude=None):
     if amplitude is not None:
         conditions["amplitude"] = np.broadcast_to(amplitude, (sweeps, len(hertz))).ravel()
     omega = 2.0 * np.pi * np.tile(hertz, sweeps)
-    blank = Measurement(omega, np.ones(len(omega), complex), conditions=conditions, units=Units("kN/m", "mm"))
-    return Measurement(omega, WARM.at(blank.points), conditions=conditions, units=Units("kN/m", "mm"))
+    blank = Measurement(
+        omega, np.ones(len(omega), complex), conditions=conditions, units=Units("kN/m", "mm")
+    )
+    return Measurement(
+        omega, WARM.at(blank.points), conditions=conditions, units=Units("kN/m", "mm")
+    )
 
 
 def _labels(data):
@@ -50,7 +56,9 @@ def test_of_many_sweeps_an_even_choice_is_drawn_and_said():
         axes = figure.subplots()
         views.storage_and_loss(axes, scene)
         lines = {
-            line.get_color() for line in axes.lines if line.get_linestyle() == "-" and len(line.get_xdata()) > 50
+            line.get_color()
+            for line in axes.lines
+            if line.get_linestyle() == "-" and len(line.get_xdata()) > 50
         }
     assert len(lines) == MOST_DRAWN
 
@@ -66,7 +74,9 @@ def test_a_good_fit_of_many_sweeps_looks_good():
 def test_the_headline_says_how_many_are_shown(monkeypatch):
     kept = []
     monkeypatch.setattr(
-        figures, "finished", lambda figure, path: kept.append(figure.legends[0].get_title().get_text())
+        figures,
+        "finished",
+        lambda figure, path: kept.append(figure.legends[0].get_title().get_text()),
     )
     figures.figure_identification(_measured(np.linspace(-40.0, 78.0, 60)), [WARM], "unused.png")
     figures.figure_identification(_measured([0.0, 20.0]), [WARM], "unused.png")
@@ -78,7 +88,9 @@ def test_conditions_that_jitter_are_taken_together_by_level(rng):
     data = _measured(np.array([[0.0], [20.0], [40.0]]) + jitter)
     scene = Scene(data, [WARM])
     assert [len(sweep.rows) for sweep in scene.sweeps] == [len(HERTZ)] * 3
-    for sweep, (x, fitted) in zip(scene.sweeps, scene.curves[0], strict=True):  # no line that jitters along
+    for sweep, (x, fitted) in zip(
+        scene.sweeps, scene.curves[0], strict=True
+    ):  # no line that jitters along
         median = np.full(len(x), np.median(data.conditions["temperature"][sweep.rows]))
         held = replace(data.points, log_omega=np.log(2.0 * np.pi * x), temperature=median + 273.15)
         np.testing.assert_allclose(fitted, WARM.at(held), rtol=1e-9)
@@ -107,7 +119,9 @@ def test_amplitudes_are_told_where_they_are_set():
 
 
 def test_repeats_are_sweeps_of_their_own():
-    one = Measurement(2.0 * np.pi * np.tile(HERTZ, 2), np.ones(24, complex), repeat=np.repeat([1, 2], 12))
+    one = Measurement(
+        2.0 * np.pi * np.tile(HERTZ, 2), np.ones(24, complex), repeat=np.repeat([1, 2], 12)
+    )
     assert _labels(one) == ["repeat 1", "repeat 2"]
 
 

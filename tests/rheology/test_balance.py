@@ -28,7 +28,7 @@ def test_a_film_of_newtonian_fluid_is_a_dashpot_in_series():
 @pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
 @pytest.mark.parametrize("name", ["hardening-mount", "power-law-slip"])
 def test_the_parts_share_the_displacement_whatever_their_sizes(name, size):
-    """K / K_e of the displacement lies across the element, and its law at that amplitude gives K_e."""
+    """K / K_e of the displacement is across the element; its law at that amplitude gives K_e."""
     model = parse_model(f"kelvin + {name}")
     second = {"hardening-mount": 1.0 / size, "power-law-slip": 0.2}[name]
     theta = model.vector(dict(zip(model.names, [2.0, 1.0, size, second], strict=True)))
@@ -41,7 +41,9 @@ def test_the_parts_share_the_displacement_whatever_their_sizes(name, size):
         angle = (np.arange(2**14) + 0.5) / 2**14 * 2.0 * np.pi
         first = 2.0 * np.mean(np.abs(np.cos(angle)) ** (second + 1.0))
         expected = 1j * size * first * (AT.omega * across) ** second / across
-    np.testing.assert_allclose(whole, 1.0 / (1.0 / expected + 1.0 / (2.0 + 1j * AT.omega)), rtol=1e-6)
+    np.testing.assert_allclose(
+        whole, 1.0 / (1.0 / expected + 1.0 / (2.0 + 1j * AT.omega)), rtol=1e-6
+    )
 
 
 def test_an_element_between_two_amplitudes_stiffens_or_gives_way():
@@ -55,7 +57,9 @@ def test_an_element_between_two_amplitudes_stiffens_or_gives_way():
 
 def test_the_balance_is_found_however_far_the_element_is_from_the_model():
     model = parse_model("kelvin + power-law-slip")
-    force, exponent = (each.ravel() for each in np.meshgrid(np.geomspace(1e-6, 1e3, 10), [0.1, 0.3, 0.7]))
+    force, exponent = (
+        each.ravel() for each in np.meshgrid(np.geomspace(1e-6, 1e3, 10), [0.1, 0.3, 0.7])
+    )
     theta = np.column_stack([np.full(30, 2.0), np.full(30, 1.0), force, exponent])
     whole, solid = model.stiffness(theta, AT), 2.0 + 1j * AT.omega
     alone = parse_model("kelvin + power-law-damper")
@@ -63,5 +67,9 @@ def test_the_balance_is_found_however_far_the_element_is_from_the_model():
     for i in range(30):
         there = Points(AT.log_omega, amplitude=across[i])
         film = alone.stiffness(np.array([2.0, 1.0, force[i], exponent[i]]), there) - solid
-        seen = across[i] / AT.amplitude > 1e-6  # a film that hardly moves is the rounding of a difference here
-        np.testing.assert_allclose(whole[i][seen], (1.0 / (1.0 / film + 1.0 / solid))[seen], rtol=1e-6)
+        seen = (
+            across[i] / AT.amplitude > 1e-6
+        )  # a film that hardly moves is the rounding of a difference here
+        np.testing.assert_allclose(
+            whole[i][seen], (1.0 / (1.0 / film + 1.0 / solid))[seen], rtol=1e-6
+        )

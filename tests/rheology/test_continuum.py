@@ -1,4 +1,4 @@
-"""Any material: what is interpolated at very many frequencies is the same as what is summed at few."""
+"""Any material: interpolation at very many frequencies equals summation at few."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,9 @@ from springpot.rheology.continuum import MANY
 THETA = np.array([1.0, 0.1, 2.0, 3.0])
 
 
-@pytest.mark.parametrize("omega", [[6.283], [0.5, 0.50001], [0.1, 100.0]], ids=["one", "near", "wide"])
+@pytest.mark.parametrize(
+    "omega", [[6.283], [0.5, 0.50001], [0.1, 100.0]], ids=["one", "near", "wide"]
+)
 def test_very_many_points_at_any_frequencies_are_those_of_few(omega):
     material = Continuum((1.0, 10.0))
     few = material.respond(THETA, Points.at(omega)).value

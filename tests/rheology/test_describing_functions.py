@@ -1,7 +1,7 @@
 """Describing functions and third harmonics against forces computed in time, cycle by cycle.
 
-The forces here are written from their definitions, sampled over a cycle and Fourier transformed; nothing of the
-elements' own formulas enters.
+The forces here are written from their definitions, sampled over a cycle and Fourier transformed;
+nothing of the elements' own formulas enters.
 """
 
 from __future__ import annotations
@@ -24,7 +24,10 @@ def harmonics(force: np.ndarray) -> tuple[complex, complex]:
 
 
 def stop(x: np.ndarray, reach: float) -> np.ndarray:
-    """Strain of a spring behind a slider that lets go at `reach`; the second cycle is the steady one."""
+    """Strain of a spring behind a slider that lets go at `reach`.
+
+    The second cycle is the steady one.
+    """
     strain, last, out = 0.0, x[-1], np.empty_like(x)
     for _ in range(2):
         for i, now in enumerate(x):
@@ -35,14 +38,19 @@ def stop(x: np.ndarray, reach: float) -> np.ndarray:
 
 
 def yielding(amplitude: float, k: float, force: float, n: float, beta: float) -> np.ndarray:
-    """Steady force of a Bouc-Wen element, its differential equation integrated over half a cycle from either tip."""
+    """Steady force of a Bouc-Wen element, its differential equation integrated from either tip.
+
+    Each integration covers half a cycle.
+    """
 
     def rate(angle, z):
         speed = -amplitude * np.sin(angle) * k / force
         return speed * (1.0 - np.abs(z) ** n * (beta * np.sign(z * speed) + 1.0 - beta))
 
     def half(tip, angles=None):
-        return solve_ivp(rate, (0.0, np.pi), [tip], "DOP853", angles, rtol=1e-11, atol=1e-13, max_step=0.02).y[0]
+        return solve_ivp(
+            rate, (0.0, np.pi), [tip], "DOP853", angles, rtol=1e-11, atol=1e-13, max_step=0.02
+        ).y[0]
 
     tip = brentq(lambda tip: half(tip)[-1] + tip, 0.0, 1.0, xtol=1e-13)
     falling = half(tip, ANGLE[: SAMPLES // 2])
@@ -60,16 +68,26 @@ def touching(x: np.ndarray, b: float) -> np.ndarray:
 FORCES = {
     "friction": [((0.7,), lambda x, v, F: F * np.sign(v))],
     "elasto-sliding": [
-        ((2.0, F), lambda x, v, k, F: k * stop(x, F / k)) for F in (0.1, 0.26, 0.65, 1.3, 1.95, 2.6, 5.0)
+        ((2.0, F), lambda x, v, k, F: k * stop(x, F / k))
+        for F in (0.1, 0.26, 0.65, 1.3, 1.95, 2.6, 5.0)
     ],
-    "power-law-damper": [((0.6, a), lambda x, v, F, a: F * powered(v, a)) for a in (0.05, 0.4, 1.0, 1.5, 2.0)],
+    "power-law-damper": [
+        ((0.6, a), lambda x, v, F, a: F * powered(v, a)) for a in (0.05, 0.4, 1.0, 1.5, 2.0)
+    ],
     "smooth-hysteresis": [
         (theta, lambda x, v, *theta: yielding(x[0] / np.cos(ANGLE[0]), *theta))
-        for theta in ((2.0, 0.65, 1.0, 0.5), (2.0, 2.6, 1.7, 0.9), (2.0, 0.13, 4.0, 0.3), (1.0, 0.5, 0.7, 1.2))
+        for theta in (
+            (2.0, 0.65, 1.0, 0.5),
+            (2.0, 2.6, 1.7, 0.9),
+            (2.0, 0.13, 4.0, 0.3),
+            (1.0, 0.5, 0.7, 1.2),
+        )
     ],
     "cubic-damping": [((0.3,), lambda x, v, c3: c3 * v**3)],
     "cubic-stiffness": [((k3,), lambda x, v, k3: k3 * x**3) for k3 in (0.4, -0.2)],
-    "dead-zone": [((2.0, b), lambda x, v, k, b: k * touching(x, b)) for b in (0.01, 0.3, 0.9, 1.29, 1.5)],
+    "dead-zone": [
+        ((2.0, b), lambda x, v, k, b: k * touching(x, b)) for b in (0.01, 0.3, 0.9, 1.29, 1.5)
+    ],
     "crosstalk": [((0.3, 0.8), lambda x, v, F, phi: F * np.cos(ANGLE + phi))],
 }
 CASES = [(name, theta, force) for name, cases in FORCES.items() for theta, force in cases]
@@ -77,7 +95,9 @@ CASES = [(name, theta, force) for name, cases in FORCES.items() for theta, force
 
 @pytest.mark.parametrize(("name", "theta", "force"), CASES, ids=[f"{n}-{t}" for n, t, _ in CASES])
 @pytest.mark.parametrize(("amplitude", "omega"), [(1.3, 0.8), (0.4, 5.0)])
-def test_first_and_third_harmonic_are_those_of_the_force_in_time(name, theta, force, amplitude, omega):
+def test_first_and_third_harmonic_are_those_of_the_force_in_time(
+    name, theta, force, amplitude, omega
+):
     x, v = amplitude * np.cos(ANGLE), -omega * amplitude * np.sin(ANGLE)
     first, third = harmonics(force(x, v, *theta))
     effect = plugins().effect(name)
@@ -85,12 +105,14 @@ def test_first_and_third_harmonic_are_those_of_the_force_in_time(name, theta, fo
     scale = max(abs(first), np.max(np.abs(force(x, v, *theta)))) / amplitude
     predicted = effect.element.respond(np.array(theta), at).value[0]
     np.testing.assert_allclose(predicted, first / amplitude, atol=2e-7 * scale)
-    np.testing.assert_allclose(effect.third_harmonic(np.array(theta), at)[0], third / amplitude, atol=2e-7 * scale)
+    np.testing.assert_allclose(
+        effect.third_harmonic(np.array(theta), at)[0], third / amplitude, atol=2e-7 * scale
+    )
 
 
 @pytest.mark.parametrize("b", [0.05, 0.4, 0.9, 1.25, 1.31])
 def test_play_moves_a_linear_specimen_by_the_first_harmonic_of_its_output(b):
-    """Output of play = input - stop; the specimen, being linear, answers each harmonic by itself."""
+    """Output of play = input - stop; the linear specimen answers each harmonic by itself."""
     x = 1.3 * np.cos(ANGLE)
     moved, _ = harmonics(x - stop(x, b))
     model = plugins().model("fractional-maxwell") + plugins().effect("backlash")
@@ -99,7 +121,9 @@ def test_play_moves_a_linear_specimen_by_the_first_harmonic_of_its_output(b):
     bare = plugins().model("fractional-maxwell")
     specimen = bare.stiffness(bare.vector(own), at)
     measured = model.stiffness(model.vector(own | {"backlash.b": b}), at)
-    np.testing.assert_allclose(measured, specimen * moved / 1.3, atol=1e-7 * np.max(np.abs(specimen)))
+    np.testing.assert_allclose(
+        measured, specimen * moved / 1.3, atol=1e-7 * np.max(np.abs(specimen))
+    )
 
 
 @pytest.mark.parametrize(("rho", "ratio"), [(0.1, 0.30), (0.25, 0.26), (0.5, 0.18), (0.75, 0.095)])
@@ -111,7 +135,10 @@ def test_harmonic_ratios_of_a_jenkins_element_known_from_elsewhere(rho, ratio):
 
 
 def test_the_energy_of_self_heating_is_that_of_the_loop():
-    """Mean power of force times speed in time equals what the heating element counts, K'' of the specimen given."""
+    """Mean power of force times speed in time is what the heating element counts.
+
+    K'' of the specimen is given.
+    """
     k, omega, amplitude = 3.0 + 1.7j, 2.5, 0.6
     force = np.real(k * amplitude * np.exp(1j * ANGLE))
     power = np.mean(force * -omega * amplitude * np.sin(ANGLE))
@@ -122,7 +149,7 @@ def test_the_energy_of_self_heating_is_that_of_the_loop():
 
 @pytest.mark.parametrize(("softening", "exponent"), [(damping_function, 3.0), (thinning, 1.0)])
 def test_softening_keeps_to_the_range_of_numbers(softening, exponent):
-    """A limit that a fit takes towards zero leaves next to no stiffness, and slopes that are numbers."""
+    """A limit that a fit takes towards zero leaves almost no stiffness, and slopes are numbers."""
     at = Points.at([1e20, 1e22], amplitude=[1.0, 2.0])
     found = softening().respond(np.array([1e-290, exponent]), at, 2)
     assert np.all(np.abs(found.value) < 1e-100)

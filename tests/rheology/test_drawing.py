@@ -33,7 +33,9 @@ def test_the_zener_network_as_it_should_look():
 
 
 def test_symbols_are_counted_and_told_apart():
-    network = parallel(series(spring("a"), dashpot("b"), springpot("c", "d")), mass("m"), spring("e"))
+    network = parallel(
+        series(spring("a"), dashpot("b"), springpot("c", "d")), mass("m"), spring("e")
+    )
     picture = draw(network)
     for kind, count in {"spring": 2, "dashpot": 1, "springpot": 1, "mass": 1}.items():
         assert picture.count(SYMBOLS[kind]) == count
@@ -42,7 +44,11 @@ def test_symbols_are_counted_and_told_apart():
 
 
 def test_upright_wires_join_the_lines_above_and_below():
-    network = series(spring(), parallel(spring(), parallel(dashpot(), series(mass(), springpot())), ZENER), mass())
+    network = series(
+        spring(),
+        parallel(spring(), parallel(dashpot(), series(mass(), springpot())), ZENER),
+        mass(),
+    )
     lines = draw(network).splitlines()
     grid = np.array([list(line.ljust(max(map(len, lines)))) for line in lines])
     down, up = set("┌┐│├┤┼"), set("└┘│├┤┼")

@@ -1,4 +1,4 @@
-"""Networks that no linear measurement can tell apart, under the exact maps between their parameters."""
+"""Networks that no linear measurement tells apart, under exact maps between their parameters."""
 
 from __future__ import annotations
 
@@ -21,11 +21,15 @@ def value(node: Node, *theta: float) -> np.ndarray:
     return node.respond(np.array(theta), AT).value
 
 
-def standard_of_zener(ke: float, k1: float, v: float, a: float) -> tuple[float, float, float, float]:
+def standard_of_zener(
+    ke: float, k1: float, v: float, a: float
+) -> tuple[float, float, float, float]:
     return ke + k1, ke * (ke + k1) / k1, v * ((ke + k1) / k1) ** 2, a
 
 
-def zener_of_standard(k0: float, k2: float, v: float, a: float) -> tuple[float, float, float, float]:
+def zener_of_standard(
+    k0: float, k2: float, v: float, a: float
+) -> tuple[float, float, float, float]:
     ke, k1 = k0 * k2 / (k0 + k2), k0**2 / (k0 + k2)
     return ke, k1, v * (k1 / (ke + k1)) ** 2, a
 
@@ -46,14 +50,18 @@ def test_jeffreys_forms_are_one_model(c0: float, c1: float, v: float, a: float):
 
 
 @given(positive, positive, positive, orders, positive)
-def test_an_instantaneous_spring_absorbs_mounting_compliance(ke: float, k1: float, v: float, a: float, km: float):
+def test_an_instantaneous_spring_absorbs_mounting_compliance(
+    ke: float, k1: float, v: float, a: float, km: float
+):
     k0, k2, c, _ = standard_of_zener(ke, k1, v, a)
     absorbed = zener_of_standard(k0 * km / (k0 + km), k2, c, a)
     mounted = value(series(spring("km"), zener), km, ke, k1, v, a)
     np.testing.assert_allclose(value(zener, *absorbed), mounted, rtol=1e-11)
 
 
-def kelvin_chain_of_prony(k0: float, k: np.ndarray, tau: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+def kelvin_chain_of_prony(
+    k0: float, k: np.ndarray, tau: np.ndarray
+) -> tuple[float, np.ndarray, np.ndarray]:
     """Partial fractions of 1/K: the zeros of K are the retardation rates."""
     poles = np.poly(-1 / tau)
     stiff = (k0 + k.sum()) * poles

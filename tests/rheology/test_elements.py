@@ -38,7 +38,9 @@ NETWORKS = {
     "basset": FixedPower(viscosity("b"), 1.5),
     "parallel": parallel(spring(), springpot(), mass()),
     "series": series(spring(), springpot(), dashpot()),
-    "nested": parallel(mass(), series(spring("k1"), parallel(springpot(), series(dashpot("c1"), spring("k2"))))),
+    "nested": parallel(
+        mass(), series(spring("k1"), parallel(springpot(), series(dashpot("c1"), spring("k2"))))
+    ),
     "chain": chain(series(spring(), dashpot()), springpot("gain", "tilt")),
     "shift": shift(series(spring(), springpot()), spring("log_a")),
     "shift-in-parallel": parallel(shift(series(spring(), dashpot()), spring("log_a")), mass()),
@@ -58,7 +60,9 @@ def test_springpot_is_its_complex_power(c: float, alpha: float):
 @given(positive)
 def test_springpot_at_the_ends_of_its_order_is_spring_and_dashpot(c: float):
     np.testing.assert_allclose(value(springpot(), c, 0.0), value(spring(), c), rtol=1e-14)
-    np.testing.assert_allclose(value(springpot(), c, 1.0), value(dashpot(), c), rtol=1e-14, atol=1e-13 * c)
+    np.testing.assert_allclose(
+        value(springpot(), c, 1.0), value(dashpot(), c), rtol=1e-14, atol=1e-13 * c
+    )
 
 
 def test_spring_dashpot_and_mass_have_exact_phases():
@@ -111,17 +115,20 @@ def test_depth_changes_no_value(name: str, rng: np.random.Generator):
     node = NETWORKS[name]
     theta = sample(node.parameters, rng, (3,))
     plain, gradient, full = (node.respond(theta, AT, depth) for depth in range(3))
-    # Where nothing but the value is wanted it is computed in a quicker order, which may round differently.
+    # Where nothing but the value is wanted it is computed in a quicker order, which may round
+    # differently.
     np.testing.assert_allclose(plain.value, gradient.value, rtol=1e-14)
     np.testing.assert_array_equal(gradient.value, full.value)
     np.testing.assert_array_equal(gradient.by_theta, full.by_theta)
 
 
 def test_parts_in_series_keep_to_the_range_of_numbers():
-    """Neither two parts of 1e200 nor two of 1e-200 may be multiplied with one another on the way."""
+    """Neither two parts of 1e200 nor two of 1e-200 may be multiplied on the way."""
     node = series(spring("k1"), spring("k2"))
     for size in (1e-200, 1e200):
-        np.testing.assert_allclose(node.respond(np.array([size, 3.0 * size]), AT).value, 0.75 * size, rtol=1e-14)
+        np.testing.assert_allclose(
+            node.respond(np.array([size, 3.0 * size]), AT).value, 0.75 * size, rtol=1e-14
+        )
 
 
 @pytest.mark.parametrize("name", NETWORKS)

@@ -29,7 +29,9 @@ from springpot.rheology import (
 )
 from springpot.rheology.family import Family
 
-REGISTERED = [item.build(3) if isinstance(item, Family) else item for item in plugins().items("model")]
+REGISTERED = [
+    item.build(3) if isinstance(item, Family) else item for item in plugins().items("model")
+]
 MODELS = {model.base: model for model in REGISTERED}
 T = np.geomspace(1e-4, 1e4, 33)
 
@@ -39,7 +41,12 @@ def of(network, *theta: float, **options):
 
 
 def typical(model: Model) -> np.ndarray:
-    return np.array([p.typical * (1 + 0.3 * i) if p.scale == "log" else 0.4 for i, p in enumerate(model.parameters)])
+    return np.array(
+        [
+            p.typical * (1 + 0.3 * i) if p.scale == "log" else 0.4
+            for i, p in enumerate(model.parameters)
+        ]
+    )
 
 
 @pytest.mark.parametrize("alpha", mittag_leffler.ORDERS)
@@ -49,32 +56,42 @@ def test_fractional_elements_against_mittag_leffler_values(alpha: float):
     t = (x * c / k) ** (1 / alpha)
     maxwell = of(series(spring(), springpot()), k, c, alpha)
     np.testing.assert_allclose(maxwell.relaxation(t).value, k * value["1"], rtol=1e-10)
-    np.testing.assert_allclose(maxwell.creep(t).value, 1 / k + t**alpha / (c * gamma(1 + alpha)), rtol=1e-10)
+    np.testing.assert_allclose(
+        maxwell.creep(t).value, 1 / k + t**alpha / (c * gamma(1 + alpha)), rtol=1e-10
+    )
     kelvin = of(parallel(spring(), springpot()), k, c, alpha)
     np.testing.assert_allclose(kelvin.creep(t).value, t**alpha / c * value["1+a"], rtol=1e-10)
-    np.testing.assert_allclose(kelvin.relaxation(t).value, k + c * t**-alpha / gamma(1 - alpha), rtol=1e-10)
+    np.testing.assert_allclose(
+        kelvin.relaxation(t).value, k + c * t**-alpha / gamma(1 - alpha), rtol=1e-10
+    )
     zener = of(parallel(spring("e"), series(spring(), springpot())), 1.5, k, c, alpha)
     np.testing.assert_allclose(zener.relaxation(t).value, 1.5 + k * value["1"], rtol=1e-10)
     alone = of(springpot(), c, alpha)
-    np.testing.assert_allclose(alone.relaxation(t).value, c * t**-alpha / gamma(1 - alpha), rtol=1e-10)
+    np.testing.assert_allclose(
+        alone.relaxation(t).value, c * t**-alpha / gamma(1 - alpha), rtol=1e-10
+    )
     np.testing.assert_allclose(alone.creep(t).value, t**alpha / (c * gamma(1 + alpha)), rtol=1e-10)
 
 
 @pytest.mark.parametrize("alpha", mittag_leffler.ORDERS)
 def test_the_rate_of_relaxation_against_mittag_leffler_values(alpha: float):
-    # -dG/dt of spring and springpot in series is (k^2/c) t^(alpha-1) E_(alpha,alpha)(-(k/c) t^alpha)
+    # -dG/dt of spring and springpot in series is (k^2/c) t^(alpha-1) E_(alpha,alpha)(-(k/c)
+    # t^alpha)
     k, c = 3.0, 2.0
     x, value = mittag_leffler.table(alpha)
     inner = (x >= 1e-3) & (x <= 1e3)
     t = ((x * c / k) ** (1 / alpha))[inner]
     band = (1 / t.max(), 1 / t.min())
-    found = Model("test", series(spring(), springpot())).spectrum([k, c, alpha], band, tolerance=1e-12)
+    found = Model("test", series(spring(), springpot())).spectrum(
+        [k, c, alpha], band, tolerance=1e-12
+    )
     rate = np.exp(-np.outer(t, found.rates)) @ (found.weights * found.rates)
     np.testing.assert_allclose(rate, k**2 / c * t ** (alpha - 1) * value["a"][inner], rtol=1e-9)
 
 
 def test_two_springpots_of_orders_one_half_apart():
-    # E_(1/2,1-beta) has no closed form but for beta = 0 (erfcx); alpha = 1, beta = 1/2: c_b t^-1/2 E_(1/2,1/2)(-x)
+    # E_(1/2,1-beta) has no closed form but for beta = 0 (erfcx); alpha = 1, beta = 1/2: c_b t^-1/2
+    # E_(1/2,1/2)(-x)
     ca, cb = 2.0, 3.0
     x = cb / ca * np.sqrt(T)
     exact = cb / np.sqrt(T) * (1 / np.sqrt(np.pi) - x * erfcx(x))
@@ -84,7 +101,10 @@ def test_two_springpots_of_orders_one_half_apart():
 
 
 def test_a_startup_of_spring_and_half_springpot():
-    """At the rate v the force is v k t E_(1/2,2)(-x), x = (k/c) t^(1/2), and E_(1/2,2) the rest of an erfcx."""
+    """At rate v the force is v k t E_(1/2,2)(-x), x = (k/c) t^(1/2).
+
+    E_(1/2,2) is the rest of an erfcx.
+    """
     k, c, v = 3.0, 2.0, 0.7
     t = np.geomspace(0.01, 300.0, 40)
     x = k / c * np.sqrt(t)
@@ -122,7 +142,10 @@ def test_limits_at_the_step_itself():
 
 
 def both_ends() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Nodes u, 1 - u and weights of the double exponential rule on (0, 1), for singularities at both ends."""
+    """Nodes u, 1 - u and weights of the double exponential rule on (0, 1).
+
+    The rule allows singularities at both ends.
+    """
     x = np.arange(-4.5, 4.55, 0.05)
     y = np.pi * np.sinh(x)
     u, rest = 1 / (1 + np.exp(-y)), 1 / (1 + np.exp(y))
@@ -131,7 +154,7 @@ def both_ends() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("name", MODELS)
 def test_creep_convolved_with_relaxation_is_time(name: str):
-    """s^2 G J = 1: the integral of G(t - u) J(u), and the impulse of a dashpot that is felt at once, are t."""
+    """s^2 G J = 1: the integral of G(t - u) J(u) and the instant impulse of a dashpot are t."""
     model = MODELS[name]
     at = model.in_time(typical(model), tolerance=1e-10)
     u, rest, weight = both_ends()
@@ -157,7 +180,9 @@ def test_ramps_are_exact_at_any_sampling(k: float, c: float, alpha: float):
         u, weight = np.polynomial.legendre.leggauss(80)
         u, weight = 0.5 * (u + 1), 0.5 * weight
         nodes = 3.0 * u**8  # graded towards t = 0
-        total = np.sum(of(network, 0.7, k, c, alpha).relaxation(nodes).value * weight * 3.0 * 8 * u**7)
+        total = np.sum(
+            of(network, 0.7, k, c, alpha).relaxation(nodes).value * weight * 3.0 * 8 * u**7
+        )
         assert found[-1] == pytest.approx(2.0 * total, rel=1e-9)
 
 
@@ -170,7 +195,8 @@ def test_a_ramp_on_a_springpot_is_a_power(alpha: float):
 
 
 @pytest.mark.parametrize(
-    "name", ["fractional-maxwell", "fractional-zener", "burgers", "kelvin", "huet", "zener + inertia"]
+    "name",
+    ["fractional-maxwell", "fractional-zener", "burgers", "kelvin", "huet", "zener + inertia"],
 )
 def test_a_sinusoid_from_rest_tends_to_the_complex_stiffness(name: str):
     model = parse_model(name)
@@ -188,7 +214,10 @@ def test_a_sinusoid_from_rest_tends_to_the_complex_stiffness(name: str):
 
 
 def test_a_record_in_blocks_is_the_record_at_once():
-    """Blocks and rows of the recursion leave no seam: one long record against the plain step by step formula."""
+    """Blocks and rows of the recursion leave no seam.
+
+    One long record against the plain step by step formula.
+    """
     rng = np.random.default_rng(3)
     theta = np.array([2.0, 3.0, 0.5, 4.0])
     modes = MODELS["burgers"].spectrum(theta)
@@ -220,8 +249,12 @@ def test_a_held_displacement_goes_on_as_it_was():
     t = np.linspace(5.0, 6.0, 11)
     zener = MODELS["zener"]
     np.testing.assert_allclose(zener.respond([2.0, 3.0, 1.0], t, np.full(11, 0.5)), 1.0, rtol=1e-12)
-    np.testing.assert_allclose(MODELS["maxwell"].respond([2.0, 3.0], t, np.full(11, 0.5)), 0.0, atol=1e-12)
-    np.testing.assert_allclose(zener.respond_force([2.0, 3.0, 1.0], t, np.full(11, 0.5)), 0.25, rtol=1e-12)
+    np.testing.assert_allclose(
+        MODELS["maxwell"].respond([2.0, 3.0], t, np.full(11, 0.5)), 0.0, atol=1e-12
+    )
+    np.testing.assert_allclose(
+        zener.respond_force([2.0, 3.0, 1.0], t, np.full(11, 0.5)), 0.25, rtol=1e-12
+    )
 
 
 def test_an_oscillator_with_a_springpot_against_its_inverse_fourier_transform():
@@ -235,7 +268,8 @@ def test_an_oscillator_with_a_springpot_against_its_inverse_fourier_transform():
     stiffness = np.append(k, k + c * (1j * omega[1:]) ** alpha - m * omega[1:] ** 2)
     exact = np.fft.irfft(np.fft.rfft(force) / stiffness, n)
     early = t < 100.0
-    # the transform is periodic and so begins with what is left of the record before: 1e-5 of the peak
+    # the transform is periodic and so begins with what is left of the record before: 1e-5 of the
+    # peak
     np.testing.assert_allclose(found[early], exact[early], atol=5e-5 * np.abs(exact).max())
 
 
@@ -250,15 +284,18 @@ def test_bagley_torvik():
     # and the other way: 1 + t, of which a layer feels the velocity that set in at t = 0
     back = model.respond([k, c, m], t, 1 + t)
     late = t > 0.5
-    np.testing.assert_allclose(back[late], (1 + t + c / np.sqrt(np.pi * np.maximum(t, 1e-9)))[late], rtol=1e-6)
+    np.testing.assert_allclose(
+        back[late], (1 + t + c / np.sqrt(np.pi * np.maximum(t, 1e-9)))[late], rtol=1e-6
+    )
 
 
 @pytest.mark.parametrize(("m", "c", "k"), [(1.0, 1.0, 1.0), (1.0, 0.5, 0.5), (0.3, 2.0, 5.0)])
 def test_bagley_torvik_under_a_force_that_sets_in(m: float, c: float, k: float):
-    """With w = s^(1/2), 1 / (m w^4 + c w^3 + k) is a sum of A / (w - a), and A / (s (w - a)) is a Faddeeva function.
+    """With w = s^(1/2), 1 / (m w^4 + c w^3 + k) is a sum of A / (w - a).
 
-    Its inverse is A t^(1/2) E_(1/2,3/2)(a t^(1/2)), with z E_(1/2,3/2)(z) = exp(z^2) erfc(-z) - 1 (Podlubny 1999,
-    Fractional Differential Equations, 8.3.2, has it as a series).
+    A / (s (w - a)) is a Faddeeva function: its inverse is A t^(1/2) E_(1/2,3/2)(a t^(1/2)), with
+    z E_(1/2,3/2)(z) = exp(z^2) erfc(-z) - 1 (Podlubny 1999, Fractional Differential Equations,
+    8.3.2, has it as a series).
     """
     t = np.geomspace(1e-3, 30.0, 60)
     a = np.roots([m, c, 0.0, 0.0, k])
@@ -293,7 +330,9 @@ def slope_by_differences(function, theta: np.ndarray) -> np.ndarray:
     for i in range(len(theta)):
         step = 1e-3 * theta[i] * np.eye(len(theta))[i]
         values = [function(theta + factor * step) for factor in (2, 1, -1, -2)]
-        columns.append((-values[0] + 8 * values[1] - 8 * values[2] + values[3]) / (12e-3 * theta[i]))
+        columns.append(
+            (-values[0] + 8 * values[1] - 8 * values[2] + values[3]) / (12e-3 * theta[i])
+        )
     return np.stack(columns, axis=-1)
 
 
@@ -350,12 +389,21 @@ def test_first_and_third_harmonic_of_what_is_not_linear(effect: str, theta: list
 @pytest.mark.parametrize(("effect", "theta"), [*NONLINEAR, ("gain-error", [0.1])])
 def test_derivatives_of_what_is_not_linear(effect: str, theta: list[float]):
     t = np.linspace(0.0, 8.0, 400)
-    check_slopes(parse_model(f"zener + {effect}"), [1.0, 3.0, 2.0, *theta], lambda at: at.respond(t, np.sin(t) * 1.1))
+    check_slopes(
+        parse_model(f"zener + {effect}"),
+        [1.0, 3.0, 2.0, *theta],
+        lambda at: at.respond(t, np.sin(t) * 1.1),
+    )
 
 
 @pytest.mark.parametrize(
     ("effect", "value"),
-    [("time-delay", 0.02), ("gain-error", 0.2), ("filter-mismatch", 0.1), ("filter-mismatch", -0.1)],
+    [
+        ("time-delay", 0.02),
+        ("gain-error", 0.2),
+        ("filter-mismatch", 0.1),
+        ("filter-mismatch", -0.1),
+    ],
 )
 def test_signal_effects_act_on_the_force_signal(effect: str, value: float):
     model = parse_model(f"zener + {effect}")
@@ -366,7 +414,9 @@ def test_signal_effects_act_on_the_force_signal(effect: str, value: float):
     last = slice(-per - 1, -1)
     turn = np.exp(-1j * omega * t[last]) * 2j / per
     at = Points(np.log([omega]), np.ones(1))
-    assert np.sum(found.value[last] * turn) == pytest.approx(model.stiffness(theta, at)[0], rel=1e-4)
+    assert np.sum(found.value[last] * turn) == pytest.approx(
+        model.stiffness(theta, at)[0], rel=1e-4
+    )
     np.testing.assert_allclose(turn @ found.by_theta[last], model.jacobian(theta, at)[0], atol=2e-3)
 
 
@@ -386,7 +436,9 @@ def test_a_history_of_temperatures_is_reduced_time(name: str):
     steady = model.in_time(theta, temperature=310.0, **at).respond(t, x)
     same = model.in_time(theta, temperature=np.full(len(t), 310.0), **at).respond(t, x)
     np.testing.assert_allclose(same.value, steady.value, atol=1e-7 * np.abs(steady.value).max())
-    np.testing.assert_allclose(same.by_theta, steady.by_theta, atol=3e-6 * np.abs(steady.by_theta).max())
+    np.testing.assert_allclose(
+        same.by_theta, steady.by_theta, atol=3e-6 * np.abs(steady.by_theta).max()
+    )
     warming = np.linspace(300.0, 330.0, len(t))
     softer = model.in_time(theta, temperature=warming, **at).respond(t, x).value
     cold = model.in_time(theta, temperature=300.0, **at).respond(t, x).value
@@ -396,7 +448,11 @@ def test_a_history_of_temperatures_is_reduced_time(name: str):
 
 @pytest.mark.parametrize(
     ("name", "own"),
-    [("fractional-zener", [1.0, 3.0, 2.0, 0.6]), ("kelvin", [1.0, 3.0]), ("burgers", [1.0, 3.0, 2.0, 0.6])],
+    [
+        ("fractional-zener", [1.0, 3.0, 2.0, 0.6]),
+        ("kelvin", [1.0, 3.0]),
+        ("burgers", [1.0, 3.0, 2.0, 0.6]),
+    ],
 )
 def test_derivatives_with_a_history_of_temperatures(name: str, own: list[float]):
     model = parse_model(f"{name} + wlf-shift")
@@ -413,16 +469,25 @@ def test_derivatives_with_a_history_of_temperatures(name: str, own: list[float])
 
 
 def test_a_ramp_of_temperature_has_the_reduced_time_of_its_integral():
-    """A Maxwell element held while it warms: ln of its force falls with the integral of dt / (a_T tau)."""
+    """A Maxwell element held while it warms.
+
+    ln of its force falls with the integral of dt / (a_T tau).
+    """
     network = shift(series(spring(), dashpot()), arrhenius())
     model = Model("test", network)
     heated = Model(
-        "test", series(spring(), dashpot()), effects=(Effect("warm", shift, arrhenius(), "w", Layer.TEMPERATURE),)
+        "test",
+        series(spring(), dashpot()),
+        effects=(Effect("warm", shift, arrhenius(), "w", Layer.TEMPERATURE),),
     )
     t = np.concatenate([[0.0, 1e-6], np.linspace(0.01, 5.0, 2000)])
     x = np.minimum(t / 1e-6, 1.0)
     warm = 300.0 + 4.0 * t
-    found = heated.in_time([2.0, 8.0, 50.0], temperature=warm, reference_temperature=300.0).respond(t, x).value
+    found = (
+        heated.in_time([2.0, 8.0, 50.0], temperature=warm, reference_temperature=300.0)
+        .respond(t, x)
+        .value
+    )
     inverse = np.exp(-50.0 / 8.31446261815324e-3 * (1 / warm - 1 / 300.0))
     reduced = np.concatenate([[0.0], np.cumsum(np.diff(t) * 0.5 * (inverse[1:] + inverse[:-1]))])
     np.testing.assert_allclose(found[2:], 2.0 * np.exp(-reduced[2:] / 4.0), rtol=1e-5)
@@ -442,8 +507,21 @@ def test_every_effect_answers_in_time_or_is_refused_by_name(effect: str):
 
 
 NO_LAW = {
-    *("phase-error", "fixture-resonance", "crosstalk", "frequency-error", "backlash", "hysteretic-loss"),
-    *("smooth-hysteresis", "hardening-mount", "power-law-slip", "strain-softening", "shear-thinning"),
+    *(
+        "phase-error",
+        "fixture-resonance",
+        "crosstalk",
+        "frequency-error",
+        "backlash",
+        "hysteretic-loss",
+    ),
+    *(
+        "smooth-hysteresis",
+        "hardening-mount",
+        "power-law-slip",
+        "strain-softening",
+        "shear-thinning",
+    ),
     *("frame-resonance", "self-heating", "payne", "intrinsic-nonlinearity", "specimen-inertia"),
     "specimen-inertia-fixed",
 }
@@ -459,7 +537,9 @@ def test_what_is_not_linear_has_no_relaxation_function(what: str):
 
 def test_a_nonlinear_force_inside_a_mounting_is_refused():
     with pytest.raises(ModelError, match=r"'cubic-stiffness'.*'series-spring'"):
-        parse_model("zener + cubic-stiffness + series-spring").respond(np.ones(5), [0.0, 1.0], [0.0, 1.0])
+        parse_model("zener + cubic-stiffness + series-spring").respond(
+            np.ones(5), [0.0, 1.0], [0.0, 1.0]
+        )
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,7 @@
-"""Factors for each level: what is a level, exact derivatives, the same physics as a law of temperature."""
+"""Factors for each level.
+
+What is a level, exact derivatives, the same physics as a law of temperature.
+"""
 
 import numpy as np
 import pytest
@@ -32,7 +35,9 @@ def some_theta(model):
 def test_a_template_takes_its_levels_from_the_points_and_names_each_factor():
     own = bound().names[3:]
     assert own[:3] == ("free-shift.a_m40", "free-shift.a_0", "free-shift.a_22p5")
-    assert own[3:] == tuple(name.replace("free-shift.a", "free-vertical-shift.b") for name in own[:3])
+    assert own[3:] == tuple(
+        name.replace("free-shift.a", "free-vertical-shift.b") for name in own[:3]
+    )
 
 
 def test_a_bound_effect_keeps_its_levels():
@@ -63,7 +68,9 @@ def test_a_drifting_temperature_is_not_one_level():
     assert max(np.ptp(ramp[number == i]) for i in range(number.max() + 1)) <= 1.0
 
 
-@given(st.lists(st.floats(-50.0, 150.0), min_size=1, max_size=30), st.randoms(use_true_random=False))
+@given(
+    st.lists(st.floats(-50.0, 150.0), min_size=1, max_size=30), st.randoms(use_true_random=False)
+)
 def test_levels_do_not_depend_on_the_order_of_rows(values, random):
     order = list(range(len(values)))
     random.shuffle(order)
@@ -74,12 +81,17 @@ def test_levels_do_not_depend_on_the_order_of_rows(values, random):
 
 def test_free_factors_can_be_those_of_a_law():
     """At the levels a free shift is WLF if its factors are."""
-    law, theta = parse_model("fractional-maxwell + wlf-shift"), np.array([2.0, 1.3, 0.7, 8.0, 120.0])
+    law, theta = (
+        parse_model("fractional-maxwell + wlf-shift"),
+        np.array([2.0, 1.3, 0.7, 8.0, 120.0]),
+    )
     free = bound("fractional-maxwell + free-shift")
     at = np.array([-40.0, 0.0, 22.5]) + 273.15
     a = np.exp(wlf().respond(theta[3:], Points(np.zeros(3), temperature=at)).value.real)
     own = free.vector(BASE | dict(zip(free.names[3:], a, strict=True)))
-    np.testing.assert_allclose(free.stiffness(own, POINTS), law.stiffness(theta, POINTS), rtol=1e-12)
+    np.testing.assert_allclose(
+        free.stiffness(own, POINTS), law.stiffness(theta, POINTS), rtol=1e-12
+    )
 
 
 def test_derivatives_are_exact():
@@ -95,7 +107,9 @@ def test_derivatives_are_exact():
             moved[i] += 0.02 * value * each
             total = total + model.network.respond(moved, POINTS).value / each / (24 * 0.02 * value)
         np.testing.assert_allclose(response.by_theta[i], total, rtol=1e-9, atol=1e-10)
-    along = sum(model.network.respond(theta, POINTS.shifted(0.02 * t)).value / t for t in turn) / (24 * 0.02)
+    along = sum(model.network.respond(theta, POINTS.shifted(0.02 * t)).value / t for t in turn) / (
+        24 * 0.02
+    )
     np.testing.assert_allclose(response.by_log_omega, along, rtol=1e-9)
 
 
@@ -134,7 +148,9 @@ def test_what_makes_no_sense_is_refused(expression, match):
 
 
 def test_one_level_needs_no_factor():
-    data = springpot.Measurement(OMEGA, OMEGA * (1 + 1j), conditions={"temperature": np.full(12, 20.0)})
+    data = springpot.Measurement(
+        OMEGA, OMEGA * (1 + 1j), conditions={"temperature": np.full(12, 20.0)}
+    )
     with pytest.raises(ModelError, match="two levels of temperature"):
         springpot.identify(data, "material + free-shift")
 
@@ -155,4 +171,8 @@ def test_a_column_with_gaps_is_refused():
 def test_diagnosis_looks_for_laws_and_not_for_factors_of_every_level():
     assert {"free-shift", "free-vertical-shift"} <= set(plugins().names("effect"))
     data = springpot.Measurement(OMEGA, OMEGA * (1 + 1j), conditions={"temperature": CELSIUS})
-    assert not [effect.name for effect in applicable(list(plugins().items("effect")), data) if effect.by_levels]
+    assert not [
+        effect.name
+        for effect in applicable(list(plugins().items("effect")), data)
+        if effect.by_levels
+    ]

@@ -1,4 +1,7 @@
-"""Prony series of few terms: within the tolerance, never negative, as few as published, exact where they can be."""
+"""Prony series of few terms.
+
+Within the tolerance, never negative, as few as published, exact where they can be.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,9 @@ def spectrum_of(name: str, theta: list[float], decades: float = 2.0):
         ("huet-sayegh", [1.0, 50.0, 2.0, 0.1, 0.3, 0.7]),
     ],
 )
-def test_the_tolerance_holds_against_the_model_itself(name: str, theta: list[float], tolerance: float):
+def test_the_tolerance_holds_against_the_model_itself(
+    name: str, theta: list[float], tolerance: float
+):
     found = prony_of(spectrum_of(name, theta), tolerance=tolerance)
     omega = np.geomspace(1.0, 100.0, 301)
     exact = parse_model(name).stiffness(theta, omega)
@@ -68,13 +73,17 @@ def test_classical_models_are_their_own_series():
 
 
 def test_a_dashpot_that_may_not_stand_is_refused_with_what_helps():
-    with pytest.raises(ModelError, match=r"follow its dashpot no nearer than 0\.\d+ %: .*\(--dashpot\)") as told:
+    with pytest.raises(
+        ModelError, match=r"follow its dashpot no nearer than 0\.\d+ %: .*\(--dashpot\)"
+    ) as told:
         prony_of(spectrum_of("kelvin", [1.0, 2.0]))
     assert "\n" not in str(told.value)
     assert prony_of(spectrum_of("kelvin", [1.0, 2.0]), tolerance=0.02).error < 0.02
 
 
-@pytest.mark.parametrize("options", [{"terms": 0}, {"terms": 61}, {"tolerance": 0.0}, {"tolerance": 2.0}])
+@pytest.mark.parametrize(
+    "options", [{"terms": 0}, {"terms": 61}, {"tolerance": 0.0}, {"tolerance": 2.0}]
+)
 def test_nonsense_is_refused(options: dict[str, float]):
     with pytest.raises(ModelError):
         prony_of(spectrum_of("springpot", [1.0, 0.5]), **options)

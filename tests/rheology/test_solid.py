@@ -1,4 +1,7 @@
-"""An isotropic solid from one measured modulus: the conversions of linear viscoelasticity, and back."""
+"""An isotropic solid from one measured modulus.
+
+The conversions of linear viscoelasticity, and back.
+"""
 
 from __future__ import annotations
 
@@ -10,14 +13,21 @@ from springpot.solvers import Prony, solid_of, young_of
 
 OMEGA = np.geomspace(1e-4, 1e6, 200)
 SERIES = Prony(
-    1.5, 0.0, np.array([900.0, 31.25, 4.125e-3, 7.0]), np.array([1e-5, 1.2e-3, 0.25, 70.0]), (1.0, 300.0), 0.0
+    1.5,
+    0.0,
+    np.array([900.0, 31.25, 4.125e-3, 7.0]),
+    np.array([1e-5, 1.2e-3, 0.25, 70.0]),
+    (1.0, 300.0),
+    0.0,
 )
 """Fastest first, weights over five decades."""
 
 
 @pytest.mark.parametrize("poisson", [-0.3, 0.0, 0.3, 0.49, 0.49999])
 @pytest.mark.parametrize("measured", ["G", "E"])
-def test_with_a_constant_bulk_modulus_one_over_e_is_one_over_3g_and_one_over_9k(measured: str, poisson: float):
+def test_with_a_constant_bulk_modulus_one_over_e_is_one_over_3g_and_one_over_9k(
+    measured: str, poisson: float
+):
     solid = solid_of(SERIES, measured, poisson, "constant")
     shear, bulk = solid.shear.stiffness(OMEGA), solid.bulk.stiffness(OMEGA)
     young = young_of(solid).stiffness(OMEGA)

@@ -1,4 +1,7 @@
-"""The relaxation spectrum of a model: it is the model, its weights are positive, its derivatives exact."""
+"""The relaxation spectrum of a model.
+
+It is the model, its weights are positive, its derivatives exact.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +28,9 @@ from springpot.rheology import (
 )
 from springpot.rheology.family import Family
 
-REGISTERED = [item.build(3) if isinstance(item, Family) else item for item in plugins().items("model")]
+REGISTERED = [
+    item.build(3) if isinstance(item, Family) else item for item in plugins().items("model")
+]
 MODELS = {model.base: model for model in REGISTERED}
 CLASSICAL = [
     "spring",
@@ -49,7 +54,10 @@ orders = st.floats(0.02, 0.98)
 def random_theta(model: Model, rng: np.random.Generator) -> np.ndarray:
     """Over four decades; orders nearly up to both ends of their range."""
     return np.array(
-        [np.exp(rng.uniform(-5, 5)) if p.scale == "log" else rng.uniform(0.02, 0.98) for p in model.parameters]
+        [
+            np.exp(rng.uniform(-5, 5)) if p.scale == "log" else rng.uniform(0.02, 0.98)
+            for p in model.parameters
+        ]
     )
 
 
@@ -91,7 +99,9 @@ def test_every_model_is_tested_one_way_or_the_other():
 
 @given(positive, positive, positive, positive)
 @settings(max_examples=50)
-def test_a_burgers_fluid_has_the_two_rates_of_its_quadratic(k1: float, c1: float, k2: float, c2: float):
+def test_a_burgers_fluid_has_the_two_rates_of_its_quadratic(
+    k1: float, c1: float, k2: float, c2: float
+):
     network = series(spring("k1"), dashpot("c1"), parallel(spring("k2"), dashpot("c2")))
     found = of(network, k1, c1, k2, c2)
     # 1/K = 1/k1 + 1/(c1 s) + 1/(k2 + c2 s); the numerator of its sum vanishes at the rates.
@@ -125,7 +135,9 @@ def test_density_of_the_power_law_is_a_gamma_function():
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9, 1e-11])
 def test_the_tolerance_is_kept_and_its_price_is_logarithmic(tolerance: float):
-    found = of(series(spring(), springpot()), 400.0, 60.0, 0.55, band=(0.1, 100.0), tolerance=tolerance)
+    found = of(
+        series(spring(), springpot()), 400.0, 60.0, 0.55, band=(0.1, 100.0), tolerance=tolerance
+    )
     assert found.error < tolerance
     assert len(found.rates) < 15 + 1.5 * np.log10(1 / tolerance) ** 2
 
@@ -140,8 +152,12 @@ def test_a_peak_that_is_nearly_a_line_is_resolved(k: float, c: float, alpha: flo
 @settings(max_examples=30)
 def test_spectra_side_by_side_add(c1: float, a1: float, c2: float, a2: float):
     omega = np.geomspace(0.1, 10.0, 9)
-    both = of(parallel(springpot("c1", "a1"), springpot("c2", "a2")), c1, a1, c2, a2, band=(0.1, 10.0))
-    apart = [of(springpot(), c, a, band=(0.1, 10.0)).stiffness(omega) for c, a in ((c1, a1), (c2, a2))]
+    both = of(
+        parallel(springpot("c1", "a1"), springpot("c2", "a2")), c1, a1, c2, a2, band=(0.1, 10.0)
+    )
+    apart = [
+        of(springpot(), c, a, band=(0.1, 10.0)).stiffness(omega) for c, a in ((c1, a1), (c2, a2))
+    ]
     np.testing.assert_allclose(both.stiffness(omega), sum(apart), rtol=3e-6)
 
 
@@ -174,7 +190,9 @@ def test_derivatives_by_the_parameters(name: str, theta: list[float]):
     found = model.spectrum(np.array(theta), tolerance=1e-9)
     omega = np.geomspace(*found.band, 41)
     exact = model.jacobian(np.array(theta), omega)
-    natural = np.abs(model.stiffness(np.array(theta), omega))[:, None] / np.array(theta) + np.abs(exact)
+    natural = np.abs(model.stiffness(np.array(theta), omega))[:, None] / np.array(theta) + np.abs(
+        exact
+    )
     assert np.max(np.abs(found.jacobian(omega) - exact) / natural) < 1e-5
 
 
@@ -187,10 +205,18 @@ def test_derivatives_of_rates_and_weights(name: str, rng: np.random.Generator):
         step = 1e-5 * theta[i] * np.eye(len(theta))[i]
         up, down = model.spectrum(theta + step), model.spectrum(theta - step)
         width = 2e-5 * theta[i]
-        np.testing.assert_allclose(slopes.rates[:, i], (up.rates - down.rates) / width, rtol=1e-5, atol=1e-6)
-        np.testing.assert_allclose(slopes.weights[:, i], (up.weights - down.weights) / width, rtol=1e-5, atol=1e-6)
-        assert slopes.viscosity[i] == pytest.approx((up.viscosity - down.viscosity) / width, rel=1e-5, abs=1e-7)
-        assert slopes.equilibrium[i] == pytest.approx((up.equilibrium - down.equilibrium) / width, rel=1e-5, abs=1e-7)
+        np.testing.assert_allclose(
+            slopes.rates[:, i], (up.rates - down.rates) / width, rtol=1e-5, atol=1e-6
+        )
+        np.testing.assert_allclose(
+            slopes.weights[:, i], (up.weights - down.weights) / width, rtol=1e-5, atol=1e-6
+        )
+        assert slopes.viscosity[i] == pytest.approx(
+            (up.viscosity - down.viscosity) / width, rel=1e-5, abs=1e-7
+        )
+        assert slopes.equilibrium[i] == pytest.approx(
+            (up.equilibrium - down.equilibrium) / width, rel=1e-5, abs=1e-7
+        )
 
 
 def test_a_mass_beside_the_material_is_told():
@@ -207,7 +233,9 @@ def test_a_temperature_moves_the_rates():
     assert of(network, 2.0, 8.0, 50.0).rates[0] == pytest.approx(0.25)
 
 
-@pytest.mark.parametrize("name", ["wlf-shift", "vertical-shift", "arrhenius-dashpot", "entropic-spring", "rig-drag"])
+@pytest.mark.parametrize(
+    "name", ["wlf-shift", "vertical-shift", "arrhenius-dashpot", "entropic-spring", "rig-drag"]
+)
 def test_models_with_a_temperature(name: str, rng: np.random.Generator):
     model = parse_model(f"fractional-zener + {name}")
     theta = np.array([p.typical for p in model.parameters])
@@ -227,16 +255,45 @@ def test_every_effect_has_a_spectrum_or_is_refused_by_name(effect: str):
         assert "\n" not in str(refusal.value)
         return
     found = model.spectrum(theta)
-    # The rates of diffusion follow each other ever more closely, without end; those far out count as a dashpot.
+    # The rates of diffusion follow each other ever more closely, without end; those far out count
+    # as a dashpot.
     assert found.error < (1e-2 if effect == "diffusion" else 1e-6)
     assert np.all(found.weights >= 0)
 
 
 REFUSED = {
-    *("time-delay", "phase-error", "gain-error", "filter-mismatch", "fixture-resonance", "crosstalk"),
-    *("frequency-error", "backlash", "hysteretic-loss", "basset", "frame-resonance", "self-heating"),
-    *("smooth-hysteresis", "hardening-mount", "power-law-slip", "strain-softening", "shear-thinning"),
-    *("friction", "elasto-sliding", "power-law-damper", "cubic-damping", "dead-zone", "cubic-stiffness", "payne"),
+    *(
+        "time-delay",
+        "phase-error",
+        "gain-error",
+        "filter-mismatch",
+        "fixture-resonance",
+        "crosstalk",
+    ),
+    *(
+        "frequency-error",
+        "backlash",
+        "hysteretic-loss",
+        "basset",
+        "frame-resonance",
+        "self-heating",
+    ),
+    *(
+        "smooth-hysteresis",
+        "hardening-mount",
+        "power-law-slip",
+        "strain-softening",
+        "shear-thinning",
+    ),
+    *(
+        "friction",
+        "elasto-sliding",
+        "power-law-damper",
+        "cubic-damping",
+        "dead-zone",
+        "cubic-stiffness",
+        "payne",
+    ),
     *("intrinsic-nonlinearity", "specimen-inertia", "specimen-inertia-fixed"),
 }
 
@@ -252,7 +309,10 @@ def test_a_band_upside_down_is_refused():
 
 
 def test_diffusion_is_a_row_of_lines_without_end():
-    """1 - tanh(q)/q with q^2 = s tau has poles at -a^2/tau with a = pi/2, 3 pi/2, ... and weights 2/a^2."""
+    """1 - tanh(q)/q with q^2 = s tau has poles at -a^2/tau with a = pi/2, 3 pi/2, ...
+
+    And weights 2/a^2.
+    """
     diffusion = plugins().effect("diffusion")
     k, tau = 3.0, 0.2
     lines = Model("diffusion", diffusion.element).spectrum([k, tau], (1e-2, 1e5))
@@ -271,5 +331,7 @@ def test_a_model_with_diffusion_relaxes():
     theta = model.theta(k1=1.0, k2=2.0, c=0.5, **{"diffusion.k": 3.0, "diffusion.tau": 0.2})
     t = np.array([0.01, 0.1, 1.0])
     a = (np.arange(4000) + 0.5)[:, None] * np.pi
-    slow = 1.0 + 2.0 * np.exp(-t / 0.25) + np.sum(2.0 * 3.0 / a**2 * np.exp(-(a**2) * t / 0.2), axis=0)
+    slow = (
+        1.0 + 2.0 * np.exp(-t / 0.25) + np.sum(2.0 * 3.0 / a**2 * np.exp(-(a**2) * t / 0.2), axis=0)
+    )
     assert np.allclose(model.relaxation(theta, t), slow, rtol=1e-6)

@@ -1,4 +1,7 @@
-"""Dampers that are not linear: friction, sliders, stops and powers of the speed, followed for what they are."""
+"""Dampers that are not linear.
+
+Friction, sliders, stops and powers of the speed, followed for what they are.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,9 @@ K, C = 2e6, 1e5
 def oscillator(expression: str, **own: float) -> Frame:
     """One storey, with a Kelvin damper that has something beside it."""
     model = parse_model(expression)
-    theta = model.vector({"k": K, "c": C, **{name.replace("__", "."): value for name, value in own.items()}})
+    theta = model.vector(
+        {"k": K, "c": C, **{name.replace("__", "."): value for name, value in own.items()}}
+    )
     return Frame([MASS], [MASS * OMEGA**2], 0.0, (Damper(model, theta),))
 
 
@@ -34,7 +39,14 @@ def integrated(record: Record, force, memory: float = 0.0):
         return v, -acceleration - OMEGA**2 * x - (K * x + C * v + pulled) / MASS, change
 
     found = solve_ivp(
-        rate, (0, record.time[-1]), [0, 0, memory], "DOP853", record.time, rtol=1e-7, atol=1e-10, max_step=0.01
+        rate,
+        (0, record.time[-1]),
+        [0, 0, memory],
+        "DOP853",
+        record.time,
+        rtol=1e-7,
+        atol=1e-10,
+        max_step=0.01,
     )
     return found.y[0]
 
@@ -75,16 +87,24 @@ FRICTION = 1.5e4
 
 @pytest.fixture(scope="module")
 def struck():
-    """A spring and friction alone, struck once: (record, motion, stiffness of storey and damper together)."""
+    """A spring and friction alone, struck once.
+
+    (record, motion, stiffness of storey and damper together).
+    """
     model = parse_model("spring + friction")
-    frame = Frame([MASS], [MASS * OMEGA**2], 0.0, (Damper(model, model.vector({"k": K, "friction.F": FRICTION})),))
+    frame = Frame(
+        [MASS],
+        [MASS * OMEGA**2],
+        0.0,
+        (Damper(model, model.vector({"k": K, "friction.F": FRICTION})),),
+    )
     pulse = np.where(np.arange(1500) < 30, 3.0, 0.0)
     record = Record(0.005, pulse)
     return motion_of(frame, record), MASS * OMEGA**2 + K
 
 
 def test_friction_takes_the_same_from_each_swing_and_then_holds(struck):
-    """From turn to turn a block on a spring loses 2 F / k, and at last it sticks within F / k of the middle."""
+    """A block on a spring loses 2 F / k a turn, and at last sticks within F / k of the middle."""
     motion, stiffness = struck
     x = motion.displacement[200:, 0]
     turns = np.flatnonzero(np.diff(np.sign(np.diff(x))) * np.sign(x[1:-1]) < 0) + 1
@@ -115,7 +135,12 @@ def test_a_motion_below_the_friction_never_begins():
 def test_shorter_steps_change_little_and_several_dampers_feel_one_another():
     model = parse_model("fractional-maxwell + friction")
     theta = model.vector({"k": 4e7, "c": 6e6, "alpha": 0.55, "friction.F": 1e5})
-    frame = Frame(np.full(3, 1e5), [8e7, 7e7, 6e7], 0.02, tuple(Damper(model, theta, i, 0.5) for i in (1, 2, 3)))
+    frame = Frame(
+        np.full(3, 1e5),
+        [8e7, 7e7, 6e7],
+        0.02,
+        tuple(Damper(model, theta, i, 0.5) for i in (1, 2, 3)),
+    )
     record = artificial(np.random.default_rng(1), duration=2.0, step=0.02)
     coarse, fine = motion_of(frame, record), motion_of(frame, record.finer(4))
     error = np.abs(coarse.drift - fine.drift[::4]).max(axis=0)
@@ -131,13 +156,20 @@ def test_units_and_a_slope_change_nothing_but_the_numbers():
     model = parse_model("kelvin + power-law-damper")
     si = Damper(model, np.array([K, C, 1e5, 0.5]))
     # F is the force at one mm/s here, and that in kN.
-    small = Damper(model, np.array([K * 1e-6, C * 1e-6, 1e2 * 1e-3**0.5, 0.5]), unit=1e6, length=1e-3)
+    small = Damper(
+        model, np.array([K * 1e-6, C * 1e-6, 1e2 * 1e-3**0.5, 0.5]), unit=1e6, length=1e-3
+    )
     braces = [Frame([MASS], [MASS * OMEGA**2], 0.0, (each,)) for each in (si, small)]
     record = shaken()
     one, same = (motion_of(frame, record) for frame in braces)
     assert same.displacement == pytest.approx(one.displacement, rel=1e-6, abs=1e-9)
     cosine = np.cos(np.radians(30.0))
-    theta = np.array([K, C, 1e5 / cosine**1.5 / 2, 0.5]) * [1 / (2 * cosine**2), 1 / (2 * cosine**2), 1.0, 1.0]
+    theta = np.array([K, C, 1e5 / cosine**1.5 / 2, 0.5]) * [
+        1 / (2 * cosine**2),
+        1 / (2 * cosine**2),
+        1.0,
+        1.0,
+    ]
     sloping = Damper(model, theta, count=2, cosine=cosine)
     turned = motion_of(Frame([MASS], [MASS * OMEGA**2], 0.0, (sloping,)), record)
     assert turned.displacement == pytest.approx(one.displacement, rel=1e-6, abs=1e-9)
@@ -147,6 +179,11 @@ def test_what_is_not_known_of_friction_is_a_band():
     frame = oscillator("kelvin + friction", friction__F=FRICTION)
     [damper] = frame.dampers
     unsure = Damper(damper.model, damper.theta, covariance=np.diag((0.2 * damper.theta) ** 2))
-    found = simulate(Frame(frame.mass, frame.stiffness, 0.0, (unsure,)), shaken(), np.random.default_rng(1), draws=6)
+    found = simulate(
+        Frame(frame.mass, frame.stiffness, 0.0, (unsure,)),
+        shaken(),
+        np.random.default_rng(1),
+        draws=6,
+    )
     low, high = found.band()
     assert low[0] < found.motion.peak_drift[0] < high[0]

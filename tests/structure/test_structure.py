@@ -1,4 +1,4 @@
-"""A structure with fractional dampers against closed forms, the Fourier transform, and the balance of energy."""
+"""A structure with fractional dampers: closed forms, Fourier transform, balance of energy."""
 
 from __future__ import annotations
 
@@ -50,7 +50,9 @@ def test_a_bare_oscillator_is_the_textbook_one():
 def test_a_kelvin_damper_adds_to_stiffness_and_damping():
     """Its motion is that of a bare frame of more stiffness and damping."""
     k, c = 2e6, 1e5
-    with_damper = oscillator(Damper(KELVIN, KELVIN.vector(dict(zip(KELVIN.names, (k, c), strict=True)))), damping=0.0)
+    with_damper = oscillator(
+        Damper(KELVIN, KELVIN.vector(dict(zip(KELVIN.names, (k, c), strict=True)))), damping=0.0
+    )
     omega = np.sqrt((1e5 * OMEGA**2 + k) / 1e5)
     same = Frame(np.array([1e5]), np.array([1e5 * omega**2]), c / (2e5 * omega))
     assert motion_of(with_damper, shaken()).displacement == pytest.approx(
@@ -61,9 +63,14 @@ def test_a_kelvin_damper_adds_to_stiffness_and_damping():
     assert mode.frequency == pytest.approx(omega / (2 * np.pi), rel=1e-9)
 
 
-@pytest.mark.parametrize("structure", [oscillator(Damper(MODEL, THETA)), frame()], ids=["oscillator", "frame"])
+@pytest.mark.parametrize(
+    "structure", [oscillator(Damper(MODEL, THETA)), frame()], ids=["oscillator", "frame"]
+)
 def test_the_motion_is_the_inverse_fourier_transform_of_the_steady_state(structure):
-    """The transform is another road: no spectrum, no exponentials, the network itself at each frequency."""
+    """The transform is another road.
+
+    No spectrum, no exponentials, the network itself at each frequency.
+    """
     record = shaken(0.005)
     count, n = 2**15, len(record.acceleration)
     padded = np.zeros(count)
@@ -82,7 +89,9 @@ def test_energy_is_neither_made_nor_lost():
     motion = motion_of(frame(), shaken(0.005))
     energy = motion.energy
     kinetic = 0.5 * (motion.velocity**2 @ motion.frame.mass)
-    strain = 0.5 * np.einsum("ti,ij,tj->t", motion.displacement, motion.frame.elastic, motion.displacement)
+    strain = 0.5 * np.einsum(
+        "ti,ij,tj->t", motion.displacement, motion.frame.elastic, motion.displacement
+    )
     gone = energy["dampers"] + energy["frame"] + kinetic + strain
     assert gone == pytest.approx(energy["input"], abs=2e-3 * energy["input"].max())
     assert energy["dampers"][-1] > 0.3 * energy["input"][-1]
@@ -145,11 +154,17 @@ SLOPE = np.radians(60.0)
 
 
 def test_an_inclined_damper_is_in_equilibrium_with_its_frame_by_hand():
-    """A spring of 2 kN/mm at 60 degrees, statically: it feels x cos and pulls k x cos along its axis, k x cos^2 along
-    the floor; the frame's own storey takes the rest of m a. What is felt is 1 / cos of what the floor gets."""
+    """A spring of 2 kN/mm at 60 degrees, statically.
+
+    It feels x cos and pulls k x cos along its axis, k x cos^2 along
+    the floor; the frame's own storey takes the rest of m a. What is felt is 1 / cos of what the
+    floor gets.
+    """
     spring = parse_model("spring")
     k, storey, mass, a = 2e6, 3e6, 1e4, 1.5
-    frame = Frame([mass], [storey], 0.3, (Damper(spring, np.array([k]), count=3.0, cosine=np.cos(SLOPE)),))
+    frame = Frame(
+        [mass], [storey], 0.3, (Damper(spring, np.array([k]), count=3.0, cosine=np.cos(SLOPE)),)
+    )
     # A load that rises within many periods ends at rest.
     motion = motion_of(frame, Record(0.1, a * np.minimum(np.arange(2000) / 1000.0, 1.0)))
     x = mass * a / (storey + 3.0 * k * np.cos(SLOPE) ** 2)
@@ -185,21 +200,28 @@ def test_what_the_dampers_take_is_axial_force_times_stroke_of_each(friction: boo
         work += damper.count * np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(stroke))
     assert work == pytest.approx(motion.energy["dampers"][-1], rel=2e-3)
     kinetic = 0.5 * (motion.velocity**2 @ motion.frame.mass)
-    strain = 0.5 * np.einsum("ti,ij,tj->t", motion.displacement, motion.frame.elastic, motion.displacement)
+    strain = 0.5 * np.einsum(
+        "ti,ij,tj->t", motion.displacement, motion.frame.elastic, motion.displacement
+    )
     gone = motion.energy["dampers"] + motion.energy["frame"] + kinetic + strain
     assert gone == pytest.approx(motion.energy["input"], abs=5e-3 * motion.energy["input"].max())
 
 
 @pytest.mark.parametrize("friction", [False, True])
 def test_peaks_between_samples_are_found(friction: bool):
-    """A record at a quarter of the first period: its samples miss the peak by up to a third, the method by 0.1 %."""
+    """A record at a quarter of the first period.
+
+    Its samples miss the peak by up to a third, the method by 0.1 %.
+    """
     frame, step = braced(friction=friction), 0.08
     record = Record(step, shaken(step).acceleration[:100])
     coarse, fine = motion_of(frame, record), motion_of(frame, record.finer(200))
     exact = np.abs(fine.drift).max(axis=0)
     within = 3e-3 if friction else 2e-4
     assert coarse.peak_drift == pytest.approx(exact, rel=within)
-    assert coarse.peak_axial_force == pytest.approx(np.abs(fine.axial_force).max(axis=0), rel=within)
+    assert coarse.peak_axial_force == pytest.approx(
+        np.abs(fine.axial_force).max(axis=0), rel=within
+    )
     sums = fine.force @ frame.storeys_of_dampers.T
     assert coarse.peak_storey_force == pytest.approx(np.abs(sums).max(axis=0), rel=within)
     assert np.any(np.abs(coarse.drift).max(axis=0) < 0.97 * exact)

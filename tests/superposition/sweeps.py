@@ -25,7 +25,10 @@ def measured(sweep, noise=0.005, seed=0, points=13, decades=2.0, column="tempera
     error = random.normal(size=len(stiffness)) + 1j * random.normal(size=len(stiffness))
     conditions = {column: np.repeat(TEMPERATURES, points)}
     return springpot.Measurement(
-        np.tile(omega, len(TEMPERATURES)), stiffness * (1.0 + noise * error), conditions=conditions, name="made"
+        np.tile(omega, len(TEMPERATURES)),
+        stiffness * (1.0 + noise * error),
+        conditions=conditions,
+        name="made",
     )
 
 

@@ -1,4 +1,7 @@
-"""One engine: the constants of a law are those of a model with it, whichever command asks; where not, it is said."""
+"""One engine: the constants of a law are those of a model with it, whichever command asks.
+
+Where not, it is said.
+"""
 
 from dataclasses import replace
 
@@ -30,7 +33,7 @@ def without_lift(i, omega):
 
 
 def off_the_law(i, omega):
-    """Each level is off the law by itself, as a real material is, by far more than its points scatter."""
+    """Each level is off the law by itself, as real materials are, by far more than its scatter."""
     return material(omega * np.exp(LOG_A[i] + 0.3 * np.sin(2.0 * i)))
 
 
@@ -57,7 +60,9 @@ def test_diagnose_gives_the_constants_of_the_curve():
 def test_vertical_factors_have_one_answer_too():
     data = measured(simple)
     law = wlf_of(springpot.mastercurve(data))
-    found = constants(springpot.identify(data, "material + wlf-shift + free-vertical-shift").parameters)
+    found = constants(
+        springpot.identify(data, "material + wlf-shift + free-vertical-shift").parameters
+    )
     np.testing.assert_allclose(found, np.column_stack([law.values, law.low, law.high]), rtol=0.01)
 
 
@@ -71,9 +76,11 @@ def test_it_is_said_where_a_model_without_vertical_factors_has_another_law():
 
 
 def test_a_law_that_its_levels_depart_from_is_known_as_nearly_as_they_scatter():
-    """Ten times the points at each level would else halve and halve again an interval that never held the truth."""
+    """Ten times the points a level would else shrink an interval that never held the truth."""
     few, many = (
-        constants(springpot.identify(measured(off_the_law, points=n), "material + wlf-shift").parameters)
+        constants(
+            springpot.identify(measured(off_the_law, points=n), "material + wlf-shift").parameters
+        )
         for n in (13, 52)
     )
     for found in (few, many):
@@ -92,7 +99,7 @@ def test_constants_hold_the_truth_as_often_as_they_say(sweep):
 
 
 def test_a_law_that_shifts_sweeps_apart_which_have_moduli_in_common_is_refused():
-    """As WLF far below the glass transition does: near its pole it goes through a hundred decades."""
+    """As WLF far below the glass transition: near its pole it goes through a hundred decades."""
     data = measured(simple)
     curve = springpot.mastercurve(data)
     rows = Rows.of(curve.fit)

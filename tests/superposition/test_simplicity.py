@@ -28,7 +28,7 @@ def test_a_branch_with_its_own_temperature_is_seen(seed):
 
 
 def test_a_phase_error_at_one_temperature_shows_there(seed):
-    """Loss and storage cannot follow one another: at the temperature whose phase was read wrongly."""
+    """Loss and storage cannot follow one another at the temperature of the misread phase."""
     rest = springpot.mastercurve(measured(phase_error, seed=seed)).simplicity
     assert rest.verdict != "simple"
     apart = [failure for failure in rest.failures if failure.kind in {"storage-and-loss", "level"}]
@@ -49,7 +49,11 @@ def test_repeats_that_differ_are_no_strange_material():
     twice = springpot.Measurement(
         np.concatenate([data.omega, data.omega[hot]]),
         np.concatenate([data.stiffness, 1.05 * data.stiffness[hot]]),
-        conditions={"temperature": np.concatenate([data.conditions["temperature"], np.full(hot.sum(), 60.0)])},
+        conditions={
+            "temperature": np.concatenate(
+                [data.conditions["temperature"], np.full(hot.sum(), 60.0)]
+            )
+        },
     )
     curve = springpot.mastercurve(twice)
     assert not [failure for failure in curve.simplicity.failures if failure.kind == "no-material"]

@@ -18,12 +18,14 @@ STEEP = -0.35 * (CELSIUS - 40.0)
 
 
 def straight(order, seed=0, ripple=0.01):
-    """Sweeps that are nearly power laws of this order, a shift alone between them, each rippled by its instrument."""
+    """Sweeps near a power law of this order, only shifted, each rippled by its instrument."""
     omega, model = np.geomspace(0.1, 10.0, 11), springpot.parse_model("fractional-zener")
     parts = []
     for i, log_a in enumerate(STEEP):
         wave = 1.0 + ripple * (-1.0) ** i * np.sin(1.5 * np.log(omega) + i)
-        parts.append(wave * model.stiffness(np.array([1.0, 30.0, 8.0, order]), omega * np.exp(log_a)))
+        parts.append(
+            wave * model.stiffness(np.array([1.0, 30.0, 8.0, order]), omega * np.exp(log_a))
+        )
     stiffness, random = np.concatenate(parts), np.random.default_rng(seed)
     noise = random.normal(size=len(stiffness)) + 1j * random.normal(size=len(stiffness))
     return springpot.Measurement(
@@ -58,8 +60,10 @@ def test_there_is_a_law_of_the_shift(curve):
 
 @pytest.mark.parametrize("lift", [0.6, 1.5])
 def test_data_that_contradict_what_is_expected_have_their_way(lift):
-    """A specimen that was changed before the fourth sweep: its curvature tells the vertical factor."""
-    found = springpot.mastercurve(measured(lambda i, omega: simple(i, omega) * (1.0 + (lift - 1.0) * (i == 3))))
+    """A specimen changed before the fourth sweep: its curvature tells the vertical factor."""
+    found = springpot.mastercurve(
+        measured(lambda i, omega: simple(i, omega) * (1.0 + (lift - 1.0) * (i == 3)))
+    )
     free = springpot.mastercurve(measured(simple))
     ratio = np.exp(found.factors.log_b - free.factors.log_b)
     np.testing.assert_allclose(ratio, [1.0, 1.0, 1.0, lift, 1.0], rtol=0.03)
@@ -90,7 +94,10 @@ def test_no_law_where_the_material_relaxes_more_slowly_when_hot():
 
 def test_nothing_is_said_of_laws_where_temperature_does_nothing():
     """Shifts of one are no sign of drying, whatever the sign of their scatter."""
-    notes = [springpot.mastercurve(measured(lambda i, omega: material(omega), seed=s)).notes for s in range(4)]
+    notes = [
+        springpot.mastercurve(measured(lambda i, omega: material(omega), seed=s)).notes
+        for s in range(4)
+    ]
     assert not [note for each in notes for note in each if "slowly when hot" in note]
 
 
@@ -107,7 +114,10 @@ def test_constants_at_a_bound_are_not_told():
 
 
 def test_what_is_expected_counts_beside_the_data_and_not_in_their_cost():
-    """Of a fit: as stiff as may be, the factors are one; weak as may be, those of the data; between, in between."""
+    """Of a fit: as stiff as may be, the factors are one; weak as may be, those of the data.
+
+    Between, in between.
+    """
     model = springpot.parse_model("material + free-vertical-shift")
     data = measured(lambda i, omega: (1.0 + 0.2 * (i == 4)) * material(omega))
     free = fit(model, data)
@@ -124,14 +134,25 @@ def test_what_is_expected_counts_beside_the_data_and_not_in_their_cost():
 
 
 def power_law(seed, power=0.0, points=8, noise=0.003):
-    """Exactly straight sweeps at four temperatures; ln a and ln b are exact, b a power of the temperature."""
+    """Exactly straight sweeps at four temperatures.
+
+    ln a and ln b are exact, b a power of the temperature.
+    """
     random, kelvin = np.random.default_rng(seed), np.linspace(273.15, 333.15, 4)
     omega = np.tile(np.geomspace(0.1, 10.0, points), 4)
     log_a, log_b = 8000.0 * (1.0 / kelvin - 1.0 / 293.15), power * np.log(kelvin / 293.15)
-    stiffness = 1e3 * np.repeat(np.exp(log_b), points) * (1j * omega * np.repeat(np.exp(log_a), points)) ** 0.3
+    stiffness = (
+        1e3
+        * np.repeat(np.exp(log_b), points)
+        * (1j * omega * np.repeat(np.exp(log_a), points)) ** 0.3
+    )
     error = random.normal(size=len(omega)) + 1j * random.normal(size=len(omega))
     conditions = {"temperature": np.repeat(kelvin - 273.15, points)}
-    return springpot.Measurement(omega, stiffness * (1.0 + noise * error), conditions=conditions), log_a, log_b
+    return (
+        springpot.Measurement(omega, stiffness * (1.0 + noise * error), conditions=conditions),
+        log_a,
+        log_b,
+    )
 
 
 @pytest.mark.parametrize("power", [1.0, -1.5])
@@ -155,14 +176,20 @@ def few(points):
     celsius = np.repeat([0.0, 40.0], points)
     stiffness = 1e3 * (1.0 + (0.3j * omega * np.exp(-0.05 * (celsius - 20.0))) ** 0.5)
     error = random.normal(size=len(omega)) + 1j * random.normal(size=len(omega))
-    return springpot.Measurement(omega, stiffness * (1.0 + 0.003 * error), conditions={"temperature": celsius})
+    return springpot.Measurement(
+        omega, stiffness * (1.0 + 0.003 * error), conditions={"temperature": celsius}
+    )
 
 
 @pytest.mark.parametrize(
-    "data", [*(power_law(seed)[0] for seed in (8, 12, 15, 25)), few(3), few(4), measured(simple)], ids=range(7)
+    "data",
+    [*(power_law(seed)[0] for seed in (8, 12, 15, 25)), few(3), few(4), measured(simple)],
+    ids=range(7),
 )
 def test_vertical_factors_are_never_worse_than_those_of_one(data):
-    sideways = Effect("shift", shift, Levels("temperature", "a", True), "a factor", Layer.TEMPERATURE)
+    sideways = Effect(
+        "shift", shift, Levels("temperature", "a", True), "a factor", Layer.TEMPERATURE
+    )
     alone = fit(Model("material", Continuum(), effects=(sideways,)), data, default_objective(data))
     found = lifted(alone, "temperature")
     assert found.objective <= alone.cost * (1.0 + 1e-9)
@@ -171,7 +198,9 @@ def test_vertical_factors_are_never_worse_than_those_of_one(data):
 
 
 def test_a_point_a_level_leaves_the_reference_at_one_and_warns_of_nothing():
-    data = springpot.Measurement([1.0, 2.0], [1e3 + 2e2j, 8e2 + 1e2j], conditions={"temperature": [0.0, 40.0]})
+    data = springpot.Measurement(
+        [1.0, 2.0], [1e3 + 2e2j, 8e2 + 1e2j], conditions={"temperature": [0.0, 40.0]}
+    )
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         found = springpot.mastercurve(data, reference="0degC")

@@ -1,4 +1,7 @@
-"""The test behind the gate: it finds what got worse, is quiet about noise, and knows when it cannot tell."""
+"""The test behind the gate.
+
+It finds what got worse, is quiet about noise, and knows when it cannot tell.
+"""
 
 from math import inf
 
@@ -8,7 +11,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import boschloo_exact, fisher_exact, mannwhitneyu, t
 
-from springpot.benchmark.gate.difference import LEVEL, Successes, apart, chance, drop, interval, least_drop, verdicts
+from springpot.benchmark.gate.difference import (
+    LEVEL,
+    Successes,
+    apart,
+    chance,
+    drop,
+    interval,
+    least_drop,
+    verdicts,
+)
 from springpot.benchmark.statistics import least_mann_whitney
 
 
@@ -17,16 +29,24 @@ def lognormal(rng, n=20, factor=1.0, spread=0.5):
 
 
 def test_noise_alone_is_hardly_ever_reported(rng):
-    """Twelve cells, 50 studies without a change: with room for a factor, alarms stay far below the level."""
-    alarms = sum(any(v.worse for v in verdicts([(lognormal(rng), lognormal(rng)) for _ in range(12)]))
-                 for _ in range(50))  # fmt: skip
+    """Twelve cells, 50 studies without a change.
+
+    With room for a factor, alarms stay far below the level.
+    """
+    alarms = sum(
+        any(v.worse for v in verdicts([(lognormal(rng), lognormal(rng)) for _ in range(12)]))
+        for _ in range(50)
+    )
     assert alarms == 0
 
 
 def test_without_the_factor_the_level_is_kept(rng):
     level = 0.05
-    alarms = [any(v.worse for v in verdicts([(lognormal(rng), lognormal(rng)) for _ in range(5)], level, factor=1.0))
-              for _ in range(200)]  # fmt: skip
+
+    def cells():
+        return [(lognormal(rng), lognormal(rng)) for _ in range(5)]
+
+    alarms = [any(v.worse for v in verdicts(cells(), level, factor=1.0)) for _ in range(200)]
     assert 0.01 < np.mean(alarms) < 0.1
 
 
@@ -70,7 +90,9 @@ def test_lost_reliability_is_seen_where_costs_show_nothing(rng):
     """Half of the trials of one cell of six give up; in the others' times nothing changed."""
     found = 0
     for _ in range(20):
-        times = [(lognormal(rng, 20, spread=0.25), lognormal(rng, 20, spread=0.25)) for _ in range(6)]
+        times = [
+            (lognormal(rng, 20, spread=0.25), lognormal(rng, 20, spread=0.25)) for _ in range(6)
+        ]
         counts = [(Successes(20, 20), Successes(20, 20)) for _ in range(6)]
         lost = rng.random(20) < 0.6
         times[2] = (times[2][0], np.where(lost, inf, times[2][1]))
@@ -122,7 +144,10 @@ def test_a_small_but_certain_rise_is_no_regression():
 
 
 @settings(deadline=None, max_examples=50)
-@given(st.lists(st.integers(1, 9), min_size=2, max_size=12), st.lists(st.integers(1, 9), min_size=2, max_size=12))
+@given(
+    st.lists(st.integers(1, 9), min_size=2, max_size=12),
+    st.lists(st.integers(1, 9), min_size=2, max_size=12),
+)
 def test_the_chance_is_scipys(before, after):
     a, b = np.array(before, float), np.array(after, float)
     if np.ptp(np.concatenate([a, b])) > 0:

@@ -31,14 +31,21 @@ from springpot.rheology.family import Family
 from springpot.testing import check_effect, check_model
 
 GOOD = Model(
-    "good-model", series(spring("k"), springpot()), "a model in order", "nobody (2024)", ("other",), search=TIME_FORM
+    "good-model",
+    series(spring("k"), springpot()),
+    "a model in order",
+    "nobody (2024)",
+    ("other",),
+    search=TIME_FORM,
 )
 K = stiffness("k")
 
 
 def of(law: Callable[..., Any], *parameters: Parameter, **more: Any) -> Model:
     """A model of one law."""
-    return Model("good-model", Formula(parameters or (K,), law, **more), "a model in order", "nobody (2024)")
+    return Model(
+        "good-model", Formula(parameters or (K,), law, **more), "a model in order", "nobody (2024)"
+    )
 
 
 def constant(at, k):
@@ -88,10 +95,16 @@ def negative(x):
 
 
 MODELS = {
-    "a name with a space": (replace(GOOD, base="Good model"), "words: 'Good model' must be lower-case"),
+    "a name with a space": (
+        replace(GOOD, base="Good model"),
+        "words: 'Good model' must be lower-case",
+    ),
     "an alias with a plus": (replace(GOOD, aliases=("a+b",)), "words: 'a+b' must be"),
     "no summary": (replace(GOOD, summary=""), "words: the summary must be one sentence"),
-    "a full stop": (replace(GOOD, summary="a good model."), "words: the summary ends with a full stop"),
+    "a full stop": (
+        replace(GOOD, summary="a good model."),
+        "words: the summary ends with a full stop",
+    ),
     "no citation": (replace(GOOD, citation=" "), "words: there is no citation"),
     "one name twice": (
         replace(GOOD, material=parallel(spring("k"), dashpot("k")), search=None),
@@ -109,12 +122,18 @@ MODELS = {
         of(constant, Parameter("k", "k", STIFFNESS, -1.0)),
         "parameters: k: a logarithmic scale needs",
     ),
-    "a finite difference": (of(finite_difference, Parameter("k", "k", VISCOSITY)), "derivatives: dK/dk is not the"),
+    "a finite difference": (
+        of(finite_difference, Parameter("k", "k", VISCOSITY)),
+        "derivatives: dK/dk is not the",
+    ),
     "a derivative that is no number": (
         of(lambda at, k: (constant(at, k)[0], (np.nan,), 0.0)),
         "derivatives: dK/dk is not the derivative of K: off by inf",
     ),
-    "no derivative at all": (of(rough), "derivatives: dK/dk is not the derivative of K: off by inf"),
+    "no derivative at all": (
+        of(rough),
+        "derivatives: dK/dk is not the derivative of K: off by inf",
+    ),
     "a wrong slope": (
         of(lambda at, k: (k * at.omega, (at.omega,), 0.0), Parameter("k", "k", VISCOSITY)),
         "derivatives: by_log_omega is not dK/d ln omega",
@@ -180,24 +199,35 @@ def test_a_slip_in_a_model_is_one_sentence(case: str):
 def test_passivity_is_demanded_only_on_request():
     model = replace(GOOD, material=mass(), search=None)
     assert check_model(model) == []
-    assert check_model(model, passive=True) == ["passive: the storage is negative for lawful parameters"]
+    assert check_model(model, passive=True) == [
+        "passive: the storage is negative for lawful parameters"
+    ]
 
 
 def test_a_family_is_checked_by_its_members():
     good = Family("row-N", lambda n: replace(GOOD, base=f"row-{n}"), "models in a row")
     assert check_model(good) == []
-    assert says(check_model(replace(good, build=lambda n: GOOD)), "words: member 1 is called good-model, not row-1")
+    assert says(
+        check_model(replace(good, build=lambda n: GOOD)),
+        "words: member 1 is called good-model, not row-1",
+    )
     bad = replace(good, build=lambda n: replace(of(explosion), base=f"row-{n}"))
     assert says(check_model(bad), "row-3: finite: value is not finite")
 
 
 def test_skipping_everything_or_what_is_not_there_is_a_complaint():
     aspects = ["words", "parameters", "shapes", "derivatives", "finite", "units", "pure", "search"]
-    assert check_model(GOOD, skip=aspects) == ["skip: every aspect is left out, so nothing was checked"]
-    assert check_model(GOOD, skip=["unit"])[0].startswith("skip: there is no aspect 'unit': known are words")
+    assert check_model(GOOD, skip=aspects) == [
+        "skip: every aspect is left out, so nothing was checked"
+    ]
+    assert check_model(GOOD, skip=["unit"])[0].startswith(
+        "skip: there is no aspect 'unit': known are words"
+    )
 
 
-EFFECT = Effect("good-effect", parallel, dashpot("c"), "a good effect of drag", citation="nobody (2024)")
+EFFECT = Effect(
+    "good-effect", parallel, dashpot("c"), "a good effect of drag", citation="nobody (2024)"
+)
 
 
 def stiffening(at, k):
@@ -214,28 +244,49 @@ def effect_of(law: Callable[..., Any], *parameters: Parameter, **more: Any) -> E
 
 EFFECTS = {
     "no citation": (replace(EFFECT, citation=""), "words: there is no citation"),
-    "a prior beyond one": (replace(EFFECT, prior=2.0), "words: the prior is 2.0, not above 0 and at most 1"),
-    "a prior of nothing": (replace(EFFECT, prior=0.0), "words: the prior is 0.0, not above 0 and at most 1"),
-    "no layer": (replace(EFFECT, layer="outside"), "words: the layer is 'outside', not one of MATERIAL"),
+    "a prior beyond one": (
+        replace(EFFECT, prior=2.0),
+        "words: the prior is 2.0, not above 0 and at most 1",
+    ),
+    "a prior of nothing": (
+        replace(EFFECT, prior=0.0),
+        "words: the prior is 0.0, not above 0 and at most 1",
+    ),
+    "no layer": (
+        replace(EFFECT, layer="outside"),
+        "words: the layer is 'outside', not one of MATERIAL",
+    ),
     "an element that is wrong": (
         effect_of(finite_difference, Parameter("c", "c", VISCOSITY)),
         "derivatives: dK/dgood-",
     ),
     "an effect without an end": (
         replace(EFFECT, composition=chain, element=Formula((Parameter("g", "g", PURE),), constant)),
-        "vanishes: it does not vanish when g, its first parameter, goes to 0: K still changes by 1.0e+00",
+        (
+            "vanishes: it does not vanish when g, its first parameter, goes to 0: "
+            "K still changes by 1.0e+00"
+        ),
     ),
     "an effect that is none": (
         effect_of(lambda at, k: (0.0 * k * at.omega, (0.0,), 0.0)),
         "vanishes: at its typical size it changes nothing",
     ),
-    "a column used in silence": (effect_of(stiffening), "columns: it uses the amplitude without saying so"),
-    "a column used if there": (effect_of(secretly), "columns: it depends on the amplitude without saying so"),
+    "a column used in silence": (
+        effect_of(stiffening),
+        "columns: it uses the amplitude without saying so",
+    ),
+    "a column used if there": (
+        effect_of(secretly),
+        "columns: it depends on the amplitude without saying so",
+    ),
     "a column named and not used": (
         effect_of(constant, conditions=("temperature",)),
         "columns: it says that it needs the temperature, but works without",
     ),
-    "a column that is none": (effect_of(constant, conditions=("humidity",)), "columns: it needs 'humidity', but"),
+    "a column that is none": (
+        effect_of(constant, conditions=("humidity",)),
+        "columns: it needs 'humidity', but",
+    ),
     "a harmonic of the wrong shape": (
         effect_of(lambda at, k: (k + 0 * at.omega, (1.0,), 0.0), third=lambda at, k: np.nan),
         "harmonic: the third harmonic must be finite",
@@ -257,7 +308,10 @@ def test_a_slip_in_an_effect_is_one_sentence(case: str):
 
 
 def test_a_material_is_checked_with_lines_in_its_spectrum(monkeypatch):
-    """Its parameters depend on the data: without lines there would be nothing but a spring beside a dashpot."""
+    """Its parameters depend on the data.
+
+    Without lines there would be nothing but a spring beside a dashpot.
+    """
     from springpot.rheology import Continuum
     from springpot.testing import check_model
 

@@ -1,4 +1,4 @@
-"""The contracts of optimisers, objectives, data sets, readers and whole plugins find what they are there to find."""
+"""The contracts of optimisers, objectives, data sets, readers and plugins find what they should."""
 
 from __future__ import annotations
 
@@ -16,17 +16,25 @@ import pytest
 from springpot.errors import DataError
 from springpot.identification import BatchedOptimiser, BudgetSpent, Card, Objective, Optimiser
 from springpot.measurement import DataSet, Measurement, Reader, Units
-from springpot.testing import check_dataset, check_objective, check_optimiser, check_plugin, check_reader
+from springpot.testing import (
+    check_dataset,
+    check_objective,
+    check_optimiser,
+    check_plugin,
+    check_reader,
+)
 from springpot.testing.aspects import kept_random_state
 
 pytest_plugins = ["pytester"]
 
 
 def says(found: list[str], sentence: str) -> bool:
-    return any(sentence in complaint for complaint in found) and not any("\n" in complaint for complaint in found)
+    return any(sentence in complaint for complaint in found) and not any(
+        "\n" in complaint for complaint in found
+    )
 
 
-# Optimisers ---------------------------------------------------------------------------------------------------------
+# Optimisers ---------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -48,7 +56,9 @@ class Good(Optimiser):
             problem.batch(self.draw(problem, rng))
 
     def draw(self, problem, rng):
-        return problem.lower + rng.random((self.block, problem.dimension)) * (problem.upper - problem.lower)
+        return problem.lower + rng.random((self.block, problem.dimension)) * (
+            problem.upper - problem.lower
+        )
 
 
 class Crashing(Good):
@@ -134,12 +144,16 @@ class Opaque(Good):
 
 
 OPTIMISERS = {
-    Crashing: "budget: with a budget of 1 it ends as 'failed: RuntimeError: not' after 0 evaluations",
+    Crashing: (
+        "budget: with a budget of 1 it ends as 'failed: RuntimeError: not' after 0 evaluations"
+    ),
     Tossing: "repeatable: two runs with the same generator differ",
     Reseeding: "changes the process-wide random state",
     Stubborn: "repeatable: it does not depend on the generator: say stochastic=False",
     Straying: "above the box, which ends at 2000",
-    Idle: "improves: the best of three runs of 400 evaluations is 1 of the value at the box's centre",
+    Idle: (
+        "improves: the best of three runs of 400 evaluations is 1 of the value at the box's centre"
+    ),
     Swallowing: "faults: an error of the model is swallowed: the run ends as 'converged'",
     Sly: "gradient: it uses derivatives, but its card says gradient=False",
     Carrying: "batch: run 2 of a batch of three differs from the same run alone",
@@ -166,12 +180,18 @@ def test_an_option_without_a_word_of_explanation():
 @pytest.mark.parametrize(
     ("card", "sentence"),
     [
-        (Card("random points", stochastic=False), "repeatable: it depends on the generator, but its card says"),
+        (
+            Card("random points", stochastic=False),
+            "repeatable: it depends on the generator, but its card says",
+        ),
         (
             Card("random points", gradient=True),
             "gradient: it does not use derivatives, but its card says gradient=True",
         ),
-        (Card("random points", batched=True), "batch: its card must say batched=True if, and only if,"),
+        (
+            Card("random points", batched=True),
+            "batch: its card must say batched=True if, and only if,",
+        ),
         (Card(""), "words: the summary must be"),
     ],
 )
@@ -202,7 +222,7 @@ def test_the_process_wide_random_state_is_put_back():
     assert random.getstate() == own
 
 
-# Objectives ---------------------------------------------------------------------------------------------------------
+# Objectives ---------------------------------------------------------------------------------------
 
 GOOD = Objective("good-objective", "plain squares", lambda data: np.full(len(data), 1 + 1j))
 
@@ -223,18 +243,42 @@ class Lifted(Objective):
 
 
 OBJECTIVES = {
-    "a real weight": (replace(GOOD, weights=lambda data: np.ones(len(data))), "weights must be complex"),
-    "one weight": (replace(GOOD, weights=lambda data: np.array([1 + 1j])), "weights must be complex, one for each"),
-    "a negative weight": (replace(GOOD, weights=lambda data: np.full(len(data), 1 - 1j)), "finite and not negative"),
-    "no weight": (replace(GOOD, weights=lambda data: np.zeros(len(data), complex)), "all weights are zero"),
+    "a real weight": (
+        replace(GOOD, weights=lambda data: np.ones(len(data))),
+        "weights must be complex",
+    ),
+    "one weight": (
+        replace(GOOD, weights=lambda data: np.array([1 + 1j])),
+        "weights must be complex, one for each",
+    ),
+    "a negative weight": (
+        replace(GOOD, weights=lambda data: np.full(len(data), 1 - 1j)),
+        "finite and not negative",
+    ),
+    "no weight": (
+        replace(GOOD, weights=lambda data: np.zeros(len(data), complex)),
+        "all weights are zero",
+    ),
     "deviations that must be there": (
         replace(GOOD, weights=lambda data: 1 / data.sd.real + 1j / data.sd.imag),
         "weights: raises AttributeError",
     ),
-    "a toss": (replace(GOOD, weights=lambda data: np.random.random(len(data)) * (1 + 1j)), "process-wide random"),  # noqa: NPY002
-    "a bias": (Biased("good", "plain squares", GOOD.weights), "value: without standard deviations: the value is not"),
-    "a lift": (Lifted("good", "plain squares", GOOD.weights), "the value of perfect data is not zero"),
-    "a wrong derivative": (Skewed("good", "plain squares", GOOD.weights), "derivative is not that of the residuals"),
+    "a toss": (
+        replace(GOOD, weights=lambda data: np.random.random(len(data)) * (1 + 1j)),  # noqa: NPY002
+        "process-wide random",
+    ),
+    "a bias": (
+        Biased("good", "plain squares", GOOD.weights),
+        "value: without standard deviations: the value is not",
+    ),
+    "a lift": (
+        Lifted("good", "plain squares", GOOD.weights),
+        "the value of perfect data is not zero",
+    ),
+    "a wrong derivative": (
+        Skewed("good", "plain squares", GOOD.weights),
+        "derivative is not that of the residuals",
+    ),
 }
 
 
@@ -267,44 +311,76 @@ def test_a_plugin_that_hangs_or_dies_is_named_within_the_time_that_is_told():
     assert "budget: the process ended with exit code 3" in check_optimiser(Dying)
 
 
-# Data sets ----------------------------------------------------------------------------------------------------------
+# Data sets ----------------------------------------------------------------------------------------
 
 
 def measured(name="good-data", n=5, unit="kN/m"):
     return Measurement(np.arange(1.0, n + 1), np.full(n, 1 + 1j), units=Units(unit), name=name)
 
 
-DATA = DataSet("good-data", "five points of nothing", measured, licence="CC0-1.0", citation="nobody (2024)", size=5)
+DATA = DataSet(
+    "good-data",
+    "five points of nothing",
+    measured,
+    licence="CC0-1.0",
+    citation="nobody (2024)",
+    size=5,
+)
 DATASETS = {
-    "a name with a space": (replace(DATA, name="good data"), "words: the name 'good data' cannot be typed"),
+    "a name with a space": (
+        replace(DATA, name="good data"),
+        "words: the name 'good data' cannot be typed",
+    ),
     "no licence": (replace(DATA, licence=""), "words: there is no licence"),
     "no citation": (replace(DATA, citation=""), "words: there is no citation"),
     "no summary": (replace(DATA, summary="data"), "words: the summary must be"),
-    "an unknown kind": (replace(DATA, kind="guessed"), "words: the kind is 'guessed', not one of measured"),
+    "an unknown kind": (
+        replace(DATA, kind="guessed"),
+        "words: the kind is 'guessed', not one of measured",
+    ),
     "a wrong size": (replace(DATA, size=6), "loads: it loads 5 points where it says 6"),
-    "another name": (replace(DATA, load=lambda: measured("other")), "loads: the measurement is called 'other'"),
+    "another name": (
+        replace(DATA, load=lambda: measured("other")),
+        "loads: the measurement is called 'other'",
+    ),
     "an unknown unit": (
         replace(DATA, load=lambda: measured(unit="furlong")),
         "loads: raises DataError: data set 'good-data': unknown unit [furlong]",
     ),
     "no measurement": (replace(DATA, load=lambda: None), "gives None, which is no measurement"),
-    "a fault": (replace(DATA, load=lambda: 1 / 0), "'good-data' cannot be loaded: ZeroDivisionError"),
+    "a fault": (
+        replace(DATA, load=lambda: 1 / 0),
+        "'good-data' cannot be loaded: ZeroDivisionError",
+    ),
     "noise that changes": (
-        replace(DATA, load=lambda: replace(measured(), stiffness=np.random.default_rng().random(5) + 1j)),
+        replace(
+            DATA, load=lambda: replace(measured(), stiffness=np.random.default_rng().random(5) + 1j)
+        ),
         "loads: loaded twice, stiffness differs",
     ),
-    "a truth without a model": (replace(DATA, truth={"k": 1.0}), "truth: it gives true parameters but not the model"),
+    "a truth without a model": (
+        replace(DATA, truth={"k": 1.0}),
+        "truth: it gives true parameters but not the model",
+    ),
     "a truth of another model": (
         replace(DATA, truth={"k": 1.0}, model="kelvin"),
         "truth: its true parameters are k; kelvin has k, c",
     ),
-    "an unknown model": (replace(DATA, model="kelvim"), "truth: raises ModelError: unknown model 'kelvim'"),
+    "an unknown model": (
+        replace(DATA, model="kelvim"),
+        "truth: raises ModelError: unknown model 'kelvim'",
+    ),
 }
 
 
 def test_a_good_data_set_is_given_no_complaint():
     assert check_dataset(DATA) == []
-    assert check_dataset(replace(DATA, citation="", kind="artificial", model="kelvin", truth={"k": 1, "c": 2})) == []
+    assert (
+        check_dataset(
+            replace(DATA, citation="", kind="artificial", model="kelvin", truth={"k": 1, "c": 2})
+        )
+        == []
+    )
 
 
 @pytest.mark.parametrize("case", DATASETS)
@@ -315,10 +391,13 @@ def test_a_slip_in_a_data_set_is_one_sentence(case: str):
 
 
 def test_what_is_unavailable_is_not_loaded():
-    assert check_dataset(replace(DATA, unavailable="the disk is full", load=lambda: 1 / 0, licence="")) == []
+    assert (
+        check_dataset(replace(DATA, unavailable="the disk is full", load=lambda: 1 / 0, licence=""))
+        == []
+    )
 
 
-# Readers ------------------------------------------------------------------------------------------------------------
+# Readers ------------------------------------------------------------------------------------------
 
 
 def read_json(path, choice):
@@ -332,20 +411,28 @@ def read_any(path, choice):
         table = json.loads(path.read_bytes())
         parts = (np.array([float(v) for v in table[key]]) for key in ("omega", "storage", "loss"))
         omega, storage, loss = parts
-        return Measurement(omega, storage + 1j * loss, units=Units(str(table["unit"])), name=path.stem)
+        return Measurement(
+            omega, storage + 1j * loss, units=Units(str(table["unit"])), name=path.stem
+        )
     except Exception as error:
         raise DataError(f"{path}: {' '.join(str(error).split())}") from None
 
 
 def text_json(data):
-    if data.conditions or data.labels or any(part is not None for part in (data.sd, data.repeat, data.harmonics)):
+    if (
+        data.conditions
+        or data.labels
+        or any(part is not None for part in (data.sd, data.repeat, data.harmonics))
+    ):
         raise DataError("omega, storage and loss only")
     return lossy(data)
 
 
 def lossy(data):
     columns = {"omega": data.omega, "storage": data.storage, "loss": data.loss}
-    return json.dumps({"unit": data.units.stiffness} | {key: column.tolist() for key, column in columns.items()})
+    return json.dumps(
+        {"unit": data.units.stiffness} | {key: column.tolist() for key, column in columns.items()}
+    )
 
 
 def is_json(head):
@@ -361,25 +448,53 @@ def short(data):
 READER = Reader("good-json", "columns in JSON", is_json, read_json, text=text_json)
 SAMPLE = b'{"unit": "Pa", "omega": [1, 2], "storage": [3, 4], "loss": [5, 6]}'
 READERS = {
-    "nothing to try it on": (replace(READER, text=None), [], "samples: it writes no files and there are no samples"),
-    "a sample that is not recognised": (READER, [b" " + SAMPLE], "samples: sample 1 is not recognised"),
+    "nothing to try it on": (
+        replace(READER, text=None),
+        [],
+        "samples: it writes no files and there are no samples",
+    ),
+    "a sample that is not recognised": (
+        READER,
+        [b" " + SAMPLE],
+        "samples: sample 1 is not recognised",
+    ),
     "a sample that is refused": (READER, [b"{}"], "samples: sample 1 is refused: read: "),
     "a path for a measurement": (
         replace(READER, read=lambda path, choice: path),
         [SAMPLE],
         "samples: read of sample 1 gives no Measurement",
     ),
-    "no signals": (replace(READER, signals=read_json), [SAMPLE], "samples: signals of sample 1 gives no Signals"),
+    "no signals": (
+        replace(READER, signals=read_json),
+        [SAMPLE],
+        "samples: signals of sample 1 gives no Signals",
+    ),
     "a crash": (
         replace(READER, read=lambda path, choice: json.loads(path.read_text())),
         [],
         "garbage: read raises UnicodeDecodeError, not DataError",
     ),
-    "deaf": (replace(READER, read=read_any), [], "choice: a part that the file does not have is passed over"),
+    "deaf": (
+        replace(READER, read=read_any),
+        [],
+        "choice: a part that the file does not have is passed over",
+    ),
     "too sure": (replace(READER, recognises=lambda head: 2.0), [], "garbage: recognises gives 2.0"),
-    "a stumble": (replace(READER, recognises=lambda head: head.decode() and 0.5), [], "garbage: recognises raises"),
-    "text that is lost": (replace(READER, text=lossy), [], "standard deviations: sd is not read back"),
-    "digits that are lost": (replace(READER, text=short), [], "plain data: stiffness is not read back"),
+    "a stumble": (
+        replace(READER, recognises=lambda head: head.decode() and 0.5),
+        [],
+        "garbage: recognises raises",
+    ),
+    "text that is lost": (
+        replace(READER, text=lossy),
+        [],
+        "standard deviations: sd is not read back",
+    ),
+    "digits that are lost": (
+        replace(READER, text=short),
+        [],
+        "plain data: stiffness is not read back",
+    ),
     "plain data refused": (
         replace(READER, text=lambda data: text_json(replace(data, repeat=np.arange(len(data))))),
         [],
@@ -417,7 +532,7 @@ def test_a_refusal_is_one_line_that_says_why():
     assert any("garbage: read must refuse in one line that says why" in line for line in found)
 
 
-# Whole plugins ------------------------------------------------------------------------------------------------------
+# Whole plugins ------------------------------------------------------------------------------------
 
 PLUGIN = """
 from springpot.hooks import hookimpl
@@ -448,7 +563,9 @@ def author(pytester, monkeypatch):
     """Outcome and output of an author's test file."""
 
     def outcome(hook="springpot_models", offered="MODEL", summary="a single spring", more=""):
-        (pytester.path / "my_plugin.py").write_text(PLUGIN.format(hook=hook, offered=offered, summary=summary))
+        (pytester.path / "my_plugin.py").write_text(
+            PLUGIN.format(hook=hook, offered=offered, summary=summary)
+        )
         (pytester.path / "test_my_plugin.py").write_text(TEST.format(more=more))
         # An author's environment has not the other plugins of pytest that this one has.
         monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
@@ -470,7 +587,10 @@ def test_an_author_s_test_file_is_short_and_passes(author, pytester):
     ("slip", "sentence"),
     [
         ({"summary": ""}, "words: the summary must be one sentence"),
-        ({"hook": "springpot_model"}, "there is no hook springpot_model: did you mean springpot_models?"),
+        (
+            {"hook": "springpot_model"},
+            "there is no hook springpot_model: did you mean springpot_models?",
+        ),
         ({"offered": ""}, "it offers nothing that can be checked"),
         ({"offered": "DATA", "hook": "springpot_datasets"}, "everything is unavailable here"),
         ({"more": "skip = {'other': ['words']}"}, "'other' is to be skipped but not offered"),
@@ -491,7 +611,9 @@ def test_what_is_unavailable_beside_something_else_is_skipped(author):
 
 
 def test_a_plugin_can_be_checked_without_pytest(tmp_path, monkeypatch):
-    (tmp_path / "their_plugin.py").write_text(PLUGIN.format(hook="springpot_models", offered="MODEL", summary=""))
+    (tmp_path / "their_plugin.py").write_text(
+        PLUGIN.format(hook="springpot_models", offered="MODEL", summary="")
+    )
     monkeypatch.syspath_prepend(tmp_path)
     [found] = check_plugin("their_plugin")
     assert found.startswith("model 'my-model': words: the summary must be one sentence")
@@ -501,5 +623,7 @@ def test_a_plugin_can_be_checked_without_pytest(tmp_path, monkeypatch):
 
 def test_importing_the_package_of_contracts_costs_nothing():
     code = "import sys, springpot.testing; print(*sys.modules)"
-    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    told = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    ).stdout.split()
     assert not {"numpy", "pytest", "pluggy", "springpot.registry"} & set(told)

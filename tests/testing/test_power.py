@@ -66,7 +66,9 @@ def test_the_documents_say_what_was_measured():
     assert float(fifth["20 trials"]) > POWER
     quiet = [row for change, row in rows.items() if change.startswith("nothing")]
     assert len(quiet) == 3
-    assert all(float(row[f"{trials} trials"]) <= LEVEL for row in quiet for trials in (20, 40, 60, 80))
+    assert all(
+        float(row[f"{trials} trials"]) <= LEVEL for row in quiet for trials in (20, 40, 60, 80)
+    )
 
 
 def test_a_row_is_drawn_as_the_gate_judges(monkeypatch):

@@ -1,4 +1,7 @@
-"""The accuracy gate: a worse constant is named, noise is not, and what cannot be compared is said in one line."""
+"""The accuracy gate.
+
+A worse constant is named, noise is not, and what cannot be compared is said in one line.
+"""
 
 import json
 import os
@@ -54,7 +57,11 @@ def test_the_baseline_is_small_sorted_and_made_to_be_compared(baseline):
     found = json.loads(text)
     assert set(found) == {"schema", "study", "script", "settings", "problems", "cells"}
     assert found["script"] == ""
-    keys = [line.split('"')[1] for line in text.splitlines() if " | pso-paper" in line or " | native" in line]
+    keys = [
+        line.split('"')[1]
+        for line in text.splitlines()
+        if " | pso-paper" in line or " | native" in line
+    ]
     assert keys == sorted(found["cells"])
     assert len(keys) == 4
     assert len(text) < 4000
@@ -96,14 +103,17 @@ def test_a_worse_constant_fails_with_the_right_name(name, worse, tmp_path):
     entrants = {"good": ["native", name], "bad": ["native", (name, made(name, **worse))]}
     # Each is run once: what a store holds is compared as what has just been run.
     good, bad = (
-        run_study(quick(optimisers=each, repetitions=16), engine="serial", out=tmp_path / way, quiet=True).store
+        run_study(
+            quick(optimisers=each, repetitions=16), engine="serial", out=tmp_path / way, quiet=True
+        ).store
         for way, each in entrants.items()
     )
     gate = check(bad, update(good, tmp_path / "baseline.json"))
     assert gate.regressions
     assert all(line.startswith(f"{name} on artificial-") for line in gate.regressions)
     assert any(
-        f"{name} on {MAXWELL} (model fractional-maxwell, objective paper) got worse: evaluations to target" in line
+        f"{name} on {MAXWELL} (model fractional-maxwell, objective paper) got worse: "
+        "evaluations to target" in line
         for line in gate.regressions
     )
     assert all(" before, " in line and " after (p = " in line for line in gate.regressions)
@@ -117,7 +127,9 @@ def test_noise_alone_passes(baseline, tmp_path):
     before = read_baseline(baseline)
     for seed in range(1000, 1000 + NOISE):
         study = replace(quick(), seed=seed)
-        outcome = run_study(study, engine="serial", out=tmp_path / str(seed), quiet=True, tables=False)
+        outcome = run_study(
+            study, engine="serial", out=tmp_path / str(seed), quiet=True, tables=False
+        )
         with Store(outcome.store) as store:
             assert compare(before, store, baseline).regressions == (), f"seed {seed}"
 
@@ -136,10 +148,13 @@ def test_too_few_trials_are_said(tmp_path):
 def test_what_came_and_what_went_is_said(baseline):
     gate = check(quick(optimisers=["pso-paper", "nlopt-crs"]), baseline)
     assert [line.partition(" (")[0] for line in gate.regressions] == [
-        f"native on {MAXWELL}", "native on artificial-springpot",
-    ]  # fmt: skip
+        f"native on {MAXWELL}",
+        "native on artificial-springpot",
+    ]
     assert all(line.endswith("is in the baseline but was not run") for line in gate.regressions)
-    assert any(note.startswith("nlopt-crs") and "is not in the baseline" in note for note in gate.notes)
+    assert any(
+        note.startswith("nlopt-crs") and "is not in the baseline" in note for note in gate.notes
+    )
 
 
 def test_what_cannot_be_compared_is_one_line(baseline, tmp_path, monkeypatch):
@@ -152,7 +167,10 @@ def test_what_cannot_be_compared_is_one_line(baseline, tmp_path, monkeypatch):
     newer = tmp_path / "newer.json"
     newer.write_text(text.replace("springpot.baseline/2", "springpot.baseline/9"))
     for path, message in [
-        (tmp_path / "none.json", r"there is no baseline .*none\.json: make it with springpot regression update"),
+        (
+            tmp_path / "none.json",
+            r"there is no baseline .*none\.json: make it with springpot regression update",
+        ),
         (other, "made with a budget of 700, the study has 6000: make it again"),
         (moved, "the data, the objective or the box of .* changed since the baseline"),
         (broken, "is no accuracy baseline"),
@@ -230,14 +248,19 @@ def test_any_drop_of_success_is_noted(tmp_path):
     path = update(tired(0.0), tmp_path / "baseline.json")
     gate = check(tired(0.08), path)
     assert gate.passed
-    assert any("target reached in 20 of 20 trials before, in 1" in note and "fewer, but not for certain" in note
-               for note in gate.notes)  # fmt: skip
+    assert any(
+        "target reached in 20 of 20 trials before, in 1" in note
+        and "fewer, but not for certain" in note
+        for note in gate.notes
+    )
 
 
 def test_the_smallest_change_that_a_baseline_sees_is_told(baseline):
     gate = check(quick(), baseline)
     assert [line.partition(",")[0] for line in gate.seen] == ["native", "pso-paper"]
-    assert all("in 80 % of cases: costs x1." in line and " over its 2" in line for line in gate.seen)
+    assert all(
+        "in 80 % of cases: costs x1." in line and " over its 2" in line for line in gate.seen
+    )
 
 
 def test_what_a_study_requires_is_held_whatever_was_before(tmp_path):
@@ -255,8 +278,16 @@ def test_identified_parameters_of_own_data_are_held(tmp_path):
     """One repetition, no known truth: the baseline's parameters are what is right."""
 
     def study(beside, **required):
-        return Study("own", [mine()], [MODEL], ["relative"], [("fit", Biased(beside=beside))], repetitions=1,
-                     budget=2000, **required)  # fmt: skip
+        return Study(
+            "own",
+            [mine()],
+            [MODEL],
+            ["relative"],
+            [("fit", Biased(beside=beside))],
+            repetitions=1,
+            budget=2000,
+            **required,
+        )
 
     path = update(study(0.0), tmp_path / "baseline.json")
     [goal] = read_baseline(path).goals.values()
@@ -264,7 +295,9 @@ def test_identified_parameters_of_own_data_are_held(tmp_path):
     assert check(study(0.0, max_parameter_error=0.01), path).passed
     assert check(study(0.005, max_parameter_error=0.01), path).passed
     [line] = [
-        line for line in check(study(0.02, max_parameter_error=0.01), path).regressions if "max_parameter" in line
+        line
+        for line in check(study(0.02, max_parameter_error=0.01), path).regressions
+        if "max_parameter" in line
     ]
     assert "fit on mine" in line
     assert "off by up to 0.02" in line
@@ -277,7 +310,10 @@ def test_identified_parameters_of_own_data_are_held(tmp_path):
     [
         ({"min_success": 95}, "min_success must be a share of at most 1, not 95"),
         ({"min_success": 0}, "min_success must be a positive number, not 0"),
-        ({"max_parameter_error": "1 %"}, "max_parameter_error must be a positive number, not '1 %'"),
+        (
+            {"max_parameter_error": "1 %"},
+            "max_parameter_error must be a positive number, not '1 %'",
+        ),
         ({"max_seconds": float("nan")}, "max_seconds must be a positive number, not nan"),
     ],
 )
@@ -299,8 +335,12 @@ def test_accuracy(accuracy_gate):
 
 def test_the_fixture_updates_passes_and_fails_with_a_sentence(pytester):
     def run(optimisers, *options):
-        (pytester.path / "test_mine.py").write_text(PLUGIN.format(gate=str(GATE), optimisers=optimisers))
-        return pytester.runpytest_inprocess("-q", "-p", "no:cacheprovider", "-p", "no:benchmark", *options)
+        (pytester.path / "test_mine.py").write_text(
+            PLUGIN.format(gate=str(GATE), optimisers=optimisers)
+        )
+        return pytester.runpytest_inprocess(
+            "-q", "-p", "no:cacheprovider", "-p", "no:benchmark", *options
+        )
 
     good = '["pso-paper"]'
     bad = (
@@ -314,13 +354,19 @@ def test_the_fixture_updates_passes_and_fails_with_a_sentence(pytester):
     assert run(good).ret == 0
     worse = run(bad)
     assert worse.ret == 1
-    assert "pso-paper on artificial-springpot (model springpot, objective paper) got worse" in worse.stdout.str()
+    assert (
+        "pso-paper on artificial-springpot (model springpot, objective paper) got worse"
+        in worse.stdout.str()
+    )
     assert "Traceback" not in worse.stdout.str()
 
 
 def test_the_pytest_plugin_is_light():
     script = (
-        "import sys, springpot.benchmark.gate.pytest_plugin; print('numpy' in sys.modules or 'click' in sys.modules)"
+        "import sys, springpot.benchmark.gate.pytest_plugin; "
+        "print('numpy' in sys.modules or 'click' in sys.modules)"
     )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
     assert done.stdout.strip() == "False"

@@ -1,4 +1,4 @@
-"""What is added to a sweep makes an answer better: an effect belongs to the test whose rig has it."""
+"""Tests added to a sweep make an answer better: an effect belongs to the test whose rig has it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import springpot
 from springpot.errors import ModelError
 from springpot.measurement import Measurement, TimeTest
 from springpot.registry import parse_model, plugins
-from springpot.report.fits import climbed_in_time_text
+from springpot.report.fit_text import climbed_in_time_text
 from springpot.rheology import Effect, Points, chain
 from springpot.rheology.formula import Formula
 from springpot.timetests import diagnose, discover, identify
@@ -33,7 +33,9 @@ def sweep_of(expression, seed):
     values = MATERIALS[model.base] | EFFECTS
     exact = model.stiffness(model.vector({name: values[name] for name in model.names}), OMEGA)
     noise = rng.normal(size=30) + 1j * rng.normal(size=30)
-    return Measurement(OMEGA, exact + NOISE * np.abs(exact) * noise / np.sqrt(2.0), name="sweep.csv")
+    return Measurement(
+        OMEGA, exact + NOISE * np.abs(exact) * noise / np.sqrt(2.0), name="sweep.csv"
+    )
 
 
 def step_of(expression, kind, seed):
@@ -118,7 +120,7 @@ def test_a_fault_in_an_effect_is_no_answer():
 
 
 def test_an_effect_that_cannot_be_gone_on_from_is_told_and_loses_no_rung(monkeypatch):
-    module = importlib.import_module("springpot.timetests.discover")
+    module = importlib.import_module("springpot.timetests.discovery")
     whole = module.diagnose
 
     def failing(tests, model, effects, base=None):

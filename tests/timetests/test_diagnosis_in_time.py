@@ -38,7 +38,12 @@ def test_nothing_is_missing_where_nothing_is():
 
 @pytest.mark.parametrize(
     ("effect", "values"),
-    [("friction", [12.0]), ("inertia", [30.0]), ("dead-zone", [40.0, 0.3]), ("cubic-stiffness", [40.0])],
+    [
+        ("friction", [12.0]),
+        ("inertia", [30.0]),
+        ("dead-zone", [40.0, 0.3]),
+        ("cubic-stiffness", [40.0]),
+    ],
 )
 def test_what_is_missing_is_named_with_its_size(effect, values):
     found = diagnose(record(effect, values), MODEL, library())
@@ -50,7 +55,9 @@ def test_what_is_missing_is_named_with_its_size(effect, values):
     if effect == "cubic-stiffness":
         assert any("where the motion turns" in place.says for place in found.where)
     # N/mm s^2 are 1,000 kg.
-    assert first["value"] == pytest.approx(values[0] * (1e3 if first["unit"] == "kg" else 1.0), rel=0.1)
+    assert first["value"] == pytest.approx(
+        values[0] * (1e3 if first["unit"] == "kg" else 1.0), rel=0.1
+    )
 
 
 def test_what_no_effect_explains_is_called_unexplained():
@@ -84,12 +91,16 @@ def test_a_drift_in_a_relaxation_leaves_no_rival_absent_and_makes_no_fit_worse_t
     t = np.geomspace(0.01, 100.0, 80)
     model = parse_model("fractional-maxwell")
     exact = model.relaxation(model.theta(k=400.0, c=60.0, alpha=0.5), t) + 0.5 * t
-    test = TimeTest.of_relaxation(t, exact + 0.3 * np.random.default_rng(3).normal(size=len(t)), "kPa")
+    test = TimeTest.of_relaxation(
+        t, exact + 0.3 * np.random.default_rng(3).normal(size=len(t)), "kPa"
+    )
     names = ("force-drift", "finite-ramp")
     effects = [each for each in plugins().items("time effect") if each.name in names]
     found = diagnose(test, model, [*effects, plugins().effect("parallel-spring")])
     assert found.missing == ("force-drift",)
-    assert {each.effect: each.verdict for each in found.candidates}["parallel-spring"] == "cannot-tell"
+    assert {each.effect: each.verdict for each in found.candidates}[
+        "parallel-spring"
+    ] == "cannot-tell"
     no_evidence_is_called_absent(found)
     # A ramp that took no time changes nothing: it costs its parameter, and no more.
     ramp = next(each for each in found.candidates if each.effect == "finite-ramp")

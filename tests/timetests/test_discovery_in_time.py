@@ -34,7 +34,10 @@ def test_a_record_with_a_mass_and_friction_names_both():
     assert sizes[0] > 3 > 1.3 > sizes[-1]
     named = discover([test], base, EFFECTS, accept=EFFECTS[:2])
     assert [step.accepted for step in named.steps] == [None, "friction", "inertia"]
-    assert named.to_dict()["steps"][-1]["model"] == found.model.name or found.steps[1].accepted == "inertia"
+    assert (
+        named.to_dict()["steps"][-1]["model"] == found.model.name
+        or found.steps[1].accepted == "inertia"
+    )
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +45,9 @@ def drifting():
     """A relaxation on a transducer whose zero drifts."""
     t = np.geomspace(0.01, 100.0, 80)
     exact = MODEL.relaxation(MODEL.theta(k=400.0, c=60.0, alpha=0.5), t) + 0.2 * t
-    return TimeTest.of_relaxation(t, exact + np.random.default_rng(1).normal(size=80), "kPa", name="drifting")
+    return TimeTest.of_relaxation(
+        t, exact + np.random.default_rng(1).normal(size=80), "kPa", name="drifting"
+    )
 
 
 @pytest.fixture
@@ -76,7 +81,11 @@ def test_a_diagnosis_in_time_is_loaded_again_with_the_effect_itself(drifting, lo
     again = loaded(diagnosis)
     assert again.missing == diagnosis.missing == ("force-drift",)
     assert again.best.physics is effects[0]
-    assert (again.says, again.verdict, again.error) == (diagnosis.says, "effect-missing", diagnosis.error)
+    assert (again.says, again.verdict, again.error) == (
+        diagnosis.says,
+        "effect-missing",
+        diagnosis.error,
+    )
     assert again.where == diagnosis.where
 
 

@@ -34,7 +34,9 @@ def sweep(share=0.01, seed=3):
     omega = np.geomspace(0.05, 50.0, 30)
     rng = np.random.default_rng(seed)
     error = 1.0 + share * (rng.normal(size=30) + 1j * rng.normal(size=30))
-    return Measurement(omega, ZENER.stiffness(TRUE, omega) * error, units=Units("kPa", "-"), name="sweep")
+    return Measurement(
+        omega, ZENER.stiffness(TRUE, omega) * error, units=Units("kPa", "-"), name="sweep"
+    )
 
 
 def history(control="displacement", seed=4, n=800):
@@ -61,7 +63,15 @@ def recovery(seed=6, n=300):
 
 @pytest.mark.parametrize(
     "test",
-    [relaxation(), relaxation(rise=0.3), creep(), history(), history("force"), startup(), recovery()],
+    [
+        relaxation(),
+        relaxation(rise=0.3),
+        creep(),
+        history(),
+        history("force"),
+        startup(),
+        recovery(),
+    ],
     ids=lambda test: f"{test.name}-{test.rise:.1g}",
 )
 def test_the_true_parameters_lie_in_their_intervals(test):
@@ -95,7 +105,9 @@ def test_together_tests_tell_more_and_agree():
 
 def test_tests_of_two_specimens_do_not_agree():
     t = np.geomspace(0.01, 100.0, 200)
-    other = TimeTest.of_compliance(t, noisy(1.3 * ZENER.creep(TRUE, t), 0.01, 7), "kPa", name="another")
+    other = TimeTest.of_compliance(
+        t, noisy(1.3 * ZENER.creep(TRUE, t), 0.01, 7), "kPa", name="another"
+    )
     found = identify([relaxation(), other], ZENER)
     assert not all(test.agrees for test in found.tests)
     assert any("does not agree" in note for note in found.notes)
@@ -155,19 +167,27 @@ def test_a_fit_of_tests_in_time_comes_back(tmp_path):
     time = np.geomspace(0.01, 100.0, 60)
     theta = np.array([100.0, 300.0, 60.0])
     noise = 1.0 + 0.01 * np.random.default_rng(2).normal(size=60)
-    test = springpot.TimeTest.of_relaxation(time, model.relaxation(theta, time) * noise, "Pa", name="relaxed")
+    test = springpot.TimeTest.of_relaxation(
+        time, model.relaxation(theta, time) * noise, "Pa", name="relaxed"
+    )
     found = identify([test], model)
     path = tmp_path / "fit.json"
     path.write_text(json.dumps(jsonable(found.to_dict())))
     again = springpot.load(path)
     assert repr(again).startswith("<KeptTimeFit zener: ")
     for name, row in found.parameters.items():
-        assert (again[name].value, again[name].low, again[name].unit) == (row["value"], row["low"], row["unit"])
+        assert (again[name].value, again[name].low, again[name].unit) == (
+            row["value"],
+            row["low"],
+            row["unit"],
+        )
     assert again.relative_rms == found.relative_rms
     assert again.notes == found.notes
     assert again.tests[0]["data"] == "relaxed"
     assert again.to_dict() == json.loads(path.read_text())
     expected = model.stiffness(found.theta, Points(np.log([2.0])))
     assert again.predict(omega=[2.0]).stiffness == pytest.approx(expected, rel=1e-12)
-    later = springpot.TimeTest.of_relaxation(time, model.relaxation(theta, time), "Pa", name="again")
+    later = springpot.TimeTest.of_relaxation(
+        time, model.relaxation(theta, time), "Pa", name="again"
+    )
     assert predict_test(again, later).says == predict_test(found, later).says

@@ -1,4 +1,4 @@
-"""No linear passive model follows a relaxation, a creep or both together better than any material does."""
+"""No linear passive model follows relaxation, creep or both better than any material does."""
 
 from __future__ import annotations
 
@@ -14,12 +14,23 @@ import springpot
 from springpot import Measurement, TimeTest, parse_model
 from springpot.timetests import identify
 from springpot.timetests.convex import relaxation_of
-from springpot.timetests.parts import parts_of_specimen
+from springpot.timetests.residuals_of_tests import parts_of_specimen
 
-DATA = os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0] or Path(__file__).parents[3] / "shared" / "data"
+DATA = (
+    os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0]
+    or Path(__file__).parents[3] / "shared" / "data"
+)
 UNSEEN = Path(DATA).parent / "unseen"
 MATERIAL = parse_model("material")
-NETWORKS = ("maxwell", "jeffreys", "burgers", "zener", "maxwell-3", "fractional-zener", "fractional-maxwell")
+NETWORKS = (
+    "maxwell",
+    "jeffreys",
+    "burgers",
+    "zener",
+    "maxwell-3",
+    "fractional-zener",
+    "fractional-maxwell",
+)
 T = np.geomspace(0.01, 100.0, 60)
 
 
@@ -28,7 +39,9 @@ def made(name, seed):
     rng = np.random.default_rng(seed)
     model = parse_model(name)
     orders = np.array([p.scale != "log" for p in model.parameters])
-    theta = np.where(orders, rng.uniform(0.2, 0.8, len(orders)), 10.0 ** rng.uniform(-1.0, 1.0, len(orders)))
+    theta = np.where(
+        orders, rng.uniform(0.2, 0.8, len(orders)), 10.0 ** rng.uniform(-1.0, 1.0, len(orders))
+    )
     return model, theta, rng
 
 
@@ -46,7 +59,9 @@ def measured_in(kind, model, theta, share, rng):
         return [crept]
     omega = np.geomspace(0.01, 100.0, 25)
     exact = model.stiffness(theta, omega)
-    swept = Measurement(omega, exact * (1.0 + share * (rng.normal(size=25) + 1j * rng.normal(size=25))))
+    swept = Measurement(
+        omega, exact * (1.0 + share * (rng.normal(size=25) + 1j * rng.normal(size=25)))
+    )
     return [TimeTest.of_compliance(T, crept.response, "Pa"), swept]
 
 

@@ -12,7 +12,7 @@ from springpot.errors import ModelError
 from springpot.measurement import TimeTest
 from springpot.registry import parse_model, parse_timed, plugins
 from springpot.timetests import diagnose, identify, predict_test
-from springpot.timetests.recorded import recorded
+from springpot.timetests.recording import recorded
 
 MODEL = parse_model("fractional-zener")
 THETA = np.array([1.0, 3.0, 2.0, 0.6])
@@ -61,7 +61,9 @@ def test_a_mass_around_it_is_found_from_a_record():
     x = np.sin(t**1.5)
     force = model.respond(np.append(THETA, 0.3), t, x)
     noise = 0.005 * np.abs(force).max() * np.random.default_rng(3).normal(size=len(t))
-    found = identify(TimeTest.of_history(t, x, force + noise, "m", "N"), parse_model("material + inertia"))
+    found = identify(
+        TimeTest.of_history(t, x, force + noise, "m", "N"), parse_model("material + inertia")
+    )
     assert found.tests[0].ratio < 1.1
     assert found.parameters["inertia.m"]["value"] == pytest.approx(0.3, rel=0.05)
 
@@ -73,11 +75,14 @@ def relaxed_with(effect, values, noise=0.3):
     theta = np.append(zener.theta(k1=50.0, k2=400.0, c=60.0, alpha=0.5), values)
     blank = TimeTest.of_relaxation(t, np.ones(len(t)), "kPa")
     exact = recorded(parse_timed(f"fractional-zener + {effect}"), theta, blank, 293.15).value
-    return TimeTest.of_relaxation(t, exact + noise * np.random.default_rng(3).normal(size=len(t)), "kPa")
+    return TimeTest.of_relaxation(
+        t, exact + noise * np.random.default_rng(3).normal(size=len(t)), "kPa"
+    )
 
 
 @pytest.mark.parametrize(
-    ("effect", "size", "width"), [("force-drift", 0.5, 0.1), ("force-drift", -0.5, 0.1), ("finite-ramp", 0.05, 0.002)]
+    ("effect", "size", "width"),
+    [("force-drift", 0.5, 0.1), ("force-drift", -0.5, 0.1), ("finite-ramp", 0.05, 0.002)],
 )
 def test_what_no_material_does_is_told_beside_any_material(effect, size, width):
     found = identify(relaxed_with(effect, [size]), parse_timed(f"material + {effect}"))
@@ -88,15 +93,21 @@ def test_what_no_material_does_is_told_beside_any_material(effect, size, width):
 
 
 def test_what_another_material_would_do_too_is_refused_with_what_helps():
-    """A warming that comes up as slowly as the material relaxes, and a clock that slows as a spectrum does."""
+    """A warming as slow as the material relaxes, and a clock that slows as a spectrum does."""
     for effect, values in (("thermal-force", [20.0, 30.0]), ("ageing", [0.5, 10.0])):
-        with pytest.raises(ModelError, match=r"another material could have done the same .* name a model") as told:
+        with pytest.raises(
+            ModelError, match=r"another material could have done the same .* name a model"
+        ) as told:
             identify(relaxed_with(effect, values), parse_timed(f"material + {effect}"))
         assert "\n" not in str(told.value)
 
 
 def test_a_drift_is_named_beside_any_material():
-    effects = [each for each in plugins().items("time effect") if each.name in ("force-drift", "thermal-force")]
+    effects = [
+        each
+        for each in plugins().items("time effect")
+        if each.name in ("force-drift", "thermal-force")
+    ]
     found = diagnose(relaxed_with("force-drift", [0.5]), "material", effects)
     assert found.verdict == "effect-missing"
     assert found.best.effect == "force-drift"

@@ -1,4 +1,7 @@
-"""A loop that stands off zero: a gas charge, a weight or the zero of the transducer, and not a fixture that warms."""
+"""A loop that stands off zero.
+
+A gas charge, a weight or the zero of the transducer, and not a fixture that warms.
+"""
 
 import numpy as np
 import pytest
@@ -12,14 +15,16 @@ OTHERS = ("force-drift", "displacement-drift", "thermal-force", "thermal-growth"
 
 
 def dampers(constant, control="displacement", middle=0.0, seed=1):
-    """Three cycles of a damper with a spring, begun in the midst; force in N, displacement in mm."""
+    """Three cycles of a damper with a spring, begun midway; force in N, displacement in mm."""
     moved = 20.0 * np.cos(2.0 * np.pi * TIME)
     speed = -40.0 * np.pi * np.sin(2.0 * np.pi * TIME)
     force = constant + 0.3 * moved + 0.15 * speed
     noise = np.random.default_rng(seed).normal(0.0, 1.0, len(TIME))
     if control == "displacement":
         return TimeTest.of_history(TIME, moved + middle, force + 0.3 * noise, "mm", "N")
-    return TimeTest.of_history(TIME, force, moved + middle + 0.1 * noise, "mm", "N", control="force")
+    return TimeTest.of_history(
+        TIME, force, moved + middle + 0.1 * noise, "mm", "N", control="force"
+    )
 
 
 def tried(*names):
@@ -36,7 +41,9 @@ def test_a_constant_force_is_named_with_its_size(constant):
 def test_a_stroke_counted_from_its_end_is_one_too():
     found = diagnose(dampers(0.0, middle=20.0), "kelvin", tried("force-offset", *OTHERS))
     assert found.missing[0] == "force-offset"
-    assert found.best.parameters["force-offset.size"]["value"] == pytest.approx(-0.3 * 20.0, abs=0.2)
+    assert found.best.parameters["force-offset.size"]["value"] == pytest.approx(
+        -0.3 * 20.0, abs=0.2
+    )
 
 
 def test_a_loop_about_zero_has_none():
@@ -54,7 +61,9 @@ def test_a_step_that_is_held_cannot_show_one():
 
 def test_of_a_force_that_was_imposed_the_displacement_has_it():
     """A spring and a dashpot side by side that swing about a place that is not zero."""
-    found = diagnose(dampers(0.0, "force", middle=5.0), "kelvin", tried("displacement-offset", *OTHERS))
+    found = diagnose(
+        dampers(0.0, "force", middle=5.0), "kelvin", tried("displacement-offset", *OTHERS)
+    )
     assert found.missing[0] == "displacement-offset"
 
 

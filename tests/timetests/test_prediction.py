@@ -34,7 +34,10 @@ def crept(factor=1.0, seed=2):
 def swept(unit="kPa", size=1.0):
     omega = np.geomspace(0.03, 30.0, 25)
     return Measurement(
-        omega, size * MODEL.stiffness(TRUE, omega) * scatter(3, 25), units=Units(unit, "-"), name="sweep"
+        omega,
+        size * MODEL.stiffness(TRUE, omega) * scatter(3, 25),
+        units=Units(unit, "-"),
+        name="sweep",
     )
 
 
@@ -67,7 +70,7 @@ def test_a_sweep_predicts_a_test_in_time():
 
 
 def test_the_band_holds_the_truth(fit):
-    """At a level of 95 % the true curve lies within 1.5 times the band everywhere, for several noises."""
+    """At 95 % the true curve is within 1.5 times the band everywhere, for several noises."""
     outside = 0
     for seed in range(5, 15):
         found = predict_test(identify(relaxed(seed), MODEL), crept())
@@ -88,7 +91,9 @@ def test_a_planned_test_is_predicted_and_not_judged(fit):
     found = predict_test(fit, TimeTest.planned(t, 2.0 * np.sin(t), "%"))
     assert found.verdict == "not-judged"
     assert found.unit == "Pa"
-    assert found.value == pytest.approx(1e3 * MODEL.respond(fit.theta, t, 0.02 * np.sin(t)), rel=1e-4, abs=1e-3)
+    assert found.value == pytest.approx(
+        1e3 * MODEL.respond(fit.theta, t, 0.02 * np.sin(t)), rel=1e-4, abs=1e-3
+    )
     assert found.to_dict()["error"] is None
 
 
@@ -111,17 +116,21 @@ def test_a_stiffness_is_no_modulus(fit):
 
 @pytest.mark.parametrize(("effect", "converts"), [("friction", True), ("power-law-damper", False)])
 def test_a_force_of_a_power_law_is_not_carried_into_another_unit_of_length(effect, converts):
-    """F |v|^a with v in mm/s is 1000^a times another F with v in m/s: no whole power of a length."""
+    """F |v|^a with v in mm/s is 1000^a times another F with v in m/s: no whole length power."""
     model = parse_model(f"kelvin + {effect}")
     omega = np.tile(np.geomspace(1.0, 30.0, 8), 2)
     amplitude = np.repeat([1.0, 3.0], 8)
     at = springpot.rheology.Points(np.log(omega), amplitude=amplitude)
     stiffness = model.stiffness(np.array([100.0, 5.0, 20.0, 0.5][: len(model.names)]), at)
     noise = 1.0 + 0.002 * np.random.default_rng(3).normal(size=16)
-    data = Measurement(omega, stiffness * noise, conditions={"amplitude": amplitude}, units=Units("N/mm", "mm"))
+    data = Measurement(
+        omega, stiffness * noise, conditions={"amplitude": amplitude}, units=Units("N/mm", "mm")
+    )
     found = springpot.identify(data, model)
     units = Units("N/m", "m")
-    there = Measurement(omega, 1e3 * stiffness, conditions={"amplitude": 1e-3 * amplitude}, units=units)
+    there = Measurement(
+        omega, 1e3 * stiffness, conditions={"amplitude": 1e-3 * amplitude}, units=units
+    )
     if converts:
         assert predict_test(found, there).holds
         return
@@ -179,4 +188,6 @@ def test_a_fit_of_one_modulus_is_no_prediction_of_another():
         identify([shear, replace(crept(), letter="E")], MODEL)
     tension = replace(swept(), units=Units("kPa", "-", letter="E"))
     with pytest.raises(DataError, match="by Poisson's ratio"):
-        springpot.measurement.joined([tension, replace(tension, units=Units("kPa", "-", letter="G"))])
+        springpot.measurement.joined(
+            [tension, replace(tension, units=Units("kPa", "-", letter="G"))]
+        )

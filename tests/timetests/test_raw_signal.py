@@ -1,4 +1,7 @@
-"""What harmonics hide is seen in the record, located in the loop and named; noise with a memory is no misfit."""
+"""What harmonics hide is seen in the record, located in the loop and named.
+
+Noise with a memory is no misfit.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +45,10 @@ HIDDEN = {
 
 @pytest.fixture(scope="module")
 def found():
-    return {name: diagnose(record(name, values), MODEL, library()) for name, (values, _) in HIDDEN.items()}
+    return {
+        name: diagnose(record(name, values), MODEL, library())
+        for name, (values, _) in HIDDEN.items()
+    }
 
 
 @pytest.mark.parametrize("name", HIDDEN)
@@ -72,7 +78,9 @@ def test_a_stop_on_one_side_is_missed_on_that_side_alone():
 def test_a_record_that_is_level_at_its_top_is_told():
     test = record()
     limit = 0.7 * np.abs(test.response).max()
-    flat = TimeTest.of_history(T, X, np.clip(test.response, -limit, limit), "mm", "N", control="displacement")
+    flat = TimeTest.of_history(
+        T, X, np.clip(test.response, -limit, limit), "mm", "N", control="displacement"
+    )
     residual = test.response - flat.response
     [loop] = [place for place in places(flat, residual) if place.plane == "loop"]
     assert "the record is level at its top" in loop.says
@@ -82,8 +90,18 @@ def test_a_record_that_is_level_at_its_top_is_told():
 def test_the_answer_keeps_to_its_keys(found):
     answer = found["force-clipping"].to_dict()
     assert set(answer) == {
-        "schema", "data", "model", "error", "tests", "verdict", "where", "candidates", "classes", "says", "left_out",
-    }  # fmt: skip
+        "schema",
+        "data",
+        "model",
+        "error",
+        "tests",
+        "verdict",
+        "where",
+        "candidates",
+        "classes",
+        "says",
+        "left_out",
+    }
     assert set(answer["where"][0]) == {"plane", "condition", "from", "to", "size", "says"}
     assert answer["candidates"][0]["class"] == ["force-clipping"]
 
@@ -136,7 +154,9 @@ def test_a_channel_at_its_limit_carries_no_noise_and_is_named():
     # What saturates last cuts the noise off too: half of such a record repeats one value.
     noisy = record()
     limit = 0.7 * np.abs(noisy.response).max()
-    held = TimeTest.of_history(T, X, np.clip(noisy.response, -limit, limit), "mm", "N", control="displacement")
+    held = TimeTest.of_history(
+        T, X, np.clip(noisy.response, -limit, limit), "mm", "N", control="displacement"
+    )
     assert noise_of(held).absolute == pytest.approx(noise_of(noisy).absolute, rel=0.3)
     answer = diagnose(held, MODEL, library())
     assert answer.verdict == "effect-missing"
@@ -150,7 +170,9 @@ def test_opposite_signs_are_told_and_a_mass_that_pushes_back_is_none():
     assert any("have opposite signs" in note for note in identify(turned, MODEL).notes)
     assert not any("signs" in note for note in identify(test, MODEL).notes)
     heavy = parse_model("fractional-zener + inertia")
-    force = heavy.respond(heavy.vector({**dict(zip(MODEL.names, THETA, strict=True)), "inertia.m": 1000.0}), T, X)
+    force = heavy.respond(
+        heavy.vector({**dict(zip(MODEL.names, THETA, strict=True)), "inertia.m": 1000.0}), T, X
+    )
     pushes = TimeTest.of_history(T, X, force, "mm", "N", control="displacement")
     assert np.sum(X * pushes.response) < 0.0
     assert not any("signs" in note for note in identify(pushes, MODEL).notes)

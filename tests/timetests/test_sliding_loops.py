@@ -1,4 +1,7 @@
-"""Raw loops of a damper that slides: the threshold is found although a viscous damper has as much loss."""
+"""Raw loops of a damper that slides.
+
+The threshold is found although a viscous damper has as much loss.
+"""
 
 import numpy as np
 import pytest
@@ -19,7 +22,9 @@ def loop():
     for i in range(1, len(x)):
         slid[i] = np.clip(slid[i - 1] + SLIDER * (x[i] - x[i - 1]), -FORCE, FORCE)
     noise = 30.0 * np.random.default_rng(0).normal(size=len(t))
-    return TimeTest.of_history(t, x, SPRING * x + slid + noise, "mm", "N", control="displacement", name="slider")
+    return TimeTest.of_history(
+        t, x, SPRING * x + slid + noise, "mm", "N", control="displacement", name="slider"
+    )
 
 
 @pytest.mark.parametrize("model", ["kelvin", "material"])
@@ -31,10 +36,12 @@ def test_the_threshold_is_found_from_no_start(loop, model):
 
 
 def test_where_the_force_crosses_zero_the_noise_is_that_of_the_rest():
-    """Noise in proportion to the force would let the few samples of the crossings outvote the loop."""
+    """With noise in proportion to force the few samples of crossings would outvote the loop."""
     t = np.linspace(0.0, 20.0, 2001)
     force = 1000.0 * np.sin(np.pi * t)
     shaken = force * (1.0 + 0.02 * np.random.default_rng(1).normal(size=len(t)))
-    noise = noise_of(TimeTest.of_history(t, np.sin(np.pi * t), shaken, "mm", "N", control="displacement"))
+    noise = noise_of(
+        TimeTest.of_history(t, np.sin(np.pi * t), shaken, "mm", "N", control="displacement")
+    )
     assert np.ptp(noise.sd) == 0.0
     assert noise.sd[0] == pytest.approx(0.02 * 1000.0 / np.sqrt(2.0), rel=0.15)

@@ -11,11 +11,14 @@ import pytest
 import springpot
 from springpot import parse_model
 from springpot.timetests import identify
-from springpot.timetests.judging import Left
-from springpot.timetests.parts import parts_of_specimen
+from springpot.timetests.information_criterion import Left
+from springpot.timetests.residuals_of_tests import parts_of_specimen
 from springpot.timetests.scatter import scatter_of
 
-DATA = os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0] or Path(__file__).parents[3] / "shared" / "data"
+DATA = (
+    os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0]
+    or Path(__file__).parents[3] / "shared" / "data"
+)
 UNSEEN = Path(DATA).parent / "unseen"
 
 
@@ -36,7 +39,9 @@ def test_a_part_that_is_missed_beyond_the_noise_is_told():
 
 
 @pytest.mark.skipif(not UNSEEN.is_dir(), reason="the unseen files are not here")
-@pytest.mark.parametrize("spec", ["C0224_NVT_450K_1atm.gt", "stressrelaxation_pp_data.csv?time=s,relaxation=Pa"])
+@pytest.mark.parametrize(
+    "spec", ["C0224_NVT_450K_1atm.gt", "stressrelaxation_pp_data.csv?time=s,relaxation=Pa"]
+)
 def test_at_the_noise_nothing_is_missing_from_a_real_relaxation(spec):
     [test] = springpot.open_in_time(f"{UNSEEN}/{spec}")
     fit = identify(test, parse_model("material"))

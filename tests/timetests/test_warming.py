@@ -11,7 +11,7 @@ from springpot.errors import DataError, ModelError
 from springpot.measurement import Loading, TimeTest
 from springpot.registry import open_in_time, parse_model, parse_timed
 from springpot.timetests import identify, predicted
-from springpot.timetests.recorded import recorded
+from springpot.timetests.recording import recorded
 
 MODEL = parse_model("fractional-zener + arrhenius-shift")
 THETA = MODEL.vector({"k1": 20.0, "k2": 300.0, "c": 50.0, "alpha": 0.6, "arrhenius-shift.Ea": 80.0})
@@ -34,7 +34,7 @@ def test_a_temperature_that_stands_still_is_one_temperature(kind):
 
 @pytest.mark.parametrize("kind", [TimeTest.of_relaxation, TimeTest.of_compliance])
 def test_a_step_is_followed_in_reduced_time(kind):
-    """The integral of dt / a_T by a rule of its own, put into the model at its reference temperature."""
+    """The integral of dt / a_T by an own rule, put into the model at its reference temperature."""
     _, found = relaxed(WARMER[1:], kind)
     fine = np.linspace(0.0, 100.0, 40001)
     # Held at its first value before the first sample.
@@ -65,11 +65,14 @@ def test_derivatives_while_it_warms(control):
 def test_an_activation_energy_is_found_from_one_record(tmp_path):
     """A file with a column of temperatures; one at a steady temperature would not tell it."""
     strain = 0.01 * np.sin(0.5 * T)
-    blank = TimeTest.of_history(T, strain, 0 * T, "-", "kPa", control="displacement", temperature=WARMER)
+    blank = TimeTest.of_history(
+        T, strain, 0 * T, "-", "kPa", control="displacement", temperature=WARMER
+    )
     exact = predicted(MODEL, THETA, blank, REFERENCE).value
     stress = exact + 0.002 * np.abs(exact).max() * np.random.default_rng(1).normal(size=len(T))
     rows = "".join(
-        ",".join(f"{each:.12g}" for each in row) + "\n" for row in zip(T, 100 * strain, stress, WARMER, strict=True)
+        ",".join(f"{each:.12g}" for each in row) + "\n"
+        for row in zip(T, 100 * strain, stress, WARMER, strict=True)
     )
     path = tmp_path / "warming.csv"
     path.write_text("time [s],strain [%],stress [kPa],temperature [degC]\n" + rows)
@@ -84,7 +87,10 @@ def test_an_activation_energy_is_found_from_one_record(tmp_path):
 
 
 def test_what_the_test_did_is_followed_while_it_warms():
-    """A drift and a slow ramp, each where it acts; derivatives by all parameters against differences."""
+    """A drift and a slow ramp, each where it acts.
+
+    Derivatives by all parameters against differences.
+    """
     model = parse_timed("fractional-zener + arrhenius-shift + finite-ramp + force-drift")
     blank, _ = relaxed(WARMER[1:])
     theta = np.append(THETA, [0.9, 0.2])
@@ -95,14 +101,20 @@ def test_what_the_test_did_is_followed_while_it_warms():
 
     found = ask(theta)
     ramp = Loading(np.array([0.0, 0.9]), np.array([0.0, blank.loading.value[-1]]))
-    expected = predicted(MODEL, THETA, replace(blank, loading=ramp), REFERENCE, tolerance=1e-9).value
+    expected = predicted(
+        MODEL, THETA, replace(blank, loading=ramp), REFERENCE, tolerance=1e-9
+    ).value
     np.testing.assert_allclose(found.value, expected + 0.2 * (blank.time - blank.start), rtol=1e-4)
     for i, size in enumerate(theta):
         step = 1e-5 * size * np.eye(len(theta))[i]
         slope = (ask(theta + step).value - ask(theta - step).value) / (2e-5 * size)
-        # The slope by the rise has a step where the ramp ends; what a springpot answers to it is steep at first.
+        # The slope by the rise has a step where the ramp ends; what a springpot answers to it is
+        # steep at first.
         late = blank.time > 2.0
-        assert np.abs(found.by_theta[:, i] - slope)[late].max() * size < 1e-4 * np.abs(found.value).max(), i
+        assert (
+            np.abs(found.by_theta[:, i] - slope)[late].max() * size
+            < 1e-4 * np.abs(found.value).max()
+        ), i
 
 
 def test_a_drift_is_told_from_a_record_that_warms():
@@ -110,7 +122,9 @@ def test_a_drift_is_told_from_a_record_that_warms():
     blank = TimeTest.of_history(T, x, 0 * T, "-", "kPa", control="displacement", temperature=WARMER)
     exact = predicted(MODEL, THETA, blank, REFERENCE).value + 0.004 * T
     noise = 0.002 * np.abs(exact).max() * np.random.default_rng(1).normal(size=len(T))
-    found = identify(replace(blank, response=exact + noise), parse_timed(f"{MODEL.name} + force-drift"))
+    found = identify(
+        replace(blank, response=exact + noise), parse_timed(f"{MODEL.name} + force-drift")
+    )
     row = found.parameters["force-drift.rate"]
     assert row["low"] < 0.004 < row["high"]
     assert found.tests[0].ratio < 1.15
@@ -118,7 +132,9 @@ def test_a_drift_is_told_from_a_record_that_warms():
 
 def test_what_cannot_follow_it_is_refused_by_name():
     blank, _ = relaxed(WARMER[1:])
-    with pytest.raises(ModelError, match="'ageing' turns the material's clock, which the moving temperature turns"):
+    with pytest.raises(
+        ModelError, match="'ageing' turns the material's clock, which the moving temperature turns"
+    ):
         identify(blank, parse_timed(f"{MODEL.name} + ageing"))
     loading = Loading(T, T)
     pulled = TimeTest(T, T, loading, "force", "-", "kPa", warmth=WARMER)

@@ -13,14 +13,22 @@ import pytest
 from chromium import CHROMIUM
 from springpot.web import Workbench
 
-playwright = pytest.importorskip("playwright.sync_api", reason="the extra 'browser' is not installed")
-IN_A_BROWSER = pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium here: 'apt-get install chromium'")
+playwright = pytest.importorskip(
+    "playwright.sync_api", reason="the extra 'browser' is not installed"
+)
+IN_A_BROWSER = pytest.mark.skipif(
+    CHROMIUM is None, reason="there is no Chromium here: 'apt-get install chromium'"
+)
 
 PATIENCE = 120_000
-"""Milliseconds for an answer: a machine of many tests is slow, and what is lost for good is still seen."""
+"""Milliseconds for an answer.
+
+A machine of many tests is slow, and what is lost for good is still seen.
+"""
 LOOK = 20
 """Milliseconds between looks at what cannot be waited for otherwise."""
-# Any name is nowhere: whatever the page asks of another machine fails, and is seen among its requests.
+# Any name is nowhere: whatever the page asks of another machine fails, and is seen among its
+# requests.
 CUT = ["--no-sandbox", "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", "--disable-gpu"]
 Open = Callable[..., Any]
 
@@ -36,11 +44,16 @@ class Page:
         self.page = context.new_page()
         self.page.set_default_timeout(PATIENCE)
         self.page.on("pageerror", lambda error: self.faults.append(str(error)))
-        self.page.on("console", lambda said: self.faults.append(said.text) if said.type == "error" else None)
+        self.page.on(
+            "console", lambda said: self.faults.append(said.text) if said.type == "error" else None
+        )
         self.page.goto(bench.address)
 
     def done(self) -> None:
-        """Wait until nothing is read or computed any more: the page is busy from the very event that asks for it."""
+        """Wait until nothing is read or computed any more.
+
+        The page is busy from the very event that asks for it.
+        """
         self.page.locator("body:not([aria-busy])").wait_for(state="attached")
 
     def drop(self, name: str, content: bytes) -> None:
@@ -68,7 +81,9 @@ class Page:
 
     def shows(self, expression: str) -> None:
         """Wait for the answer on a model."""
-        playwright.expect(self.page.locator("#verdict")).to_contain_text(f"{expression}:", timeout=PATIENCE)
+        playwright.expect(self.page.locator("#verdict")).to_contain_text(
+            f"{expression}:", timeout=PATIENCE
+        )
         self.done()
 
     def error(self) -> float:
@@ -82,7 +97,9 @@ class Page:
         with self.page.expect_download() as found:
             self.page.click(f'[data-leave="{kind}"]')
             self.page.locator("#done:not(:empty)").wait_for()
-            if self.page.locator("#done a").count():  # it took long: the browser wants another click
+            if self.page.locator(
+                "#done a"
+            ).count():  # it took long: the browser wants another click
                 self.page.click("#done a")
         return found.value.suggested_filename, Path(found.value.path()).read_bytes()
 
@@ -93,7 +110,10 @@ class Page:
 
     @contextmanager
     def held(self, task: str) -> Iterator[None]:
-        """Whatever the page asks of this task is only sent when this ends: a server as slow as one likes."""
+        """Whatever the page asks of this task is only sent when this ends.
+
+        A server as slow as one likes.
+        """
         waiting: list[Any] = []
         pattern = f"**/api/{task}*"
         self.page.route(pattern, lambda route: waiting.append(route))
@@ -115,7 +135,11 @@ class Page:
     def close(self) -> None:
         """Nothing went wrong, and nothing left this machine."""
         assert self.faults == []
-        assert [url for url in self.requests if not url.startswith(("http://127.0.0.1:", "data:", "blob:"))] == []
+        assert [
+            url
+            for url in self.requests
+            if not url.startswith(("http://127.0.0.1:", "data:", "blob:"))
+        ] == []
         self.context.close()
 
 
@@ -128,14 +152,18 @@ def violations_on(page: Any) -> list[str]:
 
 
 def tab_to(here: Page, name: str, start: str = "") -> set[str]:
-    """Go on with Tab until something of that id, label or kind has the focus; all that had it on the way."""
+    """Go on with Tab until something of that id, label or kind has the focus.
+
+    All that had it on the way.
+    """
     if start:
         here.page.locator(f"#{start}").focus()
     seen: set[str] = set()
     for _ in range(80):
         here.page.keyboard.press("Tab")
         focused = here.page.evaluate(
-            "() => { const at = document.activeElement; return [at.id, at.ariaLabel, at.dataset.leave]; }"
+            "() => { const at = document.activeElement; "
+            "return [at.id, at.ariaLabel, at.dataset.leave]; }"
         )
         seen |= {str(one) for one in focused}
         if name in focused:

@@ -25,15 +25,22 @@ README = Path(__file__).resolve().parents[2] / "README.md"
 @pytest.fixture(scope="session")
 def damper() -> bytes:
     """The file that the README tells to write."""
-    found = re.search(r"^```csv damper.csv\n(.*?)^```$", README.read_text(encoding="utf-8"), re.M | re.S)
+    found = re.search(
+        r"^```csv damper.csv\n(.*?)^```$", README.read_text(encoding="utf-8"), re.M | re.S
+    )
     assert found is not None
     return found[1].encode()
 
 
 @pytest.fixture(scope="session")
 def named(damper: bytes) -> Iterator[Workbench]:
-    """A workbench opened from Python on a measurement and a model; who closes it is the last to use it."""
-    running = springpot.workbench(measured_in("damper.csv", damper)[0], "fractional-maxwell", browser=False)
+    """A workbench opened from Python on a measurement and a model.
+
+    Who closes it is the last to use it.
+    """
+    running = springpot.workbench(
+        measured_in("damper.csv", damper)[0], "fractional-maxwell", browser=False
+    )
     yield running
     running.close()
 
@@ -59,7 +66,10 @@ def browser() -> Iterator[Any]:
 
 @pytest.fixture
 def page(browser: Any, bench: Workbench) -> Iterator[Open]:
-    """Opens pages of the one workbench, each of a person of its own; at the end none of them had a fault."""
+    """Opens pages of the one workbench, each of a person of its own.
+
+    At the end none of them had a fault.
+    """
     from browsing import Page
 
     opened: list[Page] = []

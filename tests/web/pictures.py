@@ -1,4 +1,7 @@
-"""Makes the pictures of docs/workbench.md: ``python tests/web/pictures.py``, where Chromium and Pillow are."""
+"""Makes the pictures of docs/workbench.md.
+
+``python tests/web/pictures.py``, where Chromium and Pillow are.
+"""
 
 from __future__ import annotations
 
@@ -22,14 +25,19 @@ MODEL = "fractional-maxwell"
 
 def damper() -> bytes:
     found = re.search(
-        r"^```csv damper.csv\n(.*?)^```$", (ROOT / "README.md").read_text(encoding="utf-8"), re.M | re.S
+        r"^```csv damper.csv\n(.*?)^```$",
+        (ROOT / "README.md").read_text(encoding="utf-8"),
+        re.M | re.S,
     )
     assert found is not None
     return found[1].encode()
 
 
 def unexplained() -> bytes:
-    """What no effect of a specimen is: above 5 Hz the instrument is in another range, and its gain is 5 % larger."""
+    """What no effect of a specimen is.
+
+    Above 5 Hz the instrument is in another range, and its gain is 5 % larger.
+    """
     rng, frequency = np.random.default_rng(1), np.geomspace(0.5, 50.0, 60)
     model = springpot.parse_model(MODEL)
     exact = model.stiffness(model.theta(k=400.0, c=60.0, alpha=0.55), 2 * np.pi * frequency)
@@ -43,7 +51,11 @@ def unexplained() -> bytes:
 def keep(page: Any, name: str) -> None:
     """A picture of few colours, of which a page has no more."""
     page.wait_for_timeout(700)
-    picture = Image.open(io.BytesIO(page.screenshot())).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+    picture = (
+        Image.open(io.BytesIO(page.screenshot()))
+        .convert("RGB")
+        .quantize(COLOURS, dither=Image.Dither.NONE)
+    )
     picture.save(IMAGES / f"workbench-{name}.png", optimize=True)
     print(name, (IMAGES / f"workbench-{name}.png").stat().st_size)
 
@@ -51,16 +63,22 @@ def keep(page: Any, name: str) -> None:
 def main() -> None:
     bench = springpot.workbench(browser=False)
     with sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
+        browser = driver.chromium.launch(
+            executable_path=shutil.which("chromium"), args=["--no-sandbox"]
+        )
 
         def opened(name: str, content: bytes, model: str = "", **settings: Any) -> Any:
-            context = browser.new_context(**{"viewport": {"width": 1280, "height": 800}, **settings})
+            context = browser.new_context(
+                **{"viewport": {"width": 1280, "height": 800}, **settings}
+            )
             page = context.new_page()
             page.goto(bench.address)
             page.locator("#dataset-first option").nth(1).wait_for(state="attached")
             if not name:
                 return page
-            page.set_input_files("#file-first", {"name": name, "mimeType": "text/csv", "buffer": content})
+            page.set_input_files(
+                "#file-first", {"name": name, "mimeType": "text/csv", "buffer": content}
+            )
             if model:
                 page.locator("#effects li").first.wait_for()
                 page.locator("body:not([aria-busy])").wait_for()

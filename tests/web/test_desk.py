@@ -1,4 +1,4 @@
-"""The desk: answers are shared and kept, what nobody waits for is ended, a lost worker is replaced."""
+"""The desk: answers are shared and kept, unawaited work is ended, lost workers are replaced."""
 
 from __future__ import annotations
 
@@ -29,7 +29,13 @@ def data(bench: Workbench, damper: bytes) -> dict[str, Any]:
 def asking(bench: Workbench, task: str, body: dict[str, Any]) -> socket.socket:
     """A connection on which a task was asked for and told its first stage."""
     content = json.dumps(body).encode()
-    start = head(bench, "POST", f"/api/{task}", X_Springpot_Token=token_of(bench), Content_Length=str(len(content)))
+    start = head(
+        bench,
+        "POST",
+        f"/api/{task}",
+        X_Springpot_Token=token_of(bench),
+        Content_Length=str(len(content)),
+    )
     line = socket.create_connection(("127.0.0.1", bench.port), timeout=PATIENCE)
     line.sendall((start.replace("\n", "\r\n") + "\r\n\r\n").encode() + content)
     heard = b""
@@ -53,7 +59,9 @@ def test_two_who_ask_the_same_share_one_computation(bench: Workbench, data: dict
     key = f"answer {State.of(state).key}"
     with asking(bench, "answer", {"state": state}):
         answers: list[dict[str, Any]] = []
-        other = threading.Thread(target=lambda: answers.append(ask(bench, "/api/answer", {"state": state})))
+        other = threading.Thread(
+            target=lambda: answers.append(ask(bench, "/api/answer", {"state": state}))
+        )
         other.start()
         begun = time.monotonic()
         while len(bench._desk._running[key].listeners) < 2 and time.monotonic() - begun < PATIENCE:
@@ -95,12 +103,17 @@ def test_a_fault_is_told_as_one():
 
 
 def test_messages_are_those_of_the_command_line(bench: Workbench, data: dict[str, Any]):
-    found = ask(bench, "/api/answer", {"state": {"data": data["digest"], "model": "fractional-maxwel"}})
+    found = ask(
+        bench, "/api/answer", {"state": {"data": data["digest"], "model": "fractional-maxwel"}}
+    )
     assert found == {"error": found["error"], "fault": False}
     assert "did you mean fractional-maxwell" in found["error"]
     needs = ask(bench, "/api/answer", {"state": {"data": data["digest"], "accepted": ["friction"]}})
     assert "amplitude" in needs["error"]
-    gone = raw(bench, head(bench, "POST", "/api/answer", X_Springpot_Token=token_of(bench), Content_Length="30"),
-               b'{"state": {"data": "unknown"}}')  # fmt: skip
+    gone = raw(
+        bench,
+        head(bench, "POST", "/api/answer", X_Springpot_Token=token_of(bench), Content_Length="30"),
+        b'{"state": {"data": "unknown"}}',
+    )
     assert gone[0] == 400
     assert b"drop the file again" in gone[1]

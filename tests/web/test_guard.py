@@ -32,12 +32,15 @@ def test_the_page_comes_with_a_policy_that_lets_nothing_in(bench: Workbench):
 
 
 @pytest.mark.parametrize(
-    "host", ["evil.example", "evil.example:{port}", "127.0.0.1.evil.example", "", "localhost.evil:80"]
+    "host",
+    ["evil.example", "evil.example:{port}", "127.0.0.1.evil.example", "", "localhost.evil:80"],
 )
 def test_dns_rebinding_is_refused(bench: Workbench, host: str):
     named = host.format(port=bench.port)
     for path in ("/", "/page/main.js", "/api/start"):
-        status, _ = raw(bench, head(bench, path=path, host=named, X_Springpot_Token=token_of(bench)))
+        status, _ = raw(
+            bench, head(bench, path=path, host=named, X_Springpot_Token=token_of(bench))
+        )
         assert status == 400
 
 
@@ -46,9 +49,18 @@ def test_its_own_names_are_answered(bench: Workbench, host: str):
     assert raw(bench, head(bench, host=host.format(port=bench.port)))[0] == 200
 
 
-@pytest.mark.parametrize("origin", ["http://evil.example", "null", "https://127.0.0.1", "http://127.0.0.1:1"])
+@pytest.mark.parametrize(
+    "origin", ["http://evil.example", "null", "https://127.0.0.1", "http://127.0.0.1:1"]
+)
 def test_a_foreign_origin_is_refused_even_with_the_token(bench: Workbench, origin: str):
-    start = head(bench, "POST", "/api/race", X_Springpot_Token=token_of(bench), Origin=origin, Content_Length="2")
+    start = head(
+        bench,
+        "POST",
+        "/api/race",
+        X_Springpot_Token=token_of(bench),
+        Origin=origin,
+        Content_Length="2",
+    )
     assert raw(bench, start, b"{}")[0] == 403
 
 
@@ -66,14 +78,16 @@ def test_nothing_is_computed_without_the_token(bench: Workbench, sent: dict[str,
 
 
 def test_a_header_that_stands_twice_is_refused(bench: Workbench):
-    start = head(bench, path="/api/start", X_Springpot_Token=token_of(bench)) + "\nHost: evil.example"
+    start = (
+        head(bench, path="/api/start", X_Springpot_Token=token_of(bench)) + "\nHost: evil.example"
+    )
     assert raw(bench, start)[0] == 400
 
 
 def test_a_web_socket_is_not_opened(bench: Workbench):
-    start = head(bench, path="/api/start", Upgrade="websocket", Origin="http://evil.example").replace(
-        "close", "Upgrade"
-    )
+    start = head(
+        bench, path="/api/start", Upgrade="websocket", Origin="http://evil.example"
+    ).replace("close", "Upgrade")
     assert raw(bench, start)[0] != 101
 
 
@@ -102,13 +116,23 @@ def test_no_data_set_is_a_file(bench: Workbench, name: str):
 
 
 def test_a_stated_body_that_is_too_large_is_refused_before_it_is_sent(bench: Workbench):
-    start = head(bench, "POST", "/api/data", X_Springpot_Token=token_of(bench), Content_Length=str(LARGEST + 1))
+    start = head(
+        bench,
+        "POST",
+        "/api/data",
+        X_Springpot_Token=token_of(bench),
+        Content_Length=str(LARGEST + 1),
+    )
     assert raw(bench, start)[0] == 413
 
 
 def test_a_body_without_end_is_cut_off(bench: Workbench):
     begin = head(
-        bench, "POST", "/api/data?name=x.csv", X_Springpot_Token=token_of(bench), Transfer_Encoding="chunked"
+        bench,
+        "POST",
+        "/api/data?name=x.csv",
+        X_Springpot_Token=token_of(bench),
+        Transfer_Encoding="chunked",
     )
     piece = b"100000\r\n" + b"1,2,3\n" * 174762 + b"1234\r\n"
     answer, sent = b"", 0
@@ -126,7 +150,8 @@ def test_a_body_without_end_is_cut_off(bench: Workbench):
         except OSError as error:
             ended = error
     assert sent < 2 * LARGEST
-    # A connection that is shut while one still sends may lose the answer: then it was cut, and nothing else happened.
+    # A connection that is shut while one still sends may lose the answer: then it was cut, and
+    # nothing else happened.
     if answer:
         assert b" 413 " in answer
     else:
@@ -159,7 +184,13 @@ def test_hostile_names_name_nothing(bench: Workbench, damper: bytes, name: str):
 
 @pytest.mark.parametrize(
     "choice",
-    ["/../../../../etc/passwd", "#/etc/passwd", "?frequency=/etc/passwd", "@/etc/passwd", "#../../x?y=../../z"],
+    [
+        "/../../../../etc/passwd",
+        "#/etc/passwd",
+        "?frequency=/etc/passwd",
+        "@/etc/passwd",
+        "#../../x?y=../../z",
+    ],
 )
 def test_no_answer_to_a_question_opens_a_file(bench: Workbench, damper: bytes, choice: str):
     from urllib.parse import quote
@@ -177,7 +208,13 @@ def test_hostile_words_in_a_file_come_as_plain_text(bench: Workbench):
     )
     _, answer = raw(
         bench,
-        head(bench, "POST", "/api/data?name=x.csv", X_Springpot_Token=token_of(bench), Content_Length=str(len(text))),
+        head(
+            bench,
+            "POST",
+            "/api/data?name=x.csv",
+            X_Springpot_Token=token_of(bench),
+            Content_Length=str(len(text)),
+        ),
         text.encode(),
     )
     assert b"application/x-ndjson" in answer
@@ -199,10 +236,17 @@ def test_an_archive_that_unpacks_without_end_is_ended_in_one_line(bench: Workben
 
 
 @pytest.mark.parametrize(
-    "body", [b"", b"[]", b"{", b"[" * 100000, b'{"state": 3}', b'{"state": {"data": 5}}', b"\xff\xfe"]
+    "body",
+    [b"", b"[]", b"{", b"[" * 100000, b'{"state": 3}', b'{"state": {"data": 5}}', b"\xff\xfe"],
 )
 def test_broken_requests_are_answered_in_one_line(bench: Workbench, body: bytes):
-    start = head(bench, "POST", "/api/answer", X_Springpot_Token=token_of(bench), Content_Length=str(len(body)))
+    start = head(
+        bench,
+        "POST",
+        "/api/answer",
+        X_Springpot_Token=token_of(bench),
+        Content_Length=str(len(body)),
+    )
     status, answer = raw(bench, start, body)
     assert status == 400
     assert json.loads(answer.partition(b"\r\n\r\n")[2])["fault"] is False
@@ -212,8 +256,12 @@ def test_twenty_slow_connections_hinder_nobody(bench: Workbench):
     slow = []
     for i in range(20):
         line = socket.create_connection(("127.0.0.1", bench.port))
-        start = head(bench, "POST", "/api/data", X_Springpot_Token=token_of(bench), Content_Length="1000")
-        line.sendall((start.replace("\n", "\r\n") + "\r\n\r\nabc").encode() if i % 2 else start[:40].encode())
+        start = head(
+            bench, "POST", "/api/data", X_Springpot_Token=token_of(bench), Content_Length="1000"
+        )
+        line.sendall(
+            (start.replace("\n", "\r\n") + "\r\n\r\nabc").encode() if i % 2 else start[:40].encode()
+        )
         slow.append(line)
     beside = [answered(bench) for _ in range(5)]
     for line in slow:
@@ -240,7 +288,10 @@ def test_base64_is_made_by_the_server_alone(bench: Workbench, damper: bytes):
 def test_the_page_itself_may_be_come_to_from_a_file(bench: Workbench):
     come = {"Sec_Fetch_Site": "cross-site", "Sec_Fetch_Mode": "navigate"}
     assert raw(bench, head(bench, **come))[0] == 200
-    assert raw(bench, head(bench, path="/api/start", X_Springpot_Token=token_of(bench), **come))[0] == 403
+    assert (
+        raw(bench, head(bench, path="/api/start", X_Springpot_Token=token_of(bench), **come))[0]
+        == 403
+    )
 
 
 @pytest.fixture
@@ -261,7 +312,9 @@ def test_half_a_head_is_not_waited_for_without_end(impatient: Workbench, sent: b
 
 
 def test_half_a_head_behind_a_whole_request_is_not_waited_for_either(impatient: Workbench):
-    whole = head(impatient, path="/page/icon.svg").replace("close", "keep-alive").replace("\n", "\r\n")
+    whole = (
+        head(impatient, path="/page/icon.svg").replace("close", "keep-alive").replace("\n", "\r\n")
+    )
     with socket.create_connection(("127.0.0.1", impatient.port), timeout=30.0) as line:
         line.sendall(whole.encode() + b"\r\n\r\n")
         assert line.recv(12) == b"HTTP/1.1 200"
@@ -274,7 +327,9 @@ def test_half_a_head_behind_a_whole_request_is_not_waited_for_either(impatient: 
 
 
 def test_many_half_heads_keep_nobody_out(impatient: Workbench, capfd: pytest.CaptureFixture[str]):
-    lines = [socket.create_connection(("127.0.0.1", impatient.port), timeout=30.0) for _ in range(40)]
+    lines = [
+        socket.create_connection(("127.0.0.1", impatient.port), timeout=30.0) for _ in range(40)
+    ]
     for line in lines:
         with contextlib.suppress(OSError):
             line.sendall(b"GET / HTTP/1.1\r\nHos")

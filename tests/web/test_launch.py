@@ -32,7 +32,9 @@ WHOLE = "from springpot.web import Workbench; import numpy; Workbench()"
 
 def test_the_command_prints_its_address_first_and_ends_with_ctrl_c(tmp_path: Path):
     command = [sys.executable, "-m", "springpot", "workbench", "--no-browser"]
-    running = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    running = subprocess.Popen(
+        command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
     assert running.stdout is not None
     assert running.stdout.readline().startswith("springpot workbench: http://127.0.0.1:")
     running.send_signal(signal.SIGINT)
@@ -55,9 +57,17 @@ def test_data_that_cannot_be_used_end_it_in_one_line(tmp_path: Path):
 @pytest.mark.parametrize(
     ("spec", "model", "says"),
     [
-        ("dampr.csv", "", "'dampr.csv': there is no such file or data set: did you mean damper.csv?"),
+        (
+            "dampr.csv",
+            "",
+            "'dampr.csv': there is no such file or data set: did you mean damper.csv?",
+        ),
         ("no-such-set", "", "neither a file nor a registered data set"),
-        ("damper.csv", "fractional-maxwel", "unknown model 'fractional-maxwel': did you mean fractional-maxwell"),
+        (
+            "damper.csv",
+            "fractional-maxwel",
+            "unknown model 'fractional-maxwel': did you mean fractional-maxwell",
+        ),
         ("", "kelvin + nonsense", "unknown effect 'nonsense'"),
         ("broken.json", "", "this is no session"),
     ],
@@ -73,7 +83,9 @@ def test_what_cannot_be_used_is_said_as_by_any_command(
     assert told["fault"] is False
 
 
-def test_a_file_that_only_asks_is_asked_about_on_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_file_that_only_asks_is_asked_about_on_the_page(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     monkeypatch.chdir(tmp_path)
     content = "frequency [Hz],storage,loss\n1,2,3\n2,3,4\n3,4,5\n4,5,6\n"
     (tmp_path / "mine.csv").write_text(content, encoding="utf-8")
@@ -86,7 +98,7 @@ def test_a_file_that_only_asks_is_asked_about_on_the_page(tmp_path: Path, monkey
 
 
 def test_ctrl_c_is_heard_even_where_python_would_swallow_it():
-    """In a callback of the interpreter a KeyboardInterrupt is printed and forgotten, and the server ran on."""
+    """A KeyboardInterrupt in an interpreter callback is printed and lost, and the server ran on."""
 
     class Forgotten:
         def __del__(self) -> None:
@@ -140,7 +152,10 @@ def test_every_file_of_the_page_is_in_the_wheel():
 
 
 def test_small_answers_are_sent_at_once(bench: Workbench):
-    """asyncio turns Nagle's algorithm off only for sockets whose protocol is named; a slider waited 40 ms for it."""
+    """asyncio turns Nagle's algorithm off only for sockets whose protocol is named.
+
+    A slider waited 40 ms for it.
+    """
     assert bench._socket.proto == socket.IPPROTO_TCP
 
 
@@ -149,7 +164,9 @@ def test_a_port_that_is_taken_is_told(bench: Workbench):
         Workbench(port=bench.port)
 
 
-def test_what_the_command_line_names_is_opened(tmp_path: Path, damper: bytes, monkeypatch: pytest.MonkeyPatch):
+def test_what_the_command_line_names_is_opened(
+    tmp_path: Path, damper: bytes, monkeypatch: pytest.MonkeyPatch
+):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "damper.csv").write_bytes(damper)
     found = begin(print, str(tmp_path / "damper.csv"))
@@ -157,7 +174,10 @@ def test_what_the_command_line_names_is_opened(tmp_path: Path, damper: bytes, mo
     session = json.dumps(a_session(measured_in("damper.csv", damper)[0])).encode()
     (tmp_path / "damper.json").write_bytes(session)
     opened = begin(print, "damper.json")
-    assert opened["session"] == understand(print, "x.json", base64.b64encode(session).decode())["session"]
+    assert (
+        opened["session"]
+        == understand(print, "x.json", base64.b64encode(session).decode())["session"]
+    )
     assert opened["text"] == found["text"]
 
 
@@ -170,7 +190,10 @@ def test_time_signals_are_one_point_of_a_test(tmp_path: Path):
 
 
 def test_the_browser_is_called_without_the_token(monkeypatch: pytest.MonkeyPatch):
-    """All users of a machine see what a process is called with; only its owner reads the file that is named."""
+    """All users of a machine see what a process is called with.
+
+    Only its owner reads the file that is named.
+    """
     called: list[str] = []
     monkeypatch.setattr("webbrowser.open", lambda address: called.append(address))
     running = Workbench().start()

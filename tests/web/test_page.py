@@ -1,4 +1,7 @@
-"""The page in a real browser, with the network cut: the README's story by mouse, by keyboard and on a phone."""
+"""The page in a real browser, with the network cut.
+
+The README's story by mouse, by keyboard and on a phone.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +29,8 @@ COST_OF_A_PREVIEW = """() => {
         work();
         return performance.now() - begun;
     };
-    // Takes a frame at 60 Hz on the machine on which this was written: a slower one is slower at both.
+    // Takes a frame at 60 Hz on the machine on which this was written:
+    // a slower one is slower at both.
     const frame = () => {
         let sum = 0;
         for (let i = 0; i < 500_000; i += 1) sum += Math.exp(Math.sin(i));
@@ -216,7 +220,9 @@ def the_report_is_the_page_with_its_hovers(here: Page, report: bytes, folder: Pa
     assert "Δ ln K" in page.text_content("#plot-residual")
     page.click("#effect-inertia")
     assert page.locator("#accept").is_hidden()
-    assert page.inner_text("#verdict").startswith(f"{MODEL}: effect-missing"), "a report accepts nothing"
+    assert page.inner_text("#verdict").startswith(f"{MODEL}: effect-missing"), (
+        "a report accepts nothing"
+    )
     assert faults == []
     context.close()
 
@@ -312,17 +318,23 @@ def test_what_is_open_or_refused_is_told(page: Open):
     before = here.reads("#verdict")
 
     here.page.evaluate("() => document.querySelector('#open-data').click()")
-    here.page.set_input_files("#file-more", {"name": "bad.csv", "mimeType": "text/csv", "buffer": b"hello\nworld\n"})
+    here.page.set_input_files(
+        "#file-more", {"name": "bad.csv", "mimeType": "text/csv", "buffer": b"hello\nworld\n"}
+    )
     here.page.locator("#refused").wait_for()
     assert here.reads("#refused").startswith("bad.csv: ")
     assert here.reads("#verdict") == before  # nothing was lost by it
     here.done()
     here.page.fill("#expression", "kelvn")
     here.page.click("#judge")
-    playwright.expect(here.page.locator("#refused")).to_contain_text("did you mean kelvin", timeout=PATIENCE)
+    playwright.expect(here.page.locator("#refused")).to_contain_text(
+        "did you mean kelvin", timeout=PATIENCE
+    )
     here.done()
     assert here.reads("#verdict") == before
-    assert here.page.locator("#redo").get_attribute("aria-disabled") == "false", "what was refused can be seen again"
+    assert here.page.locator("#redo").get_attribute("aria-disabled") == "false", (
+        "what was refused can be seen again"
+    )
 
 
 def test_a_test_in_time_is_sent_to_the_command_that_judges_it(page: Open):
@@ -347,15 +359,22 @@ def test_ten_thousand_rows_are_drawn_and_a_computation_is_told_and_cancelled(pag
     here = page()
     rng, frequency = np.random.default_rng(5), np.geomspace(0.1, 100.0, 10_000)
     storage = 100.0 * frequency**0.3 * (1 + 0.01 * rng.normal(size=10_000))
-    rows = "".join(f"{f:.6g},{k:.6g},{0.4 * k:.6g}\n" for f, k in zip(frequency, storage, strict=True))
+    rows = "".join(
+        f"{f:.6g},{k:.6g},{0.4 * k:.6g}\n" for f, k in zip(frequency, storage, strict=True)
+    )
     here.drop("many.csv", f"frequency [Hz],storage [kPa],loss [kPa]\n{rows}".encode())
     here.page.locator("#facts").wait_for()
     assert here.reads("#facts") == "10000 points, 1 sweep, 1500 of them drawn"
     assert here.page.locator("#plot-view .mark").count() == 2 * 1500
     here.page.locator("#work").wait_for()
-    playwright.expect(here.page.locator("#stage")).not_to_contain_text("computing", timeout=PATIENCE)
+    playwright.expect(here.page.locator("#stage")).not_to_contain_text(
+        "computing", timeout=PATIENCE
+    )
     assert re.fullmatch(r".+, \d+\.\d s", here.reads("#stage"))
-    assert here.page.locator("#rank").get_attribute("title") == "wait for the computation, or cancel it"
+    assert (
+        here.page.locator("#rank").get_attribute("title")
+        == "wait for the computation, or cancel it"
+    )
     here.page.select_option("#view", "cole-cole")  # the page is not held up meanwhile
     assert "K''" in here.page.text_content("#plot-view")
     here.page.click("#cancel")
@@ -364,7 +383,9 @@ def test_ten_thousand_rows_are_drawn_and_a_computation_is_told_and_cancelled(pag
     assert "10000 points" in here.reads("#facts"), "the data stay, whatever was not computed"
 
 
-def test_three_temperatures_and_the_race(page: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_three_temperatures_and_the_race(
+    page: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     here = page()
     here.drop("gel.csv", three_temperatures())
     here.shows("material")
@@ -410,8 +431,12 @@ def test_time_signals_of_several_files_are_one_test(page: Open):
         stiffness = (1j * frequency) ** 0.4
         motion = np.exp(2j * np.pi * frequency * time)
         rows = zip(time, motion.imag, (stiffness * motion).imag, strict=True)
-        text = "time [s],displacement [mm],force [kN]\n" + "".join(f"{t:.6g},{x:.3g},{f:.3g}\n" for t, x, f in rows)
-        buffers.append({"name": f"test{frequency}.csv", "mimeType": "text/csv", "buffer": text.encode()})
+        text = "time [s],displacement [mm],force [kN]\n" + "".join(
+            f"{t:.6g},{x:.3g},{f:.3g}\n" for t, x, f in rows
+        )
+        buffers.append(
+            {"name": f"test{frequency}.csv", "mimeType": "text/csv", "buffer": text.encode()}
+        )
     here.page.locator("#dataset-first option").nth(1).wait_for(state="attached")
     here.page.set_input_files("#file-first", buffers)
     playwright.expect(here.page.locator("#facts")).to_contain_text("10 points", timeout=PATIENCE)
@@ -433,7 +458,9 @@ def test_a_lost_server_is_told_and_the_page_stays(browser: Any, named: Workbench
 
 
 @pytest.mark.parametrize("view", [{"view": "of a later version"}, {"plane": 3, "plan": "x"}])
-def test_a_session_with_an_unknown_view_is_opened_with_the_usual_one(page: Open, damper: bytes, view: dict[str, Any]):
+def test_a_session_with_an_unknown_view_is_opened_with_the_usual_one(
+    page: Open, damper: bytes, view: dict[str, Any]
+):
     here = page()
     session = a_session(measured_in("damper.csv", damper)[0]) | {"view": view}
     here.drop("session.json", json.dumps(session).encode())

@@ -1,4 +1,7 @@
-"""Whatever a person does while the page reads or computes is kept: each test holds an answer back for as long."""
+"""Whatever a person does while the page reads or computes is kept.
+
+Each test holds an answer back for as long.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,10 @@ BAD = b"hello\nworld\n"
 
 @pytest.fixture
 def judged(page: Open, damper: bytes) -> Page:
-    """The README's file with the README's model; the server has the answer from the first test that asked for it."""
+    """The README's file with the README's model.
+
+    The server has the answer from the first test that asked for it.
+    """
     here: Page = page()
     here.name(MODEL)
     here.drop("damper.csv", damper)
@@ -37,7 +43,9 @@ def models_asked(here: Page) -> list[str]:
 
 
 @pytest.mark.parametrize("dropped_first", [True, False])
-def test_a_model_that_is_named_before_its_data_are_read_is_judged(page: Open, damper: bytes, dropped_first: bool):
+def test_a_model_that_is_named_before_its_data_are_read_is_judged(
+    page: Open, damper: bytes, dropped_first: bool
+):
     here = page()
     asked = models_asked(here)
     with here.held("data"):
@@ -103,7 +111,9 @@ def test_another_view_ends_no_answer(judged: Page):
         here.page.click("#effect-inertia")
         here.page.select_option("#view", "master-curve")
     here.shows(GROWN)
-    playwright.expect(here.page.locator("#refused")).to_contain_text("no column 'amplitude' to shift by")
+    playwright.expect(here.page.locator("#refused")).to_contain_text(
+        "no column 'amplitude' to shift by"
+    )
     assert here.page.input_value("#view") == "storage-loss"
 
 
@@ -112,7 +122,10 @@ def test_a_second_click_accepts_nothing_twice_and_undo_takes_it_back(judged: Pag
     before = here.reads("#verdict")
     with here.held("answer"):
         here.page.dblclick("#effect-inertia")
-        assert here.page.locator("#accept").get_attribute("title") == "wait for the computation, or cancel it"
+        assert (
+            here.page.locator("#accept").get_attribute("title")
+            == "wait for the computation, or cancel it"
+        )
         here.page.click("#undo")
         here.done()
         assert here.reads("#verdict") == before
@@ -131,17 +144,17 @@ def test_a_curve_of_the_model_before_is_not_drawn_over_the_next(judged: Page):
     assert here.page.locator("#plot-view .line.edited").count() == 0
 
 
-def test_the_file_that_was_dropped_last_is_open_however_slowly_the_first_was_read(page: Open, damper: bytes):
+def test_the_file_that_was_dropped_last_is_open_however_slowly_the_first_was_read(
+    page: Open, damper: bytes
+):
     here = page()
-    here.page.evaluate(
-        """() => {
+    here.page.evaluate("""() => {
             const read = File.prototype.arrayBuffer;
             File.prototype.arrayBuffer = async function () {
                 if (this.name === "slow.csv") await new Promise((go) => { window.go = go; });
                 return read.call(this);
             };
-        }"""
-    )
+        }""")
     here.drop("slow.csv", damper.replace(b"73.2", b"73.9"))
     here.drop("damper.csv", damper)
     here.shows("material")
@@ -159,7 +172,9 @@ def test_answers_to_a_question_are_not_asked_for_again_by_an_answer_that_arrives
         here.page.click("text=Open instead")
         here.page.select_option("#asked-0", label="kPa")
     here.shows(GROWN)
-    assert here.page.locator("#asked-0").evaluate("choice => choice.selectedOptions[0].label") == "kPa"
+    assert (
+        here.page.locator("#asked-0").evaluate("choice => choice.selectedOptions[0].label") == "kPa"
+    )
 
 
 def test_a_state_without_an_answer_says_why_even_after_another_message(page: Open, damper: bytes):

@@ -28,13 +28,17 @@ def test_a_study_is_told_with_its_tables(tmp_path: Path, monkeypatch: pytest.Mon
 
 
 @pytest.mark.parametrize("name", ["../secret", "/etc", "", "small"])
-def test_no_name_leads_out_of_the_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str):
+def test_no_name_leads_out_of_the_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(DataError, match="no study"):
         study(name)
 
 
-def test_a_broken_store_is_told_of_and_hides_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_broken_store_is_told_of_and_hides_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     monkeypatch.chdir(tmp_path)
     folder = tmp_path / "results" / "broken"
     folder.mkdir(parents=True)

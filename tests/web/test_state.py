@@ -1,4 +1,7 @@
-"""Pure parts of the workbench: states, data as text, sessions, what one leaves with, parameters by hand."""
+"""Pure parts of the workbench.
+
+States, data as text, sessions, what one leaves with, parameters by hand.
+"""
 
 from __future__ import annotations
 
@@ -66,7 +69,9 @@ ANYTHING = st.none() | st.integers() | st.floats() | st.text() | st.lists(st.tex
 
 
 @settings(max_examples=50)
-@given(st.dictionaries(st.sampled_from(["data", "model", "accepted", "excluded", "seed"]), ANYTHING))
+@given(
+    st.dictionaries(st.sampled_from(["data", "model", "accepted", "excluded", "seed"]), ANYTHING)
+)
 def test_a_state_takes_nothing_that_is_none(anything: dict[str, object]):
     try:
         state = State.of(anything)
@@ -112,14 +117,23 @@ def test_what_is_left_out_is_left_out_and_nothing_else(data: Measurement):
 
 
 def test_new_data_join_in_the_units_that_are_there(data: Measurement):
-    other = measured_in("more.csv", b"frequency [Hz],storage [N/mm],loss [N/mm]\n60,250,50\n80,220,40\n")[0]
+    other = measured_in(
+        "more.csv", b"frequency [Hz],storage [N/mm],loss [N/mm]\n60,250,50\n80,220,40\n"
+    )[0]
     both = joined(data, other)
     assert both.units == data.units
     assert both.storage[-2:] == pytest.approx([250.0, 220.0])
     assert text_of(measurement_of(text_of(both))) == text_of(both)
     with pytest.raises(DataError, match="no joint test"):
-        joined(data, measured_in("p.csv", b"frequency [Hz],storage [Pa],loss [Pa]\n60,250,50\n80,220,40\n")[0])
-    strained = b"frequency [Hz],storage [kN/m],loss [kN/m],amplitude [%s]\n60,250,50,1\n80,220,40,1\n"
+        joined(
+            data,
+            measured_in("p.csv", b"frequency [Hz],storage [Pa],loss [Pa]\n60,250,50\n80,220,40\n")[
+                0
+            ],
+        )
+    strained = (
+        b"frequency [Hz],storage [kN/m],loss [kN/m],amplitude [%s]\n60,250,50,1\n80,220,40,1\n"
+    )
     in_mm, in_percent = (measured_in("a.csv", strained % unit)[0] for unit in (b"mm", b"%"))
     with pytest.raises(DataError, match="different kinds"):
         joined(in_mm, in_percent)
@@ -151,7 +165,9 @@ def test_the_rivals_part_where_the_next_experiment_measures(first: dict, data: M
     )
     storage = [np.array(rival["storage"]) for rival in rivals]
     assert np.max(np.abs(storage[0] - storage[1]) / np.array(rivals[0]["width"])) > 5
-    assert proposed_points(first["next"]["action"], data).omega == pytest.approx(first["next"]["action"]["omega"])
+    assert proposed_points(first["next"]["action"], data).omega == pytest.approx(
+        first["next"]["action"]["omega"]
+    )
 
 
 def test_ten_thousand_rows_are_drawn_as_few(rng: np.random.Generator):
@@ -188,19 +204,26 @@ def test_the_exported_script_gives_the_numbers_of_the_page(
     out = capsys.readouterr().out
     steps = ladder_of(state, data).steps
     for step in steps:
-        assert f"{step.model}: error {step.relative_rms:.6%}, noise floor {step.noise_floor:.6%}" in out
+        assert (
+            f"{step.model}: error {step.relative_rms:.6%}, noise floor {step.noise_floor:.6%}"
+            in out
+        )
     value = steps[-1].parameters["inertia.m"]
     assert f"inertia.m = {value.value:.6g} [{value.low:.6g}, {value.high:.6g}] kg" in out
 
 
-def test_new_data_where_it_was_proposed_break_the_tie(ladder: Ladder, data: Measurement, rng: np.random.Generator):
+def test_new_data_where_it_was_proposed_break_the_tie(
+    ladder: Ladder, data: Measurement, rng: np.random.Generator
+):
     before = ladder.diagnosis
     assert set(before.next_experiment.separates) == {"inertia", "specimen-inertia"}
     assert set(before.classes[0]) == {"inertia", "specimen-inertia"}
     few = {"omega": before.next_experiment.action["omega"][::4]}
     points = proposed_points(few, data)
     grown = springpot.parse_model(f"{MODEL} + inertia")
-    exact = grown.stiffness(grown.theta(**{"k": 400e3, "c": 60e3, "alpha": 0.55, "inertia.m": 0.6}), points)
+    exact = grown.stiffness(
+        grown.theta(**{"k": 400e3, "c": 60e3, "alpha": 0.55, "inertia.m": 0.6}), points
+    )
     noise = 0.005 * (rng.normal(size=len(exact)) + 1j * rng.normal(size=len(exact)))
     measured = Measurement(points.omega, exact * (1 + noise) / 1e3, units=data.units, name="next")
     after = springpot.discover(joined(data, measured), MODEL, accept=[]).diagnosis
@@ -210,26 +233,55 @@ def test_new_data_where_it_was_proposed_break_the_tie(ladder: Ladder, data: Meas
 
 def test_a_name_cannot_break_out_of_the_script(state: State):
     evil = '"""\nimport os; os.system("touch pwned")\n#'
-    for text in (leaving.script(state, evil), leaving.script(State(state.data, evil[:60], (evil[:40],)), "x.csv")):
+    for text in (
+        leaving.script(state, evil),
+        leaving.script(State(state.data, evil[:60], (evil[:40],)), "x.csv"),
+    ):
         compiled = compile(text, "script", "exec")
         assert "os" not in compiled.co_names
 
 
 def test_the_command_line_is_that_of_the_state(state: State):
     words = shlex.split(leaving.command(state.accepting("inertia"), "my damper.csv"))
-    assert words == ["springpot", "discover", "my damper.csv", "--model", MODEL, "--accept", "inertia", "--seed", "0"]
-    assert shlex.split(leaving.command(State("x"), "d.csv")) == ["springpot", "diagnose", "d.csv", "--seed", "0"]
+    assert words == [
+        "springpot",
+        "discover",
+        "my damper.csv",
+        "--model",
+        MODEL,
+        "--accept",
+        "inertia",
+        "--seed",
+        "0",
+    ]
+    assert shlex.split(leaving.command(State("x"), "d.csv")) == [
+        "springpot",
+        "diagnose",
+        "d.csv",
+        "--seed",
+        "0",
+    ]
     left_out = State("x", MODEL, (), (1, 7, 8))
-    assert leaving.command(left_out, "d.csv").endswith("--exclude row=8..9 --exclude row=2 --seed 0")
+    assert leaving.command(left_out, "d.csv").endswith(
+        "--exclude row=8..9 --exclude row=2 --seed 0"
+    )
     assert leaving.source_of("data/damper.csv", left_out, False) == "data/damper.csv"
     assert leaving.source_of("data/damper.csv", left_out, True) == "damper-used.csv"
-    assert leaving.source_of("damper.csv", State("x", MODEL, (), tuple(range(0, 90, 2))), False) == "damper-used.csv"
+    assert (
+        leaving.source_of("damper.csv", State("x", MODEL, (), tuple(range(0, 90, 2))), False)
+        == "damper-used.csv"
+    )
 
 
 def test_curves_leave_with_units_in_their_header(ladder: Ladder, data: Measurement):
     lines = leaving.curves_csv(ladder, data).splitlines()
     columns = lines[0].split(",")
-    assert columns[2:6] == ["frequency [Hz]", "omega [rad/s]", "data storage [kN/m]", "data loss [kN/m]"]
+    assert columns[2:6] == [
+        "frequency [Hz]",
+        "omega [rad/s]",
+        "data storage [kN/m]",
+        "data loss [kN/m]",
+    ]
     row = lines[1].split(",")
     assert float(row[3]) == pytest.approx(2 * np.pi * float(row[2]))
     assert float(row[4]) == pytest.approx(data.storage[0])
@@ -238,7 +290,9 @@ def test_curves_leave_with_units_in_their_header(ladder: Ladder, data: Measureme
 
 def test_the_plan_opens_as_data_once_it_is_filled_in(ladder: Ladder, data: Measurement):
     plan = leaving.plan_csv(ladder, data)
-    filled = "".join(f"{line[:-1]}5,3\n" if line[0].isdigit() else f"{line}\n" for line in plan.splitlines())
+    filled = "".join(
+        f"{line[:-1]}5,3\n" if line[0].isdigit() else f"{line}\n" for line in plan.splitlines()
+    )
     assert len(measured_in("plan.csv", filled.encode())[0]) == 20
 
 
@@ -254,7 +308,9 @@ def test_a_fit_by_hand_keeps_what_was_fixed_and_is_otherwise_the_fit(data: Measu
     assert fixed["error"] > free["error"]
     hands["k"] = {"value": 310.0, "lower": 305.0, "upper": 320.0}
     assert 305.0 <= held(print, state, text, hands)["values"]["k"] <= 320.0 * (1 + 1e-9)
-    drawn = curve(print, state, text, {name: {"value": value} for name, value in free["values"].items()})
+    drawn = curve(
+        print, state, text, {name: {"value": value} for name, value in free["values"].items()}
+    )
     assert drawn["points"] == free["points"]
     for wrong in ({"value": 400.0, "upper": 320.0}, {"value": -1.0}, {"value": None}, 3):
         with pytest.raises(ModelError, match=r"k = .* is not within|no value"):
@@ -286,7 +342,8 @@ def test_a_session_opens_as_it_was(data: Measurement):
 
 @pytest.mark.parametrize("key", ["data", "branches", "schema"])
 @pytest.mark.parametrize(
-    "value", [None, 3, [], {}, "x", [[]], {"text": 3}, [{"states": []}], [{"states": [{"accepted": 3}]}]]
+    "value",
+    [None, 3, [], {}, "x", [[]], {"text": 3}, [{"states": []}], [{"states": [{"accepted": 3}]}]],
 )
 def test_a_broken_session_is_refused_in_one_line(data: Measurement, key: str, value: object):
     with pytest.raises(DataError) as error:
@@ -298,7 +355,9 @@ def test_rivals_are_curves_where_only_the_frequency_moves(first: dict):
     frequency = first["next"]["frequency"]
     proposed = np.array(first["next"]["action"]["omega"]) / (2 * np.pi)
     assert len(frequency) > 5 * len(proposed)
-    assert (frequency[0], frequency[-1]) == pytest.approx((proposed.min(), proposed.max()), rel=1e-5)
+    assert (frequency[0], frequency[-1]) == pytest.approx(
+        (proposed.min(), proposed.max()), rel=1e-5
+    )
     assert all(len(rival["storage"]) == len(frequency) for rival in first["next"]["rivals"])
 
 
@@ -308,35 +367,48 @@ def test_signals_of_several_frequencies_are_one_measurement():
     def signals(frequency: float) -> Measurement:
         phase = 2 * np.pi * frequency * time
         rows = zip(time, np.sin(phase), 3.0 * np.sin(phase + 0.4), strict=True)
-        text = "time [s],displacement [mm],force [kN]\n" + "".join(f"{t:.6g},{x:.9g},{f:.9g}\n" for t, x, f in rows)
+        text = "time [s],displacement [mm],force [kN]\n" + "".join(
+            f"{t:.6g},{x:.9g},{f:.9g}\n" for t, x, f in rows
+        )
         return measured_in(f"{frequency}.csv", text.encode())[0]
 
     both = joined(joined(signals(1.0), signals(2.0)), signals(5.0))
     assert both.frequency == pytest.approx([1.0, 2.0, 5.0], rel=1e-6)
     assert both.repeat is None
     assert both.stiffness == pytest.approx(np.full(3, 3.0 * np.exp(0.4j)), rel=1e-6)
-    repeated = Measurement(both.omega, 1.001 * both.stiffness, conditions=both.conditions, units=both.units)
+    repeated = Measurement(
+        both.omega, 1.001 * both.stiffness, conditions=both.conditions, units=both.units
+    )
     again = joined(both, repeated)
     assert set(again.repeat.tolist()) == {0, 1}
 
 
 def test_places_in_hertz_stand_where_the_axis_is_in_radians():
-    """Data told in rad/s have an axis in rad/s; places of a diagnosis and a plan are in Hz and need the factor."""
+    """Data told in rad/s have an axis in rad/s.
+
+    Places of a diagnosis and a plan are in Hz and need the factor.
+    """
     omega = np.geomspace(1.0, 100.0, 8)
     for clock, factor in (("Hz", 1.0), ("rad/s", 2.0 * np.pi)):
-        data = springpot.Measurement(omega, omega * (1.0 + 1.0j), units=springpot.Units("Pa", "-", clock))
+        data = springpot.Measurement(
+            omega, omega * (1.0 + 1.0j), units=springpot.Units("Pa", "-", clock)
+        )
         scene = PageScene(data).to_dict()
         assert clock in scene["axis"]["label"]
         assert scene["axis"]["per_hertz"] == pytest.approx(factor)
         np.testing.assert_allclose(scene["x"], data.frequency * factor, rtol=1e-5)
-    turned = springpot.Measurement(omega[:1].repeat(4), [1 + 1j] * 4, conditions={"amplitude": [1.0, 2.0, 4.0, 8.0]})
+    turned = springpot.Measurement(
+        omega[:1].repeat(4), [1 + 1j] * 4, conditions={"amplitude": [1.0, 2.0, 4.0, 8.0]}
+    )
     assert PageScene(turned).to_dict()["axis"]["per_hertz"] == 1.0
 
 
 def test_a_file_that_is_added_to_itself_is_no_repeat_without_noise(data: Measurement):
     with pytest.raises(DataError, match="stand in the open data already"):
         joined(data, data)
-    again = Measurement(data.omega[3:6], 1.001 * data.stiffness[3:6], units=data.units, name="again")
+    again = Measurement(
+        data.omega[3:6], 1.001 * data.stiffness[3:6], units=data.units, name="again"
+    )
     assert len(joined(data, again)) == len(data) + 3
 
 
@@ -346,7 +418,9 @@ def test_the_error_is_relative_to_what_was_measured_as_the_page_says(data: Measu
     one = data.subset(np.arange(len(data)) == 0)
     exact = abs(half.item() / one.stiffness[0] - 1.0)
     assert relative_error(one, model, half) == pytest.approx(exact)
-    words = (Path(springpot.__file__).parent / "web" / "page" / "main.js").read_text(encoding="utf-8")
+    words = (Path(springpot.__file__).parent / "web" / "page" / "main.js").read_text(
+        encoding="utf-8"
+    )
     assert "|K_model - K| / |K|" in words
 
 

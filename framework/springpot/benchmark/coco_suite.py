@@ -1,4 +1,6 @@
-"""Post-processing of a COCO export: tells cocopp of springpot's suite, which it does not know by itself.
+"""Post-processing of a COCO export.
+
+Tells cocopp of springpot's suite, which it does not know by itself.
 
 ``python -m springpot.benchmark.coco_suite FOLDER [-o OUTPUT]`` writes cocopp's HTML report.
 """
@@ -63,14 +65,21 @@ def _settings(names: dict[int, str], dimensions: Sequence[int]) -> dict[str, Any
     filler = [d for d in (2, 3, 5, 10, 20, 40, 1) if d not in dimensions]
     shown = sorted([*dimensions, *filler[: max(0, 6 - len(dimensions))]])
     of_interest = (min(dimensions), max(dimensions))
+    pages = [f"pprldmany_{d:02d}D_noiselessall.svg" for d in sorted(dimensions)]
     return {
-        "name": SUITE, "short_names": names, "reference_algorithm_filename": None,
-        "reference_algorithm_displayname": None, "first_function_number": min(names),
-        "last_function_number": max(names), "functions_with_legend": (min(names), max(names)),
-        "dimensions_to_display": tuple(shown), "goto_dimension": max(dimensions),
-        "rldDimsOfInterest": of_interest, "tabDimsOfInterest": of_interest,
-        "plots_on_main_html_page": [f"pprldmany_{d:02d}D_noiselessall.svg" for d in sorted(dimensions)],
-    }  # fmt: skip
+        "name": SUITE,
+        "short_names": names,
+        "reference_algorithm_filename": None,
+        "reference_algorithm_displayname": None,
+        "first_function_number": min(names),
+        "last_function_number": max(names),
+        "functions_with_legend": (min(names), max(names)),
+        "dimensions_to_display": tuple(shown),
+        "goto_dimension": max(dimensions),
+        "rldDimsOfInterest": of_interest,
+        "tabDimsOfInterest": of_interest,
+        "plots_on_main_html_page": pages,
+    }
 
 
 def postprocess(folder: Path, output: Path) -> Any:
@@ -94,11 +103,15 @@ def postprocess(folder: Path, output: Path) -> Any:
         If `folder` holds no export or cocopp is not installed.
     """
     if not (folder / NAMES).is_file():
-        raise StudyError(f"{folder} holds no COCO export: write one with springpot export STUDY --format coco")
+        raise StudyError(
+            f"{folder} holds no COCO export: write one with springpot export STUDY --format coco"
+        )
     lines = (folder / NAMES).read_text(encoding="utf-8").splitlines()
     names = {int(number): name for number, _, name in (line.partition(" ") for line in lines)}
     runs = sorted(path for path in folder.iterdir() if path.is_dir() and any(path.glob("*.info")))
-    dimensions = sorted({int(path.stem.rpartition("DIM")[2]) for path in folder.glob("*/data_f*/*.dat")})
+    dimensions = sorted(
+        {int(path.stem.rpartition("DIM")[2]) for path in folder.glob("*/data_f*/*.dat")}
+    )
     register(names, dimensions)
     cocopp: Any = import_module("cocopp")
     folders = [str(path.resolve()) for path in runs]
@@ -112,7 +125,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Run as a program."""
     parser = argparse.ArgumentParser(description="cocopp's report on a COCO export of springpot.")
     parser.add_argument("folder", type=Path, help="what springpot export --format coco wrote")
-    parser.add_argument("-o", "--output", type=Path, help="where the report goes, by default FOLDER/report")
+    parser.add_argument(
+        "-o", "--output", type=Path, help="where the report goes, by default FOLDER/report"
+    )
     given = parser.parse_args(arguments)
     # Without a screen matplotlib would look for one.
     os.environ.setdefault("MPLBACKEND", "Agg")

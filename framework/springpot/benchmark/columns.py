@@ -22,9 +22,10 @@ Columns = dict[str, list[Any]]
 
 _WHO = ("dataset", "kind", "model", "objective", "optimiser", "options", "budget", "repetition")
 TRIAL = (
-    *_WHO, "status", "reason", "best", "oracle", "parameter_error", "theta", "evaluations", "gradients", "batched",
-    "seconds", "processor", "processor_batched",
-)  # fmt: skip
+    *_WHO,
+    *("status", "reason", "best", "oracle", "parameter_error", "theta"),
+    *("evaluations", "gradients", "batched", "seconds", "processor", "processor_batched"),
+)
 TRACE = (*_WHO, "evaluations", "best", "recommended", "oracle")
 
 
@@ -36,10 +37,13 @@ def trial_columns(store: Store) -> Columns:
 def trace_columns(store: Store) -> Columns:
     """One row for each point of each trial's trace: the geometric grid and every improvement.
 
-    ``best`` is the smallest objective so far, ``recommended`` what that point is worth without noise, ``oracle`` the
-    smallest noise-free objective among all that was evaluated so far; the last two only where the truth is known.
+    ``best`` is the smallest objective so far, ``recommended`` what that point is worth without
+    noise, ``oracle`` the smallest noise-free objective among all that was evaluated so far; the
+    last two only where the truth is known.
     """
-    points = (point for cell, rows in _trials(store) for row in rows for point in _points(cell, row))
+    points = (
+        point for cell, rows in _trials(store) for row in rows for point in _points(cell, row)
+    )
     return _filled(TRACE, points)
 
 
@@ -47,7 +51,10 @@ TABLES: dict[str, Callable[[Store], Columns]] = {"trials": trial_columns, "trace
 
 
 def frame(
-    study: Study | str | Path, library: str = "pandas", what: str = "trials", out: Path = Path("results")
+    study: Study | str | Path,
+    library: str = "pandas",
+    what: str = "trials",
+    out: Path = Path("results"),
 ) -> Any:
     """A study's results as a data frame.
 
@@ -117,17 +124,18 @@ def _filled(names: tuple[str, ...], rows: Iterator[tuple[Any, ...]]) -> Columns:
 def _who(cell: CellRow, row: TrialRow) -> tuple[Any, ...]:
     problem = cell.problem
     return (
-        problem.dataset, problem.kind, problem.model, problem.objective, cell.label, cell.options, cell.budget,
-        row.repetition,
-    )  # fmt: skip
+        *(problem.dataset, problem.kind, problem.model, problem.objective),
+        *(cell.label, cell.options, cell.budget, row.repetition),
+    )
 
 
 def _trial(cell: CellRow, row: TrialRow) -> tuple[Any, ...]:
     return (
-        *_who(cell, row), str(row.status), row.reason, row.best, row.oracle, row.parameter_error, row.theta_text,
-        row.evaluations, row.gradients, row.batched, row.seconds,
-        row.processor, row.processor_batched,
-    )  # fmt: skip
+        *_who(cell, row),
+        *(str(row.status), row.reason, row.best, row.oracle, row.parameter_error, row.theta_text),
+        *(row.evaluations, row.gradients, row.batched),
+        *(row.seconds, row.processor, row.processor_batched),
+    )
 
 
 def _points(cell: CellRow, row: TrialRow) -> Iterator[tuple[Any, ...]]:
@@ -135,7 +143,8 @@ def _points(cell: CellRow, row: TrialRow) -> Iterator[tuple[Any, ...]]:
     if not len(best[0]):
         return
     told, seen = row.recommendations(), row.oracle_trace()
-    # Improvements alone would do, but whoever draws a mean of several trials needs them at common evaluations.
+    # Improvements alone would do, but whoever draws a mean of several trials needs them at common
+    # evaluations.
     grid = np.union1d(geometric_grid(row.evaluations), best[0])
     # Before its first value a trial has none.
     grid = grid[grid >= best[0][0]]

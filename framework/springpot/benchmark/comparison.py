@@ -1,10 +1,14 @@
-"""Who wins where, and with what certainty: choices for each problem, rankings over problems, profiles.
+"""Who wins where, and with what certainty.
 
-Two trials are compared at a budget by the excess they had reached by then; below the study's target it no longer
-counts, so that two trials which reached the target are equal. Trials that failed come last.
+Choices for each problem, rankings over problems, profiles.
 
-On one problem, trials are compared (`Choice`); over several, problems are (`Ranking`), because trials of one problem
-say nothing of the next. Every table, diagram and sentence about who is better is one of these two.
+Two trials are compared at a budget by the excess they had reached by then; below the study's target
+it no longer counts, so that two trials which reached the target are equal. Trials that failed come
+last.
+
+On one problem, trials are compared (`Choice`); over several, problems are (`Ranking`), because
+trials of one problem say nothing of the next. Every table, diagram and sentence about who is better
+is one of these two.
 """
 
 from __future__ import annotations
@@ -16,8 +20,8 @@ from functools import cached_property
 
 import numpy as np
 
-from springpot.digits import counted
-from springpot.rheology import Real
+from springpot.format_numbers import counted
+from springpot.rheology.points import Real
 
 from .plan import stream_of
 from .scores import Race, Scale
@@ -39,7 +43,9 @@ from .statistics import (
 )
 
 LEVEL = 0.05
-"""Adjusted p-values up to this tell two optimisers apart: the level at which comparisons of optimisers are usually
+"""Adjusted p-values up to this tell two optimisers apart.
+
+The level at which comparisons of optimisers are usually
 published (Derrac and others 2011, doi:10.1016/j.swevo.2011.02.002)."""
 
 OVER_ALL = "all problems"
@@ -56,7 +62,8 @@ class Choice:
     budget : int
         Evaluations.
     label : str or None
-        Of those that no other beats for certain, the one that takes the fewest evaluations; None if all failed.
+        Of those that no other beats for certain, the one that takes the fewest evaluations; None if
+        all failed.
     success : Interval
         Share of its trials that reached the target.
     running_time : float
@@ -86,7 +93,10 @@ class Choice:
 
 
 def quality(race: Race, mark: int, target: float) -> Real:
-    """What each trial had reached at a mark, (entrants, n); no better than the target, infinite if it failed."""
+    """What each trial had reached at a mark, (entrants, n).
+
+    No better than the target, infinite if it failed.
+    """
     # Below the target a race is over: who got further beyond it is no better.
     clipped: Real = np.maximum(race.values[:, :, mark], target)
     return clipped
@@ -110,12 +120,16 @@ def choose(race: Race, mark: int, scale: Scale) -> Choice:
     # As if the race had ended at this budget: what was reached later did not happen yet.
     hits = np.where(race.hits <= budget, race.hits, np.inf)
     times = np.array(
-        [expected_running_time(*pair) for pair in zip(hits, np.minimum(race.spent, budget), strict=True)]
+        [
+            expected_running_time(*pair)
+            for pair in zip(hits, np.minimum(race.spent, budget), strict=True)
+        ]
     )
     best = int(np.argmin(ranks))
     others = [i for i in range(len(ranks)) if i != best]
     p = mann_whitney_holm(reached)[best]
-    # Among those that are as good the cheapest is chosen, and of equally cheap ones that of the better rank.
+    # Among those that are as good the cheapest is chosen, and of equally cheap ones that of the
+    # better rank.
     alike = sorted([best, *(i for i in others if p[i] > LEVEL)], key=lambda i: (times[i], ranks[i]))
     worse = sorted((i for i in others if p[i] <= LEVEL), key=lambda i: ranks[i])
     first, labels = alike[0], race.labels
@@ -130,8 +144,8 @@ def choose(race: Race, mark: int, scale: Scale) -> Choice:
     if worse:
         next_name, advantage = labels[worse[0]], a12(reached[first], reached[worse[0]])
     trials = hits.shape[1]
-    # All trials of one below all of the other, times the number of pairs (Holm): if even that is too large, more
-    # trials are needed and not a better optimiser.
+    # All trials of one below all of the other, times the number of pairs (Holm): if even that is
+    # too large, more trials are needed and not a better optimiser.
     least = 2 * least_mann_whitney(trials, trials) * max(pairs_of(len(ranks)), 1)
     return Choice(
         race,
@@ -167,11 +181,11 @@ class Ranking:
     labels : tuple of str
         The optimisers.
     ranks : tuple of Interval
-        Mean rank, the best being 1, with its bootstrap interval over blocks; with their range where they are too few
-        to tell any two apart.
+        Mean rank, the best being 1, with its bootstrap interval over blocks; with their range where
+        they are too few to tell any two apart.
     p : ndarray, shape (k, k)
-        Of all pairs, adjusted by Holm: Wilcoxon's signed-rank test over problems, of a single one Mann and Whitney's
-        over its trials.
+        Of all pairs, adjusted by Holm: Wilcoxon's signed-rank test over problems, of a single one
+        Mann and Whitney's over its trials.
     reached : sequence of ndarray, shape (k, n) each
         What the trials had reached, by problem.
     statistic, p_all : float
@@ -219,7 +233,7 @@ class Ranking:
 
     @cached_property
     def chances(self) -> Real:
-        """That a trial of the row's optimiser ends below one of the column's on the same problem (A12), (k, k)."""
+        """Chances (k, k) that the row's optimiser ends below the column's on a problem (A12)."""
         table: Real = np.mean([a12_table(reached) for reached in self.reached], axis=0)
         return table
 
@@ -230,7 +244,10 @@ class Ranking:
 
 
 def scopes(races: Sequence[Race]) -> Iterator[tuple[str, list[Race]]]:
-    """All problems, then those of each model and of each data set; what holds one problem is left to the choices."""
+    """All problems, then those of each model and of each data set.
+
+    What holds one problem is left to the choices.
+    """
     yield OVER_ALL, list(races)
     ways: tuple[Callable[[Race], str], ...] = (
         lambda race: f"model {race.problem.model}",
@@ -268,9 +285,13 @@ def rank(scope: str, races: Sequence[Race], mark: int, scale: Scale) -> Ranking:
     else:
         unit = "repetitions"
         blocks = reached[0].T
-        # A trial's place among one trial of each: in the order of the choice, which ranks all of them at once.
+        # A trial's place among one trial of each: in the order of the choice, which ranks all of
+        # them at once.
         within = (among[0].T - 0.5) / len(blocks) + 0.5
-        p, least = mann_whitney_holm(reached[0]), 2 * least_mann_whitney(len(blocks), len(blocks)) * pairs
+        p, least = (
+            mann_whitney_holm(reached[0]),
+            2 * least_mann_whitney(len(blocks), len(blocks)) * pairs,
+        )
     statistic = p_all = np.nan
     # Friedman's test takes three or more.
     if len(labels) > 2 and len(blocks) > 1:
@@ -323,7 +344,10 @@ class Profiles:
 
 
 def profiles(races: Sequence[Race], simplex: Real, ratios: Real) -> Profiles:
-    """Profiles over all races; each repetition counts as a problem, as its random numbers are shared."""
+    """Profiles over all races.
+
+    Each repetition counts as a problem, as its random numbers are shared.
+    """
     costs = np.concatenate([race.hits.T for race in races])
     dimensions = np.concatenate([np.full(race.hits.shape[1], race.dimension) for race in races])
     return Profiles(

@@ -1,4 +1,7 @@
-"""SQLite as a store needs it: several programs at once do no harm, and whatever goes wrong is one line."""
+"""SQLite as a store needs it.
+
+Several programs at once do no harm, and whatever goes wrong is one line.
+"""
 
 from __future__ import annotations
 
@@ -62,12 +65,15 @@ def refuse_foreign(path: Path, tables: frozenset[str]) -> None:
     if not path.is_file() or not path.stat().st_size:
         return
     # Immutable, or SQLite would leave files beside a database that is not ours.
-    with closing(sqlite3.connect(path.absolute().as_uri() + "?mode=ro&immutable=1", uri=True)) as db:
+    with closing(
+        sqlite3.connect(path.absolute().as_uri() + "?mode=ro&immutable=1", uri=True)
+    ) as db:
         if not _has_log(path):
             require_tables(db, path, tables)
             return
-        # Half of a log may be folded into the file where the disk was full: the two together are sound, and the file
-        # alone, of which any page may be missing, tells for certain only whose it is.
+        # Half of a log may be folded into the file where the disk was full: the two together are
+        # sound, and the file alone, of which any page may be missing, tells for certain only whose
+        # it is.
         with suppress(sqlite3.DatabaseError, UnicodeDecodeError):
             present = _tables(db)
             if present and tables.isdisjoint(present):
@@ -116,7 +122,7 @@ def fold(db: sqlite3.Connection) -> None:
 
 
 def replace_store(fresh: Path, path: Path) -> None:
-    """Put a closed database without a log in the place of another, with whose log it has nothing to do."""
+    """Put a closed database without a log in the place of another, whose log goes with it."""
     remove_log(path)
     fresh.replace(path)
 
@@ -132,8 +138,8 @@ def _address(path: Path, write: bool) -> str:
     address = path.absolute().as_uri()
     if write:
         return address + "?mode=rwc"
-    # A reader takes part in the log like a writer, so that a study may run meanwhile. In a folder where it cannot,
-    # nobody else writes either.
+    # A reader takes part in the log like a writer, so that a study may run meanwhile. In a folder
+    # where it cannot, nobody else writes either.
     if os.access(path.parent, os.W_OK):
         return f"{address}?mode=rw"
     return f"{address}?immutable=1"
@@ -142,7 +148,8 @@ def _address(path: Path, write: bool) -> str:
 def _log_ahead(db: sqlite3.Connection) -> None:
     """Turn the write-ahead log on.
 
-    SQLite waits for others everywhere but here: of two programs that turn it on at once, one gets an error.
+    SQLite waits for others everywhere but here: of two programs that turn it on at once, one gets
+    an error.
     """
     end = monotonic() + PATIENCE
     while True:
@@ -157,7 +164,10 @@ def _log_ahead(db: sqlite3.Connection) -> None:
 
 @contextmanager
 def transaction(db: sqlite3.Connection) -> Iterator[None]:
-    """All or nothing; it asks for the right to write at once, for which SQLite can wait without a deadlock."""
+    """All or nothing; the right to write is asked for at once.
+
+    For that SQLite can wait without a deadlock.
+    """
     db.execute("BEGIN IMMEDIATE")
     try:
         yield
@@ -176,7 +186,9 @@ def one_line(path: Path) -> Iterator[None]:
     except sqlite3.DatabaseError as error:
         raise StudyError(_explained(path, error)) from error
     except UnicodeDecodeError as error:  # SQLite's own message holds a damaged name
-        raise StudyError(_explained(path, sqlite3.DatabaseError("its tables have damaged names"))) from error
+        raise StudyError(
+            _explained(path, sqlite3.DatabaseError("its tables have damaged names"))
+        ) from error
     except OSError as error:
         raise StudyError(f"cannot write {path}: {error.strerror or error}") from error
 
@@ -184,11 +196,17 @@ def one_line(path: Path) -> Iterator[None]:
 def _explained(path: Path, error: sqlite3.DatabaseError) -> str:
     told = " ".join(str(error).split())
     if "full" in told:
-        return f"cannot write {path}: the disk is full; free some space and run again, finished trials are kept"
+        return (
+            f"cannot write {path}: the disk is full; free some space and run again, finished trials"
+            " are kept"
+        )
     if "readonly" in told or "unable to open" in told:
         return f"cannot write {path}: no permission; choose another folder with --out"
     if "locked" in told or "locking" in told:
         return f"{path} is locked by another program: close it and run again"
     if isinstance(error, sqlite3.OperationalError) and "disk I/O" in told:
-        return f"cannot use {path}: {told}; see whether its disk is full, and run again: finished trials are kept"
+        return (
+            f"cannot use {path}: {told}; see whether its disk is full, and run again: finished"
+            " trials are kept"
+        )
     return f"{path} is damaged or no study store ({told}): move it away and run again"

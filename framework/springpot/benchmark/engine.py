@@ -1,4 +1,4 @@
-"""Engines: where trials run. Each turns an iterable of tasks into a stream of results in no order."""
+"""Engines: where trials run. Each turns tasks into an unordered stream of results."""
 
 from __future__ import annotations
 
@@ -15,17 +15,22 @@ from typing import Any, Protocol
 
 from springpot.errors import SpringpotError, StudyError
 
-from .audit import Audit
 from .plan import Plan, Task
+from .recheck import Audit
 from .remote import run_tasks
 from .supervisor import LocalEngine
 from .trial import Status, TrialResult, Workshop, failure
 from .worker import Parcel
 
 ANSWER = 10.0
-"""Seconds in which a scheduler must answer: a third of the time that dask itself would wait, in silence."""
+"""Seconds in which a scheduler must answer.
+
+A third of the time that dask itself would wait, in silence.
+"""
 LOOK = 1.0
-"""Seconds after which an executor is looked after where nothing has come: soon enough for one who waits, and nothing
+"""Seconds after which an executor is looked after where nothing has come.
+
+Soon enough for one who waits, and nothing
 beside the trials."""
 
 
@@ -68,7 +73,8 @@ class SerialEngine:
 class ExecutorEngine:
     """Runs tasks on anything shaped like `concurrent.futures.Executor`.
 
-    Each of its workers runs them in supervised processes of its own, so that what a trial does harms nobody there.
+    Each of its workers runs them in supervised processes of its own, so that what a trial does
+    harms nobody there.
 
     Parameters
     ----------
@@ -138,7 +144,9 @@ class ExecutorEngine:
     ) -> Iterator[list[TrialResult]]:
         batch = busy.pop(future)
         if future.cancelled():
-            raise StudyError("the executor has cancelled its work; finished trials are kept, run again to go on")
+            raise StudyError(
+                "the executor has cancelled its work; finished trials are kept, run again to go on"
+            )
         error = future.exception()
         if error is None:
             yield future.result()
@@ -162,13 +170,21 @@ def check_engine(engine: str | Executor | None) -> None:
     StudyError
         If there is no such engine.
     """
-    named = engine in (None, "local", "serial") or (isinstance(engine, str) and engine.startswith("dask:"))
+    named = engine in (None, "local", "serial") or (
+        isinstance(engine, str) and engine.startswith("dask:")
+    )
     if not named and (isinstance(engine, str) or not hasattr(engine, "submit")):
-        raise StudyError(f"unknown engine '{engine}': use local, serial, dask:ADDRESS or an executor")
+        raise StudyError(
+            f"unknown engine '{engine}': use local, serial, dask:ADDRESS or an executor"
+        )
 
 
 def make_engine(
-    plan: Plan, script: Path | None, workers: int | None, engine: str | Executor | None, quiet: bool = False
+    plan: Plan,
+    script: Path | None,
+    workers: int | None,
+    engine: str | Executor | None,
+    quiet: bool = False,
 ) -> Engine:
     """The engine that a user asked for.
 
@@ -198,7 +214,9 @@ def make_engine(
         return SerialEngine(plan, quiet)
     if isinstance(engine, str):
         # What runs on a cluster's worker is the cluster's own program.
-        return _dask(engine.removeprefix("dask:"), Parcel.of(plan, script, quiet, own_program=False))
+        return _dask(
+            engine.removeprefix("dask:"), Parcel.of(plan, script, quiet, own_program=False)
+        )
     # Twice as many batches as workers: the next is there when a worker has done the last.
     return ExecutorEngine(engine, Parcel.of(plan, script, quiet), 2 * width)
 
@@ -215,7 +233,9 @@ def _dask(address: str, parcel: Parcel) -> Engine:
     try:
         distributed: Any = import_module("distributed")
     except ImportError:
-        raise StudyError(f"engine dask:{address} needs dask: pip install 'springpot[cluster]'") from None
+        raise StudyError(
+            f"engine dask:{address} needs dask: pip install 'springpot[cluster]'"
+        ) from None
     # What it logs of a scheduler that is gone fills a screen; we tell it in one line.
     for name in ("distributed", "distributed.client", "tornado", "tornado.application"):
         logging.getLogger(name).setLevel(logging.CRITICAL)

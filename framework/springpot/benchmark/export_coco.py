@@ -1,8 +1,9 @@
 """Export to COCO: one folder for each optimiser with the index and data files that cocopp reads.
 
-COCO's targets are absolute, from 100 down to 1e-8, so what is written is the precision (f - f_best) / (g - f_best):
-one at the study's reference g, zero at the best that is known. On noisy data with a known truth f is the
-noise-free objective, best of all that was evaluated so far, as COCO defines its third column.
+COCO's targets are absolute, from 100 down to 1e-8, so what is written is the precision (f - f_best)
+/ (g - f_best): one at the study's reference g, zero at the best that is known. On noisy data with a
+known truth f is the noise-free objective, best of all that was evaluated so far, as COCO defines
+its third column.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.files import write_text
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 from .coco_suite import NAMES, SUITE
 from .exported import Block, Export, blocks, created, left_out
@@ -27,8 +28,8 @@ from .trace import at, geometric_grid
 PRECISION = 1e-8
 """COCO's final target."""
 _HEAD = (
-    "% f evaluations | g evaluations | best noise-free fitness - Fopt (%13.12e) + sum g_i+ | measured fitness "
-    "| best measured fitness or single-digit g-values | x1 | x2...\n"
+    "% f evaluations | g evaluations | best noise-free fitness - Fopt (%13.12e) + sum g_i+ |"
+    " measured fitness | best measured fitness or single-digit g-values | x1 | x2...\n"
 )
 
 
@@ -59,8 +60,12 @@ class Scale:
 
 
 def write_coco(store: Store, folder: Path) -> Export:
-    """Write a study as COCO data; each problem is a function of the suite, each repetition an instance of it."""
-    # Once through all trials beforehand: what is best of a problem is known only when all have been seen.
+    """Write a study as COCO data.
+
+    Each problem is a function of the suite, each repetition an instance of it.
+    """
+    # Once through all trials beforehand: what is best of a problem is known only when all have been
+    # seen.
     scales = _scales(store)
     files: list[Path] = []
     names: dict[int, str] = {}
@@ -68,10 +73,17 @@ def write_coco(store: Store, folder: Path) -> Export:
     for block in blocks(store):
         where = created(folder / block.folder)
         scale = scales[block.cell.problem.id]
-        data = created(where / f"data_f{block.function}") / f"bbobexp_f{block.function}_DIM{block.dimension}.dat"
-        files.append(write_text(data, "".join(_text(row, scale, grid=False) for row in block.trials)))
+        data = (
+            created(where / f"data_f{block.function}")
+            / f"bbobexp_f{block.function}_DIM{block.dimension}.dat"
+        )
+        files.append(
+            write_text(data, "".join(_text(row, scale, grid=False) for row in block.trials))
+        )
         timed = data.with_suffix(".tdat")
-        files.append(write_text(timed, "".join(_text(row, scale, grid=True) for row in block.trials)))
+        files.append(
+            write_text(timed, "".join(_text(row, scale, grid=True) for row in block.trials))
+        )
         index = _index(block, scale, data.relative_to(where).as_posix())
         files.append(write_text(where / f"bbobexp_f{block.function}.info", index))
         # cocopp shows numbers only: the names are kept beside them, for whoever reads its report.
@@ -79,7 +91,13 @@ def write_coco(store: Store, folder: Path) -> Export:
         count += len(block.trials)
     lines = [f"{number} {name}\n" for number, name in sorted(names.items())]
     files.append(write_text(folder / NAMES, "".join(lines)))
-    return Export(folder, tuple(files), count, left_out(store), f"python -m springpot.benchmark.coco_suite {folder}")
+    return Export(
+        folder,
+        tuple(files),
+        count,
+        left_out(store),
+        f"python -m springpot.benchmark.coco_suite {folder}",
+    )
 
 
 def _scales(store: Store) -> dict[int, Scale]:
@@ -92,7 +110,8 @@ def _scales(store: Store) -> dict[int, Scale]:
         scale = scales.setdefault(problem.id, Scale(block.best, problem.reference, True))
         for row in block.trials:
             trace = row.oracle_trace()
-            # One trial without it, and the whole problem is told by its measured objective: a scale must be one.
+            # One trial without it, and the whole problem is told by its measured objective: a scale
+            # must be one.
             scale.noise_free &= trace is not None
             least = inf
             if trace is not None:
@@ -108,7 +127,7 @@ def _scales(store: Store) -> dict[int, Scale]:
 
 
 def _text(row: TrialRow, scale: Scale, grid: bool) -> str:
-    """A run's lines: at improvements in the .dat file, at a geometric grid of evaluations in the .tdat file."""
+    """A run's lines: at improvements in the .dat file, at a geometric grid in the .tdat file."""
     measured, shown = row.improvements(), _shown(row, scale)
     # The first and the last evaluation too, so that the trace has both ends of the run.
     numbers: NDArray[np.int64] = np.union1d(shown[0], [1, row.evaluations])
@@ -126,20 +145,33 @@ def _rows(numbers: NDArray[np.int64], precision: Real, best: Real) -> Iterator[s
 def _index(block: Block, scale: Scale, data: str) -> str:
     """The .info file; without COCO's newest key ``settings``, at which iohinspector 0.0.8 fails."""
     keys = {
-        "suite": f"'{SUITE}'", "funcId": block.function, "DIM": block.dimension, "Precision": f"{PRECISION:.3e}",
-        "algId": f"'{block.folder}'", "coco_version": "'2.8.2'", "logger": "'bbob'",
+        "suite": f"'{SUITE}'",
+        "funcId": block.function,
+        "DIM": block.dimension,
+        "Precision": f"{PRECISION:.3e}",
+        "algId": f"'{block.folder}'",
+        "coco_version": "'2.8.2'",
+        "logger": "'bbob'",
         "data_format": "'bbob-new2'",
-    }  # fmt: skip
-    runs = ", ".join(f"{row.repetition + 1}:{row.evaluations}|{_final(row, scale):.1e}" for row in block.trials)
+    }
+    runs = ", ".join(
+        f"{row.repetition + 1}:{row.evaluations}|{_final(row, scale):.1e}" for row in block.trials
+    )
     objective = "objective"
     if scale.noise_free:
         objective = "noise-free objective"
-    comment = f"% {block.name}: (f - {scale.best!r}) / ({scale.reference!r} - {scale.best!r}), f the {objective}"
-    return ", ".join(f"{key} = {value}" for key, value in keys.items()) + f"\n{comment}\n{data}, {runs}\n"
+    comment = (
+        f"% {block.name}: (f - {scale.best!r}) / ({scale.reference!r} - {scale.best!r}), f the"
+        f" {objective}"
+    )
+    return (
+        ", ".join(f"{key} = {value}" for key, value in keys.items())
+        + f"\n{comment}\n{data}, {runs}\n"
+    )
 
 
 def _shown(row: TrialRow, scale: Scale) -> tuple[NDArray[np.int64], Real]:
-    """Evaluations and objectives at which a run improved, the noise-free ones where every trial knows them."""
+    """Evaluations and objectives of improvements, noise-free ones where every trial knows them."""
     if not scale.noise_free:
         return row.improvements()
     trace = row.oracle_trace()

@@ -1,4 +1,7 @@
-"""Export to IOHanalyzer and iohinspector: a folder for each optimiser, an index and improvements per problem."""
+"""Export to IOHanalyzer and iohinspector.
+
+A folder for each optimiser, an index and improvements per problem.
+"""
 
 from __future__ import annotations
 
@@ -22,25 +25,37 @@ FORMAT = "0.3.5"
 
 
 def write_ioh(store: Store, folder: Path) -> Export:
-    """Write a study as IOHprofiler data; each problem is a function, each repetition an instance of it."""
+    """Write a study as IOHprofiler data.
+
+    Each problem is a function, each repetition an instance of it.
+    """
     name = store.facts()["name"]
     files: list[Path] = []
     count = 0
     for block in blocks(store):
         where = created(folder / block.folder)
         stem = f"f{block.function}_{block.name}"
-        data = created(where / f"data_{stem}") / f"IOHprofiler_f{block.function}_DIM{block.dimension}.dat"
+        data = (
+            created(where / f"data_{stem}")
+            / f"IOHprofiler_f{block.function}_DIM{block.dimension}.dat"
+        )
         files.append(write_text(data, "".join(_lines(block))))
         index = _index(block, name, str(data.relative_to(where).as_posix()))
-        files.append(write_text(where / f"IOHprofiler_{stem}.json", json.dumps(index, indent=1) + "\n"))
+        files.append(
+            write_text(where / f"IOHprofiler_{stem}.json", json.dumps(index, indent=1) + "\n")
+        )
         count += len(block.trials)
-    hint = "upload a zip of a folder to IOHanalyzer, or iohinspector: DataManager().add_folder(FOLDER)"
+    hint = (
+        "upload a zip of a folder to IOHanalyzer, or iohinspector: DataManager().add_folder(FOLDER)"
+    )
     return Export(folder, tuple(files), count, left_out(store), hint)
 
 
 def _oracles(block: Block) -> bool:
     """Whether every trial knows what it was worth without noise."""
-    return all(row.recommendations() is not None and row.oracle_trace() is not None for row in block.trials)
+    return all(
+        row.recommendations() is not None and row.oracle_trace() is not None for row in block.trials
+    )
 
 
 def _lines(block: Block) -> Iterator[str]:
@@ -52,7 +67,8 @@ def _lines(block: Block) -> Iterator[str]:
     for row in block.trials:
         yield head
         evaluations, values = row.improvements()
-        # Readers split runs where the evaluation is 1, and take the last one for the length of the run.
+        # Readers split runs where the evaluation is 1, and take the last one for the length of the
+        # run.
         grid = np.union1d(evaluations, [1, row.evaluations])
         columns = [at(evaluations, values, grid)]
         if extra:
@@ -73,9 +89,12 @@ def _number(value: float) -> str:
 def _index(block: Block, study: str, data: str) -> dict[str, Any]:
     problem = block.cell.problem
     about = {
-        "dataset": problem.dataset, "model": problem.model, "objective": problem.objective, "study": study,
+        "dataset": problem.dataset,
+        "model": problem.model,
+        "objective": problem.objective,
+        "study": study,
         "budget": str(block.cell.budget),
-    }  # fmt: skip
+    }
     return {
         "version": FORMAT,
         "suite": "springpot",
@@ -85,9 +104,17 @@ def _index(block: Block, study: str, data: str) -> dict[str, Any]:
         "algorithm": {"name": block.cell.label, "info": f"{block.cell.optimiser} in springpot"},
         "experiment_attributes": [{key: value} for key, value in about.items()],
         "run_attributes": ["gradients", "batched", "seconds"],
-        "attributes": ["evaluations", "raw_y", *(("recommended", "oracle") if _oracles(block) else ())],
+        "attributes": [
+            "evaluations",
+            "raw_y",
+            *(("recommended", "oracle") if _oracles(block) else ()),
+        ],
         "scenarios": [
-            {"dimension": block.dimension, "path": data, "runs": [_run(block, row) for row in block.trials]}
+            {
+                "dimension": block.dimension,
+                "path": data,
+                "runs": [_run(block, row) for row in block.trials],
+            }
         ],
     }
 
@@ -96,6 +123,10 @@ def _run(block: Block, row: TrialRow) -> dict[str, Any]:
     evaluations, values = row.improvements()
     best = {"evals": int(evaluations[-1]), "y": float(values[-1]), "x": list(row.theta.values())}
     return {
-        "instance": row.repetition + 1, "evals": row.evaluations, "best": best, "gradients": row.gradients,
-        "batched": row.batched, "seconds": row.seconds,
-    }  # fmt: skip
+        "instance": row.repetition + 1,
+        "evals": row.evaluations,
+        "best": best,
+        "gradients": row.gradients,
+        "batched": row.batched,
+        "seconds": row.seconds,
+    }

@@ -1,4 +1,7 @@
-"""What every export of a study shares: its trials by problem and optimiser, as other tools number them."""
+"""What every export of a study shares.
+
+Its trials by problem and optimiser, as other tools number them.
+"""
 
 from __future__ import annotations
 
@@ -86,12 +89,16 @@ def created(folder: Path) -> Path:
 def blocks(store: Store) -> Iterator[Block]:
     """Every cell of a study that has a trial with a value, one at a time."""
     cells = {cell.id: cell for cell in store.cells()}
-    # From 1 on in the order of the study, as other tools number functions; the store's own numbers have gaps.
-    numbers = {number: i for i, number in enumerate(dict.fromkeys(c.problem.id for c in cells.values()), 1)}
+    # From 1 on in the order of the study, as other tools number functions; the store's own numbers
+    # have gaps.
+    numbers = {
+        number: i for i, number in enumerate(dict.fromkeys(c.problem.id for c in cells.values()), 1)
+    }
     folders = _folders([cell.label for cell in cells.values()])
     bests = store.bests()
     for number, rows in store.trials():
-        # What failed has no value, for which these formats have no word: it is counted by `left_out`.
+        # What failed has no value, for which these formats have no word: it is counted by
+        # `left_out`.
         sound = tuple(row for row in rows if row.trace)
         if number in cells and sound:
             cell, dimension = cells[number], len(sound[0].theta)

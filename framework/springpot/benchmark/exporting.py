@@ -11,7 +11,7 @@ from typing import Any
 
 from springpot.errors import StudyError
 from springpot.files import write_text, write_with
-from springpot.measurement import guarded
+from springpot.measurement.csv_safe import guarded
 
 from .columns import TABLES, Columns, required
 from .exported import Export, created
@@ -20,7 +20,9 @@ from .study import Study
 from .summary import store_path
 
 
-def export(study: Study | str | Path, kind: str, folder: Path | None = None, out: Path = Path("results")) -> Export:
+def export(
+    study: Study | str | Path, kind: str, folder: Path | None = None, out: Path = Path("results")
+) -> Export:
     """Write a study's results for another tool.
 
     Parameters
@@ -54,7 +56,12 @@ def export(study: Study | str | Path, kind: str, folder: Path | None = None, out
 def write_csv(store: Store, folder: Path) -> Export:
     """One CSV file of trials and one of their traces; numbers in full."""
     files = [write_text(folder / f"{name}.csv", _csv(read(store))) for name, read in TABLES.items()]
-    return _whole(store, folder, files, "one row for each trial in trials.csv, one for each point in traces.csv")
+    return _whole(
+        store,
+        folder,
+        files,
+        "one row for each trial in trials.csv, one for each point in traces.csv",
+    )
 
 
 def _csv(columns: Columns) -> str:
@@ -74,13 +81,17 @@ def _cell(value: Any) -> Any:
 
 def write_parquet(store: Store, folder: Path) -> Export:
     """The same as Parquet, with the study's facts as metadata."""
-    arrow, parquet = (required(name, "export to parquet") for name in ("pyarrow", "pyarrow.parquet"))
+    arrow, parquet = (
+        required(name, "export to parquet") for name in ("pyarrow", "pyarrow.parquet")
+    )
     files = []
     for name, read in TABLES.items():
         # A file that is passed on alone still says what it was made with.
         table = arrow.table(read(store)).replace_schema_metadata(store.facts())
         files.append(write_with(folder / f"{name}.parquet", partial(parquet.write_table, table)))
-    return _whole(store, folder, files, "open with pandas, polars, DuckDB or anything that reads Parquet")
+    return _whole(
+        store, folder, files, "open with pandas, polars, DuckDB or anything that reads Parquet"
+    )
 
 
 def _whole(store: Store, folder: Path, files: list[Path], hint: str) -> Export:

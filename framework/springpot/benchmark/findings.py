@@ -1,4 +1,4 @@
-"""A study's findings and their tables: pure functions of its store, computed when first asked for."""
+"""A study's findings and their tables: pure functions of its store, computed when asked for."""
 
 from __future__ import annotations
 
@@ -18,7 +18,14 @@ from .standings import choice_table, pair_table, profile_table, progress_table, 
 from .statistics import hitting_time
 from .store import Store
 from .study import Study
-from .summary import CellSummary, failure_table, store_path, summarise_cell, summary_table, timing_table
+from .summary import (
+    CellSummary,
+    failure_table,
+    store_path,
+    summarise_cell,
+    summary_table,
+    timing_table,
+)
 from .tables import FORMATS, Table, save_table
 
 
@@ -64,7 +71,8 @@ class Findings:
                 hits = scores[cell.id].hits
             else:
                 goal = goal_of(cell.problem, best, scale.target)
-                # For the summary alone: no trace is unpacked of which the best shows already that it missed.
+                # For the summary alone: no trace is unpacked of which the best shows already that
+                # it missed.
                 hits = np.array([_hit(trial, goal) for trial in trials])
             summaries[cell.id] = summarise_cell(cell, trials, hits, float(facts["accuracy"]))
         # In the order of the study, which is not that in which the store has its trials.

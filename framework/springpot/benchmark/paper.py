@@ -39,7 +39,9 @@ def for_paper(
             raise StudyError(f"'{choice}': choose rows as HEADING=VALUE, such as optimiser=cma-es")
         # Several values of one heading are alternatives, several headings are all required.
         wanted.setdefault(_place(table, heading), set()).add(value)
-    kept = [row for row in table.rows if all(text(row[i]) in values for i, values in wanted.items())]
+    kept = [
+        row for row in table.rows if all(text(row[i]) in values for i, values in wanted.items())
+    ]
     if rows and not kept:
         raise StudyError(f"the table '{table.title}' has no row with {' and '.join(rows)}")
     places = [_place(table, heading) for heading in columns] or list(range(len(table.columns)))
@@ -61,7 +63,10 @@ def captioned(latex: str, caption: str | None, label: str | None) -> str:
 
 def _place(table: Table, heading: str) -> int:
     if heading not in table.columns:
-        raise StudyError(f"the table '{table.title}' has no column '{heading}': it has {', '.join(table.columns)}")
+        raise StudyError(
+            f"the table '{table.title}' has no column '{heading}': it has"
+            f" {', '.join(table.columns)}"
+        )
     return table.columns.index(heading)
 
 
@@ -70,5 +75,7 @@ def _rounded(entry: Entry, digits: int | None) -> Entry:
     if digits is None or entry is None or isinstance(entry, str | int):
         return entry
     if isinstance(entry, Interval):
-        return Interval(*(float(f"{end:.{digits}g}") for end in (entry.value, entry.low, entry.high)))
+        return Interval(
+            *(float(f"{end:.{digits}g}") for end in (entry.value, entry.low, entry.high))
+        )
     return float(f"{entry:.{digits}g}")

@@ -1,6 +1,7 @@
 """A resolved study: problems, entrants and cells, each known by a digest of its content.
 
-A plan holds data, not files or names to look up, so that it can cross to a worker once and be used there.
+A plan holds data, not files or names to look up, so that it can cross to a worker once and be used
+there.
 """
 
 from __future__ import annotations
@@ -12,17 +13,20 @@ from hashlib import sha256
 
 import numpy as np
 
-from springpot.identification import Objective, Optimiser
-from springpot.identification.optimiser import BatchedOptimiser, options_of
-from springpot.measurement import Measurement
+from springpot.identification.objective import Objective
+from springpot.identification.optimiser import BatchedOptimiser, Optimiser, options_of
+from springpot.measurement.measurement import Measurement
 
 SCHEME = 1
 """Version of what a trial is; a change to it makes every stored trial count as another one."""
 
 BLOCK = 50
-"""Repetitions that a batched optimiser runs at once: what Python costs for each call is then shared by all of them
-(the paper's swarm takes two thirds of its time with 25). Each gives the same bits alone (the contract of a batched
-optimiser), so that only those that are missing are run."""
+"""Repetitions that a batched optimiser runs at once.
+
+What Python costs for each call is then shared by all of them
+(the paper's swarm takes two thirds of its time with 25). Each gives the same bits alone (the
+contract of a batched optimiser), so that only those that are missing are run.
+"""
 
 
 def digest_of(*parts: object) -> str:
@@ -74,8 +78,8 @@ class Case:
     objective : Objective
         How the misfit is measured.
     reference : float
-        Objective at the centre of the search box, or without any response where that is less: what a target is a
-        fraction of.
+        Objective at the centre of the search box, or without any response where that is less: what
+        a target is a fraction of.
     known : float or None
         Objective at the true parameters, if this model made the data.
     optimum : float or None
@@ -93,7 +97,12 @@ class Case:
     def digest(self) -> str:
         """Digest of the problem's content."""
         return digest_of(
-            SCHEME, self.source.name, self.source.digest, self.source.stiffness_scale, self.model, self.objective.name
+            SCHEME,
+            self.source.name,
+            self.source.digest,
+            self.source.stiffness_scale,
+            self.model,
+            self.objective.name,
         )
 
 
@@ -191,7 +200,8 @@ class Plan:
         finished : callable
             Repetitions of a cell that are done.
         """
-        # Sorting keeps the order among equals: the problems of each optimiser come as the study names them.
+        # Sorting keeps the order among equals: the problems of each optimiser come as the study
+        # names them.
         for cell in sorted(self.cells, key=lambda cell: cell.entrant):
             done = finished(cell)
             optimiser = self.entrants[cell.entrant].optimiser
@@ -199,13 +209,16 @@ class Plan:
                 for first in range(0, self.repetitions, BLOCK):
                     block = tuple(range(first, min(first + BLOCK, self.repetitions)))
                     missing = tuple(r for r in block if r not in done)
-                    # One run of an optimiser without randomness stands for all: it is told of all of them anew.
+                    # One run of an optimiser without randomness stands for all: it is told of all
+                    # of them anew.
                     if missing and not optimiser.card.stochastic:
                         missing = block
                     if missing:
                         yield Task(cell.index, missing)
             else:
-                yield from (Task(cell.index, (r,)) for r in range(self.repetitions) if r not in done)
+                yield from (
+                    Task(cell.index, (r,)) for r in range(self.repetitions) if r not in done
+                )
 
 
 def stream_of(seed: int, *names: object) -> np.random.SeedSequence:

@@ -11,7 +11,9 @@ from springpot.errors import StudyError
 
 
 def main(study: object, arguments: Sequence[str] | None = None) -> None:
-    """Run a study as a program: what ``springpot run`` does with the path of the script that declares it.
+    """Run a study as a program.
+
+    What ``springpot run`` does with the path of the script that declares it.
 
     Raises
     ------
@@ -21,7 +23,8 @@ def main(study: object, arguments: Sequence[str] | None = None) -> None:
     script = getattr(sys.modules["__main__"], "__file__", None)
     if script is None or getattr(sys.modules["__main__"], "study", None) is not study:
         raise StudyError("call study.main() in the script that declares it as study = Study(...)")
-    # As the user wrote it where that is the script: the command is told in the report, to be repeated elsewhere.
+    # As the user wrote it where that is the script: the command is told in the report, to be
+    # repeated elsewhere.
     written = script
     if Path(sys.argv[0]).resolve() == Path(script).resolve():
         written = sys.argv[0]

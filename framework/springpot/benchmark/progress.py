@@ -6,7 +6,7 @@ import sys
 from time import monotonic
 from typing import Any, Protocol, TextIO
 
-from springpot.plain import below, plain
+from springpot.terminal_safe import below, plain
 
 
 class Progress(Protocol):
@@ -86,14 +86,25 @@ class Bar:
 
     def __init__(self, name: str, total: int) -> None:
         from rich.console import Console
-        from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+        from rich.progress import (
+            BarColumn,
+            MofNCompleteColumn,
+            TextColumn,
+            TimeElapsedColumn,
+            TimeRemainingColumn,
+        )
         from rich.progress import Progress as RichProgress
 
-        self._bar: Any = RichProgress(
-            TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(),
-            TextColumn("{task.fields[fault]}"), TimeElapsedColumn(), TimeRemainingColumn(),
-            console=Console(file=below(sys.stderr), stderr=True),
-        )  # fmt: skip
+        parts = (
+            TextColumn("{task.description}", markup=False),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("{task.fields[fault]}"),
+            TimeElapsedColumn(),
+            TimeRemainingColumn(),
+        )
+        console = Console(file=below(sys.stderr), stderr=True)
+        self._bar: Any = RichProgress(*parts, console=console)
         self._task = self._bar.add_task(plain(name), total=total, fault="")
         self._bar.start()
 

@@ -1,4 +1,7 @@
-"""Tasks on an executor's worker: run there by a local engine of one process, so that what a trial does ends there."""
+"""Tasks on an executor's worker.
+
+Run there by a local engine of one process, so that what a trial does ends there.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,10 @@ from .trial import TrialResult
 from .worker import Parcel
 
 IDLE = 60.0
-"""Seconds after its last task that the engine's processes are kept: a new server costs about a second."""
+"""Seconds after its last task that the engine's processes are kept.
+
+A new server costs about a second.
+"""
 
 
 class _Keeper:

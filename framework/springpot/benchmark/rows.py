@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 from .trace import unpack, unpack_values
 from .trial import TrialResult
@@ -45,7 +45,10 @@ class CellRow:
 
 @dataclass(frozen=True, slots=True)
 class TrialRow(TrialResult):
-    """One finished trial as the store has it: its cell by the store's number, its parameters empty if it failed."""
+    """One finished trial as the store has it.
+
+    Its cell by the store's number, its parameters empty if it failed.
+    """
 
     theta: Mapping[str, float] = field(default_factory=dict)
 
@@ -61,7 +64,9 @@ class TrialRow(TrialResult):
         return unpack(self.trace)
 
     def recommendations(self) -> tuple[NDArray[np.int64], Real] | None:
-        """Evaluation numbers (n,) and noise-free objectives (n,) of what was best at the time; may rise.
+        """Evaluation numbers (n,) and noise-free objectives (n,) of what was best at the time.
+
+        May rise.
 
         None where the truth is unknown or was not kept.
         """
@@ -73,7 +78,7 @@ class TrialRow(TrialResult):
         return evaluations, values
 
     def oracle_trace(self) -> tuple[NDArray[np.int64], Real] | None:
-        """Evaluation numbers (n,) and values (n,) of the best noise-free objective among all that was evaluated.
+        """Evaluation numbers (n,) and values (n,) of the best noise-free objective evaluated.
 
         None where the truth is unknown or was not kept.
         """

@@ -134,7 +134,8 @@ def _work(
     quiet: bool,
 ) -> tuple[int, int]:
     """Numbers of trials that ran and of those that failed."""
-    # A store may hold more repetitions than are asked for now: those beyond are no part of this run.
+    # A store may hold more repetitions than are asked for now: those beyond are no part of this
+    # run.
     kept = 0
     for number in numbers.values():
         kept += sum(repetition < plan.repetitions for repetition in store.finished(number))
@@ -164,17 +165,28 @@ def _work(
 
 def _say_goodbye(progress: Progress, plan: Plan, done: int) -> None:
     progress.close()
-    line = f"{plan.name}: interrupted; {min(done, plan.size)} of {plan.size} trials are kept, run again to go on"
+    line = (
+        f"{plan.name}: interrupted; {min(done, plan.size)} of {plan.size} trials are kept, run"
+        " again to go on"
+    )
     print(line, file=sys.stderr)
 
 
 def provenance(plan: Plan) -> dict[str, str]:
     """Versions, machine and command of this run."""
-    facts = {"python": platform.python_version(), "machine": platform.platform(), "processor": platform.machine()}
+    facts = {
+        "python": platform.python_version(),
+        "machine": platform.platform(),
+        "processor": platform.machine(),
+    }
     facts |= versions(
-        entrant.optimiser.card.distribution for entrant in plan.entrants if entrant.optimiser.card.distribution
+        entrant.optimiser.card.distribution
+        for entrant in plan.entrants
+        if entrant.optimiser.card.distribution
     )
     # As a module, ``python -m springpot.cli``, the program is a file of another name.
-    facts["command"] = shlex.join([Path(sys.argv[0]).name.replace("__main__.py", "springpot"), *sys.argv[1:]])
+    facts["command"] = shlex.join(
+        [Path(sys.argv[0]).name.replace("__main__.py", "springpot"), *sys.argv[1:]]
+    )
     facts["started"] = datetime.now(UTC).isoformat(timespec="seconds")
     return facts

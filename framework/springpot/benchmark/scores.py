@@ -1,8 +1,8 @@
 """What comparisons are made of: each cell's trials as arrays, read off the store in one pass.
 
-Values are *excesses*, (f - f_best) / (g - f_best) with f_best the best value known of the problem and g that at the
-centre of the box, or of a model without any response where that is smaller: 1 there, 0 at the best. A trial that
-failed has an infinite excess, and comes last.
+Values are *excesses*, (f - f_best) / (g - f_best) with f_best the best value known of the problem
+and g that at the centre of the box, or of a model without any response where that is smaller: 1
+there, 0 at the best. A trial that failed has an infinite excess, and comes last.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 from .rows import CellRow, ProblemRow, TrialRow
 from .statistics import bands, hitting_time, target_value
@@ -22,11 +22,15 @@ from .store import Store
 from .trace import at, geometric_grid
 
 MARKS = (100, 500, 2000, 8000, 40_000, 200_000, 1_000_000)
-"""Budgets at which optimisers are compared, beside a study's own: each four or five times the one before; about 8000
+"""Budgets at which optimisers are compared, beside a study's own.
+
+Each four or five times the one before; about 8000
 are what the paper's swarm of 20 particles spends in 400 instances."""
 
 TARGETS = 10.0 ** np.arange(-0.5, -8.01, -0.5)
-"""Excesses whose reaching the distribution over targets counts, down to the study's own: two to a decade, to the
+"""Excesses whose reaching the distribution over targets counts, down to the study's own.
+
+Two to a decade, to the
 last target of COCO (1e-8)."""
 
 
@@ -51,8 +55,8 @@ class CellScores:
     curve : ndarray, shape (3, g)
         Quartiles of the excess along the grid.
     clean : ndarray, shape (3, g), or None
-        Quartiles of the noise-free objective of what was best at the time, over that at the first evaluation's
-        median; only for data with noise and a known truth.
+        Quartiles of the noise-free objective of what was best at the time, over that at the first
+        evaluation's median; only for data with noise and a known truth.
     dimension : int
         Number of parameters; zero if no trial came to anything.
     """
@@ -144,7 +148,8 @@ def score_cell(cell: CellRow, trials: Sequence[TrialRow], best: float, scale: Sc
         hits=hits,
         spent=np.array([trial.evaluations for trial in trials], dtype=float),
         values=along[:, np.searchsorted(scale.grid, scale.marks)],
-        attained=np.searchsorted(-scale.targets, -along, side="right").mean(axis=0) / len(scale.targets),
+        attained=np.searchsorted(-scale.targets, -along, side="right").mean(axis=0)
+        / len(scale.targets),
         curve=bands(along),
         clean=_clean(trials, scale),
         dimension=dimension,
@@ -152,7 +157,10 @@ def score_cell(cell: CellRow, trials: Sequence[TrialRow], best: float, scale: Sc
 
 
 def _excess(values: Real, best: float, reference: float) -> Real:
-    """Zero at the best; infinite values stay so, and all but the best are where nothing is worse than it."""
+    """Zero at the best.
+
+    Infinite values stay so, and all but the best are where nothing is worse than it.
+    """
     above = np.zeros_like(values)
     np.subtract(values, best, out=above, where=values > best)
     span = max(reference - best, 0.0)
@@ -163,7 +171,7 @@ def _excess(values: Real, best: float, reference: float) -> Real:
 
 
 def _clean(trials: Sequence[TrialRow], scale: Scale) -> Real | None:
-    """Quartiles of the noise-free objective of what was recommended, where noise makes it another one."""
+    """Quartiles of the noise-free objective of what was recommended, where the data have noise."""
     if not any(trial.recommended for trial in trials):
         return None
     along = np.full((len(trials), len(scale.grid)), np.inf)
@@ -207,22 +215,28 @@ class Race:
 
 
 def races_of(scores: Iterable[CellScores]) -> list[Race]:
-    """The races of a study; a problem on which some entrant has finished nothing yet is left out."""
+    """The races of a study, without problems on which some entrant has finished nothing yet."""
     by_problem: dict[int, list[CellScores]] = {}
     for found in scores:
         by_problem.setdefault(found.cell.problem.id, []).append(found)
-    # Ranks among fewer entrants would be better ones: such a problem cannot stand beside the others.
+    # Ranks among fewer entrants would be better ones: such a problem cannot stand beside the
+    # others.
     entrants = max((len(cells) for cells in by_problem.values()), default=0)
     complete = [_race(cells) for cells in by_problem.values() if len(cells) == entrants]
     return [race for race in complete if race.hits.shape[1]]
 
 
 def _race(cells: Sequence[CellScores]) -> Race:
-    # Only where all have run: an entrant must not win by the repetitions that others have still to do.
+    # Only where all have run: an entrant must not win by the repetitions that others have still to
+    # do.
     common = set.intersection(*(set(scores.repetitions.tolist()) for scores in cells))
     rows = [np.isin(scores.repetitions, sorted(common)) for scores in cells]
 
     def stacked(name: str) -> Real:
-        return np.stack([getattr(scores, name)[chosen] for scores, chosen in zip(cells, rows, strict=True)])
+        return np.stack(
+            [getattr(scores, name)[chosen] for scores, chosen in zip(cells, rows, strict=True)]
+        )
 
-    return Race(cells[0].cell.problem, tuple(cells), stacked("hits"), stacked("spent"), stacked("values"))
+    return Race(
+        cells[0].cell.problem, tuple(cells), stacked("hits"), stacked("spent"), stacked("values")
+    )

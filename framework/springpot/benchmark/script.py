@@ -53,7 +53,11 @@ def load_script(path: Path) -> ModuleType:
 
 
 def _one_line(path: Path, error: BaseException) -> str:
-    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
+    lines = [
+        frame.lineno
+        for frame in traceback.extract_tb(error.__traceback__)
+        if frame.filename == str(path)
+    ]
     if isinstance(error, SyntaxError) and error.filename == str(path):
         lines.append(error.lineno)
     line: int | None = 1
@@ -81,7 +85,8 @@ def load_study(path: str | Path) -> Study:
     Raises
     ------
     StudyError
-        If the script fails (with file and line) or declares none, or several of which none is called ``study``.
+        If the script fails (with file and line) or declares none, or several of which none is
+        called ``study``.
     """
     module = load_script(Path(path))
     studies = {name: value for name, value in vars(module).items() if isinstance(value, Study)}

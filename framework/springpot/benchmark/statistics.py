@@ -12,7 +12,7 @@ from math import comb, factorial, inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 Z95 = 1.959963984540054
 """Two-sided 95 % quantile of the normal distribution."""
@@ -39,12 +39,13 @@ class Interval:
 
 
 def wilson(successes: int, trials: int, z: float = Z95) -> Interval | None:
-    """Success rate with Wilson's score interval (Wilson 1927, doi:10.1080/01621459.1927.10502953)."""
+    """Success rate with Wilson's score interval (1927, doi:10.1080/01621459.1927.10502953)."""
     if trials == 0:
         return None
     rate = successes / trials
     scale = 1.0 + z * z / trials
-    # Wilson's interval and not rate plus and minus: this one has a width even where all trials succeed.
+    # Wilson's interval and not rate plus and minus: this one has a width even where all trials
+    # succeed.
     centre = (rate + z * z / (2 * trials)) / scale
     half = z / scale * sqrt(rate * (1 - rate) / trials + z * z / (4 * trials * trials))
     # At the ends the interval touches 0 and 1 exactly, which rounding would miss.
@@ -57,12 +58,15 @@ def wilson(successes: int, trials: int, z: float = Z95) -> Interval | None:
 
 
 def target_value(best: float, reference: float, fraction: float) -> float:
-    """Objective that counts as success: best + fraction (reference - best), More and Wild's test."""
+    """Objective that counts as success (Moré and Wild): best + fraction (reference - best)."""
     return best + fraction * (reference - best)
 
 
 def hitting_time(evaluations: NDArray[np.int64], values: Real, target: float) -> float:
-    """Evaluation at which a run first reached `target`, infinite if never; `values` (n,) fall strictly."""
+    """Evaluation at which a run first reached `target`, infinite if never.
+
+    `values` (n,) fall strictly.
+    """
     # A search in rising numbers: the values fall, so both are turned round.
     index = int(np.searchsorted(-values, -target, side="left"))
     if index == len(values):
@@ -92,7 +96,9 @@ def expected_running_time(hits: Real, spent: Real) -> float:
     return float(np.where(success, hits, spent).sum() / count)
 
 
-def running_time_interval(hits: Real, spent: Real, rng: np.random.Generator, draws: int = 1000) -> Interval | None:
+def running_time_interval(
+    hits: Real, spent: Real, rng: np.random.Generator, draws: int = 1000
+) -> Interval | None:
     """Expected running time with a percentile bootstrap interval over trials."""
     n = len(hits)
     if n == 0:
@@ -126,13 +132,15 @@ def median(values: Real) -> float | None:
 
 
 def ecdf(times: Real, grid: Real) -> Real:
-    """Share of `times` (any shape, infinite where missed) that are at most each value of `grid` (m,)."""
+    """Share of `times` (any shape, infinite where missed) up to each value of `grid` (m,)."""
     ordered = np.sort(times, axis=None)
     return np.searchsorted(ordered, grid, side="right") / max(ordered.size, 1)
 
 
 def performance_profile(costs: Real, ratios: Real) -> Real:
-    """Share of problems solved within a multiple of the best cost (Dolan and More 2002, doi:10.1007/s101070100263).
+    """Share of problems solved within a multiple of the best cost.
+
+    Dolan and Moré 2002, doi:10.1007/s101070100263.
 
     Parameters
     ----------
@@ -153,7 +161,9 @@ def performance_profile(costs: Real, ratios: Real) -> Real:
 
 
 def data_profile(costs: Real, dimensions: Real, budgets: Real) -> Real:
-    """Share of problems solved within a budget in simplex gradients, evaluations / (d + 1) (More and Wild 2009).
+    """Share of problems solved within a budget of evaluations / (d + 1), in simplex gradients.
+
+    Moré and Wild 2009.
 
     Parameters
     ----------
@@ -173,7 +183,10 @@ def data_profile(costs: Real, dimensions: Real, budgets: Real) -> Real:
 
 
 def mean_ranks(scores: Real) -> Real:
-    """Mean rank of each column of `scores` (blocks, treatments), the smallest score ranking 1; ties share."""
+    """Mean rank of each column of `scores` (blocks, treatments), the smallest score ranking 1.
+
+    Ties share.
+    """
     from scipy.stats import rankdata
 
     ranks: Real = rankdata(scores, axis=1).mean(axis=0)
@@ -183,8 +196,8 @@ def mean_ranks(scores: Real) -> Real:
 def friedman(scores: Real) -> tuple[float, float]:
     """Friedman's statistic and p-value of `scores` (blocks, treatments); infinite scores rank last.
 
-    Where every block is one tie nothing differs, which SciPy calls 0/0. By the approximation of chi squared, but
-    never below the chance that so few blocks agree in the order of all.
+    Where every block is one tie nothing differs, which SciPy calls 0/0. By the approximation of chi
+    squared, but never below the chance that so few blocks agree in the order of all.
     """
     from scipy.stats import friedmanchisquare
 
@@ -197,10 +210,10 @@ def friedman(scores: Real) -> tuple[float, float]:
 
 
 def wilcoxon_holm(scores: Real) -> Real:
-    """Holm-adjusted p-values (treatments, treatments) of pairwise Wilcoxon signed-rank tests over blocks.
+    """Holm-adjusted p-values (k, k) of pairwise Wilcoxon signed-rank tests of k treatments.
 
-    Exact for up to 50 blocks, ties or not (`sign_flips`), else by the normal approximation. Blocks in which a
-    difference is not defined, both being infinite, count as ties.
+    Over blocks: exact for up to 50 of them, ties or not (`sign_flips`), else by the normal
+    approximation. Blocks in which a difference is not defined, both being infinite, count as ties.
     """
     from scipy.stats import wilcoxon
 
@@ -218,21 +231,26 @@ def wilcoxon_holm(scores: Real) -> Real:
 
 
 def sign_flips(gaps: Real) -> Real:
-    """Exact two-sided p-values (k,) of Wilcoxon's signed-rank test of each row of differences `gaps` (k, n).
+    """Exact two-sided p-values (k,) of Wilcoxon's signed-rank test, one a row of `gaps` (k, n).
 
-    Of all 2**n signs that chance could give the differences; ties share their rank and zeros keep theirs without a
-    sign (Pratt 1959, doi:10.1080/01621459.1959.10501526). The normal approximation would be surer of tied
-    differences than n blocks can ever be.
+    Of all 2**n signs that chance could give these differences; ties share their rank and zeros keep
+    theirs without a sign (Pratt 1959, doi:10.1080/01621459.1959.10501526). The normal approximation
+    would be surer of tied differences than n blocks can ever be.
     """
     from scipy.stats import rankdata
 
     # Twice the ranks: of ties they are halves.
     ranks = np.rint(2 * rankdata(np.abs(gaps), axis=1)).astype(int)
-    return np.array([_sign_flip(row[gap != 0], row[gap > 0].sum()) for row, gap in zip(ranks, gaps, strict=True)])
+    return np.array(
+        [
+            _sign_flip(row[gap != 0], row[gap > 0].sum())
+            for row, gap in zip(ranks, gaps, strict=True)
+        ]
+    )
 
 
 def _sign_flip(ranks: NDArray[np.int64], positive: int) -> float:
-    """Two-sided chance that the positive ones of whole `ranks` (n,) add up to so far a sum from the middle."""
+    """Two-sided chance of so extreme a sum of the positive ones of whole `ranks` (n,)."""
     total = int(ranks.sum())
     # Ways to each sum, rank by rank; 2**50 of them are whole numbers of a float still.
     ways = np.zeros(total + 1)
@@ -252,7 +270,10 @@ def _square(p: Real, k: int) -> Real:
 
 
 def least_signed_rank(blocks: int) -> float:
-    """Smallest two-sided p-value of a signed-rank test over so many blocks: 2 / 2**blocks, all of one sign."""
+    """Smallest two-sided p-value of a signed-rank test over so many blocks.
+
+    2 / 2**blocks, all of one sign.
+    """
     return min(1.0, 2.0 ** (1 - blocks))
 
 
@@ -265,8 +286,8 @@ def least_mann_whitney(n: int, m: int) -> float:
 def mann_whitney_holm(values: Real) -> Real:
     """Holm-adjusted two-sided p-values (k, k) of every pair of rows of `values` (k, n).
 
-    Mann and Whitney 1947, doi:10.1214/aoms/1177730491; infinite values count as the largest. By the normal
-    approximation, but never below what n values each can tell at all.
+    Mann and Whitney 1947, doi:10.1214/aoms/1177730491; infinite values count as the largest. By the
+    normal approximation, but never below what n values each can tell at all.
     """
     from scipy.stats import mannwhitneyu
 
@@ -286,7 +307,8 @@ def mann_whitney_holm(values: Real) -> Real:
 def holm(p: Real) -> Real:
     """Holm's step-down adjustment of p-values (m,)."""
     order = np.argsort(p, kind="stable")
-    # The smallest is multiplied by all, the next by one less; an adjusted one is never below that before it.
+    # The smallest is multiplied by all, the next by one less; an adjusted one is never below that
+    # before it.
     stepped = np.maximum.accumulate(p[order] * np.arange(len(p), 0, -1))
     adjusted = np.empty_like(stepped)
     adjusted[order] = np.minimum(stepped, 1.0)
@@ -294,7 +316,9 @@ def holm(p: Real) -> Real:
 
 
 def cliques(ranks: Real, p: Real, alpha: float = 0.05) -> list[tuple[int, int]]:
-    """Bars of a critical-difference diagram: widest runs of neighbours in rank of whom no two differ.
+    """Bars of a critical-difference diagram.
+
+    Widest runs of neighbours in rank of whom no two differ.
 
     Parameters
     ----------
@@ -308,7 +332,8 @@ def cliques(ranks: Real, p: Real, alpha: float = 0.05) -> list[tuple[int, int]]:
     Returns
     -------
     list of (int, int)
-        First and last place of each run, by rising rank (Demsar 2006, JMLR 7:1-30, with pairwise tests).
+        First and last place of each run, by rising rank (Demsar 2006, JMLR 7:1-30, with pairwise
+        tests).
     """
     order = np.argsort(ranks, kind="stable")
     alike = p[np.ix_(order, order)] > alpha
@@ -324,7 +349,10 @@ def cliques(ranks: Real, p: Real, alpha: float = 0.05) -> list[tuple[int, int]]:
 
 
 def bands(values: Real, shares: Sequence[float] = (0.25, 0.5, 0.75)) -> Real:
-    """Quantiles (len(shares), ...) of `values` (n, ...) that are values themselves, as infinity allows no mean."""
+    """Quantiles (len(shares), ...) of `values` (n, ...).
+
+    They are values themselves, as infinity allows no mean.
+    """
     ordered = np.sort(values, axis=0)
     places = [max(0, int(np.ceil(share * len(values))) - 1) for share in shares]
     chosen: Real = ordered[places]
@@ -332,18 +360,20 @@ def bands(values: Real, shares: Sequence[float] = (0.25, 0.5, 0.75)) -> Real:
 
 
 def mean_interval(values: Real, rng: np.random.Generator, draws: int = 1000) -> list[Interval]:
-    """Mean of each column of `values` (blocks, k) with a percentile bootstrap interval over blocks."""
+    """Mean of each column of `values` (blocks, k), percentile bootstrap interval over blocks."""
     n = len(values)
     # How often each block is drawn is all that a mean asks: no table of draws is made.
     counts = rng.multinomial(n, np.full(n, 1.0 / n), size=draws)
     low, high = np.quantile(counts @ values / n, [0.025, 0.975], axis=0)
-    return [Interval(*map(float, each)) for each in zip(values.mean(axis=0), low, high, strict=True)]
+    return [
+        Interval(*map(float, each)) for each in zip(values.mean(axis=0), low, high, strict=True)
+    ]
 
 
 def a12(a: Real, b: Real) -> float:
-    """Chance that a value of `a` is smaller than one of `b`, ties by half (Vargha and Delaney 2000).
+    """Chance that a value of `a` is smaller than one of `b`, ties counting half.
 
-    The Vargha-Delaney effect size for costs: above one half `a` is better.
+    The effect size of Vargha and Delaney (2000) for costs: above one half `a` is better.
     """
     # Sorted once: pairs need not be compared one by one.
     ordered = np.sort(b)
@@ -356,7 +386,9 @@ def a12_table(values: Real) -> Real:
     """`a12` of every row of `values` (k, n) against every other, (k, k)."""
     ordered = np.sort(values, axis=1)
     below = np.stack([np.searchsorted(row, ordered, side="left") for row in ordered], axis=1)
-    above = values.shape[1] - np.stack([np.searchsorted(row, ordered, side="right") for row in ordered], axis=1)
+    above = values.shape[1] - np.stack(
+        [np.searchsorted(row, ordered, side="right") for row in ordered], axis=1
+    )
     # What is neither above nor below is a tie, and counts by half.
     table: Real = 0.5 + 0.5 * (above - below).mean(axis=2) / values.shape[1]
     return table

@@ -1,4 +1,7 @@
-"""The store of a study: one SQLite file that only the coordinator writes, a transaction per batch of results."""
+"""The store of a study.
+
+One SQLite file that only the coordinator writes, a transaction per batch of results.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,10 @@ from .database import (
     require_tables,
     transaction,
 )
-from .layout import (
+from .plan import Plan
+from .row_checksum import seal, sound
+from .rows import CellRow, TrialRow
+from .schema import (
     ALL_TRIALS,
     CELLS,
     DROP_STRAY,
@@ -43,18 +49,15 @@ from .layout import (
     trial_of,
     trials_of,
 )
-from .plan import Plan
-from .rows import CellRow, TrialRow
-from .salvage import KEYS, columns, save, whole
-from .seal import seal, sound
+from .store_repair import KEYS, columns, save, whole
 from .trial import Status, TrialResult
 
 
 class Store:
     """The store at a path.
 
-    Every row carries a seal. What no longer fits its seal is damaged: it is left out or shown as a failed trial, and
-    told in one line on standard error.
+    Every row carries a seal. What no longer fits its seal is damaged: it is left out or shown as a
+    failed trial, and told in one line on standard error.
 
     Parameters
     ----------
@@ -68,7 +71,8 @@ class Store:
     Raises
     ------
     StudyError
-        If it cannot be used: damaged beyond reading, of a newer version, read-only, on a full disk, absent.
+        If it cannot be used: damaged beyond reading, of a newer version, read-only, on a full disk,
+        absent.
     """
 
     def __init__(self, path: Path, write: bool = False, mend: bool = False) -> None:
@@ -83,7 +87,8 @@ class Store:
             self._db = connect(path, write)
         try:
             with one_line(path):
-                # Once more: the file alone may be empty, and what another program wrote still be in its log.
+                # Once more: the file alone may be empty, and what another program wrote still be in
+                # its log.
                 require_tables(self._db, path, frozenset(KEYS))
                 self._require_version(write)
                 if not whole(self._db, expected()):
@@ -95,8 +100,12 @@ class Store:
     def _save(self, write: bool, mend: bool) -> None:
         """Go on with what can be read of a file whose structure is damaged."""
         if write and not mend:
-            raise StudyError(f"{self.path} is damaged: --retry-failed saves what can be read and runs the rest again")
-        # Beside the damaged file, which is replaced only when all that can be saved is in the new one.
+            raise StudyError(
+                f"{self.path} is damaged: --retry-failed saves what can be read and runs the rest"
+                " again"
+            )
+        # Beside the damaged file, which is replaced only when all that can be saved is in the new
+        # one.
         fresh = self.path.with_name(f"{self.path.name}.mended")
         # One that was left by an attempt that was interrupted is begun anew.
         fresh.unlink(missing_ok=True)
@@ -123,15 +132,22 @@ class Store:
     def _require_version(self, write: bool) -> None:
         if write:
             with transaction(self._db):
-                if self._version() == 0 and not self._db.execute("SELECT 1 FROM sqlite_master").fetchone():
+                if (
+                    self._version() == 0
+                    and not self._db.execute("SELECT 1 FROM sqlite_master").fetchone()
+                ):
                     create(self._db)
                 self._upgrade()
         if self._version() > SCHEMA:
             raise StudyError(
-                f"{self.path} was written by a newer springpot (schema {self._version()}): update springpot"
+                f"{self.path} was written by a newer springpot (schema {self._version()}): update"
+                " springpot"
             )
         if self._version() in UPGRADES:
-            raise StudyError(f"{self.path} was written by an older springpot: run the study again, nothing is lost")
+            raise StudyError(
+                f"{self.path} was written by an older springpot: run the study again, nothing is"
+                " lost"
+            )
         if self._version() < SCHEMA:
             raise StudyError(f"{self.path} is no study store: move it away and run again")
 
@@ -154,7 +170,9 @@ class Store:
         # What was damaged then is damaged still.
         self._seal_all("trial", ALL_TRIALS, damaged)
 
-    def _seal_all(self, table: str, query: str, damaged: Container[tuple[object, ...]] = ()) -> None:
+    def _seal_all(
+        self, table: str, query: str, damaged: Container[tuple[object, ...]] = ()
+    ) -> None:
         """Take what an older version wrote as it is, but for the rows of some keys."""
         keys = KEYS[table].split(", ")
         match = " AND ".join(f"{key} = ?" for key in keys)
@@ -170,7 +188,10 @@ class Store:
         """Say what is damaged, once."""
         if not self._told:
             self._told = True
-            print(f"note: {self.path}: {damage}; 'springpot run STUDY.py --retry-failed' mends it", file=sys.stderr)
+            print(
+                f"note: {self.path}: {damage}; 'springpot run STUDY.py --retry-failed' mends it",
+                file=sys.stderr,
+            )
 
     def __enter__(self) -> Store:
         return self
@@ -197,32 +218,52 @@ class Store:
         dict
             From index of a cell in the plan to its number in the store.
         """
-        # By digests: cells of an earlier plan stay in the file, and only those of this one are shown.
-        shown = json.dumps([(cell.digest, plan.entrants[cell.entrant].label) for cell in plan.cells])
+        # By digests: cells of an earlier plan stay in the file, and only those of this one are
+        # shown.
+        shown = json.dumps(
+            [(cell.digest, plan.entrants[cell.entrant].label) for cell in plan.cells]
+        )
         described = {"name": plan.name, "cells": shown}
-        described |= {"repetitions": str(plan.repetitions), "seed": str(plan.seed), "budget": str(plan.budget)}
+        described |= {
+            "repetitions": str(plan.repetitions),
+            "seed": str(plan.seed),
+            "budget": str(plan.budget),
+        }
         described |= {"target": repr(plan.target), "accuracy": repr(plan.accuracy), **facts}
         if plan.requirements:
             described["requirements"] = json.dumps(dict(plan.requirements))
         with one_line(self.path), transaction(self._db):
             problems = [self._enter("problem", problem_columns(case)) for case in plan.cases]
-            cells = {cell.index: self._enter("cell", cell_columns(plan, cell, problems)) for cell in plan.cells}
+            cells = {
+                cell.index: self._enter("cell", cell_columns(plan, cell, problems))
+                for cell in plan.cells
+            }
             described["optima"] = json.dumps(
-                {n: case.optimum for n, case in zip(problems, plan.cases, strict=True) if case.optimum is not None}
+                {
+                    n: case.optimum
+                    for n, case in zip(problems, plan.cases, strict=True)
+                    if case.optimum is not None
+                }
             )
-            # Facts are those of the last plan: a store shows one study, though it keeps the trials of all.
+            # Facts are those of the last plan: a store shows one study, though it keeps the trials
+            # of all.
             self._db.execute("DELETE FROM fact")
             self._db.executemany(
-                "INSERT INTO fact VALUES (?, ?, ?)", [(*fact, seal(fact)) for fact in described.items()]
+                "INSERT INTO fact VALUES (?, ?, ?)",
+                [(*fact, seal(fact)) for fact in described.items()],
             )
         return cells
 
     def _enter(self, table: str, columns: dict[str, object]) -> int:
-        """The number of a row, which is written if it is not there, and again if it is not what it should be."""
+        """The number of a row, which is written where it is missing or not what it should be."""
         names, marks = ", ".join(columns), ", ".join("?" * len(columns))
         # Content is the key: the same cell of another run of the study is the same row.
-        self._db.execute(f"INSERT OR IGNORE INTO {table} ({names}) VALUES ({marks})", tuple(columns.values()))
-        row = self._rows(f"SELECT id, {names}, seal FROM {table} WHERE digest = ?", columns["digest"]).fetchone()
+        self._db.execute(
+            f"INSERT OR IGNORE INTO {table} ({names}) VALUES ({marks})", tuple(columns.values())
+        )
+        row = self._rows(
+            f"SELECT id, {names}, seal FROM {table} WHERE digest = ?", columns["digest"]
+        ).fetchone()
         number = int(row["id"])
         right = (*columns.values(), seal((number, *columns.values())))
         if row[1:] != right:
@@ -239,10 +280,16 @@ class Store:
     def finished(self, cell: int) -> set[int]:
         """Repetitions of a cell that are done."""
         with one_line(self.path):
-            return {row["repetition"] for row in self._rows("SELECT repetition FROM trial WHERE cell = ?", cell)}
+            return {
+                row["repetition"]
+                for row in self._rows("SELECT repetition FROM trial WHERE cell = ?", cell)
+            }
 
     def add(self, results: Iterable[TrialResult], cells: Mapping[int, int]) -> None:
-        """Keep results in one transaction; one that is there already (from another run) stays as it is."""
+        """Keep results in one transaction.
+
+        One that is there already (from another run) stays as it is.
+        """
         trials, traces = [], []
         for result in results:
             trial, trace = trial_columns(result, cells[result.cell]), trace_columns(result)
@@ -256,7 +303,10 @@ class Store:
             self._db.executemany(insertion("trace"), traces)
 
     def forget_failed(self, cells: Iterable[int]) -> int:
-        """Drop the trials of `cells` that failed or are damaged, so that they run again; how many there were."""
+        """Drop the trials of `cells` that failed or are damaged, so that they run again.
+
+        How many there were.
+        """
         wanted = set(cells)
         with one_line(self.path), transaction(self._db):
             lost = [
@@ -265,7 +315,9 @@ class Store:
                 if not sound(row) or (row["cell"] in wanted and Status(row["status"]).failed)
             ]
             for table in ("trial", "trace"):
-                self._db.executemany(f"DELETE FROM {table} WHERE cell IS ? AND repetition IS ?", lost)
+                self._db.executemany(
+                    f"DELETE FROM {table} WHERE cell IS ? AND repetition IS ?", lost
+                )
         return len(lost)
 
     def facts(self) -> dict[str, str]:
@@ -278,19 +330,26 @@ class Store:
         """
         with one_line(self.path):
             rows = list(self._rows(FACTS))
-            empty = not (rows or self._saved) and self._db.execute("SELECT 1 FROM cell").fetchone() is None
+            empty = (
+                not (rows or self._saved)
+                and self._db.execute("SELECT 1 FROM cell").fetchone() is None
+            )
         if empty:
             # A run that was ended in its first moment leaves the tables and nothing in them.
             raise StudyError(f"there are no results at {self.path} yet: run the study first")
         described = {row["name"] for row in rows} >= _TOLD
         if not (described and all(sound(row) for row in rows)):
             raise StudyError(
-                f"{self.path}: the description of the study is damaged: run the study again, its trials are kept"
+                f"{self.path}: the description of the study is damaged: run the study again, its"
+                " trials are kept"
             )
         return {row["name"]: row["value"] for row in rows}
 
     def cells(self) -> list[CellRow]:
-        """The cells of the study as it was last run, in its order; those that are damaged are left out."""
+        """The cells of the study as it was last run, in its order.
+
+        Those that are damaged are left out.
+        """
         shown: list[tuple[str, str]] = json.loads(self.facts().get("cells", "[]"))
         with one_line(self.path):
             problems = {row["id"]: problem_of(row) for row in self._rows(PROBLEMS) if sound(row)}
@@ -300,15 +359,24 @@ class Store:
             self._tell(f"{len(lost)} cells are damaged and left out, the first of {lost[0]}")
         kept = [(label, by_digest[digest]) for digest, label in shown if digest in by_digest]
         return [
-            CellRow(row["id"], problems[row["problem"]], label, row["optimiser"], row["options"], row["budget"])
+            CellRow(
+                row["id"],
+                problems[row["problem"]],
+                label,
+                row["optimiser"],
+                row["options"],
+                row["budget"],
+            )
             for label, row in kept
         ]
 
     def bests(self) -> dict[int, float]:
-        """Best objective of each problem, by its number: the smallest of all trials kept and at the truth.
+        """Best objective of each problem, by its number.
 
-        Where trials ended at a target it is the optimum from which that was reckoned, so that they are judged by
-        what they raced for.
+        The smallest of all trials kept and at the truth.
+
+        Where trials ended at a target it is the optimum from which that was reckoned, so that they
+        are judged by what they raced for.
         """
         planned = {int(n): best for n, best in json.loads(self.facts().get("optima", "{}")).items()}
         with one_line(self.path):
@@ -320,18 +388,27 @@ class Store:
                 number = problem.get(row["cell"])
                 if number is not None and row["best"] is not None and sound(row):
                     least[number] = min(least.get(number, inf), row["best"])
-        return {number: min(least.get(number, inf), known.get(number, inf)) for number in least | known} | planned
+        return {
+            number: min(least.get(number, inf), known.get(number, inf)) for number in least | known
+        } | planned
 
     def trials(self) -> Iterator[tuple[int, list[TrialRow]]]:
-        """Cell number and trials of every cell, up to the study's repetitions; one cell at a time in memory.
+        """Cell number and trials of every cell, up to the study's repetitions.
+
+        One cell at a time in memory.
 
         A damaged trial is one that failed.
         """
         limit = int(self.facts().get("repetitions", "0"))
-        labels = {cell.id: f"{cell.label} on {cell.problem.dataset}, {cell.problem.model}" for cell in self.cells()}
+        labels = {
+            cell.id: f"{cell.label} on {cell.problem.dataset}, {cell.problem.model}"
+            for cell in self.cells()
+        }
         with one_line(self.path):
             problems = {row["id"] for row in self._rows(PROBLEMS) if sound(row)}
-            known = {row["id"] for row in self._rows(CELLS) if sound(row) and row["problem"] in problems}
+            known = {
+                row["id"] for row in self._rows(CELLS) if sound(row) and row["problem"] in problems
+            }
             for cell, group in groupby(self._rows(ALL_TRIALS), key=lambda row: row["cell"]):
                 rows = [self._trial(row, labels.get(cell, f"cell {cell}")) for row in group]
                 kept = [row for row in rows if row is not None and row.repetition < limit]
@@ -339,7 +416,7 @@ class Store:
                     yield cell, kept
 
     def _trial(self, row: sqlite3.Row, where: str) -> TrialRow | None:
-        """A trial; one that is damaged has no numbers, and one whose own number is damaged is none."""
+        """A trial; a damaged one has no numbers, and one whose own number is damaged is none."""
         if sound(row):
             return trial_of(row)
         repetition = row["repetition"]

@@ -13,10 +13,14 @@ from typing import TypeAlias, TypeGuard
 import numpy as np
 
 from springpot.errors import StudyError
-from springpot.identification import Objective, Optimiser, Problem, minima_in_box
+from springpot.identification.bounded import minima_in_box
 from springpot.identification.native import fit
-from springpot.identification.optimiser import options_of
-from springpot.measurement import DataSet, Measurement, open_measurement
+from springpot.identification.objective import Objective
+from springpot.identification.optimiser import Optimiser, options_of
+from springpot.identification.problem import Problem
+from springpot.measurement.catalogue import DataSet
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.opening import open_measurement
 from springpot.registry import parse_model, plugins
 
 from .plan import Case, Cell, Entrant, Plan, Source, cell_digest
@@ -44,11 +48,11 @@ class Study:
     name : str
         Names the folder under results/.
     datasets : sequence
-        Names of registered data sets or files (``name@temperature=20`` chooses rows), or `DataSet` or `Measurement`
-        objects.
+        Names of registered data sets or files (``name@temperature=20`` chooses rows), or `DataSet`
+        or `Measurement` objects.
     models : sequence of str, or mapping of str to sequence of str
-        Model expressions; ``"own"`` is the data set's own model. A mapping pairs data sets (by name) with models;
-        data sets that it does not name get their own.
+        Model expressions; ``"own"`` is the data set's own model. A mapping pairs data sets (by
+        name) with models; data sets that it does not name get their own.
     objectives : sequence
         Names or `Objective` objects.
     optimisers : sequence
@@ -58,29 +62,33 @@ class Study:
     budget : int
         Evaluations of each trial.
     seed : int
-        Source of all randomness, together with the names of data set, model, objective and the repetition.
+        Source of all randomness, together with the names of data set, model, objective and the
+        repetition.
     target : float
-        A trial succeeds once its objective is at most f_best + target (g - f_best), where f_best is the best known
-        value of its problem and g the value at the centre of the box, or that of a model without any response where
-        this is smaller (after More and Wild 2009, doi:10.1137/080724083).
+        A trial succeeds once its objective is at most f_best + target (g - f_best), where f_best is
+        the best known value of its problem and g the value at the centre of the box, or that of a
+        model without any response where this is smaller (after More and Wild 2009,
+        doi:10.1137/080724083).
     accuracy : float
         Relative error within which every parameter is right, where the truth is known.
     stop_at_target : bool
-        End a trial at the target instead of using up the budget, where the optimum in the search box is known
-        beforehand, from the native solver or from descents that agree.
+        End a trial at the target instead of using up the budget, where the optimum in the search
+        box is known beforehand, from the native solver or from descents that agree.
     deadline : float
-        Seconds after which a trial is ended and counted as failed, from the first value that its process asks for:
-        the import of a library is no part of it.
+        Seconds after which a trial is ended and counted as failed, from the first value that its
+        process asks for: the import of a library is no part of it.
     memory : int
         MiB that a trial may take.
     min_success : float, optional
-        Share of every cell's trials that must reach the target, or the accuracy gate fails, whatever was before.
+        Share of every cell's trials that must reach the target, or the accuracy gate fails,
+        whatever was before.
     max_parameter_error, max_seconds : float, optional
-        Largest relative error of any parameter, and largest time of a trial, that the gate lets pass: in the share
-        `min_success` of the trials, in half of them where none is given. Without a known truth the error is taken
-        from the baseline's best trial.
+        Largest relative error of any parameter, and largest time of a trial, that the gate lets
+        pass: in the share `min_success` of the trials, in half of them where none is given. Without
+        a known truth the error is taken from the baseline's best trial.
     finish : callable, optional
-        Called with the path of the store and the folder of the tables after a run, to write what else belongs there.
+        Called with the path of the store and the folder of the tables after a run, to write what
+        else belongs there.
 
     Raises
     ------
@@ -90,7 +98,8 @@ class Study:
     Examples
     --------
     >>> from springpot.benchmark import Study
-    >>> study = Study("small", ["artificial-hidden"], ["kelvin"], ["relative"], ["native"], repetitions=3)
+    >>> data, models = ["artificial-hidden"], ["kelvin"]
+    >>> study = Study("small", data, models, ["relative"], ["native"], repetitions=3)
     >>> study.plan().size
     3
     """
@@ -116,29 +125,45 @@ class Study:
     def __post_init__(self) -> None:
         # A name is a folder on any system: no slash, no blank, and no dot in front that hides it.
         if not re.fullmatch(r"[A-Za-z0-9][\w.-]*", self.name):
-            raise StudyError(f"study name '{self.name}' must be letters, digits, '-', '_' or '.': it names a folder")
+            raise StudyError(
+                f"study name '{self.name}' must be letters, digits, '-', '_' or '.': it names a"
+                " folder"
+            )
         for key in ("datasets", "models", "objectives", "optimisers"):
             value = getattr(self, key)
             # A single name is a sequence too, of letters.
             if isinstance(value, str) or not value:
-                raise StudyError(f"study {self.name}: {key} must be a list with at least one entry, such as ['...']")
+                raise StudyError(
+                    f"study {self.name}: {key} must be a list with at least one entry, such as"
+                    " ['...']"
+                )
         for key in ("repetitions", "budget", "memory"):
             # 1e4 is how many write ten thousand: what is whole is taken, and kept as what it is.
             object.__setattr__(self, key, self._whole(key))
         for key in ("deadline", "target", "accuracy"):
-            self._require(key, _is_number(getattr(self, key)) and getattr(self, key) > 0, "a positive number")
+            self._require(
+                key, _is_number(getattr(self, key)) and getattr(self, key) > 0, "a positive number"
+            )
             # A store that seals 6 gets 6.0 back from a column of real numbers.
             object.__setattr__(self, key, float(getattr(self, key)))
         for key in REQUIREMENTS:
             value = getattr(self, key)
-            self._require(key, value is None or (_is_number(value) and value > 0), "a positive number")
-        self._require("min_success", self.min_success is None or self.min_success <= 1, "a share of at most 1")
+            self._require(
+                key, value is None or (_is_number(value) and value > 0), "a positive number"
+            )
+        self._require(
+            "min_success", self.min_success is None or self.min_success <= 1, "a share of at most 1"
+        )
         self._require("seed", _is_whole(self.seed), "a whole number")
         # As a plain one: the digests of trials are made of JSON, which knows no other.
         object.__setattr__(self, "seed", int(self.seed))
-        self._require("stop_at_target", isinstance(self.stop_at_target, bool | np.bool), "True or False")
+        self._require(
+            "stop_at_target", isinstance(self.stop_at_target, bool | np.bool), "True or False"
+        )
         object.__setattr__(self, "stop_at_target", bool(self.stop_at_target))
-        self._require("finish", self.finish is None or callable(self.finish), "a function of two paths")
+        self._require(
+            "finish", self.finish is None or callable(self.finish), "a function of two paths"
+        )
 
     def _whole(self, key: str) -> int:
         value = getattr(self, key)
@@ -147,7 +172,9 @@ class Study:
 
     def _require(self, key: str, right: bool, what: str) -> None:
         if not right:
-            raise StudyError(f"study {self.name}: {key} must be {what}, not {getattr(self, key)!r:.60}")
+            raise StudyError(
+                f"study {self.name}: {key} must be {what}, not {getattr(self, key)!r:.60}"
+            )
 
     def with_options(self, budget: int | None = None, repeats: int | None = None) -> Study:
         """The study with another budget or number of repetitions."""
@@ -171,12 +198,27 @@ class Study:
         self._require_known([source.name for source in sources])
         entrants = tuple(_entrant(given) for given in self.optimisers)
         _unique("optimiser", [entrant.label for entrant in entrants], self.name)
-        _unique("optimiser with options", [f"{e.optimiser.name} {e.options}" for e in entrants], self.name)
+        _unique(
+            "optimiser with options",
+            [f"{e.optimiser.name} {e.options}" for e in entrants],
+            self.name,
+        )
         cases = self._cases(sources)
         plan = Plan(
-            self.name, cases, entrants, (), self.repetitions, self.budget, self.seed, self.target, self.accuracy,
-            self.stop_at_target, self.deadline, self.memory, self._requirements(),
-        )  # fmt: skip
+            self.name,
+            cases,
+            entrants,
+            (),
+            self.repetitions,
+            self.budget,
+            self.seed,
+            self.target,
+            self.accuracy,
+            self.stop_at_target,
+            self.deadline,
+            self.memory,
+            self._requirements(),
+        )
         pairs = product(range(len(cases)), range(len(entrants)))
         return replace(plan, cells=tuple(_cell(plan, i, c, e) for i, (c, e) in enumerate(pairs)))
 
@@ -205,7 +247,8 @@ class Study:
         for name in self.models:
             if name not in names:
                 raise StudyError(
-                    f"study {self.name}: models are given for '{name}', which is not among the data sets"
+                    f"study {self.name}: models are given for '{name}', which is not among the data"
+                    " sets"
                 )
 
     def _models_of(self, source: Source) -> list[str]:
@@ -213,7 +256,9 @@ class Study:
         if isinstance(given, Mapping):
             given = given.get(source.name, (OWN,))
         if OWN in given and not source.model:
-            raise StudyError(f"study {self.name}: {source.name} has no model of its own: name the models to fit")
+            raise StudyError(
+                f"study {self.name}: {source.name} has no model of its own: name the models to fit"
+            )
         names = []
         for expression in given:
             if expression == OWN:
@@ -258,7 +303,8 @@ def _source_of(name: str, measurement: Measurement, card: DataSet | None) -> Sou
     digest = measurement.digest()
     if card is None:
         return Source(name, measurement, digest, "measured", "", {}, None)
-    # As plain numbers of one kind: digests are made of JSON, in which 1000 and 1000.0 are two things.
+    # As plain numbers of one kind: digests are made of JSON, in which 1000 and 1000.0 are two
+    # things.
     truth = {key: float(value) for key, value in card.truth.items()}
     scale = card.stiffness_scale
     if scale is not None:
@@ -294,7 +340,11 @@ def _label(optimiser: Optimiser) -> str:
     if not is_dataclass(optimiser):
         return optimiser.name
     shown = options_of(optimiser)
-    changed = [f"{f.name}={shown[f.name]}" for f in fields(optimiser) if getattr(optimiser, f.name) != f.default]
+    changed = [
+        f"{f.name}={shown[f.name]}"
+        for f in fields(optimiser)
+        if getattr(optimiser, f.name) != f.default
+    ]
     if not changed:
         return optimiser.name
     return f"{optimiser.name}({', '.join(changed)})"
@@ -304,7 +354,9 @@ def _unique(word: str, names: list[str], study: str) -> None:
     # Trials are known by names: two of one name would be taken for repetitions.
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
-        raise StudyError(f"study {study}: {word} '{twice[0]}' occurs twice: give one of them another name")
+        raise StudyError(
+            f"study {study}: {word} '{twice[0]}' occurs twice: give one of them another name"
+        )
 
 
 def _case(source: Source, expression: str, objective: Objective, target: float | None) -> Case:
@@ -324,10 +376,12 @@ def _case(source: Source, expression: str, objective: Objective, target: float |
 
 
 def _reference(problem: Problem) -> float:
-    """Objective from which progress is measured: at the centre of the box, or of no answer at all if that is less.
+    """Objective from which progress is measured.
 
-    Where the centre is absurd (a box far too large, an inertia at high frequency) its objective says nothing of the
-    data, and a millionth of it would be reached by fits that are of no use.
+    At the centre of the box, or of no answer at all if that is less.
+
+    Where the centre is absurd (a box far too large, an inertia at high frequency) its objective
+    says nothing of the data, and a millionth of it would be reached by fits that are of no use.
     """
     with np.errstate(all="ignore"):
         centre = problem.evaluate(0.5 * (problem.lower + problem.upper))
@@ -338,11 +392,13 @@ def _reference(problem: Problem) -> float:
     return float(np.fmin(centre, nothing))
 
 
-def _optimum(problem: Problem, reference: float, known: float | None, target: float) -> float | None:
+def _optimum(
+    problem: Problem, reference: float, known: float | None, target: float
+) -> float | None:
     """Smallest objective in the box; None where that is not certain.
 
-    It is where the native solver, which knows no box, finds nothing better outside, or where several descents
-    within the box end at the same value.
+    It is where the native solver, which knows no box, finds nothing better outside, or where
+    several descents within the box end at the same value.
     """
     # The native solver is told nothing of the box: it says what there is at best.
     unbounded = fit(problem.model, problem.measurement, problem.objective)
@@ -368,7 +424,11 @@ def _optimum(problem: Problem, reference: float, known: float | None, target: fl
 
 def truth_fits(source: Source, model: str, names: tuple[str, ...]) -> bool:
     """Whether the true parameters are those of this model."""
-    return bool(source.truth) and parse_model(source.model).name == model and set(source.truth) == set(names)
+    return (
+        bool(source.truth)
+        and parse_model(source.model).name == model
+        and set(source.truth) == set(names)
+    )
 
 
 def _cell(plan: Plan, index: int, case: int, entrant: int) -> Cell:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 from .plan import stream_of
 from .rows import CellRow, TrialRow
@@ -31,7 +31,8 @@ class CellSummary:
     success : Interval or None
         Share that reached the target.
     to_target : float or None
-        Median of the evaluations to the target; infinite if fewer than half of the trials reached it.
+        Median of the evaluations to the target; infinite if fewer than half of the trials reached
+        it.
     running_time : Interval or None
         Expected evaluations to the target with restarts.
     accurate : Interval or None
@@ -41,7 +42,8 @@ class CellSummary:
     evaluations, gradients : float or None
         Medians over the same.
     processor, each : float or None
-        Processor time [s] of such a trial run alone and of each of its evaluations, medians over those that were.
+        Processor time [s] of such a trial run alone and of each of its evaluations, medians over
+        those that were.
     processor_batched : float or None
         Share in the processor time [s] of a batch, median over those that were run in one.
     reasons : Counter
@@ -66,9 +68,12 @@ class CellSummary:
     reasons: Counter[tuple[str, str]]
 
 
-def summarise_cell(cell: CellRow, trials: Sequence[TrialRow], hits: Real, accuracy: float) -> CellSummary:
-    """Summary of one cell whose trials reached the target at the evaluations `hits`, infinite where they did not."""
-    # Medians of what came to something; what failed is in the rates and running times, where it counts in full.
+def summarise_cell(
+    cell: CellRow, trials: Sequence[TrialRow], hits: Real, accuracy: float
+) -> CellSummary:
+    """Summary of a cell; `hits` are evaluations at which its trials reached the target, or inf."""
+    # Medians of what came to something; what failed is in the rates and running times, where it
+    # counts in full.
     sound = [trial for trial in trials if not trial.status.failed]
     spent = np.array([trial.evaluations for trial in trials], dtype=float)
     problem = cell.problem
@@ -78,7 +83,9 @@ def summarise_cell(cell: CellRow, trials: Sequence[TrialRow], hits: Real, accura
     )
     errors = [trial.parameter_error for trial in sound if trial.parameter_error is not None]
     accurate = None
-    if problem.known is not None:  # without true parameters nothing can be said of those that were found
+    if (
+        problem.known is not None
+    ):  # without true parameters nothing can be said of those that were found
         accurate = wilson(sum(error <= accuracy for error in errors), len(trials))
     return CellSummary(
         cell,
@@ -115,20 +122,27 @@ def _who(cell: CellRow) -> tuple[Entry, ...]:
 def summary_table(name: str, summaries: Sequence[CellSummary], target: str, accuracy: str) -> Table:
     """Success, cost and accuracy of every cell; the same bytes whatever engine ran the study."""
     columns = (
-        *_WHO, "budget", "trials", "failed", "success", "evaluations to target", "expected running time",
-        f"parameters within {float(accuracy):g}", "parameter error", "objective", "noise-free objective",
-    )  # fmt: skip
+        *(*_WHO, "budget", "trials", "failed", "success"),
+        *("evaluations to target", "expected running time"),
+        *(f"parameters within {float(accuracy):g}", "parameter error"),
+        *("objective", "noise-free objective"),
+    )
     rows = [
-        (*_who(s.cell), s.cell.budget, s.trials, s.failed, s.success, s.to_target, s.running_time, s.accurate,
-         s.parameter_error, s.best, s.oracle)
+        (
+            *(*_who(s.cell), s.cell.budget, s.trials, s.failed, s.success),
+            *(s.to_target, s.running_time),
+            *(s.accurate, s.parameter_error),
+            *(s.best, s.oracle),
+        )
         for s in summaries
-    ]  # fmt: skip
+    ]
     note = (
-        f"Success: objective at most f + {float(target):g} (g - f), where f is the best value known of the problem "
-        "and g that at the centre of the box, or of a model without any response where that is smaller. Rates with "
-        "Wilson's and running times with bootstrap 95 % intervals; a trial that failed or missed the target counts "
-        "as infinite. Parameter error: the largest relative one; it, the objective and the noise-free objective are "
-        "medians over the trials that did not fail."
+        f"Success: objective at most f + {float(target):g} (g - f), where f is the best value known"
+        " of the problem and g that at the centre of the box, or of a model without any response"
+        " where that is smaller. Rates with Wilson's and running times with bootstrap 95 %"
+        " intervals; a trial that failed or missed the target counts as infinite. Parameter error:"
+        " the largest relative one; it, the objective and the noise-free objective are medians"
+        " over the trials that did not fail."
     )
     return Table(f"{name}: summary", columns, rows, note)
 
@@ -140,14 +154,17 @@ def timing_table(name: str, summaries: Sequence[CellSummary]) -> Table:
         each = None
         if s.each is not None:
             each = 1e6 * s.each
-        rows.append((*_who(s.cell), s.evaluations, s.gradients, s.processor, each, s.processor_batched))
+        rows.append(
+            (*_who(s.cell), s.evaluations, s.gradients, s.processor, each, s.processor_batched)
+        )
     columns = (
-        *_WHO, "evaluations", "of these with gradient", "one trial alone [s]", "an evaluation of it [us]",
-        "share in a batch [s]",
-    )  # fmt: skip
+        *(*_WHO, "evaluations", "of these with gradient"),
+        *("one trial alone [s]", "an evaluation of it [us]", "share in a batch [s]"),
+    )
     note = (
-        "Processor time; medians over the trials that did not fail; start-up is not counted. An optimiser that runs "
-        "its repetitions side by side runs one of each batch alone as well, for its time."
+        "Processor time; medians over the trials that did not fail; start-up is not counted. An"
+        " optimiser that runs its repetitions side by side runs one of each batch alone as well,"
+        " for its time."
     )
     return Table(f"{name}: time", columns, rows, note)
 

@@ -1,4 +1,6 @@
-"""The local engine: trials in supervised processes, of which any may crash, hang or run out of memory.
+"""The local engine.
+
+Trials in supervised processes, of which any may crash, hang or run out of memory.
 
 Each process is forked from a clean server for one optimiser and sees no trial of another.
 """
@@ -17,29 +19,41 @@ from typing import Any
 from springpot.errors import StudyError
 from springpot.processes import end_group
 
-from .audit import Audit
-from .nursery import BORN, BROKEN, ENDED, READY, Nursery
+from .fork_server import BORN, BROKEN, ENDED, READY, Nursery
 from .plan import Plan, Task
+from .recheck import Audit
 from .trial import Status, TrialResult, failure
 from .worker import BEGUN, Parcel, answer
 
 START = 120.0
-"""Seconds that the server may take until it is ready; no trial's deadline runs before that. It takes about one: a
-hundred times as much is left for a cold disk and a busy machine."""
+"""Seconds that the server may take until it is ready; no trial's deadline runs before that.
+
+It takes about one: a hundred times as much is left for a cold disk and a busy machine.
+"""
 IMPORTS = 30.0
-"""Seconds that an optimiser may take beside the deadline until it asks for its first value, in each new process: the
-largest libraries take three to import, and ten times as much is left for a cold disk and a busy machine."""
+"""Seconds that an optimiser may take beside the deadline until it asks for its first value.
+
+In each new process: the largest libraries take three to import, and ten times as much is left for a
+cold disk and a busy machine.
+"""
 AHEAD = 0.02
-"""Seconds of work that wait in a worker's pipe, so that it never waits for the coordinator, who needs milliseconds to
+"""Seconds of work that wait in a worker's pipe.
+
+So that it never waits for the coordinator, who needs milliseconds to
 keep a batch of results."""
 DEEPEST = 32
 """Most tasks that wait there: what a worker that dies gives back is done again by another."""
 NEWEST = 0.2
-"""Weight of the newest trial in the mean time of an optimiser's: early ones carry first-use costs that later ones do
-not, and a mean of all would keep them."""
+"""Weight of the newest trial in the mean time of an optimiser's.
+
+Early ones carry first-use costs that later ones do not, and a mean of all would keep them.
+"""
 ORPHANED = 3
-"""Times that the server may end during a trial that runs alone before that is blamed, and between trials before the
-study gives up. Once proves nothing: the trial before may have ended the server, and its result have come first."""
+"""Times that the server may end before what it did is given up.
+
+During a trial that runs alone, before that is blamed; between trials, before the study gives up.
+Once proves nothing: the trial before may have ended the server, and its result have come first.
+"""
 
 
 @dataclass(eq=False)
@@ -187,7 +201,10 @@ class LocalEngine:
         return True
 
     def _interrogate(self, nursery: Nursery, busy: bool) -> None:
-        """Run a task during which the server ended alone, so that nobody else is blamed for what it does."""
+        """Run a task during which the server ended alone.
+
+        So that nobody else is blamed for what it does.
+        """
         if busy:
             return
         for worker in list(self._workers.values()):
@@ -198,14 +215,15 @@ class LocalEngine:
     def _hire(self, nursery: Nursery, entrant: int) -> Worker:
         # Never used twice: a late word of a worker that has ended must not be taken for another's.
         number = next(self._numbers)
-        # One entrant for life: what an optimiser leaves in a process must not reach another's trials.
+        # One entrant for life: what an optimiser leaves in a process must not reach another's
+        # trials.
         self._workers[number] = Worker(number, entrant, nursery.fork(number))
         return self._workers[number]
 
     def _fill(self, worker: Worker) -> None:
         mean = self._means.get(worker.entrant, 0.0)
-        # Quick trials are handed out by many, or workers would wait for the next; slow ones singly, or they could not
-        # be shared.
+        # Quick trials are handed out by many, or workers would wait for the next; slow ones singly,
+        # or they could not be shared.
         depth = 1
         if mean > 0:
             depth = int(min(max(AHEAD / mean, 1), DEEPEST))
@@ -213,7 +231,10 @@ class LocalEngine:
         if len(worker.tasks) > depth // 2:
             return
         more: list[Task] = []
-        while len(worker.tasks) + len(more) < depth and (task := self._backlog.take(worker.entrant)) is not None:
+        while (
+            len(worker.tasks) + len(more) < depth
+            and (task := self._backlog.take(worker.entrant)) is not None
+        ):
             more.append(task)
         if more:
             worker.give(more)
@@ -223,7 +244,9 @@ class LocalEngine:
     def _listen(self) -> list[TrialResult]:
         nursery = self._nursery
         assert nursery is not None
-        channels: dict[Any, Worker] = {w.connection: w for w in self._workers.values() if not w.deaf}
+        channels: dict[Any, Worker] = {
+            w.connection: w for w in self._workers.values() if not w.deaf
+        }
         heard = wait([nursery.channel, *channels], timeout=self._patience())
         results: list[TrialResult] = []
         for worker in [channels[channel] for channel in heard if channel in channels]:
@@ -232,7 +255,9 @@ class LocalEngine:
             results += self._hear_nursery(nursery)
         now = monotonic()
         # After all has been heard: an answer that came in time must not count as late.
-        for worker in [w for w in self._workers.values() if w.tasks and now - w.since > self._limit(w)]:
+        for worker in [
+            w for w in self._workers.values() if w.tasks and now - w.since > self._limit(w)
+        ]:
             results += self._overdue(worker)
         if self._nursery is nursery and not nursery.ready and now - self._asked > START:
             raise StudyError(f"study {self._plan.name}: workers were not ready after {START:g} s")
@@ -264,7 +289,8 @@ class LocalEngine:
                 else:
                     results += self._take(worker, *answer(message))
         except (EOFError, OSError):
-            # Its end, or that of its line only; either way the server ends it and tells how it ended.
+            # Its end, or that of its line only; either way the server ends it and tells how it
+            # ended.
             worker.deaf = True
             if self._nursery is not None:
                 self._nursery.kill(worker.number)
@@ -292,7 +318,9 @@ class LocalEngine:
     def _garbled(self, worker: Worker, error: Exception) -> list[TrialResult]:
         results: list[TrialResult] = []
         if worker.tasks:
-            reason = f"its process answered with something that is no result ({type(error).__name__})"
+            reason = (
+                f"its process answered with something that is no result ({type(error).__name__})"
+            )
             results = failure(worker.tasks.popleft(), Status.CRASH, reason)
         self._dismiss(worker)
         return results
@@ -314,12 +342,17 @@ class LocalEngine:
         return results
 
     def _lost(self, worker: Worker, cause: str) -> list[TrialResult]:
-        """What remains of a worker that has ended: answers in its line, then the trial that it died of."""
+        """What remains of a worker that has ended.
+
+        Answers in its line, then the trial that it died of.
+        """
         results: list[TrialResult] = []
         if not worker.deaf:
             results = self._hear(worker)
         if worker.tasks and worker.number in self._workers:
-            results += failure(worker.tasks.popleft(), Status.CRASH, cause, monotonic() - worker.since)
+            results += failure(
+                worker.tasks.popleft(), Status.CRASH, cause, monotonic() - worker.since
+            )
         self._dismiss(worker)
         return results
 
@@ -332,10 +365,13 @@ class LocalEngine:
         alone: Task | None = None
         if len(running) == 1:
             alone = running[0].tasks[0]
-        # With several under way nobody knows whose trial ended the server: they are tried one at a time first.
+        # With several under way nobody knows whose trial ended the server: they are tried one at a
+        # time first.
         self._orphaned[alone] += len(running) < 2
         if self._orphaned[None] >= ORPHANED:
-            raise StudyError(f"study {self._plan.name}: the server of workers ends again and again ({cause})")
+            raise StudyError(
+                f"study {self._plan.name}: the server of workers ends again and again ({cause})"
+            )
         results: list[TrialResult] = []
         for worker in running:
             task = worker.tasks.popleft()

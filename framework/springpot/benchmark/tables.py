@@ -1,4 +1,7 @@
-"""One small writer of tables: Markdown, CSV, LaTeX (booktabs) and HTML from the same rows by one rule for numbers."""
+"""One small writer of tables.
+
+Markdown, CSV, LaTeX (booktabs) and HTML from the same rows by one rule for numbers.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from springpot.files import write_text
-from springpot.measurement import guarded
+from springpot.measurement.csv_safe import guarded
 
 from .statistics import Interval
 
@@ -47,7 +50,10 @@ class Table:
 
 
 def number(value: float) -> str:
-    """Four significant digits; powers of ten below 0.001 and from a million on; whole numbers as they are."""
+    """Four significant digits; powers of ten below 0.001 and from a million on.
+
+    Whole numbers as they are.
+    """
     if isinstance(value, int):
         return str(value)
     if isnan(value):
@@ -97,11 +103,16 @@ def _markdown_cell(cell: str) -> str:
 
 
 def to_csv(table: Table) -> str:
-    """The table for programs: numbers in full, an interval as three columns, nothing as an empty field."""
+    """The table for programs.
+
+    Numbers in full, an interval as three columns, nothing as an empty field.
+    """
     stream = StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     # A column has the same fields in all rows, whichever of them hold an interval.
-    wide = [any(isinstance(row[i], Interval) for row in table.rows) for i in range(len(table.columns))]
+    wide = [
+        any(isinstance(row[i], Interval) for row in table.rows) for i in range(len(table.columns))
+    ]
     heads: list[str] = []
     for column, is_wide in zip(table.columns, wide, strict=True):
         heads.append(column)
@@ -133,11 +144,16 @@ def _field(entry: str | float | None) -> str:
     return guarded(str(entry))
 
 
-_LATEX = {
-    "\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}",
-    "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}", ">": r"\textgreater{}",
-    "∞": r"$\infty$", "–": "--", "|": r"\textbar{}",
-}  # fmt: skip
+_LATEX = {sign: rf"\{sign}" for sign in "&%$#_{}"} | {
+    "\\": r"\textbackslash{}",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "<": r"\textless{}",
+    ">": r"\textgreater{}",
+    "∞": r"$\infty$",
+    "–": "--",
+    "|": r"\textbar{}",
+}
 
 
 def to_latex(table: Table) -> str:
@@ -166,7 +182,8 @@ def _ampersands(cells: Sequence[str]) -> str:
 
 def _latex_cell(cell: str) -> str:
     escaped = escaped_latex(cell)
-    # A row that begins with a bracket would be read as the optional argument of the line break before it.
+    # A row that begins with a bracket would be read as the optional argument of the line break
+    # before it.
     if escaped.startswith("["):
         return "{" + escaped + "}"
     return escaped
@@ -184,15 +201,20 @@ def to_html(table: Table) -> str:
     kinds = [marks[numeric] for numeric in _numeric(table)]
     # Names of data sets and optimisers are anybody's words: none may be read as a tag.
     title, note = html.escape(table.title), html.escape(table.note)
-    head = "".join(f"<th{k}>{html.escape(c)}</th>" for c, k in zip(table.columns, kinds, strict=True))
+    head = "".join(
+        f"<th{k}>{html.escape(c)}</th>" for c, k in zip(table.columns, kinds, strict=True)
+    )
     rows = [
-        "".join(f"<td{k}>{html.escape(text(entry))}</td>" for entry, k in zip(row, kinds, strict=True))
+        "".join(
+            f"<td{k}>{html.escape(text(entry))}</td>" for entry, k in zip(row, kinds, strict=True)
+        )
         for row in table.rows
     ]
     body = "\n".join(f"<tr>{row}</tr>" for row in rows)
     return (
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
-        f"<style>{_STYLE}</style></head><body>\n<h1>{title}</h1>\n<table>\n<thead><tr>{head}</tr></thead>\n"
+        f"<style>{_STYLE}</style></head><body>\n<h1>{title}</h1>\n"
+        f"<table>\n<thead><tr>{head}</tr></thead>\n"
         f"<tbody>\n{body}\n</tbody>\n</table>\n<p>{note}</p>\n</body></html>\n"
     )
 
@@ -200,7 +222,9 @@ def to_html(table: Table) -> str:
 def _numeric(table: Table) -> list[bool]:
     """Whether a column holds numbers, and so stands flush right."""
     columns = range(len(table.columns))
-    return [bool(table.rows) and not any(isinstance(row[i], str) for row in table.rows) for i in columns]
+    return [
+        bool(table.rows) and not any(isinstance(row[i], str) for row in table.rows) for i in columns
+    ]
 
 
 FORMATS: dict[str, tuple[str, Callable[[Table], str]]] = {
@@ -212,7 +236,9 @@ FORMATS: dict[str, tuple[str, Callable[[Table], str]]] = {
 """Name of a format to its file suffix and writer."""
 
 
-def save_table(table: Table, folder: Path, stem: str, formats: Sequence[str] = tuple(FORMATS)) -> list[Path]:
+def save_table(
+    table: Table, folder: Path, stem: str, formats: Sequence[str] = tuple(FORMATS)
+) -> list[Path]:
     """Write a table to files ``stem.SUFFIX`` in a folder, one for each format.
 
     Raises

@@ -1,6 +1,7 @@
 """Improvement traces as compact bytes, and what is read off them.
 
-Between its improvements a trace is flat, so they hold its value at every evaluation; `geometric_grid` chooses some.
+Between its improvements a trace is flat, so they hold its value at every evaluation;
+`geometric_grid` chooses some.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 # The order of bytes is part of the format: a store may be read on another machine.
 _STEP = np.dtype("<u4")
@@ -36,7 +37,9 @@ def unpack(blob: bytes) -> tuple[NDArray[np.int64], Real]:
     raw = zlib.decompress(blob)
     n = len(raw) // (_STEP.itemsize + _VALUE.itemsize)
     steps = np.frombuffer(raw, _STEP, n)
-    return np.cumsum(steps, dtype=np.int64), np.frombuffer(raw, _VALUE, n, offset=n * _STEP.itemsize)
+    return np.cumsum(steps, dtype=np.int64), np.frombuffer(
+        raw, _VALUE, n, offset=n * _STEP.itemsize
+    )
 
 
 def pack_values(values: Real) -> bytes:
@@ -65,6 +68,6 @@ def geometric_grid(last: int, per_decade: int = 20) -> NDArray[np.int64]:
 
 
 def at(evaluations: NDArray[np.int64], values: Real, grid: NDArray[np.int64]) -> Real:
-    """Value (m,) of a trace at the evaluation numbers `grid` (m,), infinite before its first point."""
+    """Value (m,) of a trace at evaluation numbers `grid` (m,), infinite before its first point."""
     index = np.searchsorted(evaluations, grid, side="right")
     return np.concatenate([[inf], values])[index]

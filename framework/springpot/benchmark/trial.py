@@ -10,16 +10,16 @@ from functools import cached_property
 
 import numpy as np
 
-from springpot.identification import Problem, all_points
-from springpot.identification.problem import watched
-from springpot.identification.run import Run, run, run_batch
-from springpot.measurement import Measurement
+from springpot.identification.ledger import all_points
+from springpot.identification.problem import Problem, watched
+from springpot.identification.runs import Run, run, run_batch
+from springpot.measurement.measurement import Measurement
 from springpot.registry import parse_model
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
-from .canary import Witness
 from .plan import Case, Cell, Plan, Source, Task
 from .study import truth_fits
+from .tamper_test import Witness
 from .trace import improvements, pack, pack_values
 
 LONGEST_REASON = 300
@@ -74,20 +74,23 @@ class TrialResult:
     oracle : float or None
         Objective of the same parameters against noise-free data, where the truth is known.
     evaluations, gradients, batched : int
-        Counted by the recorder: all, those with a derivative, those in calls for several points at once.
+        Counted by the recorder: all, those with a derivative, those in calls for several points at
+        once.
     seconds : float
         Duration of the optimiser's own call; in a batch, an equal share of it.
     processor : float or None
-        Processor time of the optimiser in a run of this trial alone; None where it was run beside others only.
+        Processor time of the optimiser in a run of this trial alone; None where it was run beside
+        others only.
     processor_batched : float or None
         Share of that of the batch in which it was run; None for a trial that was run alone.
     trace : bytes
         Its improvements, packed.
     recommended : bytes or None
-        Noise-free objective of what was best at each improvement, packed; empty if it is the objective itself, None
-        where the truth is unknown.
+        Noise-free objective of what was best at each improvement, packed; empty if it is the
+        objective itself, None where the truth is unknown.
     seen : bytes or None
-        Improvements of the noise-free objective over all that was evaluated, packed; empty and None likewise.
+        Improvements of the noise-free objective over all that was evaluated, packed; empty and None
+        likewise.
     point : tuple of float
         Search point of the smallest objective, as it was evaluated.
     factor : float
@@ -123,7 +126,9 @@ def failure(task: Task, status: Status, reason: str, seconds: float = 0.0) -> li
 
 
 class Workshop:
-    """Runs the trials of a plan; every problem is built before the first of them, in a process that is still clean.
+    """Runs the trials of a plan.
+
+    Every problem is built before the first of them, in a process that is still clean.
 
     Parameters
     ----------
@@ -149,23 +154,31 @@ class Workshop:
             return failure(task, Status.MEMORY, f"needs more than {self.plan.memory} MiB")
         except (Exception, SystemExit) as error:
             return failure(task, Status.ERROR, f"{type(error).__name__}: {error}")
-        # An optimiser shares the process with the problem: one that has changed it has raced on another.
+        # An optimiser shares the process with the problem: one that has changed it has raced on
+        # another.
         complaint = bench.witness.complaint(bench.problem)
-        # What the trial itself reports of a fault says more than that the process was changed by it.
+        # What the trial itself reports of a fault says more than that the process was changed by
+        # it.
         if complaint and not all(result.status.failed for result in results):
             return failure(task, Status.CHANGED, complaint)
         return results
 
     def _race(self, task: Task, cell: Cell, bench: Bench) -> list[TrialResult]:
         entrant = self.plan.entrants[cell.entrant]
-        # A generator for each repetition: a trial is the same alone, in a batch, and on another worker.
+        # A generator for each repetition: a trial is the same alone, in a batch, and on another
+        # worker.
         rngs = [np.random.default_rng(self.plan.stream(cell, r)) for r in task.repetitions]
         target = self.plan.stop_value(self.plan.cases[cell.case])
-        runs = run_batch(entrant.optimiser, bench.problem, self.plan.budget, rngs, target, bench.noisy)
-        results = [bench.judge(task.cell, r, done) for r, done in zip(task.repetitions, runs, strict=True)]
+        runs = run_batch(
+            entrant.optimiser, bench.problem, self.plan.budget, rngs, target, bench.noisy
+        )
+        results = [
+            bench.judge(task.cell, r, done) for r, done in zip(task.repetitions, runs, strict=True)
+        ]
         if not self.plan.flown_together(task):
             return results
-        # A share of many says little of what one costs who runs one: the first is run once more, alone.
+        # A share of many says little of what one costs who runs one: the first is run once more,
+        # alone.
         rng = np.random.default_rng(self.plan.stream(cell, task.repetitions[0]))
         alone = run(entrant.optimiser, bench.problem, self.plan.budget, rng, target).processor
         times = [alone, *[None] * (len(results) - 1)]
@@ -175,9 +188,12 @@ class Workshop:
         ]
 
     def warm_up(self, task: Task, begun: Callable[[], None] = lambda: None) -> None:
-        """Let the optimiser of a task import what it needs before it is timed; its trial reports what goes wrong.
+        """Let the optimiser of a task import what it needs before it is timed.
 
-        Once for each optimiser `begun` is called, when it asks for its first value or ends without having done so.
+        Its trial reports what goes wrong.
+
+        Once for each optimiser `begun` is called, when it asks for its first value or ends without
+        having done so.
         """
         cell = self.plan.cells[task.cell]
         optimiser, bench = self.plan.entrants[cell.entrant].optimiser, self._benches[cell.case]
@@ -273,7 +289,8 @@ class Bench:
 
     def judged(self, point: Real) -> Judged:
         """What a search point (d,) is worth, the order kinf > k0 restored."""
-        # What is reported is a point that thermodynamics allows; its value is that of the point that was evaluated.
+        # What is reported is a point that thermodynamics allows; its value is that of the point
+        # that was evaluated.
         x = self.problem.space.repaired(point)
         theta = np.asarray(self.problem.space.theta(x), dtype=float)
         error = oracle = None
@@ -283,19 +300,26 @@ class Bench:
                 error = relative_error(theta, self.truth)
             if self.clean is not None:
                 oracle = float(self.clean.evaluate(x))
-        return Judged(value, dict(zip(self.problem.model.names, theta.tolist(), strict=True)), error, oracle)
+        return Judged(
+            value, dict(zip(self.problem.model.names, theta.tolist(), strict=True)), error, oracle
+        )
 
     def judge(self, cell: int, repetition: int, done: Run) -> TrialResult:
         """What is kept of a run."""
         status, reason = _status(done)
         common = {
-            "evaluations": done.evaluations, "gradients": done.gradients, "batched": done.batched,
-            "seconds": done.seconds, "processor": done.processor,
-        }  # fmt: skip
-        # A value found before the fault is not kept: what comes of a trial that breaks off would depend on luck.
+            "evaluations": done.evaluations,
+            "gradients": done.gradients,
+            "batched": done.batched,
+            "seconds": done.seconds,
+            "processor": done.processor,
+        }
+        # A value found before the fault is not kept: what comes of a trial that breaks off would
+        # depend on luck.
         if status.failed:
             return TrialResult(cell, repetition, status, reason, **common)  # type: ignore[arg-type]
-        # From the point itself, evaluated anew: what it is worth is found here, and not told by the run.
+        # From the point itself, evaluated anew: what it is worth is found here, and not told by the
+        # run.
         judged = self.judged(done.point)
         recommended, seen = self._without_noise(done)
         return TrialResult(
@@ -315,7 +339,7 @@ class Bench:
         )
 
     def _without_noise(self, done: Run) -> tuple[bytes | None, bytes | None]:
-        """Packed traces of what was recommended and of what was seen, judged against noise-free data."""
+        """Packed traces of what was recommended and seen, judged against noise-free data."""
         if self.clean is None:
             return None, None
         if done.diary is None:
@@ -343,7 +367,8 @@ def noise_free(source: Source) -> Measurement | None:
 
 
 def _status(done: Run) -> tuple[Status, str]:
-    # The error's own name is in the reason of a failed run, and the limit of memory raises one of these.
+    # The error's own name is in the reason of a failed run, and the limit of memory raises one of
+    # these.
     name, _, reason = done.status.partition(": ")
     if reason.startswith("MemoryError"):
         return Status.MEMORY, reason

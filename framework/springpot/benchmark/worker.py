@@ -1,4 +1,4 @@
-"""A worker process: forked for one optimiser, it runs the tasks that it is sent and answers each."""
+"""A worker process: forked for one optimiser, it runs the tasks it is sent and answers each."""
 
 from __future__ import annotations
 
@@ -26,7 +26,8 @@ class Parcel:
     Parameters
     ----------
     script : str
-        The user's script, which the worker loads first so that optimisers defined in it are found; or empty.
+        The user's script, which the worker loads first so that optimisers defined in it are found;
+        or empty.
     plan : bytes
         The pickled plan; it only ever travels between the processes of one study.
     quiet : bool
@@ -41,7 +42,9 @@ class Parcel:
     own_program: bool = True
 
     @classmethod
-    def of(cls, plan: Plan, script: Path | None, quiet: bool = False, own_program: bool = True) -> Parcel:
+    def of(
+        cls, plan: Plan, script: Path | None, quiet: bool = False, own_program: bool = True
+    ) -> Parcel:
         """A parcel of `plan`.
 
         Raises
@@ -74,7 +77,10 @@ class Parcel:
 
 
 BEGUN = b"begun"
-"""What a worker sends once: its optimiser has asked for its first value, and its imports are behind it."""
+"""What a worker sends once.
+
+Its optimiser has asked for its first value, and its imports are behind it.
+"""
 
 
 def answer(blob: bytes) -> tuple[list[TrialResult], bool]:
@@ -118,11 +124,14 @@ def serve(connection: Connection, shop: Workshop) -> None:
                 return
 
 
-def _result(shop: Workshop, task: Task, begun: Callable[[], None]) -> tuple[list[TrialResult], bool]:
-    """The results of a task, and whether the process is no longer what it was and must not be used again."""
+def _result(
+    shop: Workshop, task: Task, begun: Callable[[], None]
+) -> tuple[list[TrialResult], bool]:
+    """The results of a task, and whether its process changed and must not be used again."""
     try:
         shop.warm_up(task, begun)
-        # After the first use, which may well start a thread that a library keeps for all that follow.
+        # After the first use, which may well start a thread that a library keeps for all that
+        # follow.
         before = settings()
         results = shop.run(task)
         worn = settings() != before

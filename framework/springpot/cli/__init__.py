@@ -1,4 +1,4 @@
-"""The command line ``springpot``: every command is a small module that is loaded when it is called."""
+"""The command line ``springpot``: each command is a small module, loaded when it is called."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from typing import NoReturn
 class CtrlC:
     """The handler of Ctrl-C, which remembers that it was pressed.
 
-    A library that is just being imported may turn the interruption into an error of its own (numpy into an
-    `ImportError`, a half-made module into an `AttributeError`): whoever sees that error asks here for its cause.
+    A library that is just being imported may turn the interruption into an error of its own (numpy
+    into an `ImportError`, a half-made module into an `AttributeError`): whoever sees that error
+    asks here for its cause.
     """
 
     def __init__(self) -> None:
@@ -34,7 +35,8 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     arguments : sequence of str, optional
         By default those of this process.
     """
-    # The matrices of a fit are small: threads only wait for one another, a factor of twenty on a busy machine.
+    # The matrices of a fit are small: threads only wait for one another, a factor of twenty on a
+    # busy machine.
     for library in ("OPENBLAS", "MKL", "OMP"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     _open_streams()
@@ -59,8 +61,9 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
 
 
 def _leave(code: int) -> NoReturn:
-    # Where Ctrl-C came while a string was run, of which dataclasses are made, CPython remembers it as unhandled and
-    # ends by the signal instead of with this code; the next string that is run makes it forget.
+    # Where Ctrl-C came while a string was run, of which dataclasses are made, CPython remembers it
+    # as unhandled and ends by the signal instead of with this code; the next string that is run
+    # makes it forget.
     exec("")
     sys.exit(code)
 
@@ -70,7 +73,8 @@ def _open_streams() -> None:
     for fd, (name, mode) in enumerate((("stdin", "r"), ("stdout", "w"), ("stderr", "w"))):
         if getattr(sys, name) is not None:
             continue
-        # Else the next file that is opened would get the number, and whatever is printed would be written into it.
+        # Else the next file that is opened would get the number, and whatever is printed would be
+        # written into it.
         nowhere = os.open(os.devnull, os.O_RDWR)
         if nowhere != fd:
             os.dup2(nowhere, fd)

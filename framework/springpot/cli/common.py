@@ -17,7 +17,7 @@ from . import completion
 from .faults import BAD_INPUT, FAULT, exit_code
 
 if TYPE_CHECKING:
-    from springpot.measurement import Measurement
+    from springpot.measurement.measurement import Measurement
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -36,7 +36,8 @@ class _Input(click.Path):
         from springpot.files import keep_input
 
         text = str(value)
-        # A part, columns and rows may be chosen behind the name of a file, which may hold such marks itself.
+        # A part, columns and rows may be chosen behind the name of a file, which may hold such
+        # marks itself.
         for i in (*(i for i, sign in enumerate(text) if sign in "#?@"), len(text)):
             keep_input(text[:i])
         # Whether it can be a file is told by who reads it.
@@ -70,12 +71,18 @@ def print_json(result: Any, indent: int | None = 2) -> None:
     """Print `result` as JSON, at once: what is there stays, even where the rest is interrupted."""
     from springpot.report.jsontext import to_json
 
-    print(to_json(result, indent), file=click.get_current_context().meta.get(OUTPUT, sys.stdout), flush=True)
+    print(
+        to_json(result, indent),
+        file=click.get_current_context().meta.get(OUTPUT, sys.stdout),
+        flush=True,
+    )
 
 
 def data_argument(command: F) -> F:
     """Add the argument DATA: a file or the name of a registered data set."""
-    return click.argument("data", type=DATA, metavar="DATA", shell_complete=completion.data)(command)
+    return click.argument("data", type=DATA, metavar="DATA", shell_complete=completion.data)(
+        command
+    )
 
 
 MODEL = "Model expression such as 'fractional-maxwell + inertia'; see 'springpot list models'."
@@ -84,7 +91,9 @@ COMPLETED: dict[str, Any] = {"shell_complete": completion.model_expression}
 
 def model_option(command: F) -> F:
     """Add ``--model EXPR``."""
-    return click.option("--model", "-m", "model", metavar="EXPR", required=True, help=MODEL, **COMPLETED)(command)
+    return click.option(
+        "--model", "-m", "model", metavar="EXPR", required=True, help=MODEL, **COMPLETED
+    )(command)
 
 
 def judged_option(command: F) -> F:
@@ -101,7 +110,10 @@ def seed_option(command: F) -> F:
 
 def geometry_option(command: F) -> F:
     """Add ``--geometry TEXT``."""
-    text = "Of damper or specimen, such as 'shear-pads area=200cm^2 gap=10mm': stiffness becomes modulus, or back."
+    text = (
+        "Of damper or specimen, such as 'shear-pads area=200cm^2 gap=10mm':"
+        " stiffness becomes modulus, or back."
+    )
     return click.option("--geometry", metavar="TEXT", help=text)(command)
 
 
@@ -110,7 +122,8 @@ def opened(data: str, geometry: str | None = None, quiet: bool = False) -> Measu
 
     What the reader doubts or left out goes to stderr, unless `quiet`.
     """
-    from springpot.measurement import parse_geometry, through
+    from springpot.measurement.geometry_text import parse_geometry
+    from springpot.measurement.interface import through
     from springpot.registry import open_measurement
 
     interface = None
@@ -128,7 +141,9 @@ def opened(data: str, geometry: str | None = None, quiet: bool = False) -> Measu
 
 
 def of_each(data: Sequence[str], answer: Callable[[str], object]) -> int:
-    """Answer each of many files; one that cannot be used is told in its line, and stops none of the others.
+    """Answer each of many files.
+
+    One that cannot be used is told in its line, and stops none of the others.
 
     Parameters
     ----------
@@ -140,8 +155,8 @@ def of_each(data: Sequence[str], answer: Callable[[str], object]) -> int:
     Returns
     -------
     int
-        The worst exit code: 2 where one could not be used. Once interrupted, or where nobody reads on, the rest is
-        not wanted either, and the code is that.
+        The worst exit code: 2 where one could not be used. Once interrupted, or where nobody reads
+        on, the rest is not wanted either, and the code is that.
     """
     worst = 0
     for i, name in enumerate(data):
@@ -159,7 +174,10 @@ def _answered(answer: Callable[[str], object], name: str) -> int:
 
 
 def note_to_stderr(name: str, note: str) -> None:
-    """What is doubted of data, broken at words where people read it; in a file or pipe one line each."""
+    """What is doubted of data, broken at words where people read it.
+
+    In a file or pipe one line each.
+    """
     from springpot.report.text import wrapped
 
     line = f"note: {name}: {note}"
@@ -171,18 +189,31 @@ def note_to_stderr(name: str, note: str) -> None:
 
 def known_options(command: F) -> F:
     """Add what a user knows beforehand: ``--fix``, ``--bounds`` and ``--exclude``."""
-    # A decorator that is applied last is listed first: hence the last option of the help stands first.
+    # A decorator that is applied last is listed first: hence the last option of the help stands
+    # first.
     for option in (
-        click.option("--exclude", multiple=True, metavar="WHERE", help="Leave out rows: frequency=40..60, row=3."),
-        click.option("--bounds", multiple=True, metavar="NAME=LOW:HIGH", help="Keep a parameter within: k1=0:200."),
-        click.option("--fix", multiple=True, metavar="NAME=VALUE", help="Hold a parameter, in printed units."),
+        click.option(
+            "--exclude",
+            multiple=True,
+            metavar="WHERE",
+            help="Leave out rows: frequency=40..60, row=3.",
+        ),
+        click.option(
+            "--bounds",
+            multiple=True,
+            metavar="NAME=LOW:HIGH",
+            help="Keep a parameter within: k1=0:200.",
+        ),
+        click.option(
+            "--fix", multiple=True, metavar="NAME=VALUE", help="Hold a parameter, in printed units."
+        ),
     ):
         command = option(command)
     return command
 
 
 def known_from(options: dict[str, Any]) -> dict[str, Any]:
-    """The arguments ``fix``, ``bounds`` and ``exclude`` of Python, taken out of a command's options."""
+    """The arguments ``fix``, ``bounds`` and ``exclude``, taken out of a command's options."""
     from springpot.constraints import bounds_of, values_of
 
     return {
@@ -194,9 +225,9 @@ def known_from(options: dict[str, Any]) -> dict[str, Any]:
 
 def verbose_option(command: F) -> F:
     """Add ``--verbose``."""
-    return click.option("--verbose", "-v", is_flag=True, help="Everything that was found, not only what leads.")(
-        command
-    )
+    return click.option(
+        "--verbose", "-v", is_flag=True, help="Everything that was found, not only what leads."
+    )(command)
 
 
 def window() -> int:
@@ -215,7 +246,8 @@ def with_rows(named: str, chosen: str) -> str:
     """Data as a user named them, of which only the rows that have a condition are wanted."""
     from springpot.measurement.naming import is_file
 
-    # A file may have an @ in its name; in what is no file it begins the conditions that were asked for already.
+    # A file may have an @ in its name; in what is no file it begins the conditions that were asked
+    # for already.
     if "@" in named and not is_file(named):
         return f"{named},{chosen}"
     return f"{named}@{chosen}"
@@ -230,7 +262,10 @@ def turned(provenance: Mapping[str, str]) -> str:
 
 @contextmanager
 def own_stdout(quiet: bool = False) -> Iterator[None]:
-    """Let whatever foreign code prints go to standard error, or nowhere: standard output is the command's own."""
+    """Let whatever foreign code prints go to standard error, or nowhere.
+
+    Standard output is the command's own.
+    """
     # What was printed before belongs to the command, and is written while that is where it goes.
     sys.stdout.flush()
     # Compiled code writes to the file descriptor, past `sys.stdout`.
@@ -243,7 +278,8 @@ def own_stdout(quiet: bool = False) -> Iterator[None]:
     try:
         with ExitStack() as stack:
             if quiet:
-                # `sys.stdout` need not write to the descriptor: the demonstration, for one, keeps what is printed.
+                # `sys.stdout` need not write to the descriptor: the demonstration, for one, keeps
+                # what is printed.
                 stack.enter_context(redirect_stdout(stack.enter_context(open(os.devnull, "w"))))
             yield
     finally:
@@ -265,7 +301,8 @@ def emit(result: Any, as_json: bool, show: Callable[[], None], line: bool = Fals
     show : callable
         Prints the same for people.
     line : bool
-        Whether it is one of several answers, each of which is a line, as programs read a stream of them.
+        Whether it is one of several answers, each of which is a line, as programs read a stream of
+        them.
     """
     if as_json and line:
         print_json(result, indent=None)

@@ -24,30 +24,46 @@ from .common import (
 from .waiting import Waiting
 
 if TYPE_CHECKING:
-    from springpot.comparison import Comparison
-    from springpot.measurement import Measurement
-    from springpot.rheology import Model
+    from springpot.comparison.comparing import Comparison
+    from springpot.measurement.measurement import Measurement
+    from springpot.rheology.model import Model
 
 MODELS = "A model expression; give several, or none to rank all installed models."
 
 
 @click.command(
     "compare",
-    epilog="Example: springpot compare damper.csv -m fractional-maxwell -m fractional-zener --figure views.png",
+    epilog=(
+        "Example: springpot compare damper.csv -m fractional-maxwell -m fractional-zener --figure"
+        " views.png"
+    ),
 )
 @data_argument
 @click.option("--model", "-m", "models", metavar="EXPR", multiple=True, help=MODELS)
-@click.option("--figure", type=FILE, metavar="FILE", help="Draw all views and residual planes (.png, .svg or .pdf).")
+@click.option(
+    "--figure",
+    type=FILE,
+    metavar="FILE",
+    help="Draw all views and residual planes (.png, .svg or .pdf).",
+)
 @seed_option
 @geometry_option
 @json_option
 def command(
-    data: str, models: tuple[str, ...], figure: Path | None, seed: int | None, geometry: str | None, as_json: bool
+    data: str,
+    models: tuple[str, ...],
+    figure: Path | None,
+    seed: int | None,
+    geometry: str | None,
+    as_json: bool,
 ) -> None:
-    """Judge models of DATA against one noise floor: how far each is off, where, and how sure that is.
+    """Judge models of DATA against one noise floor.
 
-    Without --model all installed models are ranked, alone and with the effects that no material can do without: the
-    simplest that follows the data as well as any material does comes first. Tests in time serve as well as sweeps.
+    How far each is off, where, and how sure that is.
+
+    Without --model all installed models are ranked, alone and with the effects that no material can
+    do without: the simplest that follows the data as well as any material does comes first. Tests
+    in time serve as well as sweeps.
     """
     from springpot.registry import for_sweeps, parse_timed
     from springpot.report.canvas import check_figure_path
@@ -61,7 +77,9 @@ def command(
     if tests is not None:
         timetests.compare(tests, expressions, figure, as_json)
         return
-    comparison = _compared(opened(data, geometry), [for_sweeps(each) for each in expressions], seed or 0)
+    comparison = _compared(
+        opened(data, geometry), [for_sweeps(each) for each in expressions], seed or 0
+    )
     if figure is not None:
         # Only where a picture is wanted: text needs none of its modules.
         from springpot.report.residuals import figure_compared
@@ -72,7 +90,7 @@ def command(
 
 def _show(comparison: Comparison, data: str, models: Sequence[str], figure: Path | None) -> None:
     """The answer, and the command that goes on from it."""
-    from springpot.comparison import Ranking
+    from springpot.comparison.ranking import Ranking
     from springpot.report.answers import comparison_text
     from springpot.report.ranking import ranked_text
 
@@ -86,8 +104,11 @@ def _show(comparison: Comparison, data: str, models: Sequence[str], figure: Path
 
 
 def _next_command(comparison: Comparison, data: str, models: Sequence[str]) -> str:
-    """One test of several; else what is missing from the best model, or its parameters where nothing is."""
-    from springpot.comparison import Ranking
+    """One test of several.
+
+    Else what is missing from the best model, or its parameters where nothing is.
+    """
+    from springpot.comparison.ranking import Ranking
 
     # Before any model: what sets several tests apart is part of none.
     if comparison.one_test:

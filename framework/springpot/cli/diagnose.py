@@ -29,12 +29,16 @@ from .common import (
 from .waiting import Waiting
 
 if TYPE_CHECKING:
-    from springpot.diagnosis import Diagnosis
-    from springpot.measurement import Measurement
+    from springpot.diagnosis.result import Diagnosis
+    from springpot.measurement.measurement import Measurement
 
 
-@click.command("diagnose", epilog="Example: springpot diagnose damper.csv --model fractional-maxwell")
-@click.argument("data", type=DATA, nargs=-1, required=True, metavar="DATA...", shell_complete=completion.data)
+@click.command(
+    "diagnose", epilog="Example: springpot diagnose damper.csv --model fractional-maxwell"
+)
+@click.argument(
+    "data", type=DATA, nargs=-1, required=True, metavar="DATA...", shell_complete=completion.data
+)
 @judged_option
 @known_options
 @seed_option
@@ -50,13 +54,14 @@ def command(
     as_json: bool,
     **options: Any,
 ) -> int:
-    """Where a model fails on DATA, which physical effect is missing, how sure that is, and what to measure next.
+    """Where a model fails on DATA, which effect is missing, how sure that is, what to measure next.
 
-    Without --model any linear passive material is judged: what is missing then is no part of the material.
+    Without --model any linear passive material is judged: what is missing then is no part of the
+    material.
 
-    Each DATA is a file or a registered data set and gets its own answer; with several, --json prints one line of
-    JSON for each. One that cannot be used is named on stderr, and the others are still answered. Tests in time are
-    judged together, on their raw signals.
+    Each DATA is a file or a registered data set and gets its own answer; with several, --json
+    prints one line of JSON for each. One that cannot be used is named on stderr, and the others are
+    still answered. Tests in time are judged together, on their raw signals.
     """
     from springpot.registry import for_sweeps, parse_timed
 
@@ -89,10 +94,12 @@ Shown = Callable[["Diagnosis", "Measurement"], None]
 
 def _answer(measurement: Measurement, arguments: dict[str, Any], shown: Shown) -> None:
     from springpot.api import diagnose
-    from springpot.diagnosis import within
+    from springpot.diagnosis.examination import within
 
     with Waiting() as waiting:
-        diagnosis = diagnose(measurement, **arguments, progress=within(measurement.name, waiting.told))
+        diagnosis = diagnose(
+            measurement, **arguments, progress=within(measurement.name, waiting.told)
+        )
     shown(diagnosis, measurement)
 
 
@@ -104,7 +111,9 @@ def _json(diagnosis: Diagnosis, measurement: Measurement, line: bool) -> None:
         print_json(diagnosis)
 
 
-def _text(diagnosis: Diagnosis, measurement: Measurement, verbose: bool, named: str, model: str | None) -> None:
+def _text(
+    diagnosis: Diagnosis, measurement: Measurement, verbose: bool, named: str, model: str | None
+) -> None:
     """The answer, and the command that goes on from it."""
     from springpot.report.answers import diagnosis_text
 

@@ -30,9 +30,9 @@ from .faults import INTERRUPTED
 from .waiting import Waiting
 
 if TYPE_CHECKING:
-    from springpot.diagnosis import Ladder
-    from springpot.measurement import Measurement
-    from springpot.rheology import Model
+    from springpot.diagnosis.ladder import Ladder
+    from springpot.measurement.measurement import Measurement
+    from springpot.rheology.model import Model
 
 E = TypeVar("E")
 
@@ -40,15 +40,34 @@ ACCEPT = "Accept this effect; may be given several times."
 
 
 @click.command(
-    "discover", epilog="Example: springpot discover damper.csv --model fractional-maxwell --auto --report damper.html"
+    "discover",
+    epilog=(
+        "Example: springpot discover damper.csv --model fractional-maxwell --auto --report"
+        " damper.html"
+    ),
 )
 @data_argument
 @click.argument("more", nargs=-1, metavar="[EFFECT]...")
 @judged_option
-@click.option("--accept", multiple=True, metavar="EFFECT", help=ACCEPT, shell_complete=completion.names_of("effect"))
-@click.option("--auto", is_flag=True, help="Let the evidence decide, until nothing significant is left.")
-@click.option("--report", type=FILE, metavar="FILE.html", help="Write the whole story as one self-contained page.")
-@click.option("--figure", type=FILE, metavar="FILE", help="Draw the falling error (.png, .svg or .pdf).")
+@click.option(
+    "--accept",
+    multiple=True,
+    metavar="EFFECT",
+    help=ACCEPT,
+    shell_complete=completion.names_of("effect"),
+)
+@click.option(
+    "--auto", is_flag=True, help="Let the evidence decide, until nothing significant is left."
+)
+@click.option(
+    "--report",
+    type=FILE,
+    metavar="FILE.html",
+    help="Write the whole story as one self-contained page.",
+)
+@click.option(
+    "--figure", type=FILE, metavar="FILE", help="Draw the falling error (.png, .svg or .pdf)."
+)
 @known_options
 @seed_option
 @geometry_option
@@ -70,16 +89,16 @@ def command(
 ) -> int:
     """Add effects that are missing from a model of DATA and show how far each lowers the error.
 
-    Every step shows the error that was predicted and the one that was reached, both beside the noise floor and the
-    least error that any material reaches. Without --model discovery begins with any linear passive material.
+    Every step shows the error that was predicted and the one that was reached, both beside the
+    noise floor and the least error that any material reaches. Without --model discovery begins with
+    any linear passive material.
 
     Ctrl-C ends with the answer of the last step that was reached.
     """
     from springpot.registry import effect_in_time, for_sweeps, parse_timed, plugins
-    from springpot.report.climbed import ladder_text
+    from springpot.report.ladder_text import ladder_text
 
-    # As in: --accept inertia time-delay.
-    accept = (*accept, *more)
+    accept = (*accept, *more)  # as in: --accept inertia time-delay
     _require_one_choice(auto, accept)
     _check_paths(report, figure)
     expression = judged = None
@@ -89,7 +108,8 @@ def command(
     effects = _accepted(accept, auto, effect_in_time)
     tests = timetests.named_tests([data], geometry)
     if tests is not None:
-        timetests.discover(tests, expression, effects, figure, as_json, _for_sweeps_only(options, report))
+        refused = _for_sweeps_only(options, report)
+        timetests.discover(tests, expression, effects, figure, as_json, refused)
         return 0
     measurement = opened(data, geometry)
     if expression is not None:
@@ -98,7 +118,11 @@ def command(
     # Before `known_from`, which takes the options out.
     again = again_with(data, model, accept, auto, seed, geometry, options)
     ladder, code = _climbed(
-        measurement, judged, accept=_accepted(accept, auto, plugins().effect), seed=seed or 0, **known_from(options)
+        measurement,
+        judged,
+        accept=_accepted(accept, auto, plugins().effect),
+        seed=seed or 0,
+        **known_from(options),
     )
     _write(ladder, measurement, figure, report, again)
     emit(ladder, as_json, lambda: print(ladder_text(ladder, window(), verbose)))
@@ -118,7 +142,11 @@ def _for_sweeps_only(options: dict[str, Any], report: Path | None) -> list[str]:
 
 
 def _write(
-    ladder: Ladder, measurement: Measurement, figure: Path | None, report: Path | None, again: list[str]
+    ladder: Ladder,
+    measurement: Measurement,
+    figure: Path | None,
+    report: Path | None,
+    again: list[str],
 ) -> None:
     """Write the files that were asked for."""
     if figure is not None:
@@ -139,7 +167,7 @@ def _tell_written(*paths: Path | None) -> None:
 
 
 def _check_paths(report: Path | None, figure: Path | None) -> None:
-    """Tell of a path that cannot be written before minutes are spent on what should be written there."""
+    """Tell of a path that cannot be written before minutes are spent on what goes there."""
     from springpot.report.canvas import check_figure_path
     from springpot.report.html import check_report_path
 
@@ -159,25 +187,33 @@ def _accepted(names: Sequence[str], auto: bool, find: Callable[[str], E]) -> lis
 def _require_one_choice(auto: bool, accept: tuple[str, ...]) -> None:
     """Either the evidence decides, or the user names what is accepted."""
     if auto and accept:
-        raise click.UsageError("give --auto or --accept EFFECT, not both", click.get_current_context())
+        raise click.UsageError(
+            "give --auto or --accept EFFECT, not both", click.get_current_context()
+        )
     if not auto and not accept:
         words = "give --auto, or --accept EFFECT once or more"
         raise click.UsageError(words, click.get_current_context())
 
 
 def _next(ladder: Ladder, data: str, model: str | None) -> str:
-    """The command to go on with: one test, or one effect more where one is named, or the parameters reached."""
+    """The command to go on with.
+
+    One test, or one effect more where one is named, or the parameters reached.
+    """
     judged = ""
     if model is not None:
         judged = f" --model {quoted(model)}"
     diagnosis = ladder.diagnosis
-    # As `diagnose` does: what sets several tests apart is no effect, and the parameters of them all are of none.
+    # As `diagnose` does: what sets several tests apart is no effect, and the parameters of them all
+    # are of none.
     if diagnosis.one_test:
         return f"springpot diagnose {quoted(with_rows(data, diagnosis.one_test))}{judged}"
     taken = [step.accepted for step in ladder.steps if step.accepted]
     # What was dropped again, marked by a hyphen, is not asked for a second time.
     named = [name for name in taken if not name.startswith("-")]
-    following = [name for name in diagnosis.leading[:1] if name not in named and f"-{name}" not in taken]
+    following = [
+        name for name in diagnosis.leading[:1] if name not in named and f"-{name}" not in taken
+    ]
     if diagnosis.best is not None:
         following = [diagnosis.best.effect]
     if not following:
@@ -189,19 +225,27 @@ def _next(ladder: Ladder, data: str, model: str | None) -> str:
 def _climbed(measurement: Measurement, model: Model | None, **arguments: Any) -> tuple[Ladder, int]:
     """The ladder, as far as it was waited for, and the exit code that says which."""
     from springpot.api import discover
-    from springpot.diagnosis import within
+    from springpot.diagnosis.examination import within
 
     # Ladders as far as they came, so that Ctrl-C costs the step that was under way and no more.
     reached: list[Ladder] = []
     with Waiting() as waiting:
         progress = within(measurement.name, waiting.told)
         try:
-            return discover(measurement, model, **arguments, progress=progress, reached=reached.append), 0
+            return (
+                discover(
+                    measurement, model, **arguments, progress=progress, reached=reached.append
+                ),
+                0,
+            )
         except KeyboardInterrupt:
             if not reached:
                 raise
     steps = len(reached[-1].steps)
-    print(f"springpot: interrupted; the answer is that of step {steps - 1}, the last one reached", file=sys.stderr)
+    print(
+        f"springpot: interrupted; the answer is that of step {steps - 1}, the last one reached",
+        file=sys.stderr,
+    )
     return reached[-1], INTERRUPTED
 
 

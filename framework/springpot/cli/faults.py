@@ -11,7 +11,7 @@ import click
 
 from springpot.errors import SpringpotError
 from springpot.owners import blamed, described
-from springpot.plain import LostStream, plain_streams
+from springpot.terminal_safe import LostStream, plain_streams
 
 # The last two as shells have them: 128 and the number of the signal.
 BAD_INPUT, FAULT, INTERRUPTED, BROKEN_PIPE = 2, 3, 130, 141
@@ -32,7 +32,7 @@ def exit_code(action: Callable[[], int]) -> int:
 
 
 def _was_interrupted() -> bool:
-    """Whether Ctrl-C was pressed in this process, as its handler (`springpot.cli.CtrlC`) remembers."""
+    """Whether Ctrl-C was pressed in this process, as its handler (`springpot.cli.CtrlC`) tells."""
     return getattr(signal.getsignal(signal.SIGINT), "pressed", False)
 
 
@@ -74,8 +74,13 @@ def _usage(error: click.UsageError) -> str:
     command = "springpot"
     if error.ctx:
         command = error.ctx.command_path
-    if isinstance(error, click.exceptions.NoArgsIsHelpError) and isinstance(error.ctx.command, click.Group):
-        return f"'{command}' needs one of {', '.join(error.ctx.command.commands)} (see '{command} --help')"
+    if isinstance(error, click.exceptions.NoArgsIsHelpError) and isinstance(
+        error.ctx.command, click.Group
+    ):
+        return (
+            f"'{command}' needs one of {', '.join(error.ctx.command.commands)} (see '{command}"
+            " --help')"
+        )
     text = error.format_message().rstrip(".")
     return f"{text[:1].lower()}{text[1:]} (see '{command} --help')"
 
@@ -91,7 +96,10 @@ def _fault(error: Exception) -> int:
         traceback.print_exception(error)
         return FAULT
     if told := blamed(error):
-        return _say(f"{told}: leave out what it offers, or uninstall it ({TRACEBACK}=1 shows more)", BAD_INPUT)
+        return _say(
+            f"{told}: leave out what it offers, or uninstall it ({TRACEBACK}=1 shows more)",
+            BAD_INPUT,
+        )
     return _say(
         f"a fault in springpot or one of its plugins, not in your input: {described(error)} "
         f"(please report it with the traceback that {TRACEBACK}=1 shows)",

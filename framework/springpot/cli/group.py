@@ -65,8 +65,10 @@ class LazyGroup(click.Group):
 @click.group(
     cls=LazyGroup,
     context_settings=CONTEXT,
-    epilog="'springpot COMMAND --help' shows an example of each. "
-    "Exit codes: 0 done, 1 the answer is no, 2 bad input, 3 a fault in springpot.",
+    epilog=(
+        "'springpot COMMAND --help' shows an example of each. "
+        "Exit codes: 0 done, 1 the answer is no, 2 bad input, 3 a fault in springpot."
+    ),
 )
 @click.version_option(__version__, prog_name="springpot", message="%(prog)s %(version)s")
 def springpot() -> None:
@@ -84,7 +86,10 @@ def run(arguments: list[str]) -> int:
     if "_SPRINGPOT_COMPLETE" in os.environ:
         springpot.main(arguments, "springpot")
     try:
-        with springpot.make_context("springpot", arguments or ["--help"]) as context, _located(context):
+        with (
+            springpot.make_context("springpot", arguments or ["--help"]) as context,
+            _located(context),
+        ):
             answer: Any = springpot.invoke(context)
     # ``--help`` and ``--version`` end by an exception.
     except click.exceptions.Exit as leave:
@@ -102,6 +107,10 @@ def _located(context: click.Context) -> Iterator[None]:
         yield
     except click.UsageError as error:
         name = context.invoked_subcommand
-        if error.ctx is None and name is not None and (command := springpot.get_command(context, name)):
+        if (
+            error.ctx is None
+            and name is not None
+            and (command := springpot.get_command(context, name))
+        ):
             error.ctx = click.Context(command, context, name)
         raise

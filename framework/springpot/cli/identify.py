@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from springpot.errors import OptionError
-from springpot.policy import INTERVALS
+from springpot.thresholds import INTERVALS
 
 from . import completion, timetests
 from .common import (
@@ -32,34 +32,53 @@ from .common import (
 from .waiting import Waiting
 
 if TYPE_CHECKING:
-    from springpot.identification import Identification
-    from springpot.rheology import Model
+    from springpot.identification.result import Identification
+    from springpot.rheology.model import Model
 
 OBJECTIVE = "See 'springpot list objectives'; suited to the data by default."
 OPTIMISER = (
-    "With options as in pso-paper:particles=40; see 'springpot list optimisers'. By default the native solver."
+    "With options as in pso-paper:particles=40; see 'springpot list optimisers'."
+    " By default the native solver."
 )
 
 
 @click.command(
-    "identify", epilog="Example: springpot identify damper.csv --model fractional-maxwell --figure fit.png"
+    "identify",
+    epilog="Example: springpot identify damper.csv --model fractional-maxwell --figure fit.png",
 )
-@click.argument("data", type=DATA, nargs=-1, required=True, metavar="DATA...", shell_complete=completion.data)
+@click.argument(
+    "data", type=DATA, nargs=-1, required=True, metavar="DATA...", shell_complete=completion.data
+)
 @model_option
 @known_options
-@click.option("--start", multiple=True, metavar="NAME=VALUE", help="Where the native solver begins too.")
-@click.option("--joint", is_flag=True, help="One set of parameters for all DATA together.")
-@click.option("--csv", "as_csv", is_flag=True, help="Print a table with one row for each DATA as CSV.")
-@click.option("--optimiser", metavar="NAME", help=OPTIMISER, shell_complete=completion.names_of("optimiser"))
-@click.option("--objective", metavar="NAME", help=OBJECTIVE, shell_complete=completion.names_of("objective"))
 @click.option(
-    "--budget", type=POSITIVE, metavar="N", help="Evaluations of each restart; the native solver ends by itself."
+    "--start", multiple=True, metavar="NAME=VALUE", help="Where the native solver begins too."
 )
-@click.option("--restarts", type=POSITIVE, metavar="N", help="Independent restarts, of which the best counts.")
+@click.option("--joint", is_flag=True, help="One set of parameters for all DATA together.")
+@click.option(
+    "--csv", "as_csv", is_flag=True, help="Print a table with one row for each DATA as CSV."
+)
+@click.option(
+    "--optimiser", metavar="NAME", help=OPTIMISER, shell_complete=completion.names_of("optimiser")
+)
+@click.option(
+    "--objective", metavar="NAME", help=OBJECTIVE, shell_complete=completion.names_of("objective")
+)
+@click.option(
+    "--budget",
+    type=POSITIVE,
+    metavar="N",
+    help="Evaluations of each restart; the native solver ends by itself.",
+)
+@click.option(
+    "--restarts", type=POSITIVE, metavar="N", help="Independent restarts, of which the best counts."
+)
 @seed_option
 @geometry_option
 @click.option("--intervals", type=click.Choice(INTERVALS), default="jacobian", show_default=True)
-@click.option("--figure", type=FILE, metavar="FILE", help="Draw data, fit and residuals (.png, .svg or .pdf).")
+@click.option(
+    "--figure", type=FILE, metavar="FILE", help="Draw data, fit and residuals (.png, .svg or .pdf)."
+)
 @verbose_option
 @json_option
 def command(
@@ -75,14 +94,15 @@ def command(
 ) -> int:
     """Parameters of a model that fit DATA, files or registered data sets, best.
 
-    Conditions choose part of the data: nist-srm2491@temperature=20 or damper.csv@frequency=1..10. Of several sweeps
-    each gets a row of its own, or with --json a line of JSON; one that cannot be used is named on stderr. Tests in
-    time (relaxation, creep, startup, recovery, any record of displacement and force) are identified together with
-    each other and with sweeps of the same specimen, each weighed by its own noise:
-    springpot identify sweep.csv relaxation.csv --model fractional-zener
+    Conditions choose part of the data: nist-srm2491@temperature=20 or damper.csv@frequency=1..10.
+    Of several sweeps each gets a row of its own, or with --json a line of JSON; one that cannot be
+    used is named on stderr. Tests in time (relaxation, creep, startup, recovery, any record of
+    displacement and force) are identified together with each other and with sweeps of the same
+    specimen, each weighed by its own noise: springpot identify sweep.csv relaxation.csv --model
+    fractional-zener
     """
     from springpot.constraints import values_of
-    from springpot.measurement import joined
+    from springpot.measurement.joining import joined
     from springpot.registry import for_sweeps, parse_timed
     from springpot.report.canvas import check_figure_path
 
@@ -112,7 +132,7 @@ def command(
     if figure is not None:
         fit.plot(figure)
     if as_csv:
-        from springpot.report.fits import many_csv
+        from springpot.report.fit_text import many_csv
 
         # One row, in the columns that several files would have.
         print(many_csv([fit]), end="")
@@ -124,13 +144,16 @@ def command(
 def _refuse_for_tests(options: dict[str, Any]) -> None:
     """Take out the options that tests in time do not know, none of which may have been given."""
     for name in ("fix", "bounds", "exclude", "start"):
-        # Refused, not passed over: a fit that ignores what was held would look as if it had heeded it.
+        # Refused, not passed over: a fit that ignores what was held would look as if it had heeded
+        # it.
         if options.pop(name):
-            raise OptionError(f"--{name} is for sweeps: tests in time are identified with all parameters free")
+            raise OptionError(
+                f"--{name} is for sweeps: tests in time are identified with all parameters free"
+            )
 
 
 def _fitted(measured: Any, model: Model, arguments: dict[str, Any]) -> Identification:
-    """The fit, with the floors that its text tells, while those who wait are told what is being done."""
+    """The fit, with the floors that its text tells; those who wait are told what is being done."""
     from springpot.api import identify
 
     if arguments.get("optimiser") is None:
@@ -138,7 +161,8 @@ def _fitted(measured: Any, model: Model, arguments: dict[str, Any]) -> Identific
             waiting.told(f"fitting {model.name} to {measured.name}")
             fit = identify(measured, model, **arguments)
     else:
-        # Its run takes place in a copy of this process, which is safe only where no thread runs beside.
+        # Its run takes place in a copy of this process, which is safe only where no thread runs
+        # beside.
         fit = identify(measured, model, **arguments)
     with Waiting() as waiting:
         waiting.told(f"judging {model.name} of {measured.name}")
@@ -155,8 +179,11 @@ def _each(
     as_csv: bool,
     as_json: bool,
 ) -> int:
-    """A row for each file that can be used; what is there is printed even where the rest is interrupted."""
-    from springpot.report.fits import many_csv, many_text
+    """A row for each file that can be used.
+
+    What is there is printed even where the rest is interrupted.
+    """
+    from springpot.report.fit_text import many_csv, many_text
 
     fits: list[Identification] = []
 
@@ -174,8 +201,14 @@ def _each(
     return worst
 
 
-def _show(identified: Identification, data: tuple[str, ...], model: str, figure: Path | None, verbose: bool) -> None:
-    from springpot.report.fits import identification_text
+def _show(
+    identified: Identification,
+    data: tuple[str, ...],
+    model: str,
+    figure: Path | None,
+    verbose: bool,
+) -> None:
+    from springpot.report.fit_text import identification_text
 
     print(identification_text(identified, window(), verbose))
     if figure is not None:

@@ -28,10 +28,14 @@ NEXT = {
 
 @click.command("init", epilog="Example: springpot init study")
 @click.argument("kind", type=click.Choice(list(KINDS)), metavar="KIND")
-@click.option("--folder", type=FILE, default=Path(), metavar="DIR", help="Where to write; here by default.")
+@click.option(
+    "--folder", type=FILE, default=Path(), metavar="DIR", help="Where to write; here by default."
+)
 @json_option
 def command(kind: str, folder: Path, as_json: bool) -> None:
-    """Write files to start from: KIND is study (a race of optimisers), plugin or ci (an accuracy gate).
+    """Write files to start from.
+
+    KIND is study (a race of optimisers), plugin or ci (an accuracy gate).
 
     A file that is there already is never replaced.
     """
@@ -42,7 +46,9 @@ def command(kind: str, folder: Path, as_json: bool) -> None:
     # All of them first: a folder is begun whole, or left as it is.
     there = [str(path) for path in paths.values() if path.exists()]
     if there:
-        raise OutputError(f"{', '.join(there)}: exists already and is not replaced: choose another --folder")
+        raise OutputError(
+            f"{', '.join(there)}: exists already and is not replaced: choose another --folder"
+        )
     for name, path in paths.items():
         path.parent.mkdir(parents=True, exist_ok=True)
         template = files(__package__) / "templates" / f"{name}.txt"

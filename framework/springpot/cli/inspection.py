@@ -11,9 +11,10 @@ from . import completion, timetests
 from .common import emit, geometry_option, json_option, of_each, opened, window
 
 if TYPE_CHECKING:
-    from springpot.measurement import Measurement, Part
+    from springpot.measurement.measurement import Measurement
+    from springpot.measurement.reader import Part
     from springpot.measurement.runs import Run
-    from springpot.rheology import Real
+    from springpot.rheology.points import Real
 
 
 @click.command("inspect", epilog="Example: springpot inspect damper.csv")
@@ -23,9 +24,10 @@ if TYPE_CHECKING:
 def command(data: tuple[str, ...], geometry: str | None, as_json: bool) -> int:
     """Show what DATA, a file or a registered data set, holds.
 
-    Each of several gets its own answer, with --json a line; one that cannot be used is named on stderr. Of a file
-    with several steps, sweeps or sheets all that are dynamic tests open together; FILE#2 opens one of them.
-    What a file leaves open is said by FILE?frequency=Hz, in quotes for some shells.
+    Each of several gets its own answer, with --json a line; one that cannot be used is named on
+    stderr. Of a file with several steps, sweeps or sheets all that are dynamic tests open together;
+    FILE#2 opens one of them. What a file leaves open is said by FILE?frequency=Hz, in quotes for
+    some shells.
     """
 
     def answer(name: str) -> None:
@@ -55,12 +57,14 @@ def _inspect(data: str, geometry: str | None, as_json: bool, line: bool) -> None
             print(parts_text(_listed(parts), window()), end="\n\n")
         raise DataError(str(error)) from None
     result = described(measured, parts)
-    emit(result, as_json, lambda: print(inspected_text(result, measured.units, data, window())), line)
+    emit(
+        result, as_json, lambda: print(inspected_text(result, measured.units, data, window())), line
+    )
 
 
 def described(measurement: Measurement, parts: Sequence[Part] = ()) -> dict[str, Any]:
     """What a measurement holds, schema ``springpot.inspection/1``."""
-    from springpot.measurement import parts_as_opened
+    from springpot.measurement.reader import parts_as_opened
     from springpot.measurement.runs import runs_of
 
     units = {"temperature": "degC", "amplitude": measurement.units.amplitude}
@@ -79,8 +83,14 @@ def described(measurement: Measurement, parts: Sequence[Part] = ()) -> dict[str,
         "storage": _range(measurement.storage, measurement.units.stiffness),
         "loss": _range(measurement.loss, measurement.units.stiffness),
         "standard_deviations": measurement.sd is not None,
-        "conditions": {name: _range(column, units.get(name, "")) for name, column in measurement.conditions.items()},
-        "labels": {name: list(dict.fromkeys(map(str, column))) for name, column in measurement.labels.items()},
+        "conditions": {
+            name: _range(column, units.get(name, ""))
+            for name, column in measurement.conditions.items()
+        },
+        "labels": {
+            name: list(dict.fromkeys(map(str, column)))
+            for name, column in measurement.labels.items()
+        },
         "sweeps": [_sweep(measurement, run) for run in runs_of(measurement)],
         "parts": _listed(parts_as_opened(parts, measurement)),
         "provenance": provenance,
@@ -90,7 +100,9 @@ def described(measurement: Measurement, parts: Sequence[Part] = ()) -> dict[str,
 def _sweep(measurement: Measurement, run: Run) -> dict[str, Any]:
     amplitude = None
     if "amplitude" in measurement.conditions:
-        amplitude = _range(measurement.conditions["amplitude"][run.rows], measurement.units.amplitude)
+        amplitude = _range(
+            measurement.conditions["amplitude"][run.rows], measurement.units.amplitude
+        )
     return {
         "conditions": run.name,
         "points": len(run.rows),
@@ -102,7 +114,13 @@ def _sweep(measurement: Measurement, run: Run) -> dict[str, Any]:
 
 def _listed(parts: Sequence[Part]) -> list[dict[str, Any]]:
     return [
-        {"number": i, "name": part.name, "points": part.points, "usable": part.usable, "says": part.says}
+        {
+            "number": i,
+            "name": part.name,
+            "points": part.points,
+            "usable": part.usable,
+            "says": part.says,
+        }
         for i, part in enumerate(parts, 1)
     ]
 

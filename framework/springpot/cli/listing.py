@@ -9,24 +9,35 @@ import click
 
 from .common import emit, json_option
 
-KINDS = ("models", "optimisers", "effects", "time-effects", "datasets", "readers", "objectives", "writers")
+KINDS = (
+    "models",
+    "optimisers",
+    "effects",
+    "time-effects",
+    "datasets",
+    "readers",
+    "objectives",
+    "writers",
+)
 
 
 @click.command("list", epilog="Example: springpot list models fractional-zener")
 @click.argument("kind", type=click.Choice(KINDS), metavar="KIND")
 @click.argument("names", nargs=-1, metavar="[NAME]...")
-@click.option("--verbose", "-v", is_flag=True, help="Show every detail of each, such as drawings and options.")
+@click.option(
+    "--verbose", "-v", is_flag=True, help="Show every detail of each, such as drawings and options."
+)
 @json_option
 def command(kind: str, names: Sequence[str], verbose: bool, as_json: bool) -> None:
     """List what is installed of one KIND; with a NAME, show all that is known about it.
 
     Of a library of optimisers, such as optimagic-NAME, its name lists what it has.
 
-    KIND is models, optimisers, effects, time-effects, datasets, readers, objectives or writers. Plugins that could
-    not be loaded are listed with their distribution and the reason.
+    KIND is models, optimisers, effects, time-effects, datasets, readers, objectives or writers.
+    Plugins that could not be loaded are listed with their distribution and the reason.
     """
     from springpot.registry import plugins
-    from springpot.report import cards
+    from springpot.report import plugin_cards as cards
 
     installed = plugins()
     kind_of = cards.KINDS[kind]
@@ -53,7 +64,7 @@ def command(kind: str, names: Sequence[str], verbose: bool, as_json: bool) -> No
 
 
 def _show(kind: str, result: dict[str, Any], whole: bool) -> None:
-    from springpot.report import cards
+    from springpot.report import plugin_cards as cards
     from springpot.report.text import Table
 
     if whole:
@@ -67,4 +78,6 @@ def _show(kind: str, result: dict[str, Any], whole: bool) -> None:
         print(f"no {kind} are installed")
     # Below every list: what somebody misses there may be what could not be loaded.
     for fault in result["unavailable"]:
-        print(f"unavailable: plugin '{fault['plugin']}' of {fault['distribution']}: {fault['reason']}")
+        print(
+            f"unavailable: plugin '{fault['plugin']}' of {fault['distribution']}: {fault['reason']}"
+        )

@@ -10,19 +10,46 @@ from .common import FILE, data_argument, emit, geometry_option, json_option, ope
 
 
 @click.command(
-    "mastercurve", epilog="Example: springpot mastercurve nist-srm2491 --reference 25degC --figure curve.png"
+    "mastercurve",
+    epilog="Example: springpot mastercurve nist-srm2491 --reference 25degC --figure curve.png",
 )
 @data_argument
 @click.option(
-    "--reference", metavar="LEVEL", help="Where the factors are one, such as 25degC; the middle by default."
+    "--reference",
+    metavar="LEVEL",
+    help="Where the factors are one, such as 25degC; the middle by default.",
 )
 @click.option(
-    "--column", metavar="NAME", default="temperature", show_default=True, help="The condition that is shifted."
+    "--column",
+    metavar="NAME",
+    default="temperature",
+    show_default=True,
+    help="The condition that is shifted.",
 )
-@click.option("--vertical/--no-vertical", default=True, show_default=True, help="A factor of the stiffness as well.")
-@click.option("--objective", metavar="NAME", help="See 'springpot list objectives'; suited to the data by default.")
-@click.option("-o", "--output", type=FILE, metavar="CSV", help="Write the reduced data here, as a measurement.")
-@click.option("--figure", type=FILE, metavar="FILE", help="Draw curve, factors and errors (.png, .svg or .pdf).")
+@click.option(
+    "--vertical/--no-vertical",
+    default=True,
+    show_default=True,
+    help="A factor of the stiffness as well.",
+)
+@click.option(
+    "--objective",
+    metavar="NAME",
+    help="See 'springpot list objectives'; suited to the data by default.",
+)
+@click.option(
+    "-o",
+    "--output",
+    type=FILE,
+    metavar="CSV",
+    help="Write the reduced data here, as a measurement.",
+)
+@click.option(
+    "--figure",
+    type=FILE,
+    metavar="FILE",
+    help="Draw curve, factors and errors (.png, .svg or .pdf).",
+)
 @geometry_option
 @json_option
 def command(
@@ -36,10 +63,13 @@ def command(
     geometry: str | None,
     as_json: bool,
 ) -> None:
-    """Bring the sweeps of DATA onto one curve with free factors for each temperature, or level of another column.
+    """Bring the sweeps of DATA onto one curve with free factors for each temperature.
 
-    No model and no law is assumed: the curve is that of any linear passive material. Laws of temperature are then
-    judged by the free factors, and a test says whether one curve is enough and where it is not.
+    The levels of another column may stand in the place of temperatures.
+
+    No model and no law is assumed: the curve is that of any linear passive material. Laws of
+    temperature are then judged by the free factors, and a test says whether one curve is enough and
+    where it is not.
     """
     from springpot.api import mastercurve
     from springpot.files import require_writable
@@ -53,7 +83,11 @@ def command(
     if output is not None:
         require_writable(output)
     curve = mastercurve(
-        opened(data, geometry), column=column, reference=reference, vertical=vertical, objective=objective
+        opened(data, geometry),
+        column=column,
+        reference=reference,
+        vertical=vertical,
+        objective=objective,
     )
     if output is not None:
         write_measurement(curve.reduced, output)

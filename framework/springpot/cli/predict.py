@@ -11,24 +11,51 @@ from . import timetests
 from .common import DATA, FILE, INPUT, emit, json_option
 
 if TYPE_CHECKING:
-    from springpot.identification import Prediction
+    from springpot.identification.prediction import Prediction
 
 SPACED = 25
-"""Points of a range, evenly spaced in the logarithm: eight and more for each decade of a usual sweep."""
+"""Points of a range, evenly spaced in the logarithm.
+
+Eight and more for each decade of a usual sweep.
+"""
 
 
-@click.command("predict", epilog="Example: springpot predict fit.json --frequency 0.1..100 --temperature 35")
+@click.command(
+    "predict", epilog="Example: springpot predict fit.json --frequency 0.1..100 --temperature 35"
+)
 @click.argument("fit", type=INPUT, metavar="FIT.json")
-@click.option("--frequency", "-f", metavar="HZ", help="In Hz: numbers with commas, or a range such as 0.1..100.")
+@click.option(
+    "--frequency",
+    "-f",
+    metavar="HZ",
+    help="In Hz: numbers with commas, or a range such as 0.1..100.",
+)
 @click.option("--omega", "-w", metavar="RAD/S", help="In rad/s instead.")
 @click.option(
-    "--history", type=DATA, metavar="FILE", help="A test in time, or a sweep, that is predicted and compared."
+    "--history",
+    type=DATA,
+    metavar="FILE",
+    help="A test in time, or a sweep, that is predicted and compared.",
 )
-@click.option("--temperature", "-t", type=float, metavar="DEGC", help="In degC, where the model depends on it.")
-@click.option("--amplitude", "-a", type=float, metavar="X", help="In the amplitude unit of the data.")
-@click.option("--level", type=click.FloatRange(0.0, 1.0, True, True), default=0.95, show_default=True)
-@click.option("-o", "--output", type=FILE, metavar="FILE.csv", help="Write a table that opens again.")
-@click.option("--figure", type=FILE, metavar="FILE", help="Draw the prediction (.png, .svg or .pdf).")
+@click.option(
+    "--temperature",
+    "-t",
+    type=float,
+    metavar="DEGC",
+    help="In degC, where the model depends on it.",
+)
+@click.option(
+    "--amplitude", "-a", type=float, metavar="X", help="In the amplitude unit of the data."
+)
+@click.option(
+    "--level", type=click.FloatRange(0.0, 1.0, True, True), default=0.95, show_default=True
+)
+@click.option(
+    "-o", "--output", type=FILE, metavar="FILE.csv", help="Write a table that opens again."
+)
+@click.option(
+    "--figure", type=FILE, metavar="FILE", help="Draw the prediction (.png, .svg or .pdf)."
+)
 @json_option
 def command(
     fit: Path,
@@ -42,18 +69,19 @@ def command(
     figure: Path | None,
     as_json: bool,
 ) -> None:
-    """Storage and loss that the model of FIT.json has at other frequencies, temperatures or amplitudes.
+    """Storage and loss of the model of FIT.json at other frequencies, temperatures or amplitudes.
 
-    FIT.json is what 'springpot identify DATA --model EXPR --json' prints. The band is that of the model's curve.
-    With --history another test of the specimen is predicted, in time or at frequencies, and it is told whether the
-    prediction holds; where only what is imposed is in FILE, the answer to it is given.
+    FIT.json is what 'springpot identify DATA --model EXPR --json' prints. The band is that of the
+    model's curve. With --history another test of the specimen is predicted, in time or at
+    frequencies, and it is told whether the prediction holds; where only what is imposed is in FILE,
+    the answer to it is given.
     """
     from springpot.errors import DataError
     from springpot.files import require_writable, write_text
-    from springpot.identification import Identification
+    from springpot.identification.result import Identification
     from springpot.loading import load
     from springpot.report.canvas import check_figure_path
-    from springpot.timetests import Known
+    from springpot.timetests.prediction import Known
 
     # A path that cannot be written is told before anything is worked out.
     if output is not None:
@@ -113,7 +141,7 @@ def numbers(text: str) -> list[float]:
 
 def show(predicted: Prediction) -> None:
     """Print the prediction for people."""
-    from springpot.digits import number
+    from springpot.format_numbers import number
     from springpot.report.numbers import with_interval
     from springpot.report.text import Table
 
@@ -148,7 +176,10 @@ def table_text(predicted: Prediction) -> str:
     """A CSV table with units in its header, which opens again as a measurement."""
     unit = predicted.units.stiffness
     units = {"temperature": "degC", "amplitude": predicted.units.amplitude}
-    names = [_clock(predicted), *(f"{name} [{units.get(name, '-')}]" for name in predicted.conditions)]
+    names = [
+        _clock(predicted),
+        *(f"{name} [{units.get(name, '-')}]" for name in predicted.conditions),
+    ]
     names += [f"{name} [{unit}]" for name in ("storage", "loss")]
     names += [f"{part}_{end} [{unit}]" for part in ("storage", "loss") for end in ("low", "high")]
     names.append("measured [text]")

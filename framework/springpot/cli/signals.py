@@ -11,7 +11,8 @@ import click
 from .common import DATA, FILE, POSITIVE, emit, json_option, of_each, quoted
 
 if TYPE_CHECKING:
-    from springpot.measurement import Measurement, OneTest
+    from springpot.measurement.from_signals import OneTest
+    from springpot.measurement.measurement import Measurement
 
 FREQUENCY = click.FloatRange(min=0.0, min_open=True)
 
@@ -19,10 +20,22 @@ FREQUENCY = click.FloatRange(min=0.0, min_open=True)
 @click.command("signals", epilog="Example: springpot signals test-*.csv -o damper.csv")
 @click.argument("files", type=DATA, nargs=-1, required=True, metavar="FILE...")
 @click.option("-o", "--output", type=FILE, metavar="CSV", help="Write the measurement here.")
-@click.option("--frequency", type=FREQUENCY, metavar="HZ", help="Excitation frequency; estimated by default.")
-@click.option("--harmonics", type=POSITIVE, default=5, show_default=True, metavar="N", help="Harmonics to fit.")
 @click.option(
-    "--window", type=(float, float), metavar="START STOP", help="Seconds to use; by default the steady part is found."
+    "--frequency", type=FREQUENCY, metavar="HZ", help="Excitation frequency; estimated by default."
+)
+@click.option(
+    "--harmonics",
+    type=POSITIVE,
+    default=5,
+    show_default=True,
+    metavar="N",
+    help="Harmonics to fit.",
+)
+@click.option(
+    "--window",
+    type=(float, float),
+    metavar="START STOP",
+    help="Seconds to use; by default the steady part is found.",
 )
 @json_option
 def command(
@@ -35,10 +48,11 @@ def command(
 ) -> int:
     """Storage and loss stiffness with standard deviations from displacement and force against time.
 
-    Each FILE holds one test at one frequency and gives one row. One that cannot be used is named on stderr.
+    Each FILE holds one test at one frequency and gives one row. One that cannot be used is named on
+    stderr.
     """
     from springpot.files import require_writable
-    from springpot.measurement import measurement_of_tests
+    from springpot.measurement.from_signals import measurement_of_tests
     from springpot.registry import evaluated_signals, write_measurement
 
     if output is not None:
@@ -80,7 +94,11 @@ def described(measured: Measurement, files: tuple[str, ...], output: Path | None
     if "amplitude" in measured.conditions:
         columns["amplitude"] = measured.conditions["amplitude"].tolist()
     rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
-    units = {"frequency": "Hz", "stiffness": measured.units.stiffness, "amplitude": measured.units.amplitude}
+    units = {
+        "frequency": "Hz",
+        "stiffness": measured.units.stiffness,
+        "amplitude": measured.units.amplitude,
+    }
     path = None
     if output is not None:
         path = str(output)
@@ -95,7 +113,7 @@ def described(measured: Measurement, files: tuple[str, ...], output: Path | None
 
 
 def _show(result: dict[str, Any]) -> None:
-    from springpot.digits import number
+    from springpot.format_numbers import number
     from springpot.report.text import Table
 
     units = result["units"]
@@ -119,4 +137,7 @@ def _show(result: dict[str, Any]) -> None:
         if "note" in key:
             print(f"{key}: {value}")
     if result["output"]:
-        print(f"written: {result['output']}\n\nnext: springpot compare {quoted(str(result['output']))}")
+        print(
+            f"written: {result['output']}\n\nnext: springpot compare"
+            f" {quoted(str(result['output']))}"
+        )

@@ -9,17 +9,27 @@ from typing import TYPE_CHECKING, Any
 from .common import emit, note_to_stderr, opened, quoted, turned, window
 
 if TYPE_CHECKING:
-    from springpot.identification import Identification
-    from springpot.measurement import Timed, TimeEffect, TimeTest
-    from springpot.rheology import Effect, Model
-    from springpot.timetests import Known, Test, TestPrediction, TimeDiagnosis, TimeIdentification
+    from springpot.identification.result import Identification
+    from springpot.measurement.timed import Timed
+    from springpot.measurement.timeeffect import TimeEffect
+    from springpot.measurement.timetest import TimeTest
+    from springpot.rheology.effect import Effect
+    from springpot.rheology.model import Model
+    from springpot.timetests.answer import TimeDiagnosis
+    from springpot.timetests.predicted_test import TestPrediction
+    from springpot.timetests.prediction import Known
+    from springpot.timetests.residuals_of_tests import Test
+    from springpot.timetests.result import TimeIdentification
 
 MOST_DRAWN = 4
 """Models in one picture: more colours are not told apart."""
 WHERE = ("within", "outside")
 """What tables say of a point that lies within, or outside of, what was measured."""
 FAR_OFF = 2.0
-"""Error over noise floor from which something is missing; below, the estimate of the noise may be to blame."""
+"""Error over noise floor from which something is missing.
+
+Below, the estimate of the noise may be to blame.
+"""
 
 
 def named_tests(data: Sequence[str], geometry: str | None) -> list[Test] | None:
@@ -33,7 +43,8 @@ def named_tests(data: Sequence[str], geometry: str | None) -> list[Test] | None:
     from springpot.errors import DataError, OptionError
     from springpot.registry import open_in_time
 
-    # All are opened before anything is decided: one test in time makes the sweeps beside it part of a joint fit.
+    # All are opened before anything is decided: one test in time makes the sweeps beside it part of
+    # a joint fit.
     of_each: list[tuple[TimeTest, ...]] = []
     unusable: list[DataError] = []
     for spec in data:
@@ -48,7 +59,9 @@ def named_tests(data: Sequence[str], geometry: str | None) -> list[Test] | None:
         # A joint answer without one of its tests would be another one.
         raise unusable[0]
     if geometry is not None:
-        raise OptionError("--geometry is for sweeps: convert tests in time to stress and strain in their file")
+        raise OptionError(
+            "--geometry is for sweeps: convert tests in time to stress and strain in their file"
+        )
     tests: list[Test] = []
     for spec, in_time in zip(data, of_each, strict=True):
         # What is no test in time among tests in time is a sweep of the same specimen.
@@ -61,17 +74,24 @@ def named_tests(data: Sequence[str], geometry: str | None) -> list[Test] | None:
 
 
 def identify(
-    tests: Sequence[Test], data: Sequence[str], expression: str, figure: Path | None, as_json: bool, options: Any
+    tests: Sequence[Test],
+    data: Sequence[str],
+    expression: str,
+    figure: Path | None,
+    as_json: bool,
+    options: Any,
 ) -> None:
     """``springpot identify`` of the tests in time that DATA name, alone or beside sweeps."""
     from springpot.constraints import optimiser_of
     from springpot.errors import OptionError
     from springpot.registry import parse_timed
-    from springpot.timetests import identify as identify_in_time
+    from springpot.timetests.fitting import identify as identify_in_time
 
     for name, usual in (("objective", None), ("intervals", "jacobian")):
         if options[name] != usual:
-            raise OptionError(f"--{name} is for sweeps: residuals of tests in time are counted in their noise")
+            raise OptionError(
+                f"--{name} is for sweeps: residuals of tests in time are counted in their noise"
+            )
     optimiser = None
     if options["optimiser"]:
         optimiser = optimiser_of(options["optimiser"])
@@ -84,8 +104,10 @@ def identify(
     emit(fit, as_json, lambda: _show(fit, figure, data, expression))
 
 
-def _show(identified: TimeIdentification, figure: Path | None, data: Sequence[str], expression: str) -> None:
-    from springpot.report.fits import fitted_in_time_text
+def _show(
+    identified: TimeIdentification, figure: Path | None, data: Sequence[str], expression: str
+) -> None:
+    from springpot.report.fit_text import fitted_in_time_text
 
     print(fitted_in_time_text(identified, window()))
     if figure is not None:
@@ -97,12 +119,17 @@ def _show(identified: TimeIdentification, figure: Path | None, data: Sequence[st
         print(f"\nnext: springpot diagnose {named} --model {quoted(expression)}")
 
 
-def compare(tests: Sequence[Test], models: Sequence[Model | Timed], figure: Path | None, as_json: bool) -> None:
-    """``springpot compare`` of models of tests in time; without any, all installed ones that have a fixed size."""
+def compare(
+    tests: Sequence[Test], models: Sequence[Model | Timed], figure: Path | None, as_json: bool
+) -> None:
+    """``springpot compare`` of models of tests in time.
+
+    Without any, all installed ones that have a fixed size.
+    """
     from springpot.registry import plugins
-    from springpot.report.fits import compared_in_time_text
-    from springpot.rheology import Model
-    from springpot.timetests import compare as compare_in_time
+    from springpot.report.fit_text import compared_in_time_text
+    from springpot.rheology.model import Model
+    from springpot.timetests.comparing import compare as compare_in_time
 
     from .waiting import Waiting
 
@@ -120,12 +147,19 @@ def compare(tests: Sequence[Test], models: Sequence[Model | Timed], figure: Path
 
 
 def diagnose(
-    tests: Sequence[Test], model: Model | Timed | None, data: Sequence[str], named: str | None, as_json: bool
+    tests: Sequence[Test],
+    model: Model | Timed | None,
+    data: Sequence[str],
+    named: str | None,
+    as_json: bool,
 ) -> None:
-    """``springpot diagnose`` of the tests in time that DATA name: what is missing, from the raw signals."""
-    from springpot.misfit import any_material
+    """``springpot diagnose`` of the tests in time that DATA name.
+
+    What is missing, from the raw signals.
+    """
+    from springpot.misfit.material import any_material
     from springpot.registry import library_in_time
-    from springpot.timetests import diagnose as diagnose_in_time
+    from springpot.timetests.diagnosis import diagnose as diagnose_in_time
 
     diagnosis = diagnose_in_time(tests, model or any_material(), library_in_time())
     emit(diagnosis, as_json, lambda: _show_diagnosis(diagnosis, tests, data, named))
@@ -141,17 +175,19 @@ def discover(
 ) -> None:
     """``springpot discover`` from tests in time."""
     from springpot.errors import OptionError
-    from springpot.misfit import any_material
+    from springpot.misfit.material import any_material
     from springpot.registry import library_in_time
-    from springpot.report.fits import climbed_in_time_text
-    from springpot.timetests import discover as discover_in_time
+    from springpot.report.fit_text import climbed_in_time_text
+    from springpot.timetests.discovery import discover as discover_in_time
 
     from .waiting import Waiting
 
     if given:
         raise OptionError(f"--{given[0]} is for sweeps: leave it out for tests in time")
     with Waiting() as waiting:
-        ladder = discover_in_time(tests, model or any_material(), library_in_time(), accept, waiting.told)
+        ladder = discover_in_time(
+            tests, model or any_material(), library_in_time(), accept, waiting.told
+        )
     if figure is not None:
         from springpot.report.timetests import figure_tests
 
@@ -161,8 +197,10 @@ def discover(
         print(f"\nwritten: {figure}")
 
 
-def _show_diagnosis(diagnosis: TimeDiagnosis, tests: Sequence[Test], data: Sequence[str], model: str | None) -> None:
-    from springpot.report.fits import diagnosed_in_time_text
+def _show_diagnosis(
+    diagnosis: TimeDiagnosis, tests: Sequence[Test], data: Sequence[str], model: str | None
+) -> None:
+    from springpot.report.fit_text import diagnosed_in_time_text
 
     print(diagnosed_in_time_text(diagnosis, window()))
     judged = ""
@@ -183,7 +221,10 @@ def _turned(tests: Sequence[Test], data: Sequence[str]) -> list[str]:
 
     others = [other for test in tests if (other := turned(test.provenance))]
     return [
-        next((other for other in others if file_and_choice(other)[0] == file_and_choice(spec)[0]), spec)
+        next(
+            (other for other in others if file_and_choice(other)[0] == file_and_choice(spec)[0]),
+            spec,
+        )
         for spec in data
     ]
 
@@ -201,7 +242,7 @@ def described(tests: Sequence[TimeTest]) -> dict[str, Any]:
 def _described(test: TimeTest) -> dict[str, Any]:
     import numpy as np
 
-    from springpot.measurement import noise_of
+    from springpot.measurement.timenoise import noise_of
 
     noise = noise_of(test)
     source = "assumed"
@@ -255,9 +296,12 @@ def predict(
     figure: Path | None,
     as_json: bool,
 ) -> None:
-    """``springpot predict --history``: another test of the specimen, and whether its prediction holds."""
+    """``springpot predict --history``.
+
+    Another test of the specimen, and whether its prediction holds.
+    """
     from springpot.files import write_text
-    from springpot.timetests import predict_test
+    from springpot.timetests.prediction import predict_test
 
     predicted = predict_test(identified, _asked(spec, temperature))
     if output is not None:
@@ -267,7 +311,11 @@ def predict(
 
         figure_prediction(predicted, figure)
     notes = [f"note        {note}" for note in predicted.notes]
-    emit(predicted, as_json, lambda: print("\n".join([f"{predicted.model}: {predicted.says}", *notes])))
+    emit(
+        predicted,
+        as_json,
+        lambda: print("\n".join([f"{predicted.model}: {predicted.says}", *notes])),
+    )
     for path in (output, figure):
         if path is not None and not as_json:
             print(f"written: {path}")
@@ -290,7 +338,9 @@ def _asked(spec: str, temperature: float | None) -> Test:
     if not in_time:
         return opened(spec)
     if len(in_time) > 1:
-        raise DataError(f"{spec}: {len(in_time)} tests; choose one by '#', such as {quoted(with_part(spec, 1))}")
+        raise DataError(
+            f"{spec}: {len(in_time)} tests; choose one by '#', such as {quoted(with_part(spec, 1))}"
+        )
     if temperature is None:
         return in_time[0]
     # At one temperature: that which the file has from sample to sample would go before it.
@@ -299,7 +349,7 @@ def _asked(spec: str, temperature: float | None) -> Test:
 
 def _table_text(predicted: TestPrediction) -> str:
     """A CSV table with units in its header."""
-    from springpot.measurement import Units
+    from springpot.measurement.units import Units
 
     clock, at = "time [s]", predicted.at
     quantities = {predicted.quantity: slice(None)}

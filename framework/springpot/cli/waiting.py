@@ -7,7 +7,7 @@ from threading import Event, Lock, Thread
 from time import monotonic
 from types import TracebackType
 
-from springpot.plain import below, plain
+from springpot.terminal_safe import below, plain
 
 PATIENCE = 1.0
 """Seconds that nobody asks about."""
@@ -16,7 +16,10 @@ WIDTH = 100
 
 
 class Waiting:
-    """Tells stages of a long answer: in place and with seconds on a terminal, else each kind of stage in a line."""
+    """Tells stages of a long answer.
+
+    In place and with seconds on a terminal, else each kind of stage in a line.
+    """
 
     def __init__(self) -> None:
         # A daemon, so that it never keeps a process alive that wants to end.
@@ -29,11 +32,15 @@ class Waiting:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
     ) -> None:
         self._over.set()
         with self._lock:
-            # Written over by blanks: the answer must not begin behind what is left of the last stage.
+            # Written over by blanks: the answer must not begin behind what is left of the last
+            # stage.
             if self._begun and sys.stderr.isatty():
                 print(f"\r{' ' * WIDTH}\r", end="", file=below(sys.stderr), flush=True)
             self._begun, self._stage = False, ""
@@ -48,7 +55,7 @@ class Waiting:
                 self._show()
 
     def _tick(self) -> None:
-        """Show the stage once a second: on a terminal the seconds are the sign that work goes on."""
+        """Show the stage once a second: on a terminal the seconds are a sign that work goes on."""
         while not self._over.wait(PATIENCE):
             with self._lock:
                 if self._over.is_set():

@@ -1,9 +1,12 @@
-"""Installed models in order, where none is named: the simplest that does what any material can comes first.
+"""Installed models in order, where none is named.
 
-What is no part of the material is found first, by a discovery that begins with any material; with the effects that
-it accepts each model is fitted in units of the same noise. The material floor then says which models are as near as
-any material: those beside which a free spectrum gains no more than it gains from noise. Adequate are those of them
-that leave no more than noise, by the rule of `diagnose`.
+The simplest that does what any material can comes first.
+
+What is no part of the material is found first, by a discovery that begins with any material; with
+the effects that it accepts each model is fitted in units of the same noise. The material floor then
+says which models are as near as any material: those beside which a free spectrum gains no more than
+it gains from noise. Adequate are those of them that leave no more than noise, by the rule of
+`diagnose`.
 """
 
 from __future__ import annotations
@@ -15,22 +18,24 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from springpot.diagnosis import Progress, silent
+from springpot.diagnosis.examination import Progress, silent
 from springpot.diagnosis.ladder import Ladder, discover
 from springpot.errors import DataError
-from springpot.identification import is_material, weighted
-from springpot.measurement import Measurement, at_one_frequency
-from springpot.misfit import any_material
+from springpot.identification.material import is_material
+from springpot.identification.objective import weighted
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.one_frequency import at_one_frequency
 from springpot.misfit.floor import beyond_floor, fitted_to_floor, is_arithmetic
 from springpot.misfit.frame import chance_of_squares
-from springpot.misfit.leftover import column_behind, one_test_of
-from springpot.misfit.material import MaterialFloor, error_of, material_floor
+from springpot.misfit.material import MaterialFloor, any_material, error_of, material_floor
 from springpot.misfit.refit import Refit, refit
-from springpot.policy import COMPARISON, SEARCH, VERDICT
-from springpot.rheology import Effect, Model
+from springpot.misfit.residual_causes import column_behind, one_test_of
+from springpot.rheology.effect import Effect
 from springpot.rheology.family import Family
+from springpot.rheology.model import Model
+from springpot.thresholds import COMPARISON, SEARCH, VERDICT
 
-from .compare import Comparison, Judgement, effects_of, harmonics_of, judgements, material_floors
+from .comparing import Comparison, Judgement, effects_of, harmonics_of, judgements, material_floors
 
 STARTS = 8
 """Starts of each fit: the native solver takes them all at once, and fewer are no faster."""
@@ -40,7 +45,10 @@ LOOKED_AT = 20
 """Of the others, how many are looked at for these."""
 MOST_DRAWN = 6
 """Models in a picture: more colours are not told apart."""
-TOO_FREE = "what a free spectrum leaves is less, but by it none or only models of many parameters would be adequate"
+TOO_FREE = (
+    "what a free spectrum leaves is less,"
+    " but by it none or only models of many parameters would be adequate"
+)
 """Why the floor of any material is not taken."""
 MOST_AT_ONE_FREQUENCY = 2
 """Parameters of a linear model that can be told there: a storage and a loss are all that it has."""
@@ -59,17 +67,18 @@ class Skipped(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Ranking(Comparison):
-    """All installed models, the simplest adequate one first, those that are not adequate by their evidence.
+    """All installed models: the simplest adequate one first, the inadequate by their evidence.
 
     Attributes
     ----------
     ladder : Ladder
         The discovery from any material: what was accepted beside every model.
     adequate : tuple of Judgement
-        Models beside which no material does better than noise allows and which leave no more than noise, those with
-        the fewest parameters first.
+        Models beside which no material does better than noise allows and which leave no more than
+        noise, those with the fewest parameters first.
     near : tuple of Judgement
-        Models beside which no material does better either, where any material leaves more than noise.
+        Models beside which no material does better either, where any material leaves more than
+        noise.
     skipped : tuple of Skipped
         Models that were not fitted.
 
@@ -77,9 +86,11 @@ class Ranking(Comparison):
     --------
     >>> import numpy as np, springpot
     >>> from springpot.comparison import rank
-    >>> models = [springpot.parse_model(name) for name in ("kelvin-voigt", "fractional-zener", "fractional-maxwell")]
+    >>> names = ("kelvin-voigt", "fractional-zener", "fractional-maxwell")
+    >>> models = [springpot.parse_model(name) for name in names]
     >>> effects = [springpot.plugins().effect(name) for name in ("inertia", "time-delay")]
-    >>> ranking = rank(springpot.read("artificial-hidden"), models, effects, np.random.default_rng(0))
+    >>> data = springpot.read("artificial-hidden")
+    >>> ranking = rank(data, models, effects, np.random.default_rng(0))
     >>> [judged.model.name for judged in ranking.adequate]
     ['fractional-maxwell + inertia + time-delay', 'fractional-zener + inertia + time-delay']
     """
@@ -91,12 +102,15 @@ class Ranking(Comparison):
 
     @property
     def best(self) -> Judgement:
-        """The simplest adequate model, or the simplest near one; else that with the least information criterion."""
+        """The simplest adequate model, or the simplest near one.
+
+        Else that with the least information criterion.
+        """
         return self.judgements[0]
 
     @cached_property
     def groups(self) -> tuple[tuple[Judgement, ...], ...]:
-        """The adequate models and the near ones, those together whose curves lie closer than the noise can tell."""
+        """Adequate and near models, grouped where the noise cannot tell their curves apart."""
         return (*grouped(self.adequate), *grouped(self.near))
 
     @cached_property
@@ -115,18 +129,23 @@ class Ranking(Comparison):
         """The answer in one sentence."""
         name = self.best.model.name
         if self.adequate:
-            return f"the simplest model that follows these data as well as any material does is {name}"
+            return (
+                f"the simplest model that follows these data as well as any material does is {name}"
+            )
         if self.near and beyond_floor(self.best.refit):
             return (
-                f"{name} is as near as any linear material, but not at the noise: what is missing is no part of the "
-                "material"
+                f"{name} is as near as any linear material, but not at the noise: what is missing"
+                " is no part of the material"
             )
         if self.near and self.best.error.is_hardly_noise:
             return f"{name} is as near as any linear material, but {self.best.error.advice}"
         # As large as noise, and no noise by its pattern, or of too few numbers to tell.
         if self.near:
             return f"{name} is as near as any linear material: {self.best.says}"
-        return f"no installed model follows these data as well as any material does; the nearest is {name}"
+        return (
+            "no installed model follows these data as well as any material does; the nearest is"
+            f" {name}"
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Schema ``springpot.comparison/1``, with the ranking."""
@@ -159,8 +178,9 @@ def rank(
     measurement : Measurement
         The data.
     installed : sequence of Model or Family
-        What is ranked, alone and with the effects that any material needs; of a family, members until one is
-        adequate or one more term brings no evidence. Those that need a column which the data lack are left out.
+        What is ranked, alone and with the effects that any material needs; of a family, members
+        until one is adequate or one more term brings no evidence. Those that need a column which
+        the data lack are left out.
     library : sequence of Effect
         Effects that may be missing from any material.
     rng : numpy.random.Generator
@@ -182,7 +202,8 @@ def rank(
     fits = _fits(installed, floor, skipped, progress)
     if not fits:
         raise DataError(
-            f"{measurement.name}: none of the installed models can be judged by {len(measurement)} points"
+            f"{measurement.name}: none of the installed models can be judged by {len(measurement)}"
+            " points"
         )
     order, notes = _in_order(fits, floor, case.floor, rng), []
     if order.outgrown:
@@ -220,8 +241,9 @@ class _Order(NamedTuple):
     adequate, near, others : list of Judgement
         As in a ranking.
     outgrown : bool
-        Whether the floor of any material may be too low: none is adequate though that material is, or the first
-        adequate one spends most of the numbers, or simpler ones as near as any material are beyond the floor.
+        Whether the floor of any material may be too low: none is adequate though that material is,
+        or the first adequate one spends most of the numbers, or simpler ones as near as any
+        material are beyond the floor.
     """
 
     adequate: list[Judgement]
@@ -233,7 +255,10 @@ class _Order(NamedTuple):
 def _fits(
     installed: Sequence[Model | Family], floor: Refit, skipped: list[Skipped], progress: Progress
 ) -> list[Refit]:
-    """All models with the accepted effects, and without them: a model may make by itself what a spectrum cannot."""
+    """All models with the accepted effects, and without them.
+
+    A model may make by itself what a spectrum cannot.
+    """
     companions: list[tuple[Effect, ...]] = [()]
     if floor.model.effects:
         companions.insert(0, floor.model.effects)
@@ -245,21 +270,27 @@ def _fits(
     return fits
 
 
-def _in_order(fits: Sequence[Refit], floor: Refit, lowest: MaterialFloor, rng: np.random.Generator) -> _Order:
+def _in_order(
+    fits: Sequence[Refit], floor: Refit, lowest: MaterialFloor, rng: np.random.Generator
+) -> _Order:
     """The fits judged and sorted out, beside any material with the accepted effects."""
-    # That with the accepted effects is known already; a model of a plugin may bring effects of its own.
+    # That with the accepted effects is known already; a model of a plugin may bring effects of its
+    # own.
     unlike = [found for found in fits if effects_of(found) != effects_of(floor)]
     alike = [found for found in fits if effects_of(found) == effects_of(floor)]
     floors = material_floors(unlike, rng) | {effects_of(floor): lowest.beside(alike)}
-    # Those that are not adequate stand by evidence: how few parameters a model has is no merit while it fails.
+    # Those that are not adequate stand by evidence: how few parameters a model has is no merit
+    # while it fails.
     ordered = sorted(judgements(fits, floors, rng), key=lambda one: one.delta_bic)
     near_enough = [one for one in ordered if chance_beside(one.refit, floor) >= COMPARISON.chance]
     as_near = [one for one in near_enough if not _outdone(one, ordered)]
-    # The fewest parameters first. Sorting keeps the order of equals: of as many parameters the likelier comes first.
+    # The fewest parameters first. Sorting keeps the order of equals: of as many parameters the
+    # likelier comes first.
     as_near.sort(key=lambda one: len(one.refit.theta))
     adequate = _no_worse_than_rejected([one for one in as_near if one.adequate], ordered)
     near: list[Judgement] = []
-    # Where a material is adequate, a model that is not lacks what the material has: only chance made it as near.
+    # Where a material is adequate, a model that is not lacks what the material has: only chance
+    # made it as near.
     judged = Judgement(floor, error_of(floor, lowest), 0.0, rng)
     if not judged.adequate:
         near = [one for one in as_near if one not in adequate]
@@ -271,26 +302,36 @@ def _in_order(fits: Sequence[Refit], floor: Refit, lowest: MaterialFloor, rng: n
     return _Order(adequate, near, others, outgrown)
 
 
-def _no_worse_than_rejected(adequate: Sequence[Judgement], ordered: Sequence[Judgement]) -> list[Judgement]:
-    """Those of the adequate models that are nearer than every model of no more parameters which is not adequate.
+def _no_worse_than_rejected(
+    adequate: Sequence[Judgement], ordered: Sequence[Judgement]
+) -> list[Judgement]:
+    """The adequate models that are nearer than every inadequate one of no more parameters.
 
-    The fewer numbers a model leaves to judge it by, the larger an error passes for noise: without this a richer model
-    could be adequate at an error at which a simpler one is not.
+    The fewer numbers a model leaves to judge it by, the larger an error passes for noise: without
+    this a richer model could be adequate at an error at which a simpler one is not.
     """
     rejected = [one for one in ordered if one not in adequate]
-    return [one for one in adequate if not any(_is_simpler_and_nearer(other, one) for other in rejected)]
+    return [
+        one for one in adequate if not any(_is_simpler_and_nearer(other, one) for other in rejected)
+    ]
 
 
 def _is_simpler_and_nearer(other: Judgement, one: Judgement) -> bool:
     # Crosswise, as a floor may be zero.
-    nearer = other.error.relative_rms * one.error.noise_floor <= one.error.relative_rms * other.error.noise_floor
+    nearer = (
+        other.error.relative_rms * one.error.noise_floor
+        <= one.error.relative_rms * other.error.noise_floor
+    )
     return nearer and len(other.refit.theta) <= len(one.refit.theta)
 
 
-def _quietest_alone(others: Sequence[Judgement], lowest: MaterialFloor, rng: np.random.Generator) -> Refit | None:
-    """Of the models that `diagnose` would call adequate by the noise that their own fit finds, that of least noise.
+def _quietest_alone(
+    others: Sequence[Judgement], lowest: MaterialFloor, rng: np.random.Generator
+) -> Refit | None:
+    """The model of least noise of those that `diagnose` calls adequate by their own fit's noise.
 
-    A free spectrum may follow so much of the points that what it leaves is too small to be their noise.
+    A free spectrum may follow so much of the points that what it leaves is too small to be their
+    noise.
     """
     found: list[Refit] = []
     for one in [one for one in others if not spends_most(one.refit)][:LOOKED_AT]:
@@ -305,8 +346,9 @@ def _quietest_alone(others: Sequence[Judgement], lowest: MaterialFloor, rng: np.
 def chance_beside(found: Refit, floor: Refit) -> float:
     """Chance that a free spectrum gains so much on a model from noise alone.
 
-    The gain is that in chi-square, with as many degrees of freedom as the spectrum has lines more than the model has
-    parameters. Where any material leaves more than noise, that remainder is not the model's fault and sets the scale.
+    The gain is that in chi-square, with as many degrees of freedom as the spectrum has lines more
+    than the model has parameters. Where any material leaves more than noise, that remainder is not
+    the model's fault and sets the scale.
 
     Parameters
     ----------
@@ -316,7 +358,8 @@ def chance_beside(found: Refit, floor: Refit) -> float:
         Any material, in units of the same noise.
     """
     spare = max(found.fit.dof - floor.fit.dof, 1)
-    # Never below one: a spectrum that follows some of the noise must not make the noise seem smaller than it is.
+    # Never below one: a spectrum that follows some of the noise must not make the noise seem
+    # smaller than it is.
     scale = max(floor.rss / max(floor.fit.dof, 1), 1.0)
     return chance_of_squares(max(found.rss - floor.rss, 0.0) / scale, spare, found.noise.dof)
 
@@ -328,8 +371,11 @@ def _outdone(one: Judgement, others: Sequence[Judgement]) -> bool:
         return False
     # A free spectrum may fail to gain beyond chance where a model of a few more parameters does.
     limit, size = one.delta_bic - SEARCH.decisive, len(one.refit.theta)
-    better = [other for other in others if other.delta_bic < limit and len(other.refit.theta) > size]
-    # What one that spends most of the numbers gains on a model at the noise is noise that it follows.
+    better = [
+        other for other in others if other.delta_bic < limit and len(other.refit.theta) > size
+    ]
+    # What one that spends most of the numbers gains on a model at the noise is noise that it
+    # follows.
     if one.at_noise:
         better = [other for other in better if not spends_most(other.refit)]
     return bool(better)
@@ -343,7 +389,10 @@ def spends_most(found: Refit) -> bool:
 def _fitted(
     item: Model | Family, effects: tuple[Effect, ...], floor: Refit, skipped: list[Skipped]
 ) -> Iterator[Refit]:
-    """Fits of a model with effects; of a family, members up to the first that lacks nothing or gains nothing."""
+    """Fits of a model with effects.
+
+    Of a family, members up to the first that lacks nothing or gains nothing.
+    """
     if isinstance(item, Model):
         # The material itself is what all are judged by.
         if not is_material(item):
@@ -353,13 +402,16 @@ def _fitted(
     for number in range(FIRST_MEMBER, min(LAST_MEMBER, item.largest) + 1):
         for found in _one(item.build(number), effects, floor, skipped):
             yield found
-            # One more term after that can only follow noise, and each costs a fit of more parameters.
+            # One more term after that can only follow noise, and each costs a fit of more
+            # parameters.
             if found.log_evidence <= evidence or chance_beside(found, floor) >= COMPARISON.chance:
                 return
             evidence = found.log_evidence
 
 
-def _one(model: Model, effects: tuple[Effect, ...], floor: Refit, skipped: list[Skipped]) -> Iterator[Refit]:
+def _one(
+    model: Model, effects: tuple[Effect, ...], floor: Refit, skipped: list[Skipped]
+) -> Iterator[Refit]:
     """The fit of one model, unless these data cannot judge it."""
     grown, data = model, floor.data
     for effect in effects:
@@ -369,9 +421,13 @@ def _one(model: Model, effects: tuple[Effect, ...], floor: Refit, skipped: list[
         skipped.append(Skipped(grown.name, f"needs the column {', '.join(missing)}"))
     # As many parameters as numbers follow anything: such a model would come first for no reason.
     elif len(grown.parameters) >= 2 * len(data.mean):
-        skipped.append(Skipped(grown.name, f"{len(grown.parameters)} parameters for {len(data.mean)} points"))
+        skipped.append(
+            Skipped(grown.name, f"{len(grown.parameters)} parameters for {len(data.mean)} points")
+        )
     # Every further one is the same curve, and its fit only costs time.
-    elif len(model.parameters) > MOST_AT_ONE_FREQUENCY and _is_read_at_one_frequency(model, effects, data.mean):
+    elif len(model.parameters) > MOST_AT_ONE_FREQUENCY and _is_read_at_one_frequency(
+        model, effects, data.mean
+    ):
         skipped.append(Skipped(grown.name, ONE_FREQUENCY))
     else:
         yield refit(grown, data, floor.noise, starts=STARTS)
@@ -379,17 +435,22 @@ def _one(model: Model, effects: tuple[Effect, ...], floor: Refit, skipped: list[
 
 def _is_read_at_one_frequency(model: Model, effects: Sequence[Effect], data: Measurement) -> bool:
     """Whether all that the data hold of a linear model is one storage and one loss."""
-    # A shift of times reads the same curve at another place for each temperature, as in a ramp at 1 Hz.
+    # A shift of times reads the same curve at another place for each temperature, as in a ramp at 1
+    # Hz.
     shifted = any(effect.plane == "shift" for effect in (*model.effects, *effects))
     return at_one_frequency(data) and not model.needs and not shifted
 
 
 def grouped(judgements: Sequence[Judgement]) -> tuple[tuple[Judgement, ...], ...]:
-    """Models in order, each with the later ones whose curves lie closer to its own than the noise can tell."""
+    """Models in order, each with the later ones whose curves the noise cannot tell from its own."""
     groups: list[list[Judgement]] = []
-    # Against the first of each group only, or a chain of close neighbours would join curves that are far apart.
+    # Against the first of each group only, or a chain of close neighbours would join curves that
+    # are far apart.
     for one in judgements:
-        known = next((group for group in groups if _distance(group[0].refit, one.refit) < COMPARISON.alike), None)
+        known = next(
+            (group for group in groups if _distance(group[0].refit, one.refit) < COMPARISON.alike),
+            None,
+        )
         if known is None:
             groups.append([one])
         else:

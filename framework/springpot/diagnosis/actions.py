@@ -1,4 +1,7 @@
-"""What could be measured next: the sweeps, amplitudes, temperatures and specimens that a rig may have to spare."""
+"""What could be measured next.
+
+The sweeps, amplitudes, temperatures and specimens that a rig may have to spare.
+"""
 
 from __future__ import annotations
 
@@ -7,17 +10,26 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from springpot.measurement import KELVIN, Measurement, Units, distinct_log_omega
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.one_frequency import distinct_log_omega
+from springpot.measurement.units import Units
 from springpot.misfit.words import plain
-from springpot.rheology import INERTANCE, Points, Real
+from springpot.rheology.parameters import INERTANCE
+from springpot.rheology.points import KELVIN, Points, Real
 
 TYPED_IN, WAITED_FOR, WORKED_FOR = 1.0, 1.5, 2.0
-"""Effort of an amplitude, which is a number; of frequencies, a temperature or an empty rig, which take a while; of a
+"""Effort of an amplitude, which is a number.
+
+Of frequencies, a temperature or an empty rig, which take a while; of a
 specimen that must be made, or of several repeats."""
 FARTHER = 10.0
-"""Factor by which the frequencies are extended: a decade is what a rig has to spare, if anything."""
+"""Factor by which the frequencies are extended: a decade is what a rig has to spare, if anything.
+"""
 STRONGER = 3.0
-"""Factor by which amplitudes go beyond what was measured: nonlinear effects go with a power of it, and show there."""
+"""Factor by which amplitudes go beyond what was measured.
+
+Nonlinear effects go with a power of it, and show there.
+"""
 POINTS = 20
 """Points of a new sweep."""
 DENSER = 4
@@ -49,8 +61,9 @@ class Action:
     mass : float
         Known mass in place of the specimen, in units of stiffness times s^2.
     action : dict of str to list of float
-        The new conditions: ``omega`` in rad/s, ``temperature`` in degC, ``amplitude``, ``repeats``, and for a
-        specimen of another size ``specimen`` (its factor, zero without one) and ``mass`` in kg.
+        The new conditions: ``omega`` in rad/s, ``temperature`` in degC, ``amplitude``, ``repeats``,
+        and for a specimen of another size ``specimen`` (its factor, zero without one) and ``mass``
+        in kg.
     """
 
     says: str
@@ -76,7 +89,10 @@ def actions(measurement: Measurement) -> Iterator[Action]:
 def _sweep(says: str, measurement: Measurement, omega: Real, effort: float) -> Action:
     """A sweep of frequencies under the middle conditions of the data."""
     at = measurement.points
-    middle = [None if c is None else np.full(len(omega), np.median(c)) for c in (at.amplitude, at.temperature)]
+    middle = [
+        None if c is None else np.full(len(omega), np.median(c))
+        for c in (at.amplitude, at.temperature)
+    ]
     # A model may have factors by any column: at its middle there is a level, or two to lie between.
     columns = {name: np.full(len(omega), np.median(column)) for name, column in at.columns.items()}
     points = Points(np.log(omega), middle[0], middle[1], at.reference_temperature, columns)
@@ -89,12 +105,18 @@ def _usual(measurement: Measurement) -> Real:
 
 
 def _frequencies(measurement: Measurement) -> Iterator[Action]:
-    omega, clock, distinct = _usual(measurement), measurement.units, len(distinct_log_omega(measurement))
+    omega, clock, distinct = (
+        _usual(measurement),
+        measurement.units,
+        len(distinct_log_omega(measurement)),
+    )
     hertz = omega / (2.0 * np.pi)
     if distinct == 1:
         new = np.geomspace(1.0 / FARTHER, FARTHER, POINTS) * omega[0]
         band = _range(1.0 / FARTHER * hertz[0], FARTHER * hertz[0], clock)
-        yield _sweep(f"measure a sweep of frequencies: {POINTS} points {band}", measurement, new, WAITED_FOR)
+        yield _sweep(
+            f"measure a sweep of frequencies: {POINTS} points {band}", measurement, new, WAITED_FOR
+        )
         return
     for factor, word in ((FARTHER, "up"), (1.0 / FARTHER, "down")):
         band = _range(hertz[0] * factor, hertz[-1] * factor, clock)
@@ -105,7 +127,10 @@ def _frequencies(measurement: Measurement) -> Iterator[Action]:
     if count <= distinct:
         return
     dense = np.geomspace(omega[0], omega[-1], count)
-    says = f"measure the same frequencies more densely: {count} points {_range(hertz[0], hertz[-1], clock)}"
+    says = (
+        f"measure the same frequencies more densely: {count} points"
+        f" {_range(hertz[0], hertz[-1], clock)}"
+    )
     yield _sweep(says, measurement, dense, TYPED_IN + count / (DENSER * POINTS))
 
 
@@ -129,7 +154,12 @@ def _temperatures(measurement: Measurement) -> Iterator[Action]:
         return
     step = float(np.clip(0.5 * np.ptp(temperature), *STEPS))
     for new in (float(temperature.max()) + step, max(float(temperature.min()) - step, COLDEST)):
-        swept = _sweep(f"measure {POINTS} points at {new:.3g} degC", measurement, _usual(measurement), WAITED_FOR)
+        swept = _sweep(
+            f"measure {POINTS} points at {new:.3g} degC",
+            measurement,
+            _usual(measurement),
+            WAITED_FOR,
+        )
         points = replace(swept.points, temperature=np.full(POINTS, new + KELVIN))
         yield replace(swept, points=points, action=swept.action | {"temperature": [new]})
 
@@ -139,7 +169,9 @@ def _specimens(measurement: Measurement) -> Iterator[Action]:
     says = f"measure a specimen of twice the area, in the same rig, at {POINTS} points"
     larger = _sweep(says, measurement, omega, WORKED_FOR)
     yield replace(larger, scale=2.0, action=larger.action | {"specimen": [2.0]})
-    without = _sweep(f"measure the rig without a specimen, at {POINTS} points", measurement, omega, WAITED_FOR)
+    without = _sweep(
+        f"measure the rig without a specimen, at {POINTS} points", measurement, omega, WAITED_FOR
+    )
     without = replace(without, scale=0.0, action=without.action | {"specimen": [0.0]})
     yield without
     factor, unit = measurement.units.of(INERTANCE)

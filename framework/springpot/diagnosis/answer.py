@@ -8,21 +8,32 @@ from typing import TypeAlias
 
 import numpy as np
 
-from springpot.measurement import Measurement
-from springpot.misfit.course import Course
-from springpot.misfit.course_search import change_in_order, course_behind
-from springpot.misfit.leftover import Column, EqualRows, column_behind, equal_rows_behind, one_test_of
+from springpot.measurement.measurement import Measurement
+from springpot.misfit.drift_in_time import Course
+from springpot.misfit.drift_search import change_in_order, course_behind
 from springpot.misfit.material import MaterialFloor, error_of, split_in_words
 from springpot.misfit.outliers import Outlier
+from springpot.misfit.residual_causes import (
+    Column,
+    EqualRows,
+    column_behind,
+    equal_rows_behind,
+    one_test_of,
+)
 from springpot.misfit.values import printed
 from springpot.misfit.where import Where, periodic, where
 from springpot.misfit.words import times
-from springpot.policy import EXPERIMENT, VERDICT
-from springpot.rheology import Effect
+from springpot.rheology.effect import Effect
+from springpot.thresholds import EXPERIMENT, VERDICT
 
 from .candidates import candidates_of
 from .evidence import Evidence
-from .experiment import experiment_on_confounded, experiment_on_points, experiment_on_unknown, next_experiment
+from .experiment import (
+    experiment_on_confounded,
+    experiment_on_points,
+    experiment_on_unknown,
+    next_experiment,
+)
 from .grown import Search
 from .notes import header_notes, notes, unexplained_harmonics
 from .result import Diagnosis, NextExperiment, Verdict
@@ -38,12 +49,15 @@ BESIDE_MATERIAL = {
 OPEN = frozenset({"unexplained", "inconclusive"})
 """Verdicts after which the cause may be something that no effect knows, such as another column."""
 Cause: TypeAlias = Column | EqualRows | Course | None
-"""What the misfit goes with that no effect knows: a column of settings, repeats without a number, or the time."""
+"""What the misfit goes with that no effect knows.
+
+A column of settings, repeats without a number, or the time.
+"""
 HARMONICS = "; the force holds harmonics that this model does not make"
 
 
 def course_instead(evidence: Evidence, verdict: Verdict) -> Course | None:
-    """How the specimen changed with time, where that explains the misfit and no effect explains it better.
+    """How the specimen changed with time, where no effect explains the misfit better.
 
     Parameters
     ----------
@@ -105,14 +119,14 @@ def answer(
         How the specimen changed with time, where that is what the misfit goes with.
     """
     error = error_of(search.base, floor)
-    # Noise that is hard to believe is told of first: until it is smaller, none of the rest is worth reading.
+    # Noise that is hard to believe is told of first: until it is smaller, the rest is not worth it.
     doubted = verdict == "inconclusive" and error.is_hardly_noise
     candidates = candidates_of(evidence, verdict)
     leading = _leading(search, evidence, verdict, course)
     cause, one_test = _cause(measurement, search, evidence, verdict, course)
     split, classes, experiment = "", [], None
     if verdict != "adequate":
-        # Beside such noise, and beside single points alone, nothing is known to be missing that could be split.
+        # Beside such noise, and beside single points alone, nothing is missing that could be split.
         if not doubted and not only_points(search, outliers):
             split = split_in_words(search.base, floor)
         classes = evidence.classes
@@ -146,7 +160,9 @@ def answer(
     return diagnosis
 
 
-def _leading(search: Search, evidence: Evidence, verdict: Verdict, course: Course | None) -> Sequence[str]:
+def _leading(
+    search: Search, evidence: Evidence, verdict: Verdict, course: Course | None
+) -> Sequence[str]:
     """Effects to add next: none is where the specimen changes."""
     if course is not None:
         return []
@@ -154,9 +170,16 @@ def _leading(search: Search, evidence: Evidence, verdict: Verdict, course: Cours
 
 
 def _cause(
-    measurement: Measurement, search: Search, evidence: Evidence, verdict: Verdict, course: Course | None
+    measurement: Measurement,
+    search: Search,
+    evidence: Evidence,
+    verdict: Verdict,
+    course: Course | None,
 ) -> tuple[Cause, str]:
-    """What the misfit goes with that no effect knows, and how to choose the rows of one test; both may be empty."""
+    """What the misfit goes with that no effect knows, and how to choose the rows of one test.
+
+    Both may be empty.
+    """
     if course is not None:
         return course, course.last_round
     if verdict not in OPEN:
@@ -169,8 +192,10 @@ def _cause(
     return column, one_test
 
 
-def _with_factors(diagnosis: Diagnosis, search: Search, evidence: Evidence, library: Sequence[Effect]) -> Diagnosis:
-    """The same, where a factor at each level of a condition takes the error where nothing that is named does."""
+def _with_factors(
+    diagnosis: Diagnosis, search: Search, evidence: Evidence, library: Sequence[Effect]
+) -> Diagnosis:
+    """The same, where factors per level of a condition take the error and nothing named does."""
     if diagnosis.verdict != "unexplained" or evidence.search is not search:
         return diagnosis
     named = [grown.refit for grown in search.grown if grown.names[0] in diagnosis.leading]
@@ -191,7 +216,7 @@ def _with_factors(diagnosis: Diagnosis, search: Search, evidence: Evidence, libr
 
 
 def _in_order_of_time(search: Search, cause: Cause) -> Iterator[str]:
-    """What changed from one value of a column to the next, or from repeat to repeat, if one came after another."""
+    """What changed between values of a column, or between repeats, if one came after another."""
     says = ""
     if isinstance(cause, Column):
         says = change_in_order(search.base.data.raw, cause.name)
@@ -201,8 +226,10 @@ def _in_order_of_time(search: Search, cause: Cause) -> Iterator[str]:
         yield says
 
 
-def _says(search: Search, evidence: Evidence, verdict: Verdict, outliers: Sequence[Outlier], cause: Cause) -> str:
-    """The sentence of the verdict, with what was seen beside any material and in the force's harmonics."""
+def _says(
+    search: Search, evidence: Evidence, verdict: Verdict, outliers: Sequence[Outlier], cause: Cause
+) -> str:
+    """The verdict in words, with what was seen beside any material and in the force's harmonics."""
     if isinstance(cause, Course):
         ratio = search.base.relative_rms / search.base.floor
         return f"the error is {times(ratio)} the noise floor; {cause.headline}"
@@ -234,7 +261,11 @@ def _places(search: Search, outliers: Sequence[Outlier], verdict: Verdict) -> It
         bands = where(search.frame)
     yield from bands
     # A ripple of which no band is off to one side would else leave "unexplained" without a place.
-    if not bands and verdict == "unexplained" and search.structure.parts["ripple"] < VERDICT.structure_alarm:
+    if (
+        not bands
+        and verdict == "unexplained"
+        and search.structure.parts["ripple"] < VERDICT.structure_alarm
+    ):
         yield periodic(search.frame)
 
 
@@ -246,7 +277,7 @@ def _next_experiment(
     leading: Sequence[str],
     course: Course | None,
 ) -> NextExperiment | None:
-    """What would decide between effects that may be it, or where none may be, what would tell of the unknown."""
+    """What would decide between effects that may be it, or else tell of what is unknown."""
     if course is not None:
         return NextExperiment(course.advice, (), None)
     # Whatever else is open: first the frequency and the amplitude must be told from each other.
@@ -271,7 +302,10 @@ def _next_experiment(
 
 
 def _between_effects(evidence: Evidence) -> NextExperiment | None:
-    """What would settle the more open of two questions: which effect leads, and which one stands beside it."""
+    """What would settle the more open of two questions.
+
+    Which effect leads, and which one stands beside it.
+    """
     if not evidence.explanations:
         return None
     chances, fits = evidence.rivals, evidence.likeliest_with()
@@ -282,9 +316,12 @@ def _between_effects(evidence: Evidence) -> NextExperiment | None:
         return None
     if sorted(chances.values())[-2] < EXPERIMENT.believed:
         return None
-    # Two, not all rivals: a measurement that separates the leading ones can be promised in one sentence.
+    # Two, not all rivals: a measurement that separates the leading ones can be promised in one
+    # sentence.
     first, second = sorted(chances, key=lambda name: -chances[name])[:2]
-    return next_experiment(fits[first], fits[second], (first, second), (chances[first], chances[second]))
+    return next_experiment(
+        fits[first], fits[second], (first, second), (chances[first], chances[second])
+    )
 
 
 def _openness(chances: Mapping[str, float]) -> float:

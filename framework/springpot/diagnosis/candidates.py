@@ -8,8 +8,8 @@ import numpy as np
 
 from springpot.misfit.refit import Refit
 from springpot.misfit.values import Value, printed
-from springpot.policy import EVIDENCE, VERDICT
-from springpot.rheology import Effect
+from springpot.rheology.effect import Effect
+from springpot.thresholds import EVIDENCE, VERDICT
 
 from .evidence import Evidence, best_with
 from .grown import Grown, Search
@@ -18,7 +18,10 @@ from .scan import Score
 
 
 def candidates_of(evidence: Evidence, verdict: Verdict) -> list[Candidate]:
-    """All scanned effects as candidates, the likeliest first; none is missing where the verdict is another."""
+    """All scanned effects as candidates, the likeliest first.
+
+    None is missing where the verdict is another.
+    """
     search = evidence.search
     groups: list[list[str]] = []
     if verdict != "adequate":
@@ -34,12 +37,14 @@ def candidates_of(evidence: Evidence, verdict: Verdict) -> list[Candidate]:
     for score in search.scan.scores:
         name = score.influence.effect.name
         chance = chances.get(name, 0.0)
-        # Of the first class one member is missing for certain; any other must be likely in its own right.
+        # Of the first class one member is missing for certain; any other must be likely in its own
+        # right.
         least = EVIDENCE.beside
         if groups and name in groups[0]:
             least = VERDICT.likely
         missing = verdict == "effect-missing" and chance > least * evidence.trust(name)
-        # One of its class needs a condition that moved with the frequency: no fit can say which of them it is.
+        # One of its class needs a condition that moved with the frequency: no fit can say which of
+        # them it is.
         if search.confounded and groups and name in groups[0]:
             missing = False
         word = _effect_verdict(search, score, best.get(name), missing)
@@ -47,14 +52,19 @@ def candidates_of(evidence: Evidence, verdict: Verdict) -> list[Candidate]:
         row = _candidate(search.base, score, alone.get(name), chance > VERDICT.profiled)
         if name in beside:
             row = _beside(row, leader, beside[name], alone)
-        rows.append(replace(row, alike=class_of.get(name, (name,)), probability=chance, verdict=word))
+        rows.append(
+            replace(row, alike=class_of.get(name, (name,)), probability=chance, verdict=word)
+        )
     # The leader first: it stands for its class, of which another member may be as likely.
     rows.sort(key=lambda row: (row.effect != leader, -row.probability, -row.delta_bic))
     return rows
 
 
 def _candidate(before: Refit, score: Score, grown: Grown | None, believed: bool) -> Candidate:
-    """What one effect does when it joins a fitted model: the user's alone, or that with the leading effect."""
+    """What one effect does when it joins a fitted model.
+
+    The user's alone, or that with the leading effect.
+    """
     effect = score.influence.effect
     row = Candidate(
         physics=effect,
@@ -81,7 +91,10 @@ def _candidate(before: Refit, score: Score, grown: Grown | None, believed: bool)
 
 
 def _beside(row: Candidate, leader: str, pair: Grown, alone: dict[str, Grown]) -> Candidate:
-    """The row of an effect that shows beside the leading one: its evidence there, and what both leave."""
+    """The row of an effect that shows beside the leading one.
+
+    Its evidence there, and what both leave.
+    """
     gain = row.delta_bic
     if leader in alone:
         gain = 2.0 * (pair.refit.log_evidence - alone[leader].refit.log_evidence)
@@ -94,11 +107,14 @@ def _predicted(before: Refit, left: float) -> float:
     return before.relative_rms * float(np.sqrt(max(left, 0.0) / max(before.rss, 1e-300)))
 
 
-def _effect_verdict(search: Search, score: Score, best: Refit | None, missing: bool) -> EffectVerdict:
+def _effect_verdict(
+    search: Search, score: Score, best: Refit | None, missing: bool
+) -> EffectVerdict:
     gain = -np.inf
     if best is not None:
         gain = 2.0 * (best.log_evidence - search.base.log_evidence)
-    # A probability shared among few rivals may be large where the data hardly speak: the gain must be clear too.
+    # A probability shared among few rivals may be large where the data hardly speak: the gain must
+    # be clear too.
     if missing and gain >= VERDICT.clear_evidence:
         return "missing"
     # Not seen is not absent: only where the data would have shown a small one.

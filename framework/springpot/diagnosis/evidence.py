@@ -1,4 +1,7 @@
-"""What the evidence says: how likely each explanation is, and which effects the data cannot tell apart."""
+"""What the evidence says.
+
+How likely each explanation is, and which effects the data cannot tell apart.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +11,12 @@ from functools import cached_property
 
 import numpy as np
 
-from springpot.identification import is_passive
-from springpot.measurement import at_one_frequency
+from springpot.identification.passive import is_passive
+from springpot.measurement.one_frequency import at_one_frequency
 from springpot.misfit.frame import Frame
 from springpot.misfit.refit import Refit
-from springpot.policy import EVIDENCE
-from springpot.rheology import Real
+from springpot.rheology.points import Real
+from springpot.thresholds import EVIDENCE
 
 from .grown import Grown, Search
 from .marginal import harmonic_evidence, marginal, unknown_marginal
@@ -42,12 +45,18 @@ class Explanation:
 
     @property
     def twice(self) -> bool:
-        """Whether one effect is not enough of itself: two modes may stand for a broad spectrum as well."""
+        """Whether one effect is not enough of itself.
+
+        Two modes may stand for a broad spectrum as well.
+        """
         return len(set(self.names)) < len(self.names)
 
     @property
     def one_spectrum(self) -> bool:
-        """Whether parts of a material are put together: a spectrum of another shape may stand for them all."""
+        """Whether parts of a material are put together.
+
+        A spectrum of another shape may stand for them all.
+        """
         if len(self.names) == 1 and not self.grown.broadens_an_order:
             return False
         others = [effect for effect in self.grown.effects if not is_passive(effect)]
@@ -75,11 +84,14 @@ class Evidence:
     leaning : frozenset of str
         Effects that the data ask for only in the company of such a one.
     beside_material : bool
-        Whether they are sought beside a free spectrum because the user's model cannot follow the material.
+        Whether they are sought beside a free spectrum because the user's model cannot follow the
+        material.
     moved : frozenset of str
-        Effects of a condition that was not varied by itself, judged as nothing else explains the data.
+        Effects of a condition that was not varied by itself, judged as nothing else explains the
+        data.
     drift : SweepDrift or None
-        A gain that drifts while the sweep is measured, where it explains the data as well as one of the effects.
+        A gain that drifts while the sweep is measured, where it explains the data as well as one of
+        the effects.
     """
 
     search: Search
@@ -94,7 +106,7 @@ class Evidence:
 
     @classmethod
     def of(cls, search: Search, beside_material: bool = False) -> Evidence:
-        """Weigh the fitted models by their marginal likelihoods and the prior weights of their effects.
+        """Weigh the fitted models by marginal likelihoods and the prior weights of their effects.
 
         Parameters
         ----------
@@ -108,17 +120,22 @@ class Evidence:
         weights, unknown = _chances(logs, unknown_marginal(search) + _log_prior_unknown(search))
         pairs = zip(tried, weights[1:].tolist(), strict=True)
         explanations = [Explanation(grown, weight) for grown, weight in pairs]
-        # What fits best only beyond what any specimen reaches tells that something is missing, but not its name.
+        # What fits best only beyond what any specimen reaches tells that something is missing, but
+        # not its name.
         impossible = sum(one.probability for one in explanations if one.grown.beyond_physics)
         explanations = [_if_possible(one) for one in explanations]
         unknown = min(unknown + impossible, EVIDENCE.most_unknown)
         explanations.sort(key=lambda one: -one.probability)
-        # What needs a condition that was not varied by itself shares the place of the likeliest explanation: that it
-        # fits as well or better is no evidence, as the data cannot tell the two apart.
+        # What needs a condition that was not varied by itself shares the place of the likeliest
+        # explanation: that it fits as well or better is no evidence, as the data cannot tell the
+        # two apart.
         if explanations and search.confounded:
             explanations[:1] = _shared(explanations[0], search.confounded)
-        # Of all grown models, likely or not: each was tried because nothing simple explained the data.
-        imitators = frozenset(effect.name for grown in search.grown for effect in grown.effects if effect.narrow)
+        # Of all grown models, likely or not: each was tried because nothing simple explained the
+        # data.
+        imitators = frozenset(
+            effect.name for grown in search.grown for effect in grown.effects if effect.narrow
+        )
         return cls(
             search,
             nothing=float(weights[0]),
@@ -132,7 +149,7 @@ class Evidence:
 
     @property
     def one_frequency(self) -> bool:
-        """Whether the data are one curve of storage and one of loss, along an amplitude or a temperature."""
+        """Whether storage and loss are one curve each, along an amplitude or a temperature."""
         return at_one_frequency(self.search.base.fit.measurement)
 
     @cached_property
@@ -154,22 +171,29 @@ class Evidence:
     def narrow(self) -> float:
         """That something narrow is missing which only looks like an effect of the library."""
         imitated = (
-            one.probability for one in self.explanations if self._is_imitated(one) and not self._is_patchwork(one)
+            one.probability
+            for one in self.explanations
+            if self._is_imitated(one) and not self._is_patchwork(one)
         )
         return EVIDENCE.other_shape * sum(imitated)
 
     @property
     def other_shape(self) -> float:
-        """That what takes one effect twice, two beside a part of the material, or a condition is something else."""
-        return EVIDENCE.other_shape * sum(one.probability for one in self.explanations if self._is_patchwork(one))
+        """Probability that an explanation of several pieces stands for something else.
+
+        Such explanations take one effect twice, two beside a part of the material, or a condition.
+        """
+        return EVIDENCE.other_shape * sum(
+            one.probability for one in self.explanations if self._is_patchwork(one)
+        )
 
     def _is_patchwork(self, one: Explanation) -> bool:
         """Whether an explanation puts together what may be one thing of another shape.
 
-        A spectrum and two effects beside it follow any slow error of storage and of loss, and two parts of a
-        material nearly any material; two effects at one frequency follow nearly any two curves along the amplitude;
-        what goes with an amplitude that moved with the frequency may as well go with the frequency, and what a drift
-        explains, with time.
+        A spectrum and two effects beside it follow any slow error of storage and of loss, and two
+        parts of a material nearly any material; two effects at one frequency follow nearly any two
+        curves along the amplitude; what goes with an amplitude that moved with the frequency may as
+        well go with the frequency, and what a drift explains, with time.
         """
         moved = not self.moved.isdisjoint(one.names)
         drifted = self.drift is not None and self.drift.effect in one.names
@@ -187,19 +211,23 @@ class Evidence:
         return 1.0
 
     def beside_drift(self) -> Evidence:
-        """The same, having asked whether a drifting gain explains as well what is told by the best model."""
+        """The same, having asked whether a drifting gain explains as much as the best model."""
         return replace(self, drift=drift_in_place(self.search))
 
     def doubted(self, p_value: float) -> Evidence:
-        """The same, where what the best model leaves has this chance of being noise: little if it is none of these.
+        """The same, where what the best model leaves has this chance of being noise.
 
-        The odds for something unknown are those before the test, times the most that such a chance can speak for it
-        (Sellke, Bayarri and Berger 2001, doi:10.1198/000313001300339950).
+        Little if it is none of these.
+
+        The odds for something unknown are those before the test, times the most that such a chance
+        can speak for it (Sellke, Bayarri and Berger 2001, doi:10.1198/000313001300339950).
         """
-        # The bound holds below 1/e only; and the logarithm of a chance of zero would make the unknown certain.
+        # The bound holds below 1/e only; and the logarithm of a chance of zero would make the
+        # unknown certain.
         p_value = min(max(p_value, 1e-12), float(np.exp(-1.0)))
         odds = EVIDENCE.outside / (1.0 - EVIDENCE.outside) / (-np.e * p_value * np.log(p_value))
-        # Never less than the evidence says by itself: a test that sees nothing does not make it known.
+        # Never less than the evidence says by itself: a test that sees nothing does not make it
+        # known.
         return self._with_unknown(max(self.unknown, odds / (1.0 + odds)))
 
     def without_unknown(self) -> Evidence:
@@ -209,14 +237,21 @@ class Evidence:
     def _with_unknown(self, unknown: float) -> Evidence:
         unknown = float(unknown)
         share = (1.0 - unknown) / max(1.0 - self.unknown, 1e-300)
-        # All by one factor: what the unknown takes says nothing of which known explanation is right.
-        scaled = tuple(replace(one, probability=one.probability * share) for one in self.explanations)
+        # All by one factor: what the unknown takes says nothing of which known explanation is
+        # right.
+        scaled = tuple(
+            replace(one, probability=one.probability * share) for one in self.explanations
+        )
         return replace(self, nothing=self.nothing * share, unknown=unknown, explanations=scaled)
 
     @cached_property
     def leader(self) -> str:
-        """The effect to name first: of the likeliest explanation, the one that does most by itself."""
-        alone = {each.names[0]: each.refit.log_evidence for each in self.search.grown if len(each.effects) == 1}
+        """The effect to name first: of the likeliest explanation, the one that does most alone."""
+        alone = {
+            each.names[0]: each.refit.log_evidence
+            for each in self.search.grown
+            if len(each.effects) == 1
+        }
         likeliest = self.explanations[0]
         return max(likeliest.names, key=lambda name: alone.get(name, -np.inf))
 
@@ -224,14 +259,16 @@ class Evidence:
     def rivals(self) -> dict[str, float]:
         """Effects that could stand in the leading one's place, with their chances.
 
-        Where the best explanation holds a second effect, that one stays while rivals of the leader are counted.
+        Where the best explanation holds a second effect, that one stays while rivals of the leader
+        are counted.
         """
         best = next(one for one in self.explanations if self.leader in one.names)
         partners = list(best.names)
         partners.remove(self.leader)
         chances: dict[str, float] = {}
         for one in self.explanations:
-            # An explanation with another partner is another answer, not a rival for the leader's place.
+            # An explanation with another partner is another answer, not a rival for the leader's
+            # place.
             others = _without(one.names, partners)
             if len(one.names) == len(best.names) and len(others) == 1:
                 chances[others[0]] = chances.get(others[0], 0.0) + one.probability
@@ -245,7 +282,10 @@ class Evidence:
 
     @cached_property
     def partners(self) -> dict[str, float]:
-        """Effects one of which is missing beside the leading one, with their chances; none where that may be all."""
+        """Effects one of which is missing beside the leading one, with their chances.
+
+        None where that may be all.
+        """
         with_leader = [one for one in self.explanations if self.leader in one.names]
         chances: dict[str, float] = {}
         for one in with_leader:
@@ -260,15 +300,15 @@ class Evidence:
 
     @property
     def beside(self) -> list[str]:
-        """The fewest of the partners that hold nearly all of their probability, the likeliest first."""
+        """The fewest partners that hold nearly all of their probability, the likeliest first."""
         return credible(self.partners)
 
     @cached_property
     def classes(self) -> list[list[str]]:
         """Effects that these data cannot tell apart, the likeliest class first.
 
-        The first class is the smallest set of rivals that holds nearly all of their probability; the rest are
-        grouped by their curves.
+        The first class is the smallest set of rivals that holds nearly all of their probability;
+        the rest are grouped by their curves.
         """
         if not self.explanations:
             return []
@@ -296,15 +336,23 @@ class Evidence:
 
 
 def _log_weights(search: Search, tried: Sequence[Grown]) -> Real:
-    """Log marginal likelihood times prior (1 + m,): of the model as it is, then of each of m grown models."""
-    complete = search.base.log_likelihood + harmonic_evidence(search.base) + np.log(EVIDENCE.prior_nothing)
+    """Log marginal likelihood times prior (1 + m,).
+
+    Of the model as it is, then of each of m grown models.
+    """
+    complete = (
+        search.base.log_likelihood + harmonic_evidence(search.base) + np.log(EVIDENCE.prior_nothing)
+    )
     library = _size_of_library(search)
-    return np.array([complete, *(marginal(search, grown) + _log_prior(grown, library) for grown in tried)])
+    return np.array(
+        [complete, *(marginal(search, grown) + _log_prior(grown, library) for grown in tried)]
+    )
 
 
 def _chances(logs: Real, log_unknown: float) -> tuple[Real, float]:
     """Probabilities (1 + m,) of what is known, and that of the unknown, which sum to one."""
-    # The unknown is kept out of the sum first: beside it the rest may be too small for a floating-point number.
+    # The unknown is kept out of the sum first: beside it the rest may be too small for a
+    # floating-point number.
     weights = np.exp(logs - logs.max())
     # Within the exponents that a floating-point number has.
     odds = float(np.exp(np.clip(log_unknown - logs.max() - np.log(np.sum(weights)), -700, 700)))
@@ -321,7 +369,10 @@ def _if_possible(one: Explanation) -> Explanation:
 
 
 def _leaning(tried: Sequence[Grown], logs: Real, imitators: frozenset[str]) -> frozenset[str]:
-    """Effects that only help beside a resonance: they may mend the wrong shape of it, and share that one's doubt."""
+    """Effects that only help beside a resonance.
+
+    They may mend the wrong shape of it, and share that one's doubt.
+    """
     by_itself = set()
     for grown, log in zip(tried, logs[1:], strict=True):
         if len(grown.effects) == 1 and log >= logs[0]:
@@ -330,7 +381,10 @@ def _leaning(tried: Sequence[Grown], logs: Real, imitators: frozenset[str]) -> f
 
 
 def _size_of_library(search: Search) -> float:
-    """Sum of the prior weights of the effects that were scanned: one that these data cannot show takes no share."""
+    """Sum of the prior weights of the effects that were scanned.
+
+    One that these data cannot show takes no share.
+    """
     return max(sum(score.influence.effect.prior for score in search.scan.scores), 1.0)
 
 
@@ -349,17 +403,24 @@ def _without(names: Sequence[str], others: Sequence[str]) -> list[str]:
 
 
 def _shared(likeliest: Explanation, confounded: Sequence[Grown]) -> list[Explanation]:
-    """The likeliest explanation and those that may stand in its place, none of them likelier than it."""
+    """The likeliest explanation and those that may stand in its place, none of them likelier."""
     best = likeliest.grown.refit.log_evidence
-    # At most even odds: an effect of a condition that was not varied by itself fits better for no reason of its own.
+    # At most even odds: an effect of a condition that was not varied by itself fits better for no
+    # reason of its own.
     odds = [float(np.exp(min(each.refit.log_evidence - best, 0.0))) for each in confounded]
     share = likeliest.probability / (1.0 + sum(odds))
     others = [Explanation(each, share * odd) for each, odd in zip(confounded, odds, strict=True)]
-    return [replace(likeliest, probability=share), *sorted(others, key=lambda one: -one.probability)]
+    return [
+        replace(likeliest, probability=share),
+        *sorted(others, key=lambda one: -one.probability),
+    ]
 
 
 def _log_prior(grown: Grown, library: float) -> float:
-    """Log prior of a set of effects: of one half, each by its share in the library, and a second one by half."""
+    """Log prior of a set of effects.
+
+    Of one half, each by its share in the library, and a second one by half.
+    """
     prior = (1.0 - EVIDENCE.prior_nothing) * EVIDENCE.prior_pair ** (len(grown.effects) - 1)
     for effect in grown.effects:
         prior *= effect.prior / library
@@ -368,12 +429,16 @@ def _log_prior(grown: Grown, library: float) -> float:
 
 
 def one_for_each_set(grown: Sequence[Grown]) -> list[Grown]:
-    """The best model for each set of effects: the order in which they were added does not matter."""
+    """The best model for each set of effects: the order of adding them does not matter."""
     best: dict[tuple[str, ...], Grown] = {}
-    # In a fixed order and by more than rounding, so that two orders of adding an effect cannot change the answer.
+    # In a fixed order and by more than rounding, so that two orders of adding an effect cannot
+    # change the answer.
     for each in sorted(grown, key=lambda one: one.names):
         key = tuple(sorted(each.names))
-        if key not in best or each.refit.log_evidence > best[key].refit.log_evidence + EVIDENCE.rounding:
+        if (
+            key not in best
+            or each.refit.log_evidence > best[key].refit.log_evidence + EVIDENCE.rounding
+        ):
             best[key] = each
     return list(best.values())
 
@@ -407,15 +472,24 @@ def distance(frame: Frame, first: Refit, second: Refit) -> float:
 
 
 def _grouped(search: Search, names: Sequence[str]) -> list[list[str]]:
-    """Effects that change the model alike when each joins it alone; one that changes nothing is like no other."""
+    """Effects that change the model alike when each joins it alone.
+
+    One that changes nothing is like no other.
+    """
     alone = {each.names[0]: each.refit for each in reversed(search.grown) if len(each.effects) == 1}
     groups: list[list[str]] = []
     # Against the first of each group only: in a chain of neighbours the ends can be told apart.
     for name in names:
-        seen = name in alone and distance(search.frame, alone[name], search.base) >= EVIDENCE.one_curve
+        seen = (
+            name in alone and distance(search.frame, alone[name], search.base) >= EVIDENCE.one_curve
+        )
         for group in groups:
             first = alone.get(group[0])
-            if seen and first is not None and distance(search.frame, alone[name], first) < EVIDENCE.one_curve:
+            if (
+                seen
+                and first is not None
+                and distance(search.frame, alone[name], first) < EVIDENCE.one_curve
+            ):
                 group.append(name)
                 break
         else:

@@ -1,8 +1,11 @@
-"""The next experiment: which feasible measurement would tell the leading explanations apart, or what is unknown.
+"""The next experiment.
 
-For every feasible action the two explanations are evaluated where the new points would lie, and one is allowed to
-follow the other with all its parameters. Actions are ranked with linear slopes; those that would be named are fitted
-in earnest, since a rival far from its old parameters can follow much better than its slopes tell.
+Which feasible measurement would tell the leading explanations apart, or what is unknown.
+
+For every feasible action the two explanations are evaluated where the new points would lie, and one
+is allowed to follow the other with all its parameters. Actions are ranked with linear slopes; those
+that would be named are fitted in earnest, since a rival far from its old parameters can follow much
+better than its slopes tell.
 """
 
 from __future__ import annotations
@@ -14,14 +17,18 @@ from functools import cached_property
 import numpy as np
 from scipy.optimize import least_squares
 
-from springpot.identification import weighted
-from springpot.measurement import Measurement, distinct_log_omega, moved_along, spread_of, sweeps_of
+from springpot.identification.objective import weighted
+from springpot.measurement.independence import moved_along, spread_of
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.one_frequency import distinct_log_omega
+from springpot.measurement.sweeps import sweeps_of
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import Refit
 from springpot.misfit.shapes import orthonormal
 from springpot.misfit.words import plain
-from springpot.policy import EXPERIMENT
-from springpot.rheology import GRADIENT, Complex, Real
+from springpot.rheology.nodes import GRADIENT
+from springpot.rheology.points import Complex, Real
+from springpot.thresholds import EXPERIMENT
 
 from .actions import MOST_POINTS, Action, actions
 from .result import NextExperiment
@@ -35,11 +42,16 @@ FAR = 1000000000.0
 TRIED = 3
 """Actions that are fitted in earnest at most."""
 BESIDE = (0.97, 1.0, 1.03)
-"""Factors of a frequency at which a point was bad: so near that no material changes, and off the line of a hum."""
+"""Factors of a frequency at which a point was bad.
+
+So near that no material changes, and off the line of a hum.
+"""
 MOST_NAMED = 3
 """Effects that are named as what a measurement is for."""
 MOST_TOLD = 1000.0
-"""Standard deviations that are told at most: so far from the data a model is a guess, and nobody doubts that it is
+"""Standard deviations that are told at most.
+
+So far from the data a model is a guess, and nobody doubts that it is
 enough."""
 
 
@@ -63,9 +75,11 @@ class Clash:
     def linear(self) -> float:
         """Standard deviations between the two where the rival follows as its slopes tell."""
         residual, slopes = self._seen(self.rival.theta)
-        # A parameter without a slope here follows nothing; one without a value would spoil the whole basis.
+        # A parameter without a slope here follows nothing; one without a value would spoil the
+        # whole basis.
         usable = np.all(np.isfinite(slopes), axis=1) & (np.sum(slopes**2, axis=1) > 0)
-        # A rival that overflows under the new conditions has no slopes to go by: it is worth no trial.
+        # A rival that overflows under the new conditions has no slopes to go by: it is worth no
+        # trial.
         if not np.all(np.isfinite(residual)):
             return 0.0
         absorbed = orthonormal(slopes[usable].T)
@@ -95,9 +109,15 @@ class Clash:
             slopes: Real = np.clip(-np.nan_to_num(by_x, nan=0.0), -FAR, FAR).T
             return slopes
 
-        # Parameters differ in size by many decades, and their columns carry the units: scaled by the columns.
+        # Parameters differ in size by many decades, and their columns carry the units: scaled by
+        # the columns.
         nearest = least_squares(
-            residual, inside, jacobian, (limits[:, 0], limits[:, 1]), x_scale="jac", max_nfev=EVALUATIONS
+            residual,
+            inside,
+            jacobian,
+            (limits[:, 0], limits[:, 1]),
+            x_scale="jac",
+            max_nfev=EVALUATIONS,
         )
         return float(np.sqrt(2.0 * nearest.cost))
 
@@ -107,7 +127,9 @@ class Clash:
         new = self._evaluated(self.truth, self.truth.theta)[0]
         # The new points are taken to be as noisy as the median of the old ones.
         noise, size = self.truth.noise.sd, np.abs(self.truth.stiffness)
-        relative = complex(np.median(noise.real / size), np.median(noise.imag / size)) * self._quieter()
+        relative = (
+            complex(np.median(noise.real / size), np.median(noise.imag / size)) * self._quieter()
+        )
         floor = np.abs(new)
         if self.action.scale == 0.0:
             # Without a specimen the force is small, and its noise is not.
@@ -115,17 +137,25 @@ class Clash:
         # The mean of so many repeats is quieter by the root of their number.
         weights = np.sqrt(self.action.repeats) / np.maximum(floor, 1e-300)
         weights = weights / relative.real + 1j * weights / relative.imag
-        return np.concatenate([self.truth.stiffness, new]), np.concatenate([self.truth.noise.weights, weights])
+        return np.concatenate([self.truth.stiffness, new]), np.concatenate(
+            [self.truth.noise.weights, weights]
+        )
 
     def _quieter(self) -> float:
-        """How much smaller the new amplitude is than the usual one: at worst the noise is a force of fixed size."""
+        """How much smaller the new amplitude is than the usual one.
+
+        At worst the noise is a force of fixed size.
+        """
         usual, new = self.truth.fit.measurement.points.amplitude, self.action.points.amplitude
         if usual is None or new is None:
             return 1.0
         return max(1.0, float(np.median(usual) / np.median(new)))
 
     def _seen(self, theta: Real) -> tuple[Real, Real]:
-        """Whitened difference of truth and rival at old and new points (2n,), and the rival's slopes (p, 2n)."""
+        """Whitened difference of truth and rival, and the rival's slopes, at old and new points.
+
+        Their shapes are (2n,) and (p, 2n).
+        """
         old = self.truth.fit.measurement.points
         with np.errstate(all="ignore"):
             response = self.rival.model.network.respond(theta, old, GRADIENT)
@@ -136,7 +166,10 @@ class Clash:
             return weighted(target - np.concatenate([response.value, value]), weights), slopes
 
     def _evaluated(self, refit: Refit, theta: Real) -> tuple[Complex, Complex]:
-        """K and dK/dtheta where the action would measure, the specimen being larger, absent or a known mass."""
+        """K and dK/dtheta where the action would measure.
+
+        The specimen may be larger there, absent or a known mass.
+        """
         scale, mass = self.action.scale, self.action.mass
         network = refit.model.network
         if scale != 1.0:
@@ -151,7 +184,9 @@ Pair = tuple[float, float]
 """Of the first and of the second explanation."""
 
 
-def next_experiment(first: Refit, second: Refit, names: tuple[str, str], chances: Pair) -> NextExperiment:
+def next_experiment(
+    first: Refit, second: Refit, names: tuple[str, str], chances: Pair
+) -> NextExperiment:
     """The action that should best separate two explanations for its effort.
 
     Parameters
@@ -161,7 +196,8 @@ def next_experiment(first: Refit, second: Refit, names: tuple[str, str], chances
     names : tuple of str
         The effects that set them apart.
     chances : tuple of float
-        Their probabilities: who holds decides what a measurement can show, as a larger model follows a smaller one.
+        Their probabilities: who holds decides what a measurement can show, as a larger model
+        follows a smaller one.
     """
     # Of these two only: what a third would be is not what the measurement is asked.
     shares = (chances[0] / sum(chances), chances[1] / sum(chances))
@@ -176,7 +212,8 @@ def next_experiment(first: Refit, second: Refit, names: tuple[str, str], chances
     def worth(sigmas: Pair, action: Action) -> float:
         return _expected(shares, (_enough(sigmas[0]), _enough(sigmas[1]))) / action.effort
 
-    # Slopes first, as a fit for each action would take far longer; but a promise is made from a fit only.
+    # Slopes first, as a fit for each action would take far longer; but a promise is made from a fit
+    # only.
     feasible = {action: linear(action) for action in actions(first.fit.measurement)}
     tried = sorted(feasible, key=lambda action: -worth(feasible[action], action))[:TRIED]
     reached = {action: fitted(action) for action in tried}
@@ -188,7 +225,9 @@ def next_experiment(first: Refit, second: Refit, names: tuple[str, str], chances
         return NextExperiment(_no_use(best, names, expected), names, expected)
     best = max(telling, key=lambda action: worth(reached[action], action))
     expected = separation(shares, reached[best])
-    return NextExperiment(f"{best.says}: {promise(names, shares, reached[best])}", names, expected, best.action)
+    return NextExperiment(
+        f"{best.says}: {promise(names, shares, reached[best])}", names, expected, best.action
+    )
 
 
 def _no_use(action: Action, names: tuple[str, str], sigma: float) -> str:
@@ -197,8 +236,8 @@ def _no_use(action: Action, names: tuple[str, str], sigma: float) -> str:
     if sigma > 0.1:
         size = plain(sigma, 2)
     return (
-        f"no feasible measurement tells {names[0]} from {names[1]}: even the best ({action.says}) would "
-        f"separate them by {size} sigma"
+        f"no feasible measurement tells {names[0]} from {names[1]}: even the best ({action.says})"
+        f" would separate them by {size} sigma"
     )
 
 
@@ -212,7 +251,10 @@ def _enough(sigma: float) -> float:
 
 
 def separation(shares: Pair, sigmas: Pair) -> float:
-    """The standard deviations that are promised: at least so many, or where it depends on who is right, the mean."""
+    """The standard deviations that are promised.
+
+    At least so many, or where it depends on who is right, the mean.
+    """
     if _either_way(sigmas):
         return min(sigmas)
     return _expected(shares, sigmas)
@@ -220,7 +262,8 @@ def separation(shares: Pair, sigmas: Pair) -> float:
 
 def _either_way(sigmas: Pair) -> bool:
     """Whether the measurement tells the two apart whoever is right."""
-    # Beyond what settles the matter a difference of the two is of no matter; below, up to two-fold is about the same.
+    # Beyond what settles the matter a difference of the two is of no matter; below, up to two-fold
+    # is about the same.
     return min(sigmas) >= EXPERIMENT.settled or 2.0 * min(sigmas) >= max(sigmas)
 
 
@@ -247,7 +290,9 @@ def _sigmas(number: float) -> str:
 
 
 def experiment_on_confounded(measurement: Measurement, names: Sequence[str]) -> NextExperiment:
-    """What to measure where a condition moved with the frequency: the same frequencies with the condition held.
+    """What to measure where a condition moved with the frequency.
+
+    The same frequencies with the condition held.
 
     Parameters
     ----------
@@ -256,12 +301,12 @@ def experiment_on_confounded(measurement: Measurement, names: Sequence[str]) -> 
     names : sequence of str
         Effects of that condition which would explain the data.
     """
-    (moved, *_) = sorted(moved_along(measurement))
+    moved, *_ = sorted(moved_along(measurement))
     middle = float(np.median(measurement.conditions[moved]))
     omega = np.exp(distinct_log_omega(measurement))[:MOST_POINTS]
     says = (
-        f"measure the same frequencies at one {moved}, and again at another: only then can an effect of it "
-        f"({', '.join(names[:MOST_NAMED])}) be told from one of the frequency"
+        f"measure the same frequencies at one {moved}, and again at another: only then can an"
+        f" effect of it ({', '.join(names[:MOST_NAMED])}) be told from one of the frequency"
     )
     return NextExperiment(says, (), None, {"omega": omega.tolist(), moved: [middle]})
 
@@ -276,15 +321,17 @@ def experiment_on_points(outliers: Sequence[Outlier]) -> NextExperiment:
     """
     places = " and ".join(outlier.at for outlier in outliers[:MOST_NAMED])
     says = (
-        f"measure again at {places}, and close beside: a bad point does not come back, an interference or a "
-        "resonance does"
+        f"measure again at {places}, and close beside: a bad point does not come back, an"
+        " interference or a resonance does"
     )
     omega = [2.0 * np.pi * outlier.frequency * factor for outlier in outliers for factor in BESIDE]
     return NextExperiment(says, (), None, {"omega": omega})
 
 
 def experiment_on_unknown(measurement: Measurement) -> NextExperiment:
-    """What to measure where something is missing that no effect explains: whether it is there again, and with what.
+    """What to measure where something is missing that no effect explains.
+
+    Whether it is there again, and with what.
 
     Parameters
     ----------
@@ -298,17 +345,20 @@ def experiment_on_unknown(measurement: Measurement) -> NextExperiment:
     # The cheapest question first: nothing else is worth asking of what is gone the next time.
     if measurement.repeat is None:
         says = (
-            "measure the same points again in the opposite order: what comes back is the specimen's or the rig's, "
-            "what does not is drift or ageing"
+            "measure the same points again in the opposite order: what comes back is the specimen's"
+            " or the rig's, what does not is drift or ageing"
         )
         return NextExperiment(says, (), None, again)
     amplitude = spread_of(measurement, "amplitude")
     if amplitude is not None and not amplitude.varied:
         half = 0.5 * float(np.median(measurement.conditions["amplitude"]))
-        says = "measure the same points at half the amplitude: what then changes is no linear material's"
+        says = (
+            "measure the same points at half the amplitude:"
+            " what then changes is no linear material's"
+        )
         return NextExperiment(says, (), None, {"omega": omega.tolist(), "amplitude": [half]})
     says = (
-        "measure something known in place of the specimen, such as a steel spring or a standard fluid: what it shows "
-        "too is the rig's"
+        "measure something known in place of the specimen, such as a steel spring or a standard"
+        " fluid: what it shows too is the rig's"
     )
     return NextExperiment(says, (), None)

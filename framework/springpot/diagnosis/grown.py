@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from springpot.misfit.battery import Battery
 from springpot.misfit.frame import Frame
 from springpot.misfit.refit import Refit
-from springpot.policy import SEARCH
-from springpot.rheology import Effect
+from springpot.misfit.residual_battery import Battery
+from springpot.rheology.effect import Effect
+from springpot.thresholds import SEARCH
 
 from .scan import Scan
 
@@ -35,43 +35,58 @@ class Grown:
 
     @property
     def beyond_physics(self) -> list[Effect]:
-        """Effects that are larger than any specimen makes them, or at the end of what they may be."""
+        """Effects that are larger than any specimen makes them, or at the end of their range."""
         units, beyond = self.refit.fit.measurement.units, []
         for effect in self.effects:
             factor, _ = units.of(effect.element.parameters[0].unit)
-            too_large = units.is_modulus and factor * size_of(self.refit, effect) > effect.largest_of_modulus
-            # Constants of a shift trade with each other, and one at its end says nothing of the law.
+            too_large = (
+                units.is_modulus
+                and factor * size_of(self.refit, effect) > effect.largest_of_modulus
+            )
+            # Constants of a shift trade with each other, and one at its end says nothing of the
+            # law.
             if too_large or (effect.plane != "shift" and at_its_limit(self.refit, effect)):
                 beyond.append(effect)
         return beyond
 
     @property
     def same_at_all_amplitudes(self) -> bool:
-        """Whether effects of the amplitude do nothing, as fitted, that goes with it: a slider that never slips.
+        """Whether effects of the amplitude do nothing, as fitted, that goes with it.
+
+        A slider that never slips.
 
         Then it is a spring, and a part of the material by its true name.
         """
         points = self.refit.fit.measurement.points
         if points.amplitude is None:
             return False
-        at_one_amplitude = points.at_amplitude(np.full_like(points.amplitude, np.median(points.amplitude)))
-        moved = self.refit.stiffness - self.refit.model.stiffness(self.refit.theta, at_one_amplitude)
+        at_one_amplitude = points.at_amplitude(
+            np.full_like(points.amplitude, np.median(points.amplitude))
+        )
+        moved = self.refit.stiffness - self.refit.model.stiffness(
+            self.refit.theta, at_one_amplitude
+        )
         noise = self.refit.noise.sd
-        # As fits are compared: what changes chi-square by less than its own scatter of one is not seen.
+        # As fits are compared: what changes chi-square by less than its own scatter of one is not
+        # seen.
         return float(np.sum((moved.real / noise.real) ** 2 + (moved.imag / noise.imag) ** 2)) < 1.0
 
     @property
     def broadens_an_order(self) -> bool:
-        """Whether one part with a time or an order of its own joins a model that has an order already.
+        """Whether one part with its own time or order joins a model that has an order already.
 
-        A springpot has a broad and symmetric spectrum. What such a model lacks may be that the material's is
-        skewed (Havriliak and Negami 1967, doi:10.1016/0032-3861(67)90021-3): one mode or springpot more follows that.
+        A springpot has a broad and symmetric spectrum. What such a model lacks may be that the
+        material's is skewed (Havriliak and Negami 1967, doi:10.1016/0032-3861(67)90021-3): one mode
+        or springpot more follows that.
         """
         (effect,) = self.effects
         model = self.refit.model
         others = list(model.effects)
         others.remove(effect)
-        own = [*model.material.parameters, *(each for other in others for each in other.element.parameters)]
+        own = [
+            *model.material.parameters,
+            *(each for other in others for each in other.element.parameters),
+        ]
         return len(effect.element.parameters) > 1 and any(parameter.is_order for parameter in own)
 
     @property
@@ -92,12 +107,16 @@ def size_of(fitted: Refit, effect: Effect) -> float:
 
 
 def at_its_limit(fitted: Refit, effect: Effect) -> bool:
-    """Whether the size of an effect rests on a bound at which it does not vanish: more of it than physics knows.
+    """Whether the size of an effect rests on a bound at which it does not vanish.
+
+    More of it than physics knows.
 
     What follows the data only there does so by its shape alone, as a modulus that would go as T^20.
     """
     size, value = effect.element.parameters[0], size_of(fitted, effect)
-    ends = [end for end in (size.lower, size.upper) if np.isfinite(end) and end != effect.vanishes_at]
+    ends = [
+        end for end in (size.lower, size.upper) if np.isfinite(end) and end != effect.vanishes_at
+    ]
     return any(abs(value - end) <= SEARCH.near_an_end * abs(end) for end in ends)
 
 
@@ -122,8 +141,8 @@ class Search:
     repeats : Battery
         The test on the scatter of repeats.
     confounded : list of Grown
-        Models grown by effects of a condition that was not varied by itself and that explain the data as well as any
-        other, the best evidence first.
+        Models grown by effects of a condition that was not varied by itself and that explain the
+        data as well as any other, the best evidence first.
     promoted : frozenset of str
         Effects of such a condition that are judged all the same, as nothing else explains the data.
     """
@@ -146,7 +165,7 @@ class Search:
 
     @property
     def alarm(self) -> float:
-        """Chance that noise alone gives such a score, or leaves such structure, whichever is rarer."""
+        """Chance that noise alone gives such a score or such structure, whichever is rarer."""
         return min(self.scan.p_value, self.structure.p_value)
 
     @property

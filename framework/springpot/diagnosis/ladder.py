@@ -10,16 +10,18 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from springpot.drawing import draw, html_of, text_of
-from springpot.identification import require_conditions
-from springpot.measurement import Measurement
+from springpot.identification.space import require_conditions
+from springpot.measurement.measurement import Measurement
+from springpot.misfit.cross_validation import prediction_gain
 from springpot.misfit.refit import refit
-from springpot.misfit.unseen import prediction_gain
 from springpot.misfit.values import Value, printed
 from springpot.misfit.words import over_floor
-from springpot.policy import SEARCH, VERDICT
-from springpot.rheology import Effect, Model, Real
+from springpot.rheology.effect import Effect
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
+from springpot.thresholds import SEARCH, VERDICT
 
-from .diagnose import Case, Progress, examine, silent, within
+from .examination import Case, Progress, examine, silent, within
 from .grown import at_its_limit
 from .result import Candidate, Diagnosis, Verdict
 from .scan import scan_effects
@@ -46,7 +48,8 @@ class Step:
     accepted : str or None
         The effect that was added, None for the first rung.
     relative_rms, noise_floor, material_floor : float
-        Relative error, what noise alone leaves, and the least that any material reaches with the same effects.
+        Relative error, what noise alone leaves, and the least that any material reaches with the
+        same effects.
     predicted_error : float or None
         What the rung before foretold.
     parameters : dict of str to Value
@@ -71,7 +74,10 @@ class Step:
     alike: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        return f"<Step {self.model.name}: error {over_floor(self.relative_rms, self.noise_floor)} x floor>"
+        return (
+            f"<Step {self.model.name}: error {over_floor(self.relative_rms, self.noise_floor)} x"
+            " floor>"
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """As in the schema."""
@@ -119,7 +125,9 @@ class Ladder:
             "diagnosis": self.diagnosis.to_dict(),
         }
 
-    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure | Axes | Path:
+    def plot(
+        self, path: str | Path | None = None, *, ax: Axes | None = None
+    ) -> Figure | Axes | Path:
         """The error falling to the noise floor; see `springpot.drawing.draw`."""
         return draw(self, path, ax)
 
@@ -156,20 +164,24 @@ def discover(
     progress : callable
         Told in a few words what is being done.
     reached : callable, optional
-        Given the ladder as it stands after each rung, so that what was reached is there even if the rest is
-        interrupted. The ladder that is returned may be shorter: rungs that led nowhere are taken back.
+        Given the ladder as it stands after each rung, so that what was reached is there even if the
+        rest is interrupted. The ladder that is returned may be shorter: rungs that led nowhere are
+        taken back.
     """
     steps: list[Step] = []
 
     def examined(model: Model, starts: Sequence[Real] = ()) -> Case:
-        return examine(measurement, model, library, rng, starts, within(f"step {len(steps)}", progress))
+        return examine(
+            measurement, model, library, rng, starts, within(f"step {len(steps)}", progress)
+        )
 
     def climb(step: Step) -> None:
         steps.append(step)
         if reached is not None:
             reached(_ladder(measurement, steps))
 
-    # Every rung is examined in full: what is missing beside the last effect is asked of the grown model anew.
+    # Every rung is examined in full: what is missing beside the last effect is asked of the grown
+    # model anew.
     given = iter(accept or ())
     climb(_step(examined(model)))
     while True:
@@ -186,7 +198,8 @@ def discover(
     if accept is None:
         # Who chose the effects keeps them all; a machine's choice is looked over once more.
         steps = _explained(steps)
-        # After the rungs that led nowhere are taken back: beside them an earlier one may only have seemed needless.
+        # After the rungs that led nowhere are taken back: beside them an earlier one may only have
+        # seemed needless.
         needless = _needless(steps)
         if needless:
             before = steps[-1].case
@@ -203,15 +216,23 @@ def _ladder(measurement: Measurement, steps: Sequence[Step]) -> Ladder:
 
 # Beside the starts read off the data: those know nothing of what the rung before has found.
 def _starts(case: Case, effect: Effect) -> list[Real]:
-    """Parameters (p,) of the smaller model with the effect as the scan saw it: the next rung cannot do worse."""
+    """Parameters (p,) of the smaller model with the effect as the scan saw it.
+
+    The next rung cannot do worse.
+    """
     scanned = scan_effects(case.search.base, case.search.frame, [effect]).scores
     starts = [start for score in scanned for start in score.starts]
     # The scan's even where a fit is known: that one ended early where it was no rival.
-    return starts + [grown.refit.theta for grown in case.search.grown if grown.names == (effect.name,)]
+    return starts + [
+        grown.refit.theta for grown in case.search.grown if grown.names == (effect.name,)
+    ]
 
 
 def _decisive(steps: Sequence[Step]) -> Effect | None:
-    """The effect whose absence is beyond doubt, if there is one and a further rung could count: see `_explained`."""
+    """The effect whose absence is beyond doubt, if there is one and a further rung could count.
+
+    See `_explained`.
+    """
     verdicts = [step.case.diagnosis.verdict for step in steps]
     if len(steps) > LONGEST or "unexplained" in verdicts[:-MOST_HIDDEN]:
         return None
@@ -223,14 +244,16 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
     # What changes with time is mended by no effect, however much of it one takes.
     if case.course is not None:
         return None
-    # Factors without a law do better than what heads the table: whether they are physics only a user knows.
+    # Factors without a law do better than what heads the table: whether they are physics only a
+    # user knows.
     named = [candidate.effect for candidate in candidates]
     if case.diagnosis.leading and case.diagnosis.leading[0] not in named:
         return None
     if case.naming.alarm > VERDICT.accepted or case.naming.gain < SEARCH.decisive:
         return None
     first = _first_named(case.diagnosis)
-    # Where the evidence prefers what has no name, an effect goes in unasked only if it takes most of the error.
+    # Where the evidence prefers what has no name, an effect goes in unasked only if it takes most
+    # of the error.
     little = first.error_after > VERDICT.takes_most * case.diagnosis.error.relative_rms
     if verdicts[-1] == "unexplained" and little:
         return None
@@ -242,7 +265,8 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
     drift = case.evidence.drift
     if drift is not None and drift.effect == first.effect:
         return None
-    # Storage and loss at one frequency are two curves, which nearly any two effects of one column follow.
+    # Storage and loss at one frequency are two curves, which nearly any two effects of one column
+    # follow.
     taken = {column for effect in steps[-1].model.effects for column in effect.needs}
     if case.evidence.one_frequency and not taken.isdisjoint(first.physics.needs):
         return None
@@ -250,7 +274,9 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
 
 
 def _first_named(diagnosis: Diagnosis) -> Candidate:
-    """The candidate that the headline names first, and the next step with it; else the first of the table.
+    """The candidate that the headline names first, and the next step with it.
+
+    Else the first of the table.
 
     The table may begin with one of a pair, of which another effect does more by itself than either.
     """
@@ -261,23 +287,25 @@ def _first_named(diagnosis: Diagnosis) -> Candidate:
 
 
 def _explained(steps: list[Step]) -> list[Step]:
-    """The rungs up to the first that no effect explains, and those beyond it that have shown to be physics.
+    """The rungs up to the first unexplained one, and those beyond it that proved to be physics.
 
-    Effects that hide one another can leave a rung unexplained that two more steps explain; where they do not, they
-    may only have been fitted to what is no effect of the library. What predicts data that were left out much better
-    than the model before, such as a shift of moduli beside a shift of times, stays, and so does what takes nearly all
-    of the misfit: sweeps at temperatures too far apart to overlap predict one another by no law. The rest is still
-    unexplained.
+    Effects that hide one another can leave a rung unexplained that two more steps explain; where
+    they do not, they may only have been fitted to what is no effect of the library. What predicts
+    data that were left out much better than the model before, such as a shift of moduli beside a
+    shift of times, stays, and so does what takes nearly all of the misfit: sweeps at temperatures
+    too far apart to overlap predict one another by no law. The rest is still unexplained.
     """
     verdicts = [step.case.diagnosis.verdict for step in steps]
     if "unexplained" not in verdicts:
         return steps
     first = verdicts.index("unexplained")
-    # So few more effects that complete the model are two that hid each other, not a curve bent to a misfit.
+    # So few more effects that complete the model are two that hid each other, not a curve bent to a
+    # misfit.
     if verdicts[-1] in ("adequate", "inconclusive") and len(verdicts) - 1 - first <= MOST_HIDDEN:
         return steps
     kept = first + 1
-    # One after the other: a rung that predicts nothing new ends what may be believed of those above it.
+    # One after the other: a rung that predicts nothing new ends what may be believed of those above
+    # it.
     while kept < len(steps):
         before, after = steps[kept - 1], steps[kept]
         left = (after.relative_rms / before.relative_rms) ** 2
@@ -292,7 +320,10 @@ def _prediction_gain(before: Step, after: Step) -> float:
 
 
 def _needless(steps: Sequence[Step]) -> str:
-    """An accepted effect without which the evidence is larger, as later ones do what it did; empty if none is."""
+    """An accepted effect without which the evidence is larger, as later ones do what it did.
+
+    Empty if none is.
+    """
     base = steps[-1].case.search.base
     added = [step.accepted for step in steps if step.accepted]
     # Not the last one: it was accepted beside all others, decisively.

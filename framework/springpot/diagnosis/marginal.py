@@ -11,20 +11,26 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from springpot.identification import Uncertainty, Window, held_costs, shown
-from springpot.measurement import CONDITIONS, distinct_log_omega, telling
+from springpot.identification.ranges import Window, shown
+from springpot.identification.uncertainty import Uncertainty, held_costs
+from springpot.measurement.independence import telling
+from springpot.measurement.measurement import CONDITIONS
+from springpot.measurement.one_frequency import distinct_log_omega
 from springpot.misfit.frame import LEAST_SEEN, Frame
 from springpot.misfit.refit import Refit
 from springpot.misfit.shapes import DRIFT_DEGREE, orthonormal
-from springpot.policy import EVIDENCE, VERDICT
-from springpot.rheology import Complex, Real
+from springpot.rheology.points import Complex, Real
+from springpot.thresholds import EVIDENCE, VERDICT
 
 from .grown import Grown, Search
 
 ROW_BY_ROW = "from row to row"
 """How the kinds are called that follow the order of the rows."""
 SETTLING_TIMES = (0.03, 0.06, 0.12, 0.25, 0.5, 1.0)
-"""Times, in durations of the measurement, in which a rig may settle; slower ones are a straight line."""
+"""Times, in durations of the measurement, in which a rig may settle.
+
+Slower ones are a straight line.
+"""
 MOST_STEPS = 200
 """Places at which a step is sought at most, evenly over the measured frequencies."""
 PLACES = 9
@@ -47,7 +53,8 @@ def harmonic_evidence(refit: Refit) -> float:
     if len(rows) == 0:
         return 0.0
     predicted, radius = refit.model.third_harmonic_range(refit.theta, data.points)
-    # Where no bound is known it may be anything: a fixed price, so that nothing is gained by not predicting.
+    # Where no bound is known it may be anything: a fixed price, so that nothing is gained by not
+    # predicting.
     if not np.all(np.isfinite(radius)):
         return EVIDENCE.unpredicted_harmonic
     noise: Real = np.hypot(refit.noise.sd.real, refit.noise.sd.imag) / data.magnitude
@@ -64,14 +71,18 @@ def harmonic_evidence(refit: Refit) -> float:
 
 
 def _price_of_a_bound(distance: Real, radius: Real) -> float:
-    """What a model pays that only bounds the harmonic, beside one that predicts it; 0 where there is no room.
+    """What a model pays that only bounds the harmonic, beside one that predicts it.
 
-    Its size may be any up to the bound, all decades alike, in any phase: the density of that where the harmonic was
-    measured, over that of a prediction which is right. Distances (m,) in units of what is known of a prediction.
+    0 where there is no room.
+
+    Its size may be any up to the bound, all decades alike, in any phase: the density of that where
+    the harmonic was measured, over that of a prediction which is right. Distances (m,) in units of
+    what is known of a prediction.
     """
     room = 1.0 + np.log(np.maximum(radius, 1.0))
     price = 2.0 * np.log(np.maximum(np.minimum(distance, radius), 1.0)) + np.log(room)
-    # Once and not for each row: what is right in one is right in all. A bound costs no more than to know nothing.
+    # Once and not for each row: what is right in one is right in all. A bound costs no more than to
+    # know nothing.
     return min(float(np.mean(price)), -EVIDENCE.unpredicted_harmonic)
 
 
@@ -127,7 +138,7 @@ def unknowns(frame: Frame) -> Iterator[Unknown]:
 
 
 def _stand_by_a_condition(frame: Frame) -> bool:
-    """Whether the levels of a condition follow one another, up or down, in the order of the rows."""
+    """Whether the levels of a condition follow one another, up or down, in order of the rows."""
     for name in telling(frame.measurement) & set(CONDITIONS):
         steps = np.diff(frame.measurement.levels(name))
         if np.any(steps != 0) and (np.all(steps >= 0) or np.all(steps <= 0)):
@@ -141,9 +152,10 @@ def _family(frame: Frame, curves: Real | Complex, says: str) -> Unknown:
 
 
 def _own_levels(frame: Frame, name: str) -> Real:
-    """Shapes (m, n) that are one at one level of a condition and zero elsewhere, for all but the first of them.
+    """Shapes (m, n) that are one at one level of a condition, else zero, for all but the first.
 
-    No shapes where there are fewer than three levels, or so few points at each that they could follow anything.
+    No shapes where there are fewer than three levels, or so few points at each that they could
+    follow anything.
     """
     column = frame.measurement.conditions.get(name)
     if column is None:
@@ -190,8 +202,12 @@ def _step(frame: Frame) -> Iterator[Unknown]:
         return
     # Two frequencies on each side at least: a step beside a single one is a bad point.
     between = 0.5 * (levels[1:-2] + levels[2:-1])
-    between = between[np.linspace(0, len(between) - 1, min(len(between), MOST_STEPS)).round().astype(int)]
-    drops = _each_alone(frame, (np.log(frame.measurement.omega) > between[:, None]).astype(np.complex128))
+    between = between[
+        np.linspace(0, len(between) - 1, min(len(between), MOST_STEPS)).round().astype(int)
+    ]
+    drops = _each_alone(
+        frame, (np.log(frame.measurement.omega) > between[:, None]).astype(np.complex128)
+    )
     hertz = float(np.exp(between[int(np.argmax(drops))])) / (2.0 * np.pi)
     yield Unknown(f"a gain that steps at {frame.measurement.units.at(hertz)}", drops, 1)
 
@@ -205,16 +221,20 @@ Rows: TypeAlias = NDArray[np.int64]
 
 
 def marginal(search: Search, grown: Grown) -> float:
-    """Log of the marginal likelihood of a grown model, by Laplace's method, up to what all models share.
+    """Log of the marginal likelihood of a grown model (Laplace), up to what all models share.
 
-    What an effect's parameters cost is the logarithm of how much narrower the data make them than they were. Its
-    size is of unknown order of magnitude, and of unknown sign where physics allows both; its parameters are known the
-    better, the more the effect explains: to a relative width of one over the square root of the drop in chi-square
-    (MacKay 1992, doi:10.1162/neco.1992.4.3.415). One that the data leave less certain than that costs less.
+    What an effect's parameters cost is the logarithm of how much narrower the data make them than
+    they were. Its size is of unknown order of magnitude, and of unknown sign where physics allows
+    both; its parameters are known the better, the more the effect explains: to a relative width of
+    one over the square root of the drop in chi-square (MacKay 1992, doi:10.1162/neco.1992.4.3.415).
+    One that the data leave less certain than that costs less.
     """
-    # Of the model's own parameters: lines of a spectrum come and go with the effect, and are paid in `fair_rss`.
+    # Of the model's own parameters: lines of a spectrum come and go with the effect, and are paid
+    # in `fair_rss`.
     spent = len(grown.refit.own) - len(search.base.own)
-    cost = EVIDENCE.unknown_sign * sum(effect.element.parameters[0].lower < 0.0 for effect in grown.effects)
+    cost = EVIDENCE.unknown_sign * sum(
+        effect.element.parameters[0].lower < 0.0 for effect in grown.effects
+    )
     explained = _discounted(search, grown.refit.fair_rss, spent, len(grown.effects))
     return explained + harmonic_evidence(grown.refit) - cost + _refund(search, grown)
 
@@ -222,8 +242,9 @@ def marginal(search: Search, grown: Grown) -> float:
 def _refund(search: Search, grown: Grown) -> float:
     """What is charged too much for parameters, sizes apart, that the data hardly determine.
 
-    An effect with one that has gone beyond what the data show pays in full: it has become a simpler effect. One that
-    the data leave open pays for the share of its range in which the model fits as well.
+    An effect with one that has gone beyond what the data show pays in full: it has become a simpler
+    effect. One that the data leave open pays for the share of its range in which the model fits as
+    well.
     """
     refit = grown.refit
     # Where slopes have no value nothing is known of the widths, and the full price stands.
@@ -245,16 +266,21 @@ def _refund(search: Search, grown: Grown) -> float:
     nuisances = np.concatenate(kept)
     drop = _drop(search, refit.fair_rss, len(refit.own) - len(search.base.own))
     needed = np.minimum(drop, EVIDENCE.vague * _sharpness(refit, nuisances, uncertainty.at_bound))
-    return max(0.5 * float(len(nuisances) * np.log1p(drop) - np.sum(np.log1p(needed))) + shares, 0.0)
+    return max(
+        0.5 * float(len(nuisances) * np.log1p(drop) - np.sum(np.log1p(needed))) + shares, 0.0
+    )
 
 
 def _sharpness(refit: Refit, rows: Rows, at_bound: Rows) -> Real:
-    """How sharply the data determine some parameters together, all others free: principal precisions (q,).
+    """How sharply the data determine some parameters together, all others free.
+
+    Principal precisions (q,).
 
     Where only a combination of them is determined, one direction is sharp and the others are open.
     """
     slopes = np.where(at_bound == 0, refit.fit.jacobian_u, 0.0)
-    # Projected, not read off the inverse of the information: that has no value along an open valley.
+    # Projected, not read off the inverse of the information: that has no value along an open
+    # valley.
     others = orthonormal(np.delete(slopes, rows, axis=1))
     left = slopes[:, rows] - others @ (others.T @ slopes[:, rows])
     return np.asarray(np.linalg.svd(left, compute_uv=False) ** 2, dtype=np.float64)
@@ -266,15 +292,20 @@ def _extras(search: Search, grown: Grown) -> list[list[int]]:
     mine: dict[str, list[int]] = {}
     for i, parameter in enumerate(grown.refit.model.parameters):
         owner, _, short = parameter.name.rpartition(".")
-        if owner and parameter.name not in search.base.model.names and (owner.partition("#")[0], short) not in sizes:
+        if (
+            owner
+            and parameter.name not in search.base.model.names
+            and (owner.partition("#")[0], short) not in sizes
+        ):
             mine.setdefault(owner, []).append(i)
     return list(mine.values())
 
 
 def _seen(refit: Refit, i: int, left_open: bool) -> float:
-    """One where the data show a parameter, 0 where they do not, and where they leave it open the share of its range.
+    """Whether the data show a parameter: one, zero, or the share of its range that they leave open.
 
-    Two temperatures cannot tell two constants of a shift: the fit ends anywhere along a valley, and where is chance.
+    Two temperatures cannot tell two constants of a shift: the fit ends anywhere along a valley, by
+    chance.
     """
     if np.linalg.norm(refit.fit.jacobian_u[:, i]) < EVIDENCE.least_influence:
         return 0.0
@@ -288,7 +319,8 @@ def _seen(refit: Refit, i: int, left_open: bool) -> float:
     if parameter.scale == "log":
         places = np.geomspace(low, high, PLACES)
     worse = held_costs(refit.fit, parameter.name, places) - refit.rss
-    # A held fit that is better than the free one is another minimum, and says no more than "as well".
+    # A held fit that is better than the free one is another minimum, and says no more than "as
+    # well".
     share = float(np.mean(np.exp(-0.5 * np.maximum(worse, 0.0))))
     if share <= EVIDENCE.least_share:
         return 0.0
@@ -301,7 +333,9 @@ def likeliest_unknown(search: Search) -> Unknown:
 
 
 def explaining_unknown(search: Search) -> Unknown | None:
-    """The kind of structure without a name that explains all or most of what is seen; None without one.
+    """The kind of structure without a name that explains all or most of what is seen.
+
+    None without one.
 
     Without structure some fault still explains best, but nothing that is there.
     """
@@ -321,8 +355,9 @@ def explaining_unknown(search: Search) -> Unknown | None:
 def _kinds(search: Search) -> list[Unknown]:
     """Kinds of structure that may be missing here.
 
-    Where repeats differ by what is common to a sweep, each sweep has a gain and a phase of its own: that is known
-    already and told of, and to find it again along a condition is no evidence that no effect is missing.
+    Where repeats differ by what is common to a sweep, each sweep has a gain and a phase of its own:
+    that is known already and told of, and to find it again along a condition is no evidence that no
+    effect is missing.
     """
     kinds = list(unknowns(search.frame))
     if search.repeats.p_value < VERDICT.repeats_alarm:
@@ -333,17 +368,21 @@ def _kinds(search: Search) -> list[Unknown]:
 def unknown_marginal(search: Search) -> float:
     """Log-evidence of all such kinds together.
 
-    Structure in general has the weight of one common effect; each fault of a measuring chain has one of its own, as
-    laboratories meet them one by one.
+    Structure in general has the weight of one common effect; each fault of a measuring chain has
+    one of its own, as laboratories meet them one by one.
     """
     kinds = _kinds(search)
     general = sum(not kind.says for kind in kinds)
-    # Summed, not the likeliest alone: a few kinds that explain as well are together the more likely cause.
+    # Summed, not the likeliest alone: a few kinds that explain as well are together the more likely
+    # cause.
     weights = np.full(len(kinds), EVIDENCE.prior_chain)
     weights[[not kind.says for kind in kinds]] = 1.0 / general
-    # Where rows stand by temperature or amplitude, what changes from row to row may as well be theirs.
+    # Where rows stand by temperature or amplitude, what changes from row to row may as well be
+    # theirs.
     if _stand_by_a_condition(search.frame):
-        weights[[kind.says.endswith(ROW_BY_ROW) for kind in kinds]] *= float(np.exp(-EVIDENCE.as_good))
+        weights[[kind.says.endswith(ROW_BY_ROW) for kind in kinds]] *= float(
+            np.exp(-EVIDENCE.as_good)
+        )
     evidence = np.array([_evidence_of(search, kind) for kind in kinds]) + np.log(weights)
     return float(logsumexp(evidence))
 
@@ -353,7 +392,9 @@ def _evidence_of(search: Search, kind: Unknown) -> float:
     frame = search.frame
     misfit = float(frame.rest @ frame.rest)
     fair = search.base.fair_rss / max(search.base.rss, 1e-300)
-    each = [_discounted(search, fair * (misfit - drop), kind.shapes, 1) for drop in kind.drops.tolist()]
+    each = [
+        _discounted(search, fair * (misfit - drop), kind.shapes, 1) for drop in kind.drops.tolist()
+    ]
     # The mean over the places, not the best of them: where the step is was not known beforehand.
     return float(logsumexp(each)) - float(np.log(len(each)))
 
@@ -361,11 +402,13 @@ def _evidence_of(search: Search, kind: Unknown) -> float:
 def _discounted(search: Search, rss: float, spent: int, effects: int) -> float:
     """Log-evidence of the base with `spent` further parameters that leave this sum of squares.
 
-    Where the scale of the noise is not known, few data that many parameters follow say little: the integral over it
-    (Liang et al. 2008, doi:10.1198/016214507000001337, equation 6) counts only what the parameters leave free.
+    Where the scale of the noise is not known, few data that many parameters follow say little: the
+    integral over it (Liang et al. 2008, doi:10.1198/016214507000001337, equation 6) counts only
+    what the parameters leave free.
     """
     base = search.base
-    # The width of what was known before, over that of what is known after, squared: the larger the effect, the wider.
+    # The width of what was known before, over that of what is known after, squared: the larger the
+    # effect, the wider.
     g = _drop(search, rss, spent)
     price = EVIDENCE.unknown_size * effects
     if base.noise.dof == inf:
@@ -373,7 +416,9 @@ def _discounted(search: Search, rss: float, spent: int, effects: int) -> float:
     free = _freedom(search)
     kept = max(free - spent, 0.0)
     ratio = _ratio(search, rss)
-    return base.log_likelihood + 0.5 * float(kept * np.log1p(g) - free * np.log1p(g / ratio)) - price
+    return (
+        base.log_likelihood + 0.5 * float(kept * np.log1p(g) - free * np.log1p(g / ratio)) - price
+    )
 
 
 def _drop(search: Search, rss: float, spent: int) -> float:
@@ -384,14 +429,15 @@ def _drop(search: Search, rss: float, spent: int) -> float:
 
 
 def _ratio(search: Search, rss: float) -> float:
-    """Sum of squares of the base over that of a grown model, at least one; repeats count in both."""
+    """Sum of squares of the base over that of a grown model, at least one; both count repeats."""
     known = _known(search)
     return max((search.base.fair_rss + known) / max(rss + known, 1e-300), 1.0)
 
 
 def _freedom(search: Search) -> float:
     """Numbers that tell of the noise's scale where the base is right."""
-    # Without what the lines of a free spectrum follow: of few points they leave little by which to judge a shape.
+    # Without what the lines of a free spectrum follow: of few points they leave little by which to
+    # judge a shape.
     followed = len(search.base.own) + search.base.lines
     return _known(search) + 2 * len(search.base.fit.measurement) - followed
 

@@ -10,20 +10,27 @@ from numpy.typing import NDArray
 
 from springpot.distributions import chi2_sf
 from springpot.identification.lack_of_fit import beyond_its_pole
-from springpot.measurement import PRESSURE_UNITS, TIME, Averaged, Measurement, at_one_frequency, moved_along
+from springpot.measurement.independence import moved_along
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.mixed_tests import TIME
+from springpot.measurement.one_frequency import at_one_frequency
+from springpot.measurement.replicates import Averaged
+from springpot.measurement.units import PRESSURE_UNITS
 from springpot.misfit.amplitudes import notes_on_amplitudes
-from springpot.misfit.battery import Finding
-from springpot.misfit.course import Course
-from springpot.misfit.course_search import moves_with_frequency
+from springpot.misfit.cross_validation import validation
+from springpot.misfit.drift_in_time import Course
+from springpot.misfit.drift_search import moves_with_frequency
 from springpot.misfit.floor import is_arithmetic, scatter_about
-from springpot.misfit.leftover import Column, EqualRows, discrepancy, log_shift_of
 from springpot.misfit.material import NAME, MaterialFloor, beyond_any_material, notes_on_levels
 from springpot.misfit.outliers import Outlier
-from springpot.misfit.unseen import validation
+from springpot.misfit.residual_battery import Finding
+from springpot.misfit.residual_causes import Column, EqualRows, discrepancy, log_shift_of
 from springpot.misfit.values import Value
 from springpot.misfit.words import percent, plain, times
-from springpot.policy import EVIDENCE, SCATTER, VERDICT
-from springpot.rheology import INERTANCE, Complex, Effect, Real
+from springpot.rheology.effect import Effect
+from springpot.rheology.parameters import INERTANCE
+from springpot.rheology.points import Complex, Real
+from springpot.thresholds import EVIDENCE, SCATTER, VERDICT
 
 from .evidence import Evidence
 from .grown import Search
@@ -62,7 +69,8 @@ def notes(
     outliers : sequence of Outlier
         Points set aside.
     cause : Column or EqualRows or Course or None
-        With which of the columns the misfit goes, that repeats have no number, or how the specimen changed with time.
+        With which of the columns the misfit goes, that repeats have no number, or how the specimen
+        changed with time.
     floor : MaterialFloor
         What any material reaches in the place of the user's.
     measured : int
@@ -75,7 +83,10 @@ def notes(
     yield from beyond_its_pole(search.base.fit)
     yield from _of_data(search, outliers, measured)
     for finding in unexplained_harmonics(search, verdict):
-        yield f"{finding.says}; the model does not make it, and K of the first harmonic does not tell of it"
+        yield (
+            f"{finding.says}; the model does not make it,"
+            " and K of the first harmonic does not tell of it"
+        )
     yield from _of_cause(search, verdict, cause)
     if isinstance(cause, Column):
         yield from _by_column(search.base.fit.measurement, cause, library)
@@ -105,30 +116,42 @@ def notes(
     yield from _beyond_physics(search)
 
 
-def _of_cause(search: Search, verdict: Verdict, cause: Column | EqualRows | Course | None) -> Iterator[str]:
-    """With what the misfit goes, else what is left: either as a fault that has a description, or in general."""
+def _of_cause(
+    search: Search, verdict: Verdict, cause: Column | EqualRows | Course | None
+) -> Iterator[str]:
+    """With what the misfit goes, else what is left.
+
+    Either as a fault that has a description, or in general.
+    """
     if cause is not None:
         yield cause.says
         return
     if verdict != "adequate" and moves_with_frequency(search.base.data.raw):
         yield (
-            "the time was not varied by itself but goes with the frequency: what the specimen did meanwhile, no fit "
-            "can tell; measure the first frequencies again at the end"
+            "the time was not varied by itself but goes with the frequency: what the specimen did"
+            " meanwhile, no fit can tell; measure the first frequencies again at the end"
         )
-    # Rows that stand by a setting differ "from row to row" too: where a condition that moved may be the cause, nobody
-    # is to look for it in the measuring chain.
+    # Rows that stand by a setting differ "from row to row" too: where a condition that moved may be
+    # the cause, nobody is to look for it in the measuring chain.
     kind = None
     if verdict == "unexplained" and not search.confounded:
         kind = explaining_unknown(search)
     if kind is not None and kind.says:
-        yield f"what is missing looks like {kind.says}: the measuring chain rather than the material"
+        yield (
+            f"what is missing looks like {kind.says}: the measuring chain rather than the material"
+        )
     # What rounding leaves of computed data is full of patterns, and nothing is missing.
     elif search.left.p_value < VERDICT.structure_alarm and not is_arithmetic(search.base):
         yield from _of_rest(search)
 
 
-def _by_column(measurement: Measurement, column: Column, library: Sequence[Effect]) -> Iterator[str]:
-    """How to join the values of a column: water, cure and salt shift a material's times as a temperature does."""
+def _by_column(
+    measurement: Measurement, column: Column, library: Sequence[Effect]
+) -> Iterator[str]:
+    """How to join the values of a column.
+
+    Water, cure and salt shift a material's times as a temperature does.
+    """
     free = [effect for effect in library if effect.by_levels and effect.plane == "shift"]
     # Of words there is no more or less, and at one frequency no times show.
     if not free or column.name not in measurement.conditions or at_one_frequency(measurement):
@@ -143,7 +166,10 @@ def _by_column(measurement: Measurement, column: Column, library: Sequence[Effec
 
 
 def _by_rounds(library: Sequence[Effect]) -> str:
-    """How to join rounds of which each is a material of its own: by moduli that change, not by times."""
+    """How to join rounds of which each is a material of its own.
+
+    By moduli that change, not by times.
+    """
     factors = [effect.name for effect in library if effect.by_levels and effect.plane != "shift"]
     if not factors:
         return ""
@@ -173,7 +199,10 @@ def _of_one_frequency(search: Search) -> Iterator[str]:
     # Told first: it explains why the table below calls so much "cannot-tell".
     if at_one_frequency(measurement):
         where = measurement.units.at(float(measurement.frequency[0]))
-        yield f"all points have one frequency, {where}: what differs by its dependence on it cannot be told apart"
+        yield (
+            f"all points have one frequency, {where}:"
+            " what differs by its dependence on it cannot be told apart"
+        )
 
 
 def _of_data(search: Search, outliers: Sequence[Outlier], measured: int) -> Iterator[str]:
@@ -196,13 +225,19 @@ def _of_data(search: Search, outliers: Sequence[Outlier], measured: int) -> Iter
     if search.base.data.gains is not None:
         yield _of_own_gains(search.base.data)
     if search.repeats.p_value < VERDICT.repeats_alarm:
-        yield f"repeats differ by more than chance ({search.repeats.kind}): drift or a disturbance common to a sweep"
+        yield (
+            f"repeats differ by more than chance ({search.repeats.kind}):"
+            " drift or a disturbance common to a sweep"
+        )
 
 
 def _of_own_gains(data: Averaged) -> str:
-    """What sets replicates apart as a whole, and whether that goes one way, as a slow drift would."""
+    """What sets replicates apart as a whole, and whether it goes one way, as slow drift would."""
     assert data.gains is not None, "there is something to tell of"
-    differ = f"replicates differ as a whole by {percent(data.own_gain)} (rms): each run was given a gain of its own"
+    differ = (
+        f"replicates differ as a whole by {percent(data.own_gain)} (rms):"
+        " each run was given a gain of its own"
+    )
     # In the order in which the runs stand in the file; each row of a run has the gain of all.
     gains = data.gains[data.gains != 0.0].tolist()
     of_runs = np.array(list(dict.fromkeys(gains))).real
@@ -214,21 +249,28 @@ def _of_own_gains(data: Averaged) -> str:
     values = ", ".join(f"{100 * gain:+.2g}" for gain in of_runs[:MOST_RUNS])
     if len(of_runs) > MOST_RUNS:
         values = f"{values}, ..."
-    return f"{differ}; from run to run it goes one way ({values} %): if they are one specimen, it drifts"
+    return (
+        f"{differ}; from run to run it goes one way ({values} %): if they are one specimen,"
+        " it drifts"
+    )
 
 
 def _of_floor(search: Search) -> Iterator[str]:
-    """Why the floor is not the one that a fit of this model by itself tells: that one holds part of its misfit."""
+    """Why the floor is not the one that a fit of this model by itself tells.
+
+    That one holds part of its misfit.
+    """
     base = search.base
     if base.noise.source != "estimated":
         return
     variance, _ = scatter_about(base.frame())
     alone = base.floor * float(np.sqrt(variance))
-    # By the very share at which the noise was estimated anew: else the note would come without a cause.
+    # By the very share at which the noise was estimated anew: else the note would come without a
+    # cause.
     if alone > base.floor / SCATTER.sharper:
         yield (
-            f"the noise floor is the scatter about the best model found; about {base.model} alone, as "
-            f"identify and compare tell it, it looks like {percent(alone)}"
+            f"the noise floor is the scatter about the best model found; about {base.model} alone,"
+            f" as identify and compare tell it, it looks like {percent(alone)}"
         )
 
 
@@ -242,7 +284,8 @@ def unexplained_harmonics(search: Search, verdict: Verdict) -> list[Finding]:
     verdict : {"adequate", "effect-missing", "unexplained", "inconclusive"}
         Overall.
     """
-    # Beside "effect-missing" of the grown model: a friction that was found makes the harmonic itself.
+    # Beside "effect-missing" of the grown model: a friction that was found makes the harmonic
+    # itself.
     refit = search.base
     if verdict == "effect-missing":
         refit = search.best
@@ -250,7 +293,8 @@ def unexplained_harmonics(search: Search, verdict: Verdict) -> list[Finding]:
     if harmonic_evidence(refit) >= EVIDENCE.unpredicted_harmonic:
         explained.add("harmonic 3")
     findings = judged(overtones(search.base.data.mean, search.base.noise.sd))
-    # Loud as well as certain: every rig makes a little of them, and many points make a little certain.
+    # Loud as well as certain: every rig makes a little of them, and many points make a little
+    # certain.
     loud = [each for each in findings if each.found and each.statistic > VERDICT.loud]
     return [each for each in loud if each.test not in explained]
 
@@ -260,7 +304,10 @@ def _of_rest(search: Search) -> Iterator[str]:
     best = search.best
     if best is not search.base:
         ratio = best.relative_rms / best.floor
-        yield f"the best model found, {best.model}, still leaves structure ({times(ratio)} the noise floor)"
+        yield (
+            f"the best model found, {best.model},"
+            f" still leaves structure ({times(ratio)} the noise floor)"
+        )
     yield from discrepancy(best.frame(), log_shift_of(best))
 
 
@@ -290,13 +337,18 @@ def header_notes(candidates: Sequence[Candidate], measurement: Measurement) -> I
     candidates : sequence of Candidate
         What the diagnosis says of each effect.
     measurement : Measurement
-        The data, with what its file said of the instrument; nothing is told where they are no modulus.
+        The data, with what its file said of the instrument; nothing is told where they are no
+        modulus.
     """
     if not measurement.units.is_modulus:
         return
     for candidate in candidates:
         constant = candidate.physics.constant
-        if constant is None or candidate.verdict == "absent" or constant.parameter not in candidate.parameters:
+        if (
+            constant is None
+            or candidate.verdict == "absent"
+            or constant.parameter not in candidate.parameters
+        ):
             continue
         stated = measurement.provenance.get(constant.fact)
         if stated is None:
@@ -311,7 +363,10 @@ def header_notes(candidates: Sequence[Candidate], measurement: Measurement) -> I
 
 
 def _to_si(effect: Effect, parameter: str, measurement: Measurement) -> float:
-    """Factor from the printed unit of a parameter; a mass is printed in SI, whatever unit the data came in."""
+    """Factor from the printed unit of a parameter.
+
+    A mass is printed in SI, whatever unit the data came in.
+    """
     unit = next(each.unit for each in effect.element.parameters if each.name == parameter)
     if unit == INERTANCE:
         return 1.0
@@ -319,24 +374,39 @@ def _to_si(effect: Effect, parameter: str, measurement: Measurement) -> float:
 
 
 def _compared(stated: float, value: Value, factor: float, candidate: Candidate) -> str:
-    """How a fitted value stands to the one in the header: agreement says that no correction was made."""
+    """How a fitted value stands to the one in the header.
+
+    Agreement says that no correction was made.
+    """
     best, low, high = factor * value.value, factor * value.low, factor * value.high
     shown = f"{best:.3g} [{low:.3g}, {high:.3g}]"
     ratio = float("inf")
     if stated > 0:
         ratio = best / stated
     if low <= stated <= high or 1 / VERDICT.agrees <= ratio <= VERDICT.agrees:
-        return f"{candidate.effect} of {shown} agrees with it, as if the instrument had not corrected for it"
+        return (
+            f"{candidate.effect} of {shown} agrees with it,"
+            " as if the instrument had not corrected for it"
+        )
     if ratio < 1:
-        return f"{candidate.effect} is found as {shown}, {ratio:.2g} of it: what a correction left, or another cause"
-    return f"{candidate.effect} is found as {shown}, {ratio:.2g} times as much: the header does not explain it"
+        return (
+            f"{candidate.effect} is found as {shown}, {ratio:.2g} of it: what a correction left,"
+            " or another cause"
+        )
+    return (
+        f"{candidate.effect} is found as {shown}, {ratio:.2g} times as much:"
+        " the header does not explain it"
+    )
 
 
 def judged(findings: list[Finding]) -> list[Finding]:
     """Findings held against the number of tests made (Bonferroni), the surest first."""
-    # No simulation as in the battery: harmonics are no part of K, and their noise is known in closed form.
+    # No simulation as in the battery: harmonics are no part of K, and their noise is known in
+    # closed form.
     tests = len(findings)
-    findings = [replace(one, found=one.p_value * tests < VERDICT.harmonic_alarm) for one in findings]
+    findings = [
+        replace(one, found=one.p_value * tests < VERDICT.harmonic_alarm) for one in findings
+    ]
     return sorted(findings, key=lambda one: (not one.found, one.p_value))
 
 
@@ -348,17 +418,24 @@ def overtones(measurement: Measurement, noise: Complex) -> list[Finding]:
     measurement : Measurement
         The data with their `harmonics`, relative to the first.
     noise : ndarray of complex, shape (n,)
-        Standard deviations of K' and K''; a sinusoid's fit leaves the same deviation in every harmonic.
+        Standard deviations of K' and K''; a sinusoid's fit leaves the same deviation in every
+        harmonic.
     """
     if measurement.harmonics is None:
         return []
     relative = np.sqrt(0.5 * (noise.real**2 + noise.imag**2)) / measurement.magnitude
     # Odd before even: symmetric nonlinearities, friction and rubber among them, make odd ones only.
-    return [*_harmonic(measurement, relative, 3, "odd"), *_harmonic(measurement, relative, 2, "even")]
+    return [
+        *_harmonic(measurement, relative, 3, "odd"),
+        *_harmonic(measurement, relative, 2, "even"),
+    ]
 
 
 def _harmonic(measurement: Measurement, relative: Real, order: int, word: str) -> Iterator[Finding]:
-    """The test of one harmonic: the sum of its squares over the noise is chi-square where there is none."""
+    """The test of one harmonic.
+
+    The sum of its squares over the noise is chi-square where there is none.
+    """
     assert measurement.harmonics is not None
     if measurement.harmonics.shape[1] < order - 1:
         return

@@ -8,8 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from springpot.drawing import draw, html_of, text_of
-from springpot.misfit import Error, Value, Where
-from springpot.rheology import Effect, Model
+from springpot.misfit.error import Error
+from springpot.misfit.values import Value
+from springpot.misfit.where import Where
+from springpot.rheology.effect import Effect
+from springpot.rheology.model import Model
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -53,7 +56,8 @@ class Candidate:
     >>> mass = springpot.diagnose("artificial-hidden", "fractional-maxwell").best
     >>> mass.effect, mass.verdict, mass.alike
     ('inertia', 'missing', ('inertia',))
-    >>> f"{mass.parameters['m'].value:.2g} {mass.parameters['m'].unit} takes the error to {mass.error_after:.1%}"
+    >>> size = mass.parameters["m"]
+    >>> f"{size.value:.2g} {size.unit} takes the error to {mass.error_after:.1%}"
     '0.49 kg takes the error to 4.4%'
     """
 
@@ -139,8 +143,8 @@ class Diagnosis:
     leading : tuple of str
         Effects that the sentence of the verdict names, the one to add first.
     one_test : str
-        How to choose the rows of one test, ``current=0.5``, where rows of several tests are the likely cause; else
-        empty.
+        How to choose the rows of one test, ``current=0.5``, where rows of several tests are the
+        likely cause; else empty.
 
     Examples
     --------
@@ -149,7 +153,8 @@ class Diagnosis:
     >>> found.verdict, found.best.effect
     ('effect-missing', 'inertia')
     >>> found.says
-    'the error is 21 x the noise floor; missing is inertia, and beside it time-delay or fixture-resonance'
+    'the error is 21 x the noise floor; missing is inertia, and beside it time-delay or
+    fixture-resonance'
     >>> [f"{row.effect} {row.probability:.0%}" for row in found.candidates[:2]]
     ['inertia 100%', 'time-delay 91%']
     """
@@ -173,13 +178,19 @@ class Diagnosis:
     @property
     def best(self) -> Candidate | None:
         """The effect that should be added, or None if none is missing."""
-        # Candidates stand in the table beside every verdict; only this one says that the first is to be believed.
+        # Candidates stand in the table beside every verdict; only this one says that the first is
+        # to be believed.
         if self.candidates and self.verdict == "effect-missing":
             return self.candidates[0]
         return None
 
-    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure | Axes | Path:
-        """The error as it is and with each leading effect, beside the floors; see `springpot.drawing.draw`."""
+    def plot(
+        self, path: str | Path | None = None, *, ax: Axes | None = None
+    ) -> Figure | Axes | Path:
+        """The error as it is and with each leading effect, beside the floors.
+
+        See `springpot.drawing.draw`.
+        """
         return draw(self, path, ax)
 
     def __str__(self) -> str:

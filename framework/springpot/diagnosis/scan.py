@@ -1,10 +1,11 @@
 """The score scan: how much of the residual each effect would explain, before anything is refitted.
 
-Every direction in which an effect could push K is projected off what the fitted parameters can follow; its score is
-the squared component of the residual along it, one-sided because the direction is a physically possible change.
-Thresholds come from projecting simulated noise in the same way, jointly over all directions of all effects, so that
-the number of effects tried, their kinship and their nuisance grids are all accounted for (Davies 1987,
-doi:10.1093/biomet/74.1.33, treats one nuisance parameter; simulation treats any number).
+Every direction in which an effect could push K is projected off what the fitted parameters can
+follow; its score is the squared component of the residual along it, one-sided because the direction
+is a physically possible change. Thresholds come from projecting simulated noise in the same way,
+jointly over all directions of all effects, so that the number of effects tried, their kinship and
+their nuisance grids are all accounted for (Davies 1987, doi:10.1093/biomet/74.1.33, treats one
+nuisance parameter; simulation treats any number).
 """
 
 from __future__ import annotations
@@ -16,11 +17,15 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.identification import Window, settings
-from springpot.measurement import LEAST_RELATIVE, Measurement, telling
+from springpot.identification.ranges import Window, settings
+from springpot.measurement.independence import telling
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.scatter import LEAST_RELATIVE
 from springpot.misfit.frame import DRAWN, FURTHER, LEAST_SEEN, Frame, near_an_alarm
 from springpot.misfit.refit import Refit
-from springpot.rheology import Complex, Effect, Model, Real
+from springpot.rheology.effect import Effect
+from springpot.rheology.model import Model
+from springpot.rheology.points import Complex, Real
 
 SMALL = (1e-05, 0.15)
 """Relative changes of K that count as small: there a direction is a tangent."""
@@ -72,16 +77,21 @@ class Influence:
     added: tuple[str, ...]
 
     def sized(self, setting: int, factor: float) -> dict[str, float]:
-        """The effect's own parameters at a setting, its size changed so that it changes K `factor` times as much."""
-        values = {name: float(self.theta[setting, self.model.names.index(name)]) for name in self.added}
-        # What vanishes where it is infinite, such as a rigid mounting, changes K as the reciprocal of its size.
+        """Own parameters at a setting, of a size that changes K `factor` times as much."""
+        values = {
+            name: float(self.theta[setting, self.model.names.index(name)]) for name in self.added
+        }
+        # What vanishes where it is infinite, such as a rigid mounting, changes K as the reciprocal
+        # of its size.
         if self.effect.vanishes_at != 0.0:
             factor = 1.0 / factor
         values[self.added[0]] *= factor
         return values
 
 
-def influence(model: Model, theta: Real, stiffness: Complex, effect: Effect, measurement: Measurement) -> Influence:
+def influence(
+    model: Model, theta: Real, stiffness: Complex, effect: Effect, measurement: Measurement
+) -> Influence:
     """What `effect` would change at a fitted model, over a grid of its settings.
 
     Parameters
@@ -105,11 +115,14 @@ def influence(model: Model, theta: Real, stiffness: Complex, effect: Effect, mea
     if len(added) > 1:
         count = SETTINGS_OF_MORE + SETTINGS_OF_EACH * (len(added) - 1)
     grid = settings(added, Window.of(measurement), count)
-    # The model's own parameters stand fixed: their part of the change is projected off later, to first order.
+    # The model's own parameters stand fixed: their part of the change is projected off later, to
+    # first order.
     full = np.empty((len(grid), len(grown.names)))
     full[:, old] = theta
     full[:, new] = grid
-    with np.errstate(all="ignore"):  # settings beyond what floating-point numbers hold are left out below
+    with np.errstate(
+        all="ignore"
+    ):  # settings beyond what floating-point numbers hold are left out below
         with_effect = model.fixed_at(theta) + effect
         change = with_effect.network.respond(grid, measurement.points).value - stiffness
         change = np.where(np.isfinite(change), change, np.nan)
@@ -143,14 +156,16 @@ class Directions:
     @classmethod
     def of(cls, frame: Frame, influence: Influence) -> Directions:
         """The directions of an effect at a fit."""
-        # Below the least, differences of K are rounding; above the most, a change is no tangent any more.
+        # Below the least, differences of K are rounding; above the most, a change is no tangent any
+        # more.
         is_small = (influence.relative > SMALL[0]) & (influence.relative < SMALL[1])
         small = np.flatnonzero(is_small)[:PER_EFFECT]
         columns = frame.whiten(influence.change[small]).T
         left = frame.project(columns)
         length = np.sqrt(np.sum(left * left, axis=0))
         share = length / np.maximum(np.sqrt(np.sum(columns * columns, axis=0)), 1e-300)
-        # What the parameters follow but for rounding would be a direction of rounding, and as likely as any to win.
+        # What the parameters follow but for rounding would be a direction of rounding, and as
+        # likely as any to win.
         seen = share > LEAST_SEEN
         unit = left[:, seen] / length[seen]
         return cls(small[seen], unit, length[seen], float(np.max(share, initial=0.0)))
@@ -169,7 +184,8 @@ class Score:
     score : float
         Largest squared component of the residual along one of them, in units of noise variance.
     bound : float
-        Relative change of K (root mean square) above which the effect would have been seen; infinite if never.
+        Relative change of K (root mean square) above which the effect would have been seen;
+        infinite if never.
     predicted : float
         Whitened residual sum of squares that the effect should leave.
     starts : ndarray, shape (s, p)
@@ -204,7 +220,10 @@ class Scan:
 
 
 def scan(
-    frame: Frame, influences: Sequence[Influence], rng: np.random.Generator | None, threshold: float = inf
+    frame: Frame,
+    influences: Sequence[Influence],
+    rng: np.random.Generator | None,
+    threshold: float = inf,
 ) -> Scan:
     """Score all effects at a fit.
 
@@ -221,16 +240,21 @@ def scan(
     """
     tried = [Directions.of(frame, influence) for influence in influences]
     rest = frame.standard(frame.rest[None, :])[0]
-    # Signed: a size below zero is no physics, and a residual the other way is no sign of the effect.
+    # Signed: a size below zero is no physics, and a residual the other way is no sign of the
+    # effect.
     largest = max((float(np.max(rest @ each.unit, initial=0.0)) for each in tried), default=0.0)
     furthest = largest**2
     p_value = 1.0
     if rng is not None:
         simulated = _simulated_maxima(frame, tried, rng)
         for rounds in FURTHER:
-            if not len(simulated) or not near_an_alarm(float(np.mean(simulated >= furthest)), len(simulated)):
+            if not len(simulated) or not near_an_alarm(
+                float(np.mean(simulated >= furthest)), len(simulated)
+            ):
                 break
-            simulated = np.concatenate([simulated, *(_simulated_maxima(frame, tried, rng) for _ in range(rounds))])
+            simulated = np.concatenate(
+                [simulated, *(_simulated_maxima(frame, tried, rng) for _ in range(rounds))]
+            )
         if len(simulated):
             threshold = float(np.quantile(simulated, 0.99))
         # The measured one counts as a draw: a chance of zero would be more than the draws can say.
@@ -239,13 +263,16 @@ def scan(
         _score(frame, influence, directions, threshold)
         for influence, directions in zip(influences, tried, strict=True)
     ]
-    # By what should be left, not by the score: a large effect leaves its tangent, and its score says too little.
+    # By what should be left, not by the score: a large effect leaves its tangent, and its score
+    # says too little.
     scores.sort(key=lambda score: score.predicted)
     return Scan(scores, p_value, threshold)
 
 
 def applicable(library: Sequence[Effect], measurement: Measurement) -> list[Effect]:
-    """Effects whose conditions these data tell of: what only moved with the frequency is no evidence for them.
+    """Effects whose conditions these data tell of.
+
+    What only moved with the frequency is no evidence for them.
 
     Factors without a law are left out: they can imitate every law.
     """
@@ -258,7 +285,10 @@ def applicable(library: Sequence[Effect], measurement: Measurement) -> list[Effe
 
 
 def shifted_twice(model: Model, effect: Effect) -> bool:
-    """Whether a model already has this shift: two of one law are a law with a kink, which is no physics."""
+    """Whether a model already has this shift.
+
+    Two of one law are a law with a kink, which is no physics.
+    """
     return effect.plane == "shift" and effect.name in {own.name for own in model.effects}
 
 
@@ -276,14 +306,18 @@ def scan_effects(
 ) -> Scan:
     """Score effects at a fit; see `scan`."""
     measurement = base.fit.measurement
-    influences = [influence(base.model, base.theta, base.stiffness, effect, measurement) for effect in effects]
+    influences = [
+        influence(base.model, base.theta, base.stiffness, effect, measurement) for effect in effects
+    ]
     return scan(frame, [each for each in influences if len(each.theta)], rng, threshold)
 
 
 def _simulated_maxima(frame: Frame, tried: Sequence[Directions], rng: np.random.Generator) -> Real:
     """Largest score over the library in each of many draws of noise alone, shape (draws,)."""
     # All directions against the same draws: their kinship is then in the largest of them.
-    unit = np.concatenate([np.zeros((frame.size, 0)), *(each.unit for each in tried)], axis=1).astype(DRAWN)
+    unit = np.concatenate(
+        [np.zeros((frame.size, 0)), *(each.unit for each in tried)], axis=1
+    ).astype(DRAWN)
     if unit.shape[1] == 0:
         return np.zeros(0)
     maxima = np.empty(DRAWS)
@@ -297,11 +331,15 @@ def _simulated_maxima(frame: Frame, tried: Sequence[Directions], rng: np.random.
 def _score(frame: Frame, influence: Influence, directions: Directions, threshold: float) -> Score:
     along = np.maximum(frame.rest @ directions.unit, 0.0)
     score = float(np.max(along**2, initial=0.0))
-    # A change is seen at threshold plus power, in standard deviations along what the parameters cannot follow.
-    needed = (np.sqrt(threshold) + POWER) * influence.relative[directions.setting] / directions.length
+    # A change is seen at threshold plus power, in standard deviations along what the parameters
+    # cannot follow.
+    needed = (
+        (np.sqrt(threshold) + POWER) * influence.relative[directions.setting] / directions.length
+    )
     bound = np.inf
     if len(needed) and threshold < np.inf:
-        # Nine settings in ten would have been seen at this size; the last may lie where these data hardly show it.
+        # Nine settings in ten would have been seen at this size; the last may lie where these data
+        # hardly show it.
         bound = float(np.quantile(needed, 0.9))
     left = frame.project(frame.whiten(influence.change).T)
     # Settings as they are, beside the tangent: a large change follows its own curve.
@@ -310,7 +348,9 @@ def _score(frame: Frame, influence: Influence, directions: Directions, threshold
     if score > 0.0:
         best = int(np.argmax(along))
         # First of the starts, as for a small effect it is nearly the answer.
-        tangent = influence.sized(int(directions.setting[best]), float(along[best] / directions.length[best]))
+        tangent = influence.sized(
+            int(directions.setting[best]), float(along[best] / directions.length[best])
+        )
         starts = np.concatenate([_with(influence, tangent)[None], starts])
     # The better of the tangent and the settings as they are: each holds where the other does not.
     predicted = min(float(np.min(cost)), float(frame.rest @ frame.rest) - score)
@@ -348,7 +388,9 @@ class Pair:
     gain: float
 
 
-def best_pairs(frame: Frame, scores: Sequence[Score], model: Model, theta: Real, count: int) -> list[Pair]:
+def best_pairs(
+    frame: Frame, scores: Sequence[Score], model: Model, theta: Real, count: int
+) -> list[Pair]:
     """The pairs of effects that should leave least, best first.
 
     Parameters
@@ -364,12 +406,15 @@ def best_pairs(frame: Frame, scores: Sequence[Score], model: Model, theta: Real,
     count : int
         How many pairs.
     """
-    # All pairs at once, from a few directions of each: whole grids would make some forty times as many pairs.
+    # All pairs at once, from a few directions of each: whole grids would make some forty times as
+    # many pairs.
     seen = [score for score in scores if score.directions.unit.shape[1]]
     if not seen:
         return []
     chosen = [_representatives(frame, score) for score in seen]
-    unit = np.concatenate([score.directions.unit[:, rows] for score, rows in zip(seen, chosen, strict=True)], axis=1)
+    unit = np.concatenate(
+        [score.directions.unit[:, rows] for score, rows in zip(seen, chosen, strict=True)], axis=1
+    )
     owner = np.repeat(np.arange(len(seen)), [len(rows) for rows in chosen])
     gain, first = _joint_gain(unit, frame.rest)
     best = np.full((len(seen), len(seen)), -np.inf)
@@ -385,15 +430,28 @@ def best_pairs(frame: Frame, scores: Sequence[Score], model: Model, theta: Real,
         inside = np.where((owner[:, None] == a) & (owner[None, :] == b), gain, -np.inf)
         i, j = np.unravel_index(int(np.argmax(inside)), inside.shape)
         sizes = float(first[i, j]), float(first[j, i])
-        pairs.append(_pair(model, theta, (seen[a], seen[b]), (int(rows[i]), int(rows[j])), sizes, float(gain[i, j])))
+        pairs.append(
+            _pair(
+                model,
+                theta,
+                (seen[a], seen[b]),
+                (int(rows[i]), int(rows[j])),
+                sizes,
+                float(gain[i, j]),
+            )
+        )
     return pairs
 
 
 def _representatives(frame: Frame, score: Score) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
-    """Directions of an effect that differ: the one along the residual, then ever the least like those kept."""
+    """Directions of an effect that differ.
+
+    The one along the residual, then ever the least like those kept.
+    """
     unit = score.directions.unit
     kept = [int(np.argmax(frame.rest @ unit))]
-    # Not the best ten: these are neighbours on the grid, and beside a partner another one may be the best.
+    # Not the best ten: these are neighbours on the grid, and beside a partner another one may be
+    # the best.
     alike = np.abs(unit.T @ unit[:, kept[0]])
     while len(kept) < REPRESENTATIVES and alike.min() < PARALLEL:
         kept.append(int(np.argmin(alike)))
@@ -402,12 +460,13 @@ def _representatives(frame: Frame, score: Score) -> np.ndarray[tuple[int], np.dt
 
 
 def _joint_gain(unit: Real, rest: Real) -> tuple[Real, Real]:
-    """Drop of the sum of squares by every two directions together (m, m), and the step along the first (m, m)."""
+    """Drop of the sum of squares by each two directions (m, m), and the step along the first."""
     cosine = unit.T @ unit
     along = unit.T @ rest
     room = np.maximum(1.0 - cosine**2, 1e-12)
     first = (along[:, None] - cosine * along[None, :]) / room
-    # Both steps forward, as sizes are; of two directions that are nearly one the difference would be rounding.
+    # Both steps forward, as sizes are; of two directions that are nearly one the difference would
+    # be rounding.
     allowed = (first > 0.0) & (first.T > 0.0) & (np.abs(cosine) < PARALLEL)
     return np.where(allowed, along[:, None] * first + along[None, :] * first.T, -np.inf), first
 
@@ -420,11 +479,14 @@ def _pair(
     sizes: tuple[float, float],
     gain: float,
 ) -> Pair:
-    # Sizes are those of both together: each alone would take the other's part of the residual as well.
+    # Sizes are those of both together: each alone would take the other's part of the residual as
+    # well.
     first, second = scores
     grown = model + first.influence.effect + second.influence.effect
     values = dict(zip(model.names, theta.tolist(), strict=True))
     for score, row, size in zip(scores, rows, sizes, strict=True):
         directions = score.directions
-        values |= score.influence.sized(int(directions.setting[row]), size / float(directions.length[row]))
+        values |= score.influence.sized(
+            int(directions.setting[row]), size / float(directions.length[row])
+        )
     return Pair(first, second, grown, grown.vector(values), gain)

@@ -1,4 +1,7 @@
-"""Which grown models explain the data: single effects first, pairs where one effect leaves structure."""
+"""Which grown models explain the data.
+
+Single effects first, pairs where one effect leaves structure.
+"""
 
 from __future__ import annotations
 
@@ -8,14 +11,21 @@ from math import inf
 
 import numpy as np
 
-from springpot.identification import EDGE, Effort, is_material, within_material
-from springpot.measurement import CONDITIONS, at_one_frequency, moved_along, telling
-from springpot.misfit.battery import battery
+from springpot.identification.material import is_material
+from springpot.identification.native import Effort
+from springpot.identification.passive import within_material
+from springpot.identification.ranges import EDGE
+from springpot.measurement.independence import moved_along, telling
+from springpot.measurement.measurement import CONDITIONS
+from springpot.measurement.one_frequency import at_one_frequency
 from springpot.misfit.floor import beyond_floor
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.repeats import repeats_structure
-from springpot.policy import EVIDENCE, SEARCH, VERDICT
-from springpot.rheology import Complex, Effect, Model, Real
+from springpot.misfit.residual_battery import battery
+from springpot.rheology.effect import Effect
+from springpot.rheology.model import Model
+from springpot.rheology.points import Complex, Real
+from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from .grown import Grown, Search
 from .scan import Score, applicable, best_pairs, enough_for, scan_effects, shifted_twice
@@ -50,7 +60,9 @@ def search_from(base: Refit, library: Sequence[Effect], rng: np.random.Generator
     for score in scanned.scores[: SEARCH.singles]:
         search.grown.append(_grow(search, score))
     _sort(search)
-    search.grown[1 : SEARCH.beam] = [_from_the_best(search, grown) for grown in search.grown[1 : SEARCH.beam]]
+    search.grown[1 : SEARCH.beam] = [
+        _from_the_best(search, grown) for grown in search.grown[1 : SEARCH.beam]
+    ]
     _sort(search)
     if search.grown and search.alarm < SEARCH.look_further:
         search.left = battery(search.best.frame(), rng)
@@ -70,15 +82,15 @@ def search_from(base: Refit, library: Sequence[Effect], rng: np.random.Generator
 def _is_the_materials_own(base: Refit, effect: Effect) -> bool:
     """Whether at one frequency an effect is no more than another size and phase of any material.
 
-    What is the same factor at all points, such as a phase error, could only make the material one that gives work
-    away.
+    What is the same factor at all points, such as a phase error, could only make the material one
+    that gives work away.
     """
     constant = effect.plane == "log-complex" and not effect.needs
     return constant and is_material(base.model) and at_one_frequency(base.fit.measurement)
 
 
 def with_factors(search: Search, library: Sequence[Effect]) -> Grown | None:
-    """The model with a factor of its own at each level of a condition, where that takes the error down; else None.
+    """The model with a factor at each level of a condition; None where the error stays.
 
     Such factors are no law, and are sought only where no effect with a law is found.
 
@@ -90,7 +102,10 @@ def with_factors(search: Search, library: Sequence[Effect]) -> Grown | None:
         Effects, those with a factor for each level among them.
     """
     base, measurement = search.base, search.base.fit.measurement
-    levels = {name: len(np.unique(measurement.levels(name))) for name in telling(measurement) & set(CONDITIONS)}
+    levels = {
+        name: len(np.unique(measurement.levels(name)))
+        for name in telling(measurement) & set(CONDITIONS)
+    }
     present = {effect.name for effect in base.model.effects}
     shifted = any(effect.plane == "shift" for effect in base.model.effects)
     # At the noise, and with structure all the same: more freedom is no answer to that.
@@ -98,12 +113,20 @@ def with_factors(search: Search, library: Sequence[Effect]) -> Grown | None:
         return None
     best: Grown | None = None
     for effect in library:
-        several = effect.by_levels and all(levels.get(name, 0) >= EVIDENCE.fewest_levels for name in effect.needs)
+        several = effect.by_levels and all(
+            levels.get(name, 0) >= EVIDENCE.fewest_levels for name in effect.needs
+        )
         # A law and free factors of the same times are one too many.
         again = effect.name in present or (shifted and effect.plane == "shift")
-        if not several or again or not enough_for(base, (base.model + effect).bound_to(measurement.points)):
+        if (
+            not several
+            or again
+            or not enough_for(base, (base.model + effect).bound_to(measurement.points))
+        ):
             continue
-        grown = Grown((effect,), refit(base.model + effect, base.data, base.noise, [], starts=2), 0.0)
+        grown = Grown(
+            (effect,), refit(base.model + effect, base.data, base.noise, [], starts=2), 0.0
+        )
         if best is None or grown.refit.log_evidence > best.refit.log_evidence:
             best = grown
     if best is None or best.refit.log_evidence < base.log_evidence + 0.5 * SEARCH.decisive:
@@ -115,13 +138,18 @@ def with_factors(search: Search, library: Sequence[Effect]) -> Grown | None:
 
 
 def _try_narrow(search: Search, library: Sequence[Effect]) -> list[Effect]:
-    """Let effects that can imitate any narrow feature compete, now that no simple common effect explains the data."""
+    """Let effects that can imitate any narrow feature compete.
+
+    They are asked only when no simple common effect explains the data.
+    """
     base = search.base
     present = {effect.name for effect in base.model.effects}
     effects = []
     for effect in applicable(library, base.fit.measurement):
         if effect.narrow and effect.name not in present and enough_for(base, base.model + effect):
-            for score in scan_effects(base, search.frame, [effect], threshold=search.scan.threshold).scores:
+            for score in scan_effects(
+                base, search.frame, [effect], threshold=search.scan.threshold
+            ).scores:
                 search.scan.scores.append(score)
                 search.grown += _clear(search, [_grow(search, score)])
                 effects.append(effect)
@@ -130,7 +158,10 @@ def _try_narrow(search: Search, library: Sequence[Effect]) -> list[Effect]:
 
 
 def _forget_narrow(search: Search) -> None:
-    """Leave out of the scan the narrow effects that no fitted model has: they would share the prior for nothing."""
+    """Leave out of the scan the narrow effects that no fitted model has.
+
+    They would share the prior for nothing.
+    """
     named = {name for grown in search.grown for name in grown.names}
     kept = []
     for score in search.scan.scores:
@@ -146,19 +177,31 @@ def _clear(search: Search, tried: Sequence[Grown]) -> list[Grown]:
 
 
 def _resolved(search: Search, grown: Grown) -> bool:
-    """Whether a narrow effect is seen as such: at several points, as one alone is an outlier, and not too broad."""
+    """Whether a narrow effect is seen as such.
+
+    At several points, as one alone is an outlier, and not too broad.
+    """
     if not any(effect.narrow for effect in grown.effects):
         return True
     others = {effect.name for effect in grown.effects if not effect.narrow}
-    without = [one.refit for one in search.grown if others and {effect.name for effect in one.effects} == others]
+    without = [
+        one.refit
+        for one in search.grown
+        if others and {effect.name for effect in one.effects} == others
+    ]
     before = [*without, search.base][0]
-    # Against the fit without it, and against the same fit with it taken out: the first spreads by what the others
-    # then follow, and a resonance as narrow as one point would seem to be seen at four.
-    seen = min(_spread(search, grown.refit.stiffness - other) for other in (before.stiffness, _taken_out(grown)))
+    # Against the fit without it, and against the same fit with it taken out: the first spreads by
+    # what the others then follow, and a resonance as narrow as one point would seem to be seen at
+    # four.
+    seen = min(
+        _spread(search, grown.refit.stiffness - other)
+        for other in (before.stiffness, _taken_out(grown))
+    )
     at_end = any(
         parameter.scale == "linear"
         and parameter.name not in search.base.model.names
-        and min(value - parameter.lower, parameter.upper - value) <= EDGE * (parameter.upper - parameter.lower)
+        and min(value - parameter.lower, parameter.upper - value)
+        <= EDGE * (parameter.upper - parameter.lower)
         for parameter, value in zip(grown.refit.model.parameters, grown.refit.theta, strict=True)
         if np.isfinite(parameter.upper - parameter.lower)
     )
@@ -166,7 +209,10 @@ def _resolved(search: Search, grown: Grown) -> bool:
 
 
 def _spread(search: Search, change: Complex) -> float:
-    """Over how many points a change of K is spread: all of them where it is the same everywhere, one for a spike."""
+    """Over how many points a change of K is spread.
+
+    All of them where it is the same everywhere, one for a spike.
+    """
     size = np.hypot(*search.frame.whiten(change).reshape(2, -1))
     return float(np.sum(size)) ** 2 / max(float(np.sum(size**2)), 1e-300)
 
@@ -183,7 +229,7 @@ def _taken_out(grown: Grown) -> Complex:
 
 
 def _strained(search: Search) -> bool:
-    """Whether the best single effect is a rare one, or one with so many parameters that it may stand for two."""
+    """Whether the best single effect is rare, or has so many parameters that it may be two."""
     best = search.grown[0]
     spent = len(best.refit.own) - len(search.base.own)
     return spent > 1 or any(effect.prior < SEARCH.common for effect in best.effects)
@@ -192,19 +238,29 @@ def _strained(search: Search) -> bool:
 def _grow(search: Search, score: Score) -> Grown:
     """Refit with one more effect."""
     base = search.base
-    grown = refit(score.influence.model, base.data, base.noise, list(score.starts), starts=2, effort=_effort(search))
+    grown = refit(
+        score.influence.model,
+        base.data,
+        base.noise,
+        list(score.starts),
+        starts=2,
+        effort=_effort(search),
+    )
     return Grown((score.influence.effect,), grown, score.predicted)
 
 
 def _from_the_best(search: Search, grown: Grown) -> Grown:
-    """A rival of the best model fitted again from what that one makes of the base, if that is better.
+    """A rival of the best model fitted again from what that makes of the base, if it is better.
 
-    Of two effects with one curve each may have ended in another minimum of the base, and that would decide.
+    Of two effects with one curve each may have ended in another minimum of the base, and that would
+    decide.
     """
     if search.base.has_one_minimum:
         return grown
     own, base = grown.refit, search.base.model.names
-    start = np.where(np.isin(own.model.names, base), own.seed_from(search.grown[0].refit), own.theta)
+    start = np.where(
+        np.isin(own.model.names, base), own.seed_from(search.grown[0].refit), own.theta
+    )
     again = refit(own.model, search.base.data, search.base.noise, [start], starts=0)
     if again.log_evidence > own.log_evidence + EVIDENCE.rounding:
         return replace(grown, refit=again)
@@ -226,7 +282,7 @@ def _sort(search: Search) -> None:
 
 @dataclass(frozen=True, eq=False)
 class _Asked:
-    """A pair of effects to be refitted: from given starts (p,), and from so many read off the data."""
+    """A pair of effects to be refitted: from given starts (p,), and so many read off the data."""
 
     effects: tuple[Effect, ...]
     model: Model
@@ -237,7 +293,9 @@ class _Asked:
     def joined(self, other: _Asked) -> _Asked:
         """The same pair with the starts of both."""
         starts, predicted = [*self.starts, *other.starts], min(self.predicted, other.predicted)
-        return replace(self, starts=starts, read_off=max(self.read_off, other.read_off), predicted=predicted)
+        return replace(
+            self, starts=starts, read_off=max(self.read_off, other.read_off), predicted=predicted
+        )
 
 
 def _seek_pairs(search: Search, effects: Sequence[Effect], rng: np.random.Generator) -> None:
@@ -257,7 +315,9 @@ def _seek_pairs(search: Search, effects: Sequence[Effect], rng: np.random.Genera
 def _together(search: Search) -> list[_Asked]:
     """Pairs that explain the residual together."""
     base, asked = search.base, []
-    for pair in best_pairs(search.frame, search.scan.scores, base.model, base.theta, SEARCH.together):
+    for pair in best_pairs(
+        search.frame, search.scan.scores, base.model, base.theta, SEARCH.together
+    ):
         both = (pair.first.influence.effect, pair.second.influence.effect)
         if _second_law(both[:1], both[1]):
             continue
@@ -279,15 +339,21 @@ def _one_by_one(search: Search, effects: Sequence[Effect]) -> list[_Asked]:
         ]
         for score in scan_effects(first.refit, frame, others).scores[: SEARCH.seconds]:
             both = (*first.effects, score.influence.effect)
-            # Beside another effect the scan's own starts are near enough; those read off the data know of neither.
-            asked.append(_Asked(both, score.influence.model, list(score.starts), 0, score.predicted))
+            # Beside another effect the scan's own starts are near enough; those read off the data
+            # know of neither.
+            asked.append(
+                _Asked(both, score.influence.model, list(score.starts), 0, score.predicted)
+            )
     return asked
 
 
 def _second_law(effects: Sequence[Effect], other: Effect) -> bool:
-    """Whether another shift by the same condition is among them: of a material's times there is one law.
+    """Whether another shift by the same condition is among them.
 
-    What a second one would mend, such as a temperature that was misread, is no physics of the material.
+    Of a material's times there is one law.
+
+    What a second one would mend, such as a temperature that was misread, is no physics of the
+    material.
     """
     if other.plane != "shift":
         return False
@@ -306,7 +372,10 @@ def _once(asked: Sequence[_Asked]) -> list[_Asked]:
 
 
 def _add_singles(search: Search) -> None:
-    """Refit by themselves the effects that so far were only tried in good pairs: their rows tell what each does."""
+    """Refit by themselves the effects that so far were only tried in good pairs.
+
+    Their rows tell what each does.
+    """
     alone = {grown.names[0] for grown in search.grown if len(grown.effects) == 1}
     wanted = {name for grown in search.grown[: SEARCH.singles] for name in grown.names} - alone
     scores = [score for score in search.scan.scores if score.influence.effect.name in wanted]
@@ -317,9 +386,9 @@ def _add_singles(search: Search) -> None:
 def _confounded(search: Search, library: Sequence[Effect]) -> list[Grown]:
     """Models grown by effects that took no part and explain the data as well as the best that did.
 
-    The condition that such an effect needs moved with the frequency, or an amplitude with the temperature, so that
-    no fit can say which of the two is the cause: they form a class with whatever else explains the data. Their scores
-    join the scan.
+    The condition that such an effect needs moved with the frequency, or an amplitude with the
+    temperature, so that no fit can say which of the two is the cause: they form a class with
+    whatever else explains the data. Their scores join the scan.
     """
     base = search.base
     measurement = base.fit.measurement
@@ -327,9 +396,11 @@ def _confounded(search: Search, library: Sequence[Effect]) -> list[Grown]:
     effects = [
         effect
         for effect in library
-        if effect.needs & moved and effect.needs <= set(measurement.conditions) and not effect.narrow
-        and not effect.by_levels and enough_for(base, base.model + effect)
-    ]  # fmt: skip
+        if effect.needs & moved
+        and effect.needs <= set(measurement.conditions)
+        and not (effect.narrow or effect.by_levels)
+        and enough_for(base, base.model + effect)
+    ]
     least = max(search.best.log_evidence, base.log_evidence + EVIDENCE.as_good) - EVIDENCE.as_good
     alike = []
     for score in scan_effects(base, search.frame, effects, threshold=search.scan.threshold).scores:
@@ -341,7 +412,7 @@ def _confounded(search: Search, library: Sequence[Effect]) -> list[Grown]:
 
 
 def _only_confounded(search: Search) -> bool:
-    """Whether nothing but an effect of a condition that was not varied by itself follows the data to their noise."""
+    """Whether only effects of conditions not varied by themselves follow data to their noise."""
     if not search.confounded:
         return False
     best, judged = search.confounded[0].refit, search.best

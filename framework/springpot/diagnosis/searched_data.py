@@ -1,4 +1,7 @@
-"""The search on data: in units of a noise that is borne out, and without points that no physics explains."""
+"""The search on data.
+
+In units of a noise that is borne out, and without points that no physics explains.
+"""
 
 from __future__ import annotations
 
@@ -8,9 +11,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.digits import counted
 from springpot.errors import DataError
-from springpot.measurement import Measurement
+from springpot.format_numbers import counted
+from springpot.measurement.measurement import Measurement
 from springpot.misfit.floor import as_given, borne_out, fitted_to_floor, sharpened
 from springpot.misfit.outliers import (
     Outlier,
@@ -23,8 +26,10 @@ from springpot.misfit.outliers import (
     without,
 )
 from springpot.misfit.refit import Refit, refit
-from springpot.policy import EVIDENCE, OUTLIERS, SEARCH, VERDICT
-from springpot.rheology import Effect, Model, Real
+from springpot.rheology.effect import Effect
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
+from springpot.thresholds import EVIDENCE, OUTLIERS, SEARCH, VERDICT
 
 from .grown import Search
 from .search import search_from
@@ -37,7 +42,7 @@ def search_data(
     rng: np.random.Generator,
     seeds: Sequence[Real] = (),
 ) -> tuple[Search, list[Outlier]]:
-    """Look for what is missing from a model of data, without outliers and in units of a noise that is borne out.
+    """Look for what is missing, without outliers and in units of a noise that is borne out.
 
     Parameters
     ----------
@@ -87,7 +92,10 @@ Reduced: TypeAlias = Callable[[NDArray[np.int64]], Search]
 def _without_outliers(
     search: Search, measurement: Measurement, reduced_by: Reduced
 ) -> tuple[Search, list[Outlier]] | None:
-    """The search without points that stand out from their neighbours; None where none are or they may be physics."""
+    """The search without points that stand out from their neighbours.
+
+    None where none are or they may be physics.
+    """
     rows = outlying(search.frame)
     if len(rows) == 0:
         return None
@@ -99,14 +107,17 @@ def _without_outliers(
     return reduced, described(reduced.base.frame_of(measurement), rows)
 
 
-def _may_be_effects(reduced: Search, measurement: Measurement, rows: NDArray[np.int64], reduced_by: Reduced) -> bool:
-    """Whether what makes rows stand out may be physics, where something is missing without them too."""
+def _may_be_effects(
+    reduced: Search, measurement: Measurement, rows: NDArray[np.int64], reduced_by: Reduced
+) -> bool:
+    """Whether what makes rows stand out may be physics: something is missing without them too."""
     if side_by_side(measurement, rows):
         return True
     ends = ends_beside(measurement, rows)
     if len(ends) == 0:
         return False
-    # What is named must be seen without the end: else it rests on the row beside the one that was set aside.
+    # What is named must be seen without the end: else it rests on the row beside the one that was
+    # set aside.
     try:
         inner = reduced_by(np.union1d(rows, ends))
     except DataError:
@@ -116,18 +127,25 @@ def _may_be_effects(reduced: Search, measurement: Measurement, rows: NDArray[np.
     # One of its rivals may fit the inner points a little better: that does not take it back.
     least = inner.best.log_evidence - EVIDENCE.rivals
     named = sorted(reduced.grown[0].names)
-    return not any(sorted(grown.names) == named and grown.refit.log_evidence > least for grown in inner.grown)
+    return not any(
+        sorted(grown.names) == named and grown.refit.log_evidence > least for grown in inner.grown
+    )
 
 
 def _sees_something(search: Search) -> bool:
-    """Whether something is missing beside the points that were set aside: by an alarm, or by an effect's evidence."""
-    return bool(search.grown) and (search.alarm < SEARCH.suspicious or search.gain >= SEARCH.decisive)
+    """Whether something is missing beside the points that were set aside.
+
+    By an alarm, or by an effect's evidence.
+    """
+    return bool(search.grown) and (
+        search.alarm < SEARCH.suspicious or search.gain >= SEARCH.decisive
+    )
 
 
 def _without_a_pulling_point(
     search: Search, measurement: Measurement, reduced_by: Reduced
 ) -> tuple[Search, list[Outlier]] | None:
-    """The search without one point that bends all models, where some model then explains nearly all of the rest."""
+    """The search without a point that bends every model, if one then explains almost all else."""
     if not search.grown or search.left.p_value >= VERDICT.structure_alarm:
         return None
     rows = pulling([search.frame, *(grown.refit.frame() for grown in search.grown)])
@@ -145,10 +163,10 @@ def _without_a_pulling_point(
 
 
 def better_start(search: Search) -> Real | None:
-    """Parameters (p,) from which the user's model fits better than it did, read off the grown models.
+    """Parameters (p,) from which the user's model fits better, read off the grown models.
 
-    A grown model that fits far better has either found what is missing or left a local minimum behind; then the
-    model alone fits as well from there, and nothing is missing at all.
+    A grown model that fits far better has either found what is missing or left a local minimum
+    behind; then the model alone fits as well from there, and nothing is missing at all.
 
     Parameters
     ----------
@@ -177,13 +195,18 @@ def _search_in_noise(
     base = fitted_to_floor(model, measurement, seeds)
     _require_enough(base, measurement)
     if base.noise.overruled:
-        # Structure that a sweep is too short to show as such looks like scatter, until its effect is found.
+        # Structure that a sweep is too short to show as such looks like scatter, until its effect
+        # is found.
         search = search_from(as_given(base), library, rng)
         if borne_out(search.best):
             return search
     search = search_from(base, library, rng)
-    # What moved with the frequency is no evidence for a cause, but what it follows so closely is no noise.
-    nearest = max([search.best, *(grown.refit for grown in search.confounded)], key=lambda fit: fit.log_evidence)
+    # What moved with the frequency is no evidence for a cause, but what it follows so closely is no
+    # noise.
+    nearest = max(
+        [search.best, *(grown.refit for grown in search.confounded)],
+        key=lambda fit: fit.log_evidence,
+    )
     gain = 2.0 * (nearest.log_evidence - search.base.log_evidence)
     if gain >= SEARCH.decisive and (sharper := sharpened(base, nearest)) is not None:
         search = search_from(sharper, library, rng)
@@ -194,7 +217,8 @@ def _require_enough(base: Refit, measurement: Measurement) -> None:
     if base.fit.dof < 1:
         points = counted(len(base.fit.measurement), "distinct point")
         raise DataError(
-            f"{measurement.name}: {points} cannot judge a model of {counted(len(base.theta), 'parameter')}; measure "
-            "at more frequencies (springpot signals FILE... -o SWEEP.csv makes one table of records), or diagnose "
-            "the record itself: columns time [s], displacement [mm], force [N]"
+            f"{measurement.name}: {points} cannot judge a model of"
+            f" {counted(len(base.theta), 'parameter')}; measure at more frequencies (springpot"
+            " signals FILE... -o SWEEP.csv makes one table of records), or diagnose the record"
+            " itself: columns time [s], displacement [mm], force [N]"
         )

@@ -1,8 +1,11 @@
-"""What one sweep cannot tell: a gain that drifts while it is measured looks like a phase that is wrong.
+"""What one sweep cannot tell.
 
-Beside any material a gain that goes as omega^e is a phase of -e pi/2: K omega^e = K (i omega)^e exp(-i e pi/2), and
-K (i omega)^e is a material again. A specimen that stiffens, dries or recovers during a sweep from one end of the
-frequencies to the other so passes for an instrument whose phase is off.
+A gain that drifts while it is measured looks like a phase that is wrong.
+
+Beside any material a gain that goes as omega^e is a phase of -e pi/2: K omega^e = K (i omega)^e
+exp(-i e pi/2), and K (i omega)^e is a material again. A specimen that stiffens, dries or recovers
+during a sweep from one end of the frequencies to the other so passes for an instrument whose phase
+is off.
 """
 
 from __future__ import annotations
@@ -11,15 +14,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from springpot.identification import is_material
-from springpot.measurement import sweeps_of
+from springpot.identification.material import is_material
+from springpot.measurement.sweeps import sweeps_of
 from springpot.misfit.refit import Refit, refit
-from springpot.policy import EVIDENCE
+from springpot.thresholds import EVIDENCE
 
 from .grown import Search
 
 LARGEST = 0.5
-"""Drift from the first row to the last, as a logarithm, beyond which nobody would call the rows one sweep."""
+"""Drift from first to last row, as a logarithm, beyond which nobody calls the rows one sweep."""
 FINE = 1e-4
 """Of a drift: a hundredth of a per cent."""
 LEAST_WORTH = 1e-4
@@ -48,7 +51,9 @@ class SweepDrift:
 
 
 def drift_in_place(search: Search) -> SweepDrift | None:
-    """The effect of the best grown model in whose place a drifting gain explains the data as well; None without one.
+    """The effect of the best grown model in whose place a drifting gain explains the data as well.
+
+    None without one.
 
     Asked only of one sweep from one end of the frequencies to the other, beside a free spectrum.
 
@@ -68,7 +73,8 @@ def drift_in_place(search: Search) -> SweepDrift | None:
     # A drift is slow: what is narrow is nothing that it could stand for.
     for effect in [effect for effect in best.effects if not effect.narrow]:
         share, rss = _drifting(_without(search, effect.name))
-        # As many parameters as an effect of one; one of more would have to explain more to be preferred.
+        # As many parameters as an effect of one; one of more would have to explain more to be
+        # preferred.
         nearer = rss <= as_good and (likeliest is None or rss < least)
         if nearer and abs(share) > LEAST_WORTH:
             least, likeliest = rss, SweepDrift(effect.name, share)
@@ -83,7 +89,7 @@ def _without(search: Search, effect: str) -> Refit:
 
 
 def _drifting(before: Refit) -> tuple[float, float]:
-    """The drift of the gain that lets a fit follow the data best, and the whitened sum of squares that is left."""
+    """Drift of the gain with which a fit follows the data best, and the whitened squares left."""
     from scipy.optimize import minimize_scalar  # a diagnosis that never asks must not wait for it
 
     mean = before.data.mean
@@ -94,5 +100,7 @@ def _drifting(before: Refit) -> tuple[float, float]:
         data = replace(before.data, raw=undone, mean=undone)
         return refit(before.model, data, before.noise, [before.theta], starts=0).fair_rss
 
-    best = minimize_scalar(left, bounds=(-LARGEST, LARGEST), method="bounded", options={"xatol": FINE})
+    best = minimize_scalar(
+        left, bounds=(-LARGEST, LARGEST), method="bounded", options={"xatol": FINE}
+    )
     return float(np.expm1(best.x)), float(best.fun)

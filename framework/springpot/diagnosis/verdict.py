@@ -1,4 +1,4 @@
-"""The overall verdict: a table of rules on a few facts, and the sentence that says what came of it."""
+"""The overall verdict: a table of rules on a few facts, and the sentence that tells of it."""
 
 from __future__ import annotations
 
@@ -9,14 +9,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from springpot.measurement import moved_along, sweeps_of
+from springpot.measurement.independence import moved_along
+from springpot.measurement.sweeps import sweeps_of
 from springpot.misfit.floor import beyond_floor, is_arithmetic, is_hardly_known, undragged
-from springpot.misfit.leftover import Column, EqualRows
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import Refit
 from springpot.misfit.repeats import NEIGHBOURS, sets_apart
+from springpot.misfit.residual_causes import Column, EqualRows
 from springpot.misfit.words import percent, times
-from springpot.policy import EVIDENCE, SEARCH, VERDICT
+from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from .evidence import Evidence
 from .grown import Grown, Search
@@ -63,7 +64,8 @@ class Facts:
     exceeds : bool
         The error is beyond the noise floor by more than chance, though no test sees a pattern.
     together : bool
-        The points that are beyond it are neighbours, as those of a notch are and those of long-tailed noise are not.
+        The points that are beyond it are neighbours, as those of a notch are and those of
+        long-tailed noise are not.
     exact : bool
         The error is that of arithmetic: the data were computed, and their residual is no scatter.
     below : bool
@@ -93,7 +95,8 @@ class Facts:
     @property
     def alarm(self) -> bool:
         """Noise alone does not explain the residual."""
-        # An error below the noise is no misfit: the noise was misjudged, and with it all that is told in its units.
+        # An error below the noise is no misfit: the noise was misjudged, and with it all that is
+        # told in its units.
         return (self.by_scan or self.by_battery or self.ruled_out) and not self.below
 
     @property
@@ -111,39 +114,75 @@ class Rule(NamedTuple):
 
 
 RULES = (
-    # Before the alarms: the residual of computed data has a pattern, but no scatter by which to judge it.
+    # Before the alarms: the residual of computed data has a pattern, but no scatter to judge it by.
     Rule("nothing is left but arithmetic", lambda f: f.exact and not f.outliers, "adequate"),
-    # First without an alarm: a point set aside may be an interference, so that nothing below may call it adequate.
+    # First without an alarm: a point set aside may be an interference; nothing is adequate then.
     Rule("only points that stand out", lambda f: not f.alarm and f.outliers, "unexplained"),
-    # Before all that weighs the size of an error: of so few numbers neither it nor the floor is known.
+    # Before all that weighs the size of an error: so few numbers tell neither it nor the floor.
     Rule("too few data", lambda f: not f.alarm and f.few, "inconclusive"),
-    # The next two before "an effect would help": an effect fitted to a notch would make it a mere maybe.
-    Rule("more than the noise, by neighbours", lambda f: not f.alarm and f.exceeds and f.together, "unexplained"),
-    Rule("more than the noise, of a kind", lambda f: not f.alarm and f.exceeds and f.unknown, "unexplained"),
+    # The next two before "an effect would help": an effect fitted to a notch would make it a maybe.
+    Rule(
+        "more than the noise, by neighbours",
+        lambda f: not f.alarm and f.exceeds and f.together,
+        "unexplained",
+    ),
+    Rule(
+        "more than the noise, of a kind",
+        lambda f: not f.alarm and f.exceeds and f.unknown,
+        "unexplained",
+    ),
     # Never "effect-missing" without an alarm: of all that was tried, something helps by chance.
-    Rule("an effect would help, or it is noise", lambda f: not f.alarm and f.clear and f.something, "inconclusive"),
-    # After the effects beside the free spectrum: one of these that helps clearly leaves it open what is missing.
-    Rule("a material follows, but no effect mends the model", lambda f: not f.alarm and f.material, "unexplained"),
-    # Only where no test is alarmed: drift makes the floor too high, and what shows above it is real all the more.
+    Rule(
+        "an effect would help, or it is noise",
+        lambda f: not f.alarm and f.clear and f.something,
+        "inconclusive",
+    ),
+    # After effects beside the free spectrum: one that helps clearly leaves open what is missing.
+    Rule(
+        "a material follows, but no effect mends the model",
+        lambda f: not f.alarm and f.material,
+        "unexplained",
+    ),
+    # Only where no test is alarmed: drift raises the floor, and what shows above it is real.
     Rule("what repeats differ by is no noise", lambda f: not f.alarm and f.repeats, "unexplained"),
-    # After its two cases with a pattern: what is left is the error of noise with long tails, which may be noise.
+    # After its two cases with a pattern: what is left may be noise with long tails.
     Rule("more than the noise, in no pattern", lambda f: not f.alarm and f.exceeds, "inconclusive"),
     # After "of a kind": without an error beyond the floor such a kind may as well follow the noise.
-    Rule("something without a name would help, or it is noise", lambda f: not f.alarm and f.unknown, "inconclusive"),
-    # The last without an alarm: whatever could be missing has been asked for. Below, something is missing.
+    Rule(
+        "something without a name would help, or it is noise",
+        lambda f: not f.alarm and f.unknown,
+        "inconclusive",
+    ),
+    # The last without an alarm: all that could be missing was asked for. Below, something is.
     Rule("noise explains all", lambda f: not f.alarm, "adequate"),
-    # Before "structure is left", whose exception does not hold: an effect may take nearly all of a fault's misfit.
-    Rule("a fault of the measuring chain explains more", lambda f: f.unknown and f.chain, "unexplained"),
+    # Before "structure is left": an effect may take nearly all of a fault's misfit.
+    Rule(
+        "a fault of the measuring chain explains more",
+        lambda f: f.unknown and f.chain,
+        "unexplained",
+    ),
     # Before any name: the best wrong effect takes most of a misfit too, but it leaves structure.
     Rule("structure is left", lambda f: (f.left or f.unknown) and not f.nearly_all, "unexplained"),
-    # Before the name too: structure is there for certain, and no effect is clearly better than none.
-    Rule("no effect helps clearly", lambda f: f.by_battery and not f.clear and not f.nearly_all, "unexplained"),
-    # A weak gain is enough where the alarm is beyond doubt: that something is missing is then no question.
-    Rule("an effect is named", lambda f: f.named and (f.clear or (f.certain and f.gain > 0.0)), "effect-missing"),
+    # Before the name too: structure is certain, and no effect is clearly better than none.
+    Rule(
+        "no effect helps clearly",
+        lambda f: f.by_battery and not f.clear and not f.nearly_all,
+        "unexplained",
+    ),
+    # A weak gain is enough where the alarm is beyond doubt: then something is missing.
+    Rule(
+        "an effect is named",
+        lambda f: f.named and (f.clear or (f.certain and f.gain > 0.0)),
+        "effect-missing",
+    ),
     # After the name: outliers set aside beside a found effect do not take it back.
     Rule("no name, and points that stand out", lambda f: f.outliers, "unexplained"),
-    # The battery is sure of structure whatever the library holds; the scan alone is not, and comes last.
-    Rule("structure, and no effect that is preferred to nothing", lambda f: f.by_battery, "unexplained"),
+    # The battery is sure of structure whatever the library holds; the scan, which is not, is last.
+    Rule(
+        "structure, and no effect that is preferred to nothing",
+        lambda f: f.by_battery,
+        "unexplained",
+    ),
     # Always holds, so that there is a verdict for any facts.
     Rule("something, but not what", lambda f: True, "inconclusive"),
 )
@@ -165,7 +204,8 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
     outliers : sequence of Outlier
         Points set aside.
     beside_material : bool
-        Whether the search went on beside a free spectrum, as the model could not follow the material.
+        Whether the search went on beside a free spectrum, as the model could not follow the
+        material.
     """
     search = evidence.search
     unknown = evidence.unknown > VERDICT.likely
@@ -179,7 +219,8 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         named=sum(one.probability for one in evidence.explanations) > evidence.nothing,
         something=evidence.nothing < VERDICT.likely,
         unknown=unknown,
-        ruled_out=evidence.nothing < VERDICT.ruled_out and search.base.fit.dof >= VERDICT.enough_spare,
+        ruled_out=evidence.nothing < VERDICT.ruled_out
+        and search.base.fit.dof >= VERDICT.enough_spare,
         chain=unknown and bool(likeliest_unknown(search).says),
         left=search.left.p_value < VERDICT.structure_alarm,
         nearly_all=_all_but_explained(search),
@@ -188,24 +229,24 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         material=beside_material,
         exceeds=exceeds,
         together=exceeds and _stand_out_together(search.base),
-        # A free spectrum follows smooth computed data whatever made them: only the user's own model may be so exact.
+        # A free spectrum follows any smooth computed data: only the user's model may be so exact.
         exact=not beside_material and is_arithmetic(search.base),
         below=_below_noise(search.base),
     )
 
 
 def _below_noise(base: Refit) -> bool:
-    """Whether the error is below a noise that was told by these very data, and not against what was given."""
-    # Where given deviations were smaller, structure has passed for scatter, and what the tests see of it is there.
+    """Whether the error is below a noise that these data tell, and not against a given one."""
+    # Where given deviations were smaller, structure passed for scatter: what tests see is there.
     told_by_data = base.noise.source == "estimated" and not base.noise.overruled
     return told_by_data and base.relative_rms < VERDICT.below * base.floor
 
 
 def _stand_out_together(base: Refit) -> bool:
-    """Whether more of the points that stand out are next to one another than chance would put there.
+    """Whether more of the points that stand out are neighbours than chance would put there.
 
-    Of m points dealt out over n places, C(n-m+1, r) C(m-1, r-1) of all C(n, m) ways make r runs (Wald and Wolfowitz
-    1940, doi:10.1214/aoms/1177731909).
+    Of m points dealt out over n places, C(n-m+1, r) C(m-1, r-1) of all C(n, m) ways make r runs
+    (Wald and Wolfowitz 1940, doi:10.1214/aoms/1177731909).
     """
     _, inside = undragged(base)
     n, m = len(inside), int(np.sum(~inside))
@@ -223,38 +264,46 @@ def drifted(search: Search) -> bool:
     """Whether repeats differ by a drift: what they tell of the noise is then the drift's size."""
     beyond_chance = search.repeats.p_value < VERDICT.repeats_alarm
     apart = sets_apart(search.base.data)
-    # Replicates of specimens differ by slow curves too, but not by one that goes on from run to run.
-    # Of what curves of each run explain, not of all: beside a drift there is always scatter.
+    # Replicates of specimens differ by slow curves too, but not by one that goes on from run to
+    # run. Of what curves of each run explain, not of all: beside a drift there is always scatter.
     return beyond_chance and apart.one_curve and apart.drift > VERDICT.drift_share * apart.curves
 
 
 def _carried_on(search: Search) -> bool:
-    """Whether errors go on from point to point: then the scatter that repeats tell is not the noise."""
+    """Whether errors go on from point to point.
+
+    Then the scatter that repeats tell is not the noise.
+    """
     chances = search.repeats.parts
     if not chances:
         return False
     in_repeats = max(search.repeats.p_value, chances[NEIGHBOURS]) < VERDICT.repeats_alarm
-    # The mean of the repeats holds a part of the same errors, at right angles to what sets them apart: a second
-    # witness. Of the product x of two chances that of noise is x - x ln x (Fisher 1932).
+    # The mean of the repeats holds a part of the same errors, at right angles to what sets them
+    # apart: a second witness. Of the product x of two chances that of noise is x - x ln x (Fisher
+    # 1932).
     both = chances[NEIGHBOURS] * search.structure.parts["runs"]
     in_both = both - both * float(np.log(both)) < VERDICT.repeats_alarm
-    # Where a gain, a slope and a bend of each run are the cause, they are specimens: that is told in a note.
+    # Where a gain, a slope and a bend of each run are the cause, they are specimens: that is told
+    # in a note.
     return (in_repeats or in_both) and sets_apart(search.base.data).curves < VERDICT.own_curves
 
 
 def _all_but_explained(search: Search) -> bool:
-    """Whether named effects explain nearly all of a misfit, and what they leave is small beside the noise.
+    """Whether named effects explain nearly all of a misfit and leave little beside the noise.
 
-    Real measurements always keep some structure at the level of their noise; it is noted, not made the verdict.
+    Real measurements always keep some structure at the level of their noise; it is noted, not made
+    the verdict.
     """
     spare = search.base.fit.dof
     # What no specimen makes is no explanation, however well it fits.
     possible = [search.base, *(grown.refit for grown in search.grown if not grown.beyond_physics)]
     best = max(possible, key=lambda refit: refit.log_evidence)
-    # The degrees of freedom of the base in both: those that the effects spent must not count for them.
+    # The degrees of freedom of the base in both: those that effects spent must not count for them.
     before, after = (refit.rss - spare for refit in (search.base, best))
     small = best.relative_rms < VERDICT.small_rest * best.floor
-    return before > spare and after < max(VERDICT.remainder * before, VERDICT.nothing_left) and small
+    return (
+        before > spare and after < max(VERDICT.remainder * before, VERDICT.nothing_left) and small
+    )
 
 
 def sentence(
@@ -282,7 +331,8 @@ def sentence(
     ratio = own.base.relative_rms / own.base.floor
     error = f"the error is {times(ratio)} the noise floor"
     if verdict == "adequate" and is_arithmetic(own.base):
-        return f"nothing is missing: the error, {percent(own.base.relative_rms)}, is that of arithmetic"
+        size = percent(own.base.relative_rms)
+        return f"nothing is missing: the error, {size}, is that of arithmetic"
     if verdict == "adequate":
         return f"nothing is missing down to the noise floor: {error}"
     if verdict == "effect-missing":
@@ -294,12 +344,11 @@ def sentence(
         points = "a single point stands out"
         if len(outliers) > 1:
             points = f"{len(outliers)} single points stand out"
-        return f"{error} without outliers: {points} that no effect of the library explains, nothing else is missing"
+        unexplained = f"{points} that no effect of the library explains"
+        return f"{error} without outliers: {unexplained}, nothing else is missing"
     # As in the table, only where no test is alarmed; else what the tests see is the news.
-    if own.alarm > VERDICT.structure_alarm and drifted(own):
-        return f"{error}, but repeats drift by more than chance: something changed while they were measured"
-    if own.alarm > VERDICT.structure_alarm and _carried_on(own):
-        return f"{error}, but the error of a repeat goes on from point to point: that is no independent noise"
+    if own.alarm > VERDICT.structure_alarm and (doubt := _of_repeats(own)):
+        return f"{error}, but {doubt}"
     # "1 x the noise floor; something is missing" would read as a contradiction.
     if ratio < VERDICT.noisy:
         error = f"{error}, but no pattern of noise"
@@ -317,13 +366,22 @@ def sentence(
     return f"{error}; {missing}{_if_little(own.base)}"
 
 
+def _of_repeats(search: Search) -> str:
+    """Why the scatter of repeats is no independent noise; nothing where it may be."""
+    if drifted(search):
+        return "repeats drift by more than chance: something changed while they were measured"
+    if _carried_on(search):
+        return "the error of a repeat goes on from point to point: that is no independent noise"
+    return ""
+
+
 def _taken_by(most: Sequence[Grown], own: Search, evidence: Evidence) -> str:
     """How far effects take the error, one of which takes most of it by itself, and what is left."""
     names = " or ".join(grown.names[0] for grown in most)
     best = most[0].refit
     taken = f"{names} takes it to {times(best.relative_rms / best.floor)}"
     instead = ""
-    # Only of an effect by itself, and in the user's own model, was it asked whether a drift does as well.
+    # Only of an effect by itself, in the user's own model, was it asked if a drift does as well.
     if evidence.drift is not None and evidence.search is own and own.grown[0].names == (names,):
         instead = f", and so does {evidence.drift.says}"
     # "to 1 x, and something is missing beside it" would be a riddle.
@@ -333,19 +391,25 @@ def _taken_by(most: Sequence[Grown], own: Search, evidence: Evidence) -> str:
 
 
 def _if_little(base: Refit) -> str:
-    """The size of what is missing, where a pattern is certain but so small that it may not matter to the user."""
+    """The size of what is missing, where its pattern is certain but perhaps too small to matter."""
     if base.relative_rms >= VERDICT.certified:
         return ""
     little = f"{percent(base.relative_rms)} of {base.fit.measurement.units.magnitude}"
     # In brackets: the headline may go on, and what follows is not of the fluid.
-    return f" (it is little, {little}: a reference fluid is certified to {percent(VERDICT.certified)})"
+    return (
+        f" (it is little, {little}: a reference fluid is certified to {percent(VERDICT.certified)})"
+    )
 
 
 def _by_confounded(search: Search) -> str:
-    """What effects of a condition that was not varied by itself would explain, where no other effect does."""
+    """What effects of a condition not varied alone would explain, where no other effect does."""
     # An information criterion drops by twice what the log-evidence gains.
     clear = 0.5 * SEARCH.decisive
-    better = [each for each in search.confounded if each.refit.log_evidence > search.best.log_evidence + clear]
+    better = [
+        each
+        for each in search.confounded
+        if each.refit.log_evidence > search.best.log_evidence + clear
+    ]
     if not better:
         return ""
     names = [grown.names[0] for grown in better]
@@ -354,14 +418,16 @@ def _by_confounded(search: Search) -> str:
     shown = names[-1]
     if len(names) > 1:
         shown = f"{', '.join(names[:-1])} or {shown}"
-    moved = " and ".join(sorted(better[0].effects[0].needs & moved_along(search.base.fit.measurement)))
+    both = better[0].effects[0].needs & moved_along(search.base.fit.measurement)
+    moved = " and ".join(sorted(both))
     left = times(better[0].refit.relative_rms / better[0].refit.floor)
-    return f"{shown} would take it to {left}, but the {moved} was not varied by itself, and no fit can tell"
+    alone = f"the {moved} was not varied by itself"
+    return f"{shown} would take it to {left}, but {alone}, and no fit can tell"
 
 
 def leading_names(own: Search, evidence: Evidence, verdict: Verdict) -> list[str]:
-    """Effects that the sentence of a verdict names and that a user can add, the one to begin with first."""
-    # Where a condition that moved explains the data as well, none of them is to be added before that is settled.
+    """Effects that a verdict's sentence names and a user can add, the one to begin with first."""
+    # Where a condition that moved explains the data as well, that is to be settled first.
     if evidence.search.confounded:
         return []
     if verdict == "effect-missing":
@@ -378,17 +444,23 @@ def only_points(own: Search, outliers: Sequence[Outlier]) -> bool:
 
 
 def _most_of_it(search: Search) -> list[Grown]:
-    """Effects one of which takes most of the error by itself, though something is left: that much the user can have.
+    """Effects one of which takes most of the error by itself, though something is left.
+
+    That much the user can have.
 
     Where many do so equally well their names say nothing of the cause.
     """
-    alone = [grown for grown in search.grown if len(grown.effects) == 1 and not grown.beyond_physics]
+    alone = [
+        grown for grown in search.grown if len(grown.effects) == 1 and not grown.beyond_physics
+    ]
     singles = [grown for grown in alone if not grown.effects[0].narrow]
     if not singles or search.gain < SEARCH.decisive:
         return []
     least = singles[0].refit.log_evidence - EVIDENCE.as_good
-    # Reversed, so that of several fits of one effect the best, which comes first, is the one that stays.
-    alike = {grown.names[0]: grown for grown in reversed(singles) if grown.refit.log_evidence > least}
+    # Reversed, so that of several fits of one effect the best, which comes first, stays.
+    alike = {
+        grown.names[0]: grown for grown in reversed(singles) if grown.refit.log_evidence > least
+    }
     enough = VERDICT.takes_most * search.base.relative_rms
     some_leave_more = any(each.refit.relative_rms > enough for each in alike.values())
     if len(alike) > VERDICT.most_alike or some_leave_more:

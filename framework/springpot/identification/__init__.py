@@ -1,28 +1,35 @@
 """Identification: objective, problem, recorder, optimiser, native solver, uncertainty."""
 
-from .batch import fit_batch
-from .bounded import BoundedDescent, minima_in_box
-from .held_material import intervals_beside_material
-from .identify import best_run, identify
-from .leastsquares import Solution, levenberg_marquardt
-from .ledger import BudgetSpent, all_points
-from .material import is_material, own_parameters
-from .material_fit import least_error
-from .native import Effort, Fit, fit, scanned_starts
-from .objective import Objective, default_objective, weighted
-from .optimiser import BatchedOptimiser, Card, Optimiser, OptimiserFamily
-from .passive import is_passive, within_material
-from .prediction import Prediction
-from .problem import Problem, Searched
-from .recorder import Recorder, RecorderGroup
-from .regularised import Spectrum, regularised
-from .result import Identification, Standing
-from .run import Run, run, run_batch
-from .settings import EDGE, Window, settings, shown
-from .simulated import bootstrap
-from .space import SearchSpace, box_of, paper_box, require_conditions
-from .uncertainty import Uncertainty, held_costs, profile
-from .value import Value, kept_interval
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from springpot.lazy import offered
+
+if TYPE_CHECKING:
+    from .batch import fit_batch
+    from .bounded import BoundedDescent, minima_in_box
+    from .fitting import best_run, identify
+    from .held_material import intervals_beside_material
+    from .leastsquares import Solution, levenberg_marquardt
+    from .ledger import BudgetSpent, all_points
+    from .material import is_material, own_parameters
+    from .material_fit import least_error
+    from .native import Effort, Fit, fit, scanned_starts
+    from .objective import Objective, default_objective, weighted
+    from .optimiser import BatchedOptimiser, Card, Optimiser, OptimiserFamily
+    from .passive import is_passive, within_material
+    from .prediction import Prediction
+    from .problem import Problem, Searched
+    from .ranges import EDGE, Window, settings, shown
+    from .recorder import Recorder, RecorderGroup
+    from .regularisation import Spectrum, regularised
+    from .result import Identification, Standing
+    from .runs import Run, run, run_batch
+    from .simulated import bootstrap
+    from .space import SearchSpace, box_of, paper_box, require_conditions
+    from .uncertainty import Uncertainty, held_costs, profile
+    from .value import Value, kept_interval
 
 __all__ = [
     "BatchedOptimiser",
@@ -78,3 +85,60 @@ __all__ = [
     "weighted",
     "within_material",
 ]
+
+_WHERE = {
+    "BatchedOptimiser": "springpot.identification.optimiser",
+    "BoundedDescent": "springpot.identification.bounded",
+    "BudgetSpent": "springpot.identification.ledger",
+    "Card": "springpot.identification.optimiser",
+    "EDGE": "springpot.identification.ranges",
+    "Effort": "springpot.identification.native",
+    "Fit": "springpot.identification.native",
+    "Identification": "springpot.identification.result",
+    "Objective": "springpot.identification.objective",
+    "Optimiser": "springpot.identification.optimiser",
+    "OptimiserFamily": "springpot.identification.optimiser",
+    "Prediction": "springpot.identification.prediction",
+    "Problem": "springpot.identification.problem",
+    "Recorder": "springpot.identification.recorder",
+    "RecorderGroup": "springpot.identification.recorder",
+    "Run": "springpot.identification.runs",
+    "SearchSpace": "springpot.identification.space",
+    "Searched": "springpot.identification.problem",
+    "Solution": "springpot.identification.leastsquares",
+    "Spectrum": "springpot.identification.regularisation",
+    "Standing": "springpot.identification.result",
+    "Uncertainty": "springpot.identification.uncertainty",
+    "Value": "springpot.identification.value",
+    "Window": "springpot.identification.ranges",
+    "all_points": "springpot.identification.ledger",
+    "best_run": "springpot.identification.fitting",
+    "bootstrap": "springpot.identification.simulated",
+    "box_of": "springpot.identification.space",
+    "default_objective": "springpot.identification.objective",
+    "fit": "springpot.identification.native",
+    "fit_batch": "springpot.identification.batch",
+    "held_costs": "springpot.identification.uncertainty",
+    "identify": "springpot.identification.fitting",
+    "intervals_beside_material": "springpot.identification.held_material",
+    "is_material": "springpot.identification.material",
+    "is_passive": "springpot.identification.passive",
+    "kept_interval": "springpot.identification.value",
+    "least_error": "springpot.identification.material_fit",
+    "levenberg_marquardt": "springpot.identification.leastsquares",
+    "minima_in_box": "springpot.identification.bounded",
+    "own_parameters": "springpot.identification.material",
+    "paper_box": "springpot.identification.space",
+    "profile": "springpot.identification.uncertainty",
+    "regularised": "springpot.identification.regularisation",
+    "require_conditions": "springpot.identification.space",
+    "run": "springpot.identification.runs",
+    "run_batch": "springpot.identification.runs",
+    "scanned_starts": "springpot.identification.native",
+    "settings": "springpot.identification.ranges",
+    "shown": "springpot.identification.ranges",
+    "weighted": "springpot.identification.objective",
+    "within_material": "springpot.identification.passive",
+}
+
+__getattr__, __dir__ = offered(__name__, _WHERE)

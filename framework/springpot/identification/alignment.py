@@ -1,7 +1,10 @@
-"""Where the search for free factors begins: neighbouring sweeps are laid over one another, pair by pair.
+"""Where the search for free factors begins.
 
-A sweep predicts its neighbour where the two overlap, and ever less surely beyond its ends; the shift that makes the
-neighbour likeliest under this prediction is taken. The factors of all levels follow from the pairs by least squares.
+Neighbouring sweeps are laid over one another, pair by pair.
+
+A sweep predicts its neighbour where the two overlap, and ever less surely beyond its ends; the
+shift that makes the neighbour likeliest under this prediction is taken. The factors of all levels
+follow from the pairs by least squares.
 """
 
 from __future__ import annotations
@@ -12,14 +15,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.measurement import Measurement
-from springpot.rheology import Levels, Model, Real, Shift, levels_of
+from springpot.measurement.measurement import Measurement
+from springpot.rheology.levels import Levels, levels_of
+from springpot.rheology.model import Model
+from springpot.rheology.nodes import Shift
+from springpot.rheology.points import Real
 
 NEAR = 0.02
-"""Error of a prediction between measured points, in ln|K| and in radian: a line between points a fifth of a decade
+"""Error of a prediction between measured points, in ln|K| and in radian.
+
+A line between points a fifth of a decade
 apart misses a Maxwell element's curve by about this much."""
 FAR = 0.5
-"""Growth of the error for each factor e beyond a sweep's end: the slope there is known to about this."""
+"""Growth of the error for each factor e beyond a sweep's end.
+
+The slope there is known to about this.
+"""
 LOST = 3.0
 """The most that a prediction is wrong by; points further off say nothing."""
 STEP = 0.1
@@ -27,7 +38,10 @@ STEP = 0.1
 GAP = float(np.log(10.0))
 """Sweeps may lie up to a decade apart."""
 LIFT = 0.3
-"""Standard deviation of ln b that is expected between neighbours: densities and rubber elasticity change by less."""
+"""Standard deviation of ln b that is expected between neighbours.
+
+Densities and rubber elasticity change by less.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +57,9 @@ class _Curve:
         x, which = np.unique(np.log(measurement.omega[rows]), return_inverse=True)
         log_k = np.log(measurement.stiffness[rows])
         count = np.bincount(which.ravel())
-        y = np.array([np.bincount(which.ravel(), part) / count for part in (log_k.real, log_k.imag)])
+        y = np.array(
+            [np.bincount(which.ravel(), part) / count for part in (log_k.real, log_k.imag)]
+        )
         # A third of the sweep, as the slope of two points would be that of their noise.
         third = max(2, len(x) // 3)
         ends = [(x[:third], y[:, :third]), (x[-third:], y[:, -third:])]
@@ -53,7 +69,11 @@ class _Curve:
         """Values (2, ...) at places (...), and their error (...)."""
         values = np.array([np.interp(x, self.x, part) for part in self.y])
         below, above = np.minimum(x - self.x[0], 0.0), np.maximum(x - self.x[-1], 0.0)
-        values = values + np.multiply.outer(self.slopes[0], below) + np.multiply.outer(self.slopes[1], above)
+        values = (
+            values
+            + np.multiply.outer(self.slopes[0], below)
+            + np.multiply.outer(self.slopes[1], above)
+        )
         return values, np.minimum(NEAR + FAR * (above - below), LOST)
 
 
@@ -109,9 +129,13 @@ def aligned(model: Model, measurement: Measurement) -> dict[str, float]:
     """
     own = [(name, element) for name, element in _level_effects(model)]
     columns = list(dict.fromkeys(element.column for _, element in own))
-    number = np.column_stack([levels_of(column, measurement.points.need(column)) for column in columns])
+    number = np.column_stack(
+        [levels_of(column, measurement.points.need(column)) for column in columns]
+    )
     combinations, which = np.unique(number, axis=0, return_inverse=True)
-    curves = [_Curve.of(measurement, np.flatnonzero(which.ravel() == i)) for i in range(len(combinations))]
+    curves = [
+        _Curve.of(measurement, np.flatnonzero(which.ravel() == i)) for i in range(len(combinations))
+    ]
     pairs = list(_neighbours(combinations))
     size = number.max(axis=0) + 1
     starts = np.concatenate([[0], np.cumsum(size)])
@@ -119,8 +143,11 @@ def aligned(model: Model, measurement: Measurement) -> dict[str, float]:
     for row, (i, j, k) in enumerate(pairs):
         matrix[row, starts[k] + combinations[j, k]] = 1.0
         matrix[row, starts[k] + combinations[i, k]] = -1.0
-        differences[row] = _pair(curves[i], curves[j], _moves(model, columns[k]), _lifts(own, columns[k]))
-    # Pairs tell differences only: of all answers the one of least size is taken, and referred to one level below.
+        differences[row] = _pair(
+            curves[i], curves[j], _moves(model, columns[k]), _lifts(own, columns[k])
+        )
+    # Pairs tell differences only: of all answers the one of least size is taken, and referred to
+    # one level below.
     log_factors = np.linalg.lstsq(matrix, differences, rcond=None)[0]
     guesses: dict[str, float] = {}
     for prefix, element in own:
@@ -136,8 +163,10 @@ def aligned(model: Model, measurement: Measurement) -> dict[str, float]:
     return guesses
 
 
-def superposed(model: Model, measurement: Measurement) -> tuple[Model, Measurement, dict[str, float]]:
-    """The data laid over one another, the model without its free factors, and the first guesses of these."""
+def superposed(
+    model: Model, measurement: Measurement
+) -> tuple[Model, Measurement, dict[str, float]]:
+    """The data laid over one another, the model without free factors, first guesses of these."""
     guesses = aligned(model, measurement)
     omega, stiffness, sd = measurement.omega, measurement.stiffness, measurement.sd
     for prefix, element in _level_effects(model):
@@ -160,7 +189,9 @@ def _level_effects(model: Model) -> Iterator[tuple[str, Levels]]:
 
 
 def _moves(model: Model, column: str) -> bool:
-    return any(effect.composition.kind is Shift and column in effect.needs for effect in model.effects)
+    return any(
+        effect.composition.kind is Shift and column in effect.needs for effect in model.effects
+    )
 
 
 def _lifts(own: list[tuple[str, Levels]], column: str) -> bool:

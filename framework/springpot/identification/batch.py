@@ -1,4 +1,4 @@
-"""One model fitted to many data sets on one grid, such as simulated ones: all of them side by side."""
+"""One model fitted to many data sets on one grid, such as simulated ones, side by side."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from springpot.errors import OptionError
-from springpot.rheology import Complex, Model, Points, Real
+from springpot.rheology.model import Model
+from springpot.rheology.points import Complex, Points, Real
 
 from .leastsquares import Rows, Solution
 from .native import CONFIRMED, NEAR, SAME, within_bounds
@@ -33,11 +34,11 @@ def fit_batch(
     stiffness : ndarray of complex, shape (B, n)
         Data.
     weights : ndarray, shape (B, n)
-        Complex: weights of the real parts and of the imaginary parts; real: of both alike. One for all, or shape (n,)
-        for all data sets, serves too.
+        Complex: weights of the real parts and of the imaginary parts; real: of both alike. One for
+        all, or shape (n,) for all data sets, serves too.
     starts : int
-        Starts for a data set at most. The best one goes first; only data sets that are not yet at the noise-free
-        level or whose optimum no second start has confirmed get more.
+        Starts for a data set at most. The best one goes first; only data sets that are not yet at
+        the noise-free level or whose optimum no second start has confirmed get more.
     seeds_theta : ndarray, shape (B, s, p), optional
         Given starts, taken before those read off the data.
     logarithmic : bool
@@ -70,19 +71,24 @@ def fit_batch(
     stiffness = np.asarray(stiffness, dtype=np.complex128)
     if stiffness.ndim != 2 or stiffness.shape[1] != points.omega.shape[-1]:
         raise OptionError(
-            f"stiffness has the shape {stiffness.shape}: write (B, {points.omega.shape[-1]}), a row of all points "
-            "for each data set; one data set is stiffness[None, :]"
+            f"stiffness has the shape {stiffness.shape}: write (B, {points.omega.shape[-1]}), a row"
+            " of all points for each data set; one data set is stiffness[None, :]"
         )
     task = Task(model, points, stiffness, _of_both_parts(weights, stiffness.shape), logarithmic)
     v = task.starts(starts)[0]
     if seeds_theta is not None:
-        given = task.coordinates.u(np.asarray(seeds_theta, dtype=float), task.coordinates.size[:, None, :])
+        given = task.coordinates.u(
+            np.asarray(seeds_theta, dtype=float), task.coordinates.size[:, None, :]
+        )
         v = np.concatenate([task.shaped(given), v], axis=1)
     # The best scanned shape stands in until a descent has given something better.
     best, cost = v[:, 0].copy(), np.full(len(v), np.inf)
     _rounds(task, v, best, cost)
     solution = task.solve(task.full(best[:, None, :]), damping=NEAR)
-    return within_bounds(model, task.coordinates.theta(solution.u, task.coordinates.size)), solution.cost
+    return (
+        within_bounds(model, task.coordinates.theta(solution.u, task.coordinates.size)),
+        solution.cost,
+    )
 
 
 def _of_both_parts(weights: ArrayLike, shape: tuple[int, ...]) -> Complex:
@@ -94,9 +100,13 @@ def _of_both_parts(weights: ArrayLike, shape: tuple[int, ...]) -> Complex:
     try:
         full = np.broadcast_to(given, shape)
     except ValueError:
-        raise OptionError(f"weights have the shape {given.shape}: write that of the stiffness, {shape}") from None
+        raise OptionError(
+            f"weights have the shape {given.shape}: write that of the stiffness, {shape}"
+        ) from None
     if not np.isfinite(full).all() or (full.real < 0).any() or (full.imag < 0).any():
-        raise OptionError("weights must be finite and not negative, such as 1 over the standard deviations")
+        raise OptionError(
+            "weights must be finite and not negative, such as 1 over the standard deviations"
+        )
     return np.asarray(full, dtype=np.complex128)
 
 
@@ -104,7 +114,8 @@ def _rounds(task: Task, v: Real, best: Real, cost: Real) -> None:
     """Search shapes from ever more of the starts (B, s, d); `best` and `cost` take the results."""
     rows, first, width, iterations = np.arange(len(v)), 0, 1, 15
     while len(rows) and first < v.shape[1]:
-        # Most data sets are done with their best start: only the others get more starts, and more steps for each.
+        # Most data sets are done with their best start: only the others get more starts, and more
+        # steps for each.
         part = task
         if len(rows) < len(v):
             part = task.rows(rows)
@@ -119,7 +130,10 @@ def _rounds(task: Task, v: Real, best: Real, cost: Real) -> None:
 
 
 def _take_best(solution: Solution, best: Real, cost: Real, rows: Rows) -> NDArray[np.bool_]:
-    """Enter improvements; says which data sets have now come to rest at their best objective from two starts."""
+    """Enter improvements.
+
+    Says which data sets have now come to rest at their best objective from two starts.
+    """
     starts = len(solution.cost) // len(rows)
     costs, at = solution.cost.reshape(len(rows), starts), solution.u.reshape(len(rows), starts, -1)
     which = np.argmin(costs, axis=1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from springpot.errors import OptionError
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 from .leastsquares import levenberg_marquardt
 from .native import scanned_starts
@@ -14,7 +14,9 @@ from .recorder import Recorder
 
 
 class BoundedDescent:
-    """Levenberg-Marquardt in coordinates in which every parameter is a ratio: logarithms, or fractions of the box.
+    """Levenberg-Marquardt in coordinates in which every parameter is a ratio.
+
+    Logarithms, or fractions of the box.
 
     Parameters
     ----------
@@ -24,7 +26,9 @@ class BoundedDescent:
 
     def __init__(self, recorder: Recorder) -> None:
         self.recorder = recorder
-        self._log = np.array([p.scale == "log" and p.lower >= 0 for p in recorder.problem.space.parameters])
+        self._log = np.array(
+            [p.scale == "log" and p.lower >= 0 for p in recorder.problem.space.parameters]
+        )
 
     def from_scan(self, rng: np.random.Generator, starts: int) -> Real:
         """Objectives (starts,) at the ends of descents from the best of one scan of shapes.
@@ -44,8 +48,9 @@ class BoundedDescent:
         problem = self.recorder.problem
         if not isinstance(problem, Problem):
             raise OptionError("shapes are scanned among sweeps only")
-        # A scanned shape costs a model evaluation too: the recorder is asked for the objective at each. The scan
-        # gives the best first, of which a run that has counted a few of them must know nothing yet.
+        # A scanned shape costs a model evaluation too: the recorder is asked for the objective at
+        # each. The scan gives the best first, of which a run that has counted a few of them must
+        # know nothing yet.
         scanned = rng.permutation(self._admitted(scanned_starts(problem, rng)))
         best = scanned[np.argsort(self.recorder.batch(scanned))[:starts]]
         # In the box of the study, so that this descent searches where all others do.

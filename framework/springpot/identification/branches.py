@@ -1,8 +1,10 @@
-"""Variable projection: the gains of a network's branches are linear, so only the shapes need a search.
+"""Variable projection.
 
-A network is linear in the gain of each branch of its outermost composition: stiffnesses of parallel branches add,
-compliances of branches in series add (G. H. Golub and V. Pereyra, 1973, doi:10.1137/0710036; the Jacobian is that of
-L. Kaufman, 1975, doi:10.1007/BF01932995).
+The gains of a network's branches are linear, so only the shapes need a search.
+
+A network is linear in the gain of each branch of its outermost composition: stiffnesses of parallel
+branches add, compliances of branches in series add (G. H. Golub and V. Pereyra, 1973,
+doi:10.1137/0710036; the Jacobian is that of L. Kaufman, 1975, doi:10.1007/BF01932995).
 """
 
 from __future__ import annotations
@@ -13,8 +15,9 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology import Complex, Model, Node, Real
-from springpot.rheology.nodes import Chain, Parallel, Renamed, Series, Shift
+from springpot.rheology.model import Model
+from springpot.rheology.nodes import Chain, Node, Parallel, Renamed, Series, Shift
+from springpot.rheology.points import Complex, Real
 
 LEAST_GAIN = 1e-7
 """Smallest share of the data that a branch is given; a logarithm cannot start at zero."""
@@ -44,7 +47,8 @@ class Branches:
         powers = np.array([float(p.unit.stiffness) for p in network.parameters])
         node = network
         while isinstance(node, Renamed | Chain | Shift):
-            # Chains and shifts act on the whole: the sum of branches stands inside them, as the first child.
+            # Chains and shifts act on the whole: the sum of branches stands inside them, as the
+            # first child.
             if isinstance(node, Renamed):
                 node = node.node
             else:
@@ -56,7 +60,8 @@ class Branches:
             gains = np.where(owner == np.arange(len(sizes))[:, None], powers, 0.0)
             if np.all(np.any(gains != 0.0, axis=1)):
                 return cls(isinstance(node, Series), gains, owner)
-        # No sum, or a branch without a stiffness to scale it by: then the network has one gain as a whole.
+        # No sum, or a branch without a stiffness to scale it by: then the network has one gain as a
+        # whole.
         return cls(False, powers[None, :], np.zeros(len(powers), dtype=np.intp))
 
     @cached_property
@@ -73,7 +78,7 @@ class Branches:
 
     @cached_property
     def _steps(self) -> Real:
-        """How much ln theta changes with the logarithm of the leader of its branch, shape (m, p)."""
+        """Derivative of ln theta by the logarithm of the leader of its branch, shape (m, p)."""
         if not len(self.leaders):
             return self.gains
         steps: Real = self.gains / self.gains[np.arange(len(self.gains)), self.leaders][:, None]
@@ -110,8 +115,8 @@ class Branches:
     def shares(self, theta: Real, value: Complex, by_theta: Complex) -> Complex:
         """What each branch adds to K, or to 1/K, shape (r, m, n).
 
-        K is homogeneous of degree one in the stiffnesses, so that by Euler's theorem a branch's share of it is the
-        derivative by the logarithm of the branch's gain.
+        K is homogeneous of degree one in the stiffnesses, so that by Euler's theorem a branch's
+        share of it is the derivative by the logarithm of the branch's gain.
         """
         shares: Complex = np.matmul(self.gains * theta[:, None, :], by_theta)
         if self.compliance:
@@ -206,7 +211,9 @@ def _descended(matrix: Real, right: Real, x: Real) -> Real:
 
 
 def project(shares: Real, target: Real) -> tuple[Real, Real, Real]:
-    """Non-negative gains that bring the weighted shares (r, m, q) closest to the weighted target (r or 1, q).
+    """Non-negative gains that bring the weighted shares closest to the weighted target.
+
+    The shares are (r, m, q), the target is (r or 1, q).
 
     Returns
     -------
@@ -217,7 +224,8 @@ def project(shares: Real, target: Real) -> tuple[Real, Real, Real]:
     inverse : ndarray, shape (r, m, m)
         Inverse of the Gram matrix of the shares whose gains are not held at their least value.
     """
-    # Normal equations of a few branches: what they lose in digits the descent in all parameters brings back.
+    # Normal equations of a few branches: what they lose in digits the descent in all parameters
+    # brings back.
     gram = np.matmul(shares, shares.transpose(0, 2, 1))
     m = gram.shape[-1]
     # All columns and the target get length one, so that the least gain is a share of the data.

@@ -1,7 +1,10 @@
-"""Search coordinates: every parameter as a ratio to its natural size, so that all directions are alike.
+"""Search coordinates.
 
-A parameter searched by its logarithm becomes ln(theta / size). A springpot's constant becomes the logarithm of its
-stiffness at the reference frequency, c omega^alpha, which unlike c itself is all but independent of alpha.
+Every parameter as a ratio to its natural size, so that all directions are alike.
+
+A parameter searched by its logarithm becomes ln(theta / size). A springpot's constant becomes the
+logarithm of its stiffness at the reference frequency, c omega^alpha, which unlike c itself is all
+but independent of alpha.
 """
 
 from __future__ import annotations
@@ -14,7 +17,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology import Complex, Parameter, Real
+from springpot.rheology.parameters import Parameter
+from springpot.rheology.points import Complex, Real
 
 Slopes = TypeVar("Slopes", Real, Complex)
 
@@ -51,7 +55,11 @@ class Coordinates:
 
     @classmethod
     def of(
-        cls, parameters: Sequence[Parameter], log_omega: float, stiffness: Real, amplitude: float = 1.0
+        cls,
+        parameters: Sequence[Parameter],
+        log_omega: float,
+        stiffness: Real,
+        amplitude: float = 1.0,
     ) -> Coordinates:
         """Coordinates for data of these sizes.
 
@@ -107,7 +115,8 @@ class Coordinates:
     def carry(self, by_theta: Slopes, theta: Real, size: Real) -> Slopes:
         """Turn derivatives by theta (..., p, m) into those by u, in place."""
         for constant, order in self.pairs:
-            # The coordinate of c stands still while the order moves: c itself then has to follow, as omega^-alpha.
+            # The coordinate of c stands still while the order moves: c itself then has to follow,
+            # as omega^-alpha.
             drift = -self.log_omega * theta[..., constant, None]
             by_theta[..., order, :] += drift * by_theta[..., constant, :]
         # d theta / du is theta itself of a logarithm, and the size of a ratio.
@@ -119,7 +128,10 @@ class Coordinates:
         return self.carry(np.eye(len(theta)), theta, size).T
 
     def bounds(self) -> tuple[Real, Real]:
-        """Lower and upper u for each data set, shape (B, p); half-open ones are twelve decades wide."""
+        """Lower and upper u for each data set, shape (B, p).
+
+        Half-open ones are twelve decades wide.
+        """
         lower = np.array([p.lower for p in self.parameters]) / self.size
         upper = np.array([p.upper for p in self.parameters]) / self.size
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -162,10 +174,12 @@ def _layout(parameters: tuple[Parameter, ...]) -> _Layout:
 def _size(parameter: Parameter) -> tuple[float, float, float, float]:
     """Natural size as a factor and powers of |K|, time and amplitude."""
     if parameter.scale == "linear" and np.isfinite(parameter.upper - parameter.lower):
-        # What has two ends, such as an order, is measured by the way between them, whatever the data.
+        # What has two ends, such as an order, is measured by the way between them, whatever the
+        # data.
         return parameter.upper - parameter.lower, 0.0, 0.0, 0.0
     unit = parameter.unit
-    # A power of time that is itself a parameter is dealt with where its value is known: see `pairs`.
+    # A power of time that is itself a parameter is dealt with where its value is known: see
+    # `pairs`.
     time = 0.0
     if not isinstance(unit.time, str):
         time = float(unit.time)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from springpot.measurement import Measurement
-from springpot.rheology import Model, Real
+from springpot.measurement.measurement import Measurement
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
 
 from .native import Fit
 from .uncertainty import Uncertainty
@@ -42,7 +43,9 @@ class Estimate:
 
     @property
     def theta(self) -> Real:
-        """The free parameters, shape (p,), in the units of the measurement: a mass of data in kN/m is in Mg.
+        """The free parameters, shape (p,), in the units of the measurement.
+
+        A mass of data in kN/m is in Mg.
 
         `parameters` of an `Identification` has them as they are printed.
         """

@@ -12,7 +12,7 @@ import numpy as np
 from .optimiser import Optimiser
 from .problem import Searched
 from .record import contradiction
-from .run import Run, run
+from .runs import Run, run
 
 DEADLINE = 300.0
 """Seconds of a run, as in a study."""
@@ -23,8 +23,8 @@ MEMORY = 2048
 def guarded(optimiser: Optimiser, problem: Searched, budget: int, rng: np.random.Generator) -> Run:
     """`run` in a process of its own; a crash, a hang or a forged record is a run that failed.
 
-    The process is a copy of this one. Where other threads run here, that would not be safe, and the run takes place
-    in this process; its record is checked all the same.
+    The process is a copy of this one. Where other threads run here, that would not be safe, and the
+    run takes place in this process; its record is checked all the same.
 
     Parameters
     ----------
@@ -51,7 +51,9 @@ def _failure(optimiser: Optimiser, problem: Searched, reason: str) -> Run:
     return Run(optimiser.name, f"failed: {reason}", np.inf, nowhere, theta, 0, 0, 0.0, ())
 
 
-def _elsewhere(optimiser: Optimiser, problem: Searched, budget: int, rng: np.random.Generator) -> Run:
+def _elsewhere(
+    optimiser: Optimiser, problem: Searched, budget: int, rng: np.random.Generator
+) -> Run:
     from springpot.processes import elsewhere, unpacked
 
     def action(report: Callable[[bytes], object]) -> None:
@@ -68,7 +70,8 @@ def _elsewhere(optimiser: Optimiser, problem: Searched, budget: int, rng: np.ran
     try:
         return _told(optimiser, problem, unpacked(ended.message))
     except Exception:
-        # What was cut short or never was a run tells nothing: how the process ended is told instead.
+        # What was cut short or never was a run tells nothing: how the process ended is told
+        # instead.
         return _failure(optimiser, problem, ended.cause)
 
 

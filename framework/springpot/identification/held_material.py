@@ -1,14 +1,16 @@
-"""Intervals of effects around any material: the spectrum is solved anew wherever the effect is held.
+"""Intervals of effects around any material.
 
-The weights of a spectrum may not fall below zero, and lines that carry nothing at the best fit may carry something
-beside another size of the effect. Neither shows in the slopes at the best fit.
+The spectrum is solved anew wherever the effect is held.
+
+The weights of a spectrum may not fall below zero, and lines that carry nothing at the best fit may
+carry something beside another size of the effect. Neither shows in the slopes at the best fit.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 from .lack_of_fit import widened
 from .material import SpectrumSearch, is_material, own_parameters
@@ -16,7 +18,10 @@ from .native import Fit
 from .uncertainty import Uncertainty, allowed_cost
 
 MOST_PROFILED = 6
-"""Parameters around a free spectrum of which profiles are taken; factors of many levels would take seconds."""
+"""Parameters around a free spectrum of which profiles are taken.
+
+Factors of many levels would take seconds.
+"""
 FIRST_STEP = 0.01
 """First step from the best fit, in coordinates, most of them logarithms: a per cent."""
 GROWTH = 1.6
@@ -28,9 +33,12 @@ PRECISE = 1e-4
 
 
 def intervals_beside_material(known: Uncertainty) -> tuple[Real, Real]:
-    """Ends (p,) of the intervals of all parameters, those of effects around a free spectrum by profile.
+    """Ends (p,) of the intervals of all parameters.
 
-    Of several effects' parameters only those that the slopes leave wide, as each takes many fits of the others.
+    Those of effects around a free spectrum by profile.
+
+    Of several effects' parameters only those that the slopes leave wide, as each takes many fits of
+    the others.
 
     Parameters
     ----------
@@ -45,7 +53,8 @@ def intervals_beside_material(known: Uncertainty) -> tuple[Real, Real]:
         ends = known.interval()
         for i in own_parameters(fit.model):
             low[i], high[i] = ends[0][i], ends[1][i]
-        # A profile is that of the scatter of points: what the levels allow has no objective to be followed.
+        # A profile is that of the scatter of points: what the levels allow has no objective to be
+        # followed.
         return low, high
     if not is_material(fit.model) or fit.dof <= 0:
         return low, high
@@ -60,8 +69,12 @@ def intervals_beside_material(known: Uncertainty) -> tuple[Real, Real]:
     return low, high
 
 
-def profile_beside_material(fit: Fit, number: int, rise: float, expected: Real | None = None) -> tuple[float, float]:
-    """Interval of an effect's parameter: where the best objective has risen by so much, all else refitted.
+def profile_beside_material(
+    fit: Fit, number: int, rise: float, expected: Real | None = None
+) -> tuple[float, float]:
+    """Interval of an effect's parameter.
+
+    Where the best objective has risen by so much, all else refitted.
 
     Parameters
     ----------
@@ -105,8 +118,13 @@ def profile_beside_material(fit: Fit, number: int, rise: float, expected: Real |
     return ends[0], ends[1]
 
 
-def _crossing(above: Callable[[float], float], start: float, sign: float, limit: float) -> float | None:
-    """Coordinate on one side at which a function that is negative at the start becomes zero; None if it does not."""
+def _crossing(
+    above: Callable[[float], float], start: float, sign: float, limit: float
+) -> float | None:
+    """Coordinate on one side at which a function that is negative at the start becomes zero.
+
+    None if it does not.
+    """
     from scipy.optimize import brentq  # loading the plugins must not take its time
 
     inner, step = start, FIRST_STEP

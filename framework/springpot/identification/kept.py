@@ -1,4 +1,7 @@
-"""What the JSON of a fit keeps beside what people read, so that it can be taken up again: theta and the data."""
+"""What the JSON of a fit keeps beside what people read, so that it can be taken up again.
+
+Theta and the data.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from springpot.measurement import Measurement, Units
-from springpot.rheology import Continuum, Model, Real
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.units import Units
+from springpot.rheology.continuum import Continuum
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
 
 from .estimate import Estimate
 from .material import is_material
@@ -19,7 +25,7 @@ from .uncertainty import Uncertainty
 
 
 def kept(estimate: Estimate, seed: int) -> dict[str, Any]:
-    """Theta with its intervals in the units of the measurement, what was held and bounded, and the measurement."""
+    """Theta and intervals in the measurement's units, what was held or bounded, the measurement."""
     model, rates = estimate.model, None
     # The lines of a spectrum are placed by the data: the name of the model does not tell them.
     if isinstance(model.material, Continuum):
@@ -59,7 +65,8 @@ def _bounds(model: Model) -> dict[str, list[float | None]]:
     """Bounds that are narrower than those of physics."""
     if not model.constrained:
         return {}
-    # Only what a user narrowed is kept: bounds of physics belong to the model, and may be mended there.
+    # Only what a user narrowed is kept: bounds of physics belong to the model, and may be mended
+    # there.
     wide = {p.name: (p.lower, p.upper) for p in model.released().parameters}
     narrow = [p for p in model.parameters if (p.lower, p.upper) != wide[p.name]]
     return {p.name: _finite(np.array([p.lower, p.upper])) for p in narrow}
@@ -87,14 +94,19 @@ def measurement_to_dict(data: Measurement) -> dict[str, Any]:
 
 
 def measurement_of(kept: dict[str, Any]) -> Measurement:
-    """The measurement that `measurement_to_dict` gave; labels, harmonics and provenance are not kept."""
+    """The measurement that `measurement_to_dict` gave.
+
+    Labels, harmonics and provenance are not kept.
+    """
     sd = None
     if kept["storage_sd"] is not None:
         sd = np.array(kept["storage_sd"]) + 1j * np.array(kept["loss_sd"])
     repeat = None
     if kept["repeat"] is not None:
         repeat = np.array(kept["repeat"])
-    conditions = {name: np.array(column, dtype=float) for name, column in kept["conditions"].items()}
+    conditions = {
+        name: np.array(column, dtype=float) for name, column in kept["conditions"].items()
+    }
     return Measurement(
         np.array(kept["omega"], dtype=float),
         np.array(kept["storage"], dtype=float) + 1j * np.array(kept["loss"], dtype=float),
@@ -107,7 +119,9 @@ def measurement_of(kept: dict[str, Any]) -> Measurement:
     )
 
 
-def fit_of(kept: dict[str, Any], model: Model, objective: Objective, cost: float, evaluations: int) -> Fit:
+def fit_of(
+    kept: dict[str, Any], model: Model, objective: Objective, cost: float, evaluations: int
+) -> Fit:
     """The fit as it was, from what was kept.
 
     Parameters
@@ -129,9 +143,13 @@ def fit_of(kept: dict[str, Any], model: Model, objective: Objective, cost: float
     bounds = {name: _ends(pair) for name, pair in kept["bounds"].items()}
     # As when it was fitted: first what is held, then the levels of the data.
     model = model.holding(kept["held"], bounds).bound_to(data.points)
-    # Strictly: of a model that has changed since the numbers may mean something else, and it is refused.
+    # Strictly: of a model that has changed since the numbers may mean something else, and it is
+    # refused.
     theta = model.vector(dict(zip(model.names, kept["theta"], strict=True)))
-    if not all(p.lower <= value <= p.upper for p, value in zip(model.parameters, theta.tolist(), strict=True)):
+    if not all(
+        p.lower <= value <= p.upper
+        for p, value in zip(model.parameters, theta.tolist(), strict=True)
+    ):
         raise ValueError(f"theta {theta.tolist()} is not within the bounds of {model.name}")
     return Fit(model, data, objective, theta, cost, evaluations, bool(kept["converged"]))
 

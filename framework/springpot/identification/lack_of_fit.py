@@ -1,7 +1,9 @@
-"""Laws that do not follow the levels they join: their constants are known as nearly as the levels scatter about them.
+"""Laws that do not follow the levels they join.
 
-The points of a sweep share its level's error. Where a law of temperature is off at each level by more than the points
-scatter, more points at a level tell no more of its constants; more levels do.
+Their constants are known as nearly as the levels scatter about them.
+
+The points of a sweep share its level's error. Where a law of temperature is off at each level by
+more than the points scatter, more points at a level tell no more of its constants; more levels do.
 """
 
 from __future__ import annotations
@@ -13,9 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import f_sf
-from springpot.policy import SUPERPOSITION
-from springpot.rheology import Effect, Model, Real, levels_of
+from springpot.rheology.effect import Effect
+from springpot.rheology.levels import levels_of
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
 from springpot.rheology.thermal import LARGEST_SHIFT
+from springpot.thresholds import SUPERPOSITION
 
 from .native import Fit
 from .objective import weighted
@@ -37,10 +42,13 @@ def laws_of_shift(model: Model) -> Iterator[Effect]:
 
 
 def lack_of_fit(known: Uncertainty, column: str) -> tuple[float, float] | None:
-    """Root mean square by which sweeps ask for shifts of their own, and its degrees of freedom; None if by chance.
+    """Root mean square by which sweeps ask for shifts of their own, and its degrees of freedom.
 
-    The test of lack of fit: what a free factor at each level would gain, in a step of least squares, over the scatter
-    that is then left (Fisher; N. R. Draper and H. Smith, Applied Regression Analysis, 1998, section 2.1).
+    None if by chance.
+
+    The test of lack of fit: what a free factor at each level would gain, in a step of least
+    squares, over the scatter that is then left (Fisher; N. R. Draper and H. Smith, Applied
+    Regression Analysis, 1998, section 2.1).
 
     Parameters
     ----------
@@ -56,7 +64,9 @@ def lack_of_fit(known: Uncertainty, column: str) -> tuple[float, float] | None:
     weights = fit.task.weights[0]
     if fit.task.logarithmic:
         slope = slope / fit.model.stiffness(fit.theta, points)
-    columns = [weighted(np.where(number == i, slope, 0.0), weights) for i in range(int(number.max()) + 1)]
+    columns = [
+        weighted(np.where(number == i, slope, 0.0), weights) for i in range(int(number.max()) + 1)
+    ]
     freed, residual = np.nan_to_num(np.array(columns).T), fit.residual
     if known.expected is not None:
         # What was expected knows of no shift.
@@ -79,14 +89,17 @@ def lack_of_fit(known: Uncertainty, column: str) -> tuple[float, float] | None:
 
 
 def widened(known: Uncertainty) -> Uncertainty:
-    """What is known of the laws of a model, by the scatter of the levels about them where that is the larger."""
+    """What is known of the laws of a model.
+
+    By the scatter of the levels about them where that is the larger.
+    """
     if known.fit.dof <= 0:
         return known
     for effect in laws_of_shift(known.fit.model):
         (column,) = effect.needs
         spreads = [(known.scale, float(known.fit.dof))]
-        # Neighbours that are alike count for fewer, whether or not a factor at each level would mend them; what was
-        # given as the noise may hold what they share already.
+        # Neighbours that are alike count for fewer, whether or not a factor at each level would
+        # mend them; what was given as the noise may hold what they share already.
         if not known.absolute:
             spreads = [(known.scale * float(np.sqrt(_alike(known, column))), float(known.fit.dof))]
         lack = lack_of_fit(known, column)
@@ -99,7 +112,10 @@ def widened(known: Uncertainty) -> Uncertainty:
 
 
 def beyond_its_pole(fit: Fit) -> Iterator[str]:
-    """A sentence for each law that is without end at levels that were measured: there it tells nothing."""
+    """A sentence for each law that is without end at levels that were measured.
+
+    There it tells nothing.
+    """
     points = fit.measurement.points
     for effect in laws_of_shift(fit.model):
         own = [i for i, name in enumerate(fit.model.names) if name.startswith(f"{effect.name}.")]
@@ -117,8 +133,9 @@ def beyond_its_pole(fit: Fit) -> Iterator[str]:
             unit = " degC"
         where = f"{column} {values.min():.3g} to {values.max():.3g}{unit}"
         yield (
-            f"{effect.name} is no law of these data: at {where} it is beyond its pole, or shifts by more than "
-            f"{LARGEST_SHIFT / np.log(10.0):.2g} decades; its constants are none of a material"
+            f"{effect.name} is no law of these data: at {where} it is beyond its pole, or shifts by"
+            f" more than {LARGEST_SHIFT / np.log(10.0):.2g} decades;"
+            " its constants are none of a material"
         )
 
 
@@ -128,7 +145,9 @@ def _alike(known: Uncertainty, column: str) -> float:
 
 
 def alike(residual: Real, omega: Real, number: NDArray[np.int64]) -> float:
-    """Factor on variances because neighbouring residuals are alike: (1 + r) / (1 - r) for their correlation r.
+    """Factor on variances because neighbouring residuals are alike.
+
+    (1 + r) / (1 - r) for their correlation r.
 
     Parameters
     ----------
@@ -154,7 +173,7 @@ def alike(residual: Real, omega: Real, number: NDArray[np.int64]) -> float:
 
 
 def _spanned(columns: Real, whole: Real | None = None) -> Real:
-    """Orthonormal basis of what columns span, of columns of which something is left beside their whole size."""
+    """Orthonormal basis of columns of which something is left beside their whole size."""
     size = np.linalg.norm(columns, axis=0)
     if whole is None:
         whole = size

@@ -1,7 +1,7 @@
 """Levenberg-Marquardt for many small least-squares problems side by side.
 
-Every row is a problem of its own with its own damping; rows leave the batch as they converge. There is no loop over
-rows, so that one call costs about as much for one start as for twenty.
+Every row is a problem of its own with its own damping; rows leave the batch as they converge. There
+is no loop over rows, so that one call costs about as much for one start as for twenty.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 Rows: TypeAlias = NDArray[np.intp]
 Evaluate: TypeAlias = Callable[[Real, Rows], tuple[Real, Real]]
@@ -24,13 +24,14 @@ LEAST_DAMPING = 1e-13
 SHRINK = 0.05
 """Strongest reduction of the damping after a step that did as foretold."""
 FLAT = 1e-13
-"""A predicted drop of this fraction of the objective moves no parameter by a millionth of its deviation."""
+"""A predicted drop of this share of the objective moves no parameter by 1e-6 of its deviation."""
 STILL = 1e-12
 """A step of this size in search coordinates (ratios) changes nothing that is printed."""
 ALIKE = 1e-9
 """Ends of two descents within this fraction of the objective are one optimum."""
 REACH = 3.0
-"""Longest step in one search coordinate: a factor of e^3 for a parameter searched by its logarithm."""
+"""Longest step in one search coordinate: a factor of e^3 for a parameter searched by its logarithm.
+"""
 
 
 TRIED = ("u", "cost", "gradient", "jtj", "residual")
@@ -51,7 +52,8 @@ class Solution:
     residual : ndarray, shape (R, m)
         Residuals at `u`.
     converged : ndarray of bool, shape (R,)
-        Whether the row stopped by itself; false where its team no longer needed it or the iterations ran out.
+        Whether the row stopped by itself; false where its team no longer needed it or the
+        iterations ran out.
     evaluations : int
         Rows evaluated in all, each with its derivative.
     """
@@ -134,7 +136,9 @@ class _Rules:
 
     def of_rows(self, rows: Rows) -> _Rules:
         """Those of the rows still at work."""
-        return replace(self, lower=self.lower[rows], upper=self.upper[rows], floors=self.floors[rows])
+        return replace(
+            self, lower=self.lower[rows], upper=self.upper[rows], floors=self.floors[rows]
+        )
 
 
 def levenberg_marquardt(
@@ -156,7 +160,8 @@ def levenberg_marquardt(
     Parameters
     ----------
     evaluate : callable
-        From search points (r, p) and their row numbers (r,) to residuals (r, m) and their derivative (r, p, m).
+        From search points (r, p) and their row numbers (r,) to residuals (r, m) and their
+        derivative (r, p, m).
     u0 : ndarray, shape (R, p)
         Starts.
     lower, upper : ndarray, shape (R, p) or (p,)
@@ -164,8 +169,8 @@ def levenberg_marquardt(
     floor : ndarray, shape (R,), or float
         Objective at which nothing but rounding is left.
     team : ndarray of int, shape (R,), optional
-        Rows that are starts of one problem: they stop together once one reaches its floor, or once `confirm` of
-        them have converged to the best objective seen.
+        Rows that are starts of one problem: they stop together once one reaches its floor, or once
+        `confirm` of them have converged to the best objective seen.
     confirm : int
         How many rows of a team must agree.
     iterations : int
@@ -173,8 +178,9 @@ def levenberg_marquardt(
     damping : float
         Of the first step.
     flat : float
-        A row has converged once the drop foretold is this fraction of its objective. Only a step that is hardly
-        damped foretells all that is left to gain; a damped one counts from `FLAT` on.
+        A row has converged once the drop foretold is this fraction of its objective. Only a step
+        that is hardly damped foretells all that is left to gain; a damped one counts from `FLAT`
+        on.
     alike : float
         Ends within this fraction of the best objective agree with it.
 
@@ -185,21 +191,24 @@ def levenberg_marquardt(
 
     Notes
     -----
-    Steps are damped in proportion to the diagonal of J J' (D. W. Marquardt, 1963, doi:10.1137/0111030); the damping
-    grows as in H. B. Nielsen, Damping parameter in Marquardt's method, IMM-REP-1999-05. A variable at a bound towards
-    which the objective falls is frozen for the step.
+    Steps are damped in proportion to the diagonal of J J' (D. W. Marquardt, 1963,
+    doi:10.1137/0111030); the damping grows as in H. B. Nielsen, Damping parameter in Marquardt's
+    method, IMM-REP-1999-05. A variable at a bound towards which the objective falls is frozen for
+    the step.
 
     Examples
     --------
     >>> import numpy as np
     >>> from springpot.identification import levenberg_marquardt
     >>> evaluate = lambda u, rows: (u**2 - 2.0, (2.0 * u)[:, :, None])
-    >>> levenberg_marquardt(evaluate, np.array([[1.0], [5.0]]), np.zeros(1), np.full(1, 10.0)).u.round(6)
+    >>> starts, lower, upper = np.array([[1.0], [5.0]]), np.zeros(1), np.full(1, 10.0)
+    >>> levenberg_marquardt(evaluate, starts, lower, upper).u.round(6)
     array([[1.414214],
            [1.414214]])
     """
     rules = _Rules.of(u0, lower, upper, floor, team, confirm, flat, alike)
-    # Trials may lie where a model overflows: such a step is taken back, and no warning is wanted for it.
+    # Trials may lie where a model overflows: such a step is taken back, and no warning is wanted
+    # for it.
     with np.errstate(all="ignore"):
         state = _first(evaluate, np.clip(u0, rules.lower, rules.upper), damping)
         # Rows are written back here as they leave, so that those at work stay packed together.
@@ -211,7 +220,10 @@ def levenberg_marquardt(
 def _descend(
     evaluate: Evaluate, state: _State, ended: _State, rules: _Rules, iterations: int
 ) -> tuple[NDArray[np.bool_], int]:
-    """Step until all rows have retired to `ended`; says which converged (R,), and how many steps rows took in all."""
+    """Step until all rows have retired to `ended`.
+
+    Says which converged (R,), and how many steps rows took in all.
+    """
     converged = np.zeros(len(state.rows), dtype=bool)
     steps, own = 0, rules
     finished = state.cost <= rules.floors
@@ -238,7 +250,9 @@ def _first(evaluate: Evaluate, u: Real, damping: float) -> _State:
     cost, gradient, jtj = _normal(residual, jacobian)
     # So that any finite trial is better than a start without a value.
     cost = np.where(np.isfinite(cost), cost, np.inf)
-    return _State(rows, u, cost, gradient, jtj, residual, np.full(len(u), damping), np.full(len(u), 2.0))
+    return _State(
+        rows, u, cost, gradient, jtj, residual, np.full(len(u), damping), np.full(len(u), 2.0)
+    )
 
 
 def _normal(residual: Real, jacobian: Real) -> tuple[Real, Real, Real]:
@@ -250,7 +264,9 @@ def _normal(residual: Real, jacobian: Real) -> tuple[Real, Real, Real]:
 
 def _advance(evaluate: Evaluate, state: _State, rules: _Rules) -> NDArray[np.bool_]:
     """One damped step of every row, by its own rules; says which rows are finished."""
-    trial = np.minimum(np.maximum(state.u + _step(state, rules.lower, rules.upper), rules.lower), rules.upper)
+    trial = np.minimum(
+        np.maximum(state.u + _step(state, rules.lower, rules.upper), rules.lower), rules.upper
+    )
     step = trial - state.u
     # The drop that the quadratic model foretells for the step as it was cut, not as it was wanted.
     bent = np.matmul(state.jtj, step[:, :, None])[:, :, 0]
@@ -281,7 +297,8 @@ def _step(state: _State, lower: Real, upper: Real) -> Real:
     p = matrix.shape[-1]
     diagonal = matrix.reshape(-1, p * p)[:, :: p + 1]
     stiffest = diagonal.max(axis=1, keepdims=True)
-    # A parameter that moves no residual has nothing on the diagonal: it is damped as if by a trace of the stiffest.
+    # A parameter that moves no residual has nothing on the diagonal: it is damped as if by a trace
+    # of the stiffest.
     diagonal += state.damping[:, None] * np.maximum(diagonal, 1e-8 * stiffest) + 1e-300
     if frozen.any():
         # Rows and columns of the unit matrix, which leave the other equations as they are.
@@ -309,7 +326,8 @@ def _solved(matrix: Real, right: Real) -> Real:
 
 def _damp(state: _State, better: NDArray[np.bool_], ratio: Real) -> None:
     """Less damping the better the quadratic model foretold the drop, ever more after failures."""
-    # The cubic and the doubled growth are those of Nielsen (see the notes of `levenberg_marquardt`).
+    # The cubic and the doubled growth are those of Nielsen (see the notes of
+    # `levenberg_marquardt`).
     miss = 2.0 * ratio - 1.0
     trust = np.maximum(1.0 - miss * miss * miss, SHRINK)
     damping = state.damping * np.where(better, trust, state.growth)
@@ -318,9 +336,13 @@ def _damp(state: _State, better: NDArray[np.bool_], ratio: Real) -> None:
 
 
 def _retire(
-    state: _State, ended: _State, finished: NDArray[np.bool_], converged: NDArray[np.bool_], rules: _Rules
+    state: _State,
+    ended: _State,
+    finished: NDArray[np.bool_],
+    converged: NDArray[np.bool_],
+    rules: _Rules,
 ) -> None:
-    """Store the rows and let go those that are finished, with the team-mates that are no longer needed."""
+    """Store the rows; let go of the finished ones and of team-mates no longer needed."""
     _store(state, ended)
     done = finished
     if rules.team is not None:
@@ -333,7 +355,9 @@ def _store(state: _State, ended: _State) -> None:
         getattr(ended, name)[state.rows] = getattr(state, name)
 
 
-def _done_teams(team: Rows, converged: NDArray[np.bool_], cost: Real, rules: _Rules) -> NDArray[np.bool_]:
+def _done_teams(
+    team: Rows, converged: NDArray[np.bool_], cost: Real, rules: _Rules
+) -> NDArray[np.bool_]:
     """Teams of which one row has reached its floor or enough rows agree on the best objective."""
     teams = int(team.max()) + 1
     # Over rows still at work too: none may be called the best while another is lower.

@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 from .problem import Searched
 
@@ -26,12 +26,15 @@ class BudgetSpent(BaseException):
 
 @dataclass(eq=False)
 class Ledger:
-    """The truth about a run; see `springpot.identification.Recorder` for what it does and its parameters.
+    """The truth about a run.
+
+    See `springpot.identification.Recorder` for what it does and its parameters.
 
     Attributes
     ----------
     evaluations, gradients, batched : int
-        Points evaluated, how many of them with a derivative, and how many in calls for several at once.
+        Points evaluated, how many of them with a derivative, and how many in calls for several at
+        once.
     best, best_x : float, ndarray
         Smallest objective seen and where, shape (d,); empty before the first finite value.
     best_factor : float
@@ -56,7 +59,8 @@ class Ledger:
         self._lowest, self._highest = self.problem.space.lowest, self.problem.space.highest
         # Looked up once: it is called at every evaluation of most optimisers.
         self._evaluate = self.problem.evaluate
-        # Falls to the evaluations made when the target is met, so that one comparison guards the hot path.
+        # Falls to the evaluations made when the target is met, so that one comparison guards the
+        # hot path.
         self._limit = self.budget
 
     @property
@@ -127,10 +131,12 @@ class Ledger:
     def residual_batch(self, x: Real) -> tuple[Real, Real]:
         """Residuals (m, 2n) and their exact Jacobian (m, 2n, d) at points (m, d); m evaluations.
 
-        Rows beyond the budget are not evaluated: their residuals are infinite, their derivatives zero.
+        Rows beyond the budget are not evaluated: their residuals are infinite, their derivatives
+        zero.
         """
         points = self._admitted(np.asarray(x, dtype=float))
-        # The last call of a run may ask for more than is left: what fits is evaluated, and the rest is told as none.
+        # The last call of a run may ask for more than is left: what fits is evaluated, and the rest
+        # is told as none.
         allowed = min(len(points), self.left)
         residual, jacobian = self.problem.residuals_and_jacobian(points[:allowed])
         values = np.einsum("ij,ij->i", residual, residual)
@@ -169,7 +175,8 @@ class Ledger:
 class LedgerGroup:
     """Ledgers of one problem whose points are evaluated in one stacked call.
 
-    It lets a batched optimiser carry all repetitions of a cell side by side; each run records what it would alone.
+    It lets a batched optimiser carry all repetitions of a cell side by side; each run records what
+    it would alone.
 
     Parameters
     ----------
@@ -182,7 +189,9 @@ class LedgerGroup:
         self.problem = self.ledgers[0].problem
 
     def batch(self, x: Real, factor: Real | None = None) -> Real:
-        """Objective (runs, m) at points (runs, m, d); infinite and not evaluated where a run has ended.
+        """Objective (runs, m) at points (runs, m, d).
+
+        Infinite and not evaluated where a run has ended.
 
         Parameters
         ----------
@@ -223,7 +232,11 @@ class LedgerGroup:
 
 
 def _note(
-    ledgers: Sequence[Ledger], points: Real, values: Real, allowed: list[int], factor: Real | None = None
+    ledgers: Sequence[Ledger],
+    points: Real,
+    values: Real,
+    allowed: list[int],
+    factor: Real | None = None,
 ) -> None:
     """Let each count what it was allowed and note, in order, what improves on its best.
 
@@ -253,7 +266,9 @@ def _note(
             ledgers[i].enter_best(point, own)
 
 
-def _write_down(ledgers: Sequence[Ledger], points: Real, allowed: list[int], factor: Real | None) -> None:
+def _write_down(
+    ledgers: Sequence[Ledger], points: Real, allowed: list[int], factor: Real | None
+) -> None:
     """Append what each was allowed to its diary."""
     for i, (ledger, count) in enumerate(zip(ledgers, allowed, strict=True)):
         if ledger.diary is None:
@@ -266,14 +281,16 @@ def _write_down(ledgers: Sequence[Ledger], points: Real, allowed: list[int], fac
 
 
 def _trace(ledgers: Sequence[Ledger], values: Real, bests: Real, rows: list[int]) -> None:
-    """Append to the traces of some ledgers what improves on their best among new values (rows, m)."""
+    """Append to the traces of ledgers what improves on their best among new values (rows, m)."""
     # What was best before each new value, the values of this call that come before it included.
     before = np.empty_like(values)
     before[:, 0] = bests
     np.minimum.accumulate(values[:, :-1], axis=1, out=before[:, 1:])
     np.minimum(before, bests[:, None], out=before)
     run, step = np.nonzero(values < before)
-    for i, column, value in zip(run.tolist(), step.tolist(), values[run, step].tolist(), strict=True):
+    for i, column, value in zip(
+        run.tolist(), step.tolist(), values[run, step].tolist(), strict=True
+    ):
         ledger = ledgers[rows[i]]
         ledger.trace.append((ledger.evaluations + column + 1, value))
 

@@ -1,8 +1,11 @@
-"""Fitting any linear passive material: its spectrum by non-negative least squares, what surrounds it by iteration.
+"""Fitting any linear passive material.
 
-For given parameters of the effects around it the weights of a `Continuum` are a convex problem with one solution:
-no start, no local minimum. The effects' own parameters are found by variable projection (Golub and Pereyra 2003,
-doi:10.1088/0266-5611/19/2/201) with the exact derivative on the lines that carry weight.
+Its spectrum by non-negative least squares, what surrounds it by iteration.
+
+For given parameters of the effects around it the weights of a `Continuum` are a convex problem with
+one solution: no start, no local minimum. The effects' own parameters are found by variable
+projection (Golub and Pereyra 2003, doi:10.1088/0266-5611/19/2/201) with the exact derivative on the
+lines that carry weight.
 """
 
 from __future__ import annotations
@@ -12,34 +15,40 @@ from itertools import chain
 
 import numpy as np
 
-from springpot.measurement import Measurement
+from springpot.measurement.measurement import Measurement
 from springpot.nonnegative import non_negative
-from springpot.rheology import (
+from springpot.rheology.continuum import Continuum
+from springpot.rheology.model import Model
+from springpot.rheology.nodes import (
     GRADIENT,
     Chain,
-    Complex,
-    Continuum,
-    Model,
     Node,
     Parallel,
-    Points,
-    Real,
     Renamed,
     Response,
     Scaled,
     Shift,
 )
+from springpot.rheology.points import Complex, Points, Real
 
 from .coordinates import Coordinates
 from .objective import Objective, weighted
 
 PER_DECADE = 3
-"""Lines a decade of the first lattice: a smooth spectrum is followed to 2 exp(-4.29 * 3) = 5e-6 of K, by the error of
+"""Lines a decade of the first lattice.
+
+A smooth spectrum is followed to 2 exp(-4.29 * 3) = 5e-6 of K, by the error of
 the trapezoidal rule; single Maxwell elements between lines are met by refining it."""
 BEYOND = 2.0
-"""Decades beyond the reduced frequencies: what relaxes further off is a spring or a dashpot to 1 %, squared."""
+"""Decades beyond the reduced frequencies.
+
+What relaxes further off is a spring or a dashpot to 1 %, squared.
+"""
 REFINEMENTS = 3
-"""Times that the lattice is halved about the lines that carry weight; a single Maxwell element lies between lines."""
+"""Times that the lattice is halved about the lines that carry weight.
+
+A single Maxwell element lies between lines.
+"""
 ITERATIONS = 40
 """Steps at most of a descent."""
 QUICK = 10
@@ -61,8 +70,12 @@ ROUNDING = 1e-12
 CLOSER = 0.25
 """Each refined lattice has lines this much closer than the one before."""
 SPARE = 3
-"""Measured numbers that a spectrum leaves over at least, so that its residual tells something of the scatter. Most
-data with noise make it use far fewer lines; few or exact ones would be followed by a line for every number."""
+"""Measured numbers that a spectrum leaves over at least.
+
+So that its residual tells something of the scatter. Most
+data with noise make it use far fewer lines; few or exact ones would be followed by a line for every
+number.
+"""
 STEP = float(np.log(10.0)) / PER_DECADE
 """Between lines of the first lattice, in ln r."""
 FINE = STEP / 8
@@ -96,7 +109,7 @@ def own_parameters(model: Model) -> list[int]:
 
 
 def surprise_at(expected: Real, own: Real) -> Real:
-    """Departures (r,) of the effects' parameters (q,) from what is expected (r, q) of some of them."""
+    """Departures (r,) of effects' parameters (q,) from what is expected (r, q) of some."""
     # A parameter of which nothing is expected may be zero, or have no logarithm.
     known = np.any(expected != 0.0, axis=0)
     return np.asarray(expected[:, known] @ np.log(own[known]), dtype=np.float64)
@@ -181,7 +194,8 @@ class SpectrumSearch:
         self.coordinates = Coordinates.of(self.own, log_omega, np.array([self.scale]), typical)
         self.size = self.coordinates.size[0]
         self.low, self.high = (bound[0] for bound in self.coordinates.bounds())
-        # Then one solution is exact; behind a spring in series K bends with the weights, and it takes a few.
+        # Then one solution is exact; behind a spring in series K bends with the weights, and it
+        # takes a few.
         self.linear = _linear_in_material(model.network)
         self.evaluations = 0
         self._with_lines: dict[bytes, Model] = {}
@@ -190,7 +204,11 @@ class SpectrumSearch:
 
     @classmethod
     def of(
-        cls, model: Model, measurement: Measurement, objective: Objective, expected: Real | None = None
+        cls,
+        model: Model,
+        measurement: Measurement,
+        objective: Objective,
+        expected: Real | None = None,
     ) -> SpectrumSearch:
         """The search in units of an objective, a logarithmic one by its weights relative to |K|."""
         weights = objective.weighing(measurement)
@@ -199,7 +217,7 @@ class SpectrumSearch:
         return cls(model, measurement, np.asarray(weights, dtype=np.complex128), expected)
 
     def held(self, best: Trial, place: int, coordinate: float) -> Trial:
-        """The best spectrum with one of the effects' coordinates held there, and the others refitted."""
+        """The best spectrum with one of the effects' coordinates held, the others refitted."""
         u = best.u.copy()
         u[place] = coordinate
         trial = self.solve(u)
@@ -207,7 +225,9 @@ class SpectrumSearch:
             return trial
         # Bounds that meet hold a coordinate in its place.
         low, high = self.low, self.high
-        self.low, self.high = (np.where(np.arange(len(u)) == place, coordinate, bound) for bound in (low, high))
+        self.low, self.high = (
+            np.where(np.arange(len(u)) == place, coordinate, bound) for bound in (low, high)
+        )
         trial, _ = self.descend(trial, QUICK)
         self.low, self.high = low, high
         return trial
@@ -229,7 +249,10 @@ class SpectrumSearch:
         return surprise_at(self.expected, own)
 
     def with_lines(self, log_rates: Real) -> Model:
-        """The model with a spectrum of these lines; neighbouring settings mostly have the same ones."""
+        """The model with a spectrum of these lines.
+
+        Neighbouring settings mostly have the same ones.
+        """
         key = log_rates.tobytes()
         if key not in self._with_lines:
             lines = Continuum(tuple(np.exp(log_rates).tolist()))
@@ -237,17 +260,23 @@ class SpectrumSearch:
         return self._with_lines[key]
 
     def lattice(self, own: Real) -> Real:
-        """Logarithms of the rates of the first lattice: those that the reduced frequencies can show."""
+        """Logarithms of the rates of the first lattice.
+
+        Those that the reduced frequencies can show.
+        """
         probe = self._probe
         probe.seen.clear()
         with np.errstate(all="ignore"):
             self._probed.network.respond(own, self.points)
         ends = list(chain.from_iterable(probe.seen))
         if not np.all(np.isfinite(ends)) or max(ends) - min(ends) > WIDEST:
-            return np.zeros(0)  # a setting under which nothing can be measured: the solution says so
+            return np.zeros(
+                0
+            )  # a setting under which nothing can be measured: the solution says so
         low = min(seen[0] for seen in probe.seen) - BEYOND * np.log(10.0)
         high = max(seen[1] for seen in probe.seen) + BEYOND * np.log(10.0)
-        # On multiples of the step, so that spectra of neighbouring settings have their lines in common.
+        # On multiples of the step, so that spectra of neighbouring settings have their lines in
+        # common.
         return STEP * np.arange(np.floor(low / STEP), np.ceil(high / STEP) + 1.0)
 
     def respond(self, trial: Trial) -> Response:
@@ -258,12 +287,13 @@ class SpectrumSearch:
             return self.with_lines(trial.log_rates).network.respond(theta, self.points, GRADIENT)
 
     def solve(self, u: Real, log_rates: Real | None = None) -> Trial:
-        """The best spectrum for the effects' parameters `u`; of infinite cost where K is no number."""
+        """The best spectrum for the effects' `u`; of infinite cost where K is no number."""
         if log_rates is None:
             log_rates = self.lattice(self.theta_of(u))
         count = 2 + len(log_rates)
-        # Where K is linear in the weights any start will do, but from zero nothing large cancels: over a wide reduced
-        # range a dashpot's share of |K| is 1e50 at the other end. Elsewhere it matters: all share |K| evenly.
+        # Where K is linear in the weights any start will do, but from zero nothing large cancels:
+        # over a wide reduced range a dashpot's share of |K| is 1e50 at the other end. Elsewhere it
+        # matters: all share |K| evenly.
         start = np.zeros(count)
         if not self.linear:
             start = np.full(count, self.scale / count)
@@ -279,13 +309,15 @@ class SpectrumSearch:
             with np.errstate(over="ignore"):
                 cost = float(residual @ residual) + beside
             if not np.isfinite(cost):
-                break  # K is a number, yet its square is none: a wave in a specimen, driven at its resonance
+                # K is a number, its square is none: a wave in a specimen driven at its resonance.
+                break
             if np.isfinite(foretold):
                 if cost < best.cost:
                     best = replace(trial, cost=cost)
                 if abs(cost - foretold) <= FORETOLD * foretold + ROUNDING:
                     break
-            # What the last weights explain is put back: whole weights are found, and these must not be negative.
+            # What the last weights explain is put back: whole weights are found, and these must not
+            # be negative.
             columns = weighted(response.by_theta[:count], self.weights)
             weights, left = non_negative(columns.T, residual + trial.weights @ columns)
             foretold = left + beside
@@ -302,7 +334,9 @@ class SpectrumSearch:
         hopeless: float = np.inf,
         lines: Real | None = None,
     ) -> tuple[Trial, bool]:
-        """Levenberg-Marquardt on the effects' parameters, and whether it came to rest; ended where it is hopeless.
+        """Levenberg-Marquardt on the effects' parameters, and whether it came to rest.
+
+        Ended where it is hopeless.
 
         The spectrum has the given lines, by default those of the first lattice.
         """
@@ -329,14 +363,18 @@ class SpectrumSearch:
         return trial, False
 
     def _slopes(self, trial: Trial) -> tuple[Real, Real]:
-        """Residual (m,) and its fall (m, q) with u where the lines that carry weight follow; 0 at a bound."""
+        """Residual (m,) and its fall (m, q) with u where the lines that carry weight follow.
+
+        0 at a bound.
+        """
         response, own = self.respond(trial), self.theta_of(trial.u)
         count = len(trial.weights)
         residual = weighted(self.data - response.value, self.weights)
         by_u = self.coordinates.carry(response.by_theta[count:].copy(), own, self.size)
         slopes = weighted(by_u, self.weights).T
         carrying = weighted(response.by_theta[:count][trial.weights > 0.0], self.weights).T
-        # What the weights of the spectrum would take up of a change is no gain of the effects (Golub and Pereyra).
+        # What the weights of the spectrum would take up of a change is no gain of the effects
+        # (Golub and Pereyra).
         basis, _ = np.linalg.qr(carrying / np.maximum(np.linalg.norm(carrying, axis=0), 1e-300))
         slopes = slopes - basis @ (basis.T @ slopes)
         if len(self.expected):
@@ -345,11 +383,13 @@ class SpectrumSearch:
             slopes = np.concatenate([slopes, surprise_slopes(self.expected, own, turn)])
         downhill = slopes.T @ residual
         # What rests on its bound and would go beyond is left where it is.
-        resting = ((trial.u <= self.low) & (downhill < 0.0)) | ((trial.u >= self.high) & (downhill > 0.0))
+        resting = ((trial.u <= self.low) & (downhill < 0.0)) | (
+            (trial.u >= self.high) & (downhill > 0.0)
+        )
         return residual, np.where(resting, 0.0, slopes)
 
     def refined(self, trial: Trial) -> Trial:
-        """The same with lines ever closer about those that carry weight, and wherever one more explains more."""
+        """The same with closer lines about those of weight, and wherever one more explains more."""
         # A setting under which nothing can be measured has no lines.
         if not np.isfinite(trial.cost):
             return trial
@@ -368,9 +408,9 @@ class SpectrumSearch:
     def nearest(self, trial: Trial) -> Trial:
         """The same with a line wherever a further one would explain more, until none would.
 
-        The problem is convex in the spectrum, so that what no single further line betters nothing does (the gradient
-        function of Lindsay 1983, doi:10.1214/aos/1176346059; its peaks by Groeneboom, Jongbloed and Wellner 2008,
-        doi:10.1111/j.1467-9469.2007.00588.x).
+        The problem is convex in the spectrum, so that what no single further line betters nothing
+        does (the gradient function of Lindsay 1983, doi:10.1214/aos/1176346059; its peaks by
+        Groeneboom, Jongbloed and Wellner 2008, doi:10.1111/j.1467-9469.2007.00588.x).
         """
         for _ in range(EXCHANGES):
             carrying = trial.log_rates[trial.weights[2:] > 0.0]
@@ -381,14 +421,15 @@ class SpectrumSearch:
         return trial
 
     def _promising(self, trial: Trial) -> Real:
-        """Logarithms of rates, between those of a fine grid, about which a further line would explain most."""
+        """Logarithms of rates, between those of a fine grid, where a line would explain most."""
         ends = self.lattice(self.theta_of(trial.u))[[0, -1]]
         grid = np.arange(ends[0], ends[1], FINE)
         rates = np.concatenate([trial.log_rates, grid])
         weights = np.concatenate([trial.weights, np.zeros(len(grid))])
         response = self.respond(replace(trial, log_rates=rates, weights=weights))
         columns = weighted(response.by_theta[2 + len(trial.log_rates) : len(weights)], self.weights)
-        # Of columns of one size, so that the square of a slope is what a line there alone would explain.
+        # Of columns of one size, so that the square of a slope is what a line there alone would
+        # explain.
         size = np.maximum(np.linalg.norm(columns, axis=1), 1e-300)
         slope = columns @ weighted(self.data - response.value, self.weights) / size
         worth = slope[1:-1] > ORTHOGONAL * np.sqrt(trial.cost)
@@ -401,13 +442,14 @@ class SpectrumSearch:
         return np.asarray(FINEST * np.unique(np.round(tops / FINEST)), dtype=np.float64)
 
     def affordable(self, trial: Trial) -> Trial:
-        """The same with fewer lines, where those that carry weight are more than the data can bear."""
+        """The same with fewer lines, where those of weight are more than the data can bear."""
         # What is expected of a parameter counts as measured beside the data, and pays for it.
         free = np.sum(~np.any(self.expected != 0.0, axis=0))
         most = max(1, 2 * len(self.data) - SPARE - 2 - int(free))
         if np.sum(trial.weights[2:] > 0.0) <= most:
             return trial
-        # Of a refined lattice the strongest lines are often neighbours: those of the first lattice may do better.
+        # Of a refined lattice the strongest lines are often neighbours: those of the first lattice
+        # may do better.
         coarse = self._strongest(self.solve(trial.u), most)
         return min(self._strongest(trial, most), coarse, key=lambda each: each.cost)
 
@@ -424,7 +466,8 @@ class SpectrumSearch:
     def result(self, trial: Trial, converged: bool) -> Spectral:
         """The fitted model with the lines that carry weight."""
         trial = self.affordable(trial)
-        # Lines without weight are no parameters: they would have intervals, and cost degrees of freedom.
+        # Lines without weight are no parameters: they would have intervals, and cost degrees of
+        # freedom.
         kept = trial.weights[2:] > 0.0
         model = self.with_lines(trial.log_rates[kept])
         theta = np.concatenate([trial.weights[:2], trial.weights[2:][kept], self.theta_of(trial.u)])
@@ -437,7 +480,8 @@ class SpectrumSearch:
 def _step(residual: Real, slopes: Real, damping: float) -> Real:
     """A damped Gauss-Newton step (q,), no coordinate of it beyond `REACH`."""
     size = np.linalg.norm(slopes, axis=0)
-    # Slopes so small that their squares are zero have no size: divided by less they would drown the damping.
+    # Slopes so small that their squares are zero have no size: divided by less they would drown the
+    # damping.
     size = np.maximum(size, 1e-9 * max(float(size.max()), 1e-150))
     scaled = slopes / size
     matrix = scaled.T @ scaled + damping * np.eye(len(size))
@@ -446,7 +490,10 @@ def _step(residual: Real, slopes: Real, damping: float) -> Real:
 
 
 def _linear_in_material(network: Node) -> bool:
-    """Whether K is linear in the weights of the spectrum: only sums, factors and shifts stand around it."""
+    """Whether K is linear in the weights of the spectrum.
+
+    Only sums, factors and shifts stand around it.
+    """
     if isinstance(network, Continuum):
         return True
     if isinstance(network, Renamed | Scaled):

@@ -6,14 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from springpot.measurement import Measurement
-from springpot.measurement import thinned as thinned_rows
-from springpot.rheology import Model, Real
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.replicates import thinned as thinned_rows
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
 
 from .alignment import aligned
 from .material import ITERATIONS, STILL, Spectral, SpectrumSearch, Trial
 from .objective import Objective, relative_objective
-from .settings import Window, settings
+from .ranges import Window, settings
 from .starts import thinned
 
 SETTINGS = 6
@@ -25,11 +26,13 @@ MOST_SETTINGS = 192
 KEPT = 2
 """Settings from which the search begins."""
 COARSE_POINTS = 120
-"""Of more points so many show the effects' parameters; the last steps are taken with all of them."""
+"""Of more points so many show the effects' parameters; the last steps are taken with all of them.
+"""
 LAST = 3
 """Steps with all points: each squares the error that was left."""
 MENDED = 0.98
-"""Share of the objective that closer lines leave at least where the first lattice was close enough."""
+"""Share of the objective that closer lines leave at least where the first lattice was close enough.
+"""
 
 
 def fit_spectrum(
@@ -63,8 +66,8 @@ def fit_spectrum(
     hopeless : float
         Objective above which a descent ends after its first steps.
     expected : ndarray, shape (r, q), optional
-        What is known of the effects' q parameters beforehand: the squares of these rows times their logarithms are
-        added to the objective (Tikhonov's regularisation).
+        What is known of the effects' q parameters beforehand: the squares of these rows times their
+        logarithms are added to the objective (Tikhonov's regularisation).
     """
     search = coarse = SpectrumSearch.of(model, measurement, objective, expected)
     # A material alone is a convex problem: nothing is searched but its lines.
@@ -83,7 +86,8 @@ def fit_spectrum(
     if not seeds:
         settings_of_each = SETTINGS * STARTS
     elif starts:
-        # Beside seeds too: those of a scan may all lie in one valley, and it need not be the deepest.
+        # Beside seeds too: those of a scan may all lie in one valley, and it need not be the
+        # deepest.
         settings_of_each = SETTINGS * min(starts, STARTS)
     places = [seeds]
     if settings_of_each:
@@ -91,8 +95,12 @@ def fit_spectrum(
     ends = []
     for some in places:
         # A setting costs one convex problem; descents are begun only from the best of them.
-        trials = sorted((coarse.solve(coarse.u_of(own)) for own in some), key=lambda trial: trial.cost)
-        ends += [coarse.descend(trial, ITERATIONS, still, hopeless * part) for trial in trials[:KEPT]]
+        trials = sorted(
+            (coarse.solve(coarse.u_of(own)) for own in some), key=lambda trial: trial.cost
+        )
+        ends += [
+            coarse.descend(trial, ITERATIONS, still, hopeless * part) for trial in trials[:KEPT]
+        ]
     best, converged = min(ends, key=lambda end: end[0].cost)
     if coarse is not search:
         start = search.solve(search.u_of(coarse.theta_of(best.u)))
@@ -102,7 +110,7 @@ def fit_spectrum(
 
 
 def least_error(model: Model, measurement: Measurement, known: Sequence[Real]) -> float:
-    """The least relative error, as it is printed, of any linear passive material with the effects of a model.
+    """The least relative error, as printed, of any linear passive material with a model's effects.
 
     Parameters
     ----------
@@ -127,10 +135,10 @@ def least_error(model: Model, measurement: Measurement, known: Sequence[Real]) -
 
 
 def _on_closer_lines(search: SpectrumSearch, trial: Trial) -> Trial:
-    """The same with closer lines, and the effects' parameters fitted anew where those alone have mended much.
+    """The same with closer lines, the effects refitted where those alone have mended much.
 
-    Of single Maxwell elements between the lines of the first lattice, the parameters had to follow what the lines
-    could not: shifts were 2 % off, and the error was 1.2 x that of the noise.
+    Of single Maxwell elements between the lines of the first lattice, the parameters had to follow
+    what the lines could not: shifts were 2 % off, and the error was 1.2 x that of the noise.
     """
     finer = search.refined(trial)
     for _ in range(LAST):
@@ -145,7 +153,10 @@ def _on_closer_lines(search: SpectrumSearch, trial: Trial) -> Trial:
 
 
 def _settings(search: SpectrumSearch, measurement: Measurement, each: int) -> Real:
-    """Settings (m, q) of the effects' parameters, so many of each; factors of levels are read off the data."""
+    """Settings (m, q) of the effects' parameters, so many of each.
+
+    Factors of levels are read off the data.
+    """
     known: dict[str, float] = {}
     if any(effect.by_levels for effect in search.model.effects):
         # A factor for each level is too many to be tried: overlapping sweeps tell where it lies.

@@ -1,4 +1,4 @@
-"""The native solver: Levenberg-Marquardt from starts read off the data, all of them in one batch."""
+"""The native solver: Levenberg-Marquardt from starts read off the data, all in one batch."""
 
 from __future__ import annotations
 
@@ -9,10 +9,12 @@ from time import perf_counter
 
 import numpy as np
 
-from springpot.digits import counted
 from springpot.errors import DataError
-from springpot.measurement import Measurement
-from springpot.rheology import Continuum, Model, Real
+from springpot.format_numbers import counted
+from springpot.measurement.measurement import Measurement
+from springpot.rheology.continuum import Continuum
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
 
 from .alignment import superposed
 from .leastsquares import ALIKE, FLAT, Solution
@@ -31,17 +33,23 @@ LAST = 20
 QUICK = 10
 """Steps in all parameters before the shapes are searched."""
 STOPS = 10.0
-"""Ends within so many times what is not worth a step are one end: each may stop that far above it."""
+"""Ends within so many times what is not worth a step are one end: each may stop that far above it.
+"""
 AGREE = 3
 """Starts that must end in the same optimum for it to be believed."""
 JITTERS = 32
 """Places to which a scan can be moved: few, so that scans on one grid are made once."""
 CONFIRMED = 2
-"""The same of descents that went to their ends, which is no chance meeting of two that were stopped on their way."""
+"""The same of descents that went to their ends, which is no chance meeting of two that were stopped
+on their way.
+"""
 SAME = 1e-6
 """Relative difference of the objectives at such ends that are one optimum."""
 SCANNED, NEAR = 1e-4, 1e-6
-"""Damping at a start that a scan has found, and at one beside its end: there a step of Gauss and Newton is right."""
+"""Damping at a start that a scan has found, and at one beside its end.
+
+There a step of Gauss and Newton is right.
+"""
 POLISHED = 3
 """Shapes that go on to the search in all parameters."""
 
@@ -55,8 +63,8 @@ class Effort:
     negligible : float
         Share of the objective that is not worth a further step.
     hopeless : float
-        Objective above which the model is of no interest: what the first steps leave above it is not searched
-        further.
+        Objective above which the model is of no interest: what the first steps leave above it is
+        not searched further.
     """
 
     negligible: float = FLAT
@@ -106,7 +114,10 @@ class Fit:
 
     @property
     def dof(self) -> int:
-        """Degrees of freedom: twice the number of points less the number of parameters that follow them."""
+        """Degrees of freedom.
+
+        Twice the number of points less the number of parameters that follow them.
+        """
         return 2 * len(self.measurement) - len(self.theta) + self.silent
 
     @property
@@ -157,7 +168,9 @@ def _in_parts(interleaved_values: Real) -> Real:
 
 def _task(model: Model, measurement: Measurement, objective: Objective) -> Task:
     weights = objective.weighing(measurement)
-    return Task(model, measurement.points, measurement.stiffness[None], weights[None], objective.logarithmic)
+    return Task(
+        model, measurement.points, measurement.stiffness[None], weights[None], objective.logarithmic
+    )
 
 
 def fit(
@@ -184,14 +197,15 @@ def fit(
     starts : int
         Starts read off the data.
     seeds_theta : sequence of ndarray, shape (p,)
-        Further starts, such as the fit of a simpler model with a small effect added; they come first.
+        Further starts, such as the fit of a simpler model with a small effect added; they come
+        first.
     rng : numpy.random.Generator, optional
         Moves the scanned shapes; without it they are always the same.
     effort : Effort, optional
         How far it goes; by default until nothing but rounding is left.
     expected : ndarray, shape (r, q), optional
-        Of any material only: what is known of the effects' parameters beforehand; see `fit_spectrum`. `Fit.cost` is
-        that of the data alone.
+        Of any material only: what is known of the effects' parameters beforehand; see
+        `fit_spectrum`. `Fit.cost` is that of the data alone.
 
     Returns
     -------
@@ -209,7 +223,8 @@ def fit(
     --------
     >>> import springpot
     >>> from springpot.identification import fit
-    >>> best = fit(springpot.parse_model("fractional-maxwell"), springpot.read("artificial-hidden@frequency=..1"))
+    >>> data = springpot.read("artificial-hidden@frequency=..1")
+    >>> best = fit(springpot.parse_model("fractional-maxwell"), data)
     >>> best.converged, best.dof
     (True, 9)
     """
@@ -221,8 +236,11 @@ def fit(
     if objective is None:
         objective = default_objective(measurement)
     if is_material(model):
-        return _fit_material(model, measurement, objective, starts, seeds_theta, effort or Effort(), expected)
-    # One data set is a batch of one: single fits and simulated ones by the thousand run through the same code.
+        return _fit_material(
+            model, measurement, objective, starts, seeds_theta, effort or Effort(), expected
+        )
+    # One data set is a batch of one: single fits and simulated ones by the thousand run through the
+    # same code.
     task = _task(model, measurement, objective)
     seeds, starts = _placed(model, measurement, objective, seeds_theta, starts)
     solution, evaluations = _solved(task, seeds, starts, rng, effort or Effort())
@@ -243,39 +261,59 @@ def fit(
 
 
 def _placed(
-    model: Model, measurement: Measurement, objective: Objective, seeds_theta: Sequence[Real], starts: int
+    model: Model,
+    measurement: Measurement,
+    objective: Objective,
+    seeds_theta: Sequence[Real],
+    starts: int,
 ) -> tuple[Sequence[Real], int]:
-    """Given starts (p,) and the number of those read off the data; where none can be read, others are placed."""
+    """Given starts (p,) and the number of those read off the data.
+
+    Where none can be read, others are placed.
+    """
     if model.constrained:
-        # The scan of shapes needs gains that scale a whole branch; here some are held or end at a bound.
+        # The scan of shapes needs gains that scale a whole branch; here some are held or end at a
+        # bound.
         return [*seeds_theta, *_released_starts(model, measurement, objective, starts)], 0
     if starts and any(effect.by_levels for effect in model.effects):
-        # A scan of one dimension for each level would find nothing; the data say where its factor lies.
+        # A scan of one dimension for each level would find nothing; the data say where its factor
+        # lies.
         return [*seeds_theta, _superposed_start(model, measurement, objective, starts)], 0
     return seeds_theta, starts
 
 
 def _solved(
-    task: Task, seeds_theta: Sequence[Real], starts: int, rng: np.random.Generator | None, effort: Effort
+    task: Task,
+    seeds_theta: Sequence[Real],
+    starts: int,
+    rng: np.random.Generator | None,
+    effort: Effort,
 ) -> tuple[Solution, int]:
     """Solutions from all starts, and the evaluations spent; of many points a few show the way."""
     size = task.coordinates.size[0]
     # Two axes even where nothing is given, so that other starts can be joined on.
-    seeds = np.reshape([task.coordinates.u(np.asarray(t, dtype=float), size) for t in seeds_theta], (-1, len(size)))
+    seeds = np.reshape(
+        [task.coordinates.u(np.asarray(t, dtype=float), size) for t in seeds_theta], (-1, len(size))
+    )
     offset = 0.0
     if rng is not None:
         offset = _offset(rng)  # drawn for any model, that the generator goes on alike
     # The way to the optimum is the same with a few points; only its last steps need all of them.
     coarse = task.thin(COARSE_POINTS)
     if task.model.constrained:
-        # Every start is given, and gains cannot be projected out of a model that holds some of them.
+        # Every start is given, and gains cannot be projected out of a model that holds some of
+        # them.
         solution = coarse.solve(seeds[None], flat=effort.negligible)
         evaluations = solution.evaluations
     else:
-        solution, evaluations = _search(coarse, seeds, starts, offset, effort.of_part(coarse.count / task.count))
+        solution, evaluations = _search(
+            coarse, seeds, starts, offset, effort.of_part(coarse.count / task.count)
+        )
     if coarse is not task:
         # The best two, because with all points the second may turn out to be the better one.
-        solution = task.solve(solution.u[np.argsort(solution.cost)[:2]][None], iterations=LAST, damping=NEAR)
+        solution = task.solve(
+            solution.u[np.argsort(solution.cost)[:2]][None], iterations=LAST, damping=NEAR
+        )
         evaluations += solution.evaluations
     return solution, evaluations
 
@@ -293,15 +331,31 @@ def _fit_material(
     began = perf_counter()
     still, hopeless = max(STILL, effort.negligible), effort.hopeless
     fitted = fit_spectrum(
-        model, measurement, objective, seeds_theta, starts, still=still, hopeless=hopeless, expected=expected
+        model,
+        measurement,
+        objective,
+        seeds_theta,
+        starts,
+        still=still,
+        hopeless=hopeless,
+        expected=expected,
     )
     seconds = perf_counter() - began
     return Fit(
-        fitted.model, measurement, objective, fitted.theta, fitted.cost, fitted.evaluations, fitted.converged, seconds
+        fitted.model,
+        measurement,
+        objective,
+        fitted.theta,
+        fitted.cost,
+        fitted.evaluations,
+        fitted.converged,
+        seconds,
     )
 
 
-def _superposed_start(model: Model, measurement: Measurement, objective: Objective, starts: int) -> Real:
+def _superposed_start(
+    model: Model, measurement: Measurement, objective: Objective, starts: int
+) -> Real:
     """A start (p,) from the fit to data that are laid over one another."""
     rest, reduced, values = superposed(model, measurement)
     laid_over = fit(rest, reduced, objective, starts=starts)
@@ -309,8 +363,13 @@ def _superposed_start(model: Model, measurement: Measurement, objective: Objecti
     return np.array([values[name] for name in model.names])
 
 
-def _released_starts(model: Model, measurement: Measurement, objective: Objective, starts: int) -> list[Real]:
-    """Starts (p,) of a model with held or bounded parameters: those of the free one, where it may go."""
+def _released_starts(
+    model: Model, measurement: Measurement, objective: Objective, starts: int
+) -> list[Real]:
+    """Starts (p,) of a model with held or bounded parameters.
+
+    Those of the free one, where it may go.
+    """
     if not starts:
         return []
     free = model.released()
@@ -319,21 +378,27 @@ def _released_starts(model: Model, measurement: Measurement, objective: Objectiv
     best = fit(free, measurement, objective, starts=starts).theta
     full = np.concatenate([known.coordinates.theta(u, known.coordinates.size[0]), best[None]])
     kept = [free.names.index(name) for name in model.names]
-    # A start that ran away without limit becomes a number again, which the bounds of this model then cut.
+    # A start that ran away without limit becomes a number again, which the bounds of this model
+    # then cut.
     return list(within_bounds(model, np.nan_to_num(full[:, kept], posinf=1e300)))
 
 
-def _search(task: Task, seeds: Real, starts: int, offset: float, effort: Effort) -> tuple[Solution, int]:
-    """Solutions for one data set from `seeds` (s, p) and from starts read off the data, and the evaluations spent.
+def _search(
+    task: Task, seeds: Real, starts: int, offset: float, effort: Effort
+) -> tuple[Solution, int]:
+    """Solutions for one data set, and the evaluations spent.
 
-    Most fits are settled by a few steps in all parameters. Where they are not, a narrow curved valley holds them up:
-    then the shapes are searched, with the gains projected out.
+    From `seeds` (s, p) and from starts read off the data.
+
+    Most fits are settled by a few steps in all parameters. Where they are not, a narrow curved
+    valley holds them up: then the shapes are searched, with the gains projected out.
     """
     u, evaluations = seeds, 0
     if starts:
         shapes, placed = task.starts(starts, offset)
         u, evaluations = np.concatenate([seeds, placed[0]]), shape_count(task.branches)
-    # In all parameters and few steps first: it settles most fits, and costs less than projecting the gains out.
+    # In all parameters and few steps first: it settles most fits, and costs less than projecting
+    # the gains out.
     quick = task.solve(u[None], iterations=QUICK, damping=SCANNED, flat=effort.negligible)
     evaluations += quick.evaluations
     alike = max(ALIKE, STOPS * effort.negligible)
@@ -348,27 +413,32 @@ def _search(task: Task, seeds: Real, starts: int, offset: float, effort: Effort)
         v = np.concatenate([v, shapes[0]])
     valley = task.solve_shapes(v[None], flat=max(effort.negligible, FLAT_SHAPES))
     keen = valley.u[np.argsort(valley.cost)[:POLISHED]]
-    # Descents that stop that far above their end agree as the quick ones do; else all would go on to the last step.
+    # Descents that stop that far above their end agree as the quick ones do; else all would go on
+    # to the last step.
     near_ends = np.concatenate([task.full(keen[None])[0], best])[None]
     last = task.solve(near_ends, damping=NEAR, flat=effort.negligible, alike=alike)
     return last, evaluations + valley.evaluations + last.evaluations
 
 
 def _offset(rng: np.random.Generator) -> float:
-    """How far the scanned shapes are moved; one of a few, so that their scan on a grid need not be repeated."""
+    """How far the scanned shapes are moved.
+
+    One of a few, so that their scan on a grid need not be repeated.
+    """
     return float(rng.integers(JITTERS)) / JITTERS
 
 
 def _agreed(solution: Solution, floor: float, votes: int, slack: float) -> bool:
-    """Whether a start has reached the floor, or enough of them have come to rest at the best objective."""
-    # No optimum can be proved the best; starts from different places that meet in one are the evidence.
+    """Whether a start has reached the floor, or enough of them rest at the best objective."""
+    # No optimum can be proved the best; starts from different places that meet in one are the
+    # evidence.
     least = solution.cost.min()
     agree = solution.converged & (solution.cost <= least * (1.0 + slack))
     return bool(least <= floor or np.count_nonzero(agree) >= votes)
 
 
 def scanned_starts(problem: Problem, rng: np.random.Generator) -> Real:
-    """Search points (Q, d) of a scan of the model's shapes, each with its best gains, best first."""
+    """Search points (Q, d) of a scan of the model's shapes, with their best gains, best first."""
     task = _task(problem.model, problem.measurement, problem.objective)
     u = task.starts(shape_count(task.branches), _offset(rng))[1]
     with np.errstate(all="ignore"):
@@ -392,8 +462,8 @@ def require_enough(model: Model, measurement: Measurement) -> None:
     if unknowns > data:
         points = counted(len(measurement), "measured point")
         raise DataError(
-            f"{measurement.name}: {model.name} has {unknowns} parameters, but there are only {data} numbers in "
-            f"{points}; choose a simpler model or measure at more frequencies"
+            f"{measurement.name}: {model.name} has {unknowns} parameters, but there are only {data}"
+            f" numbers in {points}; choose a simpler model or measure at more frequencies"
         )
 
 

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from springpot.rheology import Parameter, Real
+from springpot.rheology.parameters import Parameter
+from springpot.rheology.points import Real
 
 from .lack_of_fit import beyond_its_pole
 from .native import Fit
@@ -16,15 +17,24 @@ from .uncertainty import Uncertainty
 WEAK = 1.0
 """Width of an interval, over its value, from which a parameter is called weakly identified."""
 CORRELATED = 0.98
-"""Correlation from which a pair is told: either interval is then five times what it were with the other known."""
+"""Correlation from which a pair is told.
+
+Either interval is then five times what it were with the other known.
+"""
 LOST = 1000.0
-"""Width of an interval, over its value, from which a parameter is not determined: not even its decade is known."""
+"""Width of an interval, over its value, from which a parameter is not determined.
+
+Not even its decade is known.
+"""
 LOOSE = 2.0
-"""Given standard deviations that a misfit may be on average before intervals by them are called too narrow."""
+"""Given standard deviations that a misfit may be on average before intervals by them are called too
+narrow.
+"""
 AT_END = 1e-6
 """Difference of an order from 0 or 1 that no measured phase shows."""
 NEAR_END = 0.1
-"""The same that may be taken for none: the phase is within 9 degrees of a spring's or a dashpot's."""
+"""The same that may be taken for none: the phase is within 9 degrees of a spring's or a dashpot's.
+"""
 ROUNDING = 1e-12
 """Between the end of an interval and the bound that cut it."""
 PAIRS = 3
@@ -60,7 +70,9 @@ def notes_on(known: Uncertainty, low: Real, high: Real) -> list[str]:
 
 def _undetermined(fit: Fit) -> Iterator[str]:
     if fit.dof == 0:
-        yield "there are as many parameters as measured numbers: nothing is left to judge the fit by"
+        yield (
+            "there are as many parameters as measured numbers: nothing is left to judge the fit by"
+        )
 
 
 def _is_order(fit: Fit, parameter: Parameter) -> bool:
@@ -73,7 +85,8 @@ def _is_order(fit: Fit, parameter: Parameter) -> bool:
 def _bounds(known: Uncertainty) -> Iterator[str]:
     for parameter, side in zip(known.fit.model.parameters, known.at_bound.tolist(), strict=True):
         name = parameter.name
-        # An order at its end is told as the element that it then is, the lines of a spectrum as a whole.
+        # An order at its end is told as the element that it then is, the lines of a spectrum as a
+        # whole.
         if side == 0 or parameter.detail or _is_order(known.fit, parameter):
             continue
         if side < 0 and parameter.lower == 0.0:
@@ -101,7 +114,10 @@ def _orders(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:
             if near < AT_END:
                 yield f"{parameter.name} is {bound}: the springpot is a {element[bound]}"
             elif near < NEAR_END and abs(end - bound) < ROUNDING:
-                yield f"{parameter.name} cannot be told from {bound}: a {element[bound]} for the springpot fits too"
+                yield (
+                    f"{parameter.name} cannot be told from {bound}: a {element[bound]} for the"
+                    " springpot fits too"
+                )
 
 
 def _weak(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:
@@ -116,11 +132,17 @@ def _weak(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:
         if np.isinf(known.covariance[i, i]) or not width < LOST * size:
             open_ones.append(name)
         elif width > WEAK * size:
-            yield f"{name} is weakly identified: its interval is {100 * width / max(size, 1e-300):.0f} % of its value"
+            yield (
+                f"{name} is weakly identified: its interval is"
+                f" {100 * width / max(size, 1e-300):.0f} % of its value"
+            )
     if len(open_ones) == 1:
         yield f"{open_ones[0]} is not determined by these data: other values fit as well"
     elif open_ones:
-        yield f"{', '.join(open_ones[:-1])} and {open_ones[-1]} are not determined by these data: others fit as well"
+        yield (
+            f"{', '.join(open_ones[:-1])} and {open_ones[-1]} are not determined by these data:"
+            " others fit as well"
+        )
 
 
 def _correlated(known: Uncertainty) -> list[str]:
@@ -134,8 +156,8 @@ def _correlated(known: Uncertainty) -> list[str]:
     order = np.argsort(-np.abs(correlation[rows, columns]), kind="stable")[:PAIRS].tolist()
     pairs = [(int(rows[k]), int(columns[k])) for k in order]
     return [
-        f"{names[j]} and {names[i]} are strongly correlated ({correlation[i, j]:+.3f}): the data fix a combination "
-        "of them better than either"
+        f"{names[j]} and {names[i]} are strongly correlated ({correlation[i, j]:+.3f}): the data"
+        " fix a combination of them better than either"
         for i, j in pairs
         if abs(correlation[i, j]) > CORRELATED
     ]
@@ -148,6 +170,6 @@ def _too_narrow(known: Uncertainty) -> Iterator[str]:
         ratio = float(np.sqrt(fit.cost / fit.dof))
         if ratio > LOOSE:
             yield (
-                f"the misfit is {ratio:.1f} times the given standard deviations: the model lacks something or they "
-                "are too small, and the intervals are too narrow"
+                f"the misfit is {ratio:.1f} times the given standard deviations: the model lacks"
+                " something or they are too small, and the intervals are too narrow"
             )

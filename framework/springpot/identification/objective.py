@@ -1,6 +1,7 @@
 """Objectives: how a model's misfit is measured.
 
-Every objective is a weighted sum of squares in one plane, so that one exact Jacobian serves them all.
+Every objective is a weighted sum of squares in one plane, so that one exact Jacobian serves them
+all.
 """
 
 from __future__ import annotations
@@ -11,12 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from springpot.errors import PluginError
-from springpot.measurement import Measurement
+from springpot.measurement.measurement import Measurement
 from springpot.owners import owned
-from springpot.rheology import Complex, Real
+from springpot.rheology.points import Complex, Real
 
 LEAST_SIZE = 1e-9
-"""Share of the largest |K| by which a difference is divided at least: what is smaller is rounding of the others."""
+"""Share of the largest |K| by which a difference is divided at least.
+
+What is smaller is rounding of the others.
+"""
 
 
 @dataclass(frozen=True)
@@ -64,12 +68,16 @@ class Objective:
         weights = np.asarray(self.weights(measurement), dtype=np.complex128)
         if not np.all(np.isfinite(weights)):
             raise PluginError(
-                f"the {owned('objective', self.name)} weighs points of {measurement.name} by what is no finite number"
+                f"the {owned('objective', self.name)} weighs points of {measurement.name} by what"
+                " is no finite number"
             )
         return weights
 
     def residual(self, stiffness: Complex, measurement: Measurement, weights: Complex) -> Real:
-        """Weighted residuals, shape (..., 2n): those of the real part, then those of the imaginary part."""
+        """Weighted residuals, shape (..., 2n).
+
+        Those of the real part, then those of the imaginary part.
+        """
         if self.logarithmic:
             return weighted(np.log(stiffness / measurement.stiffness), weights)
         return weighted(stiffness - measurement.stiffness, weights)
@@ -104,10 +112,12 @@ def weighted(values: Complex, weights: Complex) -> Real:
 def total(terms: Real) -> Real:
     """Sum of (..., n) over its last axis, term after term.
 
-    A sum by halves would depend on how the terms lie in memory, and so a run on what is evaluated beside it.
+    A sum by halves would depend on how the terms lie in memory, and so a run on what is evaluated
+    beside it.
     """
     if terms.ndim == 2 and terms.strides[0] < terms.strides[1] and len(terms) > 1:
-        # Whole columns are added: each row's terms come one after another, and all rows side by side.
+        # Whole columns are added: each row's terms come one after another, and all rows side by
+        # side.
         columns: Real = np.add.reduce(terms, axis=-1)
         return columns
     sums: Real = np.add.accumulate(terms, axis=-1)[..., -1]
@@ -117,7 +127,8 @@ def total(terms: Real) -> Real:
 def sizes(measurement: Measurement) -> Real:
     """|K| (n,) by which differences are divided."""
     size = measurement.magnitude
-    # A point of nearly no stiffness, as at an antiresonance, must not divide by zero and decide alone.
+    # A point of nearly no stiffness, as at an antiresonance, must not divide by zero and decide
+    # alone.
     return np.asarray(np.maximum(size, LEAST_SIZE * size.max()), dtype=np.float64)
 
 

@@ -75,14 +75,18 @@ class Optimiser(ABC):
             If the rule does not hold.
         """
         if not holds:
-            raise OptionError(f"{self.name}: option {option} is {getattr(self, option)!r} but must be {rule}")
+            raise OptionError(
+                f"{self.name}: option {option} is {getattr(self, option)!r} but must be {rule}"
+            )
 
 
 class BatchedOptimiser(Optimiser):
     """An optimiser that carries several runs side by side; a single run is a batch of one."""
 
     @abstractmethod
-    def minimise_batch(self, problems: RecorderGroup, budget: int, rngs: Sequence[np.random.Generator]) -> None:
+    def minimise_batch(
+        self, problems: RecorderGroup, budget: int, rngs: Sequence[np.random.Generator]
+    ) -> None:
         """Search as `minimise` does for each run, with bit-identical results.
 
         Parameters
@@ -102,7 +106,7 @@ class BatchedOptimiser(Optimiser):
 
 @dataclass(frozen=True)
 class OptimiserFamily:
-    """The optimisers of a large library, which is imported when one of them is asked for, and not before.
+    """The optimisers of a large library, imported only when one of them is asked for.
 
     Parameters
     ----------
@@ -135,7 +139,10 @@ def options_of(optimiser: Optimiser) -> dict[str, Any]:
     # An optimiser without options need not be one.
     if not is_dataclass(optimiser):
         return {}
-    return {f.name: _plain(getattr(optimiser, f.name), f"{optimiser.name}.{f.name}") for f in fields(optimiser)}
+    return {
+        f.name: _plain(getattr(optimiser, f.name), f"{optimiser.name}.{f.name}")
+        for f in fields(optimiser)
+    }
 
 
 def _plain(value: Any, where: str) -> Any:
@@ -155,4 +162,6 @@ def _plain(value: Any, where: str) -> Any:
     if is_dataclass(value) and not isinstance(value, type):
         return {f.name: _plain(getattr(value, f.name), where) for f in fields(value)}
     kind = type(value).__name__
-    raise StudyError(f"option {where} is a {kind}: options must be numbers, texts or sequences of them")
+    raise StudyError(
+        f"option {where} is a {kind}: options must be numbers, texts or sequences of them"
+    )

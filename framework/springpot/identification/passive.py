@@ -7,7 +7,8 @@ from functools import lru_cache
 import numpy as np
 
 from springpot.nonnegative import non_negative
-from springpot.rheology import Effect, Layer, Model
+from springpot.rheology.effect import Effect, Layer
+from springpot.rheology.model import Model
 
 from .material import is_material
 
@@ -16,13 +17,19 @@ OMEGA = np.geomspace(1e-3, 1e3, 61)
 RATES = np.geomspace(1e-7, 1e7, 57)
 """Four lines a decade, and four decades beyond: a springpot between is followed to 0.1 %."""
 FOLLOWED = 0.01
-"""Relative error up to which an element is a sum of relaxations; a mass or a constant loss is 30 % off and more."""
+"""Relative error up to which an element is a sum of relaxations.
+
+A mass or a constant loss is 30 % off and more.
+"""
 
 
 def within_material(model: Model, effect: Effect) -> bool:
-    """Whether an effect is a part of any material, so that beside a free spectrum it can explain nothing.
+    """Whether an effect is a part of any material.
 
-    Around a material whose times are shifted, what gives way in the mounting is not shifted with it, and shows.
+    So that beside a free spectrum it can explain nothing.
+
+    Around a material whose times are shifted, what gives way in the mounting is not shifted with
+    it, and shows.
 
     Parameters
     ----------
@@ -40,7 +47,11 @@ def within_material(model: Model, effect: Effect) -> bool:
     [True, False]
     """
     shifted = any(own.plane == "shift" for own in model.effects)
-    return is_material(model) and not (shifted and effect.layer > Layer.MATERIAL) and is_passive(effect)
+    return (
+        is_material(model)
+        and not (shifted and effect.layer > Layer.MATERIAL)
+        and is_passive(effect)
+    )
 
 
 @lru_cache(maxsize=256)
@@ -56,17 +67,24 @@ def is_passive(effect: Effect) -> bool:
     --------
     >>> import springpot
     >>> from springpot.identification import is_passive
-    >>> [is_passive(springpot.plugins().effect(name)) for name in ("series-springpot", "time-delay")]
+    >>> effects = [springpot.plugins().effect(name) for name in ("series-springpot", "time-delay")]
+    >>> [is_passive(effect) for effect in effects]
     [True, False]
     """
     if effect.plane not in ("stiffness", "compliance") or effect.needs:
         return False
     # Inside its range no parameter decides whether an element is passive: any value will do.
-    bounds = np.array([(parameter.lower, parameter.upper) for parameter in effect.element.parameters])
+    bounds = np.array(
+        [(parameter.lower, parameter.upper) for parameter in effect.element.parameters]
+    )
     theta = np.where(np.isfinite(bounds[:, 1]), bounds.mean(axis=1), 1.0)
     stiffness = Model(effect.name, effect.element).stiffness(theta, OMEGA)
     s = 1j * OMEGA[:, None]
-    columns = np.concatenate([np.ones_like(s), s, s / (s + RATES)], axis=1) / np.abs(stiffness)[:, None]
+    columns = (
+        np.concatenate([np.ones_like(s), s, s / (s + RATES)], axis=1) / np.abs(stiffness)[:, None]
+    )
     target = stiffness / np.abs(stiffness)
-    _, left = non_negative(np.concatenate([columns.real, columns.imag]), np.concatenate([target.real, target.imag]))
+    _, left = non_negative(
+        np.concatenate([columns.real, columns.imag]), np.concatenate([target.real, target.imag])
+    )
     return left < FOLLOWED**2 * len(OMEGA)

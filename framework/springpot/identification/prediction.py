@@ -14,9 +14,13 @@ from numpy.typing import ArrayLike, NDArray
 from springpot.drawing import draw
 from springpot.errors import DataError, ModelError
 from springpot.markup import table, tag
-from springpot.measurement import KELVIN, Covered, Measurement, Moduli, Units, points_at
-from springpot.rheology import Complex, Model, Real
+from springpot.measurement.covered import Covered
+from springpot.measurement.measurement import Measurement, points_at
+from springpot.measurement.parts_of_stiffness import Moduli
+from springpot.measurement.units import Units
 from springpot.rheology.levels import held
+from springpot.rheology.model import Model
+from springpot.rheology.points import KELVIN, Complex, Real
 
 from .uncertainty import Uncertainty, lost_and_known
 
@@ -28,22 +32,32 @@ if TYPE_CHECKING:
 
 SCHEMA = "springpot.prediction/1"
 AT_REST = (-80.0, -160.0, -320.0, -640.0)
-"""Logarithms of the angular frequency on the way to rest: a springpot of order 0.05 has fallen by 14 decades at the
+"""Logarithms of the angular frequency on the way to rest.
+
+A springpot of order 0.05 has fallen by 14 decades at the
 last, and beyond -700 the frequency itself is no number."""
 NOTHING = 1e-12
 """Share of the measured stiffness that is no more than rounding."""
 SEEN = 1e-6
-"""Share of K by which a parameter that the data do not determine may move a prediction before it has no band."""
+"""Share of K by which a parameter that the data do not determine may move a prediction before it
+has no band.
+"""
 KNOWN_TO_EFFECTS = ("amplitude", "temperature")
 """Conditions that effects of a library may need."""
 FAR_KELVIN = 150.0
-"""Further than this above all measured temperatures, a number is rather one in kelvin: the laws of temperature hold
-for about 100 K above the glass transition (Williams, Landel and Ferry 1955, doi:10.1021/ja01619a008)."""
+"""Further than this above all measured temperatures, a number is rather one in kelvin.
+
+The laws of temperature hold
+for about 100 K above the glass transition (Williams, Landel and Ferry 1955,
+doi:10.1021/ja01619a008).
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Prediction(Moduli):
-    """What a fitted model says of a test, with a band; its columns are named as those of a `Measurement`.
+    """What a fitted model says of a test, with a band.
+
+    Its columns are named as those of a `Measurement`.
 
     Attributes
     ----------
@@ -54,8 +68,9 @@ class Prediction(Moduli):
     stiffness : ndarray of complex, shape (n,)
         K' + i K'' in ``units.stiffness``.
     low, high : ndarray of complex, shape (n,)
-        Ends of the bands of K' (real part) and of K'' (imaginary part); infinite where the data say nothing. The band
-        is that of the model's curve: it holds the uncertainty of the parameters, not the scatter of a new test.
+        Ends of the bands of K' (real part) and of K'' (imaginary part); infinite where the data say
+        nothing. The band is that of the model's curve: it holds the uncertainty of the parameters,
+        not the scatter of a new test.
     conditions : mapping of str to ndarray, shape (n,)
         ``temperature`` in degC, ``amplitude`` in ``units.amplitude``, others by name.
     units : Units
@@ -81,13 +96,14 @@ class Prediction(Moduli):
 
     @cached_property
     def outside(self) -> NDArray[np.bool_]:
-        """Whether each point lies outside of what was measured, in frequency or conditions, shape (n,)."""
+        """Whether each point lies outside of the measured frequencies or conditions, shape (n,)."""
         return self.covered.outside(self.omega, self.conditions)
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
         """What else one should know."""
-        # A band knows the uncertainty of the parameters only, and nothing of a model that fails out there.
+        # A band knows the uncertainty of the parameters only, and nothing of a model that fails out
+        # there.
         remark = self.covered.remark(self.omega, self.conditions, self.units)
         return tuple(filter(None, [remark]))
 
@@ -123,7 +139,9 @@ class Prediction(Moduli):
         columns += [self.low.real, self.high.real, self.low.imag, self.high.imag]
         yield from zip(*(column.tolist() for column in columns), strict=True)
 
-    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure | Axes | Path:
+    def plot(
+        self, path: str | Path | None = None, *, ax: Axes | None = None
+    ) -> Figure | Axes | Path:
         """K' and K'' with their bands; see `Measurement.plot`."""
         return draw(self, path, ax)
 
@@ -155,13 +173,17 @@ def predict(
         conditions = {name: np.broadcast_to(column, count) for name, column in conditions.items()}
     except ValueError:
         lengths = ", ".join(f"{len(column)} of {name}" for name, column in conditions.items())
-        raise DataError(f"give one value or as many as frequencies: there are {len(rate)}, and {lengths}") from None
+        raise DataError(
+            f"give one value or as many as frequencies: there are {len(rate)}, and {lengths}"
+        ) from None
     # By the linear law of error propagation, as the intervals of the parameters are.
     value, sd = _value_and_sd(known, rate, conditions)
     # The band has the probability that is asked for, which need not be that of the intervals.
     reach = Uncertainty(fit, known.absolute, level).quantile * sd
     with np.errstate(invalid="ignore"):
-        low, high = (value.real + s * reach.real + 1j * (value.imag + s * reach.imag) for s in (-1.0, 1.0))
+        low, high = (
+            value.real + s * reach.real + 1j * (value.imag + s * reach.imag) for s in (-1.0, 1.0)
+        )
     units = fit.measurement.units
     # Told in the frequencies in which it was asked.
     if omega is not None:
@@ -202,7 +224,8 @@ def _conditions(fit: Fit, given: Mapping[str, ArrayLike], rate: Real) -> dict[st
         _check_condition(fit, name, column)
     for name in sorted(model.needs - set(own)):
         measured = data.conditions[name]
-        # At the measured frequencies each point has its own; elsewhere only what was the same for all is known.
+        # At the measured frequencies each point has its own; elsewhere only what was the same for
+        # all is known.
         if len(rate) == len(data) and np.array_equal(rate, data.omega):
             own[name] = measured
         elif float(np.ptp(measured)) <= float(held(name, measured).max()):
@@ -222,14 +245,20 @@ def _check_condition(fit: Fit, name: str, column: Real) -> None:
         if measured is not None:
             warmest = float(measured.max())
         if np.any(column < -KELVIN):
-            raise DataError(f"temperature={column.min():g} is below the absolute zero of -273.15 degC")
+            raise DataError(
+                f"temperature={column.min():g} is below the absolute zero of -273.15 degC"
+            )
         if np.any(column > warmest + FAR_KELVIN):
-            raise DataError(f"temperature={column.max():g} looks like kelvin: give it in degC, as in the data")
+            raise DataError(
+                f"temperature={column.max():g} looks like kelvin: give it in degC, as in the data"
+            )
     require_known(model, Covered.of([data]), name, column)
 
 
 def require_known(model: Model, covered: Covered, name: str, column: Real) -> None:
-    """Check that a condition is one that the model knows, or was measured: there the fit holds without knowing it.
+    """Check that a condition is one that the model knows, or was measured.
+
+    There the fit holds without knowing it.
 
     Raises
     ------
@@ -248,10 +277,14 @@ def require_known(model: Model, covered: Covered, name: str, column: Real) -> No
     # Any other column is known to effects that are given its name.
     if name in KNOWN_TO_EFFECTS:
         hint = ", one that 'springpot list effects' says needs it"
-    raise ModelError(f"{model.name} does not know {name}, which {span}: fit a model with an effect of it{hint}")
+    raise ModelError(
+        f"{model.name} does not know {name}, which {span}: fit a model with an effect of it{hint}"
+    )
 
 
-def _value_and_sd(known: Uncertainty, rate: Real, conditions: Mapping[str, Real]) -> tuple[Complex, Complex]:
+def _value_and_sd(
+    known: Uncertainty, rate: Real, conditions: Mapping[str, Real]
+) -> tuple[Complex, Complex]:
     """K (n,) and the standard deviations of its parts (n,); at rest both are limits."""
     with np.errstate(divide="ignore"):
         log_omega = np.log(rate)
@@ -271,20 +304,27 @@ def _value_and_sd(known: Uncertainty, rate: Real, conditions: Mapping[str, Real]
 
 def _without_rounding(values: Complex, still: NDArray[np.bool_], tiny: float) -> Complex:
     """Parts at rest that are no more than rounding are zero."""
-    parts = [np.where(still & (np.abs(part) < tiny), 0.0, part) for part in (values.real, values.imag)]
+    parts = [
+        np.where(still & (np.abs(part) < tiny), 0.0, part) for part in (values.real, values.imag)
+    ]
     return np.asarray(parts[0] + 1j * parts[1], dtype=np.complex128)
 
 
-def _at(known: Uncertainty, log_omega: Real, conditions: Mapping[str, Real]) -> tuple[Complex, Complex]:
+def _at(
+    known: Uncertainty, log_omega: Real, conditions: Mapping[str, Real]
+) -> tuple[Complex, Complex]:
     fit = known.fit
     # At the reference of the fit: constants of shifts mean something there only.
     points = points_at(log_omega, conditions, fit.measurement.reference_temperature)
     with np.errstate(all="ignore"):
         value = fit.model.stiffness(fit.theta, points)
-        # At rest a derivative may be no number: what does not move K there adds nothing to the band.
+        # At rest a derivative may be no number: what does not move K there adds nothing to the
+        # band.
         slopes = np.nan_to_num(fit.model.jacobian(fit.theta, points))
         by_u = slopes @ fit.task.coordinates.slopes(fit.theta, fit.task.coordinates.size[0])
-    sd = np.array([_spread(part, known.covariance, np.abs(value)) for part in (by_u.real, by_u.imag)])
+    sd = np.array(
+        [_spread(part, known.covariance, np.abs(value)) for part in (by_u.real, by_u.imag)]
+    )
     return value, sd[0] + 1j * sd[1]
 
 

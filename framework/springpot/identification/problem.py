@@ -9,8 +9,10 @@ from functools import cached_property
 
 import numpy as np
 
-from springpot.measurement import Measurement
-from springpot.rheology import GRADIENT, Complex, Model, Real
+from springpot.measurement.measurement import Measurement
+from springpot.rheology.model import Model
+from springpot.rheology.nodes import GRADIENT
+from springpot.rheology.points import Complex, Real
 
 from .derivative import require_derivative
 from .objective import Objective
@@ -40,7 +42,10 @@ class Searched(ABC):
 
     @cached_property
     def tally(self) -> Tally:
-        """Points evaluated so far: a run compares it with its record, past which nothing may be evaluated."""
+        """Points evaluated so far.
+
+        A run compares it with its record, past which nothing may be evaluated.
+        """
         return Tally()
 
     @property
@@ -64,7 +69,7 @@ class Searched(ABC):
 
     @abstractmethod
     def residuals_and_jacobian(self, x: Real) -> tuple[Real, Real]:
-        """Residuals (..., m), whose squares add up to the objective, and their derivative (..., m, d)."""
+        """Residuals (..., m), whose squares sum to the objective, and derivative (..., m, d)."""
 
     def gradient(self, x: Real) -> tuple[Real, Real]:
         """Objective (...) and its exact gradient (..., d)."""
@@ -94,7 +99,8 @@ class Problem(Searched):
     >>> import numpy as np
     >>> import springpot
     >>> from springpot.identification import Problem, default_objective
-    >>> model, data = springpot.parse_model("kelvin"), springpot.Measurement([1.0, 2.0], [2.0 + 0.5j, 2.0 + 1.0j])
+    >>> model = springpot.parse_model("kelvin")
+    >>> data = springpot.Measurement([1.0, 2.0], [2.0 + 0.5j, 2.0 + 1.0j])
     >>> problem = Problem.of(model, data, default_objective(data))
     >>> problem.evaluate(np.array([[2.0, 0.5], [1.0, 0.5]])).round(3)
     array([0.   , 0.435])
@@ -145,7 +151,8 @@ class Problem(Searched):
     def evaluate(self, x: Real) -> Real:
         """Objective (...) at search points (..., d): the sum of squared residuals.
 
-        Many points are taken in blocks that fit the processor's cache, whatever the number of measured ones.
+        Many points are taken in blocks that fit the processor's cache, whatever the number of
+        measured ones.
         """
         theta, n = self.space.theta(x), len(self.measurement)
         lead, d = theta.shape[:-1], theta.shape[-1]
@@ -171,7 +178,9 @@ class Problem(Searched):
 
     def residuals_and_jacobian(self, x: Real) -> tuple[Real, Real]:
         """Residuals (..., 2n) and their derivative (..., 2n, d) in one evaluation."""
-        response = self.model.network.respond(self.space.theta(x), self.measurement.points, GRADIENT)
+        response = self.model.network.respond(
+            self.space.theta(x), self.measurement.points, GRADIENT
+        )
         # A derivative comes with the value, and counts as one evaluation.
         self.tally.points += x.size // x.shape[-1]
         residual = self.objective.residual(response.value, self.measurement, self.weights)
@@ -193,7 +202,7 @@ class _Watched(Problem):
 
 
 def watched(problem: Problem, watcher: Callable[[Real], None]) -> Problem:
-    """The same problem, which shows `watcher` the points (m, d) that are asked for before each evaluation."""
+    """The same problem, which shows `watcher` the points (m, d) before each evaluation."""
     copy = _Watched(problem.model, problem.measurement, problem.objective, problem.space)
     # A problem is frozen, and its watcher is no part of it.
     copy.__dict__["watcher"] = watcher

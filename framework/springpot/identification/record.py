@@ -1,4 +1,7 @@
-"""Whether the record of a run contradicts itself or the problem: what another process can still check."""
+"""Whether the record of a run contradicts itself or the problem.
+
+What another process can still check.
+"""
 
 from __future__ import annotations
 
@@ -6,12 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .problem import Searched
-from .run import Run
+from .runs import Run
 
 AGREE, ROUNDING = 1e-9, 1e-12
-"""Roots of two sums of squares are the same within this share of them and this share of the problem's own size:
-stacked and single evaluations differ in their last bits, 1e-16 of |K| in a residual, and a model may lose four
-digits of them."""
+"""Roots of two sums of squares are the same within this share of them and this share of the
+problem's own size: stacked and single evaluations differ in their last bits, 1e-16 of |K| in a
+residual, and a model may lose four digits of them.
+"""
 
 
 def miscounted(evaluations: int, gradients: int, batched: int, budget: int) -> str:
@@ -39,8 +43,13 @@ def same(claimed: float | None, evaluated: float, size: float) -> bool:
     """Whether two sums of squares agree but for rounding, `size` being that of the data."""
     if claimed is None:
         return False
-    # By their roots, the sizes of residuals: squares near zero would agree by no share of themselves.
-    one, other, own = np.sqrt(claimed), np.sqrt(evaluated), float(np.nan_to_num(np.sqrt(size), posinf=0.0))
+    # By their roots, the sizes of residuals: squares near zero would agree by no share of
+    # themselves.
+    one, other, own = (
+        np.sqrt(claimed),
+        np.sqrt(evaluated),
+        float(np.nan_to_num(np.sqrt(size), posinf=0.0)),
+    )
     return bool(abs(one - other) <= AGREE * other + ROUNDING * own)
 
 

@@ -1,6 +1,9 @@
-"""The recorder is what an optimiser sees of a run: it evaluates, counts and ends, and nothing in it can be set.
+"""The recorder is what an optimiser sees of a run.
 
-The record itself is a `Ledger`, to which a recorder holds no reference: its doors are functions that close over it.
+It evaluates, counts and ends, and nothing in it can be set.
+
+The record itself is a `Ledger`, to which a recorder holds no reference: its doors are functions
+that close over it.
 """
 
 from __future__ import annotations
@@ -11,7 +14,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 from .ledger import BudgetSpent, Diary, Ledger, LedgerGroup
 from .problem import Searched
@@ -22,9 +25,9 @@ T = TypeVar("T")
 class Recorder:
     """Counts every evaluation, keeps the best point and its trace, and ends the run at the budget.
 
-    Points are moved into the parameters' own limits (a stiffness is positive, an order at most one) before they are
-    evaluated, not into the search box: the paper's swarm may leave it. A value that is not a number is counted, is
-    never the best, and reaches the optimiser as infinity.
+    Points are moved into the parameters' own limits (a stiffness is positive, an order at most one)
+    before they are evaluated, not into the search box: the paper's swarm may leave it. A value that
+    is not a number is counted, is never the best, and reaches the optimiser as infinity.
 
     Parameters
     ----------
@@ -38,7 +41,15 @@ class Recorder:
         Gets every point in the order of evaluation, with its penalty; see `all_points`.
     """
 
-    __slots__ = ("_batch", "_gradient", "_problem", "_residual_batch", "_residuals", "_told", "_value")
+    __slots__ = (
+        "_batch",
+        "_gradient",
+        "_problem",
+        "_residual_batch",
+        "_residuals",
+        "_told",
+        "_value",
+    )
 
     _value: Callable[[Real], float]
     _batch: Callable[[Real, Real | None], Real]
@@ -47,7 +58,9 @@ class Recorder:
     _residual_batch: Callable[[Real], tuple[Real, Real]]
     _told: Callable[[str], Any]
 
-    def __init__(self, problem: Searched, budget: int, target: float = -inf, diary: Diary | None = None) -> None:
+    def __init__(
+        self, problem: Searched, budget: int, target: float = -inf, diary: Diary | None = None
+    ) -> None:
         self._enter(Ledger(problem, budget, target, diary))
 
     @classmethod
@@ -61,7 +74,10 @@ class Recorder:
         self._problem = ledger.problem
         # The recorder holds no ledger: an optimiser could write into what it can reach.
         self._value, self._gradient = _door(ledger.value), _door(ledger.gradient)
-        self._residuals, self._residual_batch = _door(ledger.residuals), _door(ledger.residual_batch)
+        self._residuals, self._residual_batch = (
+            _door(ledger.residuals),
+            _door(ledger.residual_batch),
+        )
         self._batch = lambda x, factor: ledger.batch(x, factor)
         self._told = lambda what: getattr(ledger, what)
 
@@ -176,7 +192,8 @@ class Recorder:
     def residual_batch(self, x: Real) -> tuple[Real, Real]:
         """Residuals (m, 2n) and their exact Jacobian (m, 2n, d) at points (m, d); m evaluations.
 
-        Rows beyond the budget are not evaluated: their residuals are infinite, their derivatives zero.
+        Rows beyond the budget are not evaluated: their residuals are infinite, their derivatives
+        zero.
         """
         return self._residual_batch(x)
 
@@ -189,7 +206,8 @@ def _door(inside: Callable[[Real], T]) -> Callable[[Real], T]:
 class RecorderGroup:
     """Recorders of one problem; in a study their points are evaluated in one stacked call.
 
-    It lets a batched optimiser carry all repetitions of a cell side by side; each run records what it would alone.
+    It lets a batched optimiser carry all repetitions of a cell side by side; each run records what
+    it would alone.
 
     Parameters
     ----------
@@ -226,7 +244,9 @@ class RecorderGroup:
         return self._recorders[0].problem
 
     def batch(self, x: Real, factor: Real | None = None) -> Real:
-        """Objective (runs, m) at points (runs, m, d); infinite and not evaluated where a run has ended.
+        """Objective (runs, m) at points (runs, m, d).
+
+        Infinite and not evaluated where a run has ended.
 
         Parameters
         ----------

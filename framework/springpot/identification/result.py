@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike
 from springpot.drawing import draw, text_of
 from springpot.errors import ModelError
 from springpot.markup import table, tag
-from springpot.measurement import Covered
-from springpot.rheology import Complex, Real
+from springpot.measurement.covered import Covered
 from springpot.rheology.continuum import EQUILIBRIUM, VISCOSITY
+from springpot.rheology.points import Complex, Real
 
 from .estimate import Estimate
 from .kept import kept
@@ -24,7 +24,7 @@ from .material import is_material
 from .objective import sizes
 from .prediction import Prediction, predict
 from .printed import all_parameters, search_parameters
-from .regularised import Spectrum, regularised
+from .regularisation import Spectrum, regularised
 from .uncertainty import lost_and_known
 from .value import Value
 
@@ -38,7 +38,7 @@ SCHEMA = "springpot.identification/1"
 
 @dataclass(frozen=True)
 class Standing:
-    """How the error of a model stands against what noise alone leaves and what any material reaches.
+    """The error of a model beside what noise alone leaves and what any material reaches.
 
     Attributes
     ----------
@@ -47,7 +47,8 @@ class Standing:
     noise_source : {"given", "repeats", "estimated"}
         Where the noise comes from.
     material_floor : float
-        The least relative error that any linear passive material reaches beside the model's effects.
+        The least relative error that any linear passive material reaches beside the model's
+        effects.
     good_enough : bool
         Whether nothing but noise is left.
     says : str
@@ -106,7 +107,10 @@ class Identification(Estimate):
 
     @cached_property
     def parameters(self) -> Mapping[str, Value]:
-        """All parameters by name, with value, low, high and unit as they are printed; those that were held too."""
+        """All parameters by name, with value, low, high and unit as they are printed.
+
+        Those that were held too.
+        """
         return all_parameters(self)
 
     @cached_property
@@ -126,11 +130,13 @@ class Identification(Estimate):
         for known in (self.parameters, self.search_parameters):
             if name in known:
                 return known[name]
-        raise ModelError(f"{self.model.name} has no parameter '{name}': it has {', '.join(self.parameters)}")
+        raise ModelError(
+            f"{self.model.name} has no parameter '{name}': it has {', '.join(self.parameters)}"
+        )
 
     @cached_property
     def covariance(self) -> Real:
-        """Covariance (p, p) of the free parameters in printed units, in the order of ``model.names``.
+        """Covariance (p, p) of the free parameters in printed units, ordered as ``model.names``.
 
         Infinite where the data do not determine a parameter, zero where it rests on a bound.
         """
@@ -149,7 +155,9 @@ class Identification(Estimate):
     def residuals(self) -> Complex:
         """Measured minus fitted complex stiffness, shape (n,), in the unit of the data."""
         # Measured less fitted, as a missing effect would add to the model.
-        return self.measurement.stiffness - self.model.stiffness(self.theta, self.measurement.points)
+        return self.measurement.stiffness - self.model.stiffness(
+            self.theta, self.measurement.points
+        )
 
     @property
     def relative_rms(self) -> float:
@@ -160,7 +168,10 @@ class Identification(Estimate):
 
     @cached_property
     def standing(self) -> Standing | None:
-        """How the error stands against noise and any material; None where the data are too few to tell."""
+        """How the error stands against noise and any material.
+
+        None where the data are too few to tell.
+        """
         # Rooms below the diagnosis fit as well, and know no floors to judge by.
         if self.judge is None:
             return None
@@ -175,10 +186,14 @@ class Identification(Estimate):
 
     @cached_property
     def spectrum(self) -> Spectrum | None:
-        """The smoothest spectrum that the data allow, where these choose it; None for a network of elements."""
+        """The smoothest spectrum that the data allow, where these choose it.
+
+        None for a network of elements.
+        """
         if not is_material(self.model):
             return None
-        # The band is from simulated noise: with the seed that was kept, a file that is taken up shows the same.
+        # The band is from simulated noise: with the seed that was kept, a file that is taken up
+        # shows the same.
         return regularised(self.fit, np.random.default_rng(self.seed))
 
     @cached_property
@@ -226,32 +241,49 @@ class Identification(Estimate):
             If the model knows nothing of a condition whose change is asked for.
         """
         return predict(
-            self.uncertainty, frequency, omega, level, temperature=temperature, amplitude=amplitude, **columns
+            self.uncertainty,
+            frequency,
+            omega,
+            level,
+            temperature=temperature,
+            amplitude=amplitude,
+            **columns,
         )
 
-    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure | Axes | Path:
-        """Data and fit, and the residuals below; see `Measurement.plot` for the arguments and what is returned."""
+    def plot(
+        self, path: str | Path | None = None, *, ax: Axes | None = None
+    ) -> Figure | Axes | Path:
+        """Data and fit, and the residuals below.
+
+        See `Measurement.plot` for the arguments and what is returned.
+        """
         return draw(self, path, ax)
 
     def __str__(self) -> str:
         return text_of(self)
 
     def __repr__(self) -> str:
-        values = ", ".join(f"{name} {row.value:.4g} {row.unit}" for name, row in self.parameters.items())
+        values = ", ".join(
+            f"{name} {row.value:.4g} {row.unit}" for name, row in self.parameters.items()
+        )
         error = f"error {100 * self.relative_rms:.3g} %"
         return f"<Identification {self.model.name} of {self.measurement.name}: {values}; {error}>"
 
     def _repr_html_(self) -> str:
         rows = []
         for name, row in self.parameters.items():
-            # A parameter that was held has no interval: it is told apart from one that is known exactly.
+            # A parameter that was held has no interval: it is told apart from one that is known
+            # exactly.
             unit = row.unit
             if row.fixed:
                 unit = f"{unit} (fixed)"
             rows.append((name, f"{row.value:.4g}", *_interval(row), unit))
         error = f"error {100 * self.relative_rms:.3g} % of |K|"
         if self.standing is not None:
-            error += f", noise floor {100 * self.standing.noise_floor:.3g} % ({self.standing.noise_source})"
+            error += (
+                f", noise floor {100 * self.standing.noise_floor:.3g} %"
+                f" ({self.standing.noise_source})"
+            )
         return tag(
             "div",
             tag("p", tag("b", f"{self.model.name} of {self.measurement.name}")),
@@ -261,7 +293,10 @@ class Identification(Estimate):
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """The result as plain data, schema ``springpot.identification/1``, with all that `springpot.load` needs."""
+        """The result as plain data, schema ``springpot.identification/1``.
+
+        It holds all that `springpot.load` needs.
+        """
         spectrum: dict[str, Any] = {}
         if self.spectrum is not None:
             spectrum = {"spectrum": self._spectrum(self.spectrum)}
@@ -273,7 +308,9 @@ class Identification(Estimate):
             "model": self.model.name,
             "data": self.measurement.name,
             "parameters": {name: value.to_dict() for name, value in self.parameters.items()},
-            "search_parameters": {name: value.to_dict() for name, value in self.search_parameters.items()},
+            "search_parameters": {
+                name: value.to_dict() for name, value in self.search_parameters.items()
+            },
             "objective": {"name": self.fit.objective.name, "value": self.fit.cost},
             "relative_rms": self.relative_rms,
             "measured": self.covered.to_dict(),
@@ -288,7 +325,7 @@ class Identification(Estimate):
         }
 
     def _spectrum(self, spectrum: Spectrum) -> dict[str, Any]:
-        """K = equilibrium + viscosity s + sum of weight s / (s + rate), in printed units, with a band."""
+        """K = equilibrium + viscosity s + sum of weight s / (s + rate), as printed, with a band."""
         units = self.measurement.units
         (size, unit), (flow, flow_unit) = units.of(EQUILIBRIUM.unit), units.of(VISCOSITY.unit)
         weight = size * spectrum.step

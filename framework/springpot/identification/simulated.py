@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from springpot.rheology import Complex, Real
+from springpot.rheology.points import Complex, Real
 
 from .batch import fit_batch
 from .native import Fit
@@ -31,14 +31,16 @@ def bootstrap(fit: Fit, n: int, rng: np.random.Generator, *, parametric: bool = 
     Returns
     -------
     ndarray, shape (n, p)
-        Their parameters. Quantiles of a column are an interval (B. Efron, 1979, doi:10.1214/aos/1176344552).
+        Their parameters. Quantiles of a column are an interval (B. Efron, 1979,
+        doi:10.1214/aos/1176344552).
 
     Examples
     --------
     >>> import numpy as np
     >>> import springpot
     >>> from springpot.identification import bootstrap, fit
-    >>> best = fit(springpot.parse_model("kelvin"), springpot.read("artificial-hidden@frequency=..1"))
+    >>> data = springpot.read("artificial-hidden@frequency=..1")
+    >>> best = fit(springpot.parse_model("kelvin"), data)
     >>> bootstrap(best, 5, np.random.default_rng(1)).shape
     (5, 2)
     """
@@ -58,7 +60,8 @@ def _errors(fit: Fit, n: int, rng: np.random.Generator, parametric: bool) -> Com
     if parametric:
         drawn = rng.standard_normal((n, 2 * count)) * size
     else:
-        # The fit has taken its share of the scatter: residuals are smaller than the errors they come from.
+        # The fit has taken its share of the scatter: residuals are smaller than the errors they
+        # come from.
         grown = np.sqrt(2 * count / max(fit.dof, 1))
         drawn = rng.choice(fit.residual * grown, size=(n, 2 * count))
     errors: Complex = drawn[:, :count] + 1j * drawn[:, count:]
@@ -68,15 +71,22 @@ def _errors(fit: Fit, n: int, rng: np.random.Generator, parametric: bool) -> Com
 def _refitted(fit: Fit, errors: Complex) -> Real:
     weights = fit.task.weights[0]
     shift = errors.real / weights.real + 1j * (errors.imag / weights.imag)
-    # In the middle of the box the objective has the size of the data, whatever a search has come to.
+    # In the middle of the box the objective has the size of the data, whatever a search has come
+    # to.
     base = fit.model.stiffness(fit.theta, fit.measurement.points)
     data = base + shift
     if fit.objective.logarithmic:
         data = base * np.exp(shift)
-    # Begun at the fit that they come from, and at two places of their own, should noise have made another valley
-    # deeper.
+    # Begun at the fit that they come from, and at two places of their own, should noise have made
+    # another valley deeper.
     seeds = np.broadcast_to(fit.theta, (len(data), 1, len(fit.theta)))
     points = fit.measurement.points
     return fit_batch(
-        fit.model, points, data, weights, starts=2, seeds_theta=seeds, logarithmic=fit.objective.logarithmic
+        fit.model,
+        points,
+        data,
+        weights,
+        starts=2,
+        seeds_theta=seeds,
+        logarithmic=fit.objective.logarithmic,
     )[0]

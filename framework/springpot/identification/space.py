@@ -8,8 +8,10 @@ from functools import cached_property
 import numpy as np
 
 from springpot.errors import DataError, ModelError
-from springpot.measurement import Measurement
-from springpot.rheology import Model, Parameter, Real
+from springpot.measurement.measurement import Measurement
+from springpot.rheology.model import Model
+from springpot.rheology.parameters import Parameter
+from springpot.rheology.points import Real
 
 TINY = 1e-9
 """Smallest positive value of a searched parameter, as a fraction of its upper bound."""
@@ -19,7 +21,9 @@ HUGE = 1e100
 
 
 LARGEST = 1e30
-"""Largest number of a measurement, and one over the smallest, that can be fitted: of a mass's slope, which goes with
+"""Largest number of a measurement, and one over the smallest, that can be fitted.
+
+Of a mass's slope, which goes with
 the square of the frequency, the square of the square must still be a number."""
 
 
@@ -52,7 +56,10 @@ class SearchSpace:
 
     @cached_property
     def lowest(self) -> Real:
-        """Limits (d,) that no point leaves, in the box or out of it: a positive parameter stays positive."""
+        """Limits (d,) that no point leaves, in the box or out of it.
+
+        A positive parameter stays positive.
+        """
         tiny = TINY * np.minimum(self.expected, self.upper)
         lowest = np.maximum([p.lower for p in self.parameters], -HUGE)
         # A lower end of zero is no place for a logarithm.
@@ -111,11 +118,15 @@ class SearchSpace:
         return np.concatenate([form.from_elements(theta[..., :q]), theta[..., q:]], axis=-1)
 
 
-def paper_box(model: Model, measurement: Measurement, stiffness_scale: float | None = None) -> SearchSpace:
-    """The paper's box: times in (0, 1) s or the slowest cycle, orders in (0, 1), stiffnesses in (0, 2 k-bar).
+def paper_box(
+    model: Model, measurement: Measurement, stiffness_scale: float | None = None
+) -> SearchSpace:
+    """The paper's box of parameters.
 
-    The paper starts its swarm in (0, k-bar) and does not clamp stiffnesses; k-bar may be the very answer (its
-    own Maxwell-type example has kinf = k-bar), so bounded optimisers get twice that.
+    Times in (0, 1) s or the slowest cycle, orders in (0, 1), stiffnesses in (0, 2 k-bar).
+
+    The paper starts its swarm in (0, k-bar) and does not clamp stiffnesses; k-bar may be the very
+    answer (its own Maxwell-type example has kinf = k-bar), so bounded optimisers get twice that.
 
     Parameters
     ----------
@@ -135,7 +146,8 @@ def paper_box(model: Model, measurement: Measurement, stiffness_scale: float | N
     --------
     >>> import springpot
     >>> from springpot.identification import paper_box
-    >>> box = paper_box(springpot.parse_model("fractional-zener"), springpot.read("artificial-hidden"))
+    >>> data = springpot.read("artificial-hidden")
+    >>> box = paper_box(springpot.parse_model("fractional-zener"), data)
     >>> dict(zip(box.names, box.upper.tolist()))
     {'k0': 1000.0, 'kinf': 1000.0, 'tau': 1.0, 'alpha': 1.0}
     """
@@ -202,7 +214,9 @@ def rounded_up(value: float) -> float:
     """`value` rounded up to 1, 2 or 5 times a power of ten."""
     # A power of ten comes out of the logarithm with rounding: 1000 must not become 2000.
     power = 10.0 ** np.floor(np.log10(value))
-    return float(next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= value * (1 - 1e-12)))
+    return float(
+        next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= value * (1 - 1e-12))
+    )
 
 
 def require_conditions(model: Model, measurement: Measurement) -> None:
@@ -217,7 +231,8 @@ def require_conditions(model: Model, measurement: Measurement) -> None:
     missing = sorted(model.needs - set(measurement.conditions))
     if missing:
         raise ModelError(
-            f"{model.name} needs the column {', '.join(missing)}, which {measurement.name} does not have"
+            f"{model.name} needs the column {', '.join(missing)},"
+            f" which {measurement.name} does not have"
         )
 
 
@@ -235,4 +250,7 @@ def require_size(measurement: Measurement) -> None:
     ):
         beyond = values[(values > LARGEST) | (values < 1.0 / LARGEST)]
         if len(beyond):
-            raise DataError(f"{measurement.name}: a {what} of {beyond[0]:.3g} cannot be fitted; is its unit right?")
+            raise DataError(
+                f"{measurement.name}: a {what} of {beyond[0]:.3g} cannot be fitted;"
+                " is its unit right?"
+            )

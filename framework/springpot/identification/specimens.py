@@ -9,14 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import f_sf
-from springpot.measurement import CONDITIONS, FILE, Measurement
-from springpot.rheology import Real
+from springpot.measurement.joining import FILE
+from springpot.measurement.measurement import CONDITIONS, Measurement
+from springpot.rheology.points import Real
 
 from .material import is_material
 from .native import Fit
 
 FEWEST = 3
-"""Specimens from which their scatter says how well a parameter is known: two leave one degree of freedom."""
+"""Specimens from which their scatter says how well a parameter is known.
+
+Two leave one degree of freedom.
+"""
 ALARM = 0.01
 """Chance that noise alone makes specimens differ as much, below which they are said to differ."""
 
@@ -38,7 +42,10 @@ class Specimens:
 
     @classmethod
     def of(cls, measurement: Measurement) -> Specimens | None:
-        """Those of joined files that all hold the same test; None where one file, or each another condition."""
+        """Those of joined files that all hold the same test.
+
+        None where one file, or each another condition.
+        """
         if FILE not in measurement.labels:
             return None
         names, number = np.unique(measurement.labels[FILE], return_inverse=True)
@@ -65,8 +72,9 @@ class Specimens:
 
         Notes
         -----
-        Liang and Zeger 1986, doi:10.1093/biomet/73.1.13, with the factor G / (G - 1) of few clusters and Student's t
-        of G - 1 degrees of freedom (Cameron and Miller 2015, doi:10.3368/jhr.50.2.317).
+        Liang and Zeger 1986, doi:10.1093/biomet/73.1.13, with the factor G / (G - 1) of few
+        clusters and Student's t of G - 1 degrees of freedom (Cameron and Miller 2015,
+        doi:10.3368/jhr.50.2.317).
         """
         both = np.concatenate([self.number, self.number])
         pulls = np.array([jacobian[both == i].T @ residual[both == i] for i in range(self.count)])
@@ -75,7 +83,10 @@ class Specimens:
         return covariance
 
     def scatter(self, fit: Fit) -> float:
-        """Standard deviation of the specimens' stiffness over their mean; 0 where noise alone may be all of it."""
+        """Standard deviation of the specimens' stiffness over their mean.
+
+        0 where noise alone may be all of it.
+        """
         model = fit.model.stiffness(fit.theta, fit.measurement.points)
         off = (fit.measurement.stiffness - model) / model
         parts = [off[self.number == i].real for i in range(self.count)]
@@ -93,7 +104,10 @@ class Specimens:
 
 
 def follows_specimens(fit: Fit) -> Specimens | None:
-    """The specimens that the intervals of a fit can follow; None where they are too few, or it has a spectrum."""
+    """The specimens that the intervals of a fit can follow.
+
+    None where they are too few, or it has a spectrum.
+    """
     specimens = Specimens.of(fit.measurement)
     if specimens is None or specimens.count < FEWEST or is_material(fit.model):
         return None
@@ -110,6 +124,12 @@ def told(fit: Fit) -> Iterator[str]:
     if scatter:
         differ = f"the specimens differ by {100.0 * scatter:.2g} %"
     if follows_specimens(fit) is not None:
-        yield f"{differ}: intervals follow the scatter of {specimens.count} specimens, not that of the points"
+        yield (
+            f"{differ}: intervals follow the scatter of {specimens.count} specimens,"
+            " not that of the points"
+        )
     else:
-        yield f"{differ}: intervals do not know it, and are too narrow; three or more specimens would tell"
+        yield (
+            f"{differ}: intervals do not know it, and are too narrow;"
+            " three or more specimens would tell"
+        )

@@ -1,4 +1,7 @@
-"""Starts read off the data, for any network: a scan of its shapes, the gains of its branches projected out."""
+"""Starts read off the data, for any network.
+
+A scan of its shapes, the gains of its branches projected out.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,10 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology import GRADIENT, Complex, Model, Node, Parameter, Points, Real
+from springpot.rheology.model import Model
+from springpot.rheology.nodes import GRADIENT, Node
+from springpot.rheology.parameters import Parameter
+from springpot.rheology.points import Complex, Points, Real
 
 from .branches import Branches, branches_of, interleaved, non_negative, plane_data
 from .coordinates import Coordinates
@@ -22,9 +28,12 @@ BLOCK = 1_000_000
 
 
 def low_discrepancy(count: int, dimension: int, offset: Real | float = 0.0) -> Real:
-    """Points (count, dimension) that fill the unit cube evenly: multiples of powers of a generalised golden ratio.
+    """Points (count, dimension) that fill the unit cube evenly.
 
-    See M. Roberts, The unreasonable effectiveness of quasirandom sequences (2018). `offset` moves all (modulo 1).
+    Multiples of powers of a generalised golden ratio.
+
+    See M. Roberts, The unreasonable effectiveness of quasirandom sequences (2018). `offset` moves
+    all (modulo 1).
     """
     # The root of r^(d + 1) = r + 1: each step brings it nearer by a factor of three or more.
     ratio = 2.0
@@ -36,7 +45,10 @@ def low_discrepancy(count: int, dimension: int, offset: Real | float = 0.0) -> R
 
 
 def thinned(log_omega: Real, most: int) -> NDArray[np.intp]:
-    """At most `most` rows (and the two ends) spread evenly over the frequencies, whatever the order of conditions."""
+    """At most `most` rows (and the two ends) spread evenly over the frequencies.
+
+    Whatever the order of conditions.
+    """
     n = len(log_omega)
     if n <= most:
         return np.arange(n)
@@ -74,10 +86,16 @@ class Shapes:
 
     @classmethod
     def of(
-        cls, network: Node, branches: Branches, points: Points, coordinates: Coordinates, offset: float = 0.0
+        cls,
+        network: Node,
+        branches: Branches,
+        points: Points,
+        coordinates: Coordinates,
+        offset: float = 0.0,
     ) -> Shapes:
         """Scan the shapes of `network` at `points`."""
-        # A shape is the same at any stiffness: the gains are found by linear algebra, for each data set by itself.
+        # A shape is the same at any stiffness: the gains are found by linear algebra, for each data
+        # set by itself.
         unit = coordinates.at_unit_stiffness()
         # Evenly and not at random: as few shapes as these would else leave gaps.
         cube = low_discrepancy(shape_count(branches), len(branches.free), offset)
@@ -87,7 +105,9 @@ class Shapes:
             theta = unit.theta(branches.shaped(v, unit.log), unit.size)
             response = network.respond(theta, points, GRADIENT)
             shares = branches.shares(theta, response.value, response.by_theta)
-        return cls(v, interleaved(np.swapaxes(shares, 0, 1)), branches.compliance, _nearest(*cube.shape))
+        return cls(
+            v, interleaved(np.swapaxes(shares, 0, 1)), branches.compliance, _nearest(*cube.shape)
+        )
 
     def best(self, stiffness: Complex, weights: Complex, keep: int) -> tuple[Real, Real]:
         """The best few shapes for every data set.
@@ -124,16 +144,19 @@ class Shapes:
         # By the size of the data, so that the misfit is a share of them.
         right /= np.sqrt(total)[:, None, None]
         x = non_negative(matrix, right)[0]
-        # From the Gram matrix alone: the residuals of every shape at every point need not be formed.
+        # From the Gram matrix alone: the residuals of every shape at every point need not be
+        # formed.
         bent = np.matmul(matrix, x[..., None])[..., 0]
         misfit = 1.0 + (x * (bent - 2.0 * right)).sum(axis=-1)
         chosen = _ranked(np.where(np.isfinite(misfit), misfit, np.inf), self.neighbours, keep)
-        gains = np.take_along_axis(x / norm, chosen[:, :, None], axis=1) * np.sqrt(total)[:, None, None]
+        gains = (
+            np.take_along_axis(x / norm, chosen[:, :, None], axis=1) * np.sqrt(total)[:, None, None]
+        )
         return self.v[chosen], gains
 
     @np.errstate(over="ignore", invalid="ignore")  # shapes beyond what numbers hold are ranked last
     def _normal(self, square: Real, moment: Real) -> tuple[Real, Real, Real]:
-        """Gram matrices (B, Q, m, m) with unit diagonal, right sides and the norms (B, Q, m) divided out."""
+        """Gram matrices (B, Q, m, m) of unit diagonal, right sides, norms (B, Q, m) divided out."""
         m = len(self.responses)
         matrix = np.empty((len(square), len(self.v), m, m))
         right = np.empty(matrix.shape[:-1])
@@ -152,7 +175,8 @@ def _spread(unit: Coordinates, points: Points) -> tuple[Real, Real]:
     # Half the band on either side of its middle: a time outside of it would not show.
     reach = 0.5 * float(np.ptp(points.log_omega))
     times = [_time_power(parameter) for parameter in unit.parameters]
-    # A stiffness lies within a factor of 30 of |K|; what has a time in its unit may lie anywhere in the band too.
+    # A stiffness lies within a factor of 30 of |K|; what has a time in its unit may lie anywhere in
+    # the band too.
     width = np.log(30.0) + reach * np.minimum(times, 1.0)
     low = np.where(unit.log, np.maximum(lower, -width), np.where(np.isfinite(lower), lower, -1.0))
     high = np.where(unit.log, np.minimum(upper, width), np.where(np.isfinite(upper), upper, 1.0))
@@ -170,7 +194,10 @@ def _time_power(parameter: Parameter) -> float:
 
 
 class Grid:
-    """Points and search coordinates, compared by what they hold, so that data sets on one grid share its scan."""
+    """Points and search coordinates, compared by what they hold.
+
+    So that data sets on one grid share its scan.
+    """
 
     def __init__(self, points: Points, coordinates: Coordinates) -> None:
         self.points = points
@@ -217,10 +244,14 @@ def _nearest(count: int, dimension: int) -> NDArray[np.intp]:
 
 
 def _ranked(misfit: Real, neighbours: NDArray[np.intp], keep: int) -> NDArray[np.intp]:
-    """The best shapes, (B, keep), best first: those better than all their neighbours, then the rest."""
+    """The best shapes, (B, keep), best first.
+
+    Those better than all their neighbours, then the rest.
+    """
     key = misfit
     if keep > 1 and neighbours.shape[1]:
-        # The misfit is a share of the data: ten more puts a shape behind all that beat their neighbours.
+        # The misfit is a share of the data: ten more puts a shape behind all that beat their
+        # neighbours.
         key = misfit + np.where(misfit <= misfit[:, neighbours].min(axis=-1), 0.0, 10.0)
     best = _lowest(key, keep)
     order = np.argsort(np.take_along_axis(key, best, axis=1), axis=1, kind="stable")

@@ -7,7 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
-from springpot.rheology import GRADIENT, Complex, Model, Points, Real
+from springpot.rheology.model import Model
+from springpot.rheology.nodes import GRADIENT
+from springpot.rheology.points import Complex, Points, Real
 
 from .branches import Branches, branches_of, interleaved, plane_data, project
 from .coordinates import Coordinates
@@ -22,7 +24,10 @@ ROUNDING = 1e-28
 NEARLY = 1e-20
 """The same at which the search for shapes hands over."""
 FLAT_SHAPES = 1e-10
-"""Predicted drop, over the objective, at which it does so too: the last digits are left to all parameters."""
+"""Predicted drop, over the objective, at which it does so too.
+
+The last digits are left to all parameters.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +63,9 @@ class Task:
         amplitude = 1.0
         if self.points.amplitude is not None:
             amplitude = float(np.mean(self.points.amplitude))
-        return Coordinates.of(self.model.parameters, float(np.mean(self.points.log_omega)), self.scale, amplitude)
+        return Coordinates.of(
+            self.model.parameters, float(np.mean(self.points.log_omega)), self.scale, amplitude
+        )
 
     @property
     def count(self) -> int:
@@ -88,7 +95,9 @@ class Task:
         """Notice a wrong derivative before anything is fitted by it."""
         log, size = self.coordinates.log, self.coordinates.size
         inside = self.coordinates.theta(np.where(log, 0.2, 0.45), size[0])
-        lower, upper = (np.array([getattr(p, end) for p in self.model.parameters]) for end in ("lower", "upper"))
+        lower, upper = (
+            np.array([getattr(p, end) for p in self.model.parameters]) for end in ("lower", "upper")
+        )
         require_derivative(self.model, np.clip(inside, lower, upper), self.points)
 
     @cached_property
@@ -126,7 +135,10 @@ class Task:
     def rows(self, which: Rows) -> Task:
         """Some of the data sets."""
         return replace(
-            self, stiffness=self.stiffness[which], weights=self.weights[which], given=self.coordinates.rows(which)
+            self,
+            stiffness=self.stiffness[which],
+            weights=self.weights[which],
+            given=self.coordinates.rows(which),
         )
 
     def thin(self, most: int) -> Task:
@@ -135,7 +147,9 @@ class Task:
             return self
         # The coordinates stay those of all points, so that what the few find holds for all.
         pick = thinned(self.points.log_omega, most)
-        points = replace(self.points.mapped(lambda column: column[pick]), log_omega=self.points.log_omega[pick])
+        points = replace(
+            self.points.mapped(lambda column: column[pick]), log_omega=self.points.log_omega[pick]
+        )
         return replace(
             self,
             points=points,
@@ -152,7 +166,7 @@ class Task:
         return owner[rows]
 
     def evaluator(self, owner: Rows) -> Evaluate:
-        """Residuals (r, 2n) and derivative (r, p, 2n) of rows, of which row i belongs to data set `owner[i]`."""
+        """Residuals (r, 2n) and derivative (r, p, 2n) of rows, row i of data set `owner[i]`."""
         self._require_derivative()
         coordinates, network = self.coordinates, self.model.network
 
@@ -163,8 +177,8 @@ class Task:
             response = network.respond(theta, self.points, GRADIENT)
             by_theta = response.by_theta
             if self.logarithmic:
-                # The logarithm of the ratio, not a difference of two: this would jump by a turn where one phase
-                # passes 180 degrees.
+                # The logarithm of the ratio, not a difference of two: this would jump by a turn
+                # where one phase passes 180 degrees.
                 residual = interleaved(np.log(response.value / self.stiffness[which]))
                 by_theta = by_theta / response.value[:, None, :]
             else:
@@ -175,7 +189,10 @@ class Task:
         return evaluate
 
     def shape_evaluator(self, owner: Rows) -> Evaluate:
-        """The same for shapes (r, d): residuals with the gains projected out, and Kaufman's derivative of them."""
+        """The same for shapes (r, d).
+
+        Residuals with the gains projected out, and Kaufman's derivative of them.
+        """
         self._require_derivative()
         coordinates, branches = self.coordinates, self.branches
         at, weight = self._plane
@@ -186,7 +203,8 @@ class Task:
             size, scale = coordinates.size[which], weight[which][:, None, :]
             theta, value, by_theta, shares = self._unit_gain(v, size)
             basis = interleaved(shares) * scale
-            # For each shape the best gains are known in closed form: the search is left with the shapes alone.
+            # For each shape the best gains are known in closed form: the search is left with the
+            # shapes alone.
             gains, residual, inverse = project(basis, target[which])
             slopes = by_theta * self._by_owner(gains, shares)
             if branches.compliance:
@@ -207,12 +225,13 @@ class Task:
         return theta, response.value, response.by_theta, self.branches.shares(theta, *response[:2])
 
     def _by_owner(self, gains: Real, shares: Complex) -> Complex | Real:
-        """The factor by which the gains change the derivative by each parameter, shape (r, p, n or 1)."""
+        """Factor by which the gains change the derivative by each parameter, (r, p, n or 1)."""
         owner = self.branches.owner
         factor: Real = gains[:, owner][:, :, None]
         if owner.min() >= 0:
             return factor
-        # What stands outside the branches, such as a delay, acts on their sum: it grows as that sum does.
+        # What stands outside the branches, such as a delay, acts on their sum: it grows as that sum
+        # does.
         common = np.matmul(gains[:, None, :], shares) / np.sum(shares, axis=1, keepdims=True)
         return np.where(owner[:, None] < 0, common, factor)
 
@@ -227,7 +246,9 @@ class Task:
         at, weight = self._plane
         with np.errstate(all="ignore"):
             *_, shares = self._unit_gain(v.reshape(count * starts, d), self.coordinates.size[owner])
-            gains = project(interleaved(shares) * weight[owner][:, None, :], (at * weight)[owner])[0]
+            gains = project(interleaved(shares) * weight[owner][:, None, :], (at * weight)[owner])[
+                0
+            ]
         return self._scaled(v, self._log_gain(gains).reshape(count, starts, -1))
 
     def _log_gain(self, gains: Real) -> Real:
@@ -239,7 +260,10 @@ class Task:
         return log_gain
 
     def solve_shapes(self, v: Real, iterations: int = 60, flat: float = FLAT_SHAPES) -> Solution:
-        """Descend from shapes (B, s, d) with the gains projected out; rows run over data sets, then starts."""
+        """Descend from shapes (B, s, d) with the gains projected out.
+
+        Rows run over data sets, then starts.
+        """
         count, starts, d = v.shape
         owner = np.repeat(np.arange(count), starts)
         lower, upper = (bound[:, self.branches.free] for bound in self.coordinates.bounds())
@@ -255,9 +279,17 @@ class Task:
         )
 
     def solve(
-        self, u: Real, iterations: int = 100, damping: float = 1e-2, flat: float = FLAT, alike: float = ALIKE
+        self,
+        u: Real,
+        iterations: int = 100,
+        damping: float = 1e-2,
+        flat: float = FLAT,
+        alike: float = ALIKE,
     ) -> Solution:
-        """Descend from search coordinates (B, s, p); rows of the result run over data sets, then starts."""
+        """Descend from search coordinates (B, s, p).
+
+        Rows of the result run over data sets, then starts.
+        """
         count, starts, p = u.shape
         owner = np.repeat(np.arange(count), starts)
         lower, upper = self.coordinates.bounds()
@@ -275,7 +307,7 @@ class Task:
         )
 
     def starts(self, keep: int, offset: float = 0.0) -> tuple[Real, Real]:
-        """Shapes (B, s, d) read off the data, best first, and search coordinates (B, s, p) with their gains."""
+        """Shapes (B, s, d) read off the data, best first, search points (B, s, p) and gains."""
         # Hundreds of shapes are scanned: with a few points each costs next to nothing.
         thin = self.thin(SCAN_POINTS)
         shapes = shapes_of(self.model, Grid(thin.points, self.coordinates), offset)
@@ -285,11 +317,16 @@ class Task:
         return v, self._scaled(v, log_gain)
 
     def _scaled(self, v: Real, log_gain: Real) -> Real:
-        return self.branches.scaled(self.branches.shaped(v, self.coordinates.log), log_gain, self.coordinates.log)
+        return self.branches.scaled(
+            self.branches.shaped(v, self.coordinates.log), log_gain, self.coordinates.log
+        )
 
 
 def _team(owner: Rows, starts: int) -> Rows | None:
-    """The data set of each row, whose starts end one another; none where each data set has one start."""
+    """The data set of each row, whose starts end one another.
+
+    None where each data set has one start.
+    """
     if starts <= 1:
         return None
     return owner

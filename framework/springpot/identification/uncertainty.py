@@ -1,4 +1,7 @@
-"""How well the parameters are known: intervals from the Jacobian, and from profiles of the objective."""
+"""How well the parameters are known.
+
+Intervals from the Jacobian, and from profiles of the objective.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +12,8 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.policy import INTERVAL
-from springpot.rheology import Real
+from springpot.rheology.points import Real
+from springpot.thresholds import INTERVAL
 
 from .coordinates import WIDEST, Coordinates
 from .leastsquares import Rows, levenberg_marquardt
@@ -20,19 +23,28 @@ from .specimens import Specimens, follows_specimens
 from .task import Task
 
 RANK = 1e-10
-"""Directions whose singular value is this small a fraction of the largest are not determined by the data."""
+"""Directions with a singular value this small a share of the largest are undetermined."""
 PART = 1e-3
-"""Part in such a direction from which a parameter is lost with it: rounding mixes directions by 1e-16 / RANK."""
+"""Part in such a direction from which a parameter is lost with it.
+
+Rounding mixes directions by 1e-16 / RANK.
+"""
 TRACELESS = 1e-6
-"""Change of the data, over their size, by a factor e of a parameter that has left no trace: no instrument sees it."""
+"""Change of the data, over their size, by a factor e of a parameter that has left no trace.
+
+No instrument sees it.
+"""
 PROFILED = 1e-4
 """Relative error of the ends of a profile's interval: below the four digits that are printed."""
 
 
 def student(level: float, dof: float) -> float:
-    """Two-sided quantile of Student's t: ``level`` of the distribution lies within plus and minus this value.
+    """Two-sided quantile of Student's t.
 
-    Exact for one and two degrees of freedom, else by the expansion of Abramowitz and Stegun 26.7.5 (0.3 % at three).
+    ``level`` of the distribution lies within plus and minus this value.
+
+    Exact for one and two degrees of freedom, else by the expansion of Abramowitz and Stegun 26.7.5
+    (0.3 % at three).
     """
     # By hand: to import `scipy.stats` takes longer than most fits.
     tail = 0.5 * (1.0 + level)
@@ -61,20 +73,23 @@ class Uncertainty:
     fit : Fit
         The fit.
     absolute : bool
-        Whether the weights are known standard deviations; otherwise the scatter of the residuals sets the scale.
+        Whether the weights are known standard deviations; otherwise the scatter of the residuals
+        sets the scale.
     level : float
         Probability of the intervals.
     expected : ndarray, shape (r, q), optional
-        What was expected of the effects' parameters of any material beside the data, as `fit` takes it.
+        What was expected of the effects' parameters of any material beside the data, as `fit` takes
+        it.
     spread : tuple of (float, float), optional
-        Standard deviation of a weighted residual and its degrees of freedom, where those of the scatter are not what
-        the parameters are known by; see `lack_of_fit`.
+        Standard deviation of a weighted residual and its degrees of freedom, where those of the
+        scatter are not what the parameters are known by; see `lack_of_fit`.
 
     Examples
     --------
     >>> import springpot
     >>> from springpot.identification import Uncertainty, fit
-    >>> best = fit(springpot.parse_model("fractional-maxwell"), springpot.read("artificial-hidden@frequency=..1"))
+    >>> data = springpot.read("artificial-hidden@frequency=..1")
+    >>> best = fit(springpot.parse_model("fractional-maxwell"), data)
     >>> low, high = Uncertainty.of(best).interval()
     >>> bool((low < best.theta).all() and (best.theta < high).all())
     True
@@ -88,8 +103,9 @@ class Uncertainty:
 
     @classmethod
     def of(cls, fit: Fit, level: float = INTERVAL) -> Uncertainty:
-        """Intervals at `level`, in absolute terms where the objective uses given standard deviations."""
-        # Weights that are no standard deviations know shares only: what a residual of one means, the scatter says.
+        """Intervals at `level`, absolute where the objective uses given standard deviations."""
+        # Weights that are no standard deviations know shares only: what a residual of one means,
+        # the scatter says.
         return cls(fit, uses_sd(fit), level)
 
     @property
@@ -127,13 +143,16 @@ class Uncertainty:
 
     @cached_property
     def at_bound(self) -> NDArray[np.int64]:
-        """-1 where a parameter rests on its lower bound or is as good as zero, 1 on its upper, 0 elsewhere (p,)."""
+        """-1 where a parameter (p,) is at its lower bound or about zero, 1 at its upper, else 0."""
         low, high = (bound[0] for bound in self.fit.task.coordinates.bounds())
         log, u = self.fit.task.coordinates.log, self.fit.u
         linear = 1e-9 * np.where(np.isfinite(high - low), high - low, 1.0)
-        # Zero is infinitely far from a logarithm: one that has left no trace in the data is as good as there.
+        # Zero is infinitely far from a logarithm: one that has left no trace in the data is as good
+        # as there.
         free = log & (np.abs(np.where(np.isfinite(low), low, -WIDEST)) >= WIDEST)
-        traceless = np.linalg.norm(self.fit.jacobian_u, axis=0) <= TRACELESS * np.linalg.norm(self._data_size)
+        traceless = np.linalg.norm(self.fit.jacobian_u, axis=0) <= TRACELESS * np.linalg.norm(
+            self._data_size
+        )
         below = (u <= low + np.where(log, _slack(low), linear)) | (free & traceless & (u < 0))
         above = (u >= high - np.where(log, _slack(high), linear)) | (log & traceless & (u > 0))
         return np.where(below, -1, np.where(above, 1, 0))
@@ -148,14 +167,19 @@ class Uncertainty:
 
     @cached_property
     def covariance(self) -> Real:
-        """Covariance (p, p) in search coordinates; infinite variance where the data say nothing, 0 at a bound."""
-        # What rests on a bound does not move with the data: it takes no part, and the others are the surer for it.
+        """Covariance (p, p) in search coordinates.
+
+        Infinite variance where the data say nothing, 0 at a bound.
+        """
+        # What rests on a bound does not move with the data: it takes no part, and the others are
+        # the surer for it.
         free = np.flatnonzero(self.at_bound == 0)
         inner = self.slopes[:, free]
         # Columns of one size: what is determined must not depend on the units of the parameters.
         size = np.linalg.norm(inner, axis=0)
         size[size == 0] = 1.0
-        # Of the Jacobian itself: its square would lose half of the digits that tell what is determined.
+        # Of the Jacobian itself: its square would lose half of the digits that tell what is
+        # determined.
         _, values, directions = np.linalg.svd(inner / size, full_matrices=False)
         known = values > RANK * values.max(initial=0.0)
         inverse = np.where(known, 1.0 / np.where(known, values, 1.0), 0.0)
@@ -181,16 +205,21 @@ class Uncertainty:
 
     @property
     def slopes(self) -> Real:
-        """Derivative (2n + r, p) of residuals and departures from the expected by the search coordinates."""
+        """Derivative (2n + r, p) of residuals and departures from what is expected.
+
+        By the search coordinates.
+        """
         if self.expected is None:
             return self.fit.jacobian_u
         own = self.fit.theta[-self.expected.shape[1] :]
         turn = self.fit.task.coordinates.slopes(self.fit.theta, self.fit.task.coordinates.size[0])
-        return np.concatenate([self.fit.jacobian_u, surprise_slopes(self.expected, own, turn[-len(own) :])])
+        return np.concatenate(
+            [self.fit.jacobian_u, surprise_slopes(self.expected, own, turn[-len(own) :])]
+        )
 
     @property
     def sd_u(self) -> Real:
-        """Standard deviations (p,) in search coordinates: relative ones for logarithmic parameters."""
+        """Standard deviations (p,) of search coordinates: relative for logarithmic parameters."""
         return np.sqrt(np.diag(self.covariance))
 
     @cached_property
@@ -205,10 +234,15 @@ class Uncertainty:
         return correlation
 
     def interval(self) -> tuple[Real, Real]:
-        """Ends (p,) of the intervals of all parameters; zero or infinite where the data give no end."""
+        """Ends (p,) of the intervals of all parameters.
+
+        Zero or infinite where the data give no end.
+        """
         fit, coordinates = self.fit, self.fit.task.coordinates
         turn = _printed_slopes(fit)
-        with np.errstate(invalid="ignore"):  # of a parameter on its bound nothing is known from here
+        with np.errstate(
+            invalid="ignore"
+        ):  # of a parameter on its bound nothing is known from here
             reach = self.quantile * spread_of(turn, self.covariance)
         low, high = ends(fit.theta, reach, coordinates.log, _bounds(fit))
         rest = np.flatnonzero(self.at_bound)
@@ -217,7 +251,10 @@ class Uncertainty:
         return low, high
 
     def _one_sided(self, i: int) -> tuple[float, float]:
-        """Interval of a parameter on its bound: in the parameter itself, as a logarithm has no end there."""
+        """Interval of a parameter on its bound.
+
+        In the parameter itself, as a logarithm has no end there.
+        """
         fit, (lower, upper) = self.fit, _bounds(self.fit)
         slope = _linear_slope(fit, i)
         whole = float(np.linalg.norm(slope))
@@ -236,7 +273,8 @@ class Uncertainty:
         if self.at_bound[i] < 0:
             return float(lower[i]), min(value + reach, float(upper[i]))
         if np.isinf(upper[i]):
-            # Compliances add where a stiffness has grown without limit, so its inverse has the finite interval.
+            # Compliances add where a stiffness has grown without limit, so its inverse has the
+            # finite interval.
             inverse = 1.0 / value + reach / value**2
             if not np.isfinite(inverse):
                 return float(lower[i]), float("inf")
@@ -247,8 +285,8 @@ class Uncertainty:
 def _slack(bound: Real) -> Real:
     """How near to its bound a logarithm counts as resting there.
 
-    Zero and infinity are no places: whatever comes near the end of the range has gone there. A bound that a user
-    gives is one.
+    Zero and infinity are no places: whatever comes near the end of the range has gone there. A
+    bound that a user gives is one.
     """
     return np.where(np.abs(bound) >= WIDEST, 0.5, 1e-6)
 
@@ -259,26 +297,34 @@ def uses_sd(fit: Fit) -> bool:
     if sd is None or fit.objective.logarithmic:
         return False
     weights = fit.task.weights[0]
-    return bool(np.allclose(weights.real * sd.real, 1.0) and np.allclose(weights.imag * sd.imag, 1.0))
+    return bool(
+        np.allclose(weights.real * sd.real, 1.0) and np.allclose(weights.imag * sd.imag, 1.0)
+    )
 
 
 def lost_and_known(covariance: Real) -> tuple[NDArray[np.bool_], Real]:
-    """Which search coordinates (p,) the data do not determine, and the covariance (p, p) of the others."""
+    """Search coordinates (p,) that the data leave undetermined, covariance (p, p) of the others."""
     lost = np.isinf(np.diag(covariance))
-    # Zero times infinity is no number: what is lost counts as certain here, and whoever asks puts it back.
+    # Zero times infinity is no number: what is lost counts as certain here, and whoever asks puts
+    # it back.
     return lost, np.where(lost[:, None] | lost[None, :], 0.0, covariance)
 
 
 def spread_of(turn: Real, covariance: Real) -> Real:
-    """Standard deviations (q,) of what depends on u by `turn` (q, p); infinite where undetermined."""
+    """Standard deviations (q,) of what depends on u by `turn` (q, p); infinite if undetermined."""
     lost, known = lost_and_known(covariance)
     spread = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", turn, known, turn), 0.0))
     touched = np.any((np.abs(turn) > 1e-9) & lost, axis=1) | ~np.all(np.isfinite(turn), axis=1)
     return np.where(touched, np.inf, spread)
 
 
-def ends(value: Real, reach: Real, log: NDArray[np.bool_], bounds: tuple[Real, Real]) -> tuple[Real, Real]:
-    """Ends of intervals: a factor exp(reach) either way for logarithmic parameters, plus and minus for others."""
+def ends(
+    value: Real, reach: Real, log: NDArray[np.bool_], bounds: tuple[Real, Real]
+) -> tuple[Real, Real]:
+    """Ends of intervals.
+
+    A factor exp(reach) either way for logarithmic parameters, plus and minus for others.
+    """
     with np.errstate(all="ignore"):
         factor = np.exp(np.where(log, reach, 0.0))
         low = np.where(log, value / factor, value - np.where(log, 0.0, reach))
@@ -292,7 +338,7 @@ def _bounds(fit: Fit) -> tuple[Real, Real]:
 
 
 def _printed_slopes(fit: Fit) -> Real:
-    """Derivative (p, p) of ln theta (logarithmic parameters) or theta (others) by the search coordinates."""
+    """Derivative (p, p) of ln theta (logarithmic parameters) or theta by the search coordinates."""
     coordinates = fit.task.coordinates
     turn = coordinates.slopes(fit.theta, coordinates.size[0])
     scale: Real = np.where(coordinates.log, np.where(fit.theta == 0.0, 1.0, fit.theta), 1.0)
@@ -305,7 +351,9 @@ def _linear_slope(fit: Fit, i: int) -> Real:
     weights = fit.task.weights[0]
     if fit.task.logarithmic:
         jacobian = jacobian / fit.model.stiffness(fit.theta, fit.measurement.points)
-    slope: Real = np.nan_to_num(np.concatenate([jacobian.real * weights.real, jacobian.imag * weights.imag]))
+    slope: Real = np.nan_to_num(
+        np.concatenate([jacobian.real * weights.real, jacobian.imag * weights.imag])
+    )
     return slope
 
 
@@ -324,7 +372,8 @@ def profile(fit: Fit, parameter: str, level: float = INTERVAL) -> tuple[float, f
     Returns
     -------
     low, high : float
-        Where the best objective has risen by the quantile's square; a bound or infinity where it never does.
+        Where the best objective has risen by the quantile's square; a bound or infinity where it
+        never does.
 
     Notes
     -----
@@ -334,7 +383,8 @@ def profile(fit: Fit, parameter: str, level: float = INTERVAL) -> tuple[float, f
     --------
     >>> import springpot
     >>> from springpot.identification import fit, profile
-    >>> best = fit(springpot.parse_model("fractional-maxwell"), springpot.read("artificial-hidden@frequency=..1"))
+    >>> data = springpot.read("artificial-hidden@frequency=..1")
+    >>> best = fit(springpot.parse_model("fractional-maxwell"), data)
     >>> low, high = profile(best, "alpha")
     >>> bool(low < best.theta[best.model.names.index("alpha")] < high)
     True
@@ -385,7 +435,8 @@ def held_costs(fit: Fit, parameter: str, values: Real) -> Real:
     --------
     >>> import springpot
     >>> from springpot.identification import fit, held_costs
-    >>> best = fit(springpot.parse_model("fractional-maxwell"), springpot.read("artificial-hidden@frequency=..1"))
+    >>> data = springpot.read("artificial-hidden@frequency=..1")
+    >>> best = fit(springpot.parse_model("fractional-maxwell"), data)
     >>> bool((held_costs(best, "alpha", [0.4, 0.6]) > best.cost).all())
     True
     """
@@ -398,7 +449,7 @@ def held_costs(fit: Fit, parameter: str, values: Real) -> Real:
 
 
 def _first_step(known: Uncertainty, i: int, plain: Coordinates) -> float:
-    """Standard deviation of parameter i in plain coordinates, or a small step where there is none."""
+    """Standard deviation of parameter i in plain coordinates, or a small step if there is none."""
     sd = float(spread_of(_printed_slopes(known.fit)[i : i + 1], known.covariance)[0])
     if not plain.log[i]:
         sd /= float(plain.size[0, i])
@@ -412,8 +463,8 @@ def _first_step(known: Uncertainty, i: int, plain: Coordinates) -> float:
 class _Path:
     """The best fits along one parameter.
 
-    The coordinate of the solver for a constant of a springpot mixes it with the order: held there, it would move.
-    So the coordinates here are plain: each parameter or its logarithm.
+    The coordinate of the solver for a constant of a springpot mixes it with the order: held there,
+    it would move. So the coordinates here are plain: each parameter or its logarithm.
     """
 
     task: Task
@@ -430,7 +481,10 @@ class _Path:
         return self.task.coordinates
 
     def crossing(self, sign: float, sd: float, allowed: float) -> float | None:
-        """Value of the parameter where its profile reaches `allowed` on one side; None if it never does."""
+        """Value of the parameter where its profile reaches `allowed` on one side.
+
+        None if it never does.
+        """
         limit, upper = self.coordinates.bounds()
         if sign > 0:
             limit = upper
@@ -461,7 +515,9 @@ class _Path:
 
     def costs(self, places: Real) -> Real:
         """Best objective with the parameter held at each of `places`."""
-        lower, upper = (np.repeat(bound, len(places), axis=0) for bound in self.coordinates.bounds())
+        lower, upper = (
+            np.repeat(bound, len(places), axis=0) for bound in self.coordinates.bounds()
+        )
         # Bounds that meet hold a parameter in place without a solver of its own.
         lower[:, self.i] = upper[:, self.i] = places
         # All places begin at the best fit, and are solved side by side.
@@ -469,4 +525,6 @@ class _Path:
         u[:, self.i] = places
         owner: Rows = np.zeros(len(places), dtype=np.intp)
         solve = levenberg_marquardt
-        return solve(self.task.evaluator(owner), u, lower, upper, floor=0.0, flat=1e-9, iterations=60).cost
+        return solve(
+            self.task.evaluator(owner), u, lower, upper, floor=0.0, flat=1e-9, iterations=60
+        ).cost

@@ -8,7 +8,10 @@ from math import inf, isfinite
 from typing import Any
 
 LOST = 1000.0
-"""An interval of three decades says nothing: sizes of one kind of parameter differ by less among all dampers."""
+"""An interval of three decades says nothing.
+
+Sizes of one kind of parameter differ by less among all dampers.
+"""
 
 
 @dataclass(frozen=True)
@@ -41,7 +44,7 @@ class Value:
 
     @property
     def determined(self) -> bool:
-        """Whether the data say how large it is: both ends are there, three decades apart at most."""
+        """Whether the data say how large it is: both ends exist, three decades apart at most."""
         if not (isfinite(self.low) and isfinite(self.high)):
             return False
         return self.low <= 0.0 or self.high < LOST * self.low
@@ -77,7 +80,9 @@ def finite(value: float) -> float | None:
 
 
 def kept_interval(row: Mapping[str, Any]) -> tuple[float, float]:
-    """Ends of an interval as JSON holds them, which has no word for infinity: without an end it is infinite there.
+    """Ends of an interval as JSON holds them, which has no word for infinity.
+
+    Without an end it is infinite there.
 
     Examples
     --------

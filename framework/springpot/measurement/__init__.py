@@ -1,75 +1,82 @@
 """Measurement: dynamic test data and their units, time signals, noise, geometries."""
 
-from springpot.inputs import bytes_of, json_of, toml_of
-from springpot.rheology import HELD, KELVIN
+from __future__ import annotations
 
-from . import geometry
-from .budget import MOST_CELLS, MOST_COLUMNS, MOST_TABLES, Budget, budget_of, within_budget
-from .catalogue import DataSet
-from .cells import guarded, guarded_line, unguarded, unguarded_line
-from .covered import RATE, Covered
-from .from_signals import OneTest, measurement_from_signals, measurement_of_tests
-from .geometry import Geometry
-from .geometry_text import parse_geometry
-from .imposed import Loading
-from .independence import Spread, independent, moved_along, spread_of, steadied, telling
-from .interface import as_modulus, as_stiffness, through
-from .joining import FILE, joined
-from .measurement import CONDITIONS, Measurement, misspelt, points_at
-from .moduli import Moduli
-from .noise import with_noise
-from .one_frequency import (
-    HELD_ALIKE,
-    at_one_frequency,
-    distinct_log_omega,
-    frequency_numbers,
-    held_frequency_numbers,
-    rounded_log_omega,
-)
-from .opening import open_measurement, parts_of, pick_reader
-from .question import OpenQuestion, Question
-from .reader import Choice, Part, Reader, parts_as_opened
-from .replicates import Averaged, average_repeats, noise_of_repeats, thinned
-from .scatter import (
-    LEAST_RELATIVE,
-    Noise,
-    Scatter,
-    at_least_rounding,
-    checked_noise,
-    noise_shape,
-    plausible_variance,
-    robust_noise_shape,
-    rounding_step,
-)
-from .selection import conditions, select, without
-from .signals import Harmonics, Signals, harmonics_of
-from .sweeps import Sweep, sweeps_of, temperatures_differ
-from .timed import Timed, grown, material_of
-from .timeeffect import Answered, Record, Stage, TimeEffect
-from .timenoise import SignalNoise, noise_of, relative_scatter
-from .timereader import TimeReader, open_in_time
-from .timetest import TimeTest
-from .together import TIME, largest_test, settings_of, tests_together
-from .units import (
-    AMPLITUDE_UNITS,
-    ANGLE_UNITS,
-    FORCE_UNITS,
-    FREQUENCY_UNITS,
-    LENGTH_UNITS,
-    MODULUS_UNITS,
-    PRESSURE_UNITS,
-    STIFFNESS_UNITS,
-    STRAIN_UNITS,
-    TEMPERATURE_UNITS,
-    TIME_UNITS,
-    TORQUE_UNITS,
-    Units,
-    known_unit,
-    near_units,
-    normal_unit,
-    one_modulus,
-    temperature_in_celsius,
-)
+from typing import TYPE_CHECKING
+
+from springpot.lazy import offered
+
+if TYPE_CHECKING:
+    from springpot.inputs import bytes_of, json_of, toml_of
+    from springpot.rheology import HELD, KELVIN
+
+    from . import geometry
+    from .budget import MOST_CELLS, MOST_COLUMNS, MOST_TABLES, Budget, budget_of, within_budget
+    from .catalogue import DataSet
+    from .covered import RATE, Covered
+    from .csv_safe import guarded, guarded_line, unguarded, unguarded_line
+    from .from_signals import OneTest, measurement_from_signals, measurement_of_tests
+    from .geometry import Geometry
+    from .geometry_text import parse_geometry
+    from .imposed import Loading
+    from .independence import Spread, independent, moved_along, spread_of, steadied, telling
+    from .interface import as_modulus, as_stiffness, through
+    from .joining import FILE, joined
+    from .measurement import CONDITIONS, Measurement, misspelt, points_at
+    from .mixed_tests import TIME, largest_test, settings_of, tests_together
+    from .noise import with_noise
+    from .one_frequency import (
+        HELD_ALIKE,
+        at_one_frequency,
+        distinct_log_omega,
+        frequency_numbers,
+        held_frequency_numbers,
+        rounded_log_omega,
+    )
+    from .opening import open_measurement, parts_of, pick_reader
+    from .parts_of_stiffness import Moduli
+    from .question import OpenQuestion, Question
+    from .reader import Choice, Part, Reader, parts_as_opened
+    from .replicates import Averaged, average_repeats, noise_of_repeats, thinned
+    from .scatter import (
+        LEAST_RELATIVE,
+        Noise,
+        Scatter,
+        at_least_rounding,
+        checked_noise,
+        noise_shape,
+        plausible_variance,
+        robust_noise_shape,
+        rounding_step,
+    )
+    from .selection import conditions, select, without
+    from .signals import Harmonics, Signals, harmonics_of
+    from .sweeps import Sweep, sweeps_of, temperatures_differ
+    from .timed import Timed, grown, material_of
+    from .timeeffect import Answered, Record, Stage, TimeEffect
+    from .timenoise import SignalNoise, noise_of, relative_scatter
+    from .timereader import TimeReader, open_in_time
+    from .timetest import TimeTest
+    from .units import (
+        AMPLITUDE_UNITS,
+        ANGLE_UNITS,
+        FORCE_UNITS,
+        FREQUENCY_UNITS,
+        LENGTH_UNITS,
+        MODULUS_UNITS,
+        PRESSURE_UNITS,
+        STIFFNESS_UNITS,
+        STRAIN_UNITS,
+        TEMPERATURE_UNITS,
+        TIME_UNITS,
+        TORQUE_UNITS,
+        Units,
+        known_unit,
+        near_units,
+        normal_unit,
+        one_modulus,
+        temperature_in_celsius,
+    )
 
 __all__ = [
     "RATE",
@@ -187,3 +194,122 @@ __all__ = [
     "within_budget",
     "without",
 ]
+
+_WHERE = {
+    "AMPLITUDE_UNITS": "springpot.measurement.units",
+    "ANGLE_UNITS": "springpot.measurement.units",
+    "Answered": "springpot.measurement.timeeffect",
+    "Averaged": "springpot.measurement.replicates",
+    "Budget": "springpot.measurement.budget",
+    "CONDITIONS": "springpot.measurement.measurement",
+    "Choice": "springpot.measurement.reader",
+    "Covered": "springpot.measurement.covered",
+    "DataSet": "springpot.measurement.catalogue",
+    "FILE": "springpot.measurement.joining",
+    "FORCE_UNITS": "springpot.measurement.units",
+    "FREQUENCY_UNITS": "springpot.measurement.units",
+    "Geometry": "springpot.measurement.geometry",
+    "HELD": "springpot.rheology.levels",
+    "HELD_ALIKE": "springpot.measurement.one_frequency",
+    "Harmonics": "springpot.measurement.signals",
+    "KELVIN": "springpot.rheology.points",
+    "LEAST_RELATIVE": "springpot.measurement.scatter",
+    "LENGTH_UNITS": "springpot.measurement.units",
+    "Loading": "springpot.measurement.imposed",
+    "MODULUS_UNITS": "springpot.measurement.units",
+    "MOST_CELLS": "springpot.measurement.budget",
+    "MOST_COLUMNS": "springpot.measurement.budget",
+    "MOST_TABLES": "springpot.measurement.budget",
+    "Measurement": "springpot.measurement.measurement",
+    "Moduli": "springpot.measurement.parts_of_stiffness",
+    "Noise": "springpot.measurement.scatter",
+    "OneTest": "springpot.measurement.from_signals",
+    "OpenQuestion": "springpot.measurement.question",
+    "PRESSURE_UNITS": "springpot.measurement.units",
+    "Part": "springpot.measurement.reader",
+    "Question": "springpot.measurement.question",
+    "RATE": "springpot.measurement.covered",
+    "Reader": "springpot.measurement.reader",
+    "Record": "springpot.measurement.timeeffect",
+    "STIFFNESS_UNITS": "springpot.measurement.units",
+    "STRAIN_UNITS": "springpot.measurement.units",
+    "Scatter": "springpot.measurement.scatter",
+    "SignalNoise": "springpot.measurement.timenoise",
+    "Signals": "springpot.measurement.signals",
+    "Spread": "springpot.measurement.independence",
+    "Stage": "springpot.measurement.timeeffect",
+    "Sweep": "springpot.measurement.sweeps",
+    "TEMPERATURE_UNITS": "springpot.measurement.units",
+    "TIME": "springpot.measurement.mixed_tests",
+    "TIME_UNITS": "springpot.measurement.units",
+    "TORQUE_UNITS": "springpot.measurement.units",
+    "TimeEffect": "springpot.measurement.timeeffect",
+    "TimeReader": "springpot.measurement.timereader",
+    "TimeTest": "springpot.measurement.timetest",
+    "Timed": "springpot.measurement.timed",
+    "Units": "springpot.measurement.units",
+    "as_modulus": "springpot.measurement.interface",
+    "as_stiffness": "springpot.measurement.interface",
+    "at_least_rounding": "springpot.measurement.scatter",
+    "at_one_frequency": "springpot.measurement.one_frequency",
+    "average_repeats": "springpot.measurement.replicates",
+    "budget_of": "springpot.measurement.budget",
+    "bytes_of": "springpot.inputs",
+    "checked_noise": "springpot.measurement.scatter",
+    "conditions": "springpot.measurement.selection",
+    "distinct_log_omega": "springpot.measurement.one_frequency",
+    "frequency_numbers": "springpot.measurement.one_frequency",
+    "geometry": "springpot.measurement.geometry",
+    "grown": "springpot.measurement.timed",
+    "guarded": "springpot.measurement.csv_safe",
+    "guarded_line": "springpot.measurement.csv_safe",
+    "harmonics_of": "springpot.measurement.signals",
+    "held_frequency_numbers": "springpot.measurement.one_frequency",
+    "independent": "springpot.measurement.independence",
+    "joined": "springpot.measurement.joining",
+    "json_of": "springpot.inputs",
+    "known_unit": "springpot.measurement.units",
+    "largest_test": "springpot.measurement.mixed_tests",
+    "material_of": "springpot.measurement.timed",
+    "measurement_from_signals": "springpot.measurement.from_signals",
+    "measurement_of_tests": "springpot.measurement.from_signals",
+    "misspelt": "springpot.measurement.measurement",
+    "moved_along": "springpot.measurement.independence",
+    "near_units": "springpot.measurement.units",
+    "noise_of": "springpot.measurement.timenoise",
+    "noise_of_repeats": "springpot.measurement.replicates",
+    "noise_shape": "springpot.measurement.scatter",
+    "normal_unit": "springpot.measurement.units",
+    "one_modulus": "springpot.measurement.units",
+    "open_in_time": "springpot.measurement.timereader",
+    "open_measurement": "springpot.measurement.opening",
+    "parse_geometry": "springpot.measurement.geometry_text",
+    "parts_as_opened": "springpot.measurement.reader",
+    "parts_of": "springpot.measurement.opening",
+    "pick_reader": "springpot.measurement.opening",
+    "plausible_variance": "springpot.measurement.scatter",
+    "points_at": "springpot.measurement.measurement",
+    "relative_scatter": "springpot.measurement.timenoise",
+    "robust_noise_shape": "springpot.measurement.scatter",
+    "rounded_log_omega": "springpot.measurement.one_frequency",
+    "rounding_step": "springpot.measurement.scatter",
+    "select": "springpot.measurement.selection",
+    "settings_of": "springpot.measurement.mixed_tests",
+    "spread_of": "springpot.measurement.independence",
+    "steadied": "springpot.measurement.independence",
+    "sweeps_of": "springpot.measurement.sweeps",
+    "telling": "springpot.measurement.independence",
+    "temperature_in_celsius": "springpot.measurement.units",
+    "temperatures_differ": "springpot.measurement.sweeps",
+    "tests_together": "springpot.measurement.mixed_tests",
+    "thinned": "springpot.measurement.replicates",
+    "through": "springpot.measurement.interface",
+    "toml_of": "springpot.inputs",
+    "unguarded": "springpot.measurement.csv_safe",
+    "unguarded_line": "springpot.measurement.csv_safe",
+    "with_noise": "springpot.measurement.noise",
+    "within_budget": "springpot.measurement.budget",
+    "without": "springpot.measurement.selection",
+}
+
+__getattr__, __dir__ = offered(__name__, _WHERE)

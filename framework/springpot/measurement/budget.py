@@ -1,9 +1,9 @@
 """What reading a file may take, stated here and nowhere else.
 
-A reader gets a regular file, and refuses what is beyond sizes that are bounded: bytes of text, columns, tables,
-cells, what an archive unpacks to. In a process of springpot's own it is limited as well: to `TIMES` the file's size
-plus `SPARE` of memory, and to `SECONDS` plus the time for its size of the processor. What ends for want of these ends
-in one line.
+A reader gets a regular file, and refuses what is beyond sizes that are bounded: bytes of text,
+columns, tables, cells, what an archive unpacks to. In a process of springpot's own it is limited as
+well: to `TIMES` the file's size plus `SPARE` of memory, and to `SECONDS` plus the time for its size
+of the processor. What ends for want of these ends in one line.
 """
 
 from __future__ import annotations
@@ -20,7 +20,10 @@ from springpot.limits import OverTime, limited
 T = TypeVar("T")
 
 SECONDS = 5.0
-"""Of processor time for any file: the largest instrument export among the tests takes a tenth of it."""
+"""Of processor time for any file.
+
+The largest instrument export among the tests takes a tenth of it.
+"""
 BYTES_A_SECOND = 10e6
 """For each of which there is one more second: text is parsed at two to four times this rate."""
 TIMES = 10
@@ -79,6 +82,7 @@ def within_budget(path: Path, action: Callable[[], T]) -> T:
     except MemoryError:
         spent = f"more than {budget.memory >> 20} MiB of memory"
     raise DataError(
-        f"{path}: reading it was ended: it takes {spent}, too much for its size; save only the table that matters, "
-        "in several files if need be ('springpot signals' reads time signals of any length)"
+        f"{path}: reading it was ended: it takes {spent}, too much for its size; save only the"
+        " table that matters, in several files if need be ('springpot signals' reads time signals"
+        " of any length)"
     )

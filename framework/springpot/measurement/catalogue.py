@@ -24,7 +24,8 @@ class DataSet:
     load : callable
         Gives the measurement; called only when the set is used.
     kind : str
-        ``measured``, ``artificial`` or ``reconstruction`` (computed from published parameters, never measured).
+        ``measured``, ``artificial`` or ``reconstruction`` (computed from published parameters,
+        never measured).
     licence : str
         Terms under which the numbers may be used.
     citation : str
@@ -46,11 +47,13 @@ class DataSet:
     stiffness_scale : float or None
         The paper's k-bar for these data.
     physics : tuple of str
-        What is known to be in the data: friction, a shift with temperature, an artefact of the instrument.
+        What is known to be in the data: friction, a shift with temperature, an artefact of the
+        instrument.
     aliases : tuple of str
         Other names.
     remote : str
-        Address from which it is downloaded when it is first used; empty where it is on this machine.
+        Address from which it is downloaded when it is first used; empty where it is on this
+        machine.
     unavailable : str
         Empty, or why the set cannot be loaded here and how to mend it.
 
@@ -59,7 +62,8 @@ class DataSet:
     >>> import numpy as np
     >>> from springpot import Measurement
     >>> from springpot.measurement import DataSet
-    >>> DataSet("two-points", "made up", lambda: Measurement([1.0, 2.0], [1j, 2j]), kind="artificial").open()
+    >>> two_points = Measurement([1.0, 2.0], [1j, 2j])
+    >>> DataSet("two-points", "made up", lambda: two_points, kind="artificial").open()
     <Measurement measurement: 2 points, 0.159 to 0.318 Hz>
     """
 
@@ -109,7 +113,11 @@ class DataSet:
         except (SpringpotError, MemoryError):
             raise
         except Exception as error:
-            raise DataError(f"{owned('data set', self.name)} cannot be loaded: {described(error)}") from error
+            raise DataError(
+                f"{owned('data set', self.name)} cannot be loaded: {described(error)}"
+            ) from error
         if not isinstance(loaded, Measurement):
-            raise DataError(f"{owned('data set', self.name)} gives {loaded!r:.80}, which is no measurement")
+            raise DataError(
+                f"{owned('data set', self.name)} gives {loaded!r:.80}, which is no measurement"
+            )
         return loaded

@@ -1,4 +1,7 @@
-"""From stiffnesses of a damper to moduli of its material and back: the factors and units that a geometry gives."""
+"""From stiffnesses of a damper to moduli of its material and back.
+
+The factors and units that a geometry gives.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.rheology import Complex, Real
+from springpot.rheology.points import Complex, Real
 
 from .geometry import Geometry
 from .rows import Rows
@@ -65,8 +68,12 @@ class Conversion:
 
 
 def to_modulus(measured: Rows, geometry: Geometry, unit: str) -> Conversion:
-    """From force over displacement to stress over strain; see `springpot.measurement.as_modulus`."""
-    # Torque over angle and force over displacement take other geometries: the pair is checked before any number.
+    """From force over displacement to stress over strain.
+
+    See `springpot.measurement.as_modulus`.
+    """
+    # Torque over angle and force over displacement take other geometries: the pair is checked
+    # before any number.
     units, table, reach = measured.units, *_kinds(geometry)
     if units.stiffness not in table:
         raise _misfit(measured, geometry, table)
@@ -75,14 +82,24 @@ def to_modulus(measured: Rows, geometry: Geometry, unit: str) -> Conversion:
     scale = 1.0
     if "amplitude" in measured.conditions:
         if units.amplitude not in reach:
-            there = f"{geometry.name} needs an amplitude in {_some(reach)}, not in {_shown(units.amplitude)}"
+            there = (
+                f"{geometry.name} needs an amplitude in {_some(reach)}, not in"
+                f" {_shown(units.amplitude)}"
+            )
             raise DataError(f"{measured.name}: {there}")
         scale = geometry.strain_factor * reach[units.amplitude]
-    return Conversion(geometry, factor, scale, np.divide, Units(unit, "-", units.clock, geometry.modulus))
+    return Conversion(
+        geometry, factor, scale, np.divide, Units(unit, "-", units.clock, geometry.modulus)
+    )
 
 
-def to_stiffness(measured: Rows, geometry: Geometry, unit: str | None, amplitude: str | None) -> Conversion:
-    """From stress over strain to force over displacement; see `springpot.measurement.as_stiffness`."""
+def to_stiffness(
+    measured: Rows, geometry: Geometry, unit: str | None, amplitude: str | None
+) -> Conversion:
+    """From stress over strain to force over displacement.
+
+    See `springpot.measurement.as_stiffness`.
+    """
     table, reach = _kinds(geometry)
     units = measured.units
     if units.stiffness not in PRESSURE_UNITS:
@@ -97,7 +114,9 @@ def to_stiffness(measured: Rows, geometry: Geometry, unit: str | None, amplitude
     scale = 1.0
     if "amplitude" in measured.conditions:
         if units.amplitude not in STRAIN_UNITS:
-            raise DataError(f"{measured.name}: a modulus needs a strain as amplitude, not [{units.amplitude}]")
+            raise DataError(
+                f"{measured.name}: a modulus needs a strain as amplitude, not [{units.amplitude}]"
+            )
         scale = geometry.strain_factor * reach[amplitude] / STRAIN_UNITS[units.amplitude]
     return Conversion(geometry, factor, scale, np.multiply, Units(unit, amplitude, units.clock))
 
@@ -110,7 +129,10 @@ def _kinds(geometry: Geometry) -> tuple[dict[str, float], dict[str, float]]:
 
 
 def _factor(geometry: Geometry, stiffness: str, table: dict[str, float], modulus: str) -> float:
-    """K / G in these units; both ways use this very number, so that a round trip errs by one rounding at most."""
+    """K / G in these units.
+
+    Both ways use this very number, so that a round trip errs by one rounding at most.
+    """
     return geometry.shape * PRESSURE_UNITS[modulus] / table[stiffness]
 
 
@@ -119,8 +141,8 @@ def _misfit(measured: Rows, geometry: Geometry, table: Mapping[str, float]) -> D
     if geometry.turns:
         what = "torque and angle"
     return DataError(
-        f"{measured.name}: {geometry.name} relates {what} to stress and strain; storage and loss are in "
-        f"{measured.units.stiffness}, where {_some(table)} would serve"
+        f"{measured.name}: {geometry.name} relates {what} to stress and strain; storage and loss"
+        f" are in {measured.units.stiffness}, where {_some(table)} would serve"
     )
 
 

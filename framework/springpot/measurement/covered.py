@@ -1,4 +1,7 @@
-"""What tests covered: frequencies, temperatures, amplitudes. Beyond them a fitted model is an extrapolation."""
+"""What tests covered: frequencies, temperatures, amplitudes.
+
+Beyond them a fitted model is an extrapolation.
+"""
 
 from __future__ import annotations
 
@@ -9,15 +12,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology import Real
 from springpot.rheology.levels import held
+from springpot.rheology.points import Real
 
 from .measurement import CONDITIONS, Measurement
 from .timetest import TimeTest
 from .units import AMPLITUDE_UNITS, Units
 
 ROUNDED = 1.001
-"""Factor by which a frequency may lie outside and still be a measured one: numbers are typed with few digits."""
+"""Factor by which a frequency may lie outside and still be a measured one.
+
+Numbers are typed with few digits.
+"""
 RATE = "frequency"
 
 
@@ -28,17 +34,19 @@ class Covered:
     Parameters
     ----------
     rate : tuple of float
-        Angular frequency in rad/s, or one over the time in s since the load moved; from nothing to infinity where
-        nothing was measured.
+        Angular frequency in rad/s, or one over the time in s since the load moved; from nothing to
+        infinity where nothing was measured.
     conditions : mapping of str to tuple of float
-        Temperature in degC, amplitude in the unit of the tests, others by name; those alone that are known.
+        Temperature in degC, amplitude in the unit of the tests, others by name; those alone that
+        are known.
 
     Examples
     --------
     >>> import numpy as np
     >>> from springpot import Measurement
     >>> from springpot.measurement.covered import Covered
-    >>> data = Measurement([1.0, 10.0], [1.0 + 1j, 2.0 + 1j], conditions={"temperature": [20.0, 20.0]})
+    >>> conditions = {"temperature": [20.0, 20.0]}
+    >>> data = Measurement([1.0, 10.0], [1.0 + 1j, 2.0 + 1j], conditions=conditions)
     >>> Covered.of([data]).outside(np.array([5.0, 50.0]), {}).tolist()
     [False, True]
     """
@@ -48,7 +56,7 @@ class Covered:
 
     @classmethod
     def of(cls, tests: Sequence[TimeTest | Measurement], units: Units | None = None) -> Covered:
-        """Of tests that one model was fitted to, amplitudes in these units, or those of the first."""
+        """Of tests that one model was fitted to, amplitudes in these units, or the first's."""
         rates: list[float] = []
         columns: dict[str, list[Real]] = {}
         unit = AMPLITUDE_UNITS[(units or tests[0].units).amplitude]
@@ -69,7 +77,9 @@ class Covered:
     def beyond(
         self, omega: Real, conditions: Mapping[str, Real], room: float = ROUNDED
     ) -> dict[str, NDArray[np.bool_]]:
-        """Which points (n,) lie outside, by the name of what lies outside; names of none are left out.
+        """Which points (n,) lie outside, by the name of what lies outside.
+
+        Names of none are left out.
 
         Parameters
         ----------
@@ -90,19 +100,26 @@ class Covered:
                 found[name] = np.broadcast_to(outside, omega.shape)
         return {name: mask for name, mask in found.items() if mask.any()}
 
-    def outside(self, omega: Real, conditions: Mapping[str, Real], room: float = ROUNDED) -> NDArray[np.bool_]:
+    def outside(
+        self, omega: Real, conditions: Mapping[str, Real], room: float = ROUNDED
+    ) -> NDArray[np.bool_]:
         """Whether each point (n,) lies outside in anything; see `beyond`."""
         masks = self.beyond(omega, conditions, room).values()
         return np.asarray(np.any([np.zeros(omega.shape, dtype=bool), *masks], axis=0))
 
-    def remark(self, omega: Real, conditions: Mapping[str, Real], units: Units, room: float = ROUNDED) -> str:
+    def remark(
+        self, omega: Real, conditions: Mapping[str, Real], units: Units, room: float = ROUNDED
+    ) -> str:
         """One line on the points that lie outside; nothing where all are inside."""
         beyond = self.beyond(omega, conditions, room)
         if not beyond:
             return ""
         count = int(np.any(list(beyond.values()), axis=0).sum())
         said = " and ".join(self.span(name, units) for name in beyond)
-        return f"beyond the measured {said} ({count} of {len(omega)} points) the band holds only if the model does"
+        return (
+            f"beyond the measured {said} ({count} of {len(omega)} points) the band holds only if"
+            " the model does"
+        )
 
     def span(self, name: str, units: Units) -> str:
         """The range of a condition or of the frequency, with its unit."""
@@ -119,7 +136,10 @@ class Covered:
         return ", ".join(self.span(name, units) for name in (RATE, *known))
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain data: ends of each range, the frequency in rad/s; without those of nothing measured."""
+        """As plain data: ends of each range, the frequency in rad/s.
+
+        Without those of nothing measured.
+        """
         ranges = {name: list(ends) for name, ends in self.conditions.items()}
         # JSON has no word for infinity.
         if np.isfinite(self.rate[1]):

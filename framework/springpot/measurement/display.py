@@ -21,7 +21,12 @@ def html_of(data: Rows) -> Html:
     clock = {"Hz": "frequency [Hz]", "rad/s": "omega [rad/s]"}[data.units.clock]
     headers = [clock, f"{data.units.storage} [{unit}]", f"{data.units.loss} [{unit}]"]
     headers += [f"{name} [{units.get(name, '-')}]" for name in data.conditions]
-    columns = [data.units.on_clock(data.frequency), data.storage, data.loss, *data.conditions.values()]
+    columns = [
+        data.units.on_clock(data.frequency),
+        data.storage,
+        data.loss,
+        *data.conditions.values(),
+    ]
     rows = [[f"{column[i]:.4g}" for column in columns] for i in range(min(SHOWN, len(data)))]
     more = len(data) - len(rows)
     beside = joined(())
@@ -36,4 +41,9 @@ def _curve(data: Rows) -> Html:
     except OutputError:  # without matplotlib the table is all there is
         return joined(())
     picture: bytes = figure._repr_png_()  # type: ignore[union-attr]
-    return tag("img", src=f"data:image/png;base64,{b64encode(picture).decode()}", width="640", alt=data.name)
+    return tag(
+        "img",
+        src=f"data:image/png;base64,{b64encode(picture).decode()}",
+        width="640",
+        alt=data.name,
+    )

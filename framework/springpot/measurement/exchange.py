@@ -1,8 +1,11 @@
-"""Whether storage and loss stand in each other's place: physics knows, since the two are not independent.
+"""Whether storage and loss stand in each other's place.
 
-Of a linear passive material K = K_e + i omega c + integral of H(r) i omega / (i omega + r) d ln r with H >= 0 (the
-Kramers-Kronig relations and positive work in one), so that a course of storage has its own course of loss. Columns
-that no such material could have, but one could if they were exchanged, were named the wrong way round.
+Physics knows, since the two are not independent.
+
+Of a linear passive material K = K_e + i omega c + integral of H(r) i omega / (i omega + r) d ln r
+with H >= 0 (the Kramers-Kronig relations and positive work in one), so that a course of storage has
+its own course of loss. Columns that no such material could have, but one could if they were
+exchanged, were named the wrong way round.
 """
 
 from __future__ import annotations
@@ -10,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from springpot.nonnegative import non_negative
-from springpot.rheology import Complex, Real
+from springpot.rheology.points import Complex, Real
 
 from .measurement import Measurement
 from .sweeps import sweeps_of
@@ -20,24 +23,46 @@ NOTE = "note exchange"
 FEWEST_POINTS = 5
 """With fewer points nearly any pair of curves is that of some material."""
 LEAST_RANGE = 5.0
-"""Ratio of highest and lowest frequency: over less, both curves are straight lines and tell little of each other."""
+"""Ratio of highest and lowest frequency.
+
+Over less, both curves are straight lines and tell little of each other.
+"""
 MOST_DECADES = 20.0
-"""Of frequencies and of |K|: no instrument and no master curve has more, and a spectrum over hundreds of decades
+"""Of frequencies and of |K|.
+
+No instrument and no master curve has more, and a spectrum over hundreds of decades
 would take seconds at each opening."""
 MOST_ROWS = 10_000
-"""Larger tables are written by programs, which mix up no columns, and finding their sweeps would take time."""
+"""Larger tables are written by programs, which mix up no columns, and finding their sweeps would
+take time.
+"""
 MOST_POINTS = 60
-"""Points that are looked at, evenly chosen: a question asked at each opening must take a millisecond."""
+"""Points that are looked at, evenly chosen.
+
+A question asked at each opening must take a millisecond.
+"""
 MODES_PER_DECADE = 3
-"""Relaxation rates of the spectrum; a decade has no room for more that differ by more than a per cent in K."""
+"""Relaxation rates of the spectrum.
+
+A decade has no room for more that differ by more than a per cent in K.
+"""
 BEYOND = 100.0
-"""How far below and above the measured frequencies the spectrum reaches: its tails enter by (omega / r)^2."""
+"""How far below and above the measured frequencies the spectrum reaches.
+
+Its tails enter by (omega / r)^2.
+"""
 FAR = 0.1
-"""Relative rms from which no material is near. Measured sweeps that were named rightly lie at 0.001 to 0.2, exchanged
+"""Relative rms from which no material is near.
+
+Measured sweeps that were named rightly lie at 0.001 to 0.2, exchanged
 at 0.3 to 0.8, those of a springpot of order 1/2, whose two parts are alike, at 0.1."""
 NEAR = 0.2
-"""Share of that misfit which the exchanged columns may have left: a mass or a delay takes a sweep far from every
-material too, but exchanging its columns brings it no nearer (0.8 to 3 times of the misfit in all data at hand)."""
+"""Share of that misfit which the exchanged columns may have left.
+
+A mass or a delay takes a sweep far from every
+material too, but exchanging its columns brings it no nearer (0.8 to 3 times of the misfit in all
+data at hand).
+"""
 
 
 def exchange_note(measurement: Measurement) -> dict[str, str]:
@@ -68,8 +93,11 @@ def exchange_note(measurement: Measurement) -> dict[str, str]:
     if exchanged > NEAR * as_named:
         return {}
     return {
-        NOTE: f"no material has such storage and loss ({100 * as_named:.0f} % off), but one has them the other way "
-        f"round ({100 * exchanged:.1f} %): if the columns are exchanged, open 'FILE?storage=loss,loss=storage'"
+        NOTE: (
+            f"no material has such storage and loss ({100 * as_named:.0f} % off), but one has them"
+            f" the other way round ({100 * exchanged:.1f} %): if the columns are exchanged, open"
+            " 'FILE?storage=loss,loss=storage'"
+        )
     }
 
 
@@ -98,8 +126,10 @@ def material_misfit(omega: Real, stiffness: Complex) -> float:
     >>> import numpy as np
     >>> omega = np.logspace(-1, 1, 9)
     >>> maxwell = 1j * omega / (1 + 1j * omega)
-    >>> bool(material_misfit(omega, maxwell) < 0.01), bool(material_misfit(omega, maxwell.conj()) > 0.3)
-    (True, True)
+    >>> bool(material_misfit(omega, maxwell) < 0.01)
+    True
+    >>> bool(material_misfit(omega, maxwell.conj()) > 0.3)
+    True
     """
     low, high = np.log10([omega.min() / BEYOND, omega.max() * BEYOND])
     rates = np.logspace(low, high, int(MODES_PER_DECADE * (high - low)) + 1)
@@ -109,5 +139,7 @@ def material_misfit(omega: Real, stiffness: Complex) -> float:
     # Relative at each point: a sweep over decades would else be judged at its stiff end alone.
     weighted = basis / np.abs(stiffness)[:, None]
     target = stiffness / np.abs(stiffness)
-    _, left = non_negative(np.vstack([weighted.real, weighted.imag]), np.concatenate([target.real, target.imag]))
+    _, left = non_negative(
+        np.vstack([weighted.real, weighted.imag]), np.concatenate([target.real, target.imag])
+    )
     return float(np.sqrt(left / len(omega)))

@@ -1,4 +1,7 @@
-"""Least squares of offset, drift, harmonics and transient to two channels, block by block; eq. (36)-(41)."""
+"""Least squares of offset, drift, harmonics and transient to two channels, block by block; eq.
+
+(36)-(41).
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from springpot.rheology import Complex, Real
+from springpot.rheology.points import Complex, Real
 
 from .record import Record
 from .spectrum import LocalSpectrum
@@ -50,7 +53,10 @@ class Basis:
         return [1, *range(2 + 2 * self.harmonics, self.size)]
 
     def columns(self, time: Real) -> Real:
-        """Columns 1, drift, cos 1, sin 1, cos 2, ..., transient and its change with the time constant: (m, size)."""
+        """Columns of the fit at the times (m,), shape (m, size).
+
+        1, drift, cos 1, sin 1, cos 2, ..., transient and its change with the time constant.
+        """
         # From the middle of the part: level, drift and phase then hardly depend on one another.
         middle, half = 0.5 * (self.start + self.stop), 0.5 * (self.stop - self.start)
         # Powers of one turn: a cosine and a sine for each harmonic would cost as many times more.
@@ -60,12 +66,13 @@ class Basis:
         parts = [np.ones((len(time), 1)), ((time - middle) / half)[:, None], flat]
         if self.transient > 0:
             age = np.minimum((time - self.start) / self.transient, GONE)[:, None]
-            # The second makes the fit linear in a small change of the time constant, which thus need not be exact.
+            # The second makes the fit linear in a small change of the time constant, which thus
+            # need not be exact.
             parts += [np.exp(-age), age * np.exp(-age)]
         return np.concatenate(parts, axis=1)
 
     def frequency_column(self, columns: Real, coefficients: Real) -> Real:
-        """Derivative of the fitted signal by omega, (m,), for one channel's coefficients (size,)."""
+        """Derivative (m,) of the fitted signal by omega, for one channel's coefficients (size,)."""
         half = 0.5 * (self.stop - self.start)
         order = np.arange(1, self.harmonics + 1)
         cosines, sines = slice(2, 2 + 2 * self.harmonics, 2), slice(3, 2 + 2 * self.harmonics, 2)
@@ -83,14 +90,15 @@ class Fit:
     Parameters
     ----------
     amplitude : ndarray of complex, shape (2, h)
-        Complex amplitudes X of displacement and force: the signal is Re X exp(i h omega t), X = q_c - i q_s.
+        Complex amplitudes X of displacement and force: the signal is Re X exp(i h omega t), X = q_c
+        - i q_s.
     level, drift : ndarray, shape (2,)
         Mean, and its change from the middle to the end.
     inverse : ndarray, shape (2, 2)
         Inverse normal matrix of the first cosine and sine.
     noise : ndarray, shape (3,)
-        Variance per sample near omega, see `LocalSpectrum`: of displacement, of force, and of what moves the
-        stiffness K, the force less K times the displacement.
+        Variance per sample near omega, see `LocalSpectrum`: of displacement, of force, and of what
+        moves the stiffness K, the force less K times the displacement.
     freedom : float
         Its degrees of freedom.
     residual : ndarray, shape (2,)
@@ -139,7 +147,9 @@ def refined_frequency(record: Record, basis: Basis, rounds: int = 10) -> tuple[B
     return basis, float(np.sqrt(variance))
 
 
-def _moments(record: Record, basis: Basis, coefficients: Real | None) -> tuple[Real, Real, Real, int]:
+def _moments(
+    record: Record, basis: Basis, coefficients: Real | None
+) -> tuple[Real, Real, Real, int]:
     """Normal matrix, right-hand sides, squares and count over the part."""
     size = basis.size + (coefficients is not None)
     normal, right, square, count = np.zeros((size, size)), np.zeros((size, 2)), np.zeros((2, 2)), 0
@@ -156,16 +166,20 @@ def _moments(record: Record, basis: Basis, coefficients: Real | None) -> tuple[R
 
 
 def _solve(normal: Real, right: Real, *_: object) -> Real:
-    # Columns of very different size (the frequency's grows with amplitude and duration) are scaled first.
+    # Columns of very different size (the frequency's grows with amplitude and duration) are scaled
+    # first.
     scale = np.sqrt(np.maximum(np.diag(normal), np.finfo(float).tiny))
-    solution: Real = np.linalg.lstsq(normal / np.outer(scale, scale), right / scale[:, None], rcond=1e-13)[0]
+    solution: Real = np.linalg.lstsq(
+        normal / np.outer(scale, scale), right / scale[:, None], rcond=1e-13
+    )[0]
     return solution / scale[:, None]
 
 
 def fit_harmonics(record: Record, basis: Basis) -> Fit:
     """Least squares at a known frequency over the part that `basis` covers."""
     groups, period = _groups(basis)
-    # Groups of cycles are fitted by themselves too: their scatter says what the residuals' spectrum may miss.
+    # Groups of cycles are fitted by themselves too: their scatter says what the residuals' spectrum
+    # may miss.
     edges: Real = basis.start + period * np.arange(groups + 1, dtype=float)
     size = basis.size
     normal, right = np.zeros((groups, size, size)), np.zeros((groups, size, 2))
@@ -197,7 +211,8 @@ def fit_harmonics(record: Record, basis: Basis) -> Fit:
 
 
 def _groups(basis: Basis) -> tuple[int, float]:
-    # Each group holds a whole cycle at least: less than that hardly tells cosine, sine and mean apart.
+    # Each group holds a whole cycle at least: less than that hardly tells cosine, sine and mean
+    # apart.
     cycles = max(1, int((basis.stop - basis.start) * basis.omega / (2 * np.pi) + 0.05))
     groups = min(cycles, GROUPS)
     return groups, (basis.stop - basis.start) / groups
@@ -210,22 +225,33 @@ def _amplitudes(solution: Real) -> Complex:
 
 def _inverse(normal: Real) -> Real:
     scale = np.sqrt(np.maximum(np.diag(normal), np.finfo(float).tiny))
-    return np.asarray(np.linalg.pinv(normal / np.outer(scale, scale), hermitian=True) / np.outer(scale, scale))
+    return np.asarray(
+        np.linalg.pinv(normal / np.outer(scale, scale), hermitian=True) / np.outer(scale, scale)
+    )
 
 
 def _group_amplitudes(normal: Real, right: Real, basis: Basis, solution: Real) -> Complex:
     """First harmonics of each group, after the common drift and transient: (g, 2)."""
-    # Drift and transient belong to the whole part: a few cycles cannot tell them from the oscillation.
+    # Drift and transient belong to the whole part: a few cycles cannot tell them from the
+    # oscillation.
     keep, slow = np.r_[0, 2 : 2 + 2 * basis.harmonics], basis.slow
     right = right - normal[:, :, slow] @ solution[slow]
-    pairs = [_solve(n[np.ix_(keep, keep)], r[keep])[1:3] for n, r in zip(normal, right, strict=True)]
+    pairs = [
+        _solve(n[np.ix_(keep, keep)], r[keep])[1:3] for n, r in zip(normal, right, strict=True)
+    ]
     stacked = np.reshape(pairs, (-1, 2, 2))
     return np.asarray(stacked[:, 0] - 1j * stacked[:, 1])
 
 
-def _residuals(record: Record, basis: Basis, solution: Real, inverse: Real) -> tuple[Real, float, Real, int]:
-    """Variance near omega (3,) with its freedom, root mean squares (2,) and the number of samples."""
-    square, count, local = np.zeros((2, 2)), 0, LocalSpectrum(basis.omega, basis.start, basis.stop, basis.size)
+def _residuals(
+    record: Record, basis: Basis, solution: Real, inverse: Real
+) -> tuple[Real, float, Real, int]:
+    """Variance near omega (3,) with its freedom, root mean squares (2,), number of samples."""
+    square, count, local = (
+        np.zeros((2, 2)),
+        0,
+        LocalSpectrum(basis.omega, basis.start, basis.stop, basis.size),
+    )
     for time, both in record.blocks(basis.start, basis.stop):
         columns = basis.columns(time)
         left = both - columns @ solution
@@ -237,7 +263,8 @@ def _residuals(record: Record, basis: Basis, solution: Real, inverse: Real) -> t
     # A displacement that does not move has none; that is told where K is made of both.
     if moved:
         stiffness = force / moved
-    # Noise of the displacement and of the force may come and go together: only u - K x counts for K.
+    # Noise of the displacement and of the force may come and go together: only u - K x counts for
+    # K.
     seen = np.array([[1, 0], [0, 1], [-stiffness, 1]])
     noise, freedom = local.density(seen, inverse, square / max(count - basis.size, 1))
     return noise, freedom, np.sqrt(np.diag(square) / max(count, 1)), count

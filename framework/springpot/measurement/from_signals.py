@@ -10,7 +10,7 @@ import numpy as np
 
 from springpot.errors import DataError
 from springpot.limits import uncounted
-from springpot.policy import SIGNALS
+from springpot.thresholds import SIGNALS
 
 from .measurement import Measurement
 from .record import Signals
@@ -27,7 +27,9 @@ from .units import (
 
 
 def stiffness_unit(displacement: str, force: str) -> tuple[float, str]:
-    """Factor and unit of force over displacement, such as (1.0, ``N/mm``) or (100.0, ``Pa``) for Pa over %.
+    """Factor and unit of force over displacement.
+
+    Such as (1.0, ``N/mm``) or (100.0, ``Pa``) for Pa over %.
 
     Raises
     ------
@@ -59,7 +61,8 @@ def measurement_from_signals(
     Parameters
     ----------
     tests : iterable of Signals
-        Taken one after the other, so that long ones need not be in memory together; all in the same units.
+        Taken one after the other, so that long ones need not be in memory together; all in the same
+        units.
     omega, n_harmonics, window
         As in `harmonics_of`, for every test.
     name : str, optional
@@ -70,19 +73,24 @@ def measurement_from_signals(
     Returns
     -------
     Measurement
-        With standard deviations, amplitude, harmonics, and the tests' names as the label ``file``; rows are in the
-        order of frequency, those of one frequency (to three digits) of amplitude.
+        With standard deviations, amplitude, harmonics, and the tests' names as the label ``file``;
+        rows are in the order of frequency, those of one frequency (to three digits) of amplitude.
 
     Examples
     --------
     >>> import numpy as np
     >>> from springpot.measurement import Signals, measurement_from_signals
     >>> t = np.linspace(0.0, 5.0, 2000)
-    >>> tests = [Signals(t, np.cos(w * t), 2.0 * np.cos(w * t + 0.3), name=f"test {w}") for w in (12.0, 6.0)]
+    >>> tests = [
+    ...     Signals(t, np.cos(w * t), 2.0 * np.cos(w * t + 0.3), name=f"test {w}")
+    ...     for w in (12.0, 6.0)
+    ... ]
     >>> measurement_from_signals(tests).omega.round(6)
     array([ 6., 12.])
     """
-    evaluated = (one_test(test, omega=omega, n_harmonics=n_harmonics, window=window) for test in tests)
+    evaluated = (
+        one_test(test, omega=omega, n_harmonics=n_harmonics, window=window) for test in tests
+    )
     return measurement_of_tests(evaluated, name, provenance)
 
 
@@ -109,7 +117,11 @@ class OneTest:
 
 
 def one_test(
-    test: Signals, *, omega: float | None = None, n_harmonics: int = 5, window: tuple[float, float] | None = None
+    test: Signals,
+    *,
+    omega: float | None = None,
+    n_harmonics: int = 5,
+    window: tuple[float, float] | None = None,
 ) -> OneTest:
     """The harmonics of one test; parameters as in `harmonics_of`."""
     # Signals may be read while a reader's time runs: the fit is not its work.
@@ -154,36 +166,46 @@ def measurement_of_tests(
     first = name or names[0]
     # To three digits: frequencies are estimated, and those of one setting differ a little.
     ordered = sorted(
-        zip(rows, names, strict=True), key=lambda pair: (float(f"{pair[0].omega:.3g}"), pair[0].amplitude)
+        zip(rows, names, strict=True),
+        key=lambda pair: (float(f"{pair[0].omega:.3g}"), pair[0].amplitude),
     )
     rows, names = [row for row, _ in ordered], [label for _, label in ordered]
     return _measurement(rows, names, units[0], first, origin)
 
 
 def _doubts_of_sign(row: Harmonics, force_unit: str) -> list[str]:
-    """What to tell of a specimen that gives work away, which only a wrong sign or a drive can explain."""
-    # With the unit that the force has: typed as it stands, another one would change the stiffness a thousandfold.
+    """What to tell of a specimen that gives work away, as only a wrong sign or a drive explains."""
+    # With the unit that the force has: typed as it stands, another one would change the stiffness a
+    # thousandfold.
     mend = f"if one channel counts the other way, open 'FILE?force=-{force_unit}'"
     # The work of a cycle is pi X^2 K'': its doubt is that of K''.
     doubt = np.pi * row.amplitude**2 * row.sd.imag
-    surely = row.stiffness.imag < -SIGNALS.negative * row.sd.imag or row.work < -SIGNALS.negative * doubt
+    surely = (
+        row.stiffness.imag < -SIGNALS.negative * row.sd.imag or row.work < -SIGNALS.negative * doubt
+    )
     if surely and row.stiffness.real < -SIGNALS.negative * row.sd.real:
         return [f"storage and loss are negative, as if the force had the wrong sign: {mend}"]
     if surely:
         return [f"the loss is negative, over each cycle the specimen gives work away: {mend}"]
     if row.stiffness.real < -SIGNALS.negative * row.sd.real:
         return [
-            "the storage is negative, as above a resonance of a moving mass or with a channel late by a half cycle"
+            "the storage is negative, as above a resonance of a moving mass or with a channel late"
+            " by a half cycle"
         ]
     return []
 
 
 def _measurement(
-    rows: list[Harmonics], names: list[str], units: tuple[str, str], name: str, provenance: dict[str, str]
+    rows: list[Harmonics],
+    names: list[str],
+    units: tuple[str, str],
+    name: str,
+    provenance: dict[str, str],
 ) -> Measurement:
     factor, unit = stiffness_unit(*units)
     width = max(len(row.force) for row in rows) - 1
-    # Tests at high frequencies afford fewer harmonics: what was not fitted is unknown, and not zero.
+    # Tests at high frequencies afford fewer harmonics: what was not fitted is unknown, and not
+    # zero.
     relative = np.full((len(rows), width), complex(np.nan, np.nan))
     for i, row in enumerate(rows):
         relative[i, : len(row.force) - 1] = row.relative

@@ -1,8 +1,11 @@
-"""Interface objects: how a specimen or damper of given geometry turns force and displacement into stress and strain.
+"""Interface objects.
 
-With stress = a force and strain = b displacement the stiffness is K = (b / a) G: a damper and the fluid in it are
-one model, K = G A / h for shear pads. Where the stress varies within the specimen, stress and strain are those at the
-place that the geometry names; G does not depend on that choice. Lengths in metres, angles in radians.
+How a specimen or damper of given geometry turns force and displacement into stress and strain.
+
+With stress = a force and strain = b displacement the stiffness is K = (b / a) G: a damper and the
+fluid in it are one model, K = G A / h for shear pads. Where the stress varies within the specimen,
+stress and strain are those at the place that the geometry names; G does not depend on that choice.
+Lengths in metres, angles in radians.
 """
 
 from __future__ import annotations
@@ -13,10 +16,13 @@ from math import cosh, inf, isfinite, log, pi, tanh
 from typing import ClassVar
 
 from springpot.errors import OptionError
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 _TERMS = 200
-"""Terms of the series for torsion; they fall at least with the inverse square, and exponentially where it counts."""
+"""Terms of the series for torsion.
+
+They fall at least with the inverse square, and exponentially where it counts.
+"""
 
 
 @dataclass(frozen=True)
@@ -69,7 +75,7 @@ class Geometry(ABC):
         return self.strain_factor / self.stress_factor
 
     def stress_and_strain(self, force: Real, displacement: Real) -> tuple[Real, Real]:
-        """Stress in Pa and strain from force in N and displacement in m, or torque in N m and angle in rad."""
+        """Stress in Pa and strain, from N and m, or from torque in N m and angle in rad."""
         return force * self.stress_factor, displacement * self.strain_factor
 
     def force_and_displacement(self, stress: Real, strain: Real) -> tuple[Real, Real]:
@@ -92,7 +98,9 @@ class ShearPads(Geometry):
     """
 
     name = "shear-pads"
-    source = "Soong, Dargush: Passive Energy Dissipation Systems in Structural Engineering (1997), ch. 3"
+    source = (
+        "Soong, Dargush: Passive Energy Dissipation Systems in Structural Engineering (1997), ch. 3"
+    )
     area: float
     gap: float
     pads: float = 1
@@ -110,11 +118,14 @@ class ShearPads(Geometry):
 
 @dataclass(frozen=True)
 class AnnularDashpot(Geometry):
-    """A piston moving along the axis of a tube, the material in the annulus; stress and strain at the piston.
+    """A piston moving along the axis of a tube, the material in the annulus.
 
-    With a = ln(R_o / R_i), an open tube is pure shear, K = 2 pi L G / a. In a closed one the piston pushes what it
-    displaces back through the annulus, K = 2 pi L G / (a - tanh a), which exceeds the former by 3 / a^2 for a narrow
-    gap. Inertia of the material and the ends of the piston are left out.
+    Stress and strain at the piston.
+
+    With a = ln(R_o / R_i), an open tube is pure shear, K = 2 pi L G / a. In a closed one the piston
+    pushes what it displaces back through the annulus, K = 2 pi L G / (a - tanh a), which exceeds
+    the former by 3 / a^2 for a narrow gap. Inertia of the material and the ends of the piston are
+    left out.
 
     Parameters
     ----------
@@ -128,7 +139,8 @@ class AnnularDashpot(Geometry):
 
     name = "annular-dashpot"
     source = (
-        "Bird, Stewart, Lightfoot: Transport Phenomena (2002), 2.4; Lohrenz, Swift, Kurata: AIChE J. 6 (1960) 547"
+        "Bird, Stewart, Lightfoot: Transport Phenomena (2002), 2.4; Lohrenz, Swift, Kurata: AIChE"
+        " J. 6 (1960) 547"
     )
     inner_radius: float
     outer_radius: float
@@ -150,7 +162,10 @@ class AnnularDashpot(Geometry):
 
     @property
     def stress_factor(self) -> float:
-        """1 / (2 pi R_i L), times tanh a where closed: the rest of the force is pressure on the piston's ends."""
+        """1 / (2 pi R_i L), times tanh a where closed.
+
+        The rest of the force is pressure on the piston's ends.
+        """
         return self._resistance[1] / (2.0 * pi * self.inner_radius * self.length)
 
     @property
@@ -198,7 +213,9 @@ class ParallelPlates(Geometry):
 
 @dataclass(frozen=True)
 class ConePlate(Geometry):
-    """A flat cone on a plate: K = 2 pi R^3 G / (3 beta) per radian; the strain is the same everywhere.
+    """A flat cone on a plate: K = 2 pi R^3 G / (3 beta) per radian.
+
+    The strain is the same everywhere.
 
     Parameters
     ----------
@@ -227,7 +244,9 @@ class ConePlate(Geometry):
 
 @dataclass(frozen=True)
 class TorsionBar(Geometry):
-    """A rectangular bar, twisted (Saint-Venant, free to warp); stress and strain at the middle of its broad side.
+    """A rectangular bar, twisted (Saint-Venant, free to warp).
+
+    Stress and strain at the middle of its broad side.
 
     Parameters
     ----------
@@ -307,5 +326,6 @@ class Constants(Geometry):
 
 
 GEOMETRIES: dict[str, type[Geometry]] = {
-    kind.name: kind for kind in (ShearPads, AnnularDashpot, ParallelPlates, ConePlate, TorsionBar, Constants)
+    kind.name: kind
+    for kind in (ShearPads, AnnularDashpot, ParallelPlates, ConePlate, TorsionBar, Constants)
 }

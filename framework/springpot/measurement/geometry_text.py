@@ -36,7 +36,9 @@ def words_of(geometry: Geometry) -> str:
 def _size(name: str, value: float) -> str:
     if isinstance(value, bool):
         return {True: "yes", False: "no"}[value]
-    unit = {"area": "m^2", "angle": "rad", "pads": "", "stress": "1/m^3", "strain": "1/rad"}.get(name, "m")
+    unit = {"area": "m^2", "angle": "rad", "pads": "", "stress": "1/m^3", "strain": "1/rad"}.get(
+        name, "m"
+    )
     # A number of pads has no unit, and is no measured size that needs all its digits.
     if not unit:
         return f"{value:g}"
@@ -46,7 +48,8 @@ def _size(name: str, value: float) -> str:
 def parse_geometry(text: str) -> Geometry:
     """The geometry that a text such as ``shear-pads area=200cm^2 gap=10mm`` names.
 
-    Lengths may be given as diameters where a radius is meant: ``parallel-plates diameter=40mm gap=1mm``.
+    Lengths may be given as diameters where a radius is meant: ``parallel-plates diameter=40mm
+    gap=1mm``.
 
     Raises
     ------
@@ -74,14 +77,18 @@ def parse_geometry(text: str) -> Geometry:
         # Catalogues give diameters, formulas take radii.
         size = key.replace("diameter", "radius")
         if size not in wanted:
-            raise OptionError(f"geometry {name}: there is no '{key:.40}'; it has {', '.join(wanted)}")
+            raise OptionError(
+                f"geometry {name}: there is no '{key:.40}'; it has {', '.join(wanted)}"
+            )
         if size in given:
             raise OptionError(f"geometry {name}: '{key}' is given twice")
         given[size] = _read(name, size, value)
         # It was given as a diameter.
         if size != key:
             given[size] *= 0.5
-    missing = [key for key, field in wanted.items() if key not in given and field.default is MISSING]
+    missing = [
+        key for key, field in wanted.items() if key not in given and field.default is MISSING
+    ]
     # What is left when all items are taken out is no NAME=VALUE.
     unread = _ITEM.sub("", rest).strip()
     if missing or unread.strip(" ,;"):
@@ -103,7 +110,10 @@ def _read(name: str, size: str, value: str) -> float:
         raise OptionError(f"geometry {name}: {size} is no number with a unit: '{value:.30}'")
     # No unit is guessed: 10 for a gap may be mm or m, and the modulus a thousand times off.
     if not match[2] and "-" not in table:
-        raise OptionError(f"geometry {name}: {size}={match[1]} has no unit; write {size}={match[1]}{list(table)[1]}")
+        raise OptionError(
+            f"geometry {name}: {size}={match[1]} has no unit; write"
+            f" {size}={match[1]}{list(table)[1]}"
+        )
     try:
         return float(match[1]) * table[known_unit(normal_unit(match[2]), table, size)]
     except DataError as error:
@@ -119,4 +129,6 @@ def _example(kind: type[Geometry]) -> str:
         "stress": "79577Pa/(N m)",
         "strain": "20",
     }
-    return " ".join([kind.name, *(f"{field.name}={units.get(field.name, '10mm')}" for field in fields(kind))])
+    return " ".join(
+        [kind.name, *(f"{field.name}={units.get(field.name, '10mm')}" for field in fields(kind))]
+    )

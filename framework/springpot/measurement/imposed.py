@@ -1,4 +1,7 @@
-"""What was imposed in a test in time: straight between its knots, and how that is read off a record."""
+"""What was imposed in a test in time.
+
+Straight between its knots, and how that is read off a record.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +11,13 @@ from functools import cached_property
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 STEADY = 0.02
-"""Share of its largest value by which what is called held may move: rheometers hold a strain to 1 or 2 %."""
+"""Share of its largest value by which what is called held may move.
+
+Rheometers hold a strain to 1 or 2 %.
+"""
 NEARLY_ALL = 0.9
 """Share of the samples at which what is imposed is held or gone: its ramps take the rest."""
 SHORT = 0.05
@@ -20,7 +26,9 @@ SHORT = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Loading:
-    """What was imposed: straight between its knots, at rest at the first value before, held at the last one after.
+    """What was imposed.
+
+    Straight between its knots, at rest at the first value before, held at the last one after.
 
     Parameters
     ----------
@@ -46,7 +54,9 @@ class Loading:
 
     def __post_init__(self) -> None:
         for name in ("time", "value"):
-            object.__setattr__(self, name, np.atleast_1d(np.asarray(getattr(self, name), dtype=float)))
+            object.__setattr__(
+                self, name, np.atleast_1d(np.asarray(getattr(self, name), dtype=float))
+            )
         if self.time.shape != self.value.shape or self.time.ndim != 1 or not len(self.time):
             raise DataError("a loading is two lists of the same length, times and values")
         if not (np.all(np.isfinite(self.time)) and np.all(np.isfinite(self.value))):
@@ -71,7 +81,8 @@ class Loading:
     @cached_property
     def jumps(self) -> tuple[Real, Real]:
         """Times and sizes of the steps that take no time."""
-        # Steps are kept apart: their answer is the relaxation function itself, which no rate of change would give.
+        # Steps are kept apart: their answer is the relaxation function itself, which no rate of
+        # change would give.
         at = np.flatnonzero((np.diff(self.time) == 0.0) & (np.diff(self.value) != 0.0))
         return self.time[at], np.diff(self.value)[at]
 
@@ -79,8 +90,11 @@ class Loading:
     def smooth(self) -> Loading | None:
         """The rest without its jumps, at rising times; None where nothing else moves."""
         times, _ = self.jumps
-        # What has jumped so far is taken off, so that what is left has no steps and one value at each time.
-        passed = np.concatenate([[0.0], np.cumsum(np.where(np.diff(self.time) == 0.0, np.diff(self.value), 0.0))])
+        # What has jumped so far is taken off, so that what is left has no steps and one value at
+        # each time.
+        passed = np.concatenate(
+            [[0.0], np.cumsum(np.where(np.diff(self.time) == 0.0, np.diff(self.value), 0.0))]
+        )
         first = np.concatenate([[True], np.diff(self.time) > 0.0])
         kept: Loading = self
         if len(times):
@@ -95,11 +109,15 @@ class Loading:
 
 
 def controlled(moved: Real, pulled: Real) -> str:
-    """The channel that is held or released for nearly all of the record, or stands still; else the displacement.
+    """The channel that is held or released for nearly all of the record, or stands still.
 
-    A force that was held and taken away does not stand still in the end, nor does what recovers from it.
+    Else the displacement.
+
+    A force that was held and taken away does not stand still in the end, nor does what recovers
+    from it.
     """
-    # Asked first: a channel at its level is plain, while an unrest has to be weighed against the other's.
+    # Asked first: a channel at its level is plain, while an unrest has to be weighed against the
+    # other's.
     displacement_held, force_held = _at_levels(moved), _at_levels(pulled)
     if max(displacement_held, force_held) >= NEARLY_ALL:
         force_imposed = force_held > displacement_held
@@ -112,7 +130,7 @@ def controlled(moved: Real, pulled: Real) -> str:
 
 
 def _late_unrest(value: Real) -> float:
-    """How much a channel still moves once a first quarter of its samples has gone to what brought it there."""
+    """How much a channel moves after a first quarter of its samples, which brought it there."""
     late = value[len(value) // 4 :]
     # A channel that is zero throughout is at rest, not undefined.
     return float(np.ptp(late) / max(np.abs(value).max(), 1e-300))
@@ -122,7 +140,8 @@ def _at_levels(value: Real) -> float:
     """Share of the samples that are at the level that was held, or at nothing."""
     size = np.abs(value)
     largest = float(size.max())
-    # The level that was held, told from ramps and from the time before and after by the median of the upper half.
+    # The level that was held, told from ramps and from the time before and after by the median of
+    # the upper half.
     raised = size > 0.5 * largest
     if largest == 0.0 or not raised.any():
         return 0.0
@@ -131,18 +150,23 @@ def _at_levels(value: Real) -> float:
 
 
 def from_rest(clock: Real, imposed: Real, rise: float | None) -> Loading:
-    """The record as a loading; what is there already at a first sample after t = 0 began at t = 0 from nothing.
+    """The record as a loading.
+
+    What is there already at a first sample after t = 0 began at t = 0 from nothing.
 
     With a rise it led from there to what the record holds afterwards; a rise of nothing is a step.
     """
     if rise is not None:
         later = clock > rise
-        # Where the record ends within the rise, its last value is the best there is for where the rise led.
+        # Where the record ends within the rise, its last value is the best there is for where the
+        # rise led.
         reached = imposed[-1:]
         if later.any():
             reached = imposed[later][:1]
         start, size = np.array([0.0, rise]), np.concatenate([[0.0], reached])
-        return Loading(np.concatenate([start, clock[later]]), np.concatenate([size, imposed[later]]))
+        return Loading(
+            np.concatenate([start, clock[later]]), np.concatenate([size, imposed[later]])
+        )
     largest = np.abs(imposed).max()
     if largest > 0.0 and np.ptp(imposed) <= STEADY * largest and clock[0] == 0.0:
         # Held from the first sample on: it was stepped to just then.
@@ -153,7 +177,10 @@ def from_rest(clock: Real, imposed: Real, rise: float | None) -> Loading:
 
 
 def is_released(value: Real, largest: float) -> bool:
-    """Whether a load went up once, came back to nothing, and never to the other side: a record that swings does."""
+    """Whether a load went up once, came back to nothing, and never to the other side.
+
+    A record that swings does.
+    """
     # With the load counted upwards, compression and tension are one case.
     up = value * np.sign(value[np.argmax(np.abs(value))])
     # Half the largest value is crossed once on the way up and once on the way down.

@@ -1,8 +1,9 @@
 """How far a condition was varied by itself, and how far it only moved with something else.
 
-Every rig lets the amplitude wander a little with frequency, one that controls the force lets it follow the specimen,
-and an operator chooses it to suit the temperature. Then whatever depends on frequency or temperature depends on the
-amplitude too, and no fit can say that the amplitude is the cause.
+Every rig lets the amplitude wander a little with frequency, one that controls the force lets it
+follow the specimen, and an operator chooses it to suit the temperature. Then whatever depends on
+frequency or temperature depends on the amplitude too, and no fit can say that the amplitude is the
+cause.
 """
 
 from __future__ import annotations
@@ -14,22 +15,35 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.policy import VARIED
-from springpot.rheology import Real
+from springpot.rheology.points import Real
+from springpot.thresholds import VARIED
 
 from .measurement import CONDITIONS, Measurement, numbers_of_levels
 from .one_frequency import DECIMALS, held_frequency_numbers
 
-WANDER: Mapping[str, float] = {"amplitude": VARIED.amplitude_wanders, "temperature": VARIED.temperature_wanders}
+WANDER: Mapping[str, float] = {
+    "amplitude": VARIED.amplitude_wanders,
+    "temperature": VARIED.temperature_wanders,
+}
 """What moves without being varied, in a whole test."""
-CHOSEN: Mapping[str, float] = {"amplitude": VARIED.amplitude_chosen, "temperature": VARIED.temperature_chosen}
+CHOSEN: Mapping[str, float] = {
+    "amplitude": VARIED.amplitude_chosen,
+    "temperature": VARIED.temperature_chosen,
+}
 """Least distance of values that were chosen."""
 SMOOTH_DEGREE = 5
-"""Highest degree of the polynomial in the logarithm of the frequency that counts as moving with it."""
+"""Highest degree of the polynomial in the logarithm of the frequency that counts as moving with it.
+"""
 POINTS_PER_DEGREE = 3
-"""Distinct frequencies that a degree needs: with fewer, the polynomial would follow levels chosen at random."""
+"""Distinct frequencies that a degree needs.
+
+With fewer, the polynomial would follow levels chosen at random.
+"""
 ROUNDS = 20
-"""Reweighted fits towards the least sum of absolute deviations: changes are below a per cent after ten."""
+"""Reweighted fits towards the least sum of absolute deviations.
+
+Changes are below a per cent after ten.
+"""
 NORMAL = 1.4826
 """Standard deviation over the median of the absolute values of a normal distribution."""
 
@@ -41,12 +55,13 @@ class Spread:
     Attributes
     ----------
     whole : float
-        Twice the standard deviation over all rows: for two levels alike often, their distance. In kelvin, and of
-        amplitudes in units of their logarithm.
+        Twice the standard deviation over all rows: for two levels alike often, their distance. In
+        kelvin, and of amplitudes in units of their logarithm.
     own : float
-        The same of what is left when the frequency, and for an amplitude the temperature, have explained what they
-        can. Where some rows share both, it is the spread among these; else what a slow curve through most of the
-        rows leaves, so that a resonance of the rig is not taken for a choice.
+        The same of what is left when the frequency, and for an amplitude the temperature, have
+        explained what they can. Where some rows share both, it is the spread among these; else what
+        a slow curve through most of the rows leaves, so that a resonance of the rig is not taken
+        for a choice.
     held, chosen : float
         What a rig holds, and what values that were chosen differ by at least, in the same unit.
     """
@@ -89,7 +104,8 @@ def spread_of(measurement: Measurement, condition: str) -> Spread | None:
     >>> import numpy as np
     >>> from springpot import Measurement
     >>> omega = np.geomspace(0.1, 100.0, 12)
-    >>> follows = Measurement(omega, 1e3 * omega**0.5 + 0j, conditions={"amplitude": 0.3 / omega**0.5})
+    >>> conditions = {"amplitude": 0.3 / omega**0.5}
+    >>> follows = Measurement(omega, 1e3 * omega**0.5 + 0j, conditions=conditions)
     >>> spread_of(follows, "amplitude").independent
     False
     """
@@ -101,7 +117,8 @@ def spread_of(measurement: Measurement, condition: str) -> Spread | None:
     if condition == "amplitude":
         values = np.log(np.maximum(np.abs(column), np.finfo(float).tiny))
     whole = float(np.std(values))
-    # What frequency and temperature explain was not varied by anyone: an effect of it cannot be told from theirs.
+    # What frequency and temperature explain was not varied by anyone: an effect of it cannot be
+    # told from theirs.
     own = min(whole, _unexplained(measurement, condition, values))
     return Spread(2.0 * whole, 2.0 * own, WANDER[condition], CHOSEN[condition])
 
@@ -115,7 +132,8 @@ def independent(measurement: Measurement, condition: str) -> bool:
     >>> from springpot import Measurement
     >>> from springpot.measurement import independent
     >>> omega = np.tile([1.0, 10.0], 4)
-    >>> varied = Measurement(omega, omega + 1j, conditions={"amplitude": np.repeat([0.1, 0.2, 0.4, 0.8], 2)})
+    >>> amplitude = np.repeat([0.1, 0.2, 0.4, 0.8], 2)
+    >>> varied = Measurement(omega, omega + 1j, conditions={"amplitude": amplitude})
     >>> independent(varied, "amplitude")
     True
     """
@@ -126,8 +144,9 @@ def independent(measurement: Measurement, condition: str) -> bool:
 def telling(measurement: Measurement) -> frozenset[str]:
     """Names of the conditions whose effects these data can show.
 
-    These are the ones that were varied by themselves, and an amplitude that was held: an effect that needs one is
-    still told by what it does along the frequency. A temperature that was held shows nothing.
+    These are the ones that were varied by themselves, and an amplitude that was held: an effect
+    that needs one is still told by what it does along the frequency. A temperature that was held
+    shows nothing.
 
     Examples
     --------
@@ -138,7 +157,11 @@ def telling(measurement: Measurement) -> frozenset[str]:
     >>> sorted(telling(Measurement([1.0, 2.0], [1j, 2j], conditions=columns)))
     ['amplitude']
     """
-    names = {name for name in measurement.conditions if name not in WANDER or independent(measurement, name)}
+    names = {
+        name
+        for name in measurement.conditions
+        if name not in WANDER or independent(measurement, name)
+    }
     amplitude = measurement.conditions.get("amplitude")
     if amplitude is not None and np.ptp(amplitude) == 0.0:
         names.add("amplitude")
@@ -154,7 +177,8 @@ def moved_along(measurement: Measurement) -> set[str]:
     >>> from springpot import Measurement
     >>> from springpot.measurement import moved_along
     >>> omega = np.geomspace(0.1, 100.0, 12)
-    >>> moved_along(Measurement(omega, 1e3 * omega**0.5 + 0j, conditions={"amplitude": 0.3 / omega**0.5}))
+    >>> conditions = {"amplitude": 0.3 / omega**0.5}
+    >>> moved_along(Measurement(omega, 1e3 * omega**0.5 + 0j, conditions=conditions))
     {'amplitude'}
     """
     spreads = {name: spread_of(measurement, name) for name in CONDITIONS}
@@ -165,13 +189,15 @@ def moved_along(measurement: Measurement) -> set[str]:
 def steadied(measurement: Measurement) -> Measurement:
     """The same data, an amplitude that only wandered (see `Spread.varied`) set to its median.
 
-    What an effect of the amplitude does at one amplitude can then still be told, but nothing is read into the wander.
+    What an effect of the amplitude does at one amplitude can then still be told, but nothing is
+    read into the wander.
 
     Examples
     --------
     >>> from springpot import Measurement
     >>> from springpot.measurement import steadied
-    >>> wandering = Measurement([1.0, 2.0, 3.0], [1j, 2j, 3j], conditions={"amplitude": [0.1, 0.1002, 0.0999]})
+    >>> conditions = {"amplitude": [0.1, 0.1002, 0.0999]}
+    >>> wandering = Measurement([1.0, 2.0, 3.0], [1j, 2j, 3j], conditions=conditions)
     >>> steadied(wandering).conditions["amplitude"]
     array([0.1, 0.1, 0.1])
     """
@@ -185,7 +211,7 @@ def steadied(measurement: Measurement) -> Measurement:
 
 
 def _unexplained(measurement: Measurement, condition: str, values: Real) -> float:
-    """Standard deviation that neither the frequency nor, for an amplitude, the temperature explains."""
+    """Standard deviation that neither frequency nor, for an amplitude, temperature explains."""
     log_omega = np.log(measurement.omega)
     if condition == "temperature":
         return _off_curves(np.zeros(len(values), dtype=np.int64), log_omega, values)
@@ -196,17 +222,24 @@ def _unexplained(measurement: Measurement, condition: str, values: Real) -> floa
     rest = values - (np.bincount(both, values) / np.maximum(np.bincount(both), 1))[both]
     free = len(values) - len(np.unique(both))
     within = float(np.sqrt(np.sum(rest**2) / max(free, 1)))
-    # Rows that share frequency and temperature show without any curve what was chosen: they come first.
+    # Rows that share frequency and temperature show without any curve what was chosen: they come
+    # first.
     if free >= VARIED.share_left * len(values) or (
         free >= VARIED.fewest_choices and 2.0 * within >= CHOSEN["amplitude"]
     ):
         return within
     # Whichever of the two explains more: then it may be the cause.
-    return min(_off_curves(same_temperature, log_omega, values), _off_curves(same_omega, temperature, values))
+    return min(
+        _off_curves(same_temperature, log_omega, values),
+        _off_curves(same_omega, temperature, values),
+    )
 
 
 def _off_curves(level: NDArray[np.int64], x: Real, y: Real) -> float:
-    """Standard deviation of y, told from most of the rows, about a slow curve in x for each level; else infinite."""
+    """Standard deviation of y, told from most of the rows, about a slow curve in x for each level.
+
+    Else infinite.
+    """
     left: list[Real] = []
     for number in range(int(level.max()) + 1):
         rows = np.flatnonzero(level == number)
@@ -219,11 +252,14 @@ def _off_curves(level: NDArray[np.int64], x: Real, y: Real) -> float:
 
 
 def _off_curve(x: Real, y: Real) -> Real:
-    """Absolute deviations from a course that only rises or only falls, else where rows are off it from a polynomial.
+    """Absolute deviations from a course that only rises or only falls.
+
+    Where rows are off such a course, from a polynomial.
 
     One that rises in steps is no polynomial, and yet it went up with the frequency.
     """
-    from scipy.optimize import isotonic_regression  # the first look at a file must not take its time
+    # The first look at a file must not take its time.
+    from scipy.optimize import isotonic_regression
 
     if len(np.unique(np.round(x, DECIMALS))) >= VARIED.fewest_one_way:
         order = np.argsort(x, kind="stable")
@@ -235,7 +271,7 @@ def _off_curve(x: Real, y: Real) -> Real:
 
 
 def _off_polynomial(x: Real, y: Real) -> Real:
-    """Absolute deviations from the polynomial of the least sum of them, without those that it brings to zero."""
+    """Absolute deviations from the polynomial of least sum of them, without those made zero."""
     degree = min(SMOOTH_DEGREE, len(np.unique(np.round(x, DECIMALS))) // POINTS_PER_DEGREE)
     # Legendre polynomials are nearly independent of one another on -1 to 1 only.
     scaled = 2.0 * (x - x.min()) / (float(np.ptp(x)) or 1.0) - 1.0

@@ -12,7 +12,8 @@ def as_modulus(measurement: Measurement, geometry: Geometry, unit: str = "Pa") -
     Parameters
     ----------
     measurement : Measurement
-        In any unit of stiffness; an amplitude becomes a strain, standard deviations are converted too.
+        In any unit of stiffness; an amplitude becomes a strain, standard deviations are converted
+        too.
     geometry : Geometry
         Of the specimen or damper.
     unit : str
@@ -29,16 +30,22 @@ def as_modulus(measurement: Measurement, geometry: Geometry, unit: str = "Pa") -
     >>> from springpot import Measurement, Units
     >>> from springpot.measurement import as_modulus, parse_geometry
     >>> damper = Measurement([1.0], [100.0 + 50.0j], units=Units("kN/m", "mm"))
-    >>> as_modulus(damper, parse_geometry("shear-pads area=200cm^2 gap=10mm pads=2"), "MPa").stiffness
+    >>> geometry = parse_geometry("shear-pads area=200cm^2 gap=10mm pads=2")
+    >>> as_modulus(damper, geometry, "MPa").stiffness
     array([0.025+0.0125j])
     """
     return measurement.as_modulus(geometry, unit)
 
 
 def as_stiffness(
-    measurement: Measurement, geometry: Geometry, unit: str | None = None, amplitude: str | None = None
+    measurement: Measurement,
+    geometry: Geometry,
+    unit: str | None = None,
+    amplitude: str | None = None,
 ) -> Measurement:
-    """Force over displacement (torque over angle) of a damper, from stress over strain of its material.
+    """Force over displacement (torque over angle) of a damper, from its material's modulus.
+
+    The modulus is stress over strain.
 
     Parameters
     ----------
@@ -61,14 +68,17 @@ def as_stiffness(
     >>> from springpot import Measurement, Units
     >>> from springpot.measurement import as_stiffness, parse_geometry
     >>> material = Measurement([1.0], [0.025 + 0.0125j], units=Units("MPa"))
-    >>> as_stiffness(material, parse_geometry("shear-pads area=200cm^2 gap=10mm pads=2"), "kN/m").stiffness
+    >>> geometry = parse_geometry("shear-pads area=200cm^2 gap=10mm pads=2")
+    >>> as_stiffness(material, geometry, "kN/m").stiffness
     array([100.+50.j])
     """
     return measurement.as_stiffness(geometry, unit, amplitude)
 
 
 def through(measurement: Measurement, geometry: Geometry) -> Measurement:
-    """The other side of the geometry: the material of a measured damper, or the damper of a measured material.
+    """The other side of the geometry.
+
+    The material of a measured damper, or the damper of a measured material.
 
     Examples
     --------

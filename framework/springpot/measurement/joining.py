@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 from .measurement import CONDITIONS, Measurement
 from .units import AMPLITUDE_UNITS, LENGTH_UNITS, MODULUS_UNITS, STRAIN_UNITS, one_modulus
@@ -25,60 +25,76 @@ def joined(measurements: Sequence[Measurement]) -> Measurement:
     Parameters
     ----------
     measurements : sequence of Measurement
-        Two or more, all of a stiffness or all of a modulus. Rows at the same frequency and conditions are repeats of
-        one another, whichever file they come from.
+        Two or more, all of a stiffness or all of a modulus. Rows at the same frequency and
+        conditions are repeats of one another, whichever file they come from.
 
     Returns
     -------
     Measurement
-        With standard deviations if all have them, with temperature and amplitude, of which all must have the same,
-        and with the further columns that all have.
+        With standard deviations if all have them, with temperature and amplitude, of which all must
+        have the same, and with the further columns that all have.
 
     Raises
     ------
     DataError
-        If a stiffness is to join a modulus, or one modulus another, or if temperature or amplitude is known of some
-        only.
+        If a stiffness is to join a modulus, or one modulus another, or if temperature or amplitude
+        is known of some only.
     """
     first = measurements[0]
     letter = one_modulus((each.name, each.units) for each in measurements)
     for other in measurements[1:]:
-        if other.units.is_modulus != first.units.is_modulus:
-            kinds = f"{first.units.stiffness} and {other.units.stiffness}"
-            raise DataError(f"{first.name} and {other.name}: a stiffness and a modulus ({kinds}) are no joint test")
-        # What no effect knows of, such as a counter of points, may be missing from a file.
-        if lacking := sorted(set(CONDITIONS) & (set(first.conditions) ^ set(other.conditions))):
-            which = other
-            if lacking[0] in other.conditions:
-                which = first
-            # A test at one temperature or amplitude needs no column of it: a constant behind its name is as good.
-            example = ",".join(_EXAMPLES[name] for name in lacking)
-            raise DataError(
-                f"{which.name} lacks {', '.join(lacking)}, which the others have: add the column, or say it of all "
-                f"rows as in 'FILE?{example}'"
-            )
+        _refuse_unlike(first, other)
     scale = [_factor(each, first) for each in measurements]
     sd = None
     # Deviations of some rows alone would be weights on no common scale.
     if all(each.sd is not None for each in measurements):
         sd = np.concatenate(
-            [by * each.sd for by, each in zip(scale, measurements, strict=True) if each.sd is not None]
+            [
+                by * each.sd
+                for by, each in zip(scale, measurements, strict=True)
+                if each.sd is not None
+            ]
         )
     some = _known_of_some(measurements)
     notes: dict[str, str] = {}
     if some:
-        notes["note columns"] = f"{', '.join(sorted(some))}: known of some of the files only, and left out"
+        notes["note columns"] = (
+            f"{', '.join(sorted(some))}: known of some of the files only, and left out"
+        )
     return Measurement(
         np.concatenate([each.omega for each in measurements]),
         np.concatenate([by * each.stiffness for by, each in zip(scale, measurements, strict=True)]),
         sd=sd,
-        conditions={name: _column(name, measurements) for name in first.conditions if name not in some},
+        conditions={
+            name: _column(name, measurements) for name in first.conditions if name not in some
+        },
         repeat=_repeats(measurements),
         units=replace(first.units, letter=letter or first.units.letter),
         provenance=notes,
         name=" + ".join(each.name for each in measurements),
         labels={FILE: np.concatenate([np.full(len(each), each.name) for each in measurements])},
     )
+
+
+def _refuse_unlike(first: Measurement, other: Measurement) -> None:
+    """Tell of two measurements that are no joint test, as of a stiffness and a modulus."""
+    if other.units.is_modulus != first.units.is_modulus:
+        kinds = f"{first.units.stiffness} and {other.units.stiffness}"
+        raise DataError(
+            f"{first.name} and {other.name}: a stiffness and a modulus ({kinds}) are no joint test"
+        )
+    # What no effect knows of, such as a counter of points, may be missing from a file.
+    if lacking := sorted(set(CONDITIONS) & (set(first.conditions) ^ set(other.conditions))):
+        which = other
+        if lacking[0] in other.conditions:
+            which = first
+        # A test at one temperature or amplitude needs no column of it: a constant behind its
+        # name is as good.
+        example = ",".join(_EXAMPLES[name] for name in lacking)
+        raise DataError(
+            f"{which.name} lacks {', '.join(lacking)}, which the others have: add the column,"
+            f" or say it of all rows as in 'FILE?{example}'"
+        )
 
 
 def _known_of_some(measurements: Sequence[Measurement]) -> set[str]:

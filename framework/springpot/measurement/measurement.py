@@ -16,8 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from springpot.drawing import draw
 from springpot.errors import DataError
-from springpot.plain import plain
-from springpot.rheology import HELD, KELVIN, ROOM, Complex, Points, Real
+from springpot.rheology.levels import HELD
+from springpot.rheology.points import KELVIN, ROOM, Complex, Points, Real
+from springpot.terminal_safe import plain
 
 from .conversion import Conversion, to_modulus, to_stiffness
 from .display import html_of
@@ -36,11 +37,16 @@ NEARLY = 0.85
 WRITTEN = 1e-6
 """By which the decimals of a converted temperature may be off: rounding, and no more."""
 WARM = 200.0
-"""degC above which a number that ends in .15, as every whole degree does in kelvin, is taken for one in kelvin."""
+"""degC above which a number that ends in .15, as every whole degree does in kelvin, is taken for
+one in kelvin.
+"""
 _DTYPES: dict[str, np.dtype[Any]] = {
-    "omega": np.dtype(np.float64), "stiffness": np.dtype(np.complex128), "sd": np.dtype(np.complex128),
-    "repeat": np.dtype(np.int64), "harmonics": np.dtype(np.complex128),
-}  # fmt: skip
+    "omega": np.dtype(np.float64),
+    "stiffness": np.dtype(np.complex128),
+    "sd": np.dtype(np.complex128),
+    "repeat": np.dtype(np.int64),
+    "harmonics": np.dtype(np.complex128),
+}
 _KINDS = {"f": "real numbers", "c": "numbers", "i": "whole numbers", "U": "words"}
 
 
@@ -57,16 +63,17 @@ class Measurement(Rows):
     sd : ndarray of complex, shape (n,), optional
         Standard deviation of K' (real part) and of K'' (imaginary part), in the same unit.
     conditions : mapping of str to ndarray, shape (n,)
-        Columns beside the frequency: ``temperature`` in degC, ``amplitude`` in ``units.amplitude``, others by any
-        name that is not nearly one of these two.
+        Columns beside the frequency: ``temperature`` in degC, ``amplitude`` in ``units.amplitude``,
+        others by any name that is not nearly one of these two.
     repeat : ndarray of int, shape (n,), optional
         Which repetition a row belongs to.
     harmonics : ndarray of complex, shape (n, h), optional
-        Higher force harmonics H_2, H_3, ... over the first, nan where not measured. Time is counted from the maximum
-        of the displacement's first harmonic: with x = X cos(omega t) the force is the real part of
-        K X (exp(i omega t) + H_2 exp(2 i omega t) + H_3 exp(3 i omega t) + ...). So H_n = (U_n / U_1)
-        exp(-i (n - 1) phi) for amplitudes U_n and phi the phase of X_1; Coulomb friction has H_3 = 1/3, a hardening
-        cubic spring k3 x^3 alone H_3 = 1/3 as well, with K real.
+        Higher force harmonics H_2, H_3, ... over the first, nan where not measured. Time is counted
+        from the maximum of the displacement's first harmonic: with x = X cos(omega t) the force is
+        the real part of K X (exp(i omega t) + H_2 exp(2 i omega t) + H_3 exp(3 i omega t) + ...).
+        So H_n = (U_n / U_1) exp(-i (n - 1) phi) for amplitudes U_n and phi the phase of X_1;
+        Coulomb friction has H_3 = 1/3, a hardening cubic spring k3 x^3 alone H_3 = 1/3 as well,
+        with K real.
     units : Units
         The units the data came in.
     name : str
@@ -76,8 +83,8 @@ class Measurement(Rows):
     labels : mapping of str to ndarray of str, shape (n,)
         Columns of words beside the frequency, such as the specimen or the file.
     reference : float, optional
-        Temperature in kelvin at which shift factors are one, for rows taken from a larger measurement; by default the
-        measured temperature nearest to the median.
+        Temperature in kelvin at which shift factors are one, for rows taken from a larger
+        measurement; by default the measured temperature nearest to the median.
 
     Raises
     ------
@@ -87,9 +94,11 @@ class Measurement(Rows):
     Examples
     --------
     >>> import numpy as np, springpot
-    >>> frequency, storage, loss = [1.0, 2.0, 4.0], np.array([100.0, 140.0, 185.0]), np.array([73.0, 86.0, 92.0])
+    >>> frequency = [1.0, 2.0, 4.0]
+    >>> storage, loss = np.array([100.0, 140.0, 185.0]), np.array([73.0, 86.0, 92.0])
     >>> omega = 2 * np.pi * np.array(frequency)
-    >>> springpot.Measurement(omega, storage + 1j * loss, units=springpot.Units("kN/m", "mm"), name="damper")
+    >>> units = springpot.Units("kN/m", "mm")
+    >>> springpot.Measurement(omega, storage + 1j * loss, units=units, name="damper")
     <Measurement damper: 3 points, 1 to 4 Hz>
     """
 
@@ -107,7 +116,10 @@ class Measurement(Rows):
 
     def __repr__(self) -> str:
         units = self.units
-        low, high = units.on_clock(float(self.frequency.min())), units.at(float(self.frequency.max()))
+        low, high = (
+            units.on_clock(float(self.frequency.min())),
+            units.at(float(self.frequency.max())),
+        )
         beside = "".join(f", {name}" for name in self.conditions)
         return f"<Measurement {plain(self.name)}: {len(self)} points, {low:.3g} to {high}{beside}>"
 
@@ -116,8 +128,12 @@ class Measurement(Rows):
 
     def __post_init__(self) -> None:
         if not isinstance(self.units, Units):
-            raise DataError(f"{self.name}: units are Units('kN/m', 'mm'), of stiffness and amplitude: {self.units!r}")
-        # Looked at before it is made complex, when a loss that was forgotten can no longer be told from none.
+            raise DataError(
+                f"{self.name}: units are Units('kN/m', 'mm'), of stiffness and amplitude:"
+                f" {self.units!r}"
+            )
+        # Looked at before it is made complex, when a loss that was forgotten can no longer be told
+        # from none.
         without_loss = not _holds_complex(self.stiffness)
         # Frozen all the way down: what is worked out of the data is remembered, and must stay true.
         object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
@@ -126,7 +142,9 @@ class Measurement(Rows):
             if values is not None:
                 object.__setattr__(self, name, self._array(name, values, dtype))
         for name, dtype in (("conditions", np.dtype(np.float64)), ("labels", np.dtype(np.str_))):
-            mapping = {key: self._array(key, column, dtype) for key, column in getattr(self, name).items()}
+            mapping = {
+                key: self._array(key, column, dtype) for key, column in getattr(self, name).items()
+            }
             object.__setattr__(self, name, MappingProxyType(mapping))
         # Checked when made, so that no later step need ask whether data are whole.
         self._check()
@@ -140,8 +158,13 @@ class Measurement(Rows):
             given = np.asarray(values)
             if dtype.kind in allowed and given.dtype.kind not in allowed[dtype.kind]:
                 raise ValueError
-            # Not a number, and numbers that are too large, are no whole ones and warn when they are made so.
-            if dtype.kind == "i" and given.dtype.kind == "f" and not np.all(np.abs(given) < 2.0**63):
+            # Not a number, and numbers that are too large, are no whole ones and warn when they are
+            # made so.
+            if (
+                dtype.kind == "i"
+                and given.dtype.kind == "f"
+                and not np.all(np.abs(given) < 2.0**63)
+            ):
                 raise ValueError
             column = given
             # Words are words at any length, and stay the same object.
@@ -155,7 +178,9 @@ class Measurement(Rows):
         if name == "harmonics":
             dimensions = 2
         if column.ndim != dimensions:
-            raise DataError(f"{self.name}: column {name} must have one value for each measured point")
+            raise DataError(
+                f"{self.name}: column {name} must have one value for each measured point"
+            )
         return column
 
     def _check(self) -> None:
@@ -169,7 +194,9 @@ class Measurement(Rows):
         columns |= {**self.conditions, **self.labels}
         for column, values in columns.items():
             if values is not None and len(values) != n:
-                raise DataError(f"{self.name}: column {column} has {len(values)} rows where omega has {n}")
+                raise DataError(
+                    f"{self.name}: column {column} has {len(values)} rows where omega has {n}"
+                )
         if n == 0:
             raise DataError(f"{self.name}: no measured points")
         if not (np.all(np.isfinite(self.omega)) and np.all(self.omega > 0)):
@@ -181,21 +208,37 @@ class Measurement(Rows):
         if len(nothing):
             place = f"first at {self.units.at(float(self.frequency[nothing[0]]), 4)}"
             few = f"in {len(nothing)} of {n} points"
-            raise DataError(f"{self.name}: storage and loss are both zero {few}, {place}; leave them out")
-        if self.sd is not None and not np.all(np.isfinite(self.sd) & (self.sd.real > 0) & (self.sd.imag > 0)):
+            raise DataError(
+                f"{self.name}: storage and loss are both zero {few}, {place}; leave them out"
+            )
+        if self.sd is not None and not np.all(
+            np.isfinite(self.sd) & (self.sd.real > 0) & (self.sd.imag > 0)
+        ):
             raise DataError(f"{self.name}: standard deviations must be positive and finite")
+        self._check_conditions()
+
+    def _check_conditions(self) -> None:
         for condition in CONDITIONS:
             # Of the columns that models know: a further one may well be missing at some points.
             lost = np.flatnonzero(~np.isfinite(self.conditions.get(condition, np.zeros(0))))
             if len(lost):
                 place = f"first at {self.units.at(float(self.frequency[lost[0]]), 4)}"
-                few = f"in {len(lost)} of {n} points"
-                raise DataError(f"{self.name}: {condition} is no finite number {few}, {place}; leave them out")
+                few = f"in {len(lost)} of {len(self)} points"
+                raise DataError(
+                    f"{self.name}: {condition} is no finite number {few}, {place}; leave them out"
+                )
         celsius = self.conditions.get("temperature")
         if celsius is not None and np.min(celsius) < -KELVIN:
-            raise DataError(f"{self.name}: temperature is in degC, and below the absolute zero of -273.15")
-        if celsius is not None and np.all((celsius > WARM) & (np.abs(celsius % 1.0 - KELVIN % 1.0) < WRITTEN)):
-            raise DataError(f"{self.name}: temperature is in degC; {celsius[0]:g} looks like kelvin: subtract 273.15")
+            raise DataError(
+                f"{self.name}: temperature is in degC, and below the absolute zero of -273.15"
+            )
+        if celsius is not None and np.all(
+            (celsius > WARM) & (np.abs(celsius % 1.0 - KELVIN % 1.0) < WRITTEN)
+        ):
+            raise DataError(
+                f"{self.name}: temperature is in degC; {celsius[0]:g} looks like kelvin:"
+                " subtract 273.15"
+            )
         for condition in self.conditions:
             if advice := misspelt(condition):
                 raise DataError(f"{self.name}: condition '{condition}' {advice}")
@@ -216,7 +259,10 @@ class Measurement(Rows):
 
     @cached_property
     def reference_temperature(self) -> float:
-        """Where a shift factor is one, in kelvin: `reference`, or the measured temperature nearest to the median."""
+        """Where a shift factor is one, in kelvin.
+
+        `reference`, or the measured temperature nearest to the median.
+        """
         temperature = self.conditions.get("temperature")
         if self.reference is not None:
             return self.reference
@@ -230,11 +276,13 @@ class Measurement(Rows):
         """Where a model of these data is evaluated."""
         return points_at(np.log(self.omega), self.conditions, self.reference_temperature)
 
-    def subset(self, rows: NDArray[np.bool_] | NDArray[np.int64], name: str | None = None) -> Measurement:
+    def subset(
+        self, rows: NDArray[np.bool_] | NDArray[np.int64], name: str | None = None
+    ) -> Measurement:
         """The rows chosen by a mask or by indices.
 
-        With a `name` they are data of their own. Without one they stay part of these: parameters that refer to the
-        reference temperature mean the same for both.
+        With a `name` they are data of their own. Without one they stay part of these: parameters
+        that refer to the reference temperature mean the same for both.
         """
         chosen: dict[str, Any] = {"reference": None}
         for column in _DTYPES:
@@ -246,7 +294,8 @@ class Measurement(Rows):
         if name is not None:
             chosen["name"] = name
         elif "temperature" in self.conditions:
-            # The rows that are left would have another median, and shift factors another place where they are one.
+            # The rows that are left would have another median, and shift factors another place
+            # where they are one.
             chosen["reference"] = self.reference_temperature
         chosen["provenance"] = _of_rows(self.provenance, chosen["stiffness"])
         return replace(self, **chosen)
@@ -257,8 +306,8 @@ class Measurement(Rows):
         Parameters
         ----------
         **unwanted : float or str
-            Conditions that the rows to be left out have together, such as ``frequency="40..60"`` (Hz) or ``row=3``
-            (the first row is 1); see `springpot.measurement.select`.
+            Conditions that the rows to be left out have together, such as ``frequency="40..60"``
+            (Hz) or ``row=3`` (the first row is 1); see `springpot.measurement.select`.
 
         Raises
         ------
@@ -272,10 +321,16 @@ class Measurement(Rows):
         >>> len(data), len(data.excluding(frequency="..1"))
         (40, 34)
         """
-        return self.subset(rows_without(self, {name: str(value) for name, value in unwanted.items()}))
+        return self.subset(
+            rows_without(self, {name: str(value) for name, value in unwanted.items()})
+        )
 
-    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure | Axes | Path:
-        """Storage and loss against frequency, or against amplitude or temperature where only these vary.
+    def plot(
+        self, path: str | Path | None = None, *, ax: Axes | None = None
+    ) -> Figure | Axes | Path:
+        """Storage and loss against frequency.
+
+        Against amplitude or temperature where only these vary.
 
         Parameters
         ----------
@@ -287,7 +342,8 @@ class Measurement(Rows):
         Returns
         -------
         Figure, Path or Axes
-            A figure that shows itself in a notebook; the file that was written; or the axes that were given.
+            A figure that shows itself in a notebook; the file that was written; or the axes that
+            were given.
 
         Raises
         ------
@@ -297,11 +353,16 @@ class Measurement(Rows):
         return draw(self, path, ax)
 
     def as_modulus(self, geometry: Geometry, unit: str = "Pa") -> Measurement:
-        """The material that a specimen or damper of this geometry is made of; see `interface.as_modulus`."""
+        """The material that a specimen or damper of this geometry is made of.
+
+        See `interface.as_modulus`.
+        """
         return self._through(to_modulus(self, geometry, unit))
 
-    def as_stiffness(self, geometry: Geometry, unit: str | None = None, amplitude: str | None = None) -> Measurement:
-        """A damper of this geometry, made of the measured material; see `interface.as_stiffness`."""
+    def as_stiffness(
+        self, geometry: Geometry, unit: str | None = None, amplitude: str | None = None
+    ) -> Measurement:
+        """A damper of this geometry, of the measured material; see `interface.as_stiffness`."""
         return self._through(to_stiffness(self, geometry, unit, amplitude))
 
     def _through(self, change: Conversion) -> Measurement:
@@ -323,7 +384,10 @@ class Measurement(Rows):
         )
 
     def digest(self) -> str:
-        """SHA-256 of everything in it that a fit can see: by content and not by name or order of columns."""
+        """SHA-256 of everything in it that a fit can see.
+
+        By content and not by name or order of columns.
+        """
         columns: dict[str, Any] = {"omega": self.omega, "stiffness": self.stiffness}
         optional = {"sd": self.sd, "repeat": self.repeat, **self.conditions}
         columns |= {key: optional[key] for key in sorted(optional) if optional[key] is not None}
@@ -345,16 +409,21 @@ class Measurement(Rows):
     def sweeps(
         self, tolerance: float = 2e-3, held: Collection[str] = CONDITIONS
     ) -> Iterator[tuple[str, NDArray[np.int64]]]:
-        """Labels and row numbers of the frequency sweeps, one for each set of conditions and repeat.
+        """Labels and row numbers of the frequency sweeps, one per set of conditions and repeat.
 
         Parameters
         ----------
         tolerance : float
-            Neighbouring values that differ by less than this share of the largest are one condition.
+            Neighbouring values that differ by less than this share of the largest are one
+            condition.
         held : collection of str
             Conditions that were held during a sweep.
         """
-        columns = {name: self.conditions[name] for name in CONDITIONS if name in self.conditions and name in held}
+        columns = {
+            name: self.conditions[name]
+            for name in CONDITIONS
+            if name in self.conditions and name in held
+        }
         if self.repeat is not None:
             columns["repeat"] = self.repeat.astype(float)
         if not columns:
@@ -364,11 +433,20 @@ class Measurement(Rows):
         combinations, which = np.unique(keys, axis=0, return_inverse=True)
         for i in range(len(combinations)):
             rows = np.flatnonzero(which.ravel() == i)
-            yield ", ".join(f"{name} {np.mean(column[rows]):.4g}" for name, column in columns.items()), rows
+            yield (
+                ", ".join(
+                    f"{name} {np.mean(column[rows]):.4g}" for name, column in columns.items()
+                ),
+                rows,
+            )
 
 
-def points_at(log_omega: Real, conditions: Mapping[str, Real], reference_temperature: float) -> Points:
-    """Points (n,) under conditions as a measurement has them, with temperatures in degC; the reference in kelvin.
+def points_at(
+    log_omega: Real, conditions: Mapping[str, Real], reference_temperature: float
+) -> Points:
+    """Points (n,) under conditions as a measurement has them, with temperatures in degC.
+
+    The reference in kelvin.
 
     Examples
     --------
@@ -386,7 +464,7 @@ def points_at(log_omega: Real, conditions: Mapping[str, Real], reference_tempera
 
 
 def _holds_complex(values: ArrayLike) -> bool:
-    """Whether a list that NumPy has not seen yet holds complex numbers, or what is none will be told later."""
+    """Whether a list new to NumPy holds complex numbers, or what is no number, told of later."""
     try:
         return np.asarray(values).dtype.kind not in "biuf"
     except (ValueError, TypeError):
@@ -394,7 +472,7 @@ def _holds_complex(values: ArrayLike) -> bool:
 
 
 def _levels(name: str, column: Real) -> NDArray[np.int64]:
-    """Number of the level that each value belongs to, in ascending order, for values that a rig holds only nearly."""
+    """Number of the level of each value, ascending, for values that a rig holds only nearly."""
     x = column
     # How nearly an amplitude is held is a share of it: a step of the logarithm.
     if name == "amplitude":
@@ -403,7 +481,10 @@ def _levels(name: str, column: Real) -> NDArray[np.int64]:
 
 
 def numbers_of_levels(column: Real, apart: float) -> NDArray[np.int64]:
-    """Number (n,) of the level of each value, in ascending order; levels lie further apart than that."""
+    """Number (n,) of the level of each value, in ascending order.
+
+    Levels lie further apart than that.
+    """
     order = np.argsort(column, kind="stable")
     number = np.zeros(len(column), dtype=np.int64)
     # Neighbour by neighbour: a drift within a level may add up to more than the distance of two.
@@ -422,7 +503,8 @@ def misspelt(condition: str) -> str:
     """
     if condition in CONDITIONS or not condition.isalpha():  # temperature_2 is no slip
         return ""
-    # A misspelt condition would be a column that no model knows, and its effect be missed without a word.
+    # A misspelt condition would be a column that no model knows, and its effect be missed without a
+    # word.
     near = get_close_matches(condition.lower().rstrip("s"), CONDITIONS, n=1, cutoff=NEARLY)
     if not near:
         return ""
@@ -431,14 +513,17 @@ def misspelt(condition: str) -> str:
 
 
 def _clusters(column: Real, tolerance: float) -> NDArray[np.int64]:
-    """Number of the cluster of neighbouring values that each value belongs to, in ascending order."""
+    """Number of the cluster of neighbouring values that each value is in, in ascending order."""
     values, which = np.unique(column, return_inverse=True)
     apart = np.diff(values) > tolerance * float(np.max(np.abs(values)))
     return np.concatenate([[0], np.cumsum(apart)])[which.ravel()].astype(np.int64)
 
 
 def _of_rows(provenance: Mapping[str, str], stiffness: Complex) -> dict[str, str]:
-    """What is still true of some rows: a note on negative values only where one of them is negative."""
+    """What is still true of some rows.
+
+    A note on negative values only where one of them is negative.
+    """
     kept = dict(provenance)
     if np.all(stiffness.real >= 0.0):
         kept.pop("note storage", None)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.policy import SIGNALS
+from springpot.thresholds import SIGNALS
 
 from .fit import Basis, Fit
 from .record import Record
@@ -23,7 +23,8 @@ def tried(record: Record, frequency: bool, part: bool) -> float:
         Whether these were searched.
     """
     count = 1.0
-    # Noise of n samples has about n / 2 oscillations of its own, and a part may begin at any sample.
+    # Noise of n samples has about n / 2 oscillations of its own, and a part may begin at any
+    # sample.
     if frequency:
         count *= max(0.5 * len(record.time), 1.0)
         if part:
@@ -32,10 +33,10 @@ def tried(record: Record, frequency: bool, part: bool) -> float:
 
 
 def highest_of_noise(freedom: float, candidates: float) -> float:
-    """Quantile of F(2, `freedom`) that the best of so many candidates of noise alone exceeds with a chance of 0.1 %.
+    """Quantile of F(2, `freedom`) that the best of so many noise candidates exceeds in 0.1 %.
 
-    Its tail is a power, chance = (1 + 2 F / nu)^(-nu / 2). Solved for F, for the complement of a chance of 1e-17 is
-    rounded to one: six million samples have so many candidates.
+    Its tail is a power, chance = (1 + 2 F / nu)^(-nu / 2). Solved for F, for the complement of a
+    chance of 1e-17 is rounded to one: six million samples have so many candidates.
 
     Examples
     --------
@@ -72,8 +73,9 @@ def require_motion(record: Record, basis: Basis, fit: Fit, candidates: float) ->
         return
     if candidates > 1.0:
         raise DataError(
-            f"{record.name}: nothing oscillates in this record, the displacement scatters about its level; where it "
-            "does, say when and how fast: --window START STOP --frequency HZ (window, omega in Python)"
+            f"{record.name}: nothing oscillates in this record, the displacement scatters about its"
+            " level; where it does, say when and how fast: --window START STOP --frequency HZ"
+            " (window, omega in Python)"
         )
     moving = coarse_frequency(record)
     raise DataError(

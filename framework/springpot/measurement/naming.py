@@ -14,19 +14,26 @@ from .reader import Choice
 ADVICE = "write 'FILE?frequency=Hz' or 'FILE?1=omega[rad/s],2=storage[Pa],3=loss[Pa]'"
 
 _TEMPERATURE = re.compile(
-    r"(?<![A-Za-z0-9.])(?:T\s?=?\s?)?([-+−]?\d{1,3}(?:[.,]\d{1,2})?)[ _]?(°C|deg ?C|C|K|°F|deg ?F)(?![A-Za-z0-9])"
+    r"(?<![A-Za-z0-9.])(?:T\s?=?\s?)?([-+−]?\d{1,3}(?:[.,]\d{1,2})?)[ _]?(°C|deg ?C|C|K|°F|deg"
+    r" ?F)(?![A-Za-z0-9])"
 )
-_NAMED = re.compile(r"(?<![A-Za-z0-9.])(?:T|Temp|temp)[=_ ]?(-?\d{1,3}(?:[.,]\d{1,2})?)(?![A-Za-z0-9])")
+_NAMED = re.compile(
+    r"(?<![A-Za-z0-9.])(?:T|Temp|temp)[=_ ]?(-?\d{1,3}(?:[.,]\d{1,2})?)(?![A-Za-z0-9])"
+)
 # A minus after a letter or a digit joins two words, as in ps-130; after another mark it is a sign.
 _NUMBER = re.compile(r"(?<!\d)(?:(?<![A-Za-z0-9])[-−])?\d{2,3}(?!\d)")
 COLDEST_KELVIN = 100.0
 """Below it a K in a name is more likely a thousand, as in PS5K."""
 SIBLINGS = 2
-"""Other files of the same name but for one number, from which that number is taken for a condition."""
+"""Other files of the same name but for one number, from which that number is taken for a condition.
+"""
 APART = 5
 """Kelvin between such numbers, at least."""
 LONGEST_NAME, SHOWN_BEGINNING, SHOWN_END = 80, 40, 30
-"""Signs of a name in an error, and those that stand for a longer one: both ends, which tell a path best."""
+"""Signs of a name in an error, and those that stand for a longer one.
+
+Both ends, which tell a path best.
+"""
 LISTED = 2000
 """Entries of a folder that are looked at: of a very large one the rest would only take time."""
 
@@ -41,7 +48,9 @@ def is_file(text: str) -> bool:
 
 
 def in_quotes(text: str) -> str:
-    """An argument in a sentence, in quotes as a shell takes it; a name may hold an apostrophe itself.
+    """An argument in a sentence, in quotes as a shell takes it.
+
+    A name may hold an apostrophe itself.
 
     Examples
     --------
@@ -73,7 +82,8 @@ def file_and_choice(text: str) -> tuple[str, Choice]:
     """
     if is_file(text):
         return text, Choice()
-    # From the right: a folder may have a question mark in its name, what is said of columns has none.
+    # From the right: a folder may have a question mark in its name, what is said of columns has
+    # none.
     name, mark, answers = text.rpartition("?")
     columns: dict[str, str] = {}
     if mark:
@@ -86,12 +96,16 @@ def file_and_choice(text: str) -> tuple[str, Choice]:
     if not mark:
         return name, Choice("", columns)
     if not part.strip():
-        raise DataError(f"'{short(text)}': give the number or name of a part after '#', such as FILE#2")
+        raise DataError(
+            f"'{short(text)}': give the number or name of a part after '#', such as FILE#2"
+        )
     return stem, Choice(part.strip(), columns)
 
 
 def without_rows(text: str) -> str:
-    """What a user names, without the choice of rows behind it, in which any word of a file may stand.
+    """What a user names, without the choice of rows behind it.
+
+    Any word of a file may stand in that choice.
 
     A file whose own name holds ``@`` goes first.
     """
@@ -111,7 +125,9 @@ def names_file(text: str) -> bool:
 
 
 def with_part(text: str, number: int) -> str:
-    """The same file with one of its parts chosen: the part stands before what is said of columns and rows.
+    """The same file with one of its parts chosen.
+
+    The part stands before what is said of columns and rows.
 
     Examples
     --------
@@ -142,16 +158,23 @@ def columns_of(answers: str, text: str) -> dict[str, str]:
 
 
 def temperature_offer(path: Path) -> dict[str, str]:
-    """A note that offers the temperature that a file's name seems to state; empty where it states none.
+    """A note that offers the temperature that a file's name seems to state.
 
-    It is offered and not taken: whether ``gel_20C`` is a temperature or a sample only the user knows.
+    Empty where it states none.
+
+    It is offered and not taken: whether ``gel_20C`` is a temperature or a sample only the user
+    knows.
     """
     stated = _stated_temperature(path.stem) or _number_among_siblings(path)
     if stated is None:
         return {}
     text, number, unit = stated
     offer = in_quotes(f"{path}?temperature={number}[{unit}]")
-    return {"note temperature": f"no temperature in the file; if '{text}' in its name is one, open {offer}"}
+    return {
+        "note temperature": (
+            f"no temperature in the file; if '{text}' in its name is one, open {offer}"
+        )
+    }
 
 
 def _stated_temperature(stem: str) -> tuple[str, str, str] | None:
@@ -168,7 +191,10 @@ def _stated_temperature(stem: str) -> tuple[str, str, str] | None:
 
 
 def _number_among_siblings(path: Path) -> tuple[str, str, str] | None:
-    """The number in which a file's name differs from several others: ``ps130`` beside ``ps145`` and ``ps160``."""
+    """The number in which a file's name differs from several others.
+
+    ``ps130`` beside ``ps145`` and ``ps160``.
+    """
     numbers = list(_NUMBER.finditer(path.stem))
     if not numbers:
         return None
@@ -180,9 +206,14 @@ def _number_among_siblings(path: Path) -> tuple[str, str, str] | None:
     for match in numbers:
         before, after = path.name[: match.start()], path.name[match.end() :]
         pattern = re.escape(before) + r"([-−]?\d{1,3})" + re.escape(after)
-        others = [_integer(match_of_other[1]) for name in names if (match_of_other := re.fullmatch(pattern, name))]
+        others = [
+            _integer(match_of_other[1])
+            for name in names
+            if (match_of_other := re.fullmatch(pattern, name))
+        ]
         values = sorted([_integer(match[0]), *others])
-        # Numbers that only count the tests lie closer together than temperatures that somebody chose.
+        # Numbers that only count the tests lie closer together than temperatures that somebody
+        # chose.
         if len(others) >= SIBLINGS and min(b - a for a, b in pairwise(values)) >= APART:
             return match[0], str(_integer(match[0])), "degC"
     return None

@@ -21,8 +21,8 @@ def with_noise(
 ) -> Measurement:
     """The measurement with noise on the amplitudes of force and displacement, eq. (53).
 
-    The displacement (q_c, q_s) gives the force by eq. (17); u_c, u_s, q_c, q_s are each multiplied by
-    1 + r level, and eq. (43) turns them back into K' and K''.
+    The displacement (q_c, q_s) gives the force by eq. (17); u_c, u_s, q_c, q_s are each multiplied
+    by 1 + r level, and eq. (43) turns them back into K' and K''.
 
     Parameters
     ----------
@@ -33,7 +33,8 @@ def with_noise(
     rng : numpy.random.Generator
         Draws r_1 ... r_4 for every frequency, in this order.
     symmetric : bool
-        Draw r from (-1, 1); by default from (0, 1), as printed, which shifts all amplitudes upwards.
+        Draw r from (-1, 1); by default from (0, 1), as printed, which shifts all amplitudes
+        upwards.
     displacement : tuple of float
         Cosine and sine amplitudes q_c and q_s, in metres in the paper (section 5.1).
 

@@ -1,11 +1,13 @@
 """When two frequencies are one. There are two answers, as there are two questions.
 
-*Written alike*: rows of which a file says that they have one frequency, but for the last digits of a conversion from
-Hz. This is the rule wherever rows are counted, averaged or compared as points of one frequency: fine sweeps of time
-signals have steps of less than a tenth of a per cent, and stay sweeps.
+*Written alike*: rows of which a file says that they have one frequency, but for the last digits of
+a conversion from Hz. This is the rule wherever rows are counted, averaged or compared as points of
+one frequency: fine sweeps of time signals have steps of less than a tenth of a per cent, and stay
+sweeps.
 
-*Held alike*: rows at which a rig held one frequency and wrote down what it measured, now a little higher and now a
-little lower. This is the rule where the question is what was set: whether a condition was swept at each frequency.
+*Held alike*: rows at which a rig held one frequency and wrote down what it measured, now a little
+higher and now a little lower. This is the rule where the question is what was set: whether a
+condition was swept at each frequency.
 """
 
 from __future__ import annotations
@@ -15,14 +17,20 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 from .measurement import numbers_of_levels
 
 DECIMALS = 6
-"""Decimals of ln omega, or of a condition, to which values are written alike: instruments print six or seven."""
+"""Decimals of ln omega, or of a condition, to which values are written alike.
+
+Instruments print six or seven.
+"""
 HELD_ALIKE = 1e-3
-"""Distance of neighbouring ln omega within which a frequency was held: instruments set it to a part in a thousand."""
+"""Distance of neighbouring ln omega within which a frequency was held.
+
+Instruments set it to a part in a thousand.
+"""
 
 
 class Frequencies(Protocol):
@@ -99,7 +107,9 @@ def held_frequency_numbers(omega: Real) -> NDArray[np.int64]:
 
 
 def at_one_frequency(data: Frequencies) -> bool:
-    """Whether all rows were held at one frequency: of what depends on it no more can be told than one complex number.
+    """Whether all rows were held at one frequency.
+
+    Of what depends on it no more can be told than one complex number.
 
     Examples
     --------

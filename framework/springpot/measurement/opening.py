@@ -1,6 +1,9 @@
-"""Opens what a user names: a file of any known format or a registered data set, with conditions chosen by ``@``.
+"""Opens what a user names.
 
-Of a file, ``#`` chooses a part and ``?`` says what it leaves open: ``FILE#2?frequency=Hz@temperature=20``.
+A file of any known format or a registered data set, with conditions chosen by ``@``.
+
+Of a file, ``#`` chooses a part and ``?`` says what it leaves open:
+``FILE#2?frequency=Hz@temperature=20``.
 """
 
 from __future__ import annotations
@@ -22,7 +25,16 @@ from .budget import within_budget
 from .catalogue import DataSet
 from .from_signals import OneTest, measurement_of_tests, one_test
 from .measurement import Measurement
-from .naming import LISTED, file_and_choice, in_quotes, is_file, names_file, short, temperature_offer, without_rows
+from .naming import (
+    LISTED,
+    file_and_choice,
+    in_quotes,
+    is_file,
+    names_file,
+    short,
+    temperature_offer,
+    without_rows,
+)
 from .reader import Choice, Part, Reader
 from .recognition import guarded, surest, to_type
 from .selection import conditions, select
@@ -34,14 +46,16 @@ HEAD = 1 << 16
 """Bytes by which a reader recognises its format."""
 
 
-def open_measurement(spec: str | Path, datasets: Iterable[DataSet], readers: Iterable[Reader]) -> Measurement:
+def open_measurement(
+    spec: str | Path, datasets: Iterable[DataSet], readers: Iterable[Reader]
+) -> Measurement:
     """The measurement that `spec` names.
 
     Parameters
     ----------
     spec : str or Path
-        A file, or the name of a data set, either with conditions: ``nist-srm2491@temperature=20``; a file
-        also with a part and what it leaves open: ``FILE#2?frequency=Hz``.
+        A file, or the name of a data set, either with conditions: ``nist-srm2491@temperature=20``;
+        a file also with a part and what it leaves open: ``FILE#2?frequency=Hz``.
     datasets : iterable of DataSet
         The registered data sets.
     readers : iterable of Reader
@@ -58,7 +72,9 @@ def open_measurement(spec: str | Path, datasets: Iterable[DataSet], readers: Ite
     # A file may have an @ in its name: only what is no file is taken apart.
     stem = without_rows(text)
     if stem != text:
-        return select(_named(stem, datasets, readers), conditions(text[len(stem) + 1 :], short(text)))
+        return select(
+            _named(stem, datasets, readers), conditions(text[len(stem) + 1 :], short(text))
+        )
     if names_file(text):
         return _named(text, datasets, readers)
     name, at, wanted = text.rpartition("@")
@@ -85,11 +101,15 @@ def _named(text: str, datasets: Iterable[DataSet], readers: Iterable[Reader]) ->
         return known[text].open()
     if choice and name in known:
         raise DataError(
-            f"'{short(text)}': '#' and '?' are for files; choose from a data set by {name}@temperature=20"
+            f"'{short(text)}': '#' and '?' are for files; choose from a data set by"
+            f" {name}@temperature=20"
         )
     text = name
     if text and (beside := _files_like(text)):
-        raise DataError(f"'{short(text)}': there is no such file or data set: did you mean {' or '.join(beside)}?")
+        raise DataError(
+            f"'{short(text)}': there is no such file or data set: did you mean"
+            f" {' or '.join(beside)}?"
+        )
     # A stroke or an ending: it was meant as a file.
     if text and ("/" in text or "\\" in text or re.search(r"\.\w{1,5}$", text)):
         raise DataError(f"{short(text)}: there is no such file")
@@ -109,7 +129,9 @@ def _files_like(text: str) -> list[str]:
         # A folder that cannot be listed, or text that is no path: then there is nothing to propose.
         return []
     # The very name with another ending is surer than one that only looks like it.
-    same = sorted(name for name in names if Path(name).stem == path.name and not name.startswith("."))
+    same = sorted(
+        name for name in names if Path(name).stem == path.name and not name.startswith(".")
+    )
     near = get_close_matches(path.name, names, n=2, cutoff=0.8)
     return [str(path.parent / name) for name in (same or near)[:2]]
 
@@ -128,8 +150,8 @@ def read_head(path: Path) -> bytes:
         raise DataError(f"{path}: this is a folder, name a file in it")
     try:
         with path.open("rb") as stream:
-            # Only the beginning: readers are asked whether they know the format, and none need see the whole file for
-            # that.
+            # Only the beginning: readers are asked whether they know the format, and none need see
+            # the whole file for that.
             head = stream.read(HEAD)
             if len(head) == HEAD and not _below_remarks([head]):
                 # Recognition must not see remarks alone, however many there are.
@@ -202,7 +224,9 @@ def _read(path: Path, choice: Choice, readers: Iterable[Reader]) -> Measurement:
 
 
 def parts_of(spec: str | Path, readers: Iterable[Reader]) -> tuple[Part, ...]:
-    """The steps, sweeps or sheets of the file that `spec` names; none for anything that holds but one.
+    """The steps, sweeps or sheets of the file that `spec` names.
+
+    None for anything that holds but one.
 
     Raises
     ------
@@ -242,7 +266,8 @@ def signals_to_measurement(
     Parameters
     ----------
     paths : sequence of str or Path
-        Files of displacement and force against time, one test in each; ``FILE?force=kN`` says what is left open.
+        Files of displacement and force against time, one test in each; ``FILE?force=kN`` says what
+        is left open.
     readers : iterable of Reader
         The known formats.
     omega, n_harmonics, window, name
@@ -254,7 +279,10 @@ def signals_to_measurement(
         If a file holds no time signals or cannot be evaluated.
     """
     known = list(readers)
-    evaluated = (evaluated_in(path, known, omega=omega, n_harmonics=n_harmonics, window=window) for path in paths)
+    evaluated = (
+        evaluated_in(path, known, omega=omega, n_harmonics=n_harmonics, window=window)
+        for path in paths
+    )
     return measurement_of_tests(evaluated, name)
 
 
@@ -291,5 +319,8 @@ def _signals_by(path: Path, choice: Choice, readers: list[Reader]) -> Signals:
             f"{path}?NAME=time[s],NAME=displacement[mm],NAME=force[N]"
         )
         otherwise = f"otherwise springpot inspect {in_quotes(str(path))} shows what it holds"
-        raise DataError(f"{path}: these are no signals against time (read as {reader.name}); {advice}; {otherwise}")
+        raise DataError(
+            f"{path}: these are no signals against time (read as {reader.name});"
+            f" {advice}; {otherwise}"
+        )
     return guarded(reader, path, lambda: load(path, choice), choice)

@@ -1,4 +1,7 @@
-"""What a file leaves open and its user knows: questions with their answers, so that a page can ask them as a form."""
+"""What a file leaves open and its user knows.
+
+Questions with their answers, so that a page can ask them as a form.
+"""
 
 from __future__ import annotations
 
@@ -20,11 +23,12 @@ class Question:
     about : str
         A column, or what is looked for among the columns.
     kind : str
-        ``unit``: the unit of a column; ``meaning``: what a column is; ``column``: which column is the one looked
-        for; ``base``: of logarithms; ``constant``: a value that all rows share; ``part``: which part of the file.
+        ``unit``: the unit of a column; ``meaning``: what a column is; ``column``: which column is
+        the one looked for; ``base``: of logarithms; ``constant``: a value that all rows share;
+        ``part``: which part of the file.
     answers : mapping of str to str
-        What may be answered, the usual first, each with what is typed behind the file's name for it:
-        ``storage=kPa`` (behind ``?``) or ``#2``.
+        What may be answered, the usual first, each with what is typed behind the file's name for
+        it: ``storage=kPa`` (behind ``?``) or ``#2``.
 
     Examples
     --------

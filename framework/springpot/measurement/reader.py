@@ -18,11 +18,11 @@ class Choice:
     Parameters
     ----------
     part : str
-        Which of several steps, sweeps or sheets: a number (``2``), numbers (``2-4``) or a part of their names; all
-        that can be used by default.
+        Which of several steps, sweeps or sheets: a number (``2``), numbers (``2-4``) or a part of
+        their names; all that can be used by default.
     columns : mapping of str to str
-        What the file leaves open: by a column's name, title or number its unit (``frequency=Hz``), its meaning
-        (``3=loss [Pa]``), or a constant (``frequency=1 [Hz]``).
+        What the file leaves open: by a column's name, title or number its unit (``frequency=Hz``),
+        its meaning (``3=loss [Pa]``), or a constant (``frequency=1 [Hz]``).
 
     Examples
     --------
@@ -64,7 +64,9 @@ class Part:
 
 
 def parts_as_opened(parts: Sequence[Part], measurement: Measurement) -> list[Part]:
-    """The parts of a file, those that ask for something as usable where they opened with what the user says.
+    """The parts of a file.
+
+    Those that ask for something are usable where they opened with what the user says.
 
     Parameters
     ----------
@@ -96,10 +98,12 @@ class Reader:
     recognises : callable
         From the first bytes of a file to a confidence between 0 (not mine) and 1 (surely mine).
     read : callable
-        From a path and a `Choice` to the measurement. Its `DataError` need not name the file: the name is put before
-        the message (``line 3: ...``), and in the place of ``'FILE`` in a hint (``open 'FILE?storage=Pa'``).
+        From a path and a `Choice` to the measurement. Its `DataError` need not name the file: the
+        name is put before the message (``line 3: ...``), and in the place of ``'FILE`` in a hint
+        (``open 'FILE?storage=Pa'``).
     signals : callable, optional
-        From a path and a `Choice` to the displacement and force against time, for formats that hold such signals.
+        From a path and a `Choice` to the displacement and force against time, for formats that hold
+        such signals.
     text : callable, optional
         From a measurement to the text of a file in this format that reads back as the same bits.
     parts : callable, optional

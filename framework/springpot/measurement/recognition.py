@@ -1,4 +1,7 @@
-"""Which of the installed readers a file is for, and what becomes of their errors: of sweeps and of tests in time."""
+"""Which of the installed readers a file is for, and what becomes of their errors.
+
+Of sweeps and of tests in time.
+"""
 
 from __future__ import annotations
 
@@ -41,7 +44,8 @@ def surest(readers: Iterable[R], head: bytes) -> tuple[R | None, float]:
     most = -1.0
     for reader in readers:
         sure = _confidence(reader, head)
-        # Not >=: of equals the first stays, so that a further plugin takes no files from those before it.
+        # Not >=: of equals the first stays, so that a further plugin takes no files from those
+        # before it.
         if sure > most:
             best, most = reader, sure
     return best, most
@@ -55,11 +59,13 @@ def _confidence(reader: Recognising, head: bytes) -> float:
         return 0.0
 
 
-def guarded(reader: Recognising, path: Path, action: Callable[[], T], choice: Choice | None = None) -> T:
+def guarded(
+    reader: Recognising, path: Path, action: Callable[[], T], choice: Choice | None = None
+) -> T:
     """What a reader gives; its errors name the file, which readers need not do.
 
-    Where they hint at what to type, it holds all that the user said before in `choice`, so that no hint leads back to
-    a question that was answered.
+    Where they hint at what to type, it holds all that the user said before in `choice`, so that no
+    hint leads back to a question that was answered.
 
     Raises
     ------
@@ -98,9 +104,12 @@ def _about(path: Path, message: str, choice: Choice) -> str:
 
 
 def to_type(path: Path, text: str, choice: Choice) -> str:
-    """What a reader says, with what to type as a user has to: the file's name, and what was said of it before.
+    """What a reader says, with what to type as a user has to.
 
-    Readers and whoever judges a file do not know under which name it was opened, and write ``FILE``.
+    The file's name, and what was said of it before.
+
+    Readers and whoever judges a file do not know under which name it was opened, and write
+    ``FILE``.
     """
 
     def typed(hint: re.Match[str]) -> str:
@@ -112,7 +121,10 @@ def to_type(path: Path, text: str, choice: Choice) -> str:
 
 
 def said_with(choice: Choice, answers: str) -> str:
-    """What to type behind a file's name: what was said before, then `answers` such as ``loss=Pa,3=ignore``."""
+    """What to type behind a file's name.
+
+    What was said before, then `answers` such as ``loss=Pa,3=ignore``.
+    """
     part = ""
     if choice.part:
         part = f"#{choice.part}"

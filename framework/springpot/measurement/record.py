@@ -1,4 +1,4 @@
-"""Displacement and force against time, read block by block so that a long record never needs room twice."""
+"""Displacement and force against time, read by blocks: a long record never needs room twice."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 FEWEST = 8
 """Complete samples below which nothing is made of a record."""
@@ -76,7 +76,10 @@ class Record:
     notes: tuple[str, ...] = ()
 
     def blocks(self, start: float = -np.inf, stop: float = np.inf) -> Iterator[tuple[Real, Real]]:
-        """Complete samples with start <= time < stop: times (m,) and the two channels (m, 2), block by block."""
+        """Complete samples with start <= time < stop.
+
+        Times (m,) and the two channels (m, 2), block by block.
+        """
         first, last = np.searchsorted(self.time, [start, stop]).tolist()
         for low in range(first, last, BLOCK):
             if (low - first) % FORGET == 0:
@@ -94,7 +97,10 @@ class Record:
 
 
 def forget(*channels: Real) -> None:
-    """Give back the memory of channels that are mapped from a file; they are read again when they are needed."""
+    """Give back the memory of channels that are mapped from a file.
+
+    They are read again when they are needed.
+    """
     for channel in channels:
         below: object = channel
         # A column is a view of a view: the map lies under all of them.
@@ -129,7 +135,8 @@ def in_order(time: Real, displacement: Real, force: Real, name: str = "signals")
     complete = sum(len(t) for t, _ in record.blocks())
     if complete < FEWEST:
         raise DataError(
-            f"{name}: {complete} complete samples of time, displacement and force; at least {FEWEST} are needed"
+            f"{name}: {complete} complete samples of time, displacement and force; at least"
+            f" {FEWEST} are needed"
         )
     if not record.span > 0:
         raise DataError(f"{name}: time stands still at {time[0]:g} s")

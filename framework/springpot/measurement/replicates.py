@@ -1,4 +1,7 @@
-"""Repeats and replicates: their mean and scatter, the gain that each run has of its own, and how many are kept."""
+"""Repeats and replicates.
+
+Their mean and scatter, the gain that each run has of its own, and how many are kept.
+"""
 
 from __future__ import annotations
 
@@ -10,19 +13,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import f_sf
-from springpot.policy import REPEATS
-from springpot.rheology import Complex, Model, Real
+from springpot.rheology.model import Model
+from springpot.rheology.points import Complex, Real
+from springpot.thresholds import REPEATS
 
 from .measurement import CONDITIONS, Measurement
+from .mixed_tests import told_apart
 from .one_frequency import frequency_numbers
 from .scatter import LEAST_RELATIVE, Noise, Scatter, noise_shape
 from .sweeps import sweeps_of
-from .together import told_apart
 
 Rows: TypeAlias = NDArray[np.int64]
 
 SETTLING_TIMES = np.geomspace(0.03, 3.0, 8)
-"""Times to settle that are tried, as shares of all rows: from a thirtieth to what is all but a straight line."""
+"""Times to settle that are tried, as shares of all rows.
+
+From a thirtieth to what is all but a straight line.
+"""
 MOST_POINTS = 1500
 """Points that are kept at most: more tell a smooth curve no better and cost time."""
 FEWEST_OF_A_SWEEP = 10
@@ -46,9 +53,9 @@ class Averaged:
     group : ndarray of int, shape (N,)
         Row of `mean` that each measured row belongs to.
     gains : ndarray of complex, shape (N,), optional
-        By how much the run that a row belongs to is larger than the mean of its replicates, relative to K, where
-        runs differ by more than the scatter of their points: another specimen, loaded anew. It was taken away before
-        the mean and the scatter were formed.
+        By how much the run that a row belongs to is larger than the mean of its replicates,
+        relative to K, where runs differ by more than the scatter of their points: another specimen,
+        loaded anew. It was taken away before the mean and the scatter were formed.
     """
 
     raw: Measurement
@@ -65,7 +72,10 @@ class Averaged:
         return float(np.sqrt(np.mean(np.abs(self.gains) ** 2)))
 
     def deviations(self) -> Complex:
-        """Each measured row, its run's own gain taken away, less the mean of its repeats, over |K|; shape (N,)."""
+        """Each measured row, its run's own gain taken away, less the mean of its repeats, over |K|.
+
+        Shape (N,).
+        """
         stiffness = self.raw.stiffness
         if self.gains is not None:
             stiffness = stiffness / (1.0 + self.gains)
@@ -123,28 +133,36 @@ def average_repeats(measurement: Measurement) -> Averaged:
     mean = _means(stiffness, group)
     off = stiffness - mean[group]
     real, imag = (np.bincount(group, part**2).astype(float) for part in (off.real, off.imag))
-    # A gain is estimated from all points of a run: each point pays its share of that degree of freedom.
+    # A gain is estimated from all points of a run: each point pays its share of that degree of
+    # freedom.
     free = max(1.0 - spent / max(float(np.sum(count - 1.0)), 1.0), 0.0)
     scatter = Scatter(real, imag, (count - 1.0) * free)
     averaged = measurement.subset(first)
     sd = averaged.sd
     if sd is not None:
         sd = sd / np.sqrt(count)
-    return Averaged(measurement, replace(averaged, stiffness=mean, sd=sd, repeat=None), scatter, group, gains)
+    return Averaged(
+        measurement, replace(averaged, stiffness=mean, sd=sd, repeat=None), scatter, group, gains
+    )
 
 
 def _means(values: Complex, group: Rows) -> Complex:
     """Mean of each group, shape (groups,)."""
     count = np.bincount(group)
-    return np.asarray((np.bincount(group, values.real) + 1j * np.bincount(group, values.imag)) / count)
+    return np.asarray(
+        (np.bincount(group, values.real) + 1j * np.bincount(group, values.imag)) / count
+    )
 
 
-def _replicate_gains(measurement: Measurement, relative: Complex, group: Rows) -> tuple[Complex | None, float]:
+def _replicate_gains(
+    measurement: Measurement, relative: Complex, group: Rows
+) -> tuple[Complex | None, float]:
     """The gain (N,) of the run that each row belongs to, and how many were estimated.
 
-    A run is what was measured in one repeat under one set of conditions. None where runs do not differ as a whole by
-    an analysis of variance, or where they differ in slope as well: then only their full scatter is honest. None, too,
-    where one settling curve from row to row tells the runs apart better: one specimen that drifts.
+    A run is what was measured in one repeat under one set of conditions. None where runs do not
+    differ as a whole by an analysis of variance, or where they differ in slope as well: then only
+    their full scatter is honest. None, too, where one settling curve from row to row tells the runs
+    apart better: one specimen that drifts.
     """
     count, run = np.bincount(group)[group], _run_numbers(measurement)
     # A gain of its own must not be one with the scatter of a few points.
@@ -160,7 +178,8 @@ def _replicate_gains(measurement: Measurement, relative: Complex, group: Rows) -
     x = x - _means(x.astype(np.complex128), run).real[run]
     slope = np.bincount(run, values.real * x) + 1j * np.bincount(run, values.imag * x)
     slope = slope / np.maximum(np.bincount(run, x**2), 1e-300)
-    # An analysis of variance: what a gain of each run explains, against what is left when slopes are gone too.
+    # An analysis of variance: what a gain of each run explains, against what is left when slopes
+    # are gone too.
     by_gain = float(np.sum(np.abs(mean[run]) ** 2))
     by_slope = float(np.sum(np.abs(slope[run] * x) ** 2))
     left = float(np.sum(np.abs(values) ** 2)) - by_gain - by_slope
@@ -172,12 +191,14 @@ def _replicate_gains(measurement: Measurement, relative: Complex, group: Rows) -
     unit = max(left / free, 1e-300)
     strength = by_gain / (2.0 * gain_spent) / unit
     gain_differs = f_sf(strength, 2.0 * gain_spent, free) < REPEATS.runs_differ
-    slope_differs = f_sf(by_slope / (2.0 * gain_spent) / unit, 2.0 * gain_spent, free) < REPEATS.runs_differ
+    slope_differs = (
+        f_sf(by_slope / (2.0 * gain_spent) / unit, 2.0 * gain_spent, free) < REPEATS.runs_differ
+    )
     if not gain_differs or slope_differs:
         return None, 0.0
     by_drift = _by_settling(relative, group, usable)
-    # Each parameter pays for the range that it might have had, of which F tells the size in units of its error: the
-    # complex gains, against the complex height of the curve and its time.
+    # Each parameter pays for the range that it might have had, of which F tells the size in units
+    # of its error: the complex gains, against the complex height of the curve and its time.
     spared = (2.0 * gain_spent - 3.0) * np.log(strength)
     if (by_drift - by_gain) / unit + spared > 2.0 * np.log(REPEATS.drift_odds):
         return None, 0.0
@@ -196,22 +217,34 @@ def _run_numbers(measurement: Measurement) -> Rows:
 
 
 def _by_settling(relative: Complex, group: Rows, usable: NDArray[np.bool_]) -> float:
-    """Sum of squares that the best curve settling from row to row takes from what sets the usable rows apart."""
+    """Sum of squares that the best curve settling from row to row takes.
+
+    Takes, that is, from what sets the usable rows apart.
+    """
     curves = np.exp(-np.linspace(0.0, 1.0, len(relative))[:, None] / SETTLING_TIMES)
     # What is measured has lost the means of its repeats; so must the curves.
-    curves = np.stack([curve - _means(curve.astype(np.complex128), group).real[group] for curve in curves.T])
+    curves = np.stack(
+        [curve - _means(curve.astype(np.complex128), group).real[group] for curve in curves.T]
+    )
     curves = curves[:, usable]
     taken = np.abs(curves @ relative[usable]) ** 2 / np.maximum(np.sum(curves**2, axis=1), 1e-300)
     return float(np.max(taken))
 
 
 def _groups(measurement: Measurement) -> tuple[Rows, Rows]:
-    """Which averaged row each row belongs to, and the first row of each; only marked repeats are merged."""
+    """Which averaged row each row belongs to, and the first row of each.
+
+    Only marked repeats are merged.
+    """
     columns: list[Rows] = [np.arange(len(measurement))]
     if measurement.repeat is not None:
         columns = [frequency_numbers(measurement), *told_apart(measurement).values()]
-        columns += [measurement.levels(name) for name in CONDITIONS if name in measurement.conditions]
-    _, first, group = np.unique(np.column_stack(columns), axis=0, return_index=True, return_inverse=True)
+        columns += [
+            measurement.levels(name) for name in CONDITIONS if name in measurement.conditions
+        ]
+    _, first, group = np.unique(
+        np.column_stack(columns), axis=0, return_index=True, return_inverse=True
+    )
     # In the order of the data, not in that of the numbers, by which `unique` sorts.
     order = np.argsort(first)
     rank = np.empty(len(first), dtype=np.int64)
@@ -233,7 +266,8 @@ def noise_of_repeats(averaged: Averaged) -> Noise | None:
     >>> from springpot import Measurement
     >>> from springpot.measurement import average_repeats, noise_of_repeats
     >>> omega, scatter = np.tile([1.0, 2.0, 4.0], 5), np.random.default_rng(1).normal(size=15)
-    >>> data = Measurement(omega, (1.0 + 0.01 * scatter) * (3.0 + 1j), repeat=np.repeat(np.arange(5), 3))
+    >>> repeat = np.repeat(np.arange(5), 3)
+    >>> data = Measurement(omega, (1.0 + 0.01 * scatter) * (3.0 + 1j), repeat=repeat)
     >>> noise_of_repeats(average_repeats(data)).source
     'repeats'
     """
@@ -247,9 +281,9 @@ def noise_of_repeats(averaged: Averaged) -> Noise | None:
 def thinned(measurement: Measurement) -> Measurement:
     """At most `MOST_POINTS` rows, in the order in which they stand.
 
-    Every sweep keeps as many points as the longest may have, spread evenly over its own, with all their repeats. Only
-    where that leaves fewer than `FEWEST_OF_A_SWEEP` of each, whole sweeps are left out; only of more than
-    `MOST_REPEATS` repeats some are.
+    Every sweep keeps as many points as the longest may have, spread evenly over its own, with all
+    their repeats. Only where that leaves fewer than `FEWEST_OF_A_SWEEP` of each, whole sweeps are
+    left out; only of more than `MOST_REPEATS` repeats some are.
 
     Parameters
     ----------
@@ -269,7 +303,9 @@ def thinned(measurement: Measurement) -> Measurement:
         return measurement
     # Points are thinned, and not rows: all repeats of a point that stays go with it.
     data = average_repeats(measurement)
-    points = np.split(np.argsort(data.group, kind="stable"), np.cumsum(np.bincount(data.group))[:-1])
+    points = np.split(
+        np.argsort(data.group, kind="stable"), np.cumsum(np.bincount(data.group))[:-1]
+    )
     most = max(MOST_REPEATS, MOST_POINTS // len(points))
     points = [_even(rows, most) for rows in points]
     size = np.array([len(rows) for rows in points])
@@ -278,7 +314,10 @@ def thinned(measurement: Measurement) -> Measurement:
     def fits(lines: Sequence[Rows], each: int) -> bool:
         return sum(int(size[_even(line, each)].sum()) for line in lines) <= MOST_POINTS
 
-    kept = _largest(lambda count: fits([lines[i] for i in _spread(len(lines), count)], FEWEST_OF_A_SWEEP), len(lines))
+    kept = _largest(
+        lambda count: fits([lines[i] for i in _spread(len(lines), count)], FEWEST_OF_A_SWEEP),
+        len(lines),
+    )
     lines = [lines[i] for i in _spread(len(lines), kept)]
     each = _largest(lambda count: fits(lines, count), max(len(line) for line in lines))
     # Row numbers of the repeats of all points that stay, in the order of the file.

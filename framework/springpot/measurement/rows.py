@@ -1,4 +1,7 @@
-"""Rows of a test and what is known of each, and which of them have what a user asks for: ``temperature=20``."""
+"""Rows of a test and what is known of each, and which of them have what a user asks for.
+
+``temperature=20``.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
-from .moduli import Moduli
+from .parts_of_stiffness import Moduli
 from .units import Units
 
 KELVINS = 0.5
@@ -47,7 +50,9 @@ class Rows(Moduli):
 
 
 def rows_with(measured: Rows, wanted: Mapping[str, str]) -> NDArray[np.bool_]:
-    """A mask (n,) of the rows that have all the wanted conditions; see `springpot.measurement.select`.
+    """A mask (n,) of the rows that have all the wanted conditions.
+
+    See `springpot.measurement.select`.
 
     Raises
     ------
@@ -82,7 +87,8 @@ def _matching(measured: Rows, key: str, value: str) -> NDArray[np.bool_]:
     if ".." in value:
         return _between(measured, key, value, column)
     number = _number(measured, key, value)
-    # Batches 1001 and 1002 are a thousandth apart: a number of no known kind means itself where it stands there.
+    # Batches 1001 and 1002 are a thousandth apart: a number of no known kind means itself where it
+    # stands there.
     if key not in (*CLOSE, "temperature", "frequency", "omega") and np.any(column == number):
         return np.asarray(column == number)
     # Measured conditions are never quite what was set; a row has a number, which is exact.
@@ -94,7 +100,10 @@ def _matching(measured: Rows, key: str, value: str) -> NDArray[np.bool_]:
     rows: NDArray[np.bool_] = np.abs(column - number) <= reach * (1 + 1e-9)
     if not rows.any():
         known = np.unique([float(f"{v:.3g}") for v in np.unique(column[np.isfinite(column)])])
-        raise DataError(f"{measured.name}: no {key} near {value} (there are: {_listed([f'{v:g}' for v in known])})")
+        raise DataError(
+            f"{measured.name}: no {key} near {value} (there are:"
+            f" {_listed([f'{v:g}' for v in known])})"
+        )
     return rows
 
 
@@ -112,7 +121,9 @@ def _column(measured: Rows, key: str) -> Real:
         there = [*measured.conditions, *measured.labels]
         if measured.repeat is not None:
             there.append("repeat")
-        raise DataError(f"{measured.name} has no condition '{key}' (there are: {', '.join(there) or 'none'})")
+        raise DataError(
+            f"{measured.name} has no condition '{key}' (there are: {', '.join(there) or 'none'})"
+        )
     return own[key]
 
 
@@ -124,11 +135,15 @@ def _between(measured: Rows, key: str, value: str, column: Real) -> NDArray[np.b
         low = _number(measured, key, first)
     if last.strip():
         high = _number(measured, key, last)
-    slack = 1e-9 * float(np.max(np.abs(column)))  # a frequency in Hz was once rad/s, and ends are included
+    slack = 1e-9 * float(
+        np.max(np.abs(column))
+    )  # a frequency in Hz was once rad/s, and ends are included
     rows: NDArray[np.bool_] = (column >= low - slack) & (column <= high + slack)
     if not rows.any():
         least, most = float(np.min(column)), float(np.max(column))
-        raise DataError(f"{measured.name}: no {key} in {value} (there are {least:.4g} to {most:.4g})")
+        raise DataError(
+            f"{measured.name}: no {key} in {value} (there are {least:.4g} to {most:.4g})"
+        )
     return rows
 
 
@@ -136,7 +151,9 @@ def _number(measured: Rows, key: str, value: str) -> float:
     try:
         return float(value)
     except ValueError:
-        raise DataError(f"{measured.name}: {key}={value} is no number or range such as 1..10") from None
+        raise DataError(
+            f"{measured.name}: {key}={value} is no number or range such as 1..10"
+        ) from None
 
 
 def _matching_words(measured: Rows, key: str, value: str) -> NDArray[np.bool_]:
@@ -144,7 +161,9 @@ def _matching_words(measured: Rows, key: str, value: str) -> NDArray[np.bool_]:
     known = [str(word) for word in np.unique(column)]
     low = value.lower()
     # Case first as it is typed: two specimens may be called A and a.
-    exact = [word for word in known if word == value] or [word for word in known if word.lower() == low]
+    exact = [word for word in known if word == value] or [
+        word for word in known if word.lower() == low
+    ]
     begins = [word for word in known if re.match(re.escape(low) + r"(?!\w)", word.lower())]
     within = [word for word in known if low in word.lower()]
     # The surest first: a word that is written out means itself, though it may begin another one.

@@ -1,4 +1,7 @@
-"""The runs of a measurement: rows in which one thing was swept while all that is said of the others stayed."""
+"""The runs of a measurement.
+
+Rows in which one thing was swept while all that is said of the others stayed.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +12,12 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.policy import VARIED
-from springpot.rheology import Real, levels_of
+from springpot.rheology.levels import levels_of
+from springpot.rheology.points import Real
+from springpot.thresholds import VARIED
 
+from .mixed_tests import MOST_NAMES, RUNS, Rows, told_apart
 from .one_frequency import held_frequency_numbers
-from .together import MOST_NAMES, RUNS, Rows, told_apart
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +27,8 @@ class Run:
     Parameters
     ----------
     conditions : dict of str to str or float
-        What tells them from other rows: step, run, repeat, temperature and amplitude (the means), as far as known.
+        What tells them from other rows: step, run, repeat, temperature and amplitude (the means),
+        as far as known.
     rows : ndarray of int
         Their numbers.
     """
@@ -43,10 +48,13 @@ class Run:
 
 
 def runs_of(data: Rows) -> Iterator[Run]:
-    """The sweeps: by the names of parts and runs in the order of the file, then by temperature, amplitude and repeat.
+    """The sweeps, by runs and conditions.
 
-    A condition that was itself swept or only wandered does not part them: a temperature ramp is one sweep, and so is
-    a frequency sweep in which the strain follows the frequency.
+    By the names of parts and runs in the order of the file, then by temperature, amplitude and
+    repeat.
+
+    A condition that was itself swept or only wandered does not part them: a temperature ramp is one
+    sweep, and so is a frequency sweep in which the strain follows the frequency.
 
     Parameters
     ----------
@@ -94,11 +102,17 @@ def _named(data: Rows) -> list[NDArray[np.str_] | Real]:
         if name == "step" or len(np.unique(words)) <= MOST_NAMES * len(words):
             columns.append(words)
     apart = told_apart(data)
-    return [*columns, *(column for name, column in data.conditions.items() if name in RUNS or name in apart)]
+    return [
+        *columns,
+        *(column for name, column in data.conditions.items() if name in RUNS or name in apart),
+    ]
 
 
 def _by_level(data: Rows, name: str, rows: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """The rows of each level, ascending, where frequencies were swept at each; else all as they are."""
+    """The rows of each level, ascending, where frequencies were swept at each.
+
+    Else all as they are.
+    """
     level = levels_of(name, data.conditions[name][rows])
     count = int(level.max()) + 1
     frequency = held_frequency_numbers(data.omega[rows])
@@ -115,7 +129,9 @@ def _conditions(data: Rows, rows: NDArray[np.int64], count: int) -> dict[str, st
     """What holds for all of the rows."""
     shared: dict[str, str | float] = {}
     for name, words in data.labels.items():
-        if name == "step" or (count > 1 and len(set(words[rows])) == 1 and len(np.unique(words)) > 1):
+        if name == "step" or (
+            count > 1 and len(set(words[rows])) == 1 and len(np.unique(words)) > 1
+        ):
             shared[name] = str(words[rows[0]])
     for name in ("temperature", "amplitude"):
         column = data.conditions.get(name)
@@ -123,7 +139,9 @@ def _conditions(data: Rows, rows: NDArray[np.int64], count: int) -> dict[str, st
         if column is not None and (name == "temperature" or _is_set(column, rows)):
             shared[name] = float(np.mean(column[rows]))
     names = RUNS | told_apart(data).keys()
-    shared |= {name: float(data.conditions[name][rows[0]]) for name in data.conditions if name in names}
+    shared |= {
+        name: float(data.conditions[name][rows[0]]) for name in data.conditions if name in names
+    }
     if data.repeat is not None:
         shared["repeat"] = float(data.repeat[rows[0]])
     return shared
@@ -131,4 +149,7 @@ def _conditions(data: Rows, rows: NDArray[np.int64], count: int) -> dict[str, st
 
 def _is_set(column: Real, rows: NDArray[np.int64]) -> bool:
     """Whether the rows are one level of an amplitude that has several."""
-    return int(levels_of("amplitude", column[rows]).max()) == 0 and int(levels_of("amplitude", column).max()) > 0
+    return (
+        int(levels_of("amplitude", column[rows]).max()) == 0
+        and int(levels_of("amplitude", column).max()) > 0
+    )

@@ -1,4 +1,7 @@
-"""How measured points scatter: their standard deviations, the shapes that noise has, and what rounding adds."""
+"""How measured points scatter.
+
+Their standard deviations, the shapes that noise has, and what rounding adds.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import chi2_quantile
-from springpot.policy import SCATTER
-from springpot.rheology import Complex, Real
+from springpot.rheology.points import Complex, Real
+from springpot.thresholds import SCATTER
 
 from .measurement import Measurement
 
@@ -23,7 +26,10 @@ LEAST_RELATIVE = 1e-7
 LEAST_VARIANCE = 1e-30
 """Stands for no scatter at all, of which there is no logarithm."""
 LEAST_PART = 1e-6
-"""Least share of |K| that a part counts with where noise goes by it: a part may cross zero, its noise does not."""
+"""Least share of |K| that a part counts with where noise goes by it.
+
+A part may cross zero, its noise does not.
+"""
 LEAST_RSS = 1e-300
 """Stands for a residual of nothing, of which there is no logarithm."""
 MOST_DIGITS = 9
@@ -31,16 +37,21 @@ MOST_DIGITS = 9
 WHOLE = 1e-9
 """Relative distance from a whole number that arithmetic leaves."""
 STUDENT_DOF = 4.0
-"""Degrees of freedom of the tails by which shapes are compared: outliers count little, and normal noise is still
+"""Degrees of freedom of the tails by which shapes are compared.
+
+Outliers count little, and normal noise is still
 judged nearly as well as by its own likelihood."""
 STUDENT_ROUNDS = 25
 """Rounds of reweighting for a scale: each takes away a fixed share of what is left to go."""
 END_LEVELS = (2.0, 4.0, 8.0)
-"""Noise at an end of the frequencies over that far from it: rigs are weak where forces are small or masses pull."""
+"""Noise at an end of the frequencies over that far from it.
+
+Rigs are weak where forces are small or masses pull.
+"""
 END_POWERS = (2, 4)
 """How steeply it rises towards the end: over half of the logarithmic range, or over a quarter."""
 FORCE_LEVELS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
-"""Force, in units of the least one measured, at which the floor is as large as the rest of the noise."""
+"""Force, in units of the least one measured, at which the floor equals the rest of the noise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,11 +94,14 @@ class Noise:
         return np.asarray(1.0 / self.sd.real + 1.0j / self.sd.imag, dtype=np.complex128)
 
     def log_likelihood(self, rss: float, size: int) -> float:
-        """Log-likelihood of a whitened residual sum of squares, an unknown scale integrated or profiled out."""
+        """Log-likelihood of a whitened residual sum of squares.
+
+        An unknown scale is integrated or profiled out.
+        """
         if self.dof == inf:
             return -0.5 * rss
-        # The scale integrated out: a normal whose variance is estimated with so many degrees of freedom is a
-        # Student's t.
+        # The scale integrated out: a normal whose variance is estimated with so many degrees of
+        # freedom is a Student's t.
         if self.source == "repeats":
             return -0.5 * (self.dof + size) * float(np.log1p(rss / self.dof))
         return -0.5 * size * float(np.log(max(rss, LEAST_RSS)))
@@ -154,7 +168,8 @@ class Shape:
         real, imag = max(real, LEAST_VARIANCE), max(imag, LEAST_VARIANCE)
         logs = 2.0 * float(np.sum(scatter.dof * (np.log(self.real) + np.log(self.imag))))
         cost = total * (np.log(real) + np.log(imag)) + logs
-        # As the Bayesian information criterion counts a parameter: by the logarithm of the number of data.
+        # As the Bayesian information criterion counts a parameter: by the logarithm of the number
+        # of data.
         penalty = scales * np.log(2.0 * max(total, 1.0))
         sd = np.sqrt(real) * self.real + 1.0j * np.sqrt(imag) * self.imag
         return float(cost + penalty + self.price), np.asarray(sd, dtype=np.complex128)
@@ -163,7 +178,10 @@ class Shape:
 def _shapes_of(measurement: Measurement) -> Iterator[Shape]:
     """Noise proportional to |K|, to each part by itself, or beside a floor of constant force."""
     size = measurement.magnitude
-    parts = [np.maximum(np.abs(part), LEAST_PART * size) for part in (measurement.storage, measurement.loss)]
+    parts = [
+        np.maximum(np.abs(part), LEAST_PART * size)
+        for part in (measurement.storage, measurement.loss)
+    ]
     yield Shape(size, size, True, 0.0)
     yield Shape(size, size, False, SCATTER.unusual_shape)
     yield Shape(parts[0], parts[1], True, SCATTER.unusual_shape)
@@ -177,9 +195,15 @@ def _shapes_of(measurement: Measurement) -> Iterator[Shape]:
 
 
 def _uneven_shapes_of(measurement: Measurement) -> Iterator[Shape]:
-    """Noise of two sizes, or larger at an end of the frequencies: what the misfit of a wrong model looks like too."""
+    """Noise of two sizes, or larger at an end of the frequencies.
+
+    What the misfit of a wrong model looks like too.
+    """
     size = measurement.magnitude
-    parts = [np.maximum(np.abs(part), LEAST_PART * size) for part in (measurement.storage, measurement.loss)]
+    parts = [
+        np.maximum(np.abs(part), LEAST_PART * size)
+        for part in (measurement.storage, measurement.loss)
+    ]
     yield Shape(size, size, False, SCATTER.parts_differ)
     yield Shape(parts[0], parts[1], False, SCATTER.parts_differ)
     for rise in _rises(np.log(measurement.omega)):
@@ -187,7 +211,10 @@ def _uneven_shapes_of(measurement: Measurement) -> Iterator[Shape]:
 
 
 def _rises(log_omega: Real) -> Iterator[Real]:
-    """Factors (n,) by which noise is larger towards the upper end, the lower end, or both ends of the frequencies."""
+    """Factors (n,) of noise that is larger towards the upper end, the lower end or both.
+
+    The ends are those of the frequencies.
+    """
     # A single frequency has no ends.
     whole = float(np.ptp(log_omega))
     if whole == 0.0:
@@ -216,10 +243,13 @@ def noise_shape(measurement: Measurement, scatter: Scatter) -> Complex:
 def robust_noise_shape(
     measurement: Measurement, residual: Complex, rows: NDArray[np.bool_], uneven: bool = False
 ) -> Complex:
-    """Standard deviations (n,), up to a scale, of the shape that a residual favours, whatever stands out from it.
+    """Standard deviations (n,), up to a scale, of the shape that a residual favours.
 
-    By the likelihood of Student's t (Lange, Little and Taylor 1989, doi:10.2307/2290063): where the noise of some
-    points is larger, they must not be set aside as outliers before their noise is known.
+    Whatever stands out from it.
+
+    By the likelihood of Student's t (Lange, Little and Taylor 1989, doi:10.2307/2290063): where the
+    noise of some points is larger, they must not be set aside as outliers before their noise is
+    known.
 
     Parameters
     ----------
@@ -235,7 +265,8 @@ def robust_noise_shape(
     shapes = list(_shapes_of(measurement))
     if uneven:
         shapes += _uneven_shapes_of(measurement)
-    # Judged at some of the points, and then told for all: a shape is a law of the point, and not of the residual.
+    # Judged at some of the points, and then told for all: a shape is a law of the point, and not of
+    # the residual.
     some = [shape.of(rows) for shape in shapes]
     scales = _student_scales(some, residual)
     costs = [_student_cost(*each, residual) for each in zip(some, scales, strict=True)]
@@ -262,7 +293,8 @@ def _student_scale(size: Real) -> Real:
     # A residual of nothing but zeros has a scale as well, or its logarithm would be no number.
     variance = np.maximum(np.mean(square, axis=-1), LEAST_VARIANCE)
     for _ in range(STUDENT_ROUNDS):
-        # Expectation and maximisation: the further off a point lies, the less it counts for the scale.
+        # Expectation and maximisation: the further off a point lies, the less it counts for the
+        # scale.
         weight = (STUDENT_DOF + 1.0) / (STUDENT_DOF + square / variance[..., None])
         variance = np.maximum(np.mean(weight * square, axis=-1), LEAST_VARIANCE)
     return np.asarray(np.sqrt(variance), dtype=np.float64)
@@ -271,7 +303,9 @@ def _student_scale(size: Real) -> Real:
 def _student_cost(shape: Shape, scales: Real, residual: Complex) -> float:
     """Minus twice the log-likelihood, with the price of the shape and what a second scale costs."""
     total = shape.price
-    for part, form, scale in zip((residual.real, residual.imag), (shape.real, shape.imag), scales, strict=True):
+    for part, form, scale in zip(
+        (residual.real, residual.imag), (shape.real, shape.imag), scales, strict=True
+    ):
         square = (part / (scale * form)) ** 2
         tails = (STUDENT_DOF + 1.0) * np.log1p(square / STUDENT_DOF)
         total += float(np.sum(2.0 * np.log(scale * form) + tails))
@@ -282,7 +316,9 @@ def _student_cost(shape: Shape, scales: Real, residual: Complex) -> float:
 
 
 def checked_noise(noise: Noise, variance: float, dof: float) -> Noise:
-    """Noise as stated, with a word of doubt where the data's own scatter disagrees; too small noise is rescaled.
+    """Noise as stated, with a word of doubt where the data's own scatter disagrees.
+
+    Too small noise is rescaled.
 
     Parameters
     ----------
@@ -302,12 +338,14 @@ def checked_noise(noise: Noise, variance: float, dof: float) -> Noise:
     """
     if dof < SCATTER.fewest_to_doubt:
         return noise
-    # Standard deviations of the right size leave a variance of one, give or take what chance does with so few.
+    # Standard deviations of the right size leave a variance of one, give or take what chance does
+    # with so few.
     low, high = plausible_variance(dof)
     if low < variance < high:
         return noise
     factor = float(np.sqrt(variance))
-    # Too large is no proof: errors that neighbours share do not show in the scatter, and may have been meant.
+    # Too large is no proof: errors that neighbours share do not show in the scatter, and may have
+    # been meant.
     if factor < 1.0:
         doubt = (
             f"the given standard deviations are {1 / factor:.2g} times the data's own scatter: "
@@ -315,14 +353,14 @@ def checked_noise(noise: Noise, variance: float, dof: float) -> Noise:
         )
         return replace(noise, doubt=doubt)
     doubt = (
-        f"the given standard deviations look too small: the data scatter {factor:.2g} times as much; "
-        "the scatter is used instead"
+        f"the given standard deviations look too small: the data scatter {factor:.2g} times as"
+        " much; the scatter is used instead"
     )
     return replace(noise.scaled(factor), dof=dof, source="estimated", doubt=doubt)
 
 
 def plausible_variance(dof: float) -> tuple[float, float]:
-    """Least and largest variance of whitened scatter that standard deviations of the right size leave.
+    """Least and largest variance of scatter whitened by standard deviations of the right size.
 
     Parameters
     ----------
@@ -341,7 +379,7 @@ def plausible_variance(dof: float) -> tuple[float, float]:
 
 
 def at_least_rounding(sd: Complex, measurement: Measurement) -> Complex:
-    """Standard deviations (n,) no smaller than what writing the values with few digits has rounded away.
+    """Standard deviations (n,), at least what writing values with few digits rounds away.
 
     Parameters
     ----------
@@ -359,19 +397,26 @@ def at_least_rounding(sd: Complex, measurement: Measurement) -> Complex:
     >>> at_least_rounding(np.zeros(2, dtype=complex), written).round(4)
     array([0.0029+0.0029j, 0.0029+0.0029j])
     """
-    # A number that is rounded lies anywhere within its step: the standard deviation of that is step / sqrt(12).
-    least = [rounding_step(part) / np.sqrt(12.0) for part in (measurement.storage, measurement.loss)]
-    # Computed data are exact to single precision at the most: they too get a noise, or weights would be endless.
+    # A number that is rounded lies anywhere within its step: the standard deviation of that is step
+    # / sqrt(12).
+    least = [
+        rounding_step(part) / np.sqrt(12.0) for part in (measurement.storage, measurement.loss)
+    ]
+    # Computed data are exact to single precision at the most: they too get a noise, or weights
+    # would be endless.
     size = LEAST_RELATIVE * measurement.magnitude
-    parts = [np.maximum(np.maximum(part, digit), size) for part, digit in zip((sd.real, sd.imag), least, strict=True)]
+    parts = [
+        np.maximum(np.maximum(part, digit), size)
+        for part, digit in zip((sd.real, sd.imag), least, strict=True)
+    ]
     return np.asarray(parts[0] + 1j * parts[1], dtype=np.complex128)
 
 
 def rounding_step(values: Real) -> Real:
     """How far apart the next values lie that could have been written in place of each; shape (n,).
 
-    A column is written with so many decimals, or with so many significant digits, or both: the coarser step counts.
-    Zero where the values carry all the digits of a number.
+    A column is written with so many decimals, or with so many significant digits, or both: the
+    coarser step counts. Zero where the values carry all the digits of a number.
 
     Parameters
     ----------
@@ -400,7 +445,10 @@ def rounding_step(values: Real) -> Real:
 
 
 def _fewest(power_of: Callable[[int], Real], size: Real) -> int | None:
-    """The largest number whose powers of ten (n,) divide all values; None where only a full number's digits do."""
+    """The largest number whose powers of ten (n,) divide all values.
+
+    None where only a full number's digits do.
+    """
     # The coarsest first: all finer powers divide the values as well.
     for power in range(12, -MOST_DIGITS, -1):
         step = 10.0 ** power_of(power)

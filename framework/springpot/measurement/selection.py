@@ -1,4 +1,7 @@
-"""Rows of a measurement, chosen or left out by what was set: ``temperature=20``, ``frequency=1..10``, ``row=3``."""
+"""Rows of a measurement, chosen or left out by what was set.
+
+``temperature=20``, ``frequency=1..10``, ``row=3``.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +12,8 @@ from dataclasses import replace
 from springpot.errors import DataError
 
 from .measurement import Measurement
+from .mixed_tests import NOTE, runs_together
 from .rows import rows_with, rows_without
-from .together import NOTE, runs_together
 
 EXAMPLE = "temperature=20,amplitude=1 or frequency=1..10"
 
@@ -55,9 +58,10 @@ def select(measurement: Measurement, wanted: Mapping[str, str]) -> Measurement:
     measurement : Measurement
         The data.
     wanted : mapping of str to str
-        Condition, label, ``repeat``, ``frequency`` in Hz, ``omega`` in rad/s or ``row`` (the first is 1), and its
-        value or range: ``1..10``, ``..10`` or ``1..``, ends included. Numbers match within 0.5 K for ``temperature``,
-        5 % for ``amplitude`` and 1 % otherwise; words match whole, or by their beginning.
+        Condition, label, ``repeat``, ``frequency`` in Hz, ``omega`` in rad/s or ``row`` (the first
+        is 1), and its value or range: ``1..10``, ``..10`` or ``1..``, ends included. Numbers match
+        within 0.5 K for ``temperature``, 5 % for ``amplitude`` and 1 % otherwise; words match
+        whole, or by their beginning.
 
     Raises
     ------
@@ -85,7 +89,9 @@ def select(measurement: Measurement, wanted: Mapping[str, str]) -> Measurement:
     named_already = frozenset[str]()
     if "note parts" in known:
         named_already = frozenset({"step"})
-    return replace(part, provenance={**known, **runs_together(part.conditions, part.labels, named_already)})
+    return replace(
+        part, provenance={**known, **runs_together(part.conditions, part.labels, named_already)}
+    )
 
 
 def without(measurement: Measurement, unwanted: Mapping[str, str]) -> Measurement:

@@ -1,22 +1,30 @@
-"""A channel of a test in time that counts the other way: a specimen that gives work away, or pulls when pushed."""
+"""A channel of a test in time that counts the other way.
+
+A specimen that gives work away, or pulls when pushed.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
-from springpot.policy import SIGNALS
-from springpot.rheology import Real
+from springpot.rheology.points import Real
+from springpot.thresholds import SIGNALS
 
 from .timetest import TimeTest
 
 NOTE = "note sign"
 """Where the doubt is kept among what is told of a test."""
 _LIKENESS = 0.98
-"""Largest correlation of neighbouring residuals that is believed: beyond, a record would be worth no sample."""
+"""Largest correlation of neighbouring residuals that is believed.
+
+Beyond, a record would be worth no sample.
+"""
 
 
 def sign_note(test: TimeTest, hint: str) -> dict[str, str]:
-    """What to tell of a test in which force and displacement count in opposite directions; nothing of another.
+    """What to tell of a test in which force and displacement count in opposite directions.
+
+    Nothing of another.
 
     Parameters
     ----------
@@ -43,7 +51,10 @@ def sign_note(test: TimeTest, hint: str) -> dict[str, str]:
         turned, why = _gives_work(test.time, moved, pulled), "the specimen gives work away"
     else:
         # No cycle, over which work is counted: a push is answered by a push.
-        turned, why = bool(2 * np.sum(moved * pulled < 0.0) > len(pulled)), "force and displacement are opposed"
+        turned, why = (
+            bool(2 * np.sum(moved * pulled < 0.0) > len(pulled)),
+            "force and displacement are opposed",
+        )
     if not turned:
         return {}
     turn = f"if one channel counts the other way, open 'FILE?{hint}'"
@@ -51,9 +62,10 @@ def sign_note(test: TimeTest, hint: str) -> dict[str, str]:
 
 
 def _gives_work(time: Real, moved: Real, pulled: Real) -> bool:
-    """Whether the force goes against the velocity beyond doubt, and with the displacement not beyond doubt.
+    """Whether the force surely goes against the velocity, and not surely with the displacement.
 
-    Above a resonance the storage is negative, and with a late channel the loss; with the wrong sign no part is left.
+    Above a resonance the storage is negative, and with a late channel the loss; with the wrong sign
+    no part is left.
     """
     if np.any(np.diff(time) <= 0.0):
         return False
@@ -68,7 +80,8 @@ def _gives_work(time: Real, moved: Real, pulled: Real) -> bool:
     power = float(np.mean(rest**2))
     likeness = 0.0
     if power > 0.0:
-        # What is left of a record is alike from sample to sample, so that it holds fewer than it seems.
+        # What is left of a record is alike from sample to sample, so that it holds fewer than it
+        # seems.
         likeness = float(np.clip(np.mean(rest[1:] * rest[:-1]) / power, 0.0, _LIKENESS))
     inverse = np.linalg.inv((columns / size).T @ (columns / size))
     sd = np.sqrt(np.diag(inverse) * power * (1.0 + likeness) / (1.0 - likeness))

@@ -1,4 +1,7 @@
-"""Step one of the paper: from signals against time to K' and K'' with their uncertainty, eq. (36)-(43)."""
+"""Step one of the paper: from signals against time to K' and K'' with their uncertainty, eq.
+
+(36)-(43).
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from springpot.errors import DataError
-from springpot.rheology import Complex, Real
+from springpot.rheology.points import Complex, Real
 
 from .fit import Basis, Fit, refined_frequency
 from .motion import require_motion, tried
@@ -19,9 +22,14 @@ from .transient import fit_with_transient, unsteady_cycles
 BENT = 0.05
 """Third harmonic of a displacement, over its first, from which it is told to be no sinusoid."""
 LONGER = 4.0
-"""Ratio of neighbouring lengths; a fraction of a cycle over one of them is less than half a cycle over the next."""
+"""Ratio of neighbouring lengths.
 
-_ONE_WAY = "a single loading is a test in time, which springpot inspect shows and springpot identify fits"
+A fraction of a cycle over one of them is less than half a cycle over the next.
+"""
+
+_ONE_WAY = (
+    "a single loading is a test in time, which springpot inspect shows and springpot identify fits"
+)
 
 __all__ = ["Harmonics", "Signals", "harmonics_of"]
 
@@ -39,12 +47,14 @@ class Harmonics:
     sd : complex
         Standard deviations of K' and K'' that should be used.
     sd_residual, sd_cycles : complex
-        Two estimates of them: from the residuals' spectrum near omega, and from the scatter between cycles
-        (nan with fewer than three).
+        Two estimates of them: from the residuals' spectrum near omega, and from the scatter between
+        cycles (nan with fewer than three).
     displacement, force : ndarray of complex, shape (h,)
-        Amplitudes X_n, U_n: the signal is Re X_n exp(i n omega (t - t0)) with t0 the middle of the part.
+        Amplitudes X_n, U_n: the signal is Re X_n exp(i n omega (t - t0)) with t0 the middle of the
+        part.
     level, drift, residual : ndarray, shape (2,)
-        Mean, change of the mean from the middle to the end, and rms residual, of displacement and of force.
+        Mean, change of the mean from the middle to the end, and rms residual, of displacement and
+        of force.
     start, stop : float
         The steady part in seconds.
     cycles : float
@@ -79,18 +89,22 @@ class Harmonics:
 
     @property
     def work(self) -> float:
-        """Energy that the specimen takes up in one cycle, the closed integral of force over displacement.
+        """Energy taken up in one cycle, the closed integral of force over displacement.
 
-        In the force unit times the displacement unit: pi sum n Im(U_n conj(X_n)), for sinusoids pi |X_1|^2 K''.
+        In the force unit times the displacement unit: pi sum n Im(U_n conj(X_n)), for sinusoids pi
+        |X_1|^2 K''.
         """
         order = np.arange(1, len(self.force) + 1)
         return float(np.pi * np.sum(order * (self.force * np.conj(self.displacement)).imag))
 
     @property
     def relative(self) -> Complex:
-        """Force harmonics 2, 3, ... over the first, (U_n / U_1) exp(-i (n - 1) phi) with phi the phase of X_1.
+        """Force harmonics 2, 3, ...
 
-        Time is counted from the maximum of the displacement, as in `Measurement.harmonics`; Coulomb friction has 1/3.
+        Over the first, (U_n / U_1) exp(-i (n - 1) phi) with phi the phase of X_1.
+
+        Time is counted from the maximum of the displacement, as in `Measurement.harmonics`; Coulomb
+        friction has 1/3.
         """
         turn = self.displacement[0] / abs(self.displacement[0])
         order = np.arange(1, len(self.force) + 1)
@@ -119,11 +133,12 @@ def harmonics_of(
     omega : float, optional
         Angular frequency in rad/s; estimated from the displacement where not given.
     n_harmonics : int
-        How many harmonics of both channels are fitted; fewer where the sampling is too coarse for them.
+        How many harmonics of both channels are fitted; fewer where the sampling is too coarse for
+        them.
     window : tuple of float, optional
-        Start and stop in seconds of the part to use; by default the longest part of constant amplitude, from where
-        cycles have the stiffness of the later ones. A decaying transient of either channel is fitted along with
-        the harmonics where the residuals show one.
+        Start and stop in seconds of the part to use; by default the longest part of constant
+        amplitude, from where cycles have the stiffness of the later ones. A decaying transient of
+        either channel is fitted along with the harmonics where the residuals show one.
     name : str
         Shown in errors.
 
@@ -135,7 +150,8 @@ def harmonics_of(
     Raises
     ------
     DataError
-        If there is no oscillation (at `omega`, where it is given), not one full cycle, or too few samples.
+        If there is no oscillation (at `omega`, where it is given), not one full cycle, or too few
+        samples.
 
     Examples
     --------
@@ -147,13 +163,16 @@ def harmonics_of(
     >>> round(test.omega, 6), round(test.stiffness.real, 6), round(float(test.relative[1].real), 5)
     (6.0, 3.01875, 0.00207)
     """
-    clock, moved, pulled = (np.asarray(channel, dtype=float) for channel in (time, displacement, force))
+    clock, moved, pulled = (
+        np.asarray(channel, dtype=float) for channel in (time, displacement, force)
+    )
     record = in_order(clock, moved, pulled, name)
     if omega is not None and not (np.isfinite(omega) and omega > 0):
         raise DataError(f"{name}: the frequency must be positive, got omega = {omega} rad/s")
     if n_harmonics < 1:
         raise DataError(f"{name}: at least one harmonic is needed, got {n_harmonics}")
-    # A frequency of the command is exact; an estimated one is refined once the steady part is known.
+    # A frequency of the command is exact; an estimated one is refined once the steady part is
+    # known.
     first = omega
     if first is None:
         first = coarse_frequency(record)
@@ -164,12 +183,19 @@ def harmonics_of(
     basis, sd = _basis(record, part, first, omega is None, n_harmonics, trim=window is None)
     notes = (*record.notes, *part.notes)
     if basis.harmonics < n_harmonics:
-        notes = (*notes, f"too few samples for {n_harmonics} harmonics: {basis.harmonics} were fitted")
-    # The basis of the fit is that of the steady part; what still decays in it would pass for drift and harmonics.
+        notes = (
+            *notes,
+            f"too few samples for {n_harmonics} harmonics: {basis.harmonics} were fitted",
+        )
+    # The basis of the fit is that of the steady part; what still decays in it would pass for drift
+    # and harmonics.
     basis, fit = fit_with_transient(record, basis)
     if window is None and (unsteady := unsteady_cycles(fit)):
         begin = float(fit.begins[unsteady])
-        notes = (*notes, f"the stiffness settles only at {begin:.4g} s: what comes before was left out")
+        notes = (
+            *notes,
+            f"the stiffness settles only at {begin:.4g} s: what comes before was left out",
+        )
         basis, fit = fit_with_transient(record, replace(basis, start=begin, transient=0.0))
     require_motion(record, basis, fit, tried(record, omega is None, window is None))
     return _summary(basis, sd, fit, notes, record)
@@ -183,26 +209,33 @@ def _given_part(record: Record, window: tuple[float, float]) -> Steady:
             f"the record runs from {record.time[0]:g} to {record.time[-1]:g} s"
         )
     # Just past the last sample, as the end of a part lies outside of it.
-    return Steady(max(start, float(record.time[0])), min(stop, float(np.nextafter(record.time[-1], np.inf))))
+    return Steady(
+        max(start, float(record.time[0])), min(stop, float(np.nextafter(record.time[-1], np.inf)))
+    )
 
 
 def _basis(
     record: Record, part: Steady, omega: float, refine: bool, harmonics: int, trim: bool
 ) -> tuple[Basis, float]:
-    """The basis of the final fit: frequency refined, part trimmed to whole cycles, harmonics that samples allow."""
+    """The basis of the final fit.
+
+    Frequency refined, part trimmed to whole cycles, harmonics that samples allow.
+    """
     # A frequency that was given is exact: it has no deviation and is not refined.
     affordable, sd = _affordable(record, part, omega, harmonics), 0.0
     basis = Basis(omega, part.start, part.stop, affordable)
     if refine:
         basis = replace(basis, harmonics=1)
-        # The first harmonic alone leads to the frequency from farther away than all of them together.
+        # The first harmonic alone leads to the frequency from farther away than all of them
+        # together.
         basis, sd = refined_frequency(record, replace(basis, omega=_nested(record, basis)))
         basis = replace(basis, harmonics=affordable)
         basis, sd = refined_frequency(record, basis)
     # The search left the peak that it began at: what it found is another one, or none.
     if not 0.3 * omega < basis.omega < 3 * omega:
         raise DataError(
-            f"{record.name}: no frequency found; if it swings, give it with omega (CLI: --frequency); {_ONE_WAY}"
+            f"{record.name}: no frequency found; if it swings, give it with omega (CLI:"
+            f" --frequency); {_ONE_WAY}"
         )
     if trim:
         basis = _whole_cycles(basis)
@@ -211,15 +244,18 @@ def _basis(
     if (basis.stop - basis.start) * basis.omega < 0.95 * 2 * np.pi:
         cycles = (basis.stop - basis.start) * basis.omega / (2 * np.pi)
         raise DataError(
-            f"{record.name}: {cycles:.2g} cycles of {basis.omega:.4g} rad/s where one is needed; if some part of it "
-            "oscillates, say which and how fast: --window START STOP --frequency HZ (window, omega in Python); "
-            f"{_ONE_WAY}"
+            f"{record.name}: {cycles:.2g} cycles of {basis.omega:.4g} rad/s where one is needed; if"
+            " some part of it oscillates, say which and how fast: --window START STOP --frequency"
+            f" HZ (window, omega in Python); {_ONE_WAY}"
         )
     return basis, sd
 
 
 def _nested(record: Record, basis: Basis) -> float:
-    """The frequency refined over longer and longer parts: over all of a long record the first guess is cycles off."""
+    """The frequency refined over longer and longer parts.
+
+    Over all of a long record the first guess is cycles off.
+    """
     whole, middle = basis.stop - basis.start, 0.5 * (basis.start + basis.stop)
     length, omega = excerpt_span(record, basis.omega), basis.omega
     while length < 0.5 * whole:
@@ -235,12 +271,17 @@ def _affordable(record: Record, part: Steady, omega: float, harmonics: int) -> i
     # More than two samples for each cycle of the highest harmonic, and several for each unknown.
     most = min(int(count / max(cycles, 1.0) / 2.5), (count - 4) // 6)
     if most < 1:
-        raise DataError(f"{record.name}: {count} samples in {cycles:.3g} cycles are too few for one harmonic")
+        raise DataError(
+            f"{record.name}: {count} samples in {cycles:.3g} cycles are too few for one harmonic"
+        )
     return min(harmonics, most)
 
 
 def _whole_cycles(basis: Basis) -> Basis:
-    """The middle of the part, cut to whole cycles, so that unfitted harmonics cannot leak into the fitted ones."""
+    """The middle of the part, cut to whole cycles.
+
+    So that unfitted harmonics cannot leak into the fitted ones.
+    """
     period = 2 * np.pi / basis.omega
     # Rounding of the frequency must not cost a whole cycle.
     whole = np.floor((basis.stop - basis.start) / period + 0.02)
@@ -252,7 +293,9 @@ def _whole_cycles(basis: Basis) -> Basis:
     return replace(basis, start=start, stop=min(start + whole * period, basis.stop))
 
 
-def _summary(basis: Basis, omega_sd: float, fit: Fit, notes: tuple[str, ...], record: Record) -> Harmonics:
+def _summary(
+    basis: Basis, omega_sd: float, fit: Fit, notes: tuple[str, ...], record: Record
+) -> Harmonics:
     moved, force = fit.amplitude
     if not abs(moved[0]) > 0:
         raise DataError(f"{record.name}: the displacement does not move")
@@ -261,10 +304,17 @@ def _summary(basis: Basis, omega_sd: float, fit: Fit, notes: tuple[str, ...], re
     by_cycles = _scatter(fit.groups)
     sd, extra = _chosen(by_residual, by_cycles, len(fit.groups), fit.freedom)
     if len(moved) >= 3 and abs(moved[2]) > BENT * abs(moved[0]):
-        extra = (*extra, f"the displacement is no sinusoid: its third harmonic is {abs(moved[2] / moved[0]):.0%}")
+        extra = (
+            *extra,
+            (
+                "the displacement is no sinusoid: its third harmonic is"
+                f" {abs(moved[2] / moved[0]):.0%}"
+            ),
+        )
     # Of computed signals nothing is left over: rounding is the least that any stiffness errs by.
     floor = 4 * np.finfo(float).eps * abs(stiffness)
-    # The deviation of omega came from white residuals: slow ones near omega make it as much less sure.
+    # The deviation of omega came from white residuals: slow ones near omega make it as much less
+    # sure.
     inflation = 1.0
     if fit.residual[0] > 0:
         inflation = np.sqrt(fit.noise[0]) / fit.residual[0]
@@ -291,8 +341,9 @@ def _summary(basis: Basis, omega_sd: float, fit: Fit, notes: tuple[str, ...], re
 def _propagated(moved: complex, fit: Fit) -> complex:
     """Standard deviations of K' and K'' by dK = (dU - K dX) / X.
 
-    What matters is the noise of u - K x near omega, with K turning the displacement's noise: its cosine and sine
-    coefficients (a, b) have the covariance of noise times inverse, and the pair is the amplitude a - ib.
+    What matters is the noise of u - K x near omega, with K turning the displacement's noise: its
+    cosine and sine coefficients (a, b) have the covariance of noise times inverse, and the pair is
+    the amplitude a - ib.
     """
     # Of U / X by the cosine and the sine coefficient of the force: the pair is a - ib.
     slopes = np.array([1.0, -1j]) / moved
@@ -305,21 +356,27 @@ def _scatter(groups: Complex) -> complex:
     """Standard deviations of the mean K' and K'' from their scatter between groups of cycles."""
     if len(groups) < 3:
         return complex(np.nan, np.nan)
-    # The ratio of each group: a displacement that wanders from cycle to cycle takes its force along.
+    # The ratio of each group: a displacement that wanders from cycle to cycle takes its force
+    # along.
     each = groups[:, 1] / groups[:, 0]
     root = np.sqrt(len(each))
     return complex(np.std(each.real, ddof=1) / root, np.std(each.imag, ddof=1) / root)
 
 
-def _chosen(by_residual: complex, by_cycles: complex, groups: int, freedom: float) -> tuple[complex, tuple[str, ...]]:
+def _chosen(
+    by_residual: complex, by_cycles: complex, groups: int, freedom: float
+) -> tuple[complex, tuple[str, ...]]:
     """The residuals' estimate, unless cycles scatter more than chance (1 %, F test) allows."""
     if groups < 3:
         return by_residual, ()
     from scipy.special import fdtri
 
-    # Few groups scatter by chance: without a test the larger of two estimates would mostly be too large.
+    # Few groups scatter by chance: without a test the larger of two estimates would mostly be too
+    # large.
     limit = np.sqrt(fdtri(groups - 1, freedom, 0.99))
     if by_cycles.real <= limit * by_residual.real and by_cycles.imag <= limit * by_residual.imag:
         return by_residual, ()
     larger = complex(max(by_residual.real, by_cycles.real), max(by_residual.imag, by_cycles.imag))
-    return larger, ("cycles differ by more than the noise within them: their scatter gives the uncertainty",)
+    return larger, (
+        "cycles differ by more than the noise within them: their scatter gives the uncertainty",
+    )

@@ -1,4 +1,4 @@
-"""Spectral density of the residuals near the test frequency: what noise does to a fitted harmonic."""
+"""Spectral density of residuals near the test frequency: what noise does to a fitted harmonic."""
 
 from __future__ import annotations
 
@@ -6,18 +6,22 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from springpot.rheology import Complex, Real
+from springpot.rheology.points import Complex, Real
 
 PER_CYCLE = 16
 """Parts of a cycle over which residuals are summed."""
 LONGEST = 1024
 """Cycles at the beginning of the part from which the density is read."""
 FREEDOM = 40.0
-"""Degrees of freedom that the band around omega holds where the record is long enough; sd within about 11 %."""
+"""Degrees of freedom that the band around omega holds where the record is long enough.
+
+Sd within about 11 %.
+"""
 FEWEST = 6.0
 NARROWEST, WIDEST = 1.25, 5.0
 BELOW_NYQUIST = 0.45
-"""Of the sampling frequency: at half of it residuals of both signs of the frequency fall together."""
+"""Of the sampling frequency: at half of it residuals of both signs of the frequency fall together.
+"""
 LEAST_KEPT = 0.2
 """Share of a line's power that the fit must leave for it to be used."""
 SLOPES = np.linspace(-2.0, 2.0, 33)
@@ -38,10 +42,11 @@ class LocalSpectrum:
 
     Notes
     -----
-    The Fourier transform of those sums is the spectrum around omega, whatever the sampling. The columns of the fit
-    are gathered in the same way: they tell how much of each line the fit itself has taken out of white noise.
-    Lines are taken from the band omega / b to b omega, over which both white noise and a random walk (density
-    proportional to omega^-2) have as mean density the one at omega; slower leftovers stay out of it.
+    The Fourier transform of those sums is the spectrum around omega, whatever the sampling. The
+    columns of the fit are gathered in the same way: they tell how much of each line the fit itself
+    has taken out of white noise. Lines are taken from the band omega / b to b omega, over which
+    both white noise and a random walk (density proportional to omega^-2) have as mean density the
+    one at omega; slower leftovers stay out of it.
     """
 
     omega: float
@@ -65,7 +70,9 @@ class LocalSpectrum:
         if inside.stop == 0:
             return
         # Rounding can lift a time just before the end into the next bin.
-        which = np.minimum(((time[inside] - self.start) / self.width).astype(int), len(self.sums) - 1)
+        which = np.minimum(
+            ((time[inside] - self.start) / self.width).astype(int), len(self.sums) - 1
+        )
         turned = np.concatenate([left[inside], columns[inside]], axis=1)
         turned = turned * np.exp(-1j * self.omega * (time[inside] - self.start))[:, None]
         bins, first = np.unique(which, return_index=True)
@@ -78,11 +85,13 @@ class LocalSpectrum:
         Parameters
         ----------
         seen : ndarray of complex, shape (c, 2)
-            Combinations of displacement and force whose variance is wanted; a complex factor turns the phase.
+            Combinations of displacement and force whose variance is wanted; a complex factor turns
+            the phase.
         inverse : ndarray, shape (size, size)
             Inverse normal matrix of the fit.
         white : ndarray, shape (2, 2)
-            Residual covariance over all frequencies, which helps out where the band holds too few lines.
+            Residual covariance over all frequencies, which helps out where the band holds too few
+            lines.
 
         Returns
         -------
@@ -92,7 +101,8 @@ class LocalSpectrum:
             Degrees of freedom.
         """
         lines, kept, ratio = self._lines(inverse)
-        # Nearest lines first: only as many as are needed, since noise is seldom of one level over all frequencies.
+        # Nearest lines first: only as many as are needed, since noise is seldom of one level over
+        # all frequencies.
         order = np.argsort(np.abs(np.log(ratio)), kind="stable")
         freedom = 2 * np.cumsum(kept[order])
         reach = np.exp(np.abs(np.log(ratio[order])))
@@ -101,32 +111,41 @@ class LocalSpectrum:
         near = _levelled(power, kept[taken], ratio[taken])
         everywhere = np.einsum("ci,ij,cj->c", seen, white, seen.conj()).real
         worth = float(np.sum(kept[taken]))
-        # Of very short records too few lines are left: the variance over all frequencies stands in for the rest.
+        # Of very short records too few lines are left: the variance over all frequencies stands in
+        # for the rest.
         short = max(FEWEST / 2 - worth, 0.0)
         return np.maximum((near + short * everywhere) / (worth + short), 0.0), 2 * (worth + short)
 
     def _lines(self, inverse: Real) -> tuple[Complex, Real, Real]:
-        """Spectral lines (k, 2) in the widest band, the share of white noise left in each, and omega_k / omega."""
+        """Lines (k, 2) in the widest band, share of white noise left in each, omega_k / omega."""
         bins = len(self.sums)
         spectrum = np.fft.fft(self.sums, axis=0)
         ratio = 1 + np.fft.fftfreq(bins, self.width) * 2 * np.pi / self.omega
         per_cycle = self.counts.sum() / (bins * self.width) * 2 * np.pi / self.omega
-        band = (ratio >= 1 / WIDEST) & (ratio <= min(WIDEST, BELOW_NYQUIST * per_cycle)) & (np.arange(bins) > 0)
-        # What the fit has taken out of each line is put back: the harmonics would else make the noise look smaller.
+        band = (
+            (ratio >= 1 / WIDEST)
+            & (ratio <= min(WIDEST, BELOW_NYQUIST * per_cycle))
+            & (np.arange(bins) > 0)
+        )
+        # What the fit has taken out of each line is put back: the harmonics would else make the
+        # noise look smaller.
         fitted = spectrum[band, 2:]
         leverage = np.einsum("ki,ij,kj->k", fitted.conj(), inverse, fitted).real / self.counts.sum()
         kept = np.clip(1 - leverage, 0.0, 1.0)
-        # A line that the fit took out almost whole holds only rounding and the harmonics' own errors.
+        # A line that the fit took out almost whole holds only rounding and the harmonics' own
+        # errors.
         solid = kept > LEAST_KEPT
         return spectrum[band, :2][solid], kept[solid], ratio[band][solid]
 
 
 def _levelled(power: Real, kept: Real, ratio: Real) -> Real:
-    """Sums over the lines of power (k, c), each raised or lowered to what it would be at omega: (c,).
+    """Sums over the lines of power (k, c), each raised or lowered to what it would be at omega.
 
-    By the power law that suits each column best: Whittle's likelihood of density proportional to ratio^-slope, its
-    level profiled out, with a normal prior of standard deviation one on the slope (white noise has slope 0, a random
-    walk 2).
+    (c,).
+
+    By the power law that suits each column best: Whittle's likelihood of density proportional to
+    ratio^-slope, its level profiled out, with a normal prior of standard deviation one on the slope
+    (white noise has slope 0, a random walk 2).
     """
     levels = np.maximum(power.T @ ratio[:, None] ** SLOPES, np.finfo(float).tiny)
     misfit = np.sum(kept) * np.log(levels) - (kept @ np.log(ratio)) * SLOPES + 0.5 * SLOPES**2

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.rheology import Complex, Real
+from springpot.rheology.points import Complex, Real
 
 from .record import Record
 
@@ -18,7 +18,10 @@ CYCLES = 16
 QUARTERS = 4
 """Parts of a period: amplitudes are taken over four, a new one from each quarter on."""
 MOST = 1 << 16
-"""Quarters of periods in which a record is looked at; in longer ones, of several periods: memory stays the same."""
+"""Quarters of periods in which a record is looked at.
+
+In longer ones, of several periods: memory stays the same.
+"""
 TOLERANCE = 0.02
 """Displacement amplitudes that differ by less, relative, belong to one steady part."""
 TOLD = 2.5
@@ -49,7 +52,9 @@ class Steady:
 
 
 def coarse_frequency(record: Record) -> float:
-    """Angular frequency of the strongest oscillation of the displacement, in rad/s, good to a fraction of 1/duration.
+    """Angular frequency of the strongest oscillation of the displacement, in rad/s.
+
+    It is good to a fraction of 1/duration.
 
     Raises
     ------
@@ -61,13 +66,14 @@ def coarse_frequency(record: Record) -> float:
     middle = slice(max(0, (n - EXCERPT) // 2), max(0, (n - EXCERPT) // 2) + EXCERPT)
     omega, cycles = _peak(record, middle)
     if cycles < 4 and n > EXCERPT:
-        # Sampled so finely that the excerpt holds no few cycles: every k-th sample of the whole shows them.
+        # Sampled so finely that the excerpt holds no few cycles: every k-th sample of the whole
+        # shows them.
         omega, _ = _peak(record, slice(None, None, -(-n // EXCERPT)))
     return omega
 
 
 def excerpt_span(record: Record, omega: float) -> float:
-    """Seconds over which `coarse_frequency` is good to a fraction of a cycle, at least some cycles."""
+    """Seconds for which `coarse_frequency` is good to part of a cycle, at least some cycles."""
     return max(record.span * min(1.0, EXCERPT / len(record.time)), CYCLES * 2 * np.pi / omega)
 
 
@@ -86,7 +92,8 @@ def _peak(record: Record, rows: slice) -> tuple[float, float]:
     level = np.interp(even, time, moved)
     smooth = level - trend(even)
     padded = 1 << int(np.ceil(np.log2(8 * len(even))))
-    # The window keeps a strong line from spilling over its neighbours; padding gives places between the lines.
+    # The window keeps a strong line from spilling over its neighbours; padding gives places between
+    # the lines.
     power = np.abs(np.fft.rfft(smooth * np.hanning(len(even)), padded))
     # Less than half a cycle in all is no oscillation.
     power[: padded // (2 * len(even))] = 0.0
@@ -97,26 +104,35 @@ def _peak(record: Record, rows: slice) -> tuple[float, float]:
 
 
 def _sharpened(time: Real, values: Real, omega: float) -> float:
-    """The frequency near `omega` whose sinusoid fits best: a short record displaces the peak of its spectrum."""
+    """The frequency near `omega` whose sinusoid fits best.
+
+    A short record displaces the peak of its spectrum.
+    """
     per_cycle = 2 * np.pi / omega * len(time) / (time[-1] - time[0])
     step = max(1, min(len(time) // 4096, int(per_cycle // 16)))
     time, values = time[::step][: 1 << 14], values[::step][: 1 << 14]
     width = 1.5 * np.pi / (time[-1] - time[0])
-    # One and a half lines of the spectrum to either side, by which a short record may displace its peak.
+    # One and a half lines of the spectrum to either side, by which a short record may displace its
+    # peak.
     trials = np.linspace(max(omega - width, 0.3 * omega), omega + width, TRIALS)
     return float(trials[int(np.argmax(_explained(time, values, trials)))])
 
 
 def _explained(time: Real, values: Real, omega: Real) -> Real:
-    """Sum of squares that a sinusoid of each frequency takes away from what a level and a drift leave of `values`."""
-    # A drift of a short record looks like part of a slow oscillation: it is taken out of all trials alike.
+    """Sum of squares that each frequency's sinusoid takes from `values` less level and drift."""
+    # A drift of a short record looks like part of a slow oscillation: it is taken out of all trials
+    # alike.
     straight, _ = np.linalg.qr(np.column_stack([np.ones_like(time), time - time[0]]))
     turns = np.multiply.outer(omega, time - time[0])
-    # Level and drift taken out of all three, only the two by two normal equations of cosine and sine are left.
-    c, s, rest = (part - (part @ straight) @ straight.T for part in (np.cos(turns), np.sin(turns), values))
+    # Level and drift taken out of all three, only the two by two normal equations of cosine and
+    # sine are left.
+    c, s, rest = (
+        part - (part @ straight) @ straight.T for part in (np.cos(turns), np.sin(turns), values)
+    )
     cc, cs, ss = (np.einsum("ij,ij->i", one, other) for one, other in ((c, c), (c, s), (s, s)))
     cr, sr = c @ rest, s @ rest
-    # Within a small part of a period cosine and sine look like level and drift, and explain nothing more.
+    # Within a small part of a period cosine and sine look like level and drift, and explain nothing
+    # more.
     spare = cc * ss - cs**2
     apart = spare > 1e-12 * cc * ss
     gain = np.where(apart, ss * cr**2 - 2.0 * cs * cr * sr + cc * sr**2, 0.0)
@@ -125,7 +141,7 @@ def _explained(time: Real, values: Real, omega: Real) -> Real:
 
 
 def steady_part(record: Record, omega: float) -> Steady:
-    """The longest part in which the displacement amplitude is constant, without the force's initial transient.
+    """The longest part with constant displacement amplitude and no initial force transient.
 
     Parameters
     ----------
@@ -143,7 +159,9 @@ def steady_part(record: Record, omega: float) -> Steady:
     whole = Steady(begin, np.nextafter(end, np.inf))
     quarter = _quarter(record, omega)
     if record.span < 4 * np.pi / omega:
-        return Steady(whole.start, whole.stop, ("fewer than two cycles: the whole record was used",))
+        return Steady(
+            whole.start, whole.stop, ("fewer than two cycles: the whole record was used",)
+        )
     moved, force, spread = _demodulated(record, omega, quarter)
     size = np.abs(moved)
     if not np.nanmax(size, initial=0.0) > 0:
@@ -162,11 +180,13 @@ def steady_part(record: Record, omega: float) -> Steady:
             if tolerance > TOLD * TOLERANCE:
                 notes = (f"the amplitude is steady only within {100 * tolerance:.2g} %",)
             return Steady(start, min(stop, whole.stop), notes)
-    return Steady(whole.start, whole.stop, ("the amplitude never settles: the whole record was used",))
+    return Steady(
+        whole.start, whole.stop, ("the amplitude never settles: the whole record was used",)
+    )
 
 
 def _quarter(record: Record, omega: float) -> float:
-    """A quarter of a period in seconds, or of as many periods as make a long record no more than `MOST` quarters."""
+    """A quarter of a period, or of so many that a long record has at most `MOST` quarters, in s."""
     quarter = 2 * np.pi / omega / QUARTERS
     return float(quarter * max(1, np.ceil(record.span / quarter / MOST)))
 
@@ -181,28 +201,11 @@ def _demodulated(record: Record, omega: float, quarter: float) -> tuple[Complex,
     spread : ndarray, shape (m,)
         Standard deviation of the displacement amplitude.
     """
-    begin = float(record.time[0])
-    bins = int(record.span / quarter) + 1
-    # Sums over each quarter of (1, cos, sin) by itself, by the channels, and of the squared displacement.
-    sums, origin = np.zeros((bins, 16)), None
-    for time, both in record.blocks():
-        # About the first sample: squares of a large offset would leave no digits for the oscillation.
-        if origin is None:
-            origin = both[0]
-        phase = omega * (time - begin)
-        which = np.minimum(((time - begin) / quarter).astype(int), bins - 1)
-        c, s = np.cos(phase), np.sin(phase)
-        q, u = (both - origin).T
-        terms = (None, c, s, c, c * c, c * s, s, c * s, s * s, q, q * c, q * s, u, u * c, u * s, q * q)
-        # A block holds few of the quarters of a long record.
-        low = high = 0
-        if len(which):
-            low, high = int(which[0]), int(which[-1]) + 1
-        for column, term in enumerate(terms):
-            sums[low:high, column] += np.bincount(which - low, term, high - low)
+    sums = _quarter_sums(record, omega, quarter)
     # Sums of quarters are added up: no sample is looked at twice, however much the periods overlap.
     rolled = np.lib.stride_tricks.sliding_window_view(sums, QUARTERS, axis=0).sum(axis=-1)
-    normal, right = rolled[:, :9].reshape(-1, 3, 3), np.swapaxes(rolled[:, 9:15].reshape(-1, 2, 3), 1, 2)
+    normal = rolled[:, :9].reshape(-1, 3, 3)
+    right = np.swapaxes(rolled[:, 9:15].reshape(-1, 2, 3), 1, 2)
     # A period with gaps leaves cosine and sine alike: it tells nothing.
     good = np.linalg.cond(np.nan_to_num(normal)) < UNLIKE
     normal[~good] = np.eye(3)
@@ -215,8 +218,39 @@ def _demodulated(record: Record, omega: float, quarter: float) -> tuple[Complex,
     return amplitude[:, 0], amplitude[:, 1], spread
 
 
+def _quarter_sums(record: Record, omega: float, quarter: float) -> Real:
+    """Sums (bins, 16) over each quarter.
+
+    Of (1, cos, sin) by itself, by the channels, and of the squared displacement.
+    """
+    begin = float(record.time[0])
+    bins = int(record.span / quarter) + 1
+    sums, origin = np.zeros((bins, 16)), None
+    for time, both in record.blocks():
+        # About the first sample: squares of a large offset would leave no digits for the
+        # oscillation.
+        if origin is None:
+            origin = both[0]
+        phase = omega * (time - begin)
+        which = np.minimum(((time - begin) / quarter).astype(int), bins - 1)
+        c, s = np.cos(phase), np.sin(phase)
+        q, u = (both - origin).T
+        by_itself = (None, c, s, c, c * c, c * s, s, c * s, s * s)
+        by_channels = (q, q * c, q * s, u, u * c, u * s)
+        # A block holds few of the quarters of a long record.
+        low = high = 0
+        if len(which):
+            low, high = int(which[0]), int(which[-1]) + 1
+        for column, term in enumerate((*by_itself, *by_channels, q * q)):
+            sums[low:high, column] += np.bincount(which - low, term, high - low)
+    return sums
+
+
 def _longest_level(size: Real, tolerance: float) -> tuple[int, int]:
-    """The longest run of values within a relative `tolerance` of one level; the higher level wins a tie."""
+    """The longest run of values within a relative `tolerance` of one level.
+
+    The higher level wins a tie.
+    """
     best = (0, 0)
     # Levels are tried among those that occur: whichever is held longest is the one that was set.
     levels = np.unique(np.nanquantile(size, np.linspace(0.0, 1.0, 65)))[::-1]

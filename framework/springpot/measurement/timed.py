@@ -6,7 +6,10 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from springpot.errors import ModelError
-from springpot.rheology import Effect, HasParameters, Model, Parameter, Real
+from springpot.rheology.effect import Effect
+from springpot.rheology.model import Model
+from springpot.rheology.parameters import HasParameters, Parameter
+from springpot.rheology.points import Real
 
 from .timeeffect import Stage, TimeEffect
 
@@ -63,13 +66,14 @@ class Timed(HasParameters):
         return self.material.needs
 
     def parts(self, theta: Real) -> tuple[Real, list[tuple[TimeEffect, slice]]]:
-        """The material's own parameters, and where those of each effect stand in theta, by stages."""
+        """The material's own parameters, and where each effect's stand in theta, by stages."""
         first = len(self.material.parameters)
         placed = []
         for effect in self.time_effects:
             placed.append((effect, slice(first, first + len(effect.parameters))))
             first += len(effect.parameters)
-        # In the order in which they act, whatever the order in which they were named; theta keeps that of the names.
+        # In the order in which they act, whatever the order in which they were named; theta keeps
+        # that of the names.
         placed.sort(key=lambda pair: STAGES.index(pair[0].stage))
         return theta[: len(self.material.parameters)], placed
 

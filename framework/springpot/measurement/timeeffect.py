@@ -1,8 +1,11 @@
-"""Effects that only a test in time can have: a ramp, a drift, a clock of the material's own, what a record clips.
+"""Effects that only a test in time can have.
 
-A test in time goes three ways: what was imposed reaches the specimen, the specimen answers by its own clock, and
-something records the answer. An effect of time tests acts at one of these *stages*, by one vectorised function with
-its derivatives; everything else (where it shows, how sure it is, what it cannot be told from) follows from that.
+A ramp, a drift, a clock of the material's own, what a record clips.
+
+A test in time goes three ways: what was imposed reaches the specimen, the specimen answers by its
+own clock, and something records the answer. An effect of time tests acts at one of these *stages*,
+by one vectorised function with its derivatives; everything else (where it shows, how sure it is,
+what it cannot be told from) follows from that.
 """
 
 from __future__ import annotations
@@ -15,7 +18,8 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from springpot.rheology import Parameter, Real
+from springpot.rheology.parameters import Parameter
+from springpot.rheology.points import Real
 
 from .imposed import Loading
 from .timetest import TimeTest
@@ -111,10 +115,11 @@ class TimeEffect:
     parameters : tuple of Parameter
         The first is its *size*: by itself it decides whether the effect is there.
     law : callable
-        At the stage LOADING ``law(loading, *parameters)`` gives the `Loading` that reached the specimen and its
-        derivative by each parameter, as loadings too. At CLOCK ``law(time, *parameters)`` gives the time (n,) by the
-        material's clock at the times (n,) since the load first moved, and its derivatives. At RESPONSE
-        ``law(record, response, *parameters)`` gives what is recorded of a response (n,), as `Answered`.
+        At the stage LOADING ``law(loading, *parameters)`` gives the `Loading` that reached the
+        specimen and its derivative by each parameter, as loadings too. At CLOCK ``law(time,
+        *parameters)`` gives the time (n,) by the material's clock at the times (n,) since the load
+        first moved, and its derivatives. At RESPONSE ``law(record, response, *parameters)`` gives
+        what is recorded of a response (n,), as `Answered`.
     summary : str
         One sentence of physics.
     signature : str
@@ -126,13 +131,15 @@ class TimeEffect:
     suits : callable
         Whether a test can show it at all.
     tries : callable, optional
-        Values of the parameters from which a search in a test begins; by default those that the units suggest.
+        Values of the parameters from which a search in a test begins; by default those that the
+        units suggest.
     aliases : tuple of str
         Other names for the same thing.
     absent_at : float
         Size at which nothing is left of it.
     prior : float
-        How common it is beside the others: 1 for what every laboratory meets, less for rarer things.
+        How common it is beside the others: 1 for what every laboratory meets, less for rarer
+        things.
     """
 
     name: str
@@ -156,11 +163,16 @@ class TimeEffect:
     @cached_property
     def own(self) -> tuple[Parameter, ...]:
         """Its parameters under the names that they have in a model."""
-        return tuple(parameter.renamed(f"{self.name}.{parameter.name}") for parameter in self.parameters)
+        return tuple(
+            parameter.renamed(f"{self.name}.{parameter.name}") for parameter in self.parameters
+        )
 
 
 def followed(loading: Loading, t: Real) -> tuple[Real, Real]:
-    """What a loading is at the times t (n,), and how fast it changes there; a step is over at its own instant."""
+    """What a loading is at the times t (n,), and how fast it changes there.
+
+    A step is over at its own instant.
+    """
     times, sizes = loading.jumps
     # Steps are added by hand, as interpolation knows no two values at one time.
     value = (t[:, None] >= times).astype(float) @ sizes
@@ -173,7 +185,10 @@ def followed(loading: Loading, t: Real) -> tuple[Real, Real]:
 
 
 def _rate(smooth: Loading, t: Real) -> Real:
-    """Change per second between samples; at a knot the mean of both sides, and nothing beyond the ends."""
+    """Change per second between samples.
+
+    At a knot the mean of both sides, and nothing beyond the ends.
+    """
     slope = np.diff(smooth.value) / np.diff(smooth.time)
     # Before the first knot and after the last one everything rests.
     after = np.concatenate([[0.0], slope, [0.0]])

@@ -1,8 +1,9 @@
 """The noise of a signal against time, from the signal itself.
 
-Divided differences of the fourth order do not see what is smooth, at any sampling: what is left is noise. It is told
-apart into a constant part (the resolution of a transducer) and one in proportion to the signal.
-Gasser, Sroka & Jennen-Steinmetz 1986, doi:10.1093/biomet/73.3.625, with a higher order.
+Divided differences of the fourth order do not see what is smooth, at any sampling: what is left is
+noise. It is told apart into a constant part (the resolution of a transducer) and one in proportion
+to the signal. Gasser, Sroka & Jennen-Steinmetz 1986, doi:10.1093/biomet/73.3.625, with a higher
+order.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.nonnegative import non_negative
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 from .measurement import Measurement
 from .timetest import TimeTest
@@ -27,7 +28,9 @@ ASSUMED = 0.01
 NORMAL = 1.482602218505602
 """Standard deviation of normal noise over the median of its absolute values, 1/0.6745."""
 WIDE = 3.0
-"""Ratio of the largest to the smallest signal from which a constant part can be told from a proportional one."""
+"""Ratio of the largest to the smallest signal from which a constant part can be told from a
+proportional one.
+"""
 BINS = 12
 """Levels of the signal at most, at each of which the scatter is told."""
 FEWEST_IN_BIN = 16
@@ -35,13 +38,19 @@ FEWEST_IN_BIN = 16
 ROUNDS = 6
 """Of reweighting: after four the parts change in the third digit only."""
 EFFICIENCY = 0.37
-"""Share of the samples that a median of absolute values uses: its variance is 1/0.37 of the best one's."""
+"""Share of the samples that a median of absolute values uses.
+
+Its variance is 1/0.37 of the best one's.
+"""
 PLAINLY = 4.0
 """By which two parts must be likelier than one (twice the logarithm): a chance of 5 %."""
 NOTHING = 1e-12
 """Share of the largest signal that stands for none, by which nothing can be divided."""
 LEAST_EXPECTED = 1e-6
-"""Share of the power found in a group that is expected there at least: weights stay finite where parts are zero."""
+"""Share of the power found in a group that is expected there at least.
+
+Weights stay finite where parts are zero.
+"""
 LEAST = 1e-9
 """Noise, over the largest signal, below which a record is taken as exact: it was computed."""
 
@@ -79,7 +88,8 @@ def noise_of(test: TimeTest, misfit: Real | None = None) -> SignalNoise:
     test : TimeTest
         The test.
     misfit : ndarray, shape (n,), optional
-        What a good model leaves of the response, in which corners of the signal are no scatter any more.
+        What a good model leaves of the response, in which corners of the signal are no scatter any
+        more.
 
     Returns
     -------
@@ -120,7 +130,8 @@ def noise_of(test: TimeTest, misfit: Real | None = None) -> SignalNoise:
     absolute = max(absolute, LEAST * largest)
     sd = np.hypot(relative * size, absolute)
     if test.kind == "history" and test.response.min() < 0.0 < test.response.max():
-        # Where a loop crosses zero the rig is no quieter than elsewhere, and these few samples must not outvote it.
+        # Where a loop crosses zero the rig is no quieter than elsewhere, and these few samples must
+        # not outvote it.
         sd = np.full(len(test), float(np.sqrt(np.mean(sd**2))))
     return SignalNoise(sd, absolute, relative, True)
 
@@ -136,8 +147,8 @@ def _without_jumps(test: TimeTest) -> NDArray[np.bool_]:
 def _moving(test: TimeTest) -> NDArray[np.bool_]:
     """Which windows of five samples (n - 4,) hold more than one value.
 
-    A channel at its limit, or printed digits that repeat, show no scatter, whatever the noise is: were such windows
-    counted, a record that is clipped for half of its time would seem to be exact.
+    A channel at its limit, or printed digits that repeat, show no scatter, whatever the noise is:
+    were such windows counted, a record that is clipped for half of its time would seem to be exact.
     """
     changes = np.diff(test.response) != 0.0
     windows = np.lib.stride_tricks.sliding_window_view(changes, ORDER)
@@ -154,7 +165,7 @@ def _smooth(size: Real) -> Real:
 
 
 def _scatter(clock: Real, signal: Real) -> Real:
-    """Divided differences over five neighbours, scaled so that white noise keeps its size, shape (n - 4,)."""
+    """Divided differences over five neighbours, white noise keeping its size, shape (n - 4,)."""
     u = np.lib.stride_tricks.sliding_window_view(clock, ORDER + 1)
     y = np.lib.stride_tricks.sliding_window_view(signal, ORDER + 1)
     u = (u - u[:, :1]) / (u[:, -1:] - u[:, :1])
@@ -165,10 +176,13 @@ def _scatter(clock: Real, signal: Real) -> Real:
 
 
 def _two_parts(scatter: Real, level: Real) -> tuple[float, float]:
-    """Constant and proportional part of the noise, from its robust size at each level of the signal.
+    """Constant and proportional part of the noise.
 
-    Both are taken only where one alone explains the levels plainly worse: a small part that is not there would
-    otherwise be found by chance, and make the noise too large where the signal is small.
+    From its robust size at each level of the signal.
+
+    Both are taken only where one alone explains the levels plainly worse: a small part that is not
+    there would otherwise be found by chance, and make the noise too large where the signal is
+    small.
     """
     least = max(float(level.min()), NOTHING * float(level.max()))
     if level.max() < WIDE * least:
@@ -183,10 +197,13 @@ def _two_parts(scatter: Real, level: Real) -> tuple[float, float]:
     if not known.any():
         return 0.0, 0.0
     columns = np.column_stack([np.ones_like(size), size**2])[known]
-    # The square of an uncertain number is too large by its variance, and neighbouring differences share samples.
+    # The square of an uncertain number is too large by its variance, and neighbouring differences
+    # share samples.
     power = spread[known] ** 2 / (1.0 + 1.0 / worth[known])
     worth = worth[known]
-    tried = [_fitted(columns * which, power, worth) for which in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))]
+    tried = [
+        _fitted(columns * which, power, worth) for which in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))
+    ]
     alone = min(tried[:2], key=lambda each: each[1])
     parts = alone[0]
     # Both kinds at once only where the data plainly ask for it.
@@ -199,7 +216,8 @@ def _fitted(columns: Real, power: Real, worth: Real) -> tuple[Real, float]:
     """Non-negative amounts of the columns, and minus twice the logarithm of their likelihood."""
     expected, parts = power, np.zeros(columns.shape[1])
     for _ in range(ROUNDS):
-        # Weighed by what is expected: by what was found, groups that are small by chance would count for more.
+        # Weighed by what is expected: by what was found, groups that are small by chance would
+        # count for more.
         share = np.sqrt(worth) / expected
         parts, _ = non_negative(columns * share[:, None], power * share)
         expected = np.maximum(columns @ parts, LEAST_EXPECTED * power)
@@ -207,7 +225,7 @@ def _fitted(columns: Real, power: Real, worth: Real) -> tuple[Real, float]:
 
 
 def relative_scatter(sweep: Measurement) -> float:
-    """Relative noise of a sweep at frequencies without standard deviations, from the scatter of neighbours.
+    """Relative noise of a sweep without standard deviations, from the scatter of neighbours.
 
     Sparse sweeps bend between their points, so that this is at most how large the noise is.
 
@@ -216,8 +234,10 @@ def relative_scatter(sweep: Measurement) -> float:
     >>> import numpy as np
     >>> from springpot import Measurement
     >>> from springpot.measurement import relative_scatter
-    >>> omega, scatter = np.geomspace(0.1, 10.0, 200), np.random.default_rng(1).normal(size=(2, 200))
-    >>> sweep = Measurement(omega, (1j * omega) ** 0.5 * np.exp(0.01 * (scatter[0] + 1j * scatter[1])))
+    >>> omega = np.geomspace(0.1, 10.0, 200)
+    >>> scatter = np.random.default_rng(1).normal(size=(2, 200))
+    >>> noise = np.exp(0.01 * (scatter[0] + 1j * scatter[1]))
+    >>> sweep = Measurement(omega, (1j * omega) ** 0.5 * noise)
     >>> round(relative_scatter(sweep), 3)
     0.01
     """

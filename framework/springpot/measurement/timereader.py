@@ -1,4 +1,4 @@
-"""Readers of tests in time, chosen by what a file holds, and how a user's file is opened with them."""
+"""Readers of tests in time, chosen by a file's content, and how they open a user's file."""
 
 from __future__ import annotations
 
@@ -40,12 +40,15 @@ class TimeReader:
 
 
 def open_in_time(spec: str | Path, readers: Iterable[TimeReader]) -> tuple[TimeTest, ...]:
-    """The tests in time in the file that a user names; none where it is no file, or holds something else.
+    """The tests in time in the file that a user names.
+
+    None where it is no file, or holds something else.
 
     Parameters
     ----------
     spec : str or Path
-        ``FILE``, ``FILE#2`` for a part, ``FILE?temperature=25[degC]`` for what the file leaves open.
+        ``FILE``, ``FILE#2`` for a part, ``FILE?temperature=25[degC]`` for what the file leaves
+        open.
     readers : iterable of TimeReader
         The known layouts.
 

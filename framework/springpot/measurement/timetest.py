@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from springpot.errors import DataError
-from springpot.plain import plain
-from springpot.rheology import KELVIN, Real
+from springpot.rheology.points import KELVIN, Real
+from springpot.terminal_safe import plain
 
 from .from_signals import stiffness_unit
 from .imposed import SHORT, STEADY, Loading, controlled, from_rest, is_released
@@ -32,13 +32,16 @@ CONTROLS = ("displacement", "force")
 STRAIGHT = 0.02
 """Share of its end by which a ramp may leave the straight line."""
 IMMENSE = 1e60
-"""No number of a test is larger, nor the inverse of one, in whatever unit: its square must still be a number."""
+"""No number of a test is larger, nor the inverse of one, in whatever unit.
+
+Its square must still be a number.
+"""
 PLANNED_IN = (
     (LENGTH_UNITS, "m", FORCE_UNITS, "N"),
     ({"-": 1.0}, "-", PRESSURE_UNITS, "Pa"),
     (ANGLE_UNITS, "rad", TORQUE_UNITS, "N m"),
 )
-"""Units of what may be imposed in displacement or in force, each with the unit in which the other is told."""
+"""Units of what is imposed, displacement or force, each with the unit that the other is told in."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +53,8 @@ class TimeTest:
     time : ndarray, shape (n,)
         In s, rising; when the response was read.
     response : ndarray, shape (n,)
-        Force in ``force_unit`` for a displacement that was imposed, else displacement in ``displacement_unit``.
+        Force in ``force_unit`` for a displacement that was imposed, else displacement in
+        ``displacement_unit``.
     loading : Loading
         What was imposed.
     control : {"displacement", "force"}
@@ -66,14 +70,16 @@ class TimeTest:
     measured : bool
         Whether the response was measured; otherwise it is zero and only asked for.
     warmth : ndarray, shape (n,), optional
-        Temperature in degC of each sample, where it moved during the test; `temperature` is then its mean.
+        Temperature in degC of each sample, where it moved during the test; `temperature` is then
+        its mean.
     letter : {"", "G", "E", "K"}
         Which modulus stress and strain are of, see `Units`; empty where nobody says.
 
     Raises
     ------
     DataError
-        If the columns do not fit each other or hold what cannot be measured, with the sample and what to do.
+        If the columns do not fit each other or hold what cannot be measured, with the sample and
+        what to do.
 
     Examples
     --------
@@ -110,31 +116,42 @@ class TimeTest:
     def _check(self) -> None:
         n = len(self.time)
         if self.time.ndim != 1 or self.response.shape != self.time.shape:
-            raise DataError(f"{self.name}: {n} times for {self.response.size} values: each sample has one of both")
+            raise DataError(
+                f"{self.name}: {n} times for {self.response.size} values:"
+                " each sample has one of both"
+            )
         _require_samples(n, self.name)
         columns = [("time", self.time), (self.answered, self.response)]
         if self.warmth is not None:
             columns.append(("temperature", self.warmth))
             if self.warmth.shape != self.time.shape:
-                raise DataError(f"{self.name}: {self.warmth.size} temperatures for {n} samples: each has one")
+                raise DataError(
+                    f"{self.name}: {self.warmth.size} temperatures for {n} samples: each has one"
+                )
         for what, values in columns:
             bad = np.flatnonzero(~np.isfinite(values))
             if len(bad):
-                raise DataError(f"{self.name}: the {what} of sample {bad[0] + 1} is no number: leave that sample out")
+                raise DataError(
+                    f"{self.name}: the {what} of sample {bad[0] + 1} is no number:"
+                    " leave that sample out"
+                )
             largest = float(np.abs(values).max())
             if largest and not 1.0 / IMMENSE < largest < IMMENSE:
-                raise DataError(f"{self.name}: a {what} of {largest:g} is no measured one: correct its unit")
-        # Of two answers at one time neither is the one: what is imposed may jump, the response may not.
+                raise DataError(
+                    f"{self.name}: a {what} of {largest:g} is no measured one: correct its unit"
+                )
+        # Of two answers at one time neither is the one: what is imposed may jump, the response may
+        # not.
         back = np.flatnonzero(np.diff(self.time) <= 0.0)
         if len(back):
             raise DataError(
-                f"{self.name}: the time does not rise after sample {back[0] + 1} (t = {self.time[back[0]]:g} s): "
-                "sort the samples, or open one part at a time"
+                f"{self.name}: the time does not rise after sample {back[0] + 1} (t ="
+                f" {self.time[back[0]]:g} s): sort the samples, or open one part at a time"
             )
         if self.time[0] < self.loading.time[0]:
             raise DataError(
-                f"{self.name}: the first sample at t = {self.time[0]:g} s lies before the load, which begins at "
-                f"{self.loading.time[0]:g} s: count the time from there"
+                f"{self.name}: the first sample at t = {self.time[0]:g} s lies before the load,"
+                f" which begins at {self.loading.time[0]:g} s: count the time from there"
             )
         # An answer to no motion asks nothing of a material: any model fits it.
         if np.ptp(self.loading.value) == 0.0:
@@ -169,7 +186,9 @@ class TimeTest:
         name, provenance
             As in `TimeTest`.
         """
-        return cls._after_step(time, modulus, "displacement", unit, rise, temperature, name, provenance)
+        return cls._after_step(
+            time, modulus, "displacement", unit, rise, temperature, name, provenance
+        )
 
     @classmethod
     def of_compliance(
@@ -232,20 +251,24 @@ class TimeTest:
         Parameters
         ----------
         time, displacement, force : array_like, shape (n,)
-            The record. A displacement in ``%`` is taken as a share. Where it begins later than t = 0 with what was
-            imposed there already, that is taken to have risen from nothing at t = 0, in a straight line.
+            The record. A displacement in ``%`` is taken as a share. Where it begins later than t =
+            0 with what was imposed there already, that is taken to have risen from nothing at t =
+            0, in a straight line.
         displacement_unit, force_unit : str
             Their units.
         control : {"displacement", "force"}, optional
             Which of the two was imposed; by default the one that is held, or else the displacement.
         rise : float, optional
-            Seconds that the load took from nothing to what was held, if that is known; 0 for a step.
+            Seconds that the load took from nothing to what was held, if that is known; 0 for a
+            step.
         temperature : float or array_like, shape (n,), optional
             In degC; one for each sample where it moved.
         name, provenance
             As in `TimeTest`.
         """
-        clock, moved, pulled = (np.asarray(column, dtype=float) for column in (time, displacement, force))
+        clock, moved, pulled = (
+            np.asarray(column, dtype=float) for column in (time, displacement, force)
+        )
         if not clock.shape == moved.shape == pulled.shape or clock.ndim != 1:
             raise DataError(
                 f"{name}: {clock.size} times, {moved.size} displacements and {pulled.size} forces: "
@@ -284,7 +307,9 @@ class TimeTest:
         temperature: float | ArrayLike | None = None,
         name: str = "planned",
     ) -> TimeTest:
-        """A test that is only to be predicted: displacement, strain, force or stress against time, by its unit.
+        """A test that is only to be predicted.
+
+        Displacement, strain, force or stress against time, by its unit.
 
         The answer is asked for in N and m, Pa and shares, or N m and rad.
         """
@@ -322,7 +347,10 @@ class TimeTest:
 
     @property
     def words(self) -> tuple[str, str]:
-        """What was imposed and what answered, in words: strain and stress, or displacement and force."""
+        """What was imposed and what answered, in words.
+
+        Strain and stress, or displacement and force.
+        """
         if not self.units.is_modulus:
             return self.control, self.answered
         of_material = {"displacement": "strain", "force": "stress"}
@@ -365,7 +393,8 @@ class TimeTest:
         """One over the longest and over the shortest time since the load moved, in rad/s."""
         clock = self.time - self.start
         shortest = float(np.min(clock[clock > 0.0], initial=self.duration))
-        # Any other history never comes to rest: the fastest that it shows is what its samples resolve.
+        # Any other history never comes to rest: the fastest that it shows is what its samples
+        # resolve.
         if self.kind not in ("relaxation", "creep"):
             return 1.0 / self.duration, 1.0 / float(np.median(np.diff(self.time)))
         # While the step still rises, its answer is that of the ramp.
@@ -425,8 +454,8 @@ class TimeTest:
         pressures = {self.units.stiffness in PRESSURE_UNITS, units.stiffness in PRESSURE_UNITS}
         if len(pressures) > 1:
             raise DataError(
-                f"{self.name} is in {self.units.stiffness} and the other test in {units.stiffness}: "
-                "a stiffness is no modulus; convert one of them by its geometry"
+                f"{self.name} is in {self.units.stiffness} and the other test in {units.stiffness}:"
+                " a stiffness is no modulus; convert one of them by its geometry"
             )
         # A force is stiffness times displacement: its factor is that of both.
         stiffer = MODULUS_UNITS[self.units.stiffness] / MODULUS_UNITS[units.stiffness]
@@ -467,7 +496,9 @@ def _split(unit: str) -> tuple[str, str]:
     if unit in PRESSURE_UNITS:
         return unit, "-"
     if unit not in MODULUS_UNITS:
-        raise DataError(f"[{unit}] is no unit of a modulus or stiffness: write Pa, MPa, kN/m or N/mm")
+        raise DataError(
+            f"[{unit}] is no unit of a modulus or stiffness: write Pa, MPa, kN/m or N/mm"
+        )
     force, _, displacement = unit.partition("/")
     return force, displacement
 
@@ -481,11 +512,13 @@ def _require_numbers(clock: Real, imposed: Real, name: str, what: str) -> None:
     for column, values in (("time", clock), (what, imposed)):
         bad = np.flatnonzero(~np.isfinite(values))
         if len(bad):
-            raise DataError(f"{name}: the {column} of sample {bad[0] + 1} is no number: leave that sample out")
+            raise DataError(
+                f"{name}: the {column} of sample {bad[0] + 1} is no number: leave that sample out"
+            )
     # A jump is two samples at one time: only a step back is a fault here.
     back = np.flatnonzero(np.diff(clock) < 0.0)
     if len(back):
         raise DataError(
-            f"{name}: the time does not rise after sample {back[0] + 1} (t = {clock[back[0]]:g} s): "
-            "sort the samples, or open one part at a time"
+            f"{name}: the time does not rise after sample {back[0] + 1} (t = {clock[back[0]]:g} s):"
+            " sort the samples, or open one part at a time"
         )

@@ -6,14 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from springpot.policy import SIGNALS
-from springpot.rheology import Real
+from springpot.rheology.points import Real
+from springpot.thresholds import SIGNALS
 
 from .fit import GONE, Basis, Fit, fit_harmonics
 from .record import Record
 
 STEP = 1.25
-"""Ratio of neighbouring time constants; the fit's second transient column makes up for what lies between them."""
+"""Ratio of neighbouring time constants.
+
+The fit's second transient column makes up for what lies between them.
+"""
 LONGEST = 4.0
 """Periods; what dies away more slowly than that is a drift and cannot pass for a harmonic."""
 ROUNDING = 1e-20
@@ -23,12 +26,13 @@ ROUNDING = 1e-20
 def fit_with_transient(record: Record, basis: Basis) -> tuple[Basis, Fit]:
     """Least squares with a decaying transient from the beginning of the part on, if there is one.
 
-    The evidence is what the transient takes from the squared residuals, counted in the noise that it leaves near
-    omega: slow noise of the same colour is not mistaken for it.
+    The evidence is what the transient takes from the squared residuals, counted in the noise that
+    it leaves near omega: slow noise of the same colour is not mistaken for it.
     """
     from scipy.special import chdtri, fdtri
 
-    # Two sieves, the cheap one first: most records have no transient, and are spared the second fit.
+    # Two sieves, the cheap one first: most records have no transient, and are spared the second
+    # fit.
     trial, gain, noise = _strongest(record, basis)
     if np.any(gain > chdtri(1, SIGNALS.transient_alarm) * noise):
         fit = fit_harmonics(record, trial)
@@ -40,8 +44,8 @@ def fit_with_transient(record: Record, basis: Basis) -> tuple[Basis, Fit]:
 def unsteady_cycles(fit: Fit) -> int:
     """How many leading groups of cycles have a stiffness unlike that of the second half.
 
-    Compared with the mean and scatter of the second half (F test); what comes after the first steady group is
-    scatter and stays.
+    Compared with the mean and scatter of the second half (F test); what comes after the first
+    steady group is scatter and stays.
     """
     from scipy.special import fdtri
 
@@ -62,10 +66,12 @@ def unsteady_cycles(fit: Fit) -> int:
 
 
 def _strongest(record: Record, basis: Basis) -> tuple[Basis, Real, Real]:
-    """The basis with the transient that explains most, its gain and the noise variance, (2,) for the channels.
+    """The basis with the transient that explains most, its gain and the noise variance.
 
-    A transient is linear but for its time constant, so that this alone is searched: each trial is one more column,
-    made orthogonal to the rest (variable projection, doi:10.1137/0710036).
+    The variance is (2,), of the channels.
+
+    A transient is linear but for its time constant, so that this alone is searched: each trial is
+    one more column, made orthogonal to the rest (variable projection, doi:10.1137/0710036).
     """
     period = 2 * np.pi / basis.omega
     # In a short part even less: what lasts through it cannot be told from level and drift.
@@ -81,7 +87,9 @@ def _strongest(record: Record, basis: Basis) -> tuple[Basis, Real, Real]:
         columns = basis.columns(time)
         # Later blocks hold nothing of it but rounding.
         if time[0] - basis.start < GONE * longest:
-            columns = np.concatenate([columns, np.exp(-(time - basis.start)[:, None] / trials)], axis=1)
+            columns = np.concatenate(
+                [columns, np.exp(-(time - basis.start)[:, None] / trials)], axis=1
+            )
         have = columns.shape[1]
         normal[:have, :have] += columns.T @ columns
         right[:have] += columns.T @ both
@@ -98,8 +106,12 @@ def _strongest(record: Record, basis: Basis) -> tuple[Basis, Real, Real]:
 
 
 def _gains(normal: Real, right: Real, size: int) -> tuple[Real, Real]:
-    """What each trial takes from the squared residuals, (t, 2), and what the columns before them explain, (2,)."""
-    # Columns of one size: a transient that dies at once is small beside a level, which would cost digits.
+    """What each trial takes from the squared residuals, (t, 2).
+
+    Also what the columns before them explain, (2,).
+    """
+    # Columns of one size: a transient that dies at once is small beside a level, which would cost
+    # digits.
     scale = np.sqrt(np.maximum(np.diag(normal), np.finfo(float).tiny))
     normal, right = normal / np.outer(scale, scale), right / scale[:, None]
     shared = np.linalg.lstsq(

@@ -1,4 +1,7 @@
-"""Units of dynamic tests: a small table with exact factors to SI, and the units of a model's parameters."""
+"""Units of dynamic tests.
+
+A small table with exact factors to SI, and the units of a model's parameters.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
-from springpot.rheology import KELVIN, Dimension
+from springpot.rheology.parameters import Dimension
+from springpot.rheology.points import KELVIN
 
 MODULI = {"shear": "G", "young": "E", "bulk": "K"}
 """What users call the moduli, and their letters."""
@@ -34,7 +38,15 @@ FORCE_UNITS = {
     "dyn": 1e-5,
     "daN": 10.0,
 }
-LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "nm": 1e-9, "in": 0.0254, "ft": 0.3048}
+LENGTH_UNITS = {
+    "m": 1.0,
+    "mm": 1e-3,
+    "cm": 1e-2,
+    "um": 1e-6,
+    "nm": 1e-9,
+    "in": 0.0254,
+    "ft": 0.3048,
+}
 TORQUE_UNITS = {
     "N m": 1.0,
     "kN m": 1e3,
@@ -43,7 +55,13 @@ TORQUE_UNITS = {
     "N mm": 1e-3,
     "lbf in": 0.1129848290276167,
 }
-ANGLE_UNITS = {"rad": 1.0, "mrad": 1e-3, "urad": 1e-6, "deg": 0.017453292519943295, "gon": 0.015707963267948967}
+ANGLE_UNITS = {
+    "rad": 1.0,
+    "mrad": 1e-3,
+    "urad": 1e-6,
+    "deg": 0.017453292519943295,
+    "gon": 0.015707963267948967,
+}
 
 
 def _quotients(over: dict[str, float], under: dict[str, float]) -> dict[str, float]:
@@ -86,21 +104,32 @@ _USUAL = {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3, "kN/mm": 1e6, "lbf/in": STIFFNES
 MODULUS_UNITS = _USUAL | PRESSURE_UNITS | STIFFNESS_UNITS | TORSION_UNITS
 AMPLITUDE_UNITS = LENGTH_UNITS | STRAIN_UNITS | ANGLE_UNITS
 
-_SPELLINGS = {
-    "°c": "degC", "degc": "degC", "c": "degC", "celsius": "degC", "deg c": "degC", "℃": "degC", "kelvin": "K",
-    "°f": "degF", "f": "degF", "hertz": "Hz", "cpm": "1/min", "rpm": "1/min",
-    "u/min": "1/min", "upm": "1/min", "r/min": "1/min", "rev/min": "1/min", "min^-1": "1/min", "cps": "Hz",
-    "cycles/s": "Hz", "kpsi": "ksi", "rads/s": "rad/s", "rad s^-1": "rad/s",
-    "grad c": "degC", "grad celsius": "degC", "gradc": "degC", "grd c": "degC",
+_SPELT = {
+    "degC": "°c,degc,c,celsius,deg c,℃,grad c,grad celsius,gradc,grd c",
+    "degF": "°f,f",
+    "K": "kelvin",
+    "Hz": "hertz,cps,cycles/s",
+    "1/min": "cpm,rpm,u/min,upm,r/min,rev/min,min^-1",
+    "rad/s": "rads/s,rad s^-1",
     # German test benches write Grad for a degree; the hundredth of a right angle is a gon there.
-    "grad": "deg", "grd": "deg", "altgrad": "deg", "winkelgrad": "deg", "degs": "deg", "neugrad": "gon",
-    "gradian": "gon", "gradians": "gon", "°": "deg", "degree": "deg", "degrees": "deg",
-    "": "-", "1": "-", "strain": "-", "m/m": "-", "percent": "%",
-    "sec": "s", "seconds": "s", "kips": "kip", "lb": "lbf", "inch": "in", "inches": "in",
-    "newton": "N", "newtons": "N", "kilonewton": "kN", "kilonewtons": "kN", "pounds": "lbf", "pound": "lbf",
-    "millimeter": "mm", "millimeters": "mm", "millimetre": "mm", "millimetres": "mm", "meter": "m", "meters": "m",
-    "metre": "m", "metres": "m", "milliseconds": "ms", "minutes": "min", "pascal": "Pa", "pascals": "Pa",
-}  # fmt: skip
+    "deg": "grad,grd,altgrad,winkelgrad,degs,°,degree,degrees",
+    "gon": "neugrad,gradian,gradians",
+    "-": ",1,strain,m/m",
+    "%": "percent",
+    "s": "sec,seconds",
+    "ms": "milliseconds",
+    "min": "minutes",
+    "in": "inch,inches",
+    "mm": "millimeter,millimeters,millimetre,millimetres",
+    "m": "meter,meters,metre,metres",
+    "N": "newton,newtons",
+    "kN": "kilonewton,kilonewtons",
+    "lbf": "lb,pound,pounds",
+    "kip": "kips",
+    "Pa": "pascal,pascals",
+    "ksi": "kpsi",
+}
+_SPELLINGS = {other: usual for usual, others in _SPELT.items() for other in others.split(",")}
 _SIGNS = str.maketrans(
     {
         "µ": "u",
@@ -125,11 +154,11 @@ _SHOWN = 12
 """Units that a message lists."""
 
 
-_RUSSIAN = {
-    "Гц": "Hz", "кГц": "kHz", "рад": "rad", "град": "deg", "Па": "Pa", "кПа": "kPa", "МПа": "MPa", "ГПа": "GPa",
-    "м": "m", "мм": "mm", "см": "cm", "мкм": "um", "Н": "N", "кН": "kN", "МН": "MN", "с": "s", "сек": "s", "мс": "ms",
-    "мин": "min", "С": "C", "К": "K", "кгс": "kgf", "Дж": "J", "кДж": "kJ",
-}  # fmt: skip
+_IN_RUSSIAN = (
+    "Гц Hz,кГц kHz,рад rad,град deg,Па Pa,кПа kPa,МПа MPa,ГПа GPa,м m,мм mm,см cm,мкм um,"
+    "Н N,кН kN,МН MN,с s,сек s,мс ms,мин min,С C,К K,кгс kgf,Дж J,кДж kJ"
+)
+_RUSSIAN = dict(pair.split() for pair in _IN_RUSSIAN.split(","))
 _CYRILLIC = re.compile(r"[а-яА-Я]+")
 _LONGEST = 60
 """Signs of a unit that are looked at."""
@@ -137,12 +166,14 @@ _LONGEST = 60
 
 @lru_cache(maxsize=4096)
 def normal_unit(text: str) -> str:
-    """The usual spelling of a unit as people and programs write it; those that are unknown are tidied only.
+    """The usual spelling of a unit as people and programs write it.
+
+    Those that are unknown are tidied only.
 
     Examples
     --------
-    >>> normal_unit("°C"), normal_unit("N.m"), normal_unit("rad·s-1"), normal_unit("[mPa.s]"), normal_unit("10³ Pa")
-    ('degC', 'N m', 'rad/s', 'mPa s', 'kPa')
+    >>> [normal_unit(text) for text in ("°C", "N.m", "rad·s-1", "[mPa.s]", "10³ Pa")]
+    ['degC', 'N m', 'rad/s', 'mPa s', 'kPa']
     """
     # An abbreviation may end in a dot, as people write "deg." and "sec.".
     unit = text.strip().strip("[]").strip()[:_LONGEST].removesuffix(".")
@@ -212,10 +243,15 @@ def known_unit(text: str, table: dict[str, float], what: str) -> str:
     unit = normal_unit(text)
     if unit in table:
         return unit
-    # A unit is never guessed but for its case: a wrong one would change K a thousandfold without a word.
+    # A unit is never guessed but for its case: a wrong one would change K a thousandfold without a
+    # word.
     near = near_units(unit, table)
     # Case may be sloppy, but it must not turn mega into milli.
-    if len(near) == 1 and near[0].lower() == unit.lower() and (near[0][0] == unit[0] or unit[0] not in "mM"):
+    if (
+        len(near) == 1
+        and near[0].lower() == unit.lower()
+        and (near[0][0] == unit[0] or unit[0] not in "mM")
+    ):
         return near[0]
     hint = ""
     if near:
@@ -228,7 +264,9 @@ def known_unit(text: str, table: dict[str, float], what: str) -> str:
 
 
 def near_units(text: str, table: dict[str, float]) -> list[str]:
-    """The units of a table that an unknown one may stand for: those that differ in case alone, else the most alike.
+    """The units of a table that an unknown one may stand for.
+
+    Those that differ in case alone, else the most alike.
 
     Examples
     --------
@@ -251,10 +289,12 @@ class Units:
     amplitude : str
         Unit of the amplitude, such as ``mm`` or ``-``.
     clock : {"Hz", "rad/s"}
-        In which frequencies are told; every array is in rad/s, or in Hz where its name is frequency.
+        In which frequencies are told; every array is in rad/s, or in Hz where its name is
+        frequency.
     letter : {"", "G", "E", "K"}
-        What was measured: a shear modulus (G), Young's modulus (E), or of a modulus the bulk one and of a stiffness
-        the stiffness itself (K); empty where nobody says. Solids need it, see `springpot.solvers.solid_of`.
+        What was measured: a shear modulus (G), Young's modulus (E), or of a modulus the bulk one
+        and of a stiffness the stiffness itself (K); empty where nobody says. Solids need it, see
+        `springpot.solvers.solid_of`.
 
     Raises
     ------
@@ -302,7 +342,10 @@ class Units:
 
     @property
     def storage(self) -> str:
-        """What the part in phase is called: ``G'`` where the file says so, else storage modulus or stiffness."""
+        """What the part in phase is called.
+
+        ``G'`` where the file says so, else storage modulus or stiffness.
+        """
         if self.letter:
             return f"{self.letter}'"
         return f"storage {self._noun}"
@@ -379,7 +422,8 @@ class Units:
             force = self._force()
             if force:
                 return force[0], _with_time(force[1], dimension.time)
-        # A stiffness times amplitude squared over a time is a power: its inverse is so much for each watt.
+        # A stiffness times amplitude squared over a time is a power: its inverse is so much for
+        # each watt.
         if powers == (-1, 1, -2) and (self.is_modulus or self.amplitude != "-"):
             reach = AMPLITUDE_UNITS[self.amplitude]
             per_watt = 1.0 / (stiff * reach * reach)
@@ -389,7 +433,10 @@ class Units:
         return None
 
     def _force(self) -> tuple[float, str] | None:
-        """What stiffness times amplitude is: a force, a torque, or where strain was measured a stress."""
+        """What stiffness times amplitude is.
+
+        A force, a torque, or where strain was measured a stress.
+        """
         if self.is_modulus and self.amplitude in STRAIN_UNITS:
             return STRAIN_UNITS[self.amplitude], self.stiffness
         if self.stiffness in STIFFNESS_UNITS and self.amplitude in LENGTH_UNITS:
@@ -418,7 +465,8 @@ class Units:
         over, _, under = self.stiffness.partition("/")
         if under != self.amplitude:
             return f"{_with_time(self.stiffness, dimension.time)} {length}".rstrip()
-        # N/mm times a power of mm is N over another power of mm, which is what a person would write.
+        # N/mm times a power of mm is N over another power of mm, which is what a person would
+        # write.
         below = _power(under, 1 - dimension.amplitude)
         if below:
             over = f"{over}/{below}"
@@ -458,7 +506,9 @@ def _with_time(unit: str, time: float | str) -> str:
 
 
 def temperature_in_celsius(value: T, unit: str) -> T:
-    """Convert temperatures in ``degC``, ``K`` or ``degF`` to degrees Celsius; those in Celsius stay the same bits.
+    """Convert temperatures in ``degC``, ``K`` or ``degF`` to degrees Celsius.
+
+    Those in Celsius stay the same bits.
 
     Examples
     --------
@@ -474,7 +524,9 @@ def temperature_in_celsius(value: T, unit: str) -> T:
 
 
 def one_modulus(all_units: Iterable[tuple[str, Units]]) -> str:
-    """The letter of the modulus that tests of these names and units have in common; empty where none of them says.
+    """The letter of the modulus that tests of these names and units have in common.
+
+    Empty where none of them says.
 
     Raises
     ------

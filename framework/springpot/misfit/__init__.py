@@ -1,13 +1,23 @@
-"""How far a model is off: the noise floor, the material floor, where it fails, and what noise alone would do.
+"""How far a model is off.
 
-Nothing here names an effect: `springpot.diagnosis` does, and `springpot.comparison` lays models side by side.
+The noise floor, the material floor, where it fails, and what noise alone would do.
+
+Nothing here names an effect: `springpot.diagnosis` does, and `springpot.comparison` lays models
+side by side.
 """
 
-from .battery import Finding
-from .error import Error
-from .material import any_material
-from .values import Value
-from .where import Where
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from springpot.lazy import offered
+
+if TYPE_CHECKING:
+    from .error import Error
+    from .material import any_material
+    from .residual_battery import Finding
+    from .values import Value
+    from .where import Where
 
 __all__ = [
     "Error",
@@ -16,3 +26,13 @@ __all__ = [
     "Where",
     "any_material",
 ]
+
+_WHERE = {
+    "Error": "springpot.misfit.error",
+    "Finding": "springpot.misfit.residual_battery",
+    "Value": "springpot.misfit.values",
+    "Where": "springpot.misfit.where",
+    "any_material": "springpot.misfit.material",
+}
+
+__getattr__, __dir__ = offered(__name__, _WHERE)

@@ -1,4 +1,7 @@
-"""Whether the amplitude matters, and how, without a model: a material for each amplitude beside one for all."""
+"""Whether the amplitude matters, and how, without a model.
+
+A material for each amplitude beside one for all.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +9,10 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from springpot.digits import number
-from springpot.measurement import Measurement, temperatures_differ
-from springpot.rheology import Real
+from springpot.format_numbers import number
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.sweeps import temperatures_differ
+from springpot.rheology.points import Real
 
 from .material import (
     Level,
@@ -24,15 +28,18 @@ from .where import with_unit
 from .words import percent
 
 FEWEST_COMMON = 3
-"""Frequencies that the lowest amplitude shares with all others, from which their moduli are compared."""
+"""Frequencies shared by the lowest amplitude and all others, at which moduli are compared."""
 STAYS = 0.05
-"""Share of a loss factor by which it may differ from amplitude to amplitude and be one in two digits."""
+"""Share of a loss factor by which it may differ over amplitudes and be one in two digits."""
 TURNS = 0.1
-"""Share of its range by which a course goes beyond both of its ends to be told as one that turns."""
+"""Share of its range by which a course goes beyond both of its ends to be told as one that turns.
+"""
 
 
 def notes_on_amplitudes(base: Refit) -> Iterator[str]:
-    """Sentences on what the amplitude does; none where it was not varied, or where temperatures differ as well.
+    """Sentences on what the amplitude does.
+
+    None where it was not varied, or where temperatures differ as well.
 
     Parameters
     ----------
@@ -58,7 +65,7 @@ def notes_on_amplitudes(base: Refit) -> Iterator[str]:
 
 
 def _course(measurement: Measurement, levels: Sequence[Level]) -> str:
-    """How the modulus and the loss factor go with the amplitude, at the frequencies that all levels share."""
+    """How modulus and loss factor go with the amplitude, at frequencies that all levels share."""
     low = max(float(measurement.omega[level.rows].min()) for level in levels)
     high = min(float(measurement.omega[level.rows].max()) for level in levels)
     own = measurement.omega[levels[0].rows]
@@ -67,14 +74,23 @@ def _course(measurement: Measurement, levels: Sequence[Level]) -> str:
         return "the amplitude matters"
     curves = [level.fitted.model.stiffness(level.fitted.theta, omega) for level in levels]
     places = [with_unit(measurement, "amplitude", level.value) for level in levels]
-    # In logarithms: a modulus is compared by ratios, over frequencies at which it differs by decades.
-    sizes = np.array([float(np.exp(np.mean(np.log(np.abs(curve / curves[0]))))) for curve in curves])
+    # In logarithms: a modulus is compared by ratios, over frequencies at which it differs by
+    # decades.
+    sizes = np.array(
+        [float(np.exp(np.mean(np.log(np.abs(curve / curves[0]))))) for curve in curves]
+    )
     tangents = np.array([float(np.tan(np.mean(np.angle(curve)))) for curve in curves])
     change = "rises"
     if sizes[-1] < 1.0:
         change = "falls"
-    size = f"{measurement.units.magnitude} {change} by {percent(abs(sizes[-1] - 1.0))}{_turn(sizes, places)}"
-    loss = f"the loss factor goes from {number(tangents[0], 2)} to {number(tangents[-1], 2)}{_turn(tangents, places)}"
+    size = (
+        f"{measurement.units.magnitude} {change} by"
+        f" {percent(abs(sizes[-1] - 1.0))}{_turn(sizes, places)}"
+    )
+    loss = (
+        f"the loss factor goes from {number(tangents[0], 2)} to"
+        f" {number(tangents[-1], 2)}{_turn(tangents, places)}"
+    )
     if float(np.ptp(tangents)) < STAYS * float(np.max(tangents)):
         loss = f"the loss factor stays at {number(float(np.mean(tangents)), 2)}"
     return f"from {places[0]} to {places[-1]} {size}, and {loss}"

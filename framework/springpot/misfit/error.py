@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from springpot.policy import SCATTER
+from springpot.thresholds import SCATTER
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,10 @@ class Error:
 
     @property
     def is_hardly_noise(self) -> bool:
-        """Whether an error is too large for what is called noise: scatter about models, or of unequal repeats."""
+        """Whether an error is too large for what is called noise.
+
+        Scatter about models, or of unequal repeats.
+        """
         if self.noise_source == "repeats":
             return self.noise_floor > SCATTER.repeats_alike
         return self.noise_source == "estimated" and self.relative_rms > SCATTER.believed
@@ -46,6 +49,7 @@ class Error:
         """What to do about noise that is hard to believe."""
         if self.noise_source == "repeats":
             return (
-                f"rows that differ by {100 * self.noise_floor:.2g} % are no repeats of each other: judge them apart"
+                f"rows that differ by {100 * self.noise_floor:.2g} % are no repeats of each other:"
+                " judge them apart"
             )
         return f"noise of {100 * self.noise_floor:.2g} % is no good measurement: repeat it"

@@ -13,62 +13,75 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import f_quantile, f_sf
-from springpot.measurement import (
-    Averaged,
-    Measurement,
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.replicates import Averaged, average_repeats, noise_of_repeats
+from springpot.measurement.scatter import (
     Noise,
     Scatter,
     at_least_rounding,
-    average_repeats,
     checked_noise,
-    noise_of_repeats,
     noise_shape,
     plausible_variance,
     robust_noise_shape,
-    sweeps_of,
 )
-from springpot.policy import SCATTER, VERDICT
-from springpot.rheology import Complex, Model, Real
+from springpot.measurement.sweeps import sweeps_of
+from springpot.rheology.model import Model
+from springpot.rheology.points import Complex, Real
+from springpot.thresholds import SCATTER, VERDICT
 
 from .frame import Frame
 from .refit import Refit, refit
-from .trimming import Trimmed, trimmed
+from .robust_scatter import Trimmed, trimmed
 
 STARTS = 16
 """Starts of a first fit, of whose parameters nothing is known."""
 STARTS_AGAIN = 8
-"""Starts beside the fit before, in units of another noise: where it is smaller, another minimum may be the least."""
+"""Starts beside the fit before, in units of another noise.
+
+Where it is smaller, another minimum may be the least.
+"""
 STARTS_RESCALED = 4
-"""The same where all of the noise was multiplied by one number, which leaves the minima where they are."""
+"""The same for noise multiplied by one number, which leaves the minima where they are."""
 STARTS_OF_A_ROUND = 2
 """The same where it only changed its shape."""
 NEARLY = 2.0
-"""Error over noise floor up to which a model may be right, and its scatter tell where the noise is larger."""
+"""Error over noise floor up to which a model may be right, and its scatter tell where the noise is
+larger.
+"""
 LEAST_RISE = 0.01
-"""Relative change of the noise over |K| along a sweep from which its shape is another than that of |K|."""
+"""Relative change of noise over |K| along a sweep from which its shape is not that of |K|."""
 LEAST_LEFT = 0.1
 """Share of a point's variance that curves leave, from which the rest says anything of it."""
 ROUNDS = 2
 """Times that the noise is estimated anew about the fit that it gave."""
 TRIMMED_FITS = 6
-"""Fits without what stands out, each beside the last: of the notches tried nearly all settle in three."""
+"""Fits without what stands out, each beside the last.
+
+Of the notches tried nearly all settle in three.
+"""
 DIFFERENCES = (2, 3, 4, 5)
-"""Orders of the differences: of a ripple of 8 points the second leave 59 % and the fifth 26 % of its size. Those of
-order k are worth C(2k,k)^2 / C(4k,2k) degrees of freedom each, as neighbouring ones share points."""
+"""Orders of the differences.
+
+Of a ripple of 8 points the second leave 59 % and the fifth 26 % of its size. Those of
+order k are worth C(2k,k)^2 / C(4k,2k) degrees of freedom each, as neighbouring ones share points.
+"""
 ENOUGH_NEIGHBOURS = 10
 """Degrees of freedom below which second differences say too little."""
 FEWEST_ABOUT_MODEL = 4
 """Degrees of freedom from which the scatter about a model says how large the noise is."""
 LEAST_SPARE = 0.4
-"""Share of the numbers that a model leaves over before its scatter says anything: of nine points a free spectrum, a
+"""Share of the numbers that a model leaves over before its scatter says anything.
+
+Of nine points a free spectrum, a
 filter and a resonance follow the noise to a fiftieth of it."""
 
 
 def fitted_to_floor(model: Model, measurement: Measurement, seeds: Sequence[Real] = ()) -> Refit:
     """Fit `model` to the averaged data, in units of a noise floor found on the way.
 
-    Repeats tell the noise best; given standard deviations are checked against the data's own scatter; without
-    either the scatter about slow curves is taken, which says at most how large the noise is.
+    Repeats tell the noise best; given standard deviations are checked against the data's own
+    scatter; without either the scatter about slow curves is taken, which says at most how large the
+    noise is.
 
     Parameters
     ----------
@@ -95,7 +108,8 @@ def _given(model: Model, data: Averaged, sd: Complex, seeds: Sequence[Real]) -> 
     noise = checked_noise(first.noise, *scatter_about(first.frame()))
     if noise is first.noise:
         return first
-    # A notch drags the curve, and all else seems to scatter: that is no reason to doubt what was given.
+    # A notch drags the curve, and all else seems to scatter: that is no reason to doubt what was
+    # given.
     free, _ = undragged(first)
     noise = checked_noise(first.noise, *scatter_about(free.frame()))
     if noise is first.noise:
@@ -106,18 +120,25 @@ def _given(model: Model, data: Averaged, sd: Complex, seeds: Sequence[Real]) -> 
 def beyond_floor(fitted: Refit) -> bool:
     """Whether an error is beyond the noise floor by more than chance.
 
-    The floor of an estimated noise leaves out the few frequencies that are far off, and simulated noise has their
-    long tails too: no test sees them, and yet the model does not go through them.
+    The floor of an estimated noise leaves out the few frequencies that are far off, and simulated
+    noise has their long tails too: no test sees them, and yet the model does not go through them.
     """
     ratio = fitted.relative_rms / fitted.floor
-    # Floor and error are both uncertain, so F and not chi-square; of many points a slight excess is sure but small.
+    # Floor and error are both uncertain, so F and not chi-square; of many points a slight excess is
+    # sure but small.
     chance = f_sf(ratio**2, fitted.fit.dof, fitted.noise.dof)
     return bool(ratio > VERDICT.misfit and chance < VERDICT.structure_alarm)
 
 
 def is_arithmetic(fitted: Refit) -> bool:
-    """Whether an error is that of arithmetic, on more points than anything would follow: the data were computed."""
-    return fitted.relative_rms < VERDICT.arithmetic and len(fitted.fit.measurement) > VERDICT.fewest_spare
+    """Whether an error is that of arithmetic, on more points than anything would follow.
+
+    The data were computed.
+    """
+    return (
+        fitted.relative_rms < VERDICT.arithmetic
+        and len(fitted.fit.measurement) > VERDICT.fewest_spare
+    )
 
 
 def is_hardly_known(fitted: Refit) -> bool:
@@ -131,7 +152,13 @@ def is_hardly_known(fitted: Refit) -> bool:
 def as_given(base: Refit) -> Refit:
     """The fit in units of the given standard deviations, though they were doubted."""
     assert base.data.mean.sd is not None, "only what was given can be doubted"
-    return refit(base.model, base.data, Noise(base.data.mean.sd, inf, "given"), [base.theta], starts=STARTS_AGAIN)
+    return refit(
+        base.model,
+        base.data,
+        Noise(base.data.mean.sd, inf, "given"),
+        [base.theta],
+        starts=STARTS_AGAIN,
+    )
 
 
 def borne_out(best: Refit) -> bool:
@@ -143,17 +170,22 @@ def borne_out(best: Refit) -> bool:
 def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     size, everything = data.mean.magnitude, np.ones(len(data.mean), dtype=bool)
     # Proportional to |K| to begin with: both parts alike, and no frequency outweighs the others.
-    first = refit(model, data, Noise(np.asarray(size + 1j * size), 1.0, "estimated"), seeds, starts=STARTS)
+    first = refit(
+        model, data, Noise(np.asarray(size + 1j * size), 1.0, "estimated"), seeds, starts=STARTS
+    )
     usual = _in_rounds(model, data, first, uneven=False)
     # Beside a model that is far off its misfit would be taken for noise that rises where it fails.
     if usual.relative_rms > NEARLY * usual.floor:
         return usual
-    # Before anything is set aside: where a rig is noisier at the ends of its range, these points are no outliers.
+    # Before anything is set aside: where a rig is noisier at the ends of its range, these points
+    # are no outliers.
     shape = next(_shapes(first, data.mean, everything, uneven=True))
     relative = np.concatenate([shape.sd.real, shape.sd.imag]) / np.concatenate([size, size])
     if np.ptp(relative) < LEAST_RISE * np.min(relative):
         return usual
-    return _in_rounds(model, data, refit(model, data, shape, [first.theta], starts=STARTS_OF_A_ROUND), uneven=True)
+    return _in_rounds(
+        model, data, refit(model, data, shape, [first.theta], starts=STARTS_OF_A_ROUND), uneven=True
+    )
 
 
 def _in_rounds(model: Model, data: Averaged, fitted: Refit, uneven: bool) -> Refit:
@@ -161,15 +193,24 @@ def _in_rounds(model: Model, data: Averaged, fitted: Refit, uneven: bool) -> Ref
     free, inside = fitted, np.ones(len(data.mean), dtype=bool)
     for _ in range(ROUNDS):
         # Each way says at most how large the noise is: the smaller one is the better bound.
-        tried = [_scaled(model, data, shape, fitted) for shape in _shapes(free, data.mean, inside, uneven)]
+        tried = [
+            _scaled(model, data, shape, fitted)
+            for shape in _shapes(free, data.mean, inside, uneven)
+        ]
         fitted, free, inside = min(tried, key=lambda one: data.floor(one[0].noise))
     return fitted
 
 
-def _scaled(model: Model, data: Averaged, shape: Noise, before: Refit) -> tuple[Refit, Refit, NDArray[np.bool_]]:
-    """The fit in units of a noise of this shape and of the size that the scatter gives it; see `undragged`."""
+def _scaled(
+    model: Model, data: Averaged, shape: Noise, before: Refit
+) -> tuple[Refit, Refit, NDArray[np.bool_]]:
+    """The fit in units of a noise of this shape and of the size that the scatter gives it.
+
+    See `undragged`.
+    """
     shaped = refit(model, data, shape, [before.theta], starts=STARTS_OF_A_ROUND)
-    # The shape first and then its size: what stands out is told beside a fit in units of the right shape.
+    # The shape first and then its size: what stands out is told beside a fit in units of the right
+    # shape.
     free, inside = undragged(shaped)
     variance, dof = scatter_about(free.frame())
     sd = at_least_rounding(float(np.sqrt(variance)) * shape.sd, data.mean)
@@ -181,8 +222,9 @@ def _scaled(model: Model, data: Averaged, shape: Noise, before: Refit) -> tuple[
 def undragged(fitted: Refit) -> tuple[Refit, NDArray[np.bool_]]:
     """The fit to what does not stand out, and which points (n,) that is.
 
-    A notch or a bad point drags the curve, and all else then seems to scatter. Those that stand out are found anew
-    beside the curve that is free of them (Rousseeuw 1984, least trimmed squares, doi:10.1080/01621459.1984.10477105).
+    A notch or a bad point drags the curve, and all else then seems to scatter. Those that stand out
+    are found anew beside the curve that is free of them (Rousseeuw 1984, least trimmed squares,
+    doi:10.1080/01621459.1984.10477105).
     """
     n = len(fitted.fit.measurement)
     free, followed = fitted, np.ones(n, dtype=bool)
@@ -198,10 +240,11 @@ def undragged(fitted: Refit) -> tuple[Refit, NDArray[np.bool_]]:
 
 
 def sharpened(base: Refit, best: Refit) -> Refit | None:
-    """The base model fitted again in units of the scatter about a better model, where that is much smaller.
+    """The base model refitted in units of a better model's scatter, where that is much smaller.
 
-    Where conditions differ from point to point there are no smooth curves whose scatter could be taken, and the
-    misfit of a wrong model passes for noise; the scatter about a model that explains it cannot.
+    Where conditions differ from point to point there are no smooth curves whose scatter could be
+    taken, and the misfit of a wrong model passes for noise; the scatter about a model that explains
+    it cannot.
 
     Parameters
     ----------
@@ -225,11 +268,15 @@ def sharpened(base: Refit, best: Refit) -> Refit | None:
     return refit(base.model, base.data, noise, [base.theta], starts=STARTS_AGAIN)
 
 
-def _shapes(free: Refit, measurement: Measurement, inside: NDArray[np.bool_], uneven: bool) -> Iterator[Noise]:
-    """Noise with the dependence on the point that the scatter about slow curves favours; its size comes later.
+def _shapes(
+    free: Refit, measurement: Measurement, inside: NDArray[np.bool_], uneven: bool
+) -> Iterator[Noise]:
+    """Noise with the dependence on the point that the scatter about slow curves favours.
 
-    Where a ripple or a drift is seen in that scatter, also without it: its storage and its loss would be taken for
-    the sizes of the noise in both.
+    Its size comes later.
+
+    Where a ripple or a drift is seen in that scatter, also without it: its storage and its loss
+    would be taken for the sizes of the noise in both.
 
     Parameters
     ----------
@@ -240,15 +287,20 @@ def _shapes(free: Refit, measurement: Measurement, inside: NDArray[np.bool_], un
     inside : ndarray of bool, shape (n,)
         Those that do not.
     uneven : bool
-        Whether the noise may be larger at an end of the frequencies, or of another size in each part.
+        Whether the noise may be larger at an end of the frequencies, or of another size in each
+        part.
     """
     frame, n = free.frame(), int(np.sum(inside))
     scatters = [frame.rough]
     left = trimmed(frame).left
-    # Within rounding it is the same scatter, and a second fit of the same shape would cost time for nothing.
-    if not np.allclose(left, frame.rough, atol=1e-6 * float(np.max(np.abs(frame.rough), initial=0.0))):
+    # Within rounding it is the same scatter, and a second fit of the same shape would cost time for
+    # nothing.
+    if not np.allclose(
+        left, frame.rough, atol=1e-6 * float(np.max(np.abs(frame.rough), initial=0.0))
+    ):
         scatters.append(left)
-    # Curves bow to the ends of a sweep: what they leave there is less than the noise by as much as they follow.
+    # Curves bow to the ends of a sweep: what they leave there is less than the noise by as much as
+    # they follow.
     followed = np.sum(frame.absorbed**2, axis=1) + np.sum(frame.structured**2, axis=1)
     left_of_noise = np.sqrt(np.maximum(1.0 - followed, LEAST_LEFT))
     for scatter in scatters:
@@ -269,14 +321,18 @@ def _of_residual(fitted: Refit, scatter: Trimmed) -> Noise:
 
 
 def scatter_about(frame: Frame) -> tuple[float, float]:
-    """Variance of whitened scatter and its degrees of freedom: what neither the fit nor structure can follow.
+    """Variance of whitened scatter and its degrees of freedom.
 
-    A ripple too fast for the slow curves, or a drift of a measurement whose frequencies were taken in random order,
-    would pass for scatter. But neighbours, along a sweep or from row to row, share most of it: where their
-    differences vary by much less (von Neumann et al. 1941, doi:10.1214/aoms/1177731746), these tell the noise.
+    What neither the fit nor structure can follow.
+
+    A ripple too fast for the slow curves, or a drift of a measurement whose frequencies were taken
+    in random order, would pass for scatter. But neighbours, along a sweep or from row to row, share
+    most of it: where their differences vary by much less (von Neumann et al. 1941,
+    doi:10.1214/aoms/1177731746), these tell the noise.
     """
     variance, dof = trimmed(frame).variance, float(max(frame.rough_dof, 1))
-    # Where a free spectrum has as many lines as there are numbers, all of the noise is followed: none is left over.
+    # Where a free spectrum has as many lines as there are numbers, all of the noise is followed:
+    # none is left over.
     kept = max(1.0 - frame.absorbed.shape[1] / frame.size, 1.0 / frame.size)
     along_sweeps = [sweep.rows for sweep in sweeps_of(frame.measurement)]
     for lines in (along_sweeps, [np.arange(len(frame.measurement))]):
@@ -288,7 +344,8 @@ def scatter_about(frame: Frame) -> tuple[float, float]:
             if efficient < ENOUGH_NEIGHBOURS:
                 continue
             near = float(np.mean(left**2)) / power / kept
-            # Only where it is smaller beyond chance: the least of several estimates of white noise is too small.
+            # Only where it is smaller beyond chance: the least of several estimates of white noise
+            # is too small.
             if near < variance * f_quantile(SCATTER.faster_alarm, efficient, dof):
                 variance, dof = near, efficient
     return variance, dof

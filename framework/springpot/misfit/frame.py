@@ -1,4 +1,7 @@
-"""The linear geometry of a fit: what slow structure is, what fitted parameters can absorb, and what they cannot."""
+"""The linear geometry of a fit.
+
+What slow structure is, what fitted parameters can absorb, and what they cannot.
+"""
 
 from __future__ import annotations
 
@@ -11,34 +14,39 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from springpot.distributions import chi2_sf, f_sf
-from springpot.identification import weighted
-from springpot.measurement import (
-    CONDITIONS,
-    LEAST_RELATIVE,
-    Measurement,
-    frequency_numbers,
-    rounding_step,
-    sweeps_of,
-)
-from springpot.policy import VERDICT
-from springpot.rheology import Complex, Real
+from springpot.identification.objective import weighted
+from springpot.measurement.measurement import CONDITIONS, Measurement
+from springpot.measurement.one_frequency import frequency_numbers
+from springpot.measurement.scatter import LEAST_RELATIVE, rounding_step
+from springpot.measurement.sweeps import sweeps_of
+from springpot.rheology.points import Complex, Real
+from springpot.thresholds import VERDICT
 
 from .shapes import SMOOTH_DEGREE, Drawn, orthonormal, shared_shapes, slow_shapes
 
 DEALT_ALONE = 8
 """Points of a sweep from which its scatter is dealt out anew by itself."""
 FEWEST_ROUGH = 8
-"""Degrees of freedom that slow curves leave to the scatter at least: its size is then known to a quarter."""
+"""Degrees of freedom that slow curves leave to the scatter at least.
+
+Its size is then known to a quarter.
+"""
 FEWEST_OWN = 20.0
 """Degrees of freedom below which a scatter says too little of itself."""
 LEAST_LOCAL = 0.1
-"""Share of a narrow shape that the parameters must leave: less of a single point is their own noise."""
+"""Share of a narrow shape that the parameters must leave.
+
+Less of a single point is their own noise.
+"""
 MOST_LOCAL = 600
 """Narrow shapes looked at; more points than these have slow structure enough."""
 DRAWS = 2000
 """Simulated residuals of noise alone; the chance 0.005 is then known to a third of itself."""
 FURTHER = (3, 6)
-"""So many times as many draws more while an alarm is open; with all of them 0.005 is known to a tenth of itself."""
+"""So many times as many draws more while an alarm is open.
+
+With all of them 0.005 is known to a tenth of itself.
+"""
 SURE = 3.5
 """Standard errors of a chance beyond the edge of the alarms from which no more draws are needed."""
 LEAST_SEEN = 1e-3
@@ -48,14 +56,18 @@ LEAST_SPREAD = 1e-3
 DRAWN = np.float32
 """Precision of simulated residuals: seven digits of a chance that is known to one."""
 ROUNDED = 0.1
-"""Share of the noise's variance from which rounding is simulated as such: less is lost in the rest of it."""
+"""Share of the noise's variance from which rounding is simulated as such.
+
+Less is lost in the rest of it.
+"""
 
 
 def chance_of_squares(value: float, dof: float, scale_dof: float) -> float:
-    """Chance of at least `value` for a sum of `dof` squares of unit noise, whose unit may itself be estimated."""
+    """Chance of at least `value` for `dof` squares of unit noise, which may itself be estimated."""
     if scale_dof == inf:
         return float(chi2_sf(value, dof))
-    # Chi-square with an estimated unit calls noise structure too often, the more so the fewer data there are.
+    # Chi-square with an estimated unit calls noise structure too often, the more so the fewer data
+    # there are.
     return float(f_sf(value / dof, dof, max(scale_dof, 1.0)))
 
 
@@ -117,13 +129,16 @@ class Frame:
         return self.project(self.residual[:, None])[:, 0]
 
     def draws(self, count: int, rng: np.random.Generator) -> Drawn:
-        """Residuals (count, 2n) that noise alone would leave, treated as the measured one was; see `standard`.
+        """Residuals (count, 2n) that noise alone would leave, treated as the measured one was.
 
-        Where the noise was estimated from the data's own scatter, that scatter is dealt out anew: the relative
-        deviations of the points change places and signs, each with its gain and its phase. The draws have the tails
-        of the data, and scatter in gain and in phase as they do (Freedman and Lane 1983,
-        doi:10.1080/07350015.1983.10509354); what they have not is the order. Otherwise they are normal; where a good
-        part of the noise is that the values were written with few digits, they are written with as many.
+        See `standard`.
+
+        Where the noise was estimated from the data's own scatter, that scatter is dealt out anew:
+        the relative deviations of the points change places and signs, each with its gain and its
+        phase. The draws have the tails of the data, and scatter in gain and in phase as they do
+        (Freedman and Lane 1983, doi:10.1080/07350015.1983.10509354); what they have not is the
+        order. Otherwise they are normal; where a good part of the noise is that the values were
+        written with few digits, they are written with as many.
         """
         noise: Drawn
         if self._steps is not None:
@@ -132,14 +147,18 @@ class Frame:
             noise = rng.standard_normal((count, self.size), dtype=DRAWN)
         else:
             order = self._dealt(count, rng)
-            sign = rng.integers(0, 2, (count, self.size // 2), dtype=np.int8) * np.int8(2) - np.int8(1)
+            sign = rng.integers(0, 2, (count, self.size // 2), dtype=np.int8) * np.int8(
+                2
+            ) - np.int8(1)
             noise = self._in_their_places(self._deviations.astype(np.complex64)[order] * sign)
-        # The measured residual has lost what the parameters follow; so must the noise (no refit of each draw needed).
+        # The measured residual has lost what the parameters follow; so must the noise (no refit of
+        # each draw needed).
         absorbed = self.absorbed.astype(DRAWN)
         noise -= (noise @ absorbed) @ absorbed.T
         if self.scale_dof == inf or self._deals_out:
             return self.standard(noise)
-        # A noise from a few repeats may be too small by chance: each draw is judged by such an estimate of its own.
+        # A noise from a few repeats may be too small by chance: each draw is judged by such an
+        # estimate of its own.
         scale = np.sqrt(rng.chisquare(self.scale_dof, count) / self.scale_dof).astype(DRAWN)
         return np.asarray(noise / scale[:, None])
 
@@ -147,18 +166,23 @@ class Frame:
     def _steps(self) -> Complex | None:
         """Rounding steps of K' and K'' (n,), where rounding is a good part of the noise."""
         steps = rounding_step(self.measurement.storage) + 1j * rounding_step(self.measurement.loss)
-        # Where it is small beside the noise, uniform errors are as good as part of it, and drawing them costs time.
+        # Where it is small beside the noise, uniform errors are as good as part of it, and drawing
+        # them costs time.
         real, imag = steps.real * self.weights.real, steps.imag * self.weights.imag
-        # A uniform error of one step has a twelfth of its square for variance; the mean is over both parts.
+        # A uniform error of one step has a twelfth of its square for variance; the mean is over
+        # both parts.
         share = 0.5 * float(np.mean(real**2 + imag**2)) / 12.0
         if share < ROUNDED:
             return None
         return steps
 
     def _as_written(self, steps: Complex, count: int, rng: np.random.Generator) -> Drawn:
-        """Whitened residuals (count, 2n) of noisy values of the model, written with as few digits as the data.
+        """Whitened residuals (count, 2n) of noisy values of the model.
 
-        Values that change little from point to point are all rounded the same way: that is no structure.
+        Written with as few digits as the data.
+
+        Values that change little from point to point are all rounded the same way: that is no
+        structure.
         """
         step = np.concatenate([steps.real, steps.imag])
         exact = np.concatenate([self.model_stiffness.real, self.model_stiffness.imag])
@@ -173,7 +197,10 @@ class Frame:
         return np.asarray((written - exact) * weights, dtype=DRAWN)
 
     def _own_level(self, rows: NDArray[np.int64], step: Real, weights: Real) -> float:
-        """Noise over |K| of some rows beside uniform errors of rounding: together as large as the residual."""
+        """Noise over |K| of some rows beside uniform errors of rounding.
+
+        Together as large as the residual.
+        """
         size = np.abs(self.model_stiffness)
         squares = (self.rest[rows] / weights[rows]) ** 2
         free = max(float(len(rows) - np.sum(self.absorbed[rows] ** 2)), 1.0)
@@ -189,7 +216,7 @@ class Frame:
         return float(brentq(excess, LEAST_RELATIVE, largest * (1.0 + 1e-9)))
 
     def standard(self, rest: Drawn) -> Drawn:
-        """Residuals (m, 2n) in units of their own scatter, where the noise is estimated from it (Student 1908)."""
+        """Residuals (m, 2n) over their own scatter, if the noise is estimated (Student 1908)."""
         if not self._deals_out:
             return rest
         along = rest @ self.structured.astype(rest.dtype)
@@ -199,21 +226,30 @@ class Frame:
         return np.asarray(rest / np.sqrt(np.maximum(variance, 1e-30))[:, None])
 
     def _in_their_places(self, deviations: NDArray[np.complexfloating]) -> Drawn:
-        """Whitened residuals (m, 2n) of relative deviations (m, n), in units of the noise of where they fell."""
+        """Whitened residuals (m, 2n) of relative deviations (m, n), by the noise at their place."""
         size = self._relative_sd * np.abs(self.model_stiffness)
-        turned = deviations * (self.model_stiffness / np.abs(self.model_stiffness)).astype(np.complex64)
-        by_part = [(self.weights.real * size).astype(DRAWN), (self.weights.imag * size).astype(DRAWN)]
+        turned = deviations * (self.model_stiffness / np.abs(self.model_stiffness)).astype(
+            np.complex64
+        )
+        by_part = [
+            (self.weights.real * size).astype(DRAWN),
+            (self.weights.imag * size).astype(DRAWN),
+        ]
         return np.concatenate([turned.real * by_part[0], turned.imag * by_part[1]], axis=-1)
 
     def _dealt(self, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
-        """Rows (count, n) in whose order the deviations are dealt out: within sweeps, whose noise may differ in size.
+        """Rows (count, n) in whose order the deviations are dealt out.
+
+        Within sweeps, whose noise may differ in size.
 
         Sweeps of a few points are dealt out together, or there would be nothing to deal.
         """
         order = np.tile(np.arange(self.size // 2), (count, 1))
         sweeps = [sweep.rows for sweep in sweeps_of(self.measurement)]
         groups = [rows for rows in sweeps if len(rows) >= DEALT_ALONE]
-        groups.append(np.concatenate([np.zeros(0, np.int64), *(r for r in sweeps if len(r) < DEALT_ALONE)]))
+        groups.append(
+            np.concatenate([np.zeros(0, np.int64), *(r for r in sweeps if len(r) < DEALT_ALONE)])
+        )
         for rows in groups:
             order[:, rows] = rng.permuted(order[:, rows], axis=1)
         return order
@@ -226,18 +262,19 @@ class Frame:
     @cached_property
     def _relative_sd(self) -> Real:
         """Standard deviation (n,) of each point relative to |K|, the mean of both parts."""
-        # One for both parts: a deviation is turned with K when it falls elsewhere, and storage becomes loss.
+        # One for both parts: a deviation is turned with K when it falls elsewhere, and storage
+        # becomes loss.
         variance = 0.5 * (1.0 / self.weights.real**2 + 1.0 / self.weights.imag**2)
         return np.asarray(np.sqrt(variance) / np.abs(self.model_stiffness), dtype=np.float64)
 
     @cached_property
     def _deviations(self) -> Complex:
-        """Residual of each point relative to K in units of its noise (n,), as large as before the fit.
+        """Residual of each point relative to K in units of its noise (n,), as before the fit.
 
-        Slow structure is left in it: the part without has lost of its peaks what the curves follow, loses it once
-        more when it is dealt out, and single points stand out where there is nothing (measured: 14 instead of 5 % of
-        pure noise below a chance of 0.05). How large structure makes the draws is of no matter, as each is brought
-        to units of its own scatter.
+        Slow structure is left in it: the part without has lost of its peaks what the curves follow,
+        loses it once more when it is dealt out, and single points stand out where there is nothing
+        (measured: 14 instead of 5 % of pure noise below a chance of 0.05). How large structure
+        makes the draws is of no matter, as each is brought to units of its own scatter.
         """
         n = self.size // 2
         rest = self.rest[:n] / self.weights.real + 1j * self.rest[n:] / self.weights.imag
@@ -251,9 +288,10 @@ class Frame:
         return columns - self.absorbed @ (self.absorbed.T @ columns)
 
     def beyond(self, columns: Real, least: float = 1e-6) -> Real:
-        """Orthonormal basis (2n, q) of what the fitted parameters cannot follow of some columns (2n, m).
+        """Orthonormal basis (2n, q) of columns (2n, m) less what the parameters can follow.
 
-        A column of which less than the share `least` is left is one that they can follow: the rest is rounding.
+        A column of which less than the share `least` is left is one that they can follow: the rest
+        is rounding.
         """
         size = np.linalg.norm(columns, axis=0)
         columns = columns[:, size > 0] / size[size > 0]
@@ -265,8 +303,9 @@ class Frame:
         """Orthonormal basis of slow structure that the parameters cannot follow, shape (2n, q).
 
         Polynomials along each sweep, in magnitude and in phase: what a missing effect looks like,
-        whichever it is. Of so high a degree only that some freedom is left to the scatter: where a model of many
-        parameters and the polynomials follow all of few points, the noise would seem to be nothing.
+        whichever it is. Of so high a degree only that some freedom is left to the scatter: where a
+        model of many parameters and the polynomials follow all of few points, the noise would seem
+        to be nothing.
         """
         free = self.size - self.absorbed.shape[1]
         for degree in range(SMOOTH_DEGREE, -1, -1):
@@ -277,7 +316,7 @@ class Frame:
 
     @cached_property
     def shared(self) -> Real:
-        """Orthonormal basis (2n, q) of what is alike in all sweeps at a frequency and is not slow."""
+        """Orthonormal basis (2n, q) of what all sweeps share at a frequency and is not slow."""
         columns = self.relative(shared_shapes(self.measurement))
         # Without the slow part, so that no freedom is counted twice in `structured`.
         return self.beyond(columns - self.smooth @ (self.smooth.T @ columns))
@@ -292,11 +331,15 @@ class Frame:
 
     @cached_property
     def narrow(self) -> Real:
-        """Unit columns (2n, m) fixed in Hz, alike in all sweeps: one to three neighbouring frequencies of a part."""
+        """Unit columns (2n, m) fixed in Hz, alike in all sweeps.
+
+        One to three neighbouring frequencies of a part.
+        """
         which, n = frequency_numbers(self.measurement), len(self.measurement)
         distinct = int(which.max()) + 1
         columns = []
-        # Six kinds of columns, of one part and one width each; of very many frequencies evenly placed ones.
+        # Six kinds of columns, of one part and one width each; of very many frequencies evenly
+        # placed ones.
         most = MOST_LOCAL // 6
         for width in (1, 2, 3):
             starts = np.arange(distinct - width + 1)
@@ -312,7 +355,10 @@ class Frame:
 
     @cached_property
     def trends(self) -> dict[str, Real]:
-        """For each condition an orthonormal basis (2n, q) of a trend with it, in size and phase; empty if held."""
+        """For each condition an orthonormal basis (2n, q) of a trend with it, in size and phase.
+
+        Empty if held.
+        """
         bases = {}
         for name in CONDITIONS:
             x = self.condition(name)
@@ -322,7 +368,10 @@ class Frame:
         return bases
 
     def condition(self, name: str) -> Real | None:
-        """A condition that varies, about its mean and over its range, on the scale of a slow change of K; (n,)."""
+        """A varying condition about its mean, over its range, on the scale of a slow change of K.
+
+        Shape (n,).
+        """
         column = self.measurement.conditions.get(name)
         if column is None or np.ptp(column) < LEAST_SPREAD * np.max(np.abs(column)):
             return None
@@ -334,12 +383,18 @@ class Frame:
 
     @cached_property
     def structured(self) -> Real:
-        """Orthonormal basis (2n, q) of all that would be no noise: slow along a sweep, or alike in all of them."""
+        """Orthonormal basis (2n, q) of all that would be no noise.
+
+        Slow along a sweep, or alike in all of them.
+        """
         return np.concatenate([self.smooth, self.shared], axis=1)
 
     @cached_property
     def rough(self) -> Real:
-        """Residual (2n,) that neither the parameters nor structure can follow: noise, if all is well."""
+        """Residual (2n,) that neither the parameters nor structure can follow.
+
+        Noise, if all is well.
+        """
         return self.rest - self.structured @ (self.structured.T @ self.rest)
 
     @property
@@ -349,6 +404,7 @@ class Frame:
 
     def relative(self, shapes: Real) -> Real:
         """Shapes (m, n) as changes of magnitude and of phase, whitened, as columns (2n, 2m)."""
-        # Relative to K, as faults of gain and phase are and as noise is: one shape serves over decades of |K|.
+        # Relative to K, as faults of gain and phase are and as noise is: one shape serves over
+        # decades of |K|.
         columns = [self.whiten(factor * self.model_stiffness * shapes) for factor in (1.0, 1.0j)]
         return np.concatenate(columns).T

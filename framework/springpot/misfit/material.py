@@ -1,8 +1,9 @@
-"""The third line: the least error that any linear passive material reaches, beside the same effects.
+"""The third line: the least error of any linear passive material beside the same effects.
 
-Below it lies what a spring, dashpot, springpot or mode may mend; above it what no material does at one temperature
-and amplitude: a mass, the instrument, temperature, amplitude, history. A free spectrum at each temperature alone
-shows which of them are none of a material, and one with free factors at each whether any shift could join the others.
+Below it lies what a spring, dashpot, springpot or mode may mend; above it what no material does at
+one temperature and amplitude: a mass, the instrument, temperature, amplitude, history. A free
+spectrum at each temperature alone shows which of them are none of a material, and one with free
+factors at each whether any shift could join the others.
 """
 
 from __future__ import annotations
@@ -14,14 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import f_sf
-from springpot.identification import is_material, least_error
-from springpot.measurement import Measurement
-from springpot.policy import SUPERPOSITION, VERDICT
-from springpot.rheology import Continuum, Effect, Model, Real
+from springpot.identification.material import is_material
+from springpot.identification.material_fit import least_error
+from springpot.measurement.measurement import Measurement
+from springpot.rheology.continuum import Continuum
+from springpot.rheology.effect import Effect
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
+from springpot.thresholds import SUPERPOSITION, VERDICT
 
-from .battery import Battery, battery
 from .error import Error
 from .refit import Refit, refit
+from .residual_battery import Battery, battery
 from .where import where, with_unit
 from .words import percent, times
 
@@ -32,9 +37,12 @@ POINTS_OF_EACH = 6
 MOST_NAMED = 3
 """Levels that are named in a sentence."""
 FOLLOWED = 0.1
-"""Share of an error to which a spectrum follows a model that is a linear passive material itself."""
+"""Share of an error to which a spectrum follows a model that is a linear passive material itself.
+"""
 AROUND, PLACES = 100.0, 60
-"""Factor beyond the measured frequencies at which that is asked, as effects may shift them, and at how many."""
+"""Factor beyond the measured frequencies at which that is asked, as effects may shift them, and at
+how many.
+"""
 NAME = "material"
 
 
@@ -49,7 +57,8 @@ class MaterialFloor:
     rest : Battery
         The test on its residual.
     relative_rms : float
-        The least error, relative to |K|: not that of the fit, which weighs the points by their noise.
+        The least error, relative to |K|: not that of the fit, which weighs the points by their
+        noise.
     judged : bool
         Whether it is the judged model itself.
     """
@@ -60,11 +69,14 @@ class MaterialFloor:
     judged: bool = False
 
     def beside(self, fits: Iterable[Refit]) -> MaterialFloor:
-        """The same, lowered by those of some fits with the same effects that any material comes near to."""
+        """The same, lowered by fits with the same effects that any material comes near to."""
         lowest = self.relative_rms
         for found in fits:
             if found.relative_rms < lowest:
-                lowest = min(lowest, lowest_error(found.model, found.data.raw, found.theta, found.relative_rms))
+                lowest = min(
+                    lowest,
+                    lowest_error(found.model, found.data.raw, found.theta, found.relative_rms),
+                )
         return replace(self, relative_rms=lowest)
 
     @property
@@ -79,7 +91,7 @@ def any_material() -> Model:
 
 
 def material_floor(base: Refit, rng: np.random.Generator) -> MaterialFloor:
-    """The least error that any material reaches in the place of a model's own, its effects fitted anew.
+    """The least error of any material in the place of the model's own, its effects fitted anew.
 
     Parameters
     ----------
@@ -91,7 +103,8 @@ def material_floor(base: Refit, rng: np.random.Generator) -> MaterialFloor:
     found = base
     if not is_material(base.model):
         free = replace(any_material(), effects=base.model.effects)
-        # Its effects only: a spectrum is found for given effects by a convex problem, which needs no start.
+        # Its effects only: a spectrum is found for given effects by a convex problem, which needs
+        # no start.
         found = refit(free, base.data, base.noise, [_own(base.model, base.theta)])
     lowest = lowest_error(found.model, base.data.raw, found.theta, found.relative_rms)
     floor = MaterialFloor(found, battery(found.frame(), rng), lowest, is_material(base.model))
@@ -114,7 +127,8 @@ def lowest_error(model: Model, measurement: Measurement, theta: Real, error: flo
     """
     free = replace(any_material(), effects=model.effects)
     lowest = least_error(free, measurement, [_own(model, theta)])
-    # Lines stand apart, and a search beside effects may stop short; a model that is a material itself is a bound.
+    # Lines stand apart, and a search beside effects may stop short; a model that is a material
+    # itself is a bound.
     if lowest > error and _is_of_material(model, measurement, theta, error):
         return error
     return lowest
@@ -127,7 +141,9 @@ def _is_of_material(model: Model, measurement: Measurement, theta: Real, error: 
     omega = np.geomspace(measurement.omega.min() / AROUND, measurement.omega.max() * AROUND, PLACES)
     alone = replace(model, effects=())
     computed = Measurement(omega, alone.stiffness(theta[: len(alone.parameters)], omega))
-    return least_error(any_material(), computed, [np.zeros(0)]) < FOLLOWED * error + VERDICT.arithmetic
+    return (
+        least_error(any_material(), computed, [np.zeros(0)]) < FOLLOWED * error + VERDICT.arithmetic
+    )
 
 
 def _own(model: Model, theta: Real) -> Real:
@@ -138,7 +154,9 @@ def _own(model: Model, theta: Real) -> Real:
 def error_of(base: Refit, floor: MaterialFloor) -> Error:
     """The three lines: a model's error, the noise floor, the material floor."""
     noise = base.noise
-    return Error(base.relative_rms, base.floor, noise.source, noise.doubt, floor.relative_rms, floor.chance)
+    return Error(
+        base.relative_rms, base.floor, noise.source, noise.doubt, floor.relative_rms, floor.chance
+    )
 
 
 def split_in_words(base: Refit, floor: MaterialFloor) -> str:
@@ -163,14 +181,22 @@ def split_in_words(base: Refit, floor: MaterialFloor) -> str:
         would = f"any linear material would be {percent(floor.relative_rms)} off"
         return f"{would}: what is missing is no part of the material"
     if not something_left:
-        return f"{could}: a spring, dashpot, springpot or mode is missing, or an effect that looks like one"
+        return (
+            f"{could}: a spring, dashpot, springpot or mode is missing,"
+            " or an effect that looks like one"
+        )
     if left > (1.0 - VERDICT.mostly) * misfit:
-        return f"{could}{beside}: a part of the material is missing, and something that is no part of it"
+        return (
+            f"{could}{beside}: a part of the material is missing,"
+            " and something that is no part of it"
+        )
     return f"{could}{beside}: most of what is missing is a part of the material, the rest is not"
 
 
 def beyond_any_material(floor: MaterialFloor) -> Iterator[str]:
-    """A sentence on where no material behaves as the data do; none where one does, or where it is what is judged.
+    """A sentence on where no material behaves as the data do.
+
+    None where one does, or where it is what is judged.
 
     Parameters
     ----------
@@ -215,7 +241,7 @@ class Level:
 
 
 def notes_on_levels(base: Refit, library: Sequence[Effect]) -> Iterator[str]:
-    """Sentences on levels that are no linear material by themselves, and on shifts that cannot join the others.
+    """Sentences on levels that are no linear material, and on shifts that cannot join the others.
 
     Parameters
     ----------
@@ -225,16 +251,20 @@ def notes_on_levels(base: Refit, library: Sequence[Effect]) -> Iterator[str]:
         Those with a factor for each level are what any law of shifts could do at best.
     """
     measurement = base.fit.measurement
-    # Conditions that some effect has free factors for: of the others no shift could be expected anyway.
+    # Conditions that some effect has free factors for: of the others no shift could be expected
+    # anyway.
     free = [effect for effect in library if effect.by_levels]
-    for name in sorted({name for effect in free for name in effect.needs} & set(measurement.conditions)):
+    for name in sorted(
+        {name for effect in free for name in effect.needs} & set(measurement.conditions)
+    ):
         levels = each_alone(base, name)
         if len(levels) < FEWEST_LEVELS:
             continue
         strange = levels_of_no_material(levels)
         if strange:
             yield strange_in_words(measurement, name, levels, strange)
-        # A level that is no material by itself could be joined to nothing: the question is asked of the others.
+        # A level that is no material by itself could be joined to nothing: the question is asked of
+        # the others.
         sound = [level for level in levels if level not in strange]
         joining = [effect for effect in free if effect.needs == {name}]
         if len(sound) >= FEWEST_LEVELS:
@@ -251,7 +281,8 @@ def each_alone(base: Refit, name: str) -> list[Level]:
         # A spectrum follows a few points whatever they are.
         if np.sum(inside) < POINTS_OF_EACH:
             continue
-        # In the noise of the whole: from so few points no noise could be told from what a spectrum follows.
+        # In the noise of the whole: from so few points no noise could be told from what a spectrum
+        # follows.
         fitted = refit(any_material(), base.data.without(~inside), base.noise.of(inside))
         value = float(np.mean(measurement.conditions[name][inside]))
         found.append(Level(value, np.flatnonzero(inside), fitted))
@@ -259,7 +290,7 @@ def each_alone(base: Refit, name: str) -> list[Level]:
 
 
 def fitted_together(base: Refit, levels: Sequence[Level], effects: Sequence[Effect] = ()) -> Refit:
-    """One material, with these effects around it, fitted to the rows of all levels in the noise of the whole."""
+    """One material, with these effects, fitted to all levels' rows in the noise of the whole."""
     inside = np.zeros(len(base.fit.measurement), dtype=bool)
     inside[np.concatenate([level.rows for level in levels])] = True
     model = replace(any_material(), effects=tuple(effects))
@@ -267,7 +298,7 @@ def fitted_together(base: Refit, levels: Sequence[Level], effects: Sequence[Effe
 
 
 def needs_each(together: Refit, levels: Sequence[Level]) -> bool:
-    """Whether a material for each level explains more than its freedom does by chance, by Fisher's test.
+    """Whether a material for each level explains more than chance by its freedom (Fisher's test).
 
     Parameters
     ----------
@@ -279,13 +310,17 @@ def needs_each(together: Refit, levels: Sequence[Level]) -> bool:
     apart = sum(level.fitted.rss for level in levels)
     spare = max(sum(level.fitted.fit.dof for level in levels), 1)
     spent = max(together.fit.dof - spare, 1)
-    # Against the scatter about each level's own material, not the noise: that may have been misjudged.
+    # Against the scatter about each level's own material, not the noise: that may have been
+    # misjudged.
     ratio = (together.rss - apart) / spent / max(apart / spare, 1e-300)
     return ratio > 1.0 and float(f_sf(ratio, spent, spare)) < VERDICT.sentence_alarm
 
 
 def levels_of_no_material(levels: Sequence[Level]) -> list[Level]:
-    """Levels at which a free spectrum fails far more than at the others, beyond what scatter makes of such few."""
+    """Levels at which a free spectrum fails far more than at the others.
+
+    Beyond what scatter makes of such few.
+    """
     # The median, which one or two levels that fail do not raise.
     middle = float(np.median([level.error for level in levels]))
     strange = []
@@ -297,24 +332,29 @@ def levels_of_no_material(levels: Sequence[Level]) -> list[Level]:
         ratio = level.variance / max(variance, 1e-300)
         chance = float(f_sf(ratio, max(level.fitted.fit.dof, 1), dof))
         # Of any level it might have been said: the alarm is shared among them.
-        if level.error > VERDICT.stands_out * middle and chance < VERDICT.sentence_alarm / len(levels):
+        if level.error > VERDICT.stands_out * middle and chance < VERDICT.sentence_alarm / len(
+            levels
+        ):
             strange.append(level)
     return strange
 
 
-def _joined(base: Refit, name: str, levels: Sequence[Level], free: Sequence[Effect]) -> Iterator[str]:
-    """A sentence where each level is a material, and no factors of time and modulus make them one."""
+def _joined(
+    base: Refit, name: str, levels: Sequence[Level], free: Sequence[Effect]
+) -> Iterator[str]:
+    """A sentence where each level is a material, and no factors of time and modulus join them."""
     together = fitted_together(base, levels, free)
     if not needs_each(together, levels):
         return
-    # With many points the slightest difference is sure; it must be large enough to matter too, as `mastercurve` asks.
+    # With many points the slightest difference is sure; it must be large enough to matter too, as
+    # `mastercurve` asks.
     if together.relative_rms <= SUPERPOSITION.nearly * error_of_each(levels):
         return
     yield (
-        f"no shift of times and moduli lays the {name}s over one another: each by itself is a linear material to "
-        f"{percent(error_of_each(levels))}, all "
-        f"together with factors of their own to {percent(together.relative_rms)}; the "
-        f"material is not thermorheologically simple, or something else changed between the {name}s"
+        f"no shift of times and moduli lays the {name}s over one another: each by itself is a"
+        f" linear material to {percent(error_of_each(levels))}, all together with factors of their"
+        f" own to {percent(together.relative_rms)}; the material is not thermorheologically simple,"
+        f" or something else changed between the {name}s"
     )
 
 
@@ -325,8 +365,12 @@ def error_of_each(levels: Sequence[Level]) -> float:
     return float(np.sqrt(np.average(squares, weights=[len(level.rows) for level in levels])))
 
 
-def strange_in_words(measurement: Measurement, name: str, levels: Sequence[Level], strange: Sequence[Level]) -> str:
-    """A sentence on levels that are no material by themselves, with what they are off and what the others are.
+def strange_in_words(
+    measurement: Measurement, name: str, levels: Sequence[Level], strange: Sequence[Level]
+) -> str:
+    """A sentence on levels that are no material by themselves.
+
+    With what they are off and what the others are.
 
     Parameters
     ----------
@@ -337,7 +381,9 @@ def strange_in_words(measurement: Measurement, name: str, levels: Sequence[Level
     levels, strange : sequence of Level
         All, and those that stand out.
     """
-    places = " and ".join(with_unit(measurement, name, level.value) for level in strange[:MOST_NAMED])
+    places = " and ".join(
+        with_unit(measurement, name, level.value) for level in strange[:MOST_NAMED]
+    )
     if len(strange) > MOST_NAMED:
         places = f"{places} and {len(strange) - MOST_NAMED} more"
     errors = " and ".join(percent(level.error) for level in strange[:MOST_NAMED])
@@ -346,6 +392,6 @@ def strange_in_words(measurement: Measurement, name: str, levels: Sequence[Level
     if name == "amplitude":
         causes = "the instrument, a force that is no sinusoid there, or a change of the specimen"
     return (
-        f"no linear passive material behaves as at {places}: a free spectrum at that {name} alone is {errors} off, "
-        f"elsewhere {usual}; {causes}"
+        f"no linear passive material behaves as at {places}: a free spectrum at that {name} alone"
+        f" is {errors} off, elsewhere {usual}; {causes}"
     )

@@ -1,4 +1,4 @@
-"""Single points that stand out: no effect may be inferred from them, and none may hide behind them."""
+"""Single points that stand out: no effect may be inferred from them or hide behind them."""
 
 from __future__ import annotations
 
@@ -10,25 +10,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import chi2_sf, f_log_density, f_sf
-from springpot.measurement import Measurement, sweeps_of
-from springpot.policy import OUTLIERS
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.sweeps import sweeps_of
+from springpot.thresholds import OUTLIERS
 
 from .frame import Frame
-from .mains import HARMONICS, near_mains
+from .mains_hum import HARMONICS, near_mains
 from .refit import Refit
-from .trimming import trimmed_residual
+from .robust_scatter import trimmed_residual
 from .where import Where, with_unit
 from .words import plain
 
 FEWEST_POINTS = 12
 """Points below which none can be held to stand out."""
 END = 2
-"""Rows of an end of a sweep at which the beginning of an effect is easily taken for a bad point: a mass that has just
+"""Rows of an end of a sweep at which the beginning of an effect is easily taken for a bad point.
+
+A mass that has just
 come up at the last row bends the model there, and the row before it then stands out."""
 LEAST_LEFT = 0.1
 """A point of which less than this share is free of the fitted curves says nothing by itself."""
 TAILS = [(nu, s) for nu in (1e6, 10.0, 5.0, 3.0, 2.0) for s in (1.0, 0.8, 0.6, 0.45, 0.3)]
-"""Degrees of freedom and scale of the scatter that may be: normal first. The variance is taken without the furthest
+"""Degrees of freedom and scale of the scatter that may be: normal first.
+
+The variance is taken without the furthest
 frequencies, so that a scale below one goes with long tails."""
 
 
@@ -66,7 +71,9 @@ class Outlier:
     def place(self) -> Where:
         """As a place at which the model fails."""
         says = f"a single point at {self._located} stands out by {plain(self.size, 2)} sd"
-        return Where("stiffness", "single point", self.frequency, self.frequency, abs(self.relative), says)
+        return Where(
+            "stiffness", "single point", self.frequency, self.frequency, abs(self.relative), says
+        )
 
     @property
     def _located(self) -> str:
@@ -84,7 +91,7 @@ class Outlier:
         return bool(near_mains(np.array([self.frequency]), HARMONICS)[0])
 
     def counted_in(self, measurement: Measurement) -> Outlier:
-        """The same with its row in the whole measurement, of which the data of a fit may be a part."""
+        """The same with its row in the whole measurement, of which a fit may use a part."""
         # By what was measured: thinning and exclusion have renumbered the rows.
         same = np.isclose(measurement.stiffness, self.stiffness, rtol=1e-9, atol=0.0)
         rows = np.flatnonzero(same & np.isclose(measurement.frequency, self.frequency, rtol=1e-9))
@@ -94,7 +101,7 @@ class Outlier:
 
 
 def point_in_words(measurement: Measurement, row: int) -> str:
-    """Where a point was measured: ``50 Hz`` or, where conditions vary, ``50 Hz, 20 degC, 0.5 mm``."""
+    """Where a point was measured: ``50 Hz``, or ``50 Hz, 20 degC, 0.5 mm`` if conditions vary."""
     words = [measurement.units.at(float(measurement.frequency[row]))]
     for name in ("temperature", "amplitude"):
         column = measurement.conditions.get(name)
@@ -104,9 +111,12 @@ def point_in_words(measurement: Measurement, row: int) -> str:
 
 
 def outlying(frame: Frame) -> NDArray[np.int64]:
-    """Rows that neither the model nor slow structure nor noise explains; none where there are too many.
+    """Rows that neither the model nor slow structure nor noise explains.
 
-    The largest is taken out first and the rest judged anew, since one bad point drags the curve from its neighbours.
+    None where there are too many.
+
+    The largest is taken out first and the rest judged anew, since one bad point drags the curve
+    from its neighbours.
 
     Parameters
     ----------
@@ -131,10 +141,13 @@ def outlying(frame: Frame) -> NDArray[np.int64]:
 
 
 def pulling(frames: Iterable[Frame]) -> NDArray[np.int64]:
-    """The one row (1,) that bends a fit most, where it carries most of what that fit leaves; else none.
+    """The one row (1,) that bends a fit most, where it carries most of what that fit leaves.
 
-    At the end of a sweep a bad point has too few neighbours to stand out from them, and every model bows to it. What
-    is left without it follows from the fit itself (Cook and Weisberg, Residuals and Influence in Regression, 1982).
+    Else none.
+
+    At the end of a sweep a bad point has too few neighbours to stand out from them, and every model
+    bows to it. What is left without it follows from the fit itself (Cook and Weisberg, Residuals
+    and Influence in Regression, 1982).
 
     Parameters
     ----------
@@ -146,11 +159,14 @@ def pulling(frames: Iterable[Frame]) -> NDArray[np.int64]:
         n = len(frame.measurement)
         basis = np.stack([frame.absorbed[:n], frame.absorbed[n:]], axis=1)
         rest = np.stack([frame.rest[:n], frame.rest[n:]], axis=1)
-        # Of each point the 2 x 2 block of I - H: what the parameters leave of its storage and its loss.
+        # Of each point the 2 x 2 block of I - H: what the parameters leave of its storage and its
+        # loss.
         free = np.eye(2) - basis @ basis.transpose(0, 2, 1)
         seen = np.linalg.eigvalsh(free)[:, 0] > LEAST_LEFT
         lost = np.zeros(n)
-        lost[seen] = np.sum(rest[seen] * np.linalg.solve(free[seen], rest[seen][..., None])[..., 0], axis=1)
+        lost[seen] = np.sum(
+            rest[seen] * np.linalg.solve(free[seen], rest[seen][..., None])[..., 0], axis=1
+        )
         share = float(lost.max()) / max(float(frame.rest @ frame.rest), 1e-300)
         # Of few points one carries half of a residual by chance.
         if n >= FEWEST_POINTS and share > largest:
@@ -159,7 +175,10 @@ def pulling(frames: Iterable[Frame]) -> NDArray[np.int64]:
 
 
 def side_by_side(measurement: Measurement, rows: NDArray[np.int64]) -> bool:
-    """Whether two of these rows are neighbours in a sweep: a wrong reading stands alone, a notch does not."""
+    """Whether two of these rows are neighbours in a sweep.
+
+    A wrong reading stands alone, a notch does not.
+    """
     for sweep in sweeps_of(measurement):
         places = np.flatnonzero(np.isin(sweep.rows, rows))
         if np.any(np.diff(places) == 1):
@@ -168,7 +187,9 @@ def side_by_side(measurement: Measurement, rows: NDArray[np.int64]) -> bool:
 
 
 def ends_beside(measurement: Measurement, rows: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The last two rows of each end of a sweep at which one of these rows is: there an effect may begin.
+    """The last two rows of each end of a sweep at which one of these rows is.
+
+    There an effect may begin.
 
     Parameters
     ----------
@@ -185,28 +206,34 @@ def ends_beside(measurement: Measurement, rows: NDArray[np.int64]) -> NDArray[np
     return np.unique(np.array(beside, dtype=np.int64))
 
 
-def _worst(frame: Frame, followed: NDArray[np.float64], rows: NDArray[np.int64]) -> tuple[int, float]:
-    """The row that stands out most from a fit to these rows alone, and the chance that noise does so at a row."""
+def _worst(
+    frame: Frame, followed: NDArray[np.float64], rows: NDArray[np.int64]
+) -> tuple[int, float]:
+    """The row that stands out most from a fit to these rows, and its chance by noise alone."""
     scaled, _ = _squares(frame, followed, rows)
     worst = int(np.argmax(scaled))
     # In units of a known noise nothing of the others is needed.
     if frame.scale_dof == inf:
         return int(rows[worst]), float(chi2_sf(scaled[worst], 2))
-    # The others are judged without it: a bad point drags the curve from its neighbours, whose tails then seem long.
+    # The others are judged without it: a bad point drags the curve from its neighbours, whose tails
+    # then seem long.
     others, variance = _squares(frame, followed, np.delete(rows, worst))
     # Exact data leave no variance at all.
-    return int(rows[worst]), _chance(np.append(others, scaled[worst]) / max(variance, np.finfo(float).tiny))
+    return int(rows[worst]), _chance(
+        np.append(others, scaled[worst]) / max(variance, np.finfo(float).tiny)
+    )
 
 
 def _squares(
     frame: Frame, followed: NDArray[np.float64], rows: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], float]:
-    """Squared deviations of rows (m,), both parts together, from a fit to these rows alone, and their variance."""
+    """Squared deviations (m,), both parts, from a fit to these rows alone, and their variance."""
     n = len(frame.measurement)
     both = np.concatenate([rows, rows + n])
     basis, _ = np.linalg.qr(followed[both])
     left = frame.residual[both] - basis @ (basis.T @ frame.residual[both])
-    # Where curves follow most of a point, its residual is small however wrong it is: so it is brought to full size.
+    # Where curves follow most of a point, its residual is small however wrong it is: so it is
+    # brought to full size.
     free = 1.0 - np.sum(basis**2, axis=1)
     variance = trimmed_residual(frame.residual[both], basis, frame.measurement.omega[rows]).variance
     scaled = np.where(free > LEAST_LEFT, left**2 / np.maximum(free, LEAST_LEFT), 0.0)
@@ -214,11 +241,14 @@ def _squares(
 
 
 def _chance(squares: NDArray[np.float64]) -> float:
-    """Chance of the largest of many squared deviations (both parts of a point), by the tails of the others.
+    """Chance of the largest of many squared deviations, by the tails of the others.
 
-    Half the sum of two squares follows F(2, nu) if the scatter is Student's with nu degrees of freedom; which of few
-    the others have is told by their likelihood. Those that may be outliers themselves count as no more than beyond
-    the rest (censored). Noise with long tails makes no outliers.
+    Each deviation is of both parts of a point.
+
+    Half the sum of two squares follows F(2, nu) if the scatter is Student's with nu degrees of
+    freedom; which of few the others have is told by their likelihood. Those that may be outliers
+    themselves count as no more than beyond the rest (censored). Noise with long tails makes no
+    outliers.
     """
     half = 0.5 * np.sort(squares)
     doubtful = max(2, int(OUTLIERS.most * len(half)))
@@ -229,7 +259,8 @@ def _chance(squares: NDArray[np.float64]) -> float:
         beyond = np.maximum(f_sf(inner[-1] / scale, 2, nu), 1e-300)
         likelihood.append(of_inner + doubtful * float(np.log(beyond)))
     best = int(np.argmax(likelihood))
-    # Normal unless the others clearly say otherwise: some long tail always fits few points a little better.
+    # Normal unless the others clearly say otherwise: some long tail always fits few points a little
+    # better.
     if likelihood[best] < likelihood[0] + OUTLIERS.heavier:
         best = 0
     nu, scale = TAILS[best]
@@ -262,7 +293,9 @@ def without(measurement: Measurement, rows: NDArray[np.int64]) -> Measurement:
     return kept
 
 
-def are_outliers(with_points: tuple[Refit, Refit], without_points: tuple[Refit, Refit], count: int) -> bool:
+def are_outliers(
+    with_points: tuple[Refit, Refit], without_points: tuple[Refit, Refit], count: int
+) -> bool:
     """Whether bad points explain more than the best effect that was found with them.
 
     Parameters
@@ -274,9 +307,11 @@ def are_outliers(with_points: tuple[Refit, Refit], without_points: tuple[Refit, 
     """
     (base, best), (base_without, best_without) = with_points, without_points
     size = 2 * len(base.fit.measurement)
-    # Both in units of the noise of the data without the points: an estimate that holds them cannot judge them.
+    # Both in units of the noise of the data without the points: an estimate that holds them cannot
+    # judge them.
     scale = np.median(np.abs(base_without.noise.weights)) / np.median(np.abs(base.noise.weights))
     gain = scale**2 * best.rss - best_without.rss
-    # As an effect is judged: by chi-square and a price, which for a point is that of choosing it among all.
+    # As an effect is judged: by chi-square and a price, which for a point is that of choosing it
+    # among all.
     spent = len(best.own) - len(best_without.own)
     return bool(gain + spent * np.log(size) > 2.0 * count * (np.log(0.5 * size) + OUTLIERS.price))

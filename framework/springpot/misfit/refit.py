@@ -9,14 +9,20 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.identification import Effort, Fit, Objective, fit, is_material, own_parameters, weighted
-from springpot.measurement import Averaged, Measurement, Noise
-from springpot.rheology import GRADIENT, Complex, Model, Real
+from springpot.identification.material import is_material, own_parameters
+from springpot.identification.native import Effort, Fit, fit
+from springpot.identification.objective import Objective, weighted
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.replicates import Averaged
+from springpot.measurement.scatter import Noise
+from springpot.rheology.model import Model
+from springpot.rheology.nodes import GRADIENT
+from springpot.rheology.points import Complex, Real
 
 from .frame import Frame
 
 NO_INFLUENCE = 1e-06
-"""Relative change of K per relative change of a parameter below which the parameter is without influence."""
+"""Relative change of K per relative change of a parameter below which that has no influence."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +77,10 @@ class Refit:
 
     @property
     def has_one_minimum(self) -> bool:
-        """Whether any start leads to the same fit: that of a free spectrum with no effect around it is convex."""
+        """Whether any start leads to the same fit.
+
+        That of a free spectrum with no effect around it is convex.
+        """
         return is_material(self.model) and not self.model.effects
 
     def seed_from(self, other: Refit) -> Real:
@@ -84,20 +93,22 @@ class Refit:
     def log_likelihood(self) -> float:
         """Log-likelihood at the fit, less what the lines of a free spectrum follow of the noise.
 
-        Each takes one from the expected chi-square, and how many there are is chance: without this two fits of a
-        material could not be compared (Meyer and Woodroofe 2000, doi:10.1214/aos/1015956708).
+        Each takes one from the expected chi-square, and how many there are is chance: without this
+        two fits of a material could not be compared (Meyer and Woodroofe 2000,
+        doi:10.1214/aos/1015956708).
         """
         return self.noise.log_likelihood(self.fair_rss, 2 * len(self.fit.measurement))
 
     @property
     def fair_rss(self) -> float:
-        """What the residual sum of squares would be if the lines of a free spectrum followed no noise."""
+        """Residual sum of squares as it would be if a free spectrum's lines followed no noise."""
         if not self.lines:
             return self.rss
         if self.noise.source != "estimated":
             # In units of a known noise each line takes one from chi-square, on average.
             return self.rss + self.lines
-        # An estimated noise has taken part in the fit: only the share that is left free tells how much was followed.
+        # An estimated noise has taken part in the fit: only the share that is left free tells how
+        # much was followed.
         spare = 2 * len(self.fit.measurement) - len(self.own)
         return self.rss * spare / max(spare - self.lines, 1)
 
@@ -105,9 +116,12 @@ class Refit:
     def log_evidence(self) -> float:
         """Minus half the Bayesian information criterion (Schwarz 1978, doi:10.1214/aos/1176344136).
 
-        That all models with a free spectrum share it, is no reason to prefer one of them: it costs them nothing.
+        That all models with a free spectrum share it, is no reason to prefer one of them: it costs
+        them nothing.
         """
-        return self.log_likelihood - 0.5 * len(self.own) * float(np.log(2 * len(self.fit.measurement)))
+        return self.log_likelihood - 0.5 * len(self.own) * float(
+            np.log(2 * len(self.fit.measurement))
+        )
 
     @property
     def log_evidence_of_all(self) -> float:
@@ -123,31 +137,41 @@ class Refit:
 
     @property
     def floor(self) -> float:
-        """The relative error that noise alone leaves, less what the fitted parameters follow of it."""
-        # Over the raw rows, as the error is: parameters follow means, and the scatter of repeats about them stays.
+        """The relative error that noise alone leaves, less what fitted parameters follow of it."""
+        # Over the raw rows, as the error is: parameters follow means, and the scatter of repeats
+        # about them stays.
         followed = 2 * len(self.fit.measurement) - max(self.fit.dof, 1)
         free = 1.0 - followed / (2 * len(self.data.raw))
         return self.data.floor(self.noise) * float(np.sqrt(free))
 
     def without(self, rows: NDArray[np.bool_]) -> Refit:
         """The fit of all data but some of the averaged rows, (n,), from where this one ended."""
-        # No further starts: a few rows less do not move the minimum far, and this is asked for many times.
-        return refit(self.model, self.data.without(rows), self.noise.of(~rows), [self.theta], starts=0)
+        # No further starts: a few rows less do not move the minimum far, and this is asked for many
+        # times.
+        return refit(
+            self.model, self.data.without(rows), self.noise.of(~rows), [self.theta], starts=0
+        )
 
     def frame(self) -> Frame:
         """The linear geometry at this fit."""
         measurement = self.fit.measurement
-        # At a bound (a time of zero, a rigid spring) a derivative may have no value, and changes nothing.
+        # At a bound (a time of zero, a rigid spring) a derivative may have no value, and changes
+        # nothing.
         with np.errstate(all="ignore"):
             response = self.model.network.respond(self.theta, measurement.points, GRADIENT)
         by_theta = np.where(np.isfinite(response.by_theta), response.by_theta, 0.0)
         free = by_theta[self._free(by_theta, response.value)]
         estimated = self.noise.source == "estimated"
-        return Frame(measurement, response.value, self.noise.weights, free, self.noise.dof, estimated)
+        return Frame(
+            measurement, response.value, self.noise.weights, free, self.noise.dof, estimated
+        )
 
     # Asked where a point was set aside: its own noise is not known, but noise goes with |K|.
     def frame_of(self, measurement: Measurement) -> Frame:
-        """The fit beside other data under the same conditions; their noise is that of the point of nearest |K|."""
+        """The fit beside other data under the same conditions.
+
+        Their noise is that of the point of nearest |K|.
+        """
         apart = np.abs(np.subtract.outer(measurement.magnitude, self.fit.measurement.magnitude))
         nearest = np.argmin(apart, axis=1)
         stiffness = self.model.stiffness(self.theta, measurement.points)
@@ -155,9 +179,12 @@ class Refit:
         return Frame(measurement, stiffness, self.noise.weights[nearest], nothing)
 
     def _free(self, by_theta: Complex, value: Complex) -> NDArray[np.bool_]:
-        """Which parameters can follow a residual: not those at a bound beyond which the fit would improve.
+        """Which parameters can follow a residual.
 
-        A positive parameter without influence has gone to its end (nothing, or rigid) and counts as at a bound.
+        Not those at a bound beyond which the fit would improve.
+
+        A positive parameter without influence has gone to its end (nothing, or rigid) and counts as
+        at a bound.
         """
         parameters = self.model.parameters
         logs = np.array([parameter.scale == "log" for parameter in parameters])
@@ -171,7 +198,8 @@ class Refit:
         downhill = slopes @ left
         # A search ends near a bound, hardly ever on it.
         room = 1e-6 * np.where(logs, np.abs(self.theta), 1.0)
-        # Only where the fit pushes against the bound: one that would come back can follow a residual to one side.
+        # Only where the fit pushes against the bound: one that would come back can follow a
+        # residual to one side.
         at_lower = (self.theta <= bounds[:, 0] + room) & (downhill < 0)
         at_upper = (self.theta >= bounds[:, 1] - room) & (downhill > 0)
         gone = logs & (influence < NO_INFLUENCE * np.sqrt(len(value)))
@@ -181,7 +209,10 @@ class Refit:
 
 @dataclass(frozen=True, eq=False)
 class OfNoise:
-    """Weights (n,) that a noise gives; a function made on the spot would keep every fit from being pickled."""
+    """Weights (n,) that a noise gives.
+
+    A function made on the spot would keep every fit from being pickled.
+    """
 
     weights: Complex
 
@@ -192,7 +223,9 @@ class OfNoise:
 
 def noise_objective(noise: Noise) -> Objective:
     """Differences of K' and K'' in units of their noise."""
-    return Objective("noise", "the differences over the standard deviations of the noise", OfNoise(noise.weights))
+    return Objective(
+        "noise", "the differences over the standard deviations of the noise", OfNoise(noise.weights)
+    )
 
 
 def refit(
@@ -220,5 +253,12 @@ def refit(
     effort : Effort, optional
         How far the fit goes, in units of the residual sum of squares.
     """
-    found = fit(model, data.mean, noise_objective(noise), starts=starts, seeds_theta=list(seeds), effort=effort)
+    found = fit(
+        model,
+        data.mean,
+        noise_objective(noise),
+        starts=starts,
+        seeds_theta=list(seeds),
+        effort=effort,
+    )
     return Refit(found, noise, data)

@@ -1,8 +1,11 @@
-"""Blocks of points, along frequency, temperature and amplitude, in which a residual is off to one side.
+"""Blocks of points in which a residual is off to one side.
 
-The block whose mean is furthest from nothing, in units of its noise, is taken out, then the next one (a scan
-statistic, Kulldorff 1997, doi:10.1080/03610929708831995). How far the furthest may be by chance is found from
-simulated noise on the same grid, so that looking at many blocks invents nothing.
+Along frequency, temperature and amplitude.
+
+The block whose mean is furthest from nothing, in units of its noise, is taken out, then the next
+one (a scan statistic, Kulldorff 1997, doi:10.1080/03610929708831995). How far the furthest may be
+by chance is found from simulated noise on the same grid, so that looking at many blocks invents
+nothing.
 """
 
 from __future__ import annotations
@@ -18,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from springpot.distributions import chi2_quantile
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 Rows: TypeAlias = NDArray[np.int64]
 Span: TypeAlias = tuple[int, int]
@@ -26,11 +29,13 @@ Span: TypeAlias = tuple[int, int]
 MOST_BLOCKS = 12
 """Blocks taken out at most."""
 WHOLE = 0.8
-"""Share of its points that a block must still hold, or it would describe those that are already told of."""
+"""Share of its points that a block must still hold, lest it describe those already told of."""
 DRAWS = 120
 """Simulated residuals; the tail beyond them is fitted."""
 FEW = 12000
-"""Points of all simulated residuals together up to which there are more of them: a rough threshold errs much where
+"""Points of all simulated residuals together up to which there are more of them.
+
+A rough threshold errs much where
 few points tell their own noise."""
 SCALES = 2000
 """Values of the scale of the noise for which the chance of a residual is averaged."""
@@ -92,20 +97,26 @@ class Blocks:
         self.axes = tuple(axes)
         self.shape = tuple(axis.count for axis in axes)
         self._cell = np.ravel_multi_index(tuple(axis.level for axis in axes), self.shape)
-        self._ends = [np.triu_indices(count + 1, 1) for count in self.shape]  # first interval, the one after the last
+        self._ends = [
+            np.triu_indices(count + 1, 1) for count in self.shape
+        ]  # first interval, the one after the last
         self._count = self._sums(np.ones(len(self._cell)))
         # Costs of the axes add up, as chances of independent choices multiply.
         costs = [self._cost(axis) for axis in range(len(self.shape))]
         self._costs = np.asarray(reduce(np.add.outer, costs), dtype=np.float64)
 
     def _cost(self, axis: int) -> Real:
-        """What it costs to name a part of an axis; of blocks that tell as much the plainer one is taken."""
+        """What it costs to name a part of an axis.
+
+        Of blocks that tell as much the plainer one is taken.
+        """
         first, stop = self._ends[axis]
         return np.where(stop - first == self.shape[axis], 0.0, 2.0 * np.log(len(first)))
 
     def _sums(self, values: Real) -> Real:
         """Sums of point values (n,) over every block, with as many axes as the measurement."""
-        # By cumulative sums along each axis in turn: summed block by block every point would be added many times.
+        # By cumulative sums along each axis in turn: summed block by block every point would be
+        # added many times.
         sums = np.bincount(self._cell, values, int(np.prod(self.shape))).reshape(self.shape)
         for axis, (first, stop) in enumerate(self._ends):
             before = np.zeros_like(np.take(sums, [0], axis=axis))
@@ -114,7 +125,9 @@ class Blocks:
         return np.asarray(sums, dtype=np.float64)
 
     def threshold(self, alarm: float, scale: Real | float, rng: np.random.Generator) -> float:
-        """Standard deviations that the furthest block of pure noise exceeds with the chance `alarm`.
+        """Deviations that the furthest block of pure noise exceeds with the chance `alarm`.
+
+        In standard deviations.
 
         Parameters
         ----------
@@ -146,17 +159,22 @@ class Blocks:
         """
         free = np.ones(len(whitened), dtype=bool)
         found: list[Region] = []
-        # The furthest is taken out before the next is sought: every block that touches a large misfit is off.
+        # The furthest is taken out before the next is sought: every block that touches a large
+        # misfit is off.
         for _ in range(MOST_BLOCKS):
             count = self._sums(free.astype(float))
             usable = (count > 0) & (count >= WHOLE * self._count)
             sigma = self._sums(np.where(free, whitened, 0.0)) / np.sqrt(np.maximum(count, 1.0))
-            # The threshold is that of the plain mean, as simulated; the costs only choose among blocks beyond it.
+            # The threshold is that of the plain mean, as simulated; the costs only choose among
+            # blocks beyond it.
             worth = np.where(usable & (np.abs(sigma) > threshold), sigma**2 - self._costs, -np.inf)
             best = np.unravel_index(int(np.argmax(worth)), worth.shape)
             if worth[best] == -np.inf:
                 break
-            spans = tuple((int(first[i]), int(stop[i])) for (first, stop), i in zip(self._ends, best, strict=True))
+            spans = tuple(
+                (int(first[i]), int(stop[i]))
+                for (first, stop), i in zip(self._ends, best, strict=True)
+            )
             rows = self._rows(spans, free)
             found.append(Region(self._tight(rows), rows, float(sigma[best])))
             free[rows] = False
@@ -170,28 +188,34 @@ class Blocks:
 
     def _tight(self, rows: Rows) -> tuple[Span, ...]:
         """The smallest block around some points."""
-        return tuple((int(axis.level[rows].min()), int(axis.level[rows].max()) + 1) for axis in self.axes)
+        return tuple(
+            (int(axis.level[rows].min()), int(axis.level[rows].max()) + 1) for axis in self.axes
+        )
 
     def _joined(self, found: list[Region], whitened: Real) -> list[Region]:
-        """Neighbouring blocks that are off to the same side and differ along one axis only are one."""
-        # Of one broad misfit the furthest block is often a part, and the rest of it is found as the next.
+        """Neighbouring blocks off to the same side and differing along one axis only are one."""
+        # Of one broad misfit the furthest block is often a part, and the rest of it is found as the
+        # next.
         for i, one in enumerate(found):
             for k in range(i):
                 other = found[k]
                 if one.sigma * other.sigma > 0 and _neighbours(one.spans, other.spans):
                     rows = np.union1d(one.rows, other.rows)
                     sigma = float(np.sum(whitened[rows]) / np.sqrt(len(rows)))
-                    # From the start again: the joined block may touch one that neither of the two touched.
+                    # From the start again: the joined block may touch one that neither of the two
+                    # touched.
                     rest = [each for j, each in enumerate(found) if j not in (i, k)]
                     return self._joined([Region(self._tight(rows), rows, sigma), *rest], whitened)
         return found
 
 
 def scales(dof: float) -> Real | float:
-    """Equally likely values (SCALES,) of estimated over true variance, from so many degrees of freedom."""
+    """Equally likely values (SCALES,) of estimated over true variance, by degrees of freedom."""
     if dof == inf:
         return 1.0
-    return np.asarray(chi2_quantile((np.arange(SCALES) + 0.5) / SCALES, dof) / dof, dtype=np.float64)
+    return np.asarray(
+        chi2_quantile((np.arange(SCALES) + 0.5) / SCALES, dof) / dof, dtype=np.float64
+    )
 
 
 def rare(largest: Real, alarm: float, divisor: Real | float = 1.0) -> float:
@@ -200,12 +224,13 @@ def rare(largest: Real, alarm: float, divisor: Real | float = 1.0) -> float:
     Parameters
     ----------
     largest : ndarray, shape (m,)
-        Draws of the largest, whose tail follows Gumbel's law: a hundred draws do not reach it themselves.
+        Draws of the largest, whose tail follows Gumbel's law: a hundred draws do not reach it
+        themselves.
     alarm : float
         The chance.
     divisor : ndarray, shape (k,), or float
-        Equally likely values of what it is divided by. A scale from few degrees of freedom has a heavy tail, to which
-        Gumbel's law would be blind.
+        Equally likely values of what it is divided by. A scale from few degrees of freedom has a
+        heavy tail, to which Gumbel's law would be blind.
     """
     # By moments, which have a closed form.
     width = max(float(np.std(largest)) * np.sqrt(6.0) / np.pi, 1e-300)
@@ -226,4 +251,6 @@ def rare(largest: Real, alarm: float, divisor: Real | float = 1.0) -> float:
 def _neighbours(one: Sequence[Span], other: Sequence[Span]) -> bool:
     """Whether two blocks differ along one axis only, and touch there."""
     apart = [(a, b) for a, b in zip(one, other, strict=True) if a != b]
-    return len(apart) == 1 and (apart[0][0][1] == apart[0][1][0] or apart[0][1][1] == apart[0][0][0])
+    return len(apart) == 1 and (
+        apart[0][0][1] == apart[0][1][0] or apart[0][1][1] == apart[0][0][0]
+    )

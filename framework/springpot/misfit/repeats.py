@@ -6,25 +6,27 @@ from typing import NamedTuple
 
 import numpy as np
 
-from springpot.measurement import Averaged, sweeps_of
-from springpot.policy import REPEATS, VERDICT
+from springpot.measurement.replicates import Averaged
+from springpot.measurement.sweeps import sweeps_of
+from springpot.thresholds import REPEATS, VERDICT
 
-from .battery import Battery, judged
 from .frame import DRAWS
+from .residual_battery import Battery, judged
 from .residual_tests import kinship
 from .shapes import Drawn, drift_curves, orthonormal
 
 NEIGHBOURS = "neighbours"
-"""The test of repeats for errors that neighbours share, be it as specimens with curves of their own do."""
+"""The test of repeats for errors that neighbours share, as specimens with own curves make them."""
 WITHIN = "within runs"
 """The test of repeats for errors that go on from point to point."""
 
 
 def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
-    """Test whether repeats differ by chance alone, or drift in time, or move together along a sweep.
+    """Test whether repeats differ by chance, drift in time, or move together along a sweep.
 
-    Replicates of several specimens differ by a gain, a shift and a bend each: neighbours are alike, but not beyond
-    such curves. Where they still are (`WITHIN`), the error of one point goes on in the next.
+    Replicates of several specimens differ by a gain, a shift and a bend each: neighbours are alike,
+    but not beyond such curves. Where they still are (`WITHIN`), the error of one point goes on in
+    the next.
 
     Parameters
     ----------
@@ -44,7 +46,8 @@ def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
     noise -= mean[:, :, data.group]
     measured = data.deviations()
     sample = np.concatenate([np.stack([measured.real, measured.imag])[None], noise])
-    # In units of their own scatter: how large repeats scatter is the noise itself, and only order is evidence.
+    # In units of their own scatter: how large repeats scatter is the noise itself, and only order
+    # is evidence.
     sample /= np.sqrt(np.mean(sample**2, axis=-1, keepdims=True))
     drift = orthonormal(drift_curves(len(data.raw)))
     lines = [sweep.rows for sweep in sweeps_of(data.raw)]
@@ -73,10 +76,11 @@ class Apart(NamedTuple):
     drift : float
         Share that one slow curve from row to row explains; one is a drift and nothing else.
     curves : float
-        Share that a gain, a slope and a bend of each run explain, as of replicates of several specimens.
+        Share that a gain, a slope and a bend of each run explain, as of replicates of several
+        specimens.
     one_curve : bool
-        Whether the one slow curve leaves about as little as the curves of all runs, and rows of several runs do not
-        alternate: else it is no drift.
+        Whether the one slow curve leaves about as little as the curves of all runs, and rows of
+        several runs do not alternate: else it is no drift.
     """
 
     drift: float
@@ -102,12 +106,14 @@ def sets_apart(data: Averaged) -> Apart:
     lines = [sweep.rows for sweep in sweeps_of(data.raw)]
     left = sum(float(np.sum(_without_bend(parts[:, rows]) ** 2)) for rows in lines)
     free = len(measured) - len(count)
-    # For each degree of freedom: the curves of all runs are many more, and always leave less in sum.
+    # For each degree of freedom: the curves of all runs are many more, and always leave less in
+    # sum.
     left_of_each = left / max(free - 3 * len(lines), 1)
     left_of_drift = (size - by_drift) / max(free - drift.shape[1], 1)
     one_curve = left_of_drift < VERDICT.one_curve * left_of_each
     by_curves = 1.0 - left / size
-    # In a table that stands by frequency the runs alternate, and what sets specimens apart goes on from row to row.
+    # In a table that stands by frequency the runs alternate, and what sets specimens apart goes on
+    # from row to row.
     alternate = any(np.ptp(rows) >= len(rows) for rows in lines)
     if alternate and by_curves > VERDICT.own_curves:
         one_curve = False

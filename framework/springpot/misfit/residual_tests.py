@@ -8,22 +8,25 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.measurement import CONDITIONS, sweeps_of
-from springpot.policy import OUTLIERS
-from springpot.rheology import Real
+from springpot.measurement.measurement import CONDITIONS
+from springpot.measurement.sweeps import sweeps_of
+from springpot.rheology.points import Real
+from springpot.thresholds import OUTLIERS
 
+from .cross_validation import unseen_error, unseen_in_words
 from .frame import Frame
-from .mains import near_mains
+from .mains_hum import near_mains
 from .outliers import point_in_words
 from .shapes import Drawn, spectrum
-from .unseen import unseen_error, unseen_in_words
 from .words import plain, times
 
 Rows: TypeAlias = NDArray[np.int64]
 FEWEST_OFF_MAINS = 10
 """Points away from the mains from which their scatter can be held against that at the mains."""
 NEIGHBOURS = np.exp(-0.5 * (np.arange(1, 7) / 3.0) ** 2)
-"""Weights of the first to sixth neighbour in runs: an error that is shared is mostly shared by several points, and a
+"""Weights of the first to sixth neighbour in runs.
+
+An error that is shared is mostly shared by several points, and a
 sum over them sees it where the products of next neighbours alone are too few."""
 
 
@@ -35,8 +38,8 @@ class ResidualTest(NamedTuple):
     name : str
         What is looked for.
     statistic : callable
-        Of a fit and residuals (m, 2n) the statistics (m,), larger where there is more structure; None where the data
-        have nothing to test.
+        Of a fit and residuals (m, 2n) the statistics (m,), larger where there is more structure;
+        None where the data have nothing to test.
     says : callable
         Of a fit a number and a sentence on it.
     """
@@ -46,7 +49,8 @@ class ResidualTest(NamedTuple):
     says: Callable[[Frame], tuple[float, str]]
 
 
-# Too much scatter: noise that was estimated from it cannot be exceeded, but one part may exceed the other.
+# Too much scatter: noise that was estimated from it cannot be exceeded, but one part may exceed the
+# other.
 def _scatter(frame: Frame, sample: Drawn) -> Real | None:
     if frame.estimated:
         return None
@@ -56,15 +60,21 @@ def _scatter(frame: Frame, sample: Drawn) -> Real | None:
 def _scatter_in_words(frame: Frame) -> tuple[float, str]:
     value, free = float(frame.rest @ frame.rest), frame.size - frame.absorbed.shape[1]
     ratio = times(np.sqrt(value / max(free, 1)))
-    says = f"the residual is {ratio} what the noise leaves (chi-square {value:.4g} on {free} degrees of freedom)"
+    says = (
+        f"the residual is {ratio} what the noise leaves (chi-square {value:.4g} on"
+        f" {free} degrees of freedom)"
+    )
     return value, says
 
 
-# An estimated noise is brought to unit scatter over both parts together: one of them may still be too large.
+# An estimated noise is brought to unit scatter over both parts together: one of them may still be
+# too large.
 def _part(number: int) -> Callable[[Frame, Drawn], Real]:
     def statistic(frame: Frame, sample: Drawn) -> Real:
         n = len(frame.measurement)
-        return np.asarray(np.sum(sample[:, number * n : (number + 1) * n] ** 2, axis=1), dtype=np.float64)
+        return np.asarray(
+            np.sum(sample[:, number * n : (number + 1) * n] ** 2, axis=1), dtype=np.float64
+        )
 
     return statistic
 
@@ -73,7 +83,8 @@ def _part_in_words(number: int, word: str) -> Callable[[Frame], tuple[float, str
     def says(frame: Frame) -> tuple[float, str]:
         n = len(frame.measurement)
         rows = slice(number * n, (number + 1) * n)
-        # What the parameters follow of this part alone: a fit may spend nearly all of its freedom on the storage.
+        # What the parameters follow of this part alone: a fit may spend nearly all of its freedom
+        # on the storage.
         free = max(float(n - np.sum(frame.absorbed[rows] ** 2)), 1.0)
         ratio = float(np.sqrt(np.sum(frame.rest[rows] ** 2) / free))
         return ratio, f"{word} alone is {times(ratio)} what its noise leaves"
@@ -81,7 +92,8 @@ def _part_in_words(number: int, word: str) -> Callable[[Frame], tuple[float, str
     return says
 
 
-# Structure along sweeps: slow curves, of each sweep or of all, and errors that all sweeps share at a frequency.
+# Structure along sweeps: slow curves, of each sweep or of all, and errors that all sweeps share at
+# a frequency.
 def _along(basis_of: Callable[[Frame], Real]) -> Callable[[Frame, Drawn], Real | None]:
     def statistic(frame: Frame, sample: Drawn) -> Real | None:
         basis = basis_of(frame)
@@ -93,7 +105,9 @@ def _along(basis_of: Callable[[Frame], Real]) -> Callable[[Frame, Drawn], Real |
     return statistic
 
 
-def _along_in_words(basis_of: Callable[[Frame], Real], word: str) -> Callable[[Frame], tuple[float, str]]:
+def _along_in_words(
+    basis_of: Callable[[Frame], Real], word: str
+) -> Callable[[Frame], tuple[float, str]]:
     def says(frame: Frame) -> tuple[float, str]:
         basis = basis_of(frame)
         there = float(np.sum((basis.T @ frame.rest) ** 2)) / basis.shape[1]
@@ -116,7 +130,8 @@ def _common(frame: Frame) -> Real:
     return frame.common
 
 
-# Neighbours that are alike, along frequency and in the order in which they were measured; and what swings.
+# Neighbours that are alike, along frequency and in the order in which they were measured; and what
+# swings.
 def _along_frequency(frame: Frame) -> list[Rows]:
     return [sweep.rows for sweep in sweeps_of(frame.measurement)]
 
@@ -145,7 +160,9 @@ def kinship(rows: Drawn) -> Real:
     return np.asarray(total, dtype=np.float64)
 
 
-def _alike_in_words(orders: Callable[[Frame], list[Rows]], word: str) -> Callable[[Frame], tuple[float, str]]:
+def _alike_in_words(
+    orders: Callable[[Frame], list[Rows]], word: str
+) -> Callable[[Frame], tuple[float, str]]:
     def says(frame: Frame) -> tuple[float, str]:
         n, rest = len(frame.measurement), frame.rest
         pairs = [(rows[:-1] + k, rows[1:] + k) for rows in orders(frame) for k in (0, n)]
@@ -161,13 +178,17 @@ def _alike_in_words(orders: Callable[[Frame], list[Rows]], word: str) -> Callabl
 def _ripple(frame: Frame, sample: Drawn) -> Real:
     """Largest energy of a periodic residual along the sweeps, of one period in all of them.
 
-    Where the noise is told by these data, as a share of all: the scatter beside slow curves holds the ripple itself.
+    Where the noise is told by these data, as a share of all: the scatter beside slow curves holds
+    the ripple itself.
     """
-    # The largest over all periods, in the data and in each draw alike: so the number of periods costs no false alarm.
+    # The largest over all periods, in the data and in each draw alike: so the number of periods
+    # costs no false alarm.
     largest = spectrum(frame.measurement, sample).max(axis=1)
     if frame.estimated:
         # Of three points a fit may leave nothing at all.
-        largest = largest / np.maximum(np.einsum("ij,ij->i", sample, sample), np.finfo(sample.dtype).tiny)
+        largest = largest / np.maximum(
+            np.einsum("ij,ij->i", sample, sample), np.finfo(sample.dtype).tiny
+        )
     return np.asarray(largest)
 
 
@@ -193,7 +214,10 @@ def _one_frequency_in_words(frame: Frame) -> tuple[float, str]:
 
 
 def _largest(frame: Frame, sample: Drawn) -> Real | None:
-    """The furthest point; where the data's own scatter is dealt out, it is dealt out too, and tells nothing."""
+    """The furthest point.
+
+    Where the data's own scatter is dealt out, it is dealt out too, and tells nothing.
+    """
     if frame.estimated:
         return None
     return np.asarray(np.max(np.abs(sample), axis=1), dtype=np.float64)
@@ -226,7 +250,8 @@ def _bends(frame: Frame) -> tuple[Rows, Rows, Rows]:
     """Every inner point of a sweep with its neighbours, in both parts: rows of (2n,)."""
     n = len(frame.measurement)
     lines = [rows + k for rows in _along_frequency(frame) for k in (0, n)]
-    # The ends have one neighbour only, from which a slope of the residual would be a difference too.
+    # The ends have one neighbour only, from which a slope of the residual would be a difference
+    # too.
     before = np.concatenate([rows[:-2] for rows in lines])
     here = np.concatenate([rows[1:-1] for rows in lines])
     after = np.concatenate([rows[2:] for rows in lines])
@@ -234,7 +259,7 @@ def _bends(frame: Frame) -> tuple[Rows, Rows, Rows]:
 
 
 def _hum(frame: Frame, sample: Drawn) -> Real | None:
-    """Whether points at multiples of the mains frequency stand off from their neighbours more than others do."""
+    """Whether points at mains multiples stand off from their neighbours more than others do."""
     before, here, after = _bends(frame)
     near = np.tile(near_mains(frame.measurement.frequency), 2)[here]
     if not np.any(near) or np.sum(~near) < FEWEST_OFF_MAINS:
@@ -254,7 +279,10 @@ def _hum_in_words(frame: Frame) -> tuple[float, str]:
     frequency = frame.measurement.frequency
     units = frame.measurement.units
     places = ", ".join(units.at(x) for x in np.unique(frequency[near_mains(frequency)])[:4])
-    says = f"at multiples of the mains ({places}) points stand off {times(np.sqrt(ratio))} as far as others"
+    says = (
+        f"at multiples of the mains ({places}) points stand off"
+        f" {times(np.sqrt(ratio))} as far as others"
+    )
     return ratio, says
 
 
@@ -270,15 +298,16 @@ def _trend_in_words(name: str) -> Callable[[Frame], tuple[float, str]]:
     def says(frame: Frame) -> tuple[float, str]:
         x = frame.condition(name)
         assert x is not None, "the test was made"
-        # All that is seen against the model, not its part beyond the parameters: the user can look that up.
+        # All that is seen against the model, not its part beyond the parameters: the user can look
+        # that up.
         off = np.log(frame.measurement.stiffness / frame.model_stiffness)
         size, phase = (off.real @ x) / (x @ x), np.degrees((off.imag @ x) / (x @ x))
         verb = "loses"
         if size > 0:
             verb = "gains"
         words = (
-            f"from the lowest to the highest {name} the measured |K| {verb} {100 * abs(np.expm1(size)):.2g} % "
-            f"and its phase {phase:+.2g} deg against the model"
+            f"from the lowest to the highest {name} the measured |K| {verb}"
+            f" {100 * abs(np.expm1(size)):.2g} % and its phase {phase:+.2g} deg against the model"
         )
         return float(size), words
 
@@ -298,16 +327,27 @@ TESTS = (
     ResidualTest("scatter", _scatter, _scatter_in_words),
     ResidualTest("storage alone", _part(0), _part_in_words(0, "storage")),
     ResidualTest("loss alone", _part(1), _part_in_words(1, "loss")),
-    ResidualTest("slow", _along(_smooth), _along_in_words(_smooth, "slow structure along the sweeps")),
-    ResidualTest("shared", _along(_shared), _along_in_words(_shared, "what all sweeps share at a frequency")),
-    ResidualTest("common", _along(_common), _along_in_words(_common, "slow structure that all sweeps share")),
-    ResidualTest("runs", _alike(_along_frequency), _alike_in_words(_along_frequency, "along frequency")),
+    ResidualTest(
+        "slow", _along(_smooth), _along_in_words(_smooth, "slow structure along the sweeps")
+    ),
+    ResidualTest(
+        "shared", _along(_shared), _along_in_words(_shared, "what all sweeps share at a frequency")
+    ),
+    ResidualTest(
+        "common", _along(_common), _along_in_words(_common, "slow structure that all sweeps share")
+    ),
+    ResidualTest(
+        "runs", _alike(_along_frequency), _alike_in_words(_along_frequency, "along frequency")
+    ),
     ResidualTest("order", _alike(_in_order), _alike_in_words(_in_order, "from row to row")),
     ResidualTest("ripple", _ripple, _ripple_in_words),
     ResidualTest("one frequency", _one_frequency, _one_frequency_in_words),
     ResidualTest("furthest point", _largest, _largest_in_words),
     ResidualTest("mains frequency", _hum, _hum_in_words),
-    *(ResidualTest(f"trend with {name}", _along(_trend_basis(name)), _trend_in_words(name)) for name in CONDITIONS),
+    *(
+        ResidualTest(f"trend with {name}", _along(_trend_basis(name)), _trend_in_words(name))
+        for name in CONDITIONS
+    ),
     *(_unseen(name) for name in CONDITIONS),
 )
 """All that is looked for."""

@@ -1,4 +1,7 @@
-"""Shapes along sweeps and rows that a residual is held against: slow ones, shared ones, waves and drifts."""
+"""Shapes along sweeps and rows that a residual is held against.
+
+Slow ones, shared ones, waves and drifts.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import svd
 
-from springpot.measurement import Measurement, frequency_numbers, sweeps_of
-from springpot.rheology import Real
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.one_frequency import frequency_numbers
+from springpot.measurement.sweeps import sweeps_of
+from springpot.rheology.points import Real
 
 SMOOTH_DEGREE = 5
-"""Highest degree of the slow polynomials along a sweep that count as structure rather than as noise."""
+"""Highest degree of slow polynomials along a sweep that count as structure, not as noise."""
 FEWEST_ALIKE = 3
 """Sweeps in which a residual must be alike to count as structure rather than as noise."""
 MOST_SHARED = 60
@@ -24,22 +29,24 @@ Drawn: TypeAlias = NDArray[np.floating]
 
 
 def orthonormal(columns: Real, tolerance: float = 1e-9) -> Real:
-    """Orthonormal basis of the column space; columns are scaled first, so that units do not matter."""
+    """Orthonormal basis of the columns, scaled first, so that their units do not matter."""
     size = np.sqrt(np.sum(columns * columns, axis=0))
     columns = columns[:, size > 0] / size[size > 0]
     if columns.shape[1] == 0:
         return np.zeros((len(columns), 0))
-    # By singular values: parameters of a fit are often nearly dependent, and a QR would keep rounding as a direction.
+    # By singular values: parameters of a fit are often nearly dependent, and a QR would keep
+    # rounding as a direction.
     try:
         u, s, _ = np.linalg.svd(columns, full_matrices=False)
     except np.linalg.LinAlgError:
-        # The divide-and-conquer algorithm gives up on rare well-formed matrices; the older one does not.
+        # The divide-and-conquer algorithm gives up on rare well-formed matrices; the older one does
+        # not.
         u, s, _ = svd(columns, full_matrices=False, lapack_driver="gesvd")
     return u[:, s > tolerance * s[0]]
 
 
 def slow_shapes(measurement: Measurement, highest: int = SMOOTH_DEGREE) -> Real:
-    """Legendre polynomials along each sweep, up to a degree, shape (m, n), zero outside their sweep."""
+    """Legendre polynomials along each sweep, to a degree, (m, n), zero outside their sweep."""
     shapes: list[Real] = []
     for rows, x in sweeps_of(measurement):
         # Three points for each polynomial: fewer would let them follow the noise.
@@ -57,10 +64,11 @@ def slow_shapes(measurement: Measurement, highest: int = SMOOTH_DEGREE) -> Real:
 
 
 def shared_shapes(measurement: Measurement) -> Real:
-    """For each frequency of several sweeps a shape (m, n) that is one there in all of them and zero elsewhere.
+    """For each frequency of several sweeps a shape (m, n): one there in all sweeps, else zero.
 
-    What errs alike at one frequency in sweep after sweep (a ripple, a notch) is no noise, however rough it is. None
-    where fewer than `FEWEST_ALIKE` sweeps share their frequencies, or there are so many that neighbours tell more.
+    What errs alike at one frequency in sweep after sweep (a ripple, a notch) is no noise, however
+    rough it is. None where fewer than `FEWEST_ALIKE` sweeps share their frequencies, or there are
+    so many that neighbours tell more.
     """
     # By frequency, not by order: sweeps may lack single points, or run up and down.
     which = frequency_numbers(measurement)
@@ -73,10 +81,13 @@ def shared_shapes(measurement: Measurement) -> Real:
 
 
 def spectrum(measurement: Measurement, sample: Drawn) -> Drawn:
-    """Energy of whitened residuals (m, 2n) along a cosine and a sine, all sweeps and both parts together.
+    """Energy of whitened residuals (m, 2n) along a cosine and a sine.
 
-    By least squares, not by a Fourier transform: the two waves of a slow or a fast period are not at right angles on
-    few points, and their periods would stand out from noise that has none (Lomb 1976, doi:10.1007/BF00648343).
+    All sweeps and both parts together.
+
+    By least squares, not by a Fourier transform: the two waves of a slow or a fast period are not
+    at right angles on few points, and their periods would stand out from noise that has none (Lomb
+    1976, doi:10.1007/BF00648343).
 
     Returns
     -------
@@ -96,10 +107,15 @@ def spectrum(measurement: Measurement, sample: Drawn) -> Drawn:
 
 @lru_cache(maxsize=64)
 def _paired_waves(count: int, longest: int) -> Real:
-    """Two orthonormal columns (count, 2 (longest + 1)) for each period: what a cosine and a sine span."""
+    """Two orthonormal columns (count, 2 (longest + 1)) for each period.
+
+    What a cosine and a sine span.
+    """
     turns = np.pi / longest * np.arange(longest + 1)
     phase = turns[:, None] * np.arange(count)
-    axes, sizes, _ = np.linalg.svd(np.stack([np.cos(phase), np.sin(phase)], axis=-1), full_matrices=False)
+    axes, sizes, _ = np.linalg.svd(
+        np.stack([np.cos(phase), np.sin(phase)], axis=-1), full_matrices=False
+    )
     # A constant, and the fastest alternation, have no second wave: its column is rounding.
     axes *= sizes[:, None, :] > 1e-6 * sizes[:, None, :1]
     # Nor has a sweep of a single point.
@@ -109,7 +125,10 @@ def _paired_waves(count: int, longest: int) -> Real:
 
 
 def waves(measurement: Measurement, period: float) -> Real:
-    """Cosine and sine along every sweep, of a period in points, shape (2 sweeps, n), zero outside their sweep."""
+    """Cosine and sine along every sweep, of a period in points.
+
+    Shape (2 sweeps, n), zero outside their sweep.
+    """
     shapes = []
     for rows, _ in sweeps_of(measurement):
         phase = 2.0 * np.pi * np.arange(len(rows)) / period
@@ -121,7 +140,10 @@ def waves(measurement: Measurement, period: float) -> Real:
 
 
 def drift_curves(count: int) -> Real:
-    """Slow curves from row to row with their constant, columns (n, q): what creeps while a measurement is made."""
+    """Slow curves from row to row with their constant, columns (n, q).
+
+    What creeps while a measurement is made.
+    """
     curves = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, count), DRIFT_DEGREE)
     return np.asarray(curves, dtype=np.float64)
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from springpot.identification import Uncertainty, intervals_beside_material
-from springpot.policy import VERDICT
+from springpot.identification.held_material import intervals_beside_material
+from springpot.identification.uncertainty import Uncertainty
+from springpot.thresholds import VERDICT
 
 from .refit import Refit
 
@@ -30,7 +31,8 @@ def printed(refit: Refit, by_profile: bool = True) -> dict[str, Value]:
     refit : Refit
         A fit.
     by_profile : bool
-        Whether wide intervals beside a free spectrum are taken by profile, which takes some 50 ms each.
+        Whether wide intervals beside a free spectrum are taken by profile, which takes some 50 ms
+        each.
     """
     units = refit.fit.measurement.units
     fits = refit.fit.dof <= 0 or refit.relative_rms < VERDICT.misfit * refit.floor

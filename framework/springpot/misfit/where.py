@@ -1,4 +1,4 @@
-"""Where a model fails, in plain sentences: which part of K, at which frequencies, and how it grows."""
+"""Where a model fails, in plain sentences: which part of K, at which frequencies, how it grows."""
 
 from __future__ import annotations
 
@@ -9,17 +9,14 @@ from typing import Any
 import numpy as np
 
 from springpot.distributions import chi2_sf
-from springpot.measurement import (
-    HELD,
-    HELD_ALIKE,
-    Measurement,
-    Units,
-    frequency_numbers,
-    sweeps_of,
-    temperatures_differ,
-)
-from springpot.policy import WHERE
-from springpot.rheology import Chain, Complex, Parallel, Real, Response, Series
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.one_frequency import HELD_ALIKE, frequency_numbers
+from springpot.measurement.sweeps import sweeps_of, temperatures_differ
+from springpot.measurement.units import Units
+from springpot.rheology.levels import HELD
+from springpot.rheology.nodes import Chain, Parallel, Response, Series
+from springpot.rheology.points import Complex, Real
+from springpot.thresholds import WHERE
 
 from .frame import Frame
 from .regions import DRAWS, Axis, Blocks, Region, Rows, rare, scales
@@ -39,14 +36,24 @@ BANDS = (24, 12, 6)
 MOST = 5
 """Places told of at most: the most telling ones."""
 SWEPT = 10.0
-"""Span, in units of how nearly a rig holds a value, from which close values are a sweep, not a drift."""
-AMPLITUDE_POWERS = {-2.0: "falling as 1/amplitude^2", -1.0: "falling as 1/amplitude", 1.0: "growing as amplitude",
-          2.0: "growing as amplitude^2"}  # fmt: skip
+"""Span, in units of how nearly a rig holds a value, from which values are a sweep, not a drift."""
+AMPLITUDE_POWERS = {
+    -2.0: "falling as 1/amplitude^2",
+    -1.0: "falling as 1/amplitude",
+    1.0: "growing as amplitude",
+    2.0: "growing as amplitude^2",
+}
 EVERYWHERE = "at all frequencies"
 LEVEL = "level along frequency"
-FREQUENCY_POWERS = {-2.0: "falling as 1/omega^2", -1.0: "falling as 1/omega", -0.5: "falling slowly with frequency",
-          0.0: LEVEL, 0.5: "growing slowly with frequency", 1.0: "growing as omega",
-          2.0: "growing as omega^2"}  # fmt: skip
+FREQUENCY_POWERS = {
+    -2.0: "falling as 1/omega^2",
+    -1.0: "falling as 1/omega",
+    -0.5: "falling slowly with frequency",
+    0.0: LEVEL,
+    0.5: "growing slowly with frequency",
+    1.0: "growing as omega",
+    2.0: "growing as omega^2",
+}
 PLANES = {kind.plane: kind for kind in (Parallel, Series, Chain)}
 """Planes in which a residual is read at each point by itself."""
 
@@ -102,9 +109,13 @@ def condition_axes(measurement: Measurement, most: int) -> list[Axis]:
     return found
 
 
-# A chain of close values is one level; where it spans far more than a rig drifts, it is a sweep and has parts.
+# A chain of close values is one level; where it spans far more than a rig drifts, it is a sweep and
+# has parts.
 def _set_values(measurement: Measurement, name: str, most: int) -> Rows:
-    """Number of the value that was set, ascending; of a sweep without steps, of the part of it, `most` at most."""
+    """Number of the value that was set, ascending.
+
+    Of a sweep without steps, of the part of it, `most` at most.
+    """
     column, number = measurement.conditions[name], measurement.levels(name)
     x = column
     if name == "amplitude":  # a rig holds it to a share, a temperature to a part of a kelvin
@@ -116,7 +127,9 @@ def _set_values(measurement: Measurement, name: str, most: int) -> Rows:
         if span > SWEPT:
             distinct, rank = np.unique(x[rows], return_inverse=True)
             part[rows] = rank.ravel() * min(most, int(span), len(distinct)) // len(distinct)
-    return np.asarray(np.unique(number * most + part, return_inverse=True)[1].ravel(), dtype=np.int64)
+    return np.asarray(
+        np.unique(number * most + part, return_inverse=True)[1].ravel(), dtype=np.int64
+    )
 
 
 def level_words(measurement: Measurement, axis: Axis, rows: Rows) -> str:
@@ -129,7 +142,9 @@ def level_words(measurement: Measurement, axis: Axis, rows: Rows) -> str:
     if axis.name == "temperature":
         start = "at "
     if _number(low) == _number(high):
-        return f"{start.replace('amplitudes', 'an amplitude')}{with_unit(measurement, axis.name, low)}"
+        return (
+            f"{start.replace('amplitudes', 'an amplitude')}{with_unit(measurement, axis.name, low)}"
+        )
     if level.min() == 0:
         return f"{start}{with_unit(measurement, axis.name, high)} and below"
     if level.max() == axis.count - 1:
@@ -151,8 +166,13 @@ def _number(value: float) -> str:
     return f"{value:.3g}"
 
 
-def dependences(measurement: Measurement, axes: list[Axis], part: Part, rows: Rows) -> Iterator[str]:
-    """Whether the misfit of some points changes with the conditions; nothing where the data cannot tell."""
+def dependences(
+    measurement: Measurement, axes: list[Axis], part: Part, rows: Rows
+) -> Iterator[str]:
+    """Whether the misfit of some points changes with the conditions.
+
+    Nothing where the data cannot tell.
+    """
     for axis in axes:
         _, level = np.unique(axis.level[rows], return_inverse=True)
         if level.max() > 0:
@@ -182,7 +202,10 @@ def _dependence(measurement: Measurement, name: str, part: Part, rows: Rows, lev
     rank = float(np.corrcoef(np.arange(len(size)), size)[0, 1])
     if not law and abs(rank) < STEADY:
         return f"varying with {name}"
-    ends = ", ".join(f"{plain(100 * size[i], 2)} % at {with_unit(measurement, name, float(at[i]))}" for i in (0, -1))
+    ends = ", ".join(
+        f"{plain(100 * size[i], 2)} % at {with_unit(measurement, name, float(at[i]))}"
+        for i in (0, -1)
+    )
     trend = f"smaller at higher {name}s"
     if rank > 0:
         trend = f"larger at higher {name}s"
@@ -196,7 +219,7 @@ def _some(measurement: Measurement, name: str, rows: Rows) -> bool:
 
 
 def _power(amplitude: Real, residual: Real) -> str:
-    """The law by which a residual changes with the amplitude, where there are levels enough to say."""
+    """The law by which a residual changes with amplitude, where levels are enough to say."""
     same = residual * np.sign(np.sum(residual)) > 0
     if len(amplitude) < FEWEST_OF_A_LAW or not np.all(same):
         return ""
@@ -204,7 +227,8 @@ def _power(amplitude: Real, residual: Real) -> str:
     if amplitude[0] <= 0 or amplitude[-1] < AMPLITUDES * amplitude[0]:
         return ""
     slope = float(np.polyfit(np.log(amplitude), np.log(np.abs(residual)), 1)[0])
-    # Unlike that of the frequency an exponent far from all of these is not told: effects have whole powers here.
+    # Unlike that of the frequency an exponent far from all of these is not told: effects have whole
+    # powers here.
     power = min(AMPLITUDE_POWERS, key=lambda each: abs(each - slope))
     if abs(power - slope) < WHERE.close_power:
         return AMPLITUDE_POWERS[power]
@@ -225,9 +249,12 @@ def in_plane(plane: str, measured: Complex, modelled: Complex) -> Complex:
 
 
 def where(frame: Frame) -> list[Where]:
-    """Places at which a fit fails, the most telling first, at most `MOST`; empty where noise explains the residual.
+    """Places at which a fit fails, the most telling first, at most `MOST`.
 
-    A place is a range of frequencies, temperatures and amplitudes in which K' or K'' is off to one side.
+    Empty where noise explains the residual.
+
+    A place is a range of frequencies, temperatures and amplitudes in which K' or K'' is off to one
+    side.
 
     Parameters
     ----------
@@ -235,26 +262,37 @@ def where(frame: Frame) -> list[Where]:
         The fit.
     """
     rng = np.random.default_rng(0)  # the same fit is told of in the same words
-    # How many axes there are decides how fine they may be: blocks go with the square of the bands of each.
+    # How many axes there are decides how fine they may be: blocks go with the square of the bands
+    # of each.
     conditions = condition_axes(frame.measurement, BANDS[1])
     most = BANDS[len(conditions)]
     axes = [_frequencies(frame.measurement, most), *condition_axes(frame.measurement, most)]
     blocks = Blocks(axes)
     threshold = blocks.threshold(WHERE.alarm, scales(frame.scale_dof), rng)
-    found = [(part, region) for part in _parts(frame) for region in blocks.regions(part.whitened, threshold)]
+    found = [
+        (part, region)
+        for part in _parts(frame)
+        for region in blocks.regions(part.whitened, threshold)
+    ]
     period, clear = _period(frame, rng)
     if period:
-        # Half a swing is a band that is off to one side: the period says so once, not each of its halves.
-        found = [(part, region) for part, region in found if _length(axes[0], region) >= 2.0 * period]
+        # Half a swing is a band that is off to one side: the period says so once, not each of its
+        # halves.
+        found = [
+            (part, region) for part, region in found if _length(axes[0], region) >= 2.0 * period
+        ]
     found.sort(key=lambda pair: -abs(pair[1].sigma))
     if found:
-        # Beside a misfit of a thousand deviations one of five is what the curve of the first leaves elsewhere.
+        # Beside a misfit of a thousand deviations one of five is what the curve of the first leaves
+        # elsewhere.
         least = WHERE.slight * abs(found[0][1].sigma)
         found = [(part, region) for part, region in found if abs(region.sigma) > least]
     plane = ""
     if found:
         plane = _simplest_plane(frame)
-    places = [_place(frame.measurement, axes, part, region.rows, plane) for part, region in found[:MOST]]
+    places = [
+        _place(frame.measurement, axes, part, region.rows, plane) for part, region in found[:MOST]
+    ]
     if period:
         places.insert(sum(abs(region.sigma) > clear for _, region in found[:MOST]), periodic(frame))
     return places[:MOST]
@@ -278,9 +316,13 @@ def periodic(frame: Frame) -> Where:
     period = 2.0 * (len(power) - 1) / max(int(np.argmax(power)), 1)
     longest = max(sweeps_of(frame.measurement), key=lambda sweep: len(sweep.rows))
     step = float(np.ptp(longest.x)) / max(len(longest.rows) - 1, 1) / np.log(10.0)
-    decades = np.ptp(longest.x) > 0 and np.array_equal(longest.x, np.log(frame.measurement.omega[longest.rows]))
+    decades = np.ptp(longest.x) > 0 and np.array_equal(
+        longest.x, np.log(frame.measurement.omega[longest.rows])
+    )
     frequency = frame.measurement.frequency
-    relative = np.abs(frame.measurement.stiffness - frame.model_stiffness) / frame.measurement.magnitude
+    relative = (
+        np.abs(frame.measurement.stiffness - frame.model_stiffness) / frame.measurement.magnitude
+    )
     # The amplitude of a sinusoid is the square root of two times its root mean square.
     size = float(np.sqrt(2.0 * np.mean(relative**2)))
     length = ""
@@ -293,7 +335,9 @@ def periodic(frame: Frame) -> Where:
 
 
 def _period(frame: Frame, rng: np.random.Generator) -> tuple[float, float]:
-    """Period, in points, of a misfit that is a ripple, and its standard deviations; zero where it is none.
+    """Period, in points, of a misfit that is a ripple, and its standard deviations.
+
+    Zero where it is none.
 
     A slow misfit swings too, about as often as there are parameters that follow it.
     """
@@ -310,7 +354,11 @@ def _period(frame: Frame, rng: np.random.Generator) -> tuple[float, float]:
     # With two neighbours on each side, over which a period between those of the grid spreads.
     near_peak = float(np.sum(excess[max(peak - 2, 0) : peak + 3]))
     alone = near_peak > WHERE.one_period * float(np.sum(excess))
-    if peak < first or not alone or power[peak] < rare(np.max(chance[:, first:], axis=1), WHERE.alarm, scale):
+    if (
+        peak < first
+        or not alone
+        or power[peak] < rare(np.max(chance[:, first:], axis=1), WHERE.alarm, scale)
+    ):
         return 0.0, 0.0
     return 2.0 * (len(power) - 1) / peak, float(np.sqrt(power[peak]))
 
@@ -340,7 +388,8 @@ def _place(measurement: Measurement, axes: list[Axis], part: Part, rows: Rows, p
     side = "high"
     if size > 0:
         side = "low"
-    # Levels are told only where they set the place apart: "at all temperatures" would be a word for nothing.
+    # Levels are told only where they set the place apart: "at all temperatures" would be a word for
+    # nothing.
     levels = [words for axis in conditions if (words := level_words(measurement, axis, rows))]
     units = measurement.units
     share = f"{plain(100 * abs(size), 2)} % of {units.magnitude}"
@@ -371,7 +420,8 @@ def _range(low: float, high: float, frequency: Real, units: Units) -> str:
 def _growth(measurement: Measurement, part: Part, rows: Rows) -> str:
     """How the residual changes with frequency, where the range is wide enough to say."""
     omega = measurement.omega[rows]
-    # Points that scatter to the other side have no logarithm, and say nothing of how the misfit grows.
+    # Points that scatter to the other side have no logarithm, and say nothing of how the misfit
+    # grows.
     sign = np.sign(np.sum(part.residual[rows]))
     kept = sign * part.residual[rows] > 0
     # Over less than a factor of two every power looks like every other.
@@ -390,14 +440,16 @@ def _conditions(measurement: Measurement) -> str:
 
 
 def _simplest_plane(frame: Frame) -> str:
-    """The plane in which one straight line in omega^0, omega^1 or omega^2 explains most of the misfit."""
+    """The plane in which a straight line in omega^0, omega^1 or omega^2 explains most misfit."""
     modelled = Response(frame.model_stiffness)
     share: dict[str, float] = {}
     # Over their geometric mean, so that no power of the frequencies is beyond what numbers hold.
     scale = frame.measurement.omega / np.exp(np.mean(np.log(frame.measurement.omega)))
     for plane, kind in PLANES.items():
         slope = kind.slope(modelled)
-        columns = [factor * slope * scale**power for power in (-1, 0, 1, 2) for factor in (1.0, 1.0j)]
+        columns = [
+            factor * slope * scale**power for power in (-1, 0, 1, 2) for factor in (1.0, 1.0j)
+        ]
         lines = frame.whiten(np.array(columns)).T
         left = frame.project(lines)
         length = np.sqrt(np.sum(left**2, axis=0))

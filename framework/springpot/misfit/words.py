@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from springpot.digits import number
+from springpot.format_numbers import number
 
 
 def times(ratio: float) -> str:
-    """A ratio with two digits, such as ``3.1 x``; whole from a hundred on, never with a power of ten."""
+    """A ratio with two digits, such as ``3.1 x``.
+
+    Whole from a hundred on, never with a power of ten.
+    """
     # From 99.5 on two digits would be written with a power of ten, which users do not read.
     if ratio >= 99.5:
         return f"{ratio:.0f} x"

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from springpot.comparison import Comparison, Judgement
-from springpot.diagnosis import Candidate, Diagnosis
-from springpot.digits import counted, number
-from springpot.identification import Value as Measured
-from springpot.measurement import Measurement, Units
-from springpot.misfit import Finding
+from springpot.comparison.comparing import Comparison, Judgement
+from springpot.diagnosis.result import Candidate, Diagnosis
+from springpot.format_numbers import counted, number
+from springpot.identification.value import Value as Measured
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.units import Units
 from springpot.misfit.error import Error
+from springpot.misfit.residual_battery import Finding
 from springpot.misfit.values import Value
 from springpot.misfit.words import over_floor, plain
 
@@ -20,7 +21,10 @@ from .values import OPEN, shown
 SHOWN = 5
 """Effects in a table; `verbose` and JSON have all."""
 HOPELESS = 0.01
-"""Probability below which an effect that is not ruled out matters to nobody: one in a hundred data sets."""
+"""Probability below which an effect that is not ruled out matters to nobody.
+
+One in a hundred data sets.
+"""
 PLACES, NOTES = 3, 2
 """Places of failure and notes that are told where not everything is asked for."""
 USUAL = 120
@@ -35,9 +39,12 @@ LEAST_CHANCE = 1e-6
 
 
 def diagnosis_text(
-    diagnosis: Diagnosis, measurement: Measurement | None = None, width: int = USUAL, verbose: bool = False
+    diagnosis: Diagnosis,
+    measurement: Measurement | None = None,
+    width: int = USUAL,
+    verbose: bool = False,
 ) -> str:
-    """The answer: verdict, error, where, the model's parameters, the effects that matter, what to measure next.
+    """The answer: verdict, error, where, parameters, effects that matter, what to measure next.
 
     Parameters
     ----------
@@ -54,20 +61,25 @@ def diagnosis_text(
     most, places = NOTES, PLACES
     if verbose:
         most, places = len(notes), len(diagnosis.where)
-    # Of an adequate model the effects that are ruled out are the answer; beside a missing effect they are detail.
+    # Of an adequate model the effects that are ruled out are the answer; beside a missing effect
+    # they are detail.
     absent = ""
     if verbose or diagnosis.verdict == "adequate":
         absent = _absent(diagnosis)
     fitted, refers = _fitted(diagnosis), ""
     if fitted and measurement is not None:
         refers = reference_note(measurement, [diagnosis.model.network])
-    # The temperature that constants refer to is told once: beside the fitted parameters, or else below the ranking.
+    # The temperature that constants refer to is told once: beside the fitted parameters, or else
+    # below the ranking.
     to_refer_to = measurement
     if refers:
         to_refer_to = None
     assumed = _held_values(diagnosis, measurement)
     parts = [
-        f"{diagnosis.model.name} of {diagnosis.data}: {diagnosis.verdict}{assumed}\n{diagnosis.says}",
+        (
+            f"{diagnosis.model.name} of {diagnosis.data}:"
+            f" {diagnosis.verdict}{assumed}\n{diagnosis.says}"
+        ),
         "\n".join(filter(None, (error_line(diagnosis), diagnosis.split))),
         where_text(diagnosis, places),
         "\n".join(filter(None, (fitted, refers))),
@@ -85,7 +97,8 @@ def _held_values(diagnosis: Diagnosis, measurement: Measurement | None) -> str:
     units = Units()
     if measurement is not None:
         units = measurement.units
-    # Held parameters are none of the model's own any more: their units are those of the model with all set free.
+    # Held parameters are none of the model's own any more: their units are those of the model with
+    # all set free.
     known = {parameter.name: parameter for parameter in diagnosis.model.released().parameters}
     assignments = []
     for name, value in diagnosis.model.held.items():
@@ -126,13 +139,19 @@ def error_line(diagnosis: Diagnosis) -> str:
     """``error 8.3 % -> 1.1 % with inertia, 1.1 x floor``, and the two floors."""
     error, best = diagnosis.error, diagnosis.best
     if best is None:
-        return f"error {percent(error.relative_rms)}, {times(error.relative_rms, error)}; {floors(error)}"
+        return (
+            f"error {percent(error.relative_rms)},"
+            f" {times(error.relative_rms, error)}; {floors(error)}"
+        )
     after = f"{percent(best.error_after)} with {best.effect}, {times(best.error_after, error)}"
     return f"error {percent(error.relative_rms)} -> {after}; {floors(error)}"
 
 
 def floors(error: Error) -> str:
-    """``noise floor 0.63 % (estimated); material floor 0.62 %``: what noise leaves, and what any material."""
+    """``noise floor 0.63 % (estimated).
+
+    Material floor 0.62 %``: what noise leaves, and what any material.
+    """
     noise = f"noise floor {percent(error.noise_floor)} ({error.noise_source})"
     return f"{noise}; material floor {percent(error.material_floor)}"
 
@@ -165,7 +184,9 @@ def beside_floor(value: float | None, floor: float, digits: int = 3, sign: str =
 def where_text(diagnosis: Diagnosis, most: int = 100) -> str:
     """Where the model fails, a line each."""
     if diagnosis.where:
-        return "\n".join(["where it fails:", *(f"  {place.says}" for place in diagnosis.where[:most])])
+        return "\n".join(
+            ["where it fails:", *(f"  {place.says}" for place in diagnosis.where[:most])]
+        )
     # That an adequate model fails nowhere its verdict has said.
     if diagnosis.verdict == "adequate":
         return ""
@@ -173,29 +194,43 @@ def where_text(diagnosis: Diagnosis, most: int = 100) -> str:
 
 
 def nowhere(diagnosis: Diagnosis) -> str:
-    """What to say where no place of failure is named; only an adequate model leaves nothing but noise."""
+    """What to say where no place of failure is named.
+
+    Only an adequate model leaves nothing but noise.
+    """
     if diagnosis.verdict == "adequate":
         return "nowhere: what is left looks like noise"
     if diagnosis.verdict == "inconclusive":
-        return "no single band of frequencies stands out, and these data cannot tell whether anything is missing"
+        return (
+            "no single band of frequencies stands out,"
+            " and these data cannot tell whether anything is missing"
+        )
     off = times(diagnosis.error.relative_rms, diagnosis.error)
     return f"no single band of frequencies stands out; all points together are off by {off}"
 
 
 def worth_showing(diagnosis: Diagnosis, most: int = SHOWN) -> list[Candidate]:
-    """Leading effects that are neither ruled out nor hopeless: what is shown is read as a suggestion."""
+    """Leading effects that are neither ruled out nor hopeless.
+
+    What is shown is read as a suggestion.
+    """
     # Evidence of minus infinity has an effect that could not be fitted.
     open_ones = [c for c in diagnosis.candidates if c.verdict != "absent" and c.delta_bic > -1e300]
     matter = [
-        c for c in open_ones if c.verdict == "missing" or c.probability >= HOPELESS or c.effect in diagnosis.leading
+        c
+        for c in open_ones
+        if c.verdict == "missing" or c.probability >= HOPELESS or c.effect in diagnosis.leading
     ]
     return matter[:most]
 
 
 def ranking_text(
-    diagnosis: Diagnosis, measurement: Measurement | None = None, width: int = USUAL, verbose: bool = False
+    diagnosis: Diagnosis,
+    measurement: Measurement | None = None,
+    width: int = USUAL,
+    verbose: bool = False,
 ) -> str:
-    """The leading effects as a table, what their constants refer to, and the sentence of physics of each."""
+    """The leading effects as a table, what their constants refer to, and the physics of each."""
     rows = worth_showing(diagnosis)
     if verbose:
         rows = list(diagnosis.candidates)
@@ -234,7 +269,9 @@ def _ranking(rows: list[Candidate], floor: float, brief: bool = False) -> Table:
             number(row.delta_bic, 3),
             beside_floor(row.predicted_error, floor, 2),
             beside_floor(row.error_after, floor, 2),
-            "; ".join(f"{name} {value_text(value, brief)}" for name, value in row.parameters.items()),
+            "; ".join(
+                f"{name} {value_text(value, brief)}" for name, value in row.parameters.items()
+            ),
             ", ".join(name for name in row.alike if name != row.effect),
         )
         for row in rows
@@ -252,10 +289,14 @@ def probability(value: float) -> str:
 
 
 def value_text(value: Value, brief: bool = False) -> str:
-    """``0.42 [0.40, 0.44] kg``, or `brief` without the interval; what the data leave open is called so."""
+    """``0.42 [0.40, 0.44] kg``, or `brief` without the interval.
+
+    What the data leave open is called so.
+    """
     size, interval = shown(Measured(value.value, value.low, value.high, value.unit))
     text = f"{size} {interval}".removeprefix("- ").strip()
-    # A value that the data leave open is none, however narrow the window: there the interval is all there is to tell.
+    # A value that the data leave open is none, however narrow the window: there the interval is all
+    # there is to tell.
     if brief and not interval.startswith(OPEN):
         text = size
     if value.unit == "-" or text.startswith(OPEN):
@@ -297,11 +338,19 @@ def comparison_text(comparison: Comparison, width: int = USUAL) -> str:
         rows.append((judged.model.name, *row, str(len(judged.refit.theta))))
     error, size = comparison.judgements[0].error, comparison.measurement.units.magnitude
     parts = [
-        f"{comparison.data}: noise floor {percent(error.noise_floor)} of {size} ({error.noise_source})",
-        Table(headers, rows, frozenset(headers[1:])).without(("chi2/dof", "parameters", "delta BIC"), width).plain(),
+        (
+            f"{comparison.data}: noise floor {percent(error.noise_floor)} of {size}"
+            f" ({error.noise_source})"
+        ),
+        Table(headers, rows, frozenset(headers[1:]))
+        .without(("chi2/dof", "parameters", "delta BIC"), width)
+        .plain(),
     ]
     for judged in comparison.judgements:
-        lines = [f"{judged.model.name} {_state(judged)}: {judged.says}", *_significant(judged.findings)]
+        lines = [
+            f"{judged.model.name} {_state(judged)}: {judged.says}",
+            *_significant(judged.findings),
+        ]
         parts.append("\n".join(lines))
     parts.append("\n".join(_significant(comparison.harmonics)))
     parts.append("\n".join(f"note: {note}" for note in comparison.notes))
@@ -319,7 +368,9 @@ def _state(judged: Judgement) -> str:
 
 def _significant(findings: tuple[Finding, ...]) -> list[str]:
     """A line for each test that found something."""
-    return [f"  {finding.says} ({chance(finding.p_value)})" for finding in findings if finding.found]
+    return [
+        f"  {finding.says} ({chance(finding.p_value)})" for finding in findings if finding.found
+    ]
 
 
 def chance(value: float) -> str:

@@ -1,4 +1,7 @@
-"""What noise explains in a plane of residuals: a band about zero, for each sweep its own where sweeps differ."""
+"""What noise explains in a plane of residuals.
+
+A band about zero, for each sweep its own where sweeps differ.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,8 +24,8 @@ ALIKE = 1.5
 def draw_bands(axes: Axes, scene: Scene, width: Real) -> None:
     """Bands of half-width `width` about zero.
 
-    One grey band where the sweeps shown have about the same, else each in the light of its sweep's colour with a thin
-    rim, so that points are held against the band of their own colour.
+    One grey band where the sweeps shown have about the same, else each in the light of its sweep's
+    colour with a thin rim, so that points are held against the band of their own colour.
 
     Parameters
     ----------
@@ -60,7 +63,7 @@ def draw_bands(axes: Axes, scene: Scene, width: Real) -> None:
 
 
 def alike(bands: list[tuple[Real, Real]]) -> bool:
-    """Whether bands, given by their places and half-widths, are about the same wherever they overlap."""
+    """Whether bands, given by places and half-widths, are about the same wherever they overlap."""
     if len(bands) == 1:
         return True
     places = np.unique(np.concatenate([x for x, _ in bands]))

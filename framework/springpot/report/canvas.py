@@ -1,4 +1,7 @@
-"""Blank figures in one style, and how they reach a file; the only place that knows matplotlib's set-up."""
+"""Blank figures in one style, and how they reach a file.
+
+The only place that knows matplotlib's set-up.
+"""
 
 from __future__ import annotations
 
@@ -58,7 +61,9 @@ STYLE: dict[Any, Any] = {
 
 
 def check_figure_path(path: str | Path) -> Path:
-    """`path`, after a check that a figure can be written there; called before long work, not after it.
+    """`path`, after a check that a figure can be written there.
+
+    Called before long work, not after it.
 
     Raises
     ------
@@ -89,7 +94,7 @@ def require_matplotlib() -> None:
 
 @contextmanager
 def blank(width: float = 7.2, height: float = 5.4) -> Iterator[Figure]:
-    """An empty figure of that size in inches, in the house style, without matplotlib's global state."""
+    """An empty figure of a size in inches in the house style, without pyplot's global state."""
     require_matplotlib()
     from matplotlib import rc_context
 
@@ -101,7 +106,10 @@ def blank(width: float = 7.2, height: float = 5.4) -> Iterator[Figure]:
 
 
 def logarithmic(axes: Axes, direction: Literal["x", "y"]) -> None:
-    """Scale one axis by decades, with numbers as people write them: 0.1, 1, 10 rather than powers of ten."""
+    """Scale one axis by decades, with numbers as people write them.
+
+    0.1, 1, 10 rather than powers of ten.
+    """
     from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, NullFormatter
 
     axes.set(**{f"{direction}scale": "log"})
@@ -121,7 +129,9 @@ def logarithmic(axes: Axes, direction: Literal["x", "y"]) -> None:
 
 
 def finished(figure: Figure, path: str | Path | None) -> Figure | Path:
-    """The figure itself, or where it was written if there is a path: what all functions ``figure_...`` end with.
+    """The figure itself, or where it was written if there is a path.
+
+    What all functions ``figure_...`` end with.
 
     Parameters
     ----------
@@ -157,4 +167,6 @@ def save(figure: Figure, path: str | Path) -> Path:
     kind = path.suffix.lower()[1:]
     # With a date in it the same figure would give other bytes each day.
     undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(kind)
-    return write_with(path, lambda file: figure.savefig(file, format=kind, dpi=160, metadata=undated))
+    return write_with(
+        path, lambda file: figure.savefig(file, format=kind, dpi=160, metadata=undated)
+    )

@@ -1,4 +1,4 @@
-"""What a figure shows: the column along its axis, the sweeps, and smooth curves of fitted models."""
+"""What a figure shows: the column along its axis, sweeps, and smooth curves of fitted models."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from springpot.measurement import Measurement
-from springpot.rheology import Complex, Model, Points, Real
+from springpot.measurement.measurement import Measurement
+from springpot.rheology.model import Model
+from springpot.rheology.points import Complex, Points, Real
 
 from .sweeps import Sweep, all_sweeps, travels, varies
 
@@ -73,16 +74,23 @@ class Axis:
 
 def axis_of(measurement: Measurement) -> Axis:
     """The frequency if it varies, else the amplitude or the temperature, whichever does."""
-    label = {"Hz": "frequency f [Hz]", "rad/s": "angular frequency ω [rad/s]"}[measurement.units.clock]
+    label = {"Hz": "frequency f [Hz]", "rad/s": "angular frequency ω [rad/s]"}[
+        measurement.units.clock
+    ]
     along_frequency = Axis("frequency", label, measurement.units.on_clock(measurement.frequency))
     if varies("frequency", measurement.frequency):
         return along_frequency
     # Tests at one frequency: what was varied instead is what a reader wants to see.
-    labels = {"amplitude": f"amplitude [{measurement.units.amplitude}]", "temperature": "temperature [°C]"}
+    labels = {
+        "amplitude": f"amplitude [{measurement.units.amplitude}]",
+        "temperature": "temperature [°C]",
+    }
     for name, label in labels.items():
         column = measurement.conditions.get(name)
         if column is not None and varies(name, column):
-            return Axis(name, label, column, logarithmic=name == "amplitude" and bool(np.all(column > 0)))
+            return Axis(
+                name, label, column, logarithmic=name == "amplitude" and bool(np.all(column > 0))
+            )
     return along_frequency
 
 
@@ -94,10 +102,12 @@ def sweeps_of(measurement: Measurement, axis: Axis) -> list[Sweep]:
 def smooth(measurement: Measurement, axis: Axis, sweep: Sweep) -> tuple[Real, Points]:
     """Places along the axis between a sweep's ends, and the conditions there.
 
-    A condition that follows the axis is interpolated; one that only scatters about its setting is taken to be held.
+    A condition that follows the axis is interpolated; one that only scatters about its setting is
+    taken to be held.
     """
     along = axis.values[sweep.rows]
-    # Evenly on the paper, not in the numbers: a curve over decades would be coarse at its lower end.
+    # Evenly on the paper, not in the numbers: a curve over decades would be coarse at its lower
+    # end.
     place = along
     if axis.logarithmic:
         place = np.log(along)
@@ -109,7 +119,8 @@ def smooth(measurement: Measurement, axis: Axis, sweep: Sweep) -> tuple[Real, Po
 
     def between(column: Real) -> Real:
         here = column[sweep.rows]
-        # Through values that jump to and fro a curve would jump as well, and no model would follow it.
+        # Through values that jump to and fro a curve would jump as well, and no model would follow
+        # it.
         if travels(along, here):
             return np.full(len(fine), float(np.median(here)))
         return np.interp(fine, known, here[first])

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from springpot.measurement import Measurement
+from springpot.measurement.measurement import Measurement
 
 from . import views
 from .canvas import INK, blank, finished, save
@@ -58,7 +58,10 @@ def figure_identification(
 
 
 def figure_comparison(measurement: Measurement, fits: Sequence[Fit], path: str | Path) -> Path:
-    """All the views that rheologists use, of data and models; parameters as in `figure_identification`."""
+    """All the views that rheologists use, of data and models.
+
+    Parameters as in `figure_identification`.
+    """
     scene = Scene(measurement, fits)
     drawings = (
         views.storage_and_loss,
@@ -96,10 +99,15 @@ def _headline(scene: Scene, beside: str) -> str:
     fitted = cut(f"{fit.name} fitted to {data.name}", TITLE_WIDTH)
     # On a line of its own: together they are wider than the figure.
     beside = beside.replace(", ", "\n", 1)
-    return f"{fitted}\npoints measured, lines fitted; error {error} of {data.units.magnitude}{drawn}{beside}"
+    return (
+        f"{fitted}\npoints measured, lines fitted; error {error} of"
+        f" {data.units.magnitude}{drawn}{beside}"
+    )
 
 
-def headed(figure: Figure, scene: Scene, below: Scene | None = None, floors: bool = False, beside: str = "") -> None:
+def headed(
+    figure: Figure, scene: Scene, below: Scene | None = None, floors: bool = False, beside: str = ""
+) -> None:
     """Headline and what the marks mean above the axes, the sweeps beside them: never over the data.
 
     Parameters
@@ -109,7 +117,8 @@ def headed(figure: Figure, scene: Scene, below: Scene | None = None, floors: boo
     scene : Scene
         What they show.
     below : Scene, optional
-        What further rows show, in which colours stand for sweeps though they may stand for models above.
+        What further rows show, in which colours stand for sweeps though they may stand for models
+        above.
     floors : bool
         Whether the material floor is drawn beside residuals.
     beside : str
@@ -134,12 +143,16 @@ def headed(figure: Figure, scene: Scene, below: Scene | None = None, floors: boo
         figure.legend(handles=sweep_marks(scene), loc="outside right upper", handlelength=1.0)
     elif below is not None and below.by_sweep:
         title = "residuals of"
-        figure.legend(handles=sweep_marks(below), title=title, loc="outside right center", handlelength=1.0)
+        figure.legend(
+            handles=sweep_marks(below), title=title, loc="outside right center", handlelength=1.0
+        )
 
 
 def _width(marks: Sequence[Line2D]) -> float:
     """Inches that the widest entry of a legend needs."""
-    return max(MARK_WIDTH, *(LINE_WIDTH + LETTER_WIDTH * len(str(mark.get_label())) for mark in marks))
+    return max(
+        MARK_WIDTH, *(LINE_WIDTH + LETTER_WIDTH * len(str(mark.get_label())) for mark in marks)
+    )
 
 
 def marks_of(scene: Scene) -> list[Line2D]:
@@ -161,14 +174,18 @@ def marks_of(scene: Scene) -> list[Line2D]:
     if scene.measurement.sd is not None and scene.fits:
         marks.append(_mark("± 2 standard deviations", "#DDDDDD", linewidth=7.0))
     if scene.by_fit:
-        marks += [_mark(fit.name, scene.fit_colour(i, 0), linewidth=4.0) for i, fit in enumerate(scene.fits)]
+        marks += [
+            _mark(fit.name, scene.fit_colour(i, 0), linewidth=4.0)
+            for i, fit in enumerate(scene.fits)
+        ]
     return marks
 
 
 def sweep_marks(scene: Scene) -> list[Line2D]:
     """The colours of the sweeps, for a legend."""
     return [
-        _mark(sweep.label, scene.data_colour(i), marker="s", linestyle="none") for i, sweep in enumerate(scene.sweeps)
+        _mark(sweep.label, scene.data_colour(i), marker="s", linestyle="none")
+        for i, sweep in enumerate(scene.sweeps)
     ]
 
 

@@ -1,4 +1,7 @@
-"""The two levels against which every error is drawn: what noise leaves, and what any material leaves."""
+"""The two levels against which every error is drawn.
+
+What noise leaves, and what any material leaves.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from springpot.digits import number
-from springpot.identification import Identification
-from springpot.rheology import Real
+from springpot.format_numbers import number
+from springpot.identification.result import Identification
+from springpot.rheology.points import Real
 
 from .numbers import percent
 
@@ -21,17 +24,19 @@ DASHES: dict[str, Any] = {"color": MATERIAL, "linestyle": "--", "linewidth": 1.4
 
 
 def beside_floors(identified: Identification) -> str:
-    """The error beside what noise alone leaves and what any material leaves, where the data are enough to tell."""
+    """The error beside what noise alone and what any material leaves, where the data can tell."""
     standing = identified.standing
     if standing is None or not standing.noise_floor > 0.0:
         return ""
     ratio = number(identified.relative_rms / standing.noise_floor, 2)
-    noise = f"{ratio} x the noise floor of {percent(standing.noise_floor, 2)} ({standing.noise_source})"
+    noise = (
+        f"{ratio} x the noise floor of {percent(standing.noise_floor, 2)} ({standing.noise_source})"
+    )
     return f", {noise}; material floor {percent(standing.material_floor, 2)}"
 
 
 def draw_floors(axes: Axes, noise: Real, material: Real, after: float = 0.0) -> None:
-    """The noise floor as a band that reaches the bottom, the material floor as dashes, for each place its own.
+    """The noise floor as a band that reaches the bottom, the material floor as dashes, by place.
 
     Parameters
     ----------
@@ -45,10 +50,17 @@ def draw_floors(axes: Axes, noise: Real, material: Real, after: float = 0.0) -> 
     # Half a place to either side of each mark.
     ends = np.arange(len(noise) + 1) - 0.5
     ends[-1] += after
-    # Each place its own level, as wide as its share of the axis: a slope between two would mean nothing.
+    # Each place its own level, as wide as its share of the axis: a slope between two would mean
+    # nothing.
     edges = np.repeat(ends, 2)[1:-1]
     axes.fill_between(
-        edges, np.repeat(noise, 2), 0.0, color="#DDDDDD", linewidth=0.0, label="noise floor", zorder=0.5
+        edges,
+        np.repeat(noise, 2),
+        0.0,
+        color="#DDDDDD",
+        linewidth=0.0,
+        label="noise floor",
+        zorder=0.5,
     )
     axes.hlines(
         material,

@@ -8,12 +8,13 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
 
-from springpot.diagnosis import Candidate, Ladder, Step
-from springpot.digits import number
+from springpot.diagnosis.ladder import Ladder, Step
+from springpot.diagnosis.result import Candidate
 from springpot.errors import OutputError
 from springpot.files import require_writable, write_text
+from springpot.format_numbers import number
 from springpot.markup import Html, joined, table, tag
-from springpot.measurement import Measurement
+from springpot.measurement.measurement import Measurement
 from springpot.misfit.words import over_floor
 from springpot.versions import versions
 
@@ -27,12 +28,12 @@ from .answers import (
     worth_showing,
 )
 from .canvas import require_matplotlib
-from .climbed import accepted_name, moves_text
 from .curves import Fit
 from .interactive.answers import rungs
 from .interactive.bench import Bench, bench_of
 from .interactive.scene import PageScene
 from .ladder import draw_ladder
+from .ladder_text import accepted_name, moves_text
 from .network import network_svg
 from .numbers import percent, told_range, with_interval
 from .page import page
@@ -47,7 +48,9 @@ RANKED = 10
 
 
 def check_report_path(path: str | Path) -> Path:
-    """`path`, after a check that a report can be written there; called before long work, not after it.
+    """`path`, after a check that a report can be written there.
+
+    Called before long work, not after it.
 
     Raises
     ------
@@ -61,7 +64,9 @@ def check_report_path(path: str | Path) -> Path:
     return require_writable(path)
 
 
-def write_report(ladder: Ladder, measurement: Measurement, path: str | Path, command: Sequence[str]) -> Path:
+def write_report(
+    ladder: Ladder, measurement: Measurement, path: str | Path, command: Sequence[str]
+) -> Path:
     """Write the report of a discovery.
 
     Parameters
@@ -88,7 +93,8 @@ def report_html(ladder: Ladder, measurement: Measurement, command: Sequence[str]
     scenes = _scenes(ladder, measurement)
     bench = _bench(ladder, measurement)
     body = [
-        # The answer first, then what can be pointed at, then the evidence, and last how to repeat it.
+        # The answer first, then what can be pointed at, then the evidence, and last how to repeat
+        # it.
         *_head(ladder),
         tag("h2", "Point at it"),
         tag("p", POINTING, class_="quiet"),
@@ -115,14 +121,16 @@ def report_html(ladder: Ladder, measurement: Measurement, command: Sequence[str]
 
 
 POINTING = (
-    "An effect shows what it would do: its curve, dashed, and the error with it. A step of the ladder shows the "
-    "model of that step. All of it is in this file. On paper, and where no scripts run, there are the pictures below."
+    "An effect shows what it would do: its curve, dashed, and the error with it. A step of the"
+    " ladder shows the model of that step. All of it is in this file. On paper, and where no"
+    " scripts run, there are the pictures below."
 )
 READING = (
-    "An effect that is missing is simplest in the plane in which it adds up. A moving mass grows as the square of "
-    "the frequency in the stiffness, a soft mounting is constant in the compliance, a delay grows with the frequency "
-    "in the phase, and a change of temperature is constant in the shift. Where most points lie in the band, "
-    "or of several in that of their own colour, nothing is missing."
+    "An effect that is missing is simplest in the plane in which it adds up. A moving mass grows as"
+    " the square of the frequency in the stiffness, a soft mounting is constant in the compliance,"
+    " a delay grows with the frequency in the phase, and a change of temperature is constant in the"
+    " shift. Where most points lie in the band, or of several in that of their own colour, nothing"
+    " is missing."
 )
 
 
@@ -143,14 +151,15 @@ def excluded_rows(ladder: Ladder, measurement: Measurement) -> list[int]:
     aside = set_aside(measurement, ladder.steps[-1].case.search.base.data.raw)
     if aside is None:
         return []
-    # A subset does not remember its rows; both are copies of the same floats, so that equal means the same point.
+    # A subset does not remember its rows; both are copies of the same floats, so that equal means
+    # the same point.
     points = set(zip(aside.omega.tolist(), aside.stiffness.tolist(), strict=True))
     measured = zip(measurement.omega.tolist(), measurement.stiffness.tolist(), strict=True)
     return [row for row, point in enumerate(measured) if point in points]
 
 
 def _scenes(ladder: Ladder, measurement: Measurement) -> dict[str, Scene]:
-    """Data with the first and the last model, which are one and the same if nothing was accepted."""
+    """Data with the first and the last model, which are one if nothing was accepted."""
     first, last = ladder.steps[0].case.search.base, ladder.steps[-1].case.search.base
     # The noise as the last model tells it, for both: two bands would look like two sets of data.
     data = with_noise_of(last.data.mean, last.noise.sd)
@@ -189,7 +198,11 @@ def _head(ladder: Ladder) -> Iterator[Html]:
     verdict = tag("div", tag("b", f"{ladder.verdict}: "), f"{ladder.diagnosis.says}.")
     split = [tag("div", f"{_capital(sentence)}.") for sentence in _splits(ladder)]
     yield tag("div", tag("div", story), verdict, *split, class_="verdict")
-    yield tag("div", *(tag("div", tag("b", value), word, class_="fact") for word, value in facts), class_="facts")
+    yield tag(
+        "div",
+        *(tag("div", tag("b", value), word, class_="fact") for word, value in facts),
+        class_="facts",
+    )
     for note in ladder.diagnosis.notes:
         yield tag("p", f"Note: {note}.")
 
@@ -208,10 +221,15 @@ def _capital(text: str) -> str:
 def _ladder(ladder: Ladder) -> Iterator[Html]:
     yield tag("h2", "The error, step by step")
     caption = (
-        "Error after each accepted effect, as predicted before and as reached, against the noise floor and the least "
-        "error that any material reaches with the same effects"
+        "Error after each accepted effect, as predicted before and as reached, against the noise"
+        " floor and the least error that any material reaches with the same effects"
     )
-    picture = panel(lambda axes: draw_ladder(axes, ladder), caption, max(4.6, 0.8 * len(ladder.steps) + 1.4), 3.6)
+    picture = panel(
+        lambda axes: draw_ladder(axes, ladder),
+        caption,
+        max(4.6, 0.8 * len(ladder.steps) + 1.4),
+        3.6,
+    )
     yield tag("div", picture, class_="alone")
     rows = []
     for i, step in enumerate(ladder.steps):
@@ -235,7 +253,10 @@ def _ladder(ladder: Ladder) -> Iterator[Html]:
 
 
 def _places(ladder: Ladder) -> Iterator[Html]:
-    """Where the first and the last model fail, as their diagnoses say: bands, single points and what swings."""
+    """Where the first and the last model fail, as their diagnoses say.
+
+    Bands, single points and what swings.
+    """
     yield tag("h2", "Where the model fails")
     shown = [ladder.steps[0]]
     # Where nothing was accepted the first step is the last one too.
@@ -254,9 +275,9 @@ def _rankings(ladder: Ladder) -> Iterator[Html]:
     yield tag("h2", "Which effects could it be?")
     yield tag(
         "p",
-        "Each effect of the library was tried on the data. Probability: that it is among what is missing. ΔBIC: how "
-        "strongly the data ask for it; above 6 is clear, above 10 decisive. Predicted and after: the error with it, "
-        "and in brackets how many noise floors that is.",
+        "Each effect of the library was tried on the data. Probability: that it is among what is"
+        " missing. ΔBIC: how strongly the data ask for it; above 6 is clear, above 10 decisive."
+        " Predicted and after: the error with it, and in brackets how many noise floors that is.",
         class_="quiet",
     )
     for i, step in enumerate(ladder.steps):
@@ -273,14 +294,27 @@ def _ranking(step: Step) -> Iterator[Html]:
     yield tag("p", f"{_capital(diagnosis.says)}.")
     shown = worth_showing(diagnosis, RANKED)
     rows = [_candidate(row, diagnosis.error.noise_floor) for row in shown]
-    headers = ("effect", "verdict", "probability", "ΔBIC", "predicted", "after", "parameters", "physics")
+    headers = (
+        "effect",
+        "verdict",
+        "probability",
+        "ΔBIC",
+        "predicted",
+        "after",
+        "parameters",
+        "physics",
+    )
     if rows:
         yield tag("div", table(headers, rows, headers[2:6]), class_="scroll")
-    yield from _note(effects_note(step.case.search.base.data.raw, (row.effect for row in shown), "°C"))
+    yield from _note(
+        effects_note(step.case.search.base.data.raw, (row.effect for row in shown), "°C")
+    )
     absent = absent_effects(diagnosis)
     if absent:
         named = ", ".join(f"{row.effect} ({percent(row.bound, 2)})" for row in absent)
-        yield tag("p", f"Absent, or it would have been seen from this size on: {named}.", class_="quiet")
+        yield tag(
+            "p", f"Absent, or it would have been seen from this size on: {named}.", class_="quiet"
+        )
 
 
 def _candidate(row: Candidate, floor: float) -> tuple[str, ...]:
@@ -312,10 +346,14 @@ def _classes(ladder: Ladder) -> Iterator[Html]:
             if len(names) > 1:
                 lines.append(f"Still open and alike: {', '.join(names)}.")
     if lines:
-        yield tag("p", "These effects change the data alike. Only another experiment separates them.")
+        yield tag(
+            "p", "These effects change the data alike. Only another experiment separates them."
+        )
         yield tag("ul", *(tag("li", line) for line in lines))
     else:
-        yield tag("p", "Each accepted effect is the only one of the library that explains these data.")
+        yield tag(
+            "p", "Each accepted effect is the only one of the library that explains these data."
+        )
 
 
 def _others(step: Step) -> list[str]:
@@ -323,7 +361,10 @@ def _others(step: Step) -> list[str]:
 
 
 def _next(ladder: Ladder) -> Iterator[Html]:
-    """Advice of the last diagnosis; where nothing is open there, of the last step whose answer was not unique."""
+    """Advice of the last diagnosis.
+
+    Where nothing is open there, of the last step whose answer was not unique.
+    """
     yield tag("h2", "What to measure next")
     diagnosis = ladder.diagnosis
     # Where nothing is missing any more, the open question is which of several alike was accepted.
@@ -379,7 +420,9 @@ def _repeat(ladder: Ladder, measurement: Measurement, command: Sequence[str]) ->
         *_versions(),
     ]
     yield tag("div", table(("what", "value"), rows), class_="scroll")
-    yield tag("p", f"Verdict of the last step: {ladder.verdict}. Made by springpot.", class_="quiet")
+    yield tag(
+        "p", f"Verdict of the last step: {ladder.verdict}. Made by springpot.", class_="quiet"
+    )
 
 
 def _versions() -> Iterator[tuple[str, str]]:

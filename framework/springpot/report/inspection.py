@@ -1,6 +1,9 @@
-"""What a file holds, as text: its columns, its sweeps, what cannot be opened, what was noted, and what to do next.
+"""What a file holds, as text.
 
-Made of the dictionaries that ``springpot inspect --json`` prints, told in the words in which the data came.
+Its columns, its sweeps, what cannot be opened, what was noted, and what to do next.
+
+Made of the dictionaries that ``springpot inspect --json`` prints, told in the words in which the
+data came.
 """
 
 from __future__ import annotations
@@ -10,9 +13,10 @@ from collections.abc import Sequence
 from shlex import quote
 from typing import Any
 
-from springpot.digits import counted, number
-from springpot.measurement import TimeTest, Units
+from springpot.format_numbers import counted, number
 from springpot.measurement.naming import with_part
+from springpot.measurement.timetest import TimeTest
+from springpot.measurement.units import Units
 
 from .numbers import percent
 from .text import Table, cut, wrapped
@@ -45,7 +49,11 @@ def inspected_text(result: dict[str, Any], units: Units, spec: str, width: int) 
         Columns of the window.
     """
     sweeps, points = result["sweeps"], result["points"]
-    labels = [f"{name}: {_few(words, width)}" for name, words in result["labels"].items() if name != "step"]
+    labels = [
+        f"{name}: {_few(words, width)}"
+        for name, words in result["labels"].items()
+        if name != "step"
+    ]
     # Steps that are among the sweeps have a line there; of the others one has to learn why.
     together = {sweep.get("step") for sweep in sweeps}
     others = [part for part in result["parts"] if part["name"] not in together]
@@ -66,7 +74,9 @@ def inspected_text(result: dict[str, Any], units: Units, spec: str, width: int) 
         f"standard deviations: {given}",
         sweeps_shown,
         others_shown,
-        "\n".join(wrapped(_noted(key, value), width) for key, value in result["provenance"].items()),
+        "\n".join(
+            wrapped(_noted(key, value), width) for key, value in result["provenance"].items()
+        ),
         # A command that is broken cannot be copied.
         next_step(result, spec),
     ]
@@ -105,23 +115,34 @@ def _columns(result: dict[str, Any], units: Units) -> str:
         units.loss: result["loss"],
         **result["conditions"],
     }
-    rows = [[name, number(each["from"]), number(each["to"]), each["unit"]] for name, each in ranges.items()]
+    rows = [
+        [name, number(each["from"]), number(each["to"]), each["unit"]]
+        for name, each in ranges.items()
+    ]
     return Table(("column", "from", "to", "unit"), rows, frozenset({"from", "to"})).plain()
 
 
 def _clocked(hertz: dict[str, Any], units: Units) -> dict[str, Any]:
     """A range in Hz as the data tell it."""
-    return {"from": units.on_clock(hertz["from"]), "to": units.on_clock(hertz["to"]), "unit": units.clock}
+    return {
+        "from": units.on_clock(hertz["from"]),
+        "to": units.on_clock(hertz["to"]),
+        "unit": units.clock,
+    }
 
 
-def sweeps_text(sweeps: Sequence[dict[str, Any]], parts: Sequence[dict[str, Any]], units: Units, width: int) -> str:
+def sweeps_text(
+    sweeps: Sequence[dict[str, Any]], parts: Sequence[dict[str, Any]], units: Units, width: int
+) -> str:
     """A line for each sweep; the first column is what to write behind ``#`` for one of them.
 
     A narrow window goes without the amplitudes, whose range stands above.
     """
     first = sweeps[0]
     # Only what every sweep has can be a column.
-    labels = [name for name in first if name not in PLAIN and all(name in sweep for sweep in sweeps)]
+    labels = [
+        name for name in first if name not in PLAIN and all(name in sweep for sweep in sweeps)
+    ]
     keys = [*labels, *(key for key in KNOWN if first.get(key) is not None)]
     amplitude = (first["amplitude"] or {}).get("unit")
     unit_of = {"temperature": "degC", "frequency": units.clock, "amplitude": amplitude}
@@ -177,7 +198,10 @@ def parts_text(parts: Sequence[dict[str, Any]], width: int) -> str:
 
 
 def next_step(result: dict[str, Any], spec: str) -> str:
-    """The command to go on with: choose a part, then one curve of several temperatures, then a model."""
+    """The command to go on with.
+
+    Choose a part, then one curve of several temperatures, then a model.
+    """
     together = result["provenance"].get("note together", "")
     # Several tests in one file come first: whatever else is done with them together is wrong.
     # What is chosen may hold an apostrophe itself: it ends where the sentence goes on.
@@ -188,8 +212,14 @@ def next_step(result: dict[str, Any], spec: str) -> str:
             chosen = chosen.replace("@", ",", 1)
         return f"next: springpot inspect {quote(spec + chosen)}"
     # To a degree: what wanders about one setting is no second temperature.
-    temperatures = {round(sweep["temperature"]) for sweep in result["sweeps"] if sweep.get("temperature") is not None}
-    swept = any(sweep["frequency"]["to"] > SWEPT * sweep["frequency"]["from"] for sweep in result["sweeps"])
+    temperatures = {
+        round(sweep["temperature"])
+        for sweep in result["sweeps"]
+        if sweep.get("temperature") is not None
+    }
+    swept = any(
+        sweep["frequency"]["to"] > SWEPT * sweep["frequency"]["from"] for sweep in result["sweeps"]
+    )
     # Sweeps at several temperatures: whether they make one curve is asked before any model.
     if len(temperatures) > 1 and swept:
         return f"next: springpot mastercurve {quote(spec)}"
@@ -201,9 +231,16 @@ def next_step(result: dict[str, Any], spec: str) -> str:
 
 def in_time_text(result: dict[str, Any], tests: Sequence[TimeTest], spec: str, width: int) -> str:
     """What tests in time hold."""
-    head = f"{result['data']}: {counted(len(tests), 'test')} in time, {counted(result['points'], 'point')}"
-    blocks = [_test_text(each, test, width) for each, test in zip(result["tests"], tests, strict=True)]
-    following = f"next: springpot identify {quote(spec)} --model EXPR   (springpot list models shows all)"
+    head = (
+        f"{result['data']}: {counted(len(tests), 'test')} in time,"
+        f" {counted(result['points'], 'point')}"
+    )
+    blocks = [
+        _test_text(each, test, width) for each, test in zip(result["tests"], tests, strict=True)
+    ]
+    following = (
+        f"next: springpot identify {quote(spec)} --model EXPR   (springpot list models shows all)"
+    )
     # A steady sine is a point of a sweep as well.
     if any(test.kind == HISTORY for test in tests):
         following += f"\nor, if it swings steadily: springpot signals {quote(spec)} -o sweep.csv"
@@ -222,8 +259,14 @@ def _test_text(result: dict[str, Any], test: TimeTest, width: int) -> str:
         ("test", f"{result['name']}: {result['kind']}, {result['points']} points"),
         ("time", f"{number(clock['from'])} to {number(clock['to'])} s"),
         ("imposed", f"{imposed}, up to {size}"),
-        ("answer", f"{answered}, {number(answer['from'])} to {_sized(answer['to'], answer['unit'])}"),
-        ("noise", f"{percent(noise['relative'], 2)} and {_sized(noise['absolute'], answer['unit'], 2)}"),
+        (
+            "answer",
+            f"{answered}, {number(answer['from'])} to {_sized(answer['to'], answer['unit'])}",
+        ),
+        (
+            "noise",
+            f"{percent(noise['relative'], 2)} and {_sized(noise['absolute'], answer['unit'], 2)}",
+        ),
     ]
     if result["temperature_moves"] is not None:
         low, high = result["temperature_moves"]

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from math import isfinite
 from typing import Any
 
-from springpot.plain import plain_json
+from springpot.terminal_safe import plain_json
 
 NUMBERS = re.compile(r"\[\n\s*((?:-?\d[\d.eE+-]*|null|,\s+)+)\n\s*\]")
 """A list of numbers on lines of their own; within a string there is no line end."""

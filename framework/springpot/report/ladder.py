@@ -1,4 +1,7 @@
-"""The picture of a discovery: the error after each accepted effect against the noise floor and the material floor."""
+"""The picture of a discovery.
+
+The error after each accepted effect against the noise floor and the material floor.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from springpot.diagnosis import Ladder, Step
+from springpot.diagnosis.ladder import Ladder, Step
 from springpot.misfit.words import plain
 
 from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic
@@ -70,13 +73,18 @@ def draw_ladder(axes: Axes, ladder: Ladder) -> None:
 
 
 def entitled(axes: Axes, title: str) -> None:
-    """Set the title of a picture of one panel, as it stands: a dollar sign in a file's name begins no formula."""
+    """Set the title of a picture of one panel, as it stands.
+
+    A dollar sign in a file's name begins no formula.
+    """
     axes.set_title(title.replace("$", r"\$"), fontsize=11.0)
 
 
 def beside_mark(axes: Axes, place: tuple[float, float], words: str) -> None:
     """Write words to the upper right of a mark."""
-    axes.annotate(words, place, (7, 5), textcoords="offset points", fontsize=9.0, color=INK, zorder=5)
+    axes.annotate(
+        words, place, (7, 5), textcoords="offset points", fontsize=9.0, color=INK, zorder=5
+    )
 
 
 def _ratio(step: Step) -> str:
@@ -85,11 +93,17 @@ def _ratio(step: Step) -> str:
     return f"{plain(step.relative_rms / step.noise_floor, 2)} × floor"
 
 
-def _forecast(axes: Axes, steps: tuple[Step, ...], error: np.ndarray[tuple[int], np.dtype[np.float64]]) -> None:
-    forecasts = [(x, 100.0 * step.predicted_error) for x, step in enumerate(steps) if step.predicted_error]
+def _forecast(
+    axes: Axes, steps: tuple[Step, ...], error: np.ndarray[tuple[int], np.dtype[np.float64]]
+) -> None:
+    forecasts = [
+        (x, 100.0 * step.predicted_error) for x, step in enumerate(steps) if step.predicted_error
+    ]
     for i, (x, predicted) in enumerate(forecasts):
         # From the step before, where it was made.
-        axes.plot([x - 1, x], [error[x - 1], predicted], ":", color=COLOURS[1], linewidth=1.2, zorder=2)
+        axes.plot(
+            [x - 1, x], [error[x - 1], predicted], ":", color=COLOURS[1], linewidth=1.2, zorder=2
+        )
         # A legend names each kind of mark once.
         label: str | None = None
         if i == 0:
@@ -100,7 +114,14 @@ def _forecast(axes: Axes, steps: tuple[Step, ...], error: np.ndarray[tuple[int],
         if hidden:
             size = 10.0
         axes.plot(
-            x, predicted, "D", color=COLOURS[1], markerfacecolor="white", label=label, zorder=3, markersize=size
+            x,
+            predicted,
+            "D",
+            color=COLOURS[1],
+            markerfacecolor="white",
+            label=label,
+            zorder=3,
+            markersize=size,
         )
 
 

@@ -1,4 +1,4 @@
-"""A master curve for people: as text, and as a picture of the curve, its factors and what is left."""
+"""A master curve for people: as text, and as a picture of curve, factors and what is left."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from springpot.digits import number
-from springpot.rheology import Points, Real
-from springpot.rheology.points import KELVIN
-from springpot.superposition import MasterCurve, level_text
+from springpot.format_numbers import number
+from springpot.rheology.points import KELVIN, Points, Real
+from springpot.superposition.curve import MasterCurve
 from springpot.superposition.laws import LawFit
+from springpot.superposition.words import level_text
 
 from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic
 from .numbers import percent, seconds, with_interval
@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 
 WORDS = {
     "simple": "one curve holds: nothing is left but noise",
-    "nearly-simple": "one curve nearly holds: it adds {added} to the error, which is little but no noise",
+    "nearly-simple": (
+        "one curve nearly holds: it adds {added} to the error, which is little but no noise"
+    ),
     "not-simple": "one curve does not hold: it adds {added} to the error",
     "not-judged": "no level has points enough to judge whether one curve holds",
 }
@@ -40,12 +42,21 @@ SMOOTH = 400
 
 
 def mastercurve_text(master: MasterCurve, width: int = 120) -> str:
-    """Factors level by level, laws, and whether one curve is enough; told as a_T and b_T where temperature shifts."""
+    """Factors level by level, laws, and whether one curve is enough.
+
+    Told as a_T and b_T where temperature shifts.
+    """
     rest = master.simplicity
     reference = level_text(master.factors.column, master.reference)
     lines = [
-        f"master curve of {master.data.name} at {reference}, {len(master.data)} points, {seconds(master.seconds)}",
-        f"error       {percent(rest.error)} of {master.data.units.magnitude}{_other_errors(master)}",
+        (
+            f"master curve of {master.data.name} at {reference}, {len(master.data)} points,"
+            f" {seconds(master.seconds)}"
+        ),
+        (
+            f"error       {percent(rest.error)} of"
+            f" {master.data.units.magnitude}{_other_errors(master)}"
+        ),
         "",
         _levels(master).without(("alone",), width).plain(),
     ]
@@ -99,7 +110,18 @@ def _levels(master: MasterCurve) -> Table:
         why = "no: " + level.reason
         if level.determined:
             why = "yes"
-        rows.append([name, a, a_between, b, b_between, why, percent(level.error, 2), percent(level.alone, 2)])
+        rows.append(
+            [
+                name,
+                a,
+                a_between,
+                b,
+                b_between,
+                why,
+                percent(level.error, 2),
+                percent(level.alone, 2),
+            ]
+        )
     # Otherwise all of them would be one.
     if not master.vertical:
         headers = [*headers[:3], *headers[5:]]
@@ -136,7 +158,9 @@ def _laws(master: MasterCurve) -> Table:
         factor = _factor(master, "a")
         if law.law.vertical:
             factor = _factor(master, "b")
-        rows.append([law.law.name, factor, ", ".join(words), off, most, number(law.chance, 2), law.verdict])
+        rows.append(
+            [law.law.name, factor, ", ".join(words), off, most, number(law.chance, 2), law.verdict]
+        )
     return Table(headers, rows, frozenset({"off by", "chance"}))
 
 
@@ -188,17 +212,23 @@ def _draw_curve(figure: Any, master: MasterCurve) -> None:
         (right, data.loss, curve.imag, "loss"),
     ):
         # On a logarithmic axis nothing else has a place.
-        shown = points > 0
-        axes.plot(
-            omega, np.where(line > 0, line, np.nan), "-", color=INK, linewidth=1.0, zorder=2, label="any material"
+        shown, drawn = points > 0, np.where(line > 0, line, np.nan)
+        axes.plot(omega, drawn, "-", color=INK, linewidth=1.0, zorder=2, label="any material")
+        axes.scatter(
+            data.omega[shown],
+            points[shown],
+            s=13,
+            c=colour(norm(measured[shown])),
+            zorder=3,
+            linewidths=0,
         )
-        axes.scatter(data.omega[shown], points[shown], s=13, c=colour(norm(measured[shown])), zorder=3, linewidths=0)
         for direction in ("x", "y"):
             logarithmic(axes, direction)
         axes.set_ylabel(f"{name} / b [{unit}]")
         axes.set_xlabel("a ω [rad/s]")
     named = level_text(master.factors.column, master.reference)
-    left.set_title(f"{master.data.name} at {named}: {percent(master.simplicity.error, 2)} off".replace("$", r"\$"))
+    title = f"{master.data.name} at {named}: {percent(master.simplicity.error, 2)} off"
+    left.set_title(title.replace("$", r"\$"))
     right.set_title(master.simplicity.verdict.replace("-", " "))
     bar = figure.colorbar(ScalarMappable(norm, colour), ax=[left, right], pad=0.01, aspect=30)
     bar.set_label(f"{master.factors.column}{_in_unit(master.unit)}")
@@ -219,23 +249,30 @@ def _draw_factors(axes: Axes, master: MasterCurve, vertical: bool) -> None:
     low = np.array([getattr(level, f"{name}_low") for level in levels])
     high = np.array([getattr(level, f"{name}_high") for level in levels])
     known = master.determined
-    # WLF and VFT are one curve in other parameters: drawn once.
-    labels = {"WLF": "WLF = VFT"}
-    laws = [law for law in master.laws if law.law.vertical == vertical and law.law.name != "VFT"]
-    # Only between the levels: beyond them a law would be a claim without data.
-    fine = np.linspace(x.min(), x.max(), SMOOTH)
-    for law, colour in zip(laws, COLOURS, strict=False):
-        label = labels.get(law.law.name, law.law.name)
-        axes.plot(fine, np.exp(_along(law, fine, master)), "-", color=colour, linewidth=1.2, label=label, zorder=2)
+    _draw_laws(axes, master, vertical)
     # matplotlib refuses a bar of negative length, such as rounding may make.
     bars = np.maximum(np.array([value - low, high - value]), 0.0)
     axes.errorbar(
-        x[known], value[known], bars[:, known], fmt="o", color=INK, markersize=4.0, linewidth=1.0, capsize=2.0
+        x[known],
+        value[known],
+        bars[:, known],
+        fmt="o",
+        color=INK,
+        markersize=4.0,
+        linewidth=1.0,
+        capsize=2.0,
     )
     if not np.all(known):
-        # Their intervals run to the end of the search and off the picture, which the factors themselves set.
+        # Their intervals run to the end of the search and off the picture, which the factors
+        # themselves set.
         axes.errorbar(
-            x[~known], value[~known], bars[:, ~known], fmt="x", color=QUIET, linewidth=0.8, label="not determined"
+            x[~known],
+            value[~known],
+            bars[:, ~known],
+            fmt="x",
+            color=QUIET,
+            linewidth=0.8,
+            label="not determined",
         )
         if not vertical:
             axes.set_ylim(value.min() / DECADE, value.max() * DECADE)
@@ -250,10 +287,24 @@ def _draw_factors(axes: Axes, master: MasterCurve, vertical: bool) -> None:
         axes.legend(loc="best")
 
 
+def _draw_laws(axes: Axes, master: MasterCurve, vertical: bool) -> None:
+    """The laws of these factors as lines."""
+    # WLF and VFT are one curve in other parameters: drawn once.
+    labels = {"WLF": "WLF = VFT"}
+    laws = [law for law in master.laws if law.law.vertical == vertical and law.law.name != "VFT"]
+    # Only between the levels: beyond them a law would be a claim without data.
+    fine = np.linspace(master.factors.levels.min(), master.factors.levels.max(), SMOOTH)
+    for law, colour in zip(laws, COLOURS, strict=False):
+        label, drawn = labels.get(law.law.name, law.law.name), np.exp(_along(law, fine, master))
+        axes.plot(fine, drawn, "-", color=colour, linewidth=1.2, label=label, zorder=2)
+
+
 def _along(law: LawFit, celsius: Real, master: MasterCurve) -> Real:
     """A law's logarithm of the factor between the levels."""
     reference = master.reference + KELVIN
-    at = Points(np.zeros(len(celsius)), temperature=celsius + KELVIN, reference_temperature=reference)
+    at = Points(
+        np.zeros(len(celsius)), temperature=celsius + KELVIN, reference_temperature=reference
+    )
     value = law.law.element.respond(law.values, at).value.real
     # A law of a shift gives ln a itself, one of a stiffness b.
     if law.law.vertical:
@@ -264,8 +315,17 @@ def _along(law: LawFit, celsius: Real, master: MasterCurve) -> Real:
 def _draw_errors(axes: Axes, master: MasterCurve) -> None:
     x = master.factors.levels
     levels = master.levels
-    axes.plot(x, [100 * level.error for level in levels], "o-", color=COLOURS[0], label="on the curve")
-    axes.plot(x, [100 * level.alone for level in levels], "s--", color=QUIET, label="each by itself", linewidth=1.0)
+    axes.plot(
+        x, [100 * level.error for level in levels], "o-", color=COLOURS[0], label="on the curve"
+    )
+    axes.plot(
+        x,
+        [100 * level.alone for level in levels],
+        "s--",
+        color=QUIET,
+        label="each by itself",
+        linewidth=1.0,
+    )
     # A level with too few points has no error of its own, and is left out.
     if max(level.error for level in levels) > DECADE * np.nanmin([level.alone for level in levels]):
         logarithmic(axes, "y")

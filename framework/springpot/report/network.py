@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TypeAlias
 from xml.sax.saxutils import escape, quoteattr
 
-from springpot.rheology import Node
 from springpot.rheology.drawing import Leaf, Row, Signal, Sketch, Stack, sketch
+from springpot.rheology.nodes import Node
 
 LETTER = 7.4
 """Width allowed for a letter of the labels, in px."""
@@ -64,7 +64,9 @@ def size(part: Sketch) -> Size:
         return _row_size(sizes)
     wires = _wires(sizes)
     middle = wires[-1] / 2
-    return Size(max(s.width for s in sizes) + 2 * RAIL, middle + sizes[0].up, middle + sizes[-1].down)
+    return Size(
+        max(s.width for s in sizes) + 2 * RAIL, middle + sizes[0].up, middle + sizes[-1].down
+    )
 
 
 def _row_size(sizes: Sequence[Size]) -> Size:
@@ -113,13 +115,18 @@ def _springpot(x: float, y: float) -> list[Mark]:
 
 
 def _mass(x: float, y: float) -> list[Mark]:
-    block = Line(((x - 15, y - 12), (x + 15, y - 12), (x + 15, y + 12), (x - 15, y + 12)), closed=True)
+    block = Line(
+        ((x - 15, y - 12), (x + 15, y - 12), (x + 15, y + 12), (x - 15, y + 12)), closed=True
+    )
     hatch = [Line(((x - 15 + 10 * i, y + 12), (x - 5 + 10 * i, y - 12))) for i in range(3)]
     return [block, *hatch, Line(((x - 22, y), (x - 15, y))), Line(((x + 15, y), (x + 22, y)))]
 
 
 SYMBOLS = {"spring": _spring, "dashpot": _dashpot, "springpot": _springpot, "mass": _mass}
-"""How each kind of element is drawn, 44 px wide about a centre; any other kind is a box with its name."""
+"""How each kind of element is drawn, 44 px wide about a centre.
+
+Any other kind is a box with its name.
+"""
 
 
 def _wire(x1: float, x2: float, y: float, dashed: bool = False) -> list[Mark]:
@@ -136,9 +143,16 @@ def _leaf_marks(leaf: Leaf, x: float, y: float, width: float, operation: str) ->
         # An element that has no symbol is a box with its name.
         text = operation + leaf.kind
         half = (LETTER * len(text) + 16) / 2
-        corners = ((centre - half, y - 13), (centre + half, y - 13), (centre + half, y + 13), (centre - half, y + 13))
+        corners = (
+            (centre - half, y - 13),
+            (centre + half, y - 13),
+            (centre + half, y + 13),
+            (centre - half, y + 13),
+        )
         symbol = [Line(corners, closed=True), Label(centre, y, text)]
-    leads = _wire(x, centre - half, y, bool(operation)) + _wire(centre + half, x + width, y, bool(operation))
+    leads = _wire(x, centre - half, y, bool(operation)) + _wire(
+        centre + half, x + width, y, bool(operation)
+    )
     return [*leads, *symbol, Label(centre, y - LABEL_RISE - 3, leaf.label)]
 
 
@@ -220,11 +234,12 @@ def network_svg(node: Node) -> str:
     named = ", ".join(mark.text for mark in drawn if isinstance(mark, Label))
     # Attributes rather than a style sheet, which would reach every other picture on the page.
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}" '
-        f'viewBox="0 0 {width:.1f} {height:.1f}" role="img" aria-label={quoteattr(f"network of {named}")}>\n'
-        f'<g fill="none" stroke="currentColor" stroke-width="1.4" stroke-linejoin="round">\n{lines}\n</g>\n'
-        f'<g fill="currentColor" font-family="sans-serif" font-size="{FONT}" text-anchor="middle">\n{labels}\n</g>\n'
-        "</svg>\n"
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}"'
+        f' viewBox="0 0 {width:.1f} {height:.1f}" role="img"'
+        f' aria-label={quoteattr(f"network of {named}")}>\n<g fill="none" stroke="currentColor"'
+        f' stroke-width="1.4" stroke-linejoin="round">\n{lines}\n</g>\n<g fill="currentColor"'
+        f' font-family="sans-serif" font-size="{FONT}"'
+        f' text-anchor="middle">\n{labels}\n</g>\n</svg>\n'
     )
 
 
@@ -252,7 +267,15 @@ def network_png(node: Node, path: Path, scale: float = 2.0) -> None:
     for mark in drawn:
         if isinstance(mark, Label):
             # A dollar sign in a label begins no formula.
-            axes.text(mark.x, mark.y, mark.text, ha="center", va="center", fontsize=FONT - 1, parse_math=False)
+            axes.text(
+                mark.x,
+                mark.y,
+                mark.text,
+                ha="center",
+                va="center",
+                fontsize=FONT - 1,
+                parse_math=False,
+            )
         else:
             points = mark.points
             # A polygon of SVG closes itself; a line of matplotlib has to come back.
@@ -261,5 +284,7 @@ def network_png(node: Node, path: Path, scale: float = 2.0) -> None:
             style = "-"
             if mark.dashed:
                 style = ":"
-            axes.plot([x for x, _ in points], [y for _, y in points], style, color="black", linewidth=1.2)
+            axes.plot(
+                [x for x, _ in points], [y for _, y in points], style, color="black", linewidth=1.2
+            )
     figure.savefig(path, dpi=72 * scale, format="png")

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from functools import singledispatch
 from typing import Any
 
-from springpot.comparison import Comparison
-from springpot.diagnosis import Diagnosis, Ladder
+from springpot.comparison.comparing import Comparison
+from springpot.diagnosis.ladder import Ladder
+from springpot.diagnosis.result import Diagnosis
 from springpot.markup import Html, html, table, tag
 from springpot.misfit.words import over_floor, percent
 
@@ -28,7 +29,7 @@ def shown(result: object) -> Html:
 
 @shown.register
 def _of_diagnosis(diagnosis: Diagnosis) -> Html:
-    """Verdict, error against both floors, where it fails, parameters, leading effects, what to do next, and notes."""
+    """Verdict, error and both floors, failures, parameters, leading effects, next step, notes."""
     # From the same dictionary as the JSON, so that the two cannot say different things.
     answer = diagnosis.to_dict()
     error = answer["error"]
@@ -41,7 +42,14 @@ def _of_diagnosis(diagnosis: Diagnosis) -> Html:
         errors = [percent(value) for value in (row.predicted_error, row.error_after)]
         alike = ", ".join(name for name in row.alike if name != row.effect)
         rows.append((row.effect, probability(row.probability), *errors, row.verdict, alike))
-    headers = ("effect", "probability", "predicted error", "error after", "verdict", "cannot be told from")
+    headers = (
+        "effect",
+        "probability",
+        "predicted error",
+        "error after",
+        "verdict",
+        "cannot be told from",
+    )
     parts = [
         tag("p", tag("b", f"{answer['model']} of {answer['data']}: {answer['verdict']}")),
         tag("p", answer["says"]),
@@ -102,7 +110,10 @@ def _of_comparison(comparison: Comparison) -> Html:
         rows.append(
             (
                 name,
-                *(percent(error[line]) for line in ("relative_rms", "noise_floor", "material_floor")),
+                *(
+                    percent(error[line])
+                    for line in ("relative_rms", "noise_floor", "material_floor")
+                ),
                 over_floor(error["relative_rms"], error["noise_floor"]),
                 f"{one['delta_bic']:.3g}",
                 word,
@@ -120,4 +131,7 @@ def _of_comparison(comparison: Comparison) -> Html:
 
 
 def _floors(error: Mapping[str, Any]) -> str:
-    return f"noise floor {percent(error['noise_floor'])}, material floor {percent(error['material_floor'])}"
+    return (
+        f"noise floor {percent(error['noise_floor'])}, material floor"
+        f" {percent(error['material_floor'])}"
+    )

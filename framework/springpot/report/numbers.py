@@ -5,13 +5,16 @@ from __future__ import annotations
 from math import floor, isfinite, log10
 from typing import TYPE_CHECKING
 
-from springpot.digits import TINY, at_place, exponent_of, number
+from springpot.format_numbers import TINY, at_place, exponent_of, number
 
 if TYPE_CHECKING:
-    from springpot.measurement import Measurement
+    from springpot.measurement.measurement import Measurement
 
 APART = 5.0
-"""Ratio of the ends of an interval from which each has its own digits: rounded alike, the lower one would vanish."""
+"""Ratio of the ends of an interval from which each has its own digits.
+
+Rounded alike, the lower one would vanish.
+"""
 
 MOST_DIGITS = 8
 """Significant digits of a number known to the last bit, as from noise-free artificial data."""
@@ -27,8 +30,8 @@ def percent(fraction: float | None, digits: int = 3) -> str:
 def with_interval(value: float, low: float | None, high: float | None) -> tuple[str, str]:
     """A value and its interval, rounded alike to what the interval's width justifies.
 
-    The half-width keeps two digits where they start with 10 to 35 and one above: the rule of the Particle Data
-    Group's Review of Particle Physics (introduction, section 5.3).
+    The half-width keeps two digits where they start with 10 to 35 and one above: the rule of the
+    Particle Data Group's Review of Particle Physics (introduction, section 5.3).
 
     Returns
     -------

@@ -1,4 +1,7 @@
-"""A page that needs nothing else: no network, its style sheet inside, no script but one known by its digest."""
+"""A page that needs nothing else.
+
+No network, its style sheet inside, no script but one known by its digest.
+"""
 
 from __future__ import annotations
 
@@ -22,9 +25,11 @@ def page(title: str, *body: str, style: str = "", script: str = "") -> Html:
     style : str
         Rules beside those of every page.
     script : str
-        What the policy of the page allows as ``script-src``; without it no script runs, whatever stands in the page.
+        What the policy of the page allows as ``script-src``; without it no script runs, whatever
+        stands in the page.
     """
-    # In the page itself, as a file has no server to send it: even what was not escaped could not run.
+    # In the page itself, as a file has no server to send it: even what was not escaped could not
+    # run.
     policy = POLICY
     if script:
         policy = f"{POLICY}; script-src {script}"
@@ -37,4 +42,6 @@ def page(title: str, *body: str, style: str = "", script: str = "") -> Html:
         tag("title", title),
         tag("style", Html(STYLE + style)),
     )
-    return Html(f"<!doctype html>\n{tag('html', head, tag('body', tag('main', *body)), lang='en')}\n")
+    return Html(
+        f"<!doctype html>\n{tag('html', head, tag('body', tag('main', *body)), lang='en')}\n"
+    )

@@ -1,4 +1,4 @@
-"""Figures inside a page: each a small picture of its own, so that a narrow screen can stack them."""
+"""Figures inside a page: each a small picture by itself, so that a narrow screen stacks them."""
 
 from __future__ import annotations
 
@@ -28,7 +28,9 @@ VIEWS: tuple[tuple[str, Callable[[Axes, Scene], None]], ...] = (
 )
 
 
-def panel(draw: Callable[[Axes], None], caption: str, width: float = WIDTH, height: float = HEIGHT) -> Html:
+def panel(
+    draw: Callable[[Axes], None], caption: str, width: float = WIDTH, height: float = HEIGHT
+) -> Html:
     """A figure with its caption as an element of a page.
 
     Parameters
@@ -54,7 +56,10 @@ def panel(draw: Callable[[Axes], None], caption: str, width: float = WIDTH, heig
 
 def pairs(scenes: dict[str, Scene], draw: Callable[[Axes, Scene], None], caption: str) -> Html:
     """The same view of several scenes side by side, each with its name."""
-    figures = [panel(lambda axes, s=scene: draw(axes, s), f"{caption} · {name}") for name, scene in scenes.items()]  # type: ignore[misc]
+    figures = [
+        panel(lambda axes, s=scene: draw(axes, s), f"{caption} · {name}")  # type: ignore[misc]
+        for name, scene in scenes.items()
+    ]
     return tag("div", *figures, class_="pair")
 
 
@@ -77,17 +82,22 @@ def residual_planes(scenes: dict[str, Scene]) -> Iterator[Html]:
     """The four planes, each with what it shows."""
     for plane in PLANES:
         yield tag("h3", f"{plane.name.capitalize()} plane: {plane.says}")
-        yield pairs(scenes, lambda axes, scene, p=plane: draw_plane(axes, scene, p), f"Residual, {plane.name}")  # type: ignore[misc]
+        yield pairs(
+            scenes,
+            lambda axes, scene, p=plane: draw_plane(axes, scene, p),  # type: ignore[misc]
+            f"Residual, {plane.name}",
+        )
 
 
 def keys(scene: Scene) -> Html:
     """What marks and colours mean."""
     text = (
-        "Points are measured, lines fitted. Filled and solid: storage, or the real part; open and dashed: loss, or "
-        "the imaginary part. The band is what noise explains (two standard deviations); where sweeps differ, each "
-        "has its own in its colour."
+        "Points are measured, lines fitted. Filled and solid: storage, or the real part; open and"
+        " dashed: loss, or the imaginary part. The band is what noise explains (two standard"
+        " deviations); where sweeps differ, each has its own in its colour."
     )
-    # The colours mean what they mean in the pictures: sweeps where there are several, else the two parts.
+    # The colours mean what they mean in the pictures: sweeps where there are several, else the two
+    # parts.
     if scene.by_sweep:
         colours, labels = sweep_colours(len(scene.sweeps)), [sweep.label for sweep in scene.sweeps]
     else:

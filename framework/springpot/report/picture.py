@@ -1,4 +1,4 @@
-"""A figure that shows itself where it is the last thing in a notebook's cell, without pyplot and its global state."""
+"""A figure that shows itself at the end of a notebook's cell, without pyplot's global state."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from io import BytesIO
 from matplotlib.figure import Figure
 
 SCREEN = 110
-"""Dots per inch of a picture in a notebook: text of 10 points stays readable at a column's width."""
+"""Dots per inch of a picture in a notebook: text of 10 points stays readable at a column's width.
+"""
 
 
 class Picture(Figure):

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from springpot.comparison import Judgement, Ranking
-from springpot.digits import number
+from springpot.comparison.comparing import Judgement
+from springpot.comparison.ranking import Ranking
+from springpot.format_numbers import number
 
 from .answers import USUAL, floors, times_floor, value_text
-from .climbed import doubt_text
+from .ladder_text import doubt_text
 from .numbers import percent
 from .reference import reference_note
 from .text import Table, paragraphs
@@ -17,7 +18,7 @@ NAMED = 12
 
 
 def ranked_text(ranking: Ranking, width: int = USUAL) -> str:
-    """The answer, the models worth a look, those that are alike, and the parameters of the first."""
+    """The answer, models worth a look, those that are alike, and the parameters of the first."""
     last = ranking.ladder.steps[-1]
     data = last.case.search.base.data.raw
     parts = [
@@ -55,7 +56,11 @@ def _table(ranking: Ranking, width: int) -> str:
             verdict = "as any material"
         rows.append(_row(group[0], verdict))
     rows += [_row(one, "not enough") for one in ranking.next]
-    table = Table(HEADERS, rows, frozenset(HEADERS[2:])).without(("parameters", "delta BIC"), width).plain()
+    table = (
+        Table(HEADERS, rows, frozenset(HEADERS[2:]))
+        .without(("parameters", "delta BIC"), width)
+        .plain()
+    )
     left = len(ranking.judgements) - len(ranking.adequate) - len(ranking.near) - len(ranking.next)
     if left:
         table += f"\n{left} more are not enough; --json has all"
@@ -67,7 +72,12 @@ def _row(judged: Judgement, verdict: str) -> tuple[str, ...]:
     ratio = "-"
     if error.noise_floor > 0:
         ratio = times_floor(error.relative_rms, error.noise_floor)
-    values = (percent(error.relative_rms), ratio, number(judged.delta_bic, 3), str(len(judged.refit.theta)))
+    values = (
+        percent(error.relative_rms),
+        ratio,
+        number(judged.delta_bic, 3),
+        str(len(judged.refit.theta)),
+    )
     return (judged.model.name, verdict, *values)
 
 
@@ -75,7 +85,8 @@ def _alike(group: tuple[Judgement, ...]) -> str:
     """``springpot + inertia cannot be told from kelvin, maxwell (with the same effects)``."""
     first, *others = (one.model for one in group)
     same = [other for other in others if other.effects == first.effects]
-    # The effects that all share are told once, behind the names; other models are named in full, and last.
+    # The effects that all share are told once, behind the names; other models are named in full,
+    # and last.
     names = [one.base for one in same] + [one.name for one in others if one not in same]
     text = f"{first} cannot be told from {', '.join(names[:NAMED])}"
     if len(names) > NAMED:

@@ -1,4 +1,7 @@
-"""The temperature to which shift constants refer: without it they cannot be compared with published ones."""
+"""The temperature to which shift constants refer.
+
+Without it they cannot be compared with published ones.
+"""
 
 from __future__ import annotations
 
@@ -7,10 +10,10 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from springpot.errors import ModelError
-from springpot.measurement import KELVIN, Measurement
-from springpot.rheology import Points, Real
+from springpot.measurement.measurement import Measurement
 from springpot.rheology.lookup import find_effect
 from springpot.rheology.nodes import Node
+from springpot.rheology.points import KELVIN, Points, Real
 
 PROBES = (290.0, 330.0)
 """Kelvin; what refers to a temperature changes if the reference moves from one to the other."""

@@ -1,8 +1,8 @@
 """Residuals in the planes in which effects add up, and figures of whole comparisons.
 
-A missing effect is simplest in its own plane: a moving mass grows as omega squared in the stiffness, a compliant
-mounting is constant in the compliance, a delay grows as omega in the phase, a temperature shift is constant in the
-shift.
+A missing effect is simplest in its own plane: a moving mass grows as omega squared in the
+stiffness, a compliant mounting is constant in the compliance, a delay grows as omega in the phase,
+a temperature shift is constant in the shift.
 """
 
 from __future__ import annotations
@@ -14,12 +14,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from springpot.comparison import Comparison
-from springpot.measurement import Measurement, Units, thinned
+from springpot.comparison.comparing import Comparison
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.replicates import thinned
+from springpot.measurement.units import Units
 from springpot.misfit.error import Error
 from springpot.misfit.where import in_plane
-from springpot.rheology import Complex, Real
 from springpot.rheology.nodes import FULL
+from springpot.rheology.points import Complex, Real
 
 from . import views
 from .bands import draw_bands
@@ -38,7 +40,8 @@ if TYPE_CHECKING:
 TITLE = 44
 """Letters of a model's name above a panel before it is cut."""
 WIDE = 30.0
-"""A residual whose largest size exceeds this many times its band gets a symmetric logarithmic axis."""
+"""A residual whose largest size exceeds this many times its band gets a symmetric logarithmic axis.
+"""
 
 
 @dataclass(frozen=True)
@@ -61,10 +64,20 @@ class Plane:
 
 
 PLANES = (
-    Plane("stiffness", lambda units: f"stiffness residual\n[{units.stiffness}]", "what is missing in parallel"),
-    Plane("compliance", lambda units: f"compliance residual\n[1/({units.stiffness})]", "what is missing in series"),
     Plane(
-        "log-complex", lambda _: "log-complex residual\n[ln |K|; phase in rad]", "what is missing in the signal chain"
+        "stiffness",
+        lambda units: f"stiffness residual\n[{units.stiffness}]",
+        "what is missing in parallel",
+    ),
+    Plane(
+        "compliance",
+        lambda units: f"compliance residual\n[1/({units.stiffness})]",
+        "what is missing in series",
+    ),
+    Plane(
+        "log-complex",
+        lambda _: "log-complex residual\n[ln |K|; phase in rad]",
+        "what is missing in the signal chain",
     ),
     Plane("shift", lambda _: "shift residual\n[ln ω]", "what is missing in the frequency scale"),
 )
@@ -103,7 +116,10 @@ def residual_in(plane: str, measurement: Measurement, fit: Fit) -> tuple[Complex
 
 
 def draw_plane(axes: Axes, scene: Scene, plane: Plane) -> None:
-    """Residuals of the scene's fits in one plane: real part filled, imaginary part open, noise as bands."""
+    """Residuals of the scene's fits in one plane.
+
+    Real part filled, imaginary part open, noise as bands.
+    """
     data = scene.measurement
     largest, bands = 0.0, []
     # Only what is drawn decides how the axis is scaled.
@@ -114,7 +130,8 @@ def draw_plane(axes: Axes, scene: Scene, plane: Plane) -> None:
         largest = max(largest, float(np.max(np.abs(values[shown]))))
         views.draw_parts(axes, scene, j, values)
     axes.axhline(0.0, color=QUIET, linewidth=1.0, zorder=1)
-    # In some planes the band depends on the model: the widest is drawn, which accuses none of them falsely.
+    # In some planes the band depends on the model: the widest is drawn, which accuses none of them
+    # falsely.
     draw_bands(axes, scene, np.max(bands, axis=0))
     middle = float(np.median(np.max(bands, axis=0)[shown]))
     if middle > 0 and largest > WIDE * middle:
@@ -139,7 +156,7 @@ def fits_of(comparison: Comparison) -> list[Fit]:
 
 
 def figure_compared(comparison: Comparison, path: str | Path | None = None) -> Figure | Path:
-    """The views that rheologists use, of data and all models, and below them the residual planes of each model.
+    """The views of rheologists, of data and all models, above the residual planes of each model.
 
     Parameters
     ----------
@@ -150,7 +167,13 @@ def figure_compared(comparison: Comparison, path: str | Path | None = None) -> F
     """
     measurement, fits = comparison.measurement, fits_of(comparison)
     everything = Scene(measurement, fits)
-    drawings = (views.storage_and_loss, views.loss_factor, views.cole_cole, views.black, views.van_gurp_palmen)
+    drawings = (
+        views.storage_and_loss,
+        views.loss_factor,
+        views.cole_cole,
+        views.black,
+        views.van_gurp_palmen,
+    )
     names = ("storage and loss", "loss factor", "Cole-Cole", "Black", "van Gurp-Palmen")
     with blank(19.0, 3.3 * (1 + len(fits)) + 0.8) as figure:
         grid = figure.subplots(1 + len(fits), 5, squeeze=False)
@@ -165,7 +188,7 @@ def figure_compared(comparison: Comparison, path: str | Path | None = None) -> F
 
 
 def _row_of_residuals(row: Sequence[Axes], scene: Scene, error: Error, named: bool) -> None:
-    """Residual of one model in per cent of |K|, beside the least that any material leaves, and in the four planes."""
+    """One model's residual in % of |K| beside the least of any material, and in the four planes."""
     views.residual(row[0], scene)
     for side in (-100.0, 100.0):
         row[0].axhline(side * error.material_floor, zorder=2.5, **DASHES)
@@ -185,7 +208,10 @@ def with_noise_of(measurement: Measurement, sd: Complex) -> Measurement:
 
 
 def set_aside(measurement: Measurement, kept: Measurement) -> Measurement | None:
-    """The points that were measured and could have been used, but were taken for outliers; None if there are none."""
+    """The points that were measured and could have been used, but were taken for outliers.
+
+    None if there are none.
+    """
     used = thinned(measurement)
     # By their values: a subset does not remember its rows.
     known = set(zip(kept.omega.tolist(), kept.stiffness.tolist(), strict=True))

@@ -1,4 +1,7 @@
-"""What is drawn together: the data, their sweeps and fitted models, and which colour stands for what."""
+"""What is drawn together.
+
+The data, their sweeps and fitted models, and which colour stands for what.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from springpot.measurement import Measurement
-from springpot.rheology import Complex, Real
+from springpot.measurement.measurement import Measurement
+from springpot.rheology.points import Complex, Real
 
 from .canvas import COLOURS, INK
 from .curves import Axis, Fit, axis_of, smooth, sweeps_of
@@ -101,7 +104,8 @@ class Scene:
         size = 4.5
         if many:
             size = 1.5
-        # Points only: a line through measured points would claim that it is known what lies between.
+        # Points only: a line through measured points would claim that it is known what lies
+        # between.
         return {"linestyle": "none", "markersize": size, "rasterized": many, "markeredgewidth": 1.0}
 
 

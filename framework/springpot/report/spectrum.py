@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from springpot.digits import number
-from springpot.identification import Identification, Spectrum
+from springpot.format_numbers import number
+from springpot.identification.regularisation import Spectrum
+from springpot.identification.result import Identification
 
 from . import views
 from .canvas import COLOURS, QUIET, blank, finished, logarithmic
@@ -23,7 +24,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DECADES = 4.0
-"""Decades of H below its peak that a logarithmic axis shows: what is smaller is as good as nothing."""
+"""Decades of H below its peak that a logarithmic axis shows: what is smaller is as good as nothing.
+"""
 MOST_PEAKS = 4
 """Peaks that the sentence names, the highest."""
 
@@ -56,10 +58,19 @@ def draw_spectrum(axes: Axes, spectrum: Spectrum, unit: str) -> None:
     """H(r) with its band; grey where no frequency was measured."""
     rates, density = spectrum.rates, spectrum.density
     axes.fill_between(
-        rates, spectrum.low, spectrum.high, color=COLOURS[0], alpha=0.25, linewidth=0.0, label="95 % of noise"
+        rates,
+        spectrum.low,
+        spectrum.high,
+        color=COLOURS[0],
+        alpha=0.25,
+        linewidth=0.0,
+        label="95 % of noise",
     )
     axes.plot(rates, density, color=COLOURS[0], label="smoothest H that the data allow")
-    for start, stop, label in ((rates[0], spectrum.seen[0], "not measured"), (spectrum.seen[1], rates[-1], None)):
+    for start, stop, label in (
+        (rates[0], spectrum.seen[0], "not measured"),
+        (spectrum.seen[1], rates[-1], None),
+    ):
         axes.axvspan(start, stop, color=QUIET, alpha=0.18, linewidth=0.0, label=label, zorder=0.5)
     axes.set_xlim(rates[0], rates[-1])
     logarithmic(axes, "x")

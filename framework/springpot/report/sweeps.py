@@ -8,13 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.measurement import Measurement
-from springpot.rheology import Real
+from springpot.measurement.measurement import Measurement
+from springpot.rheology.points import Real
 
 Rows = NDArray[np.int64]
 
 MOST_DRAWN = 12
-"""Sweeps drawn at most; of more, evenly many are chosen. More colours than this cannot be told apart."""
+"""Sweeps drawn at most; of more, evenly many are chosen.
+
+More colours than this cannot be told apart.
+"""
 VARIES = 1.2
 """A frequency or amplitude varies if its largest value exceeds its smallest by this factor."""
 WARMS = 1.0
@@ -22,11 +25,14 @@ WARMS = 1.0
 SAME = 2e-3
 """Share of the largest by which neighbouring values of one set condition differ at most."""
 JITTER = {"temperature": 0.7, "amplitude": 0.05}
-"""Gap up to which values belong to one condition that was not held well: in kelvin, and of ln amplitude."""
+"""Gap up to which values belong to one condition that was not held well.
+
+In kelvin, and of ln amplitude.
+"""
 SPREAD = {"temperature": 2.0, "amplitude": 0.2}
 """Range up to which such values are one condition, in the same units."""
 PROFILE = 3.0
-"""A condition that changes along a sweep rather than between sweeps travels at most this many times its range."""
+"""Ranges that a condition travels at most if it changes along a sweep, not between sweeps."""
 BIN = 8
 """Points of a bin of a condition that was never held."""
 MOST_BINS = 40
@@ -59,13 +65,14 @@ def varies(name: str, column: Real) -> bool:
 
 
 def travels(along: Real, column: Real) -> bool:
-    """Whether `column` (n,) jumps to and fro along the axis instead of following it, as it does within one sweep."""
+    """Whether `column` (n,) jumps to and fro along the axis, unlike within one sweep."""
     # Instruments leave cells empty: those without a value say nothing of a jump.
     known = np.isfinite(column)
     if not np.any(known):
         return False
     along, column = along[known], column[known]
-    # Length of the way, over its range: one rise is 1, and a jump at each point as many as there are points.
+    # Length of the way, over its range: one rise is 1, and a jump at each point as many as there
+    # are points.
     way = float(np.sum(np.abs(np.diff(column[np.argsort(along, kind="stable")]))))
     _, place = np.unique(along, return_inverse=True)
     low, high = np.full(place.max() + 1, np.inf), np.full(place.max() + 1, -np.inf)
@@ -78,8 +85,8 @@ def travels(along: Real, column: Real) -> bool:
 def all_sweeps(measurement: Measurement, column: str, along: Real) -> list[Sweep]:
     """Every sweep of a measurement, by repeat, temperature and amplitude in ascending order.
 
-    Where a condition was not held but wandered, its points are taken together in levels or, if there are none, in
-    bins of equally many points.
+    Where a condition was not held but wandered, its points are taken together in levels or, if
+    there are none, in bins of equally many points.
 
     Parameters
     ----------
@@ -126,7 +133,8 @@ def _split(name: str, values: Real, along: Real, rows: Rows) -> list[Rows]:
     if not varies(name, here):
         return [rows]
     profile = not travels(along[rows], here)
-    # A rig that cannot keep its amplitude lets it fall along the sweep; a temperature that changes was set.
+    # A rig that cannot keep its amplitude lets it fall along the sweep; a temperature that changes
+    # was set.
     if profile and name == "amplitude":
         return [rows]
     levels = _levels(name, here)
@@ -168,7 +176,10 @@ def _levels(name: str, values: Real) -> NDArray[np.int64] | None:
 
 
 def _clusters(values: Real, gap: float) -> NDArray[np.int64]:
-    """Number of the cluster of each value, ascending; neighbours of one cluster differ by `gap` at most."""
+    """Number of the cluster of each value, ascending.
+
+    Neighbours of one cluster differ by `gap` at most.
+    """
     # Sorted: a cluster ends where the next value is too far off.
     distinct, which = np.unique(values, return_inverse=True)
     numbers = np.concatenate([[0], np.cumsum(np.diff(distinct) > gap)]).astype(np.int64)

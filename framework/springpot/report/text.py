@@ -9,7 +9,7 @@ from textwrap import wrap
 from typing import Literal
 from unicodedata import combining, east_asian_width
 
-from springpot.plain import below, plain
+from springpot.terminal_safe import below, plain
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Table:
         return Table(headers, rows, self.right)
 
     def without(self, spare: Sequence[str], columns: int) -> Table:
-        """The table without as many of the spare columns, the first first, as make it fit so many columns."""
+        """The table without its first spare columns, as many as make it fit so many characters."""
         table = self
         for header in spare:
             if table.width <= columns:
@@ -69,7 +69,8 @@ class Table:
 
     def show(self) -> None:
         """Print it: ruled and fitted to the window on a terminal, plain otherwise."""
-        # In a file or pipe rules and colours are noise, and a width of its own would break the columns.
+        # In a file or pipe rules and colours are noise, and a width of its own would break the
+        # columns.
         if not sys.stdout.isatty():
             print(self.plain())
             return
@@ -87,7 +88,8 @@ class Table:
             ruled.add_column(Text(plain(header)), justify=side)
         for row in self.rows:
             ruled.add_row(*(Text(plain(cell)) for cell in row))
-        # Past the stream that writes commands out: rich commands the terminal itself, and cells are plain already.
+        # Past the stream that writes commands out: rich commands the terminal itself, and cells are
+        # plain already.
         Console(file=below(sys.stdout), highlight=False).print(ruled)
 
 
@@ -97,7 +99,10 @@ def width(text: str) -> int:
 
 
 def _columns_of(letter: str) -> int:
-    """Columns of one letter: an accent stands on the letter before it, an ideograph is as wide as two."""
+    """Columns of one letter.
+
+    An accent stands on the letter before it, an ideograph is as wide as two.
+    """
     if combining(letter):
         return 0
     if east_asian_width(letter) in "WF":
@@ -126,13 +131,23 @@ def wrapped(text: str, columns: int, by: str = "  ") -> str:
             continue
         # What follows stands below what it belongs to.
         start = line[: len(line) - len(line.lstrip())]
-        # Neither within words nor at hyphens: names such as fractional-maxwell are to be copied whole.
-        lines += wrap(line, columns, subsequent_indent=start + by, break_long_words=False, break_on_hyphens=False)
+        # Neither within words nor at hyphens: names such as fractional-maxwell are to be copied
+        # whole.
+        lines += wrap(
+            line,
+            columns,
+            subsequent_indent=start + by,
+            break_long_words=False,
+            break_on_hyphens=False,
+        )
     return "\n".join(lines)
 
 
 def fitted_to(part: str, columns: int) -> str:
-    """Sentences broken at words to fit so many columns; a table has its own widths, and stays as it is."""
+    """Sentences broken at words to fit so many columns.
+
+    A table has its own widths, and stays as it is.
+    """
     if "\n---" in part:
         return part
     return wrapped(part, columns)

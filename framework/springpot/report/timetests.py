@@ -1,4 +1,7 @@
-"""Pictures of tests in time: measured and computed, over logarithmic and linear time, with what is left."""
+"""Pictures of tests in time.
+
+Measured and computed, over logarithmic and linear time, with what is left.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +11,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from springpot.measurement import Measurement, TimeTest, Units, material_of
-from springpot.rheology import Real
-from springpot.timetests import Test, TestPrediction, TimeIdentification, recorded
-from springpot.timetests.parts import InTimePart, parts_of_specimen
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.timed import material_of
+from springpot.measurement.timetest import TimeTest
+from springpot.measurement.units import Units
+from springpot.rheology.points import Real
+from springpot.timetests.predicted_test import TestPrediction
+from springpot.timetests.recording import recorded
+from springpot.timetests.residuals_of_tests import InTimePart, Test, parts_of_specimen
+from springpot.timetests.result import TimeIdentification
 
 from .canvas import COLOURS, INK, QUIET, blank, logarithmic, save
 
@@ -34,7 +42,9 @@ def figure_tests(
     tests: Sequence[Test],
     path: str | Path | None = None,
 ) -> Figure:
-    """Each test with its fits: over logarithmic time, over linear time, and the residual over its noise.
+    """Each test with its fits.
+
+    Over logarithmic time, over linear time, and the residual over its noise.
 
     Parameters
     ----------
@@ -74,7 +84,9 @@ def _draw_test(row: Sequence[Axes], part: InTimePart, fits: Sequence[TimeIdentif
     # Computed at times of its own: between samples a curve is smooth where its points are few.
     curves = _curve_times(test)
     for axes, clock, scale in zip(row[:2], curves, ("log", "linear"), strict=True):
-        axes.plot(test.time[shown], test.response[shown], ".", color=QUIET, ms=2.5, label="measured")
+        axes.plot(
+            test.time[shown], test.response[shown], ".", color=QUIET, ms=2.5, label="measured"
+        )
         for colour, fit in zip(COLOURS, fits, strict=False):
             drawn = recorded(fit.model, fit.theta, test, fit.reference, clock).value
             axes.plot(clock, drawn, color=colour, label=fit.model.name)
@@ -115,7 +127,9 @@ def _curve_times(test: TimeTest) -> tuple[Real, Real]:
     return log, np.linspace(test.time[0], test.time[-1], SMOOTH)
 
 
-def _draw_sweep(row: Sequence[Axes], sweep: Measurement, fits: Sequence[TimeIdentification]) -> None:
+def _draw_sweep(
+    row: Sequence[Axes], sweep: Measurement, fits: Sequence[TimeIdentification]
+) -> None:
     # A line through points in any order would go to and fro.
     order = np.argsort(sweep.omega)
     unit, clock = sweep.units.stiffness, CLOCKS[sweep.units.clock]
@@ -125,7 +139,10 @@ def _draw_sweep(row: Sequence[Axes], sweep: Measurement, fits: Sequence[TimeIden
     for fit in fits:
         material = material_of(fit.model)
         computed.append(material.stiffness(fit.theta[: len(material.parameters)], sweep.points))
-    for axes, name, of in ((row[0], sweep.units.storage, np.real), (row[1], sweep.units.loss, np.imag)):
+    for axes, name, of in (
+        (row[0], sweep.units.storage, np.real),
+        (row[1], sweep.units.loss, np.imag),
+    ):
         axes.plot(rate, of(sweep.stiffness), ".", color=QUIET, label="measured")
         for colour, fit, k in zip(COLOURS, fits, computed, strict=False):
             axes.plot(rate[order], of(k)[order], color=colour, label=fit.model.name)
@@ -144,7 +161,7 @@ def _draw_sweep(row: Sequence[Axes], sweep: Measurement, fits: Sequence[TimeIden
 
 
 def figure_prediction(predicted: TestPrediction, path: str | Path | None = None) -> Figure:
-    """A predicted test with its band, over logarithmic and linear time, or K' and K'' over the frequency.
+    """A predicted test with its band: over log and linear time, or K' and K'' over frequency.
 
     Parameters
     ----------
@@ -163,7 +180,9 @@ def figure_prediction(predicted: TestPrediction, path: str | Path | None = None)
         if predicted.kind == "sweep":
             # A predicted sweep holds all of storage, then all of loss.
             half = len(predicted.at) // 2
-            for axes, name, rows in zip(row, ("storage", "loss"), (slice(half), slice(half, None)), strict=True):
+            for axes, name, rows in zip(
+                row, ("storage", "loss"), (slice(half), slice(half, None)), strict=True
+            ):
                 _draw_predicted(axes, predicted, rows)
                 axes.set(xlabel=CLOCKS[predicted.clock], ylabel=f"{name} [{predicted.unit}]")
                 logarithmic(axes, "x")
@@ -188,5 +207,14 @@ def _draw_predicted(axes: Axes, predicted: TestPrediction, rows: slice) -> None:
     at = told[rows][order]
     if predicted.judged:
         axes.plot(told[rows], predicted.measured[rows], ".", color=QUIET, ms=2.5, label="measured")
-    axes.fill_between(at, predicted.low[rows][order], predicted.high[rows][order], color=COLOURS[0], alpha=0.2, lw=0)
-    axes.plot(at, predicted.value[rows][order], color=COLOURS[0], label=f"{predicted.model}, predicted")
+    axes.fill_between(
+        at,
+        predicted.low[rows][order],
+        predicted.high[rows][order],
+        color=COLOURS[0],
+        alpha=0.2,
+        lw=0,
+    )
+    axes.plot(
+        at, predicted.value[rows][order], color=COLOURS[0], label=f"{predicted.model}, predicted"
+    )

@@ -1,11 +1,11 @@
-"""A parameter as it is printed everywhere: its value, its interval, or that the data leave it open."""
+"""A parameter as printed everywhere: its value, its interval, or that the data leave it open."""
 
 from __future__ import annotations
 
 from math import inf, isfinite
 
-from springpot.digits import number
-from springpot.identification import Value
+from springpot.format_numbers import number
+from springpot.identification.value import Value
 
 from .numbers import with_interval
 
@@ -15,13 +15,17 @@ NOTHING = 1e-3
 
 
 def shown(value: Value) -> tuple[str, str]:
-    """A value and its interval as they are printed; where the data leave an end open, the other end."""
+    """A value and its interval as they are printed.
+
+    Where the data leave an end open, the other end.
+    """
     if value.fixed:
         return number(value.value), "fixed"
     # A value that is one thousandth of what it may be is not known to be anything.
     if value.low == 0.0 and value.value < NOTHING * value.high < inf:
         return "0", f"[0, {number(value.high, 2)}]"
-    # Zero and what is below it have no decades to count, but an interval without an end says nothing of them either.
+    # Zero and what is below it have no decades to count, but an interval without an end says
+    # nothing of them either.
     ends = isfinite(value.low) and isfinite(value.high)
     if value.determined or (value.value <= 0.0 and ends):
         return with_interval(value.value, value.low, value.high)

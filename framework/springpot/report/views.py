@@ -1,7 +1,8 @@
 """The views that rheologists use, each drawn on one pair of axes by one function.
 
-All take the same `Scene`, so that data and models look alike in every view: storage filled and solid, loss
-open and dashed, a colour for each quantity, sweep or model, whichever there are several of.
+All take the same `Scene`, so that data and models look alike in every view: storage filled and
+solid, loss open and dashed, a colour for each quantity, sweep or model, whichever there are several
+of.
 """
 
 from __future__ import annotations
@@ -11,8 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from springpot.measurement import Measurement
-from springpot.rheology import Complex, Real
+from springpot.measurement.measurement import Measurement
+from springpot.rheology.points import Complex, Real
 
 from .bands import draw_bands
 from .canvas import INK, QUIET, logarithmic
@@ -26,7 +27,10 @@ WIDE_RANGE = 30.0
 
 
 def storage_and_loss(axes: Axes, scene: Scene) -> None:
-    """Storage and loss against frequency; where one is negative, its size is drawn with crosses and dots."""
+    """Storage and loss against frequency.
+
+    Where one is negative, its size is drawn with crosses and dots.
+    """
     data = scene.measurement
     for i, sweep in enumerate(scene.sweeps):
         x = scene.axis.values[sweep.rows]
@@ -37,7 +41,8 @@ def storage_and_loss(axes: Axes, scene: Scene) -> None:
                 fill = colour
             y = values[sweep.rows]
             style = {**scene.marker, "color": colour, "markerfacecolor": fill, "zorder": 3}
-            # Negative values have no place on this axis; left out, they would look as if they had not been measured.
+            # Negative values have no place on this axis; left out, they would look as if they had
+            # not been measured.
             axes.plot(x, np.where(y > 0, y, np.nan), marker="o", **style)
             axes.plot(x, np.where(y < 0, -y, np.nan), marker="x", **style)
     _outliers(axes, scene)
@@ -61,7 +66,9 @@ def _outliers(axes: Axes, scene: Scene) -> None:
         return
     x = scene.axis.of(scene.aside)
     for values in (scene.aside.storage, scene.aside.loss):
-        axes.plot(x, np.abs(values), "D", color=INK, markerfacecolor="none", markersize=8.0, zorder=4)
+        axes.plot(
+            x, np.abs(values), "D", color=INK, markerfacecolor="none", markersize=8.0, zorder=4
+        )
 
 
 def loss_factor(axes: Axes, scene: Scene) -> None:
@@ -76,7 +83,8 @@ def cole_cole(axes: Axes, scene: Scene) -> None:
     data = scene.measurement
     _path(axes, scene, lambda k: k.real, lambda k: k.imag)
     positive = np.all(data.storage > 0) and np.all(data.loss > 0)
-    # Over decades a semicircle is no longer seen at equal scales, and small values vanish at the origin.
+    # Over decades a semicircle is no longer seen at equal scales, and small values vanish at the
+    # origin.
     if positive and _ratio(data.magnitude) > WIDE_RANGE:
         logarithmic(axes, "x")
         logarithmic(axes, "y")
@@ -102,7 +110,7 @@ def van_gurp_palmen(axes: Axes, scene: Scene) -> None:
 
 
 def residual(axes: Axes, scene: Scene) -> None:
-    """Measured minus fitted in per cent of |K|, with a band of two standard deviations where they are given."""
+    """Measured minus fitted in % of |K|, with a band of two standard deviations where given."""
     data = scene.measurement
     for j, fit in enumerate(scene.fits):
         share = 100.0 * (data.stiffness - fit.at(data.points)) / data.magnitude
@@ -117,7 +125,10 @@ def residual(axes: Axes, scene: Scene) -> None:
 
 
 def draw_parts(axes: Axes, scene: Scene, fit: int, values: Complex) -> None:
-    """What belongs to one of the fits, along the axis of the scene: real part filled, imaginary part open."""
+    """What belongs to one of the fits, along the axis of the scene.
+
+    Real part filled, imaginary part open.
+    """
     for i, sweep in enumerate(scene.sweeps):
         x = scene.axis.values[sweep.rows]
         for part, side in enumerate((values.real, values.imag)):
@@ -133,18 +144,24 @@ def _against_axis(axes: Axes, scene: Scene, quantity: Callable[[Complex], Real])
     """`quantity` of data and models along the axis of the scene."""
     for i, sweep in enumerate(scene.sweeps):
         y = quantity(scene.measurement.stiffness[sweep.rows])
-        axes.plot(scene.axis.values[sweep.rows], y, marker="o", color=scene.data_colour(i), **scene.marker)
+        axes.plot(
+            scene.axis.values[sweep.rows], y, marker="o", color=scene.data_colour(i), **scene.marker
+        )
     for j, curves in enumerate(scene.curves):
         for i, (x, stiffness) in enumerate(curves):
             axes.plot(x, quantity(stiffness), color=scene.fit_colour(j, i))
     _scales(axes, scene)
 
 
-def _path(axes: Axes, scene: Scene, across: Callable[[Complex], Real], up: Callable[[Complex], Real]) -> None:
+def _path(
+    axes: Axes, scene: Scene, across: Callable[[Complex], Real], up: Callable[[Complex], Real]
+) -> None:
     """One quantity of data and models against another, without the frequency."""
     for i, sweep in enumerate(scene.sweeps):
         stiffness = scene.measurement.stiffness[sweep.rows]
-        axes.plot(across(stiffness), up(stiffness), marker="o", color=scene.data_colour(i), **scene.marker)
+        axes.plot(
+            across(stiffness), up(stiffness), marker="o", color=scene.data_colour(i), **scene.marker
+        )
     for j, curves in enumerate(scene.curves):
         for i, (_, stiffness) in enumerate(curves):
             axes.plot(across(stiffness), up(stiffness), color=scene.fit_colour(j, i))

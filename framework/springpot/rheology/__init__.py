@@ -1,104 +1,100 @@
 """Rheology: elements, the four compositions, parameters and models."""
 
-from .balance import BalancedSeries, Compliant, balanced_series, hardening_spring, slip_film
-from .continuum import Continuum
-from .drawing import draw, drawing_of
-from .effect import Effect, InstrumentConstant, Layer
-from .elements import FixedPower, Springpot, dashpot, mass, power_of_s, spring, springpot
-from .forms import KELVIN_FORM, MAXWELL_FORM, TIME_FORM, SearchForm, columns, limits_form, rows
-from .formula import Formula
-from .history import InTime, Placed, network_of, sorted_out, with_laws
-from .hysteresis import smooth_hysteresis
-from .intime import Traced
-from .levels import HELD, Levels, free_factors, free_vertical_factors, levels_of
-from .linear import (
-    basset,
-    diffusion,
-    hysteretic,
-    relaxation_mode,
-    resonant_frame,
-    retardation_mode,
-)
-from .model import Model
-from .nodes import (
-    FULL,
-    GRADIENT,
-    VALUE,
-    Chain,
-    Composing,
-    Composition,
-    Mapped,
-    Node,
-    Parallel,
-    Renamed,
-    Response,
-    Scaled,
-    Series,
-    Shift,
-    chain,
-    parallel,
-    series,
-    shift,
-)
-from .nonlinear import (
-    amplitude_gain,
-    coulomb_friction,
-    crosstalk_force,
-    cubic_dashpot,
-    cubic_spring,
-    damping_function,
-    elasto_sliding,
-    gapped_spring,
-    payne_softening,
-    play,
-    power_law_damper,
-    thinning,
-)
-from .parameters import (
-    AMPLITUDE,
-    FORCE,
-    INERTANCE,
-    PURE,
-    RADIAN_PER_SECOND,
-    SECOND,
-    STIFFNESS,
-    VISCOSITY,
-    Dimension,
-    HasParameters,
-    Parameter,
-    order,
-    quasi_property,
-    relaxation_time,
-    stiffness,
-    viscosity,
-)
-from .points import KELVIN, ROOM, Complex, Points, Real
-from .signal import (
-    clock,
-    delay,
-    filter_mismatch,
-    force_resonance,
-    gain,
-    phase,
-)
-from .spectrum import Slopes, Spectrum
-from .thermal import (
-    Heated,
-    arrhenius,
-    entropic_spring,
-    heated,
-    heating,
-    steady_dashpot,
-    temperature_power,
-    thermal_dashpot,
-    vogel,
-    wlf,
-)
-from .wave import (
-    SpecimenWave,
-    fixed_side_wave,
-    moving_side_wave,
-)
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from springpot.lazy import offered
+
+if TYPE_CHECKING:
+    from .balance import BalancedSeries, Compliant, balanced_series, hardening_spring, slip_film
+    from .continuum import Continuum
+    from .drawing import draw, drawing_of
+    from .effect import Effect, InstrumentConstant, Layer
+    from .elements import FixedPower, Springpot, dashpot, mass, power_of_s, spring, springpot
+    from .forms import KELVIN_FORM, MAXWELL_FORM, TIME_FORM, SearchForm, columns, limits_form, rows
+    from .formula import Formula
+    from .history import InTime, Placed, network_of, sorted_out, with_laws
+    from .hysteresis import smooth_hysteresis
+    from .intime import Traced
+    from .levels import HELD, Levels, free_factors, free_vertical_factors, levels_of
+    from .linear import (
+        basset,
+        diffusion,
+        hysteretic,
+        relaxation_mode,
+        resonant_frame,
+        retardation_mode,
+    )
+    from .model import Model
+    from .nodes import (
+        FULL,
+        GRADIENT,
+        VALUE,
+        Chain,
+        Composing,
+        Composition,
+        Mapped,
+        Node,
+        Parallel,
+        Renamed,
+        Response,
+        Scaled,
+        Series,
+        Shift,
+        chain,
+        parallel,
+        series,
+        shift,
+    )
+    from .nonlinear import (
+        amplitude_gain,
+        coulomb_friction,
+        crosstalk_force,
+        cubic_dashpot,
+        cubic_spring,
+        damping_function,
+        elasto_sliding,
+        gapped_spring,
+        payne_softening,
+        play,
+        power_law_damper,
+        thinning,
+    )
+    from .parameters import (
+        AMPLITUDE,
+        FORCE,
+        INERTANCE,
+        PURE,
+        RADIAN_PER_SECOND,
+        SECOND,
+        STIFFNESS,
+        VISCOSITY,
+        Dimension,
+        HasParameters,
+        Parameter,
+        order,
+        quasi_property,
+        relaxation_time,
+        stiffness,
+        viscosity,
+    )
+    from .points import KELVIN, ROOM, Complex, Points, Real
+    from .signal import clock, delay, filter_mismatch, force_resonance, gain, phase
+    from .spectrum import Slopes, Spectrum
+    from .thermal import (
+        Heated,
+        arrhenius,
+        entropic_spring,
+        heated,
+        heating,
+        steady_dashpot,
+        temperature_power,
+        thermal_dashpot,
+        vogel,
+        wlf,
+    )
+    from .wave import SpecimenWave, fixed_side_wave, moving_side_wave
 
 __all__ = [
     "ROOM",
@@ -219,3 +215,125 @@ __all__ = [
     "stiffness",
     "viscosity",
 ]
+
+_WHERE = {
+    "AMPLITUDE": "springpot.rheology.parameters",
+    "BalancedSeries": "springpot.rheology.balance",
+    "Chain": "springpot.rheology.nodes",
+    "Complex": "springpot.rheology.points",
+    "Compliant": "springpot.rheology.balance",
+    "Composing": "springpot.rheology.nodes",
+    "Composition": "springpot.rheology.nodes",
+    "Continuum": "springpot.rheology.continuum",
+    "Dimension": "springpot.rheology.parameters",
+    "Effect": "springpot.rheology.effect",
+    "FORCE": "springpot.rheology.parameters",
+    "FULL": "springpot.rheology.nodes",
+    "FixedPower": "springpot.rheology.elements",
+    "Formula": "springpot.rheology.formula",
+    "GRADIENT": "springpot.rheology.nodes",
+    "HELD": "springpot.rheology.levels",
+    "HasParameters": "springpot.rheology.parameters",
+    "Heated": "springpot.rheology.thermal",
+    "INERTANCE": "springpot.rheology.parameters",
+    "InTime": "springpot.rheology.history",
+    "InstrumentConstant": "springpot.rheology.effect",
+    "KELVIN": "springpot.rheology.points",
+    "KELVIN_FORM": "springpot.rheology.forms",
+    "Layer": "springpot.rheology.effect",
+    "Levels": "springpot.rheology.levels",
+    "MAXWELL_FORM": "springpot.rheology.forms",
+    "Mapped": "springpot.rheology.nodes",
+    "Model": "springpot.rheology.model",
+    "Node": "springpot.rheology.nodes",
+    "PURE": "springpot.rheology.parameters",
+    "Parallel": "springpot.rheology.nodes",
+    "Parameter": "springpot.rheology.parameters",
+    "Placed": "springpot.rheology.history",
+    "Points": "springpot.rheology.points",
+    "RADIAN_PER_SECOND": "springpot.rheology.parameters",
+    "ROOM": "springpot.rheology.points",
+    "Real": "springpot.rheology.points",
+    "Renamed": "springpot.rheology.nodes",
+    "Response": "springpot.rheology.nodes",
+    "SECOND": "springpot.rheology.parameters",
+    "STIFFNESS": "springpot.rheology.parameters",
+    "Scaled": "springpot.rheology.nodes",
+    "SearchForm": "springpot.rheology.forms",
+    "Series": "springpot.rheology.nodes",
+    "Shift": "springpot.rheology.nodes",
+    "Slopes": "springpot.rheology.spectrum",
+    "SpecimenWave": "springpot.rheology.wave",
+    "Spectrum": "springpot.rheology.spectrum",
+    "Springpot": "springpot.rheology.elements",
+    "TIME_FORM": "springpot.rheology.forms",
+    "Traced": "springpot.rheology.intime",
+    "VALUE": "springpot.rheology.nodes",
+    "VISCOSITY": "springpot.rheology.parameters",
+    "amplitude_gain": "springpot.rheology.nonlinear",
+    "arrhenius": "springpot.rheology.thermal",
+    "balanced_series": "springpot.rheology.balance",
+    "basset": "springpot.rheology.linear",
+    "chain": "springpot.rheology.nodes",
+    "clock": "springpot.rheology.signal",
+    "columns": "springpot.rheology.forms",
+    "coulomb_friction": "springpot.rheology.nonlinear",
+    "crosstalk_force": "springpot.rheology.nonlinear",
+    "cubic_dashpot": "springpot.rheology.nonlinear",
+    "cubic_spring": "springpot.rheology.nonlinear",
+    "damping_function": "springpot.rheology.nonlinear",
+    "dashpot": "springpot.rheology.elements",
+    "delay": "springpot.rheology.signal",
+    "diffusion": "springpot.rheology.linear",
+    "draw": "springpot.rheology.drawing",
+    "drawing_of": "springpot.rheology.drawing",
+    "elasto_sliding": "springpot.rheology.nonlinear",
+    "entropic_spring": "springpot.rheology.thermal",
+    "filter_mismatch": "springpot.rheology.signal",
+    "fixed_side_wave": "springpot.rheology.wave",
+    "force_resonance": "springpot.rheology.signal",
+    "free_factors": "springpot.rheology.levels",
+    "free_vertical_factors": "springpot.rheology.levels",
+    "gain": "springpot.rheology.signal",
+    "gapped_spring": "springpot.rheology.nonlinear",
+    "hardening_spring": "springpot.rheology.balance",
+    "heated": "springpot.rheology.thermal",
+    "heating": "springpot.rheology.thermal",
+    "hysteretic": "springpot.rheology.linear",
+    "levels_of": "springpot.rheology.levels",
+    "limits_form": "springpot.rheology.forms",
+    "mass": "springpot.rheology.elements",
+    "moving_side_wave": "springpot.rheology.wave",
+    "network_of": "springpot.rheology.history",
+    "order": "springpot.rheology.parameters",
+    "parallel": "springpot.rheology.nodes",
+    "payne_softening": "springpot.rheology.nonlinear",
+    "phase": "springpot.rheology.signal",
+    "play": "springpot.rheology.nonlinear",
+    "power_law_damper": "springpot.rheology.nonlinear",
+    "power_of_s": "springpot.rheology.elements",
+    "quasi_property": "springpot.rheology.parameters",
+    "relaxation_mode": "springpot.rheology.linear",
+    "relaxation_time": "springpot.rheology.parameters",
+    "resonant_frame": "springpot.rheology.linear",
+    "retardation_mode": "springpot.rheology.linear",
+    "rows": "springpot.rheology.forms",
+    "series": "springpot.rheology.nodes",
+    "shift": "springpot.rheology.nodes",
+    "slip_film": "springpot.rheology.balance",
+    "smooth_hysteresis": "springpot.rheology.hysteresis",
+    "sorted_out": "springpot.rheology.history",
+    "spring": "springpot.rheology.elements",
+    "springpot": "springpot.rheology.elements",
+    "steady_dashpot": "springpot.rheology.thermal",
+    "stiffness": "springpot.rheology.parameters",
+    "temperature_power": "springpot.rheology.thermal",
+    "thermal_dashpot": "springpot.rheology.thermal",
+    "thinning": "springpot.rheology.nonlinear",
+    "viscosity": "springpot.rheology.parameters",
+    "vogel": "springpot.rheology.thermal",
+    "with_laws": "springpot.rheology.history",
+    "wlf": "springpot.rheology.thermal",
+}
+
+__getattr__, __dir__ = offered(__name__, _WHERE)

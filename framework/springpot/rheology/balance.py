@@ -1,8 +1,9 @@
 """Nonlinear elements in series with a model, by the balance of the first harmonics.
 
 A model and an element that carry the same force share the displacement X: across the element lies
-X_e = X |K| / |K + K_e(X_e)|, one real equation at each point. Higher harmonics of the force would move the model too;
-they are left out, which is exact for weak nonlinearity and where one of the two takes nearly all of the displacement.
+X_e = X |K| / |K + K_e(X_e)|, one real equation at each point. Higher harmonics of the force would
+move the model too; they are left out, which is exact for weak nonlinearity and where one of the two
+takes nearly all of the displacement.
 """
 
 from __future__ import annotations
@@ -20,12 +21,19 @@ from .parameters import AMPLITUDE, FORCE, PURE, Parameter, stiffness
 from .points import Complex, Points, Real
 
 NEWTON_STEPS = 40
-"""Six are enough for slip with exponents from 0.1 to 1 and forces over nine decades; the equation is monotone."""
+"""Six are enough for slip with exponents from 0.1 to 1 and forces over nine decades.
+
+The equation is monotone.
+"""
 LONGEST = 100.0
-"""Longest step in the logarithm of the amplitude. Between its two asymptotes the equation bends one way, so that a
-long first step ends beyond the solution and the next ones come back to it; this only keeps numbers finite."""
+"""Longest step in the logarithm of the amplitude.
+
+Between its two asymptotes the equation bends one way, so that a
+long first step ends beyond the solution and the next ones come back to it; this only keeps numbers
+finite.
+"""
 CONVERGED = 1e-8
-"""Step after which nothing is left to rounding, as the error of Newton's method is squared each time."""
+"""Step after which only rounding is left, as Newton's method squares the error each time."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +63,8 @@ class BalancedSeries(Composition):
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """K at the displacement X_e that the element takes."""
         body_theta, own = theta[..., self.cuts[0]], theta[..., self.cuts[1]]
-        # The material is linear: its K needs no amplitude, and is evaluated once for the whole search of the balance.
+        # The material is linear: its K needs no amplitude, and is evaluated once for the whole
+        # search of the balance.
         body = self.children[0].respond(body_theta, at, depth)
         element, slope = self._balanced(body.value, own, at, depth)
         both = body.value + element.value
@@ -69,23 +78,29 @@ class BalancedSeries(Composition):
         stiffening = 1.0 + np.real(steeper / whole)
 
         def total(of_body: Complex | float, of_element: Complex | float) -> Complex:
-            """Changes (..., q, n) of the whole K, the share of displacement that the element takes moving along."""
+            """Changes (..., q, n) of the whole K; the element's share of motion moves too."""
             moved = np.real((of_body + of_element) / whole - of_body / alone)
             shift = -moved / stiffening
             change: Complex = by_body * of_body + by_element * (of_element + steeper * shift)
             return change
 
-        by_theta = np.concatenate([total(body.by_theta, 0.0), total(0.0, element.by_theta)], axis=-2)
+        by_theta = np.concatenate(
+            [total(body.by_theta, 0.0), total(0.0, element.by_theta)], axis=-2
+        )
         if depth == GRADIENT:
             return Response(value, by_theta)
         slopes = total(body.by_log_omega[..., None, :], element.by_log_omega[..., None, :])
         return Response(value, by_theta, slopes[..., 0, :])
 
-    def _balanced(self, body: Complex, own: Real, at: Points, depth: int) -> tuple[Response, Complex]:
+    def _balanced(
+        self, body: Complex, own: Real, at: Points, depth: int
+    ) -> tuple[Response, Complex]:
         """The element's response at the amplitude that it takes, and dK_e / d ln X_e there."""
         outer = element = self.children[1]
         theta = own
-        while not isinstance(element, Compliant):  # names in front of its parameters, values that are held
+        while not isinstance(
+            element, Compliant
+        ):  # names in front of its parameters, values that are held
             theta, element = element.within(theta)
         # X |K| stays as it is on the way: only X_e is sought.
         log_whole = np.log(at.need("amplitude")) + np.log(np.abs(body))
@@ -123,7 +138,9 @@ def _hardening_growth(value: Any, k: Any, doubled: Any) -> Any:
 
 
 def hardening_spring(k: str = "k", doubled: str = "Xh") -> Compliant:
-    """A mount k x (1 + (4/3) (x / Xh)^2), K = k (1 + (X / Xh)^2): at the amplitude Xh it is twice as stiff.
+    """A mount k x (1 + (4/3) (x / Xh)^2), K = k (1 + (X / Xh)^2).
+
+    At the amplitude Xh it is twice as stiff.
 
     Examples
     --------
@@ -134,7 +151,9 @@ def hardening_spring(k: str = "k", doubled: str = "Xh") -> Compliant:
     array([3., 6.])
     """
     free = (stiffness(k), Parameter(doubled, "X_h", AMPLITUDE))
-    return Compliant(free, _hardening, NEEDS_AMPLITUDE, "hardening spring", growth=_hardening_growth)
+    return Compliant(
+        free, _hardening, NEEDS_AMPLITUDE, "hardening spring", growth=_hardening_growth
+    )
 
 
 def _slip_growth(value: Any, force: Any, exponent: Any) -> Any:
@@ -144,14 +163,15 @@ def _slip_growth(value: Any, force: Any, exponent: Any) -> Any:
 def slip_film(force: str = "F", exponent: str = "a") -> Compliant:
     """A film that slips at a speed which grows as the force to the power 1 / a, F |v|^a sgn(v).
 
-    F is the force at a speed of one amplitude unit per second. a = 1 is a film of Newtonian fluid; molten polymers
-    slip with 1 / a of 2 to 6.
+    F is the force at a speed of one amplitude unit per second. a = 1 is a film of Newtonian fluid;
+    molten polymers slip with 1 / a of 2 to 6.
 
     Examples
     --------
     >>> import numpy as np
     >>> from springpot.rheology import Points, slip_film
-    >>> slip_film().respond(np.array([3.0, 1.0]), Points.at([2.0], amplitude=0.1)).value.imag.round(3)
+    >>> at = Points.at([2.0], amplitude=0.1)
+    >>> slip_film().respond(np.array([3.0, 1.0]), at).value.imag.round(3)
     array([6.])
     """
     free = (Parameter(force, "F", FORCE), Parameter(exponent, "a", PURE, 0.1, 1.0, "linear", 0.4))

@@ -1,7 +1,8 @@
-"""A network taken apart into branches side by side, each readable anywhere in the complex plane of s.
+"""A network taken apart into branches side by side, readable anywhere in the complex s-plane.
 
-Every network is analytic in ln s, so that a branch evaluates at a complex `log_omega`: s = i exp(log_omega). With
-``log_omega = ln r + i pi/2`` it is read at s = -r, on the upper edge of the cut on which its relaxation lives.
+Every network is analytic in ln s, so that a branch evaluates at a complex `log_omega`: s = i
+exp(log_omega). With ``log_omega = ln r + i pi/2`` it is read at s = -r, on the upper edge of the
+cut on which its relaxation lives.
 """
 
 from __future__ import annotations
@@ -50,7 +51,8 @@ class Branch:
     conditions : Points
         Temperature and reference temperature; its frequencies are not used.
     compliance : bool
-        Read 1/K as a function of p = 1/s, which has the form of a stiffness: then "log_omega" means that of p.
+        Read 1/K as a function of p = 1/s, which has the form of a stiffness: then "log_omega" means
+        that of p.
     """
 
     node: Node
@@ -60,7 +62,7 @@ class Branch:
     compliance: bool = False
 
     def respond(self, log_omega: Anywhere, depth: int = VALUE) -> Response:
-        """The branch (n,), its derivative (p, n) by the parameters of the whole and its slope (n,)."""
+        """The branch (n,), its derivative (p, n) by the whole's parameters and its slope (n,)."""
         where = log_omega
         if self.compliance:
             # s = 1/p, so that i exp(where) = 1 / (i exp(log_omega)).
@@ -85,11 +87,13 @@ class Branch:
     def is_mass(self) -> bool:
         """Whether it is nothing but a mass."""
         element = _innermost(self.node)
-        return isinstance(element, KnownMass) or (isinstance(element, FixedPower) and element.exponent == 2.0)
+        return isinstance(element, KnownMass) or (
+            isinstance(element, FixedPower) and element.exponent == 2.0
+        )
 
     @property
     def is_layer(self) -> bool:
-        """Whether it is a layer of fluid that is set in motion (Basset), between a dashpot and a mass."""
+        """Whether it is a fluid layer set in motion (Basset), between a dashpot and a mass."""
         element = _innermost(self.node)
         return isinstance(element, FixedPower) and 1.0 < element.exponent < 2.0
 
@@ -109,8 +113,10 @@ def _innermost(node: Node) -> Node:
     return node
 
 
-def branches(network: Node, theta: Real, conditions: Points, *, compliance: bool = False) -> list[Branch]:
-    """The branches of a network that stand side by side, or, for the compliance, one after the other.
+def branches(
+    network: Node, theta: Real, conditions: Points, *, compliance: bool = False
+) -> list[Branch]:
+    """The branches of a network side by side, or, for the compliance, one after the other.
 
     Parameters
     ----------
@@ -131,7 +137,9 @@ def branches(network: Node, theta: Real, conditions: Points, *, compliance: bool
     return [Branch(node, own, chain, conditions, compliance) for node, own, chain in parts]
 
 
-def _split(node: Node, theta: Real, chain: Real, kind: type[Composition]) -> Iterator[tuple[Node, Real, Real]]:
+def _split(
+    node: Node, theta: Real, chain: Real, kind: type[Composition]
+) -> Iterator[tuple[Node, Real, Real]]:
     if isinstance(node, Renamed):
         yield from _split(node.node, theta, chain, kind)
     elif isinstance(node, Scaled):

@@ -1,8 +1,11 @@
-"""Any linear passive material: a spring, a dashpot and as many Maxwell elements as the data can tell apart.
+"""Any linear passive material.
 
-Springs, dashpots and springpots, in whatever network, have K(s) = K_e + c s + integral H(r) s / (s + r) dln r with
-H >= 0 (Bernstein's theorem; Ferry, Viscoelastic Properties of Polymers, 1980, ch. 3). With lines of weight g at
-given rates r in place of H the stiffness is linear in K_e, c and g, all of which are positive or zero.
+A spring, a dashpot and as many Maxwell elements as the data can tell apart.
+
+Springs, dashpots and springpots, in whatever network, have K(s) = K_e + c s + integral H(r) s / (s
++ r) dln r with H >= 0 (Bernstein's theorem; Ferry, Viscoelastic Properties of Polymers, 1980, ch.
+3). With lines of weight g at given rates r in place of H the stiffness is linear in K_e, c and g,
+all of which are positive or zero.
 """
 
 from __future__ import annotations
@@ -19,7 +22,10 @@ from .points import Complex, Points, Real
 MANY = 4000
 """Frequencies from which K of one material is interpolated."""
 SPACING = 0.02
-"""Distance in ln omega of the nodes: the cubic's error, SPACING^4 / 384 of the fourth derivative, is below 1e-9."""
+"""Distance in ln omega of the nodes.
+
+The cubic's error, SPACING^4 / 384 of the fourth derivative, is below 1e-9.
+"""
 EQUILIBRIUM = Parameter("K_e", "K_e", stiffness().unit)
 VISCOSITY = viscosity("c")
 
@@ -31,8 +37,8 @@ class Continuum(Node):
     Parameters
     ----------
     rates : tuple of float
-        The rates r_j in rad/s, ascending. Without any the node stands for a material that has not been fitted yet:
-        the fit chooses them.
+        The rates r_j in rad/s, ascending. Without any the node stands for a material that has not
+        been fitted yet: the fit chooses them.
 
     Examples
     --------
@@ -50,7 +56,9 @@ class Continuum(Node):
     def _parameters(self) -> tuple[Parameter, ...]:
         unit = EQUILIBRIUM.unit
         # Details: of forty weights none means anything by itself.
-        lines = [Parameter(f"g{j}", f"g_{j}", unit, detail=True) for j in range(1, len(self.rates) + 1)]
+        lines = [
+            Parameter(f"g{j}", f"g_{j}", unit, detail=True) for j in range(1, len(self.rates) + 1)
+        ]
         return (EQUILIBRIUM, VISCOSITY, *lines)
 
     @property
@@ -66,7 +74,12 @@ class Continuum(Node):
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """K, linear in all parameters."""
         # Between the nodes K of a passive material is smooth; a complex frequency may meet a pole.
-        if depth == VALUE and at.log_omega.size > MANY and not np.iscomplexobj(at.log_omega) and _one(theta):
+        if (
+            depth == VALUE
+            and at.log_omega.size > MANY
+            and not np.iscomplexobj(at.log_omega)
+            and _one(theta)
+        ):
             return Response(self._interpolated(theta.reshape(-1, theta.shape[-1])[0], at.log_omega))
         basis, slopes = self._basis(at.log_omega, depth == FULL)
         value = np.matmul(theta[..., None, :], basis)[..., 0, :]
@@ -78,15 +91,18 @@ class Continuum(Node):
         return Response(value, by_theta, np.matmul(theta[..., None, :], slopes)[..., 0, :])
 
     def _interpolated(self, theta: Real, log_omega: Real) -> Complex:
-        """K of one material at very many frequencies, as where a shift is tried at hundreds of settings."""
-        from scipy.interpolate import CubicHermiteSpline  # a third of a second that `springpot --help` is spared
+        """K of one material at very many frequencies, as for a shift tried at many settings."""
+        # A third of a second that `springpot --help` is spared.
+        from scipy.interpolate import CubicHermiteSpline
 
         low = float(np.min(log_omega))
         # A time sweep has but one frequency, and a curve two nodes.
         high = max(float(np.max(log_omega)), low + SPACING)
         x = np.linspace(low, high, 2 + int((high - low) / SPACING))
         basis, slopes = self._basis(x, True)
-        return np.asarray(CubicHermiteSpline(x, theta @ basis, theta @ slopes)(log_omega), dtype=np.complex128)
+        return np.asarray(
+            CubicHermiteSpline(x, theta @ basis, theta @ slopes)(log_omega), dtype=np.complex128
+        )
 
     def _basis(self, log_omega: Real, with_slopes: bool) -> tuple[Complex, Complex]:
         """dK/dtheta (..., 2 + m, n), and its derivative by ln omega."""

@@ -1,4 +1,4 @@
-"""Pictures of networks as text: springs, dashpots, springpots and masses joined by box characters."""
+"""Pictures of networks as text: springs, dashpots, springpots and masses in box characters."""
 
 from __future__ import annotations
 
@@ -39,7 +39,10 @@ class Stack:
 
 @dataclass(frozen=True)
 class Signal:
-    """A network seen through something that is no part of it: a measurement chain or a frequency shift."""
+    """A network seen through something that is no part of it.
+
+    A measurement chain or a frequency shift.
+    """
 
     inner: Sketch
     operation: str
@@ -123,8 +126,13 @@ def _beside(blocks: Sequence[_Block]) -> _Block:
     # All wires on one line: what stands one after the other is joined by them.
     above = max(block.wire for block in blocks)
     below = max(len(block.lines) - block.wire for block in blocks)
-    level = [block.padded(above - block.wire, below - len(block.lines) + block.wire) for block in blocks]
-    return _Block(tuple("".join(lines) for lines in zip(*(block.lines for block in level), strict=True)), above)
+    level = [
+        block.padded(above - block.wire, below - len(block.lines) + block.wire) for block in blocks
+    ]
+    return _Block(
+        tuple("".join(lines) for lines in zip(*(block.lines for block in level), strict=True)),
+        above,
+    )
 
 
 def _stacked(blocks: Sequence[_Block]) -> _Block:
@@ -140,7 +148,9 @@ def _stacked(blocks: Sequence[_Block]) -> _Block:
     right = _rail(len(lines), wires, middle, "┐┤┘", "├┼")
     ends = [" "] * len(lines)
     ends[middle] = "─"
-    drawn = (end + a + line + b + end for end, a, line, b in zip(ends, left, lines, right, strict=True))
+    drawn = (
+        end + a + line + b + end for end, a, line, b in zip(ends, left, lines, right, strict=True)
+    )
     return _Block(tuple(drawn), middle)
 
 
@@ -187,7 +197,8 @@ def draw(node: Node) -> str:
     Parameters
     ----------
     node : Node
-        Any network; the parts of a `Mapped` one are labelled with what they are in its published parameters.
+        Any network; the parts of a `Mapped` one are labelled with what they are in its published
+        parameters.
 
     Returns
     -------

@@ -17,7 +17,9 @@ from .points import Complex, Points, Real
 
 @dataclass(frozen=True)
 class InstrumentConstant:
-    """What an instrument's file may say of an effect: the constant with which its software corrects for it.
+    """What an instrument's file may say of an effect.
+
+    The constant with which its software corrects for it.
 
     Parameters
     ----------
@@ -37,9 +39,9 @@ class InstrumentConstant:
 class Layer(IntEnum):
     """How far from the material an effect acts.
 
-    Effects join a network from the material outwards whatever the order in which they are typed: temperature
-    shifts the material but never the rig, the rig adds its compliance and mass around the specimen, and the
-    measurement chain sees all of it.
+    Effects join a network from the material outwards whatever the order in which they are typed:
+    temperature shifts the material but never the rig, the rig adds its compliance and mass around
+    the specimen, and the measurement chain sees all of it.
     """
 
     MATERIAL = 0
@@ -74,25 +76,27 @@ class Effect:
     approximate : str
         Empty where the composition is exact; otherwise what is approximated (a slider in series).
     absent_at : float, optional
-        Value of the element's first parameter, its size, at which the effect vanishes whatever the others are;
-        by default infinity in series and zero elsewhere.
+        Value of the element's first parameter, its size, at which the effect vanishes whatever the
+        others are; by default infinity in series and zero elsewhere.
     prior : float
-        How common the effect is beside the others before any data are seen: 1 for what every laboratory meets,
-        less, but not 0, for rarer physics.
+        How common the effect is beside the others before any data are seen: 1 for what every
+        laboratory meets, less, but not 0, for rarer physics.
     narrow : bool
-        Whether its shape can imitate any narrow feature of a sweep. Such an effect is tried only where simple
-        common ones do not explain the data, and some of its probability is left to what the library does not know.
+        Whether its shape can imitate any narrow feature of a sweep. Such an effect is tried only
+        where simple common ones do not explain the data, and some of its probability is left to
+        what the library does not know.
     equation : str
-        What is measured in place of K(omega) if the effect alone joins it, in terms of K, s = i omega, the
-        amplitude X, the temperatures T and Tr (reference), R in the unit of Ea, and the element's parameters.
+        What is measured in place of K(omega) if the effect alone joins it, in terms of K, s = i
+        omega, the amplitude X, the temperatures T and Tr (reference), R in the unit of Ea, and the
+        element's parameters.
     constant : InstrumentConstant, optional
         What the file of an instrument may say of it.
     largest_of_modulus : float, optional
-        Largest size, in the unit in which it is printed, that physics allows where a modulus was measured; of a
-        stiffness the size of the specimen would decide.
+        Largest size, in the unit in which it is printed, that physics allows where a modulus was
+        measured; of a stiffness the size of the specimen would decide.
     only_varied : bool
-        Whether the conditions that it needs must have been varied: at one value of them it would be a factor that
-        goes with the frequency alone, as many a fault of a measuring chain does.
+        Whether the conditions that it needs must have been varied: at one value of them it would be
+        a factor that goes with the frequency alone, as many a fault of a measuring chain does.
     only_sweeps : bool
         Whether it belongs to the rig of the sweeps alone: tests in time of the same specimen are
         free of it.
@@ -151,11 +155,18 @@ class Effect:
             If it is not by levels.
         """
         if not isinstance(self.element, Levels):
-            raise ModelError(f"'{self.name}:{column}': only effects with a factor for each level take a column")
+            raise ModelError(
+                f"'{self.name}:{column}': only effects with a factor for each level take a column"
+            )
         if column == self.element.column:
             return self
         # An alias means the effect of the usual column: this one is another.
-        return replace(self, name=f"{self.name}:{column}", element=replace(self.element, column=column), aliases=())
+        return replace(
+            self,
+            name=f"{self.name}:{column}",
+            element=replace(self.element, column=column),
+            aliases=(),
+        )
 
     def bound_to(self, at: Points) -> Effect:
         """The effect with the levels of these points; itself where it is not by levels."""
@@ -165,12 +176,14 @@ class Effect:
 
     @property
     def plane(self) -> str:
-        """The residual plane in which the effect adds: stiffness, compliance, log-complex or shift."""
+        """The plane in which the effect adds: stiffness, compliance, log-complex or shift."""
         return self.composition.kind.plane
 
     @property
     def position(self) -> tuple[int, int, str]:
-        """Where the effect joins: by layer, in a layer parallel before series before shift before chain.
+        """Where the effect joins.
+
+        By layer, in a layer parallel before series before shift before chain.
 
         The name settles the rest, so that a model never depends on the order in which it is typed.
         """
@@ -179,8 +192,9 @@ class Effect:
     def third_harmonic(self, theta: Real, at: Points) -> Complex | None:
         """Third harmonic of the force that the effect adds, over the displacement amplitude.
 
-        With x = X cos(omega t), the force contains the real part of F_3 exp(3 i omega t); divided by X it has
-        the unit of a stiffness, and |F_3 / X| / |K| is what I3/I1 of the measured force shows.
+        With x = X cos(omega t), the force contains the real part of F_3 exp(3 i omega t); divided
+        by X it has the unit of a stiffness, and |F_3 / X| / |K| is what I3/I1 of the measured force
+        shows.
 
         Parameters
         ----------
@@ -192,7 +206,8 @@ class Effect:
         Returns
         -------
         ndarray, shape (..., n), or None
-            Zero for a linear element; None where the effect makes a harmonic that no formula here predicts.
+            Zero for a linear element; None where the effect makes a harmonic that no formula here
+            predicts.
         """
         # Elements of plugins need not know harmonics.
         predict = getattr(self.element, "third_harmonic", None)
@@ -205,7 +220,9 @@ class Effect:
         return harmonic
 
     def third_harmonic_range(self, theta: Real, at: Points) -> tuple[Complex, Real]:
-        """Where the third harmonic that the effect adds to the force must lie, as a circle around what is predicted.
+        """Where the third harmonic that the effect adds to the force must lie.
+
+        As a circle around what is predicted.
 
         Parameters
         ----------
@@ -219,8 +236,9 @@ class Effect:
         centre : ndarray of complex, shape (n,)
             As `third_harmonic`; zero where only a bound is known.
         radius : ndarray, shape (n,)
-            How far off it may be: zero for a formula, infinite where nothing is known. A formula holds beside the
-            model only, where the displacement is a sinusoid; elsewhere only "none" and a bound do.
+            How far off it may be: zero for a formula, infinite where nothing is known. A formula
+            holds beside the model only, where the displacement is a sinusoid; elsewhere only "none"
+            and a bound do.
         """
         shape = at.log_omega.shape[-1:]
         centre = self.third_harmonic(theta, at)

@@ -1,6 +1,7 @@
 """The elements of linear viscoelasticity: powers of s = i omega.
 
-A spring, a dashpot, a mass and a springpot are all K = c s^order; only the springpot's order is free.
+A spring, a dashpot, a mass and a springpot are all K = c s^order; only the springpot's order is
+free.
 """
 
 from __future__ import annotations
@@ -35,7 +36,9 @@ T = TypeVar("T", Real, Complex)
 
 
 def table_of(column: Real, row: T) -> T:
-    """Product (m, n) of a column (m, 1) and a row (n,), the longer of the two lying side by side in memory.
+    """Product (m, n) of a column (m, 1) and a row (n,).
+
+    The longer of the two lies side by side in memory.
 
     numpy runs along what lies side by side; whatever is made from the table keeps its order.
     """

@@ -33,9 +33,11 @@ class SearchForm:
     from_elements : callable
         (..., p) to (..., q).
     ordered : tuple of int or None
-        Indices (low, high) of two searched stiffnesses (or orders) of which the second must exceed the first.
+        Indices (low, high) of two searched stiffnesses (or orders) of which the second must exceed
+        the first.
     margin : float
-        Where it does not, it becomes `margin` times the first: 1.01 in the paper, 1 for orders, which may be equal.
+        Where it does not, it becomes `margin` times the first: 1.01 in the paper, 1 for orders,
+        which may be equal.
     """
 
     parameters: tuple[Parameter, ...]
@@ -60,7 +62,9 @@ class SearchForm:
 
 
 def columns(*parts: Real | float) -> Real:
-    """Parameter vectors (..., p) from their p components, each (...) or a number; complex ones stay complex.
+    """Parameter vectors (..., p) from their p components, each (...) or a number.
+
+    Complex ones stay complex.
 
     Examples
     --------
@@ -193,7 +197,9 @@ class _Limits:
         return np.broadcast_to(step, (*x.shape[:-1], *step.shape))
 
     def from_elements(self, theta: Real) -> Real:
-        return columns(theta[..., 0], theta[..., 0] + theta[..., 1], *np.moveaxis(theta[..., 2:], -1, 0))
+        return columns(
+            theta[..., 0], theta[..., 0] + theta[..., 1], *np.moveaxis(theta[..., 2:], -1, 0)
+        )
 
 
 def limits_form(parameters: tuple[Parameter, ...]) -> SearchForm:
@@ -217,10 +223,20 @@ def limits_form(parameters: tuple[Parameter, ...]) -> SearchForm:
 
 
 TIME_FORM = SearchForm(
-    (stiffness("k"), relaxation_time(), order()), _time_to_elements, _time_jacobian, _time_from_elements
+    (stiffness("k"), relaxation_time(), order()),
+    _time_to_elements,
+    _time_jacobian,
+    _time_from_elements,
 )
 """(k, tau, alpha) of the three-parameter models, tau^alpha = c / k; eq. (20), (21), (33)."""
-MAXWELL_FORM = SearchForm(_limits(), _maxwell_to_elements, _maxwell_jacobian, _maxwell_from_elements, ordered=(0, 1))
-"""(k0, kinf, tau, alpha) of the Maxwell type: k1 = k0, k2 = kinf - k0, c = tau^alpha k2; eq. (9), (35)."""
-KELVIN_FORM = SearchForm(_limits(), _kelvin_to_elements, _kelvin_jacobian, _kelvin_from_elements, ordered=(0, 1))
+MAXWELL_FORM = SearchForm(
+    _limits(), _maxwell_to_elements, _maxwell_jacobian, _maxwell_from_elements, ordered=(0, 1)
+)
+"""(k0, kinf, tau, alpha) of the Maxwell type: k1 = k0, k2 = kinf - k0, c = tau^alpha k2; eq.
+
+(9), (35).
+"""
+KELVIN_FORM = SearchForm(
+    _limits(), _kelvin_to_elements, _kelvin_jacobian, _kelvin_from_elements, ordered=(0, 1)
+)
 """(k0, kinf, tau, alpha) of the Kelvin type, inverse of eq. (6), (34)."""

@@ -24,26 +24,30 @@ class Formula(Node):
     free : tuple of Parameter
         Its parameters. The first is the *size*: by itself it decides whether the element is there.
     law : callable
-        ``law(at, *parameters)`` gives the value, its derivative by each parameter and its derivative by
-        ln omega. Parameters arrive with shape (..., 1); whatever broadcasts with the (..., n) points may be
-        returned. A law that also accepts complex parameters can be tested by Cauchy's integral.
+        ``law(at, *parameters)`` gives the value, its derivative by each parameter and its
+        derivative by ln omega. Parameters arrive with shape (..., 1); whatever broadcasts with the
+        (..., n) points may be returned. A law that also accepts complex parameters can be tested by
+        Cauchy's integral.
     conditions : tuple of str
         Columns that the law asks of the points, such as ``"amplitude"``.
     kind : str
         Name of the element in drawings.
     third : callable or None
-        ``third(at, *parameters)`` gives the third harmonic of the force over the displacement amplitude;
-        see `Effect.third_harmonic`.
+        ``third(at, *parameters)`` gives the third harmonic of the force over the displacement
+        amplitude; see `Effect.third_harmonic`.
     in_time : callable or None
-        The same law in time, for an element that is not linear or belongs to the signals; linear ones need none.
-        Beside the material, ``in_time(t, x, velocity, *parameters)`` gives the force and its derivative by each
-        parameter, all (n,). In the measurement chain, ``in_time(t, columns, *parameters)`` turns signals (n, c)
-        into what is recorded of them, and gives the derivatives of the first one.
+        The same law in time, for an element that is not linear or belongs to the signals; linear
+        ones need none. Beside the material, ``in_time(t, x, velocity, *parameters)`` gives the
+        force and its derivative by each parameter, all (n,). In the measurement chain, ``in_time(t,
+        columns, *parameters)`` turns signals (n, c) into what is recorded of them, and gives the
+        derivatives of the first one.
     step : callable or None
-        For an element that remembers: ``step(force, way, *parameters)`` gives the force after a straight way, from
-        that before it. Others need none, for `in_time` tells their force at each sample alone.
+        For an element that remembers: ``step(force, way, *parameters)`` gives the force after a
+        straight way, from that before it. Others need none, for `in_time` tells their force at each
+        sample alone.
     third_at_most : callable or None
-        ``third_at_most(at, *parameters)`` gives the most that the third harmonic may be where `third` is not known.
+        ``third_at_most(at, *parameters)`` gives the most that the third harmonic may be where
+        `third` is not known.
     """
 
     free: tuple[Parameter, ...]
@@ -84,14 +88,17 @@ class Formula(Node):
         return Response(whole, by_theta, _spread(by_log_omega, shape))
 
     def third_harmonic(self, theta: Real, at: Points) -> Complex | None:
-        """Third harmonic of the force over the displacement amplitude; None where no law is known."""
+        """Third harmonic of force over displacement amplitude; None where no law is known."""
         if self.third is None:
             return None
         shape = np.broadcast_shapes((*theta.shape[:-1], 1), at.log_omega.shape)
         return _spread(self.third(at, *self._columns(theta)), shape)
 
     def third_harmonic_at_most(self, theta: Real, at: Points) -> Real | None:
-        """The most that the third harmonic may be, over the displacement amplitude; None where that is not known."""
+        """The most that the third harmonic may be, over the displacement amplitude.
+
+        None where that is not known.
+        """
         if self.third_at_most is None:
             return None
         shape = np.broadcast_shapes((*theta.shape[:-1], 1), at.log_omega.shape)

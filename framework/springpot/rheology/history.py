@@ -1,4 +1,7 @@
-"""A whole model in time: its material, what beside it is not linear, and what the signals went through."""
+"""A whole model in time.
+
+Its material, what beside it is not linear, and what the signals went through.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +31,9 @@ class Placed(NamedTuple):
 
 
 STEP = 1e-30
-"""Of a derivative by complex step, free of rounding (Squire & Trapp 1998, 10.1137/S003614459631241X)."""
+"""Of a derivative by complex step, free of rounding (Squire & Trapp 1998,
+10.1137/S003614459631241X).
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +56,8 @@ class InTime:
     Examples
     --------
     >>> from springpot.rheology import Model, dashpot, series, spring
-    >>> value, by_theta = Model("maxwell", series(spring(), dashpot())).in_time([2.0, 8.0]).relaxation([4.0])
+    >>> maxwell = Model("maxwell", series(spring(), dashpot()))
+    >>> value, by_theta = maxwell.in_time([2.0, 8.0]).relaxation([4.0])
     >>> value.round(3), by_theta.round(3)
     (array([0.736]), array([[0.   , 0.092]]))
     """
@@ -63,13 +69,13 @@ class InTime:
     tolerance: float
 
     def relaxation(self, t: Real) -> Traced:
-        """Force over displacement (n,) at the time t >= 0 after a step of the displacement, and its derivatives."""
+        """Force over displacement (n,) at t >= 0 after a displacement step, and its derivatives."""
         with self._blaming():
             passive, own = self._linear("relaxation")
             return self._padded(passive.relaxation(_after_step(t)), own)
 
     def creep(self, t: Real) -> Traced:
-        """Displacement over force (n,) at the time t >= 0 after a step of the force, and its derivatives."""
+        """Displacement over force (n,) at t >= 0 after a force step, and its derivatives."""
         with self._blaming():
             passive, own = self._linear("creep")
             return self._padded(passive.creep(_after_step(t)), own)
@@ -92,12 +98,16 @@ class InTime:
             If one stands beside it, or belongs to the signals.
         """
         inside, beside, signals = sorted_out(self.model)
-        # What joined after the last shift goes by seconds: under a force both clocks would have to be followed at
-        # once.
-        last = max((i for i, each in enumerate(inside) if each.effect.composition.kind is Shift), default=-1)
+        # What joined after the last shift goes by seconds: under a force both clocks would have to
+        # be followed at once.
+        last = max(
+            (i for i, each in enumerate(inside) if each.effect.composition.kind is Shift),
+            default=-1,
+        )
         for effect, _, _ in [*inside[last + 1 :], *beside, *signals]:
             raise ModelError(
-                f"'{effect.name}' is not followed under a force while the temperature moves: leave it out"
+                f"'{effect.name}' is not followed under a force while the temperature moves:"
+                " leave it out"
             )
         return inside
 
@@ -134,7 +144,8 @@ class InTime:
             If something in the model has no clock of the material: see `on_its_clock`.
         """
         with self._blaming():
-            # A step this small leaves the answer itself untouched: only its imaginary part tells of it.
+            # A step this small leaves the answer itself untouched: only its imaginary part tells of
+            # it.
             respond = _answer(self.on_its_clock(), control)
             columns = []
             for move in moves.T:
@@ -161,12 +172,15 @@ class InTime:
         Raises
         ------
         ModelError
-            If there is a mass, or an effect that is not linear or of the signals: these go by the clock on the wall.
+            If there is a mass, or an effect that is not linear or of the signals: these go by the
+            clock on the wall.
         """
         passive, _ = self._linear("a clock of the material")
         # A force on a mass goes by seconds, however fast the material relaxes.
         if passive.inertial:
-            raise ModelError(f"{self.model.name} has a mass, which does not go by the clock of its material")
+            raise ModelError(
+                f"{self.model.name} has a mass, which does not go by the clock of its material"
+            )
         return passive
 
     def _blaming(self) -> AbstractContextManager[None]:
@@ -174,7 +188,9 @@ class InTime:
         # A history has no one temperature to look at: that of reference stands for it.
         if isinstance(temperature, np.ndarray):
             temperature = None
-        return blaming(self.model, self.theta, conditions_at(temperature, self.reference_temperature))
+        return blaming(
+            self.model, self.theta, conditions_at(temperature, self.reference_temperature)
+        )
 
     def _linear(self, what: str) -> tuple[Passive, list[int]]:
         """The network in time, and where its parameters stand in theta."""
@@ -184,16 +200,25 @@ class InTime:
             kind = "belongs to the signals"
             if beside:
                 kind = "is not linear"
-            raise ModelError(f"{what} has no meaning with '{effect.name}', which {kind}: ask for respond")
+            raise ModelError(
+                f"{what} has no meaning with '{effect.name}', which {kind}: ask for respond"
+            )
         if isinstance(self.temperature, np.ndarray):
-            raise ModelError(f"{what} is for one temperature: ask for respond with a history of temperatures")
+            raise ModelError(
+                f"{what} is for one temperature: ask for respond with a history of temperatures"
+            )
         network, own = network_of(self.model, inside)
         return replace(self._passive(network), theta=self.theta[own]), own
 
     def _passive(self, network: Node, temperature: float | None = None) -> Passive:
         if not isinstance(self.temperature, np.ndarray):
             temperature = self.temperature
-        return Passive(network, self.theta, conditions_at(temperature, self.reference_temperature), self.tolerance)
+        return Passive(
+            network,
+            self.theta,
+            conditions_at(temperature, self.reference_temperature),
+            self.tolerance,
+        )
 
     def _materials(self, inside: list[Placed], t: Real, x: Real) -> Traced:
         network, own = network_of(self.model, inside)
@@ -201,42 +226,53 @@ class InTime:
             return self._placed(self._passive(network), own, t, x)
         return self._reduced(inside, t, x)
 
-    def _placed(self, passive: Passive, own: list[int], t: Real, x: Real, control: str = "displacement") -> Traced:
+    def _placed(
+        self, passive: Passive, own: list[int], t: Real, x: Real, control: str = "displacement"
+    ) -> Traced:
         return self._padded(_answer(replace(passive, theta=self.theta[own]), control)(t, x), own)
 
     def _padded(self, traced: Traced, own: list[int]) -> Traced:
-        # A part knows its own parameters only: their derivatives go back to where they stand in the whole theta.
+        # A part knows its own parameters only: their derivatives go back to where they stand in the
+        # whole theta.
         by_theta = np.zeros((len(traced.value), len(self.theta)), dtype=traced.by_theta.dtype)
         by_theta[:, own] = traced.by_theta
         return Traced(traced.value, by_theta)
 
-    def _reduced(self, inside: list[Placed], t: Real, x: Real, control: str = "displacement") -> Traced:
-        """What the temperature moves, in reduced time (seconds over a_T), and what stands beside it, in seconds."""
-        shifts = [place for place, each in enumerate(inside) if each.effect.composition.kind is Shift]
-        # What joined before the last shift goes by the clock of the material, what joined later by that of the test.
+    def _reduced(
+        self, inside: list[Placed], t: Real, x: Real, control: str = "displacement"
+    ) -> Traced:
+        """What temperature moves, in reduced time (seconds / a_T), and what is beside it, in s."""
+        shifts = [
+            place for place, each in enumerate(inside) if each.effect.composition.kind is Shift
+        ]
+        # What joined before the last shift goes by the clock of the material, what joined later by
+        # that of the test.
         last = 0
         if shifts:
             last = shifts[-1] + 1
-        for effect, _, _ in inside:
-            if "temperature" in effect.needs and effect.composition.kind is not Shift:
-                raise ModelError(f"a history of temperatures is not followed by '{effect.name}': only shifts are")
-        for effect, _, _ in inside[last:]:
-            if effect.composition.kind is not Parallel:
-                raise ModelError(f"a history of temperatures is not followed inside '{effect.name}': leave it out")
+        _refuse_unfollowed(inside, last)
         temperature = np.asarray(self.temperature, dtype=float)
         if temperature.shape != t.shape or not np.all(temperature > 0.0):
-            raise ModelError(f"a history of {len(t)} samples needs as many temperatures in kelvin, all above zero")
+            raise ModelError(
+                f"a history of {len(t)} samples needs as many temperatures in kelvin,"
+                " all above zero"
+            )
         network, own = network_of(self.model, inside[:last])
         # A shift factor depends on the temperature alone: any frequency will do.
         at = Points(np.zeros(len(t)), None, temperature, self.reference_temperature)
         moving = [inside[place] for place in shifts]
-        laws = [(each.own, each.effect.element.respond(self.theta[each.own], at, GRADIENT)) for each in moving]
+        laws = [
+            (each.own, each.effect.element.respond(self.theta[each.own], at, GRADIENT))
+            for each in moving
+        ]
         # Factors of several shifts multiply.
         log_shift = sum((law.value.real for _, law in laws), np.zeros(len(t)))
         # Where the shifts are one: what they do is all in the reduced time.
         passive = self._passive(network, self.reference_temperature)
         if control == "force" and replace(passive, theta=self.theta[own]).inertial:
-            raise ModelError(f"{self.model.name} has a mass, which does not go by the clock of its material")
+            raise ModelError(
+                f"{self.model.name} has a mass, which does not go by the clock of its material"
+            )
         traced = self._placed(passive, own, _reduced_time(t, log_shift), x, control)
         for own_law, law in laws:
             for i, slope in zip(own_law, law.by_theta.real, strict=True):
@@ -246,9 +282,28 @@ class InTime:
                 moved = answer(turned, x, slopes=False)
                 traced.by_theta[:, i] = moved.value.imag / STEP
         for effect, _, places in inside[last:]:
-            outer = self._placed(self._passive(effect.element, self.reference_temperature), places, t, x)
+            outer = self._placed(
+                self._passive(effect.element, self.reference_temperature), places, t, x
+            )
             traced = Traced(traced.value + outer.value, traced.by_theta + outer.by_theta)
         return traced
+
+
+def _refuse_unfollowed(inside: list[Placed], last: int) -> None:
+    """Tell of an effect that a history of temperatures cannot be followed by, or inside.
+
+    `last` is the number of effects up to the last shift.
+    """
+    for effect, _, _ in inside:
+        if "temperature" in effect.needs and effect.composition.kind is not Shift:
+            raise ModelError(
+                f"a history of temperatures is not followed by '{effect.name}': only shifts are"
+            )
+    for effect, _, _ in inside[last:]:
+        if effect.composition.kind is not Parallel:
+            raise ModelError(
+                f"a history of temperatures is not followed inside '{effect.name}': leave it out"
+            )
 
 
 def _answer(passive: Passive, control: str) -> Callable[..., Traced]:
@@ -259,7 +314,12 @@ def _answer(passive: Passive, control: str) -> Callable[..., Traced]:
 
 
 def with_laws(
-    traced: Traced, beside: Sequence[Placed], signals: Sequence[Placed], theta: Real, t: Real, x: Real
+    traced: Traced,
+    beside: Sequence[Placed],
+    signals: Sequence[Placed],
+    theta: Real,
+    t: Real,
+    x: Real,
 ) -> Traced:
     """The force (n,) of a material with the forces beside it, as the measurement chain shows it.
 
@@ -281,7 +341,8 @@ def with_laws(
         force, slopes = effect.element.in_time(t, x, velocity, *theta[own])  # type: ignore[attr-defined]
         value = value + force
         by_theta[:, own] += np.stack(np.broadcast_arrays(*slopes), axis=-1)
-    # One table, as what the signals go through acts on the force and on each of its derivatives alike.
+    # One table, as what the signals go through acts on the force and on each of its derivatives
+    # alike.
     columns = np.column_stack([value, by_theta])
     for effect, _, own in signals:
         columns, slopes = effect.element.in_time(t, columns, *theta[own])  # type: ignore[attr-defined]
@@ -290,7 +351,9 @@ def with_laws(
 
 
 def sorted_out(model: NamedNetwork) -> tuple[list[Placed], list[Placed], list[Placed]]:
-    """The effects from the material outwards: linear ones, those that are not but stand beside, those of signals.
+    """The effects from the material outwards.
+
+    Linear ones, those that are not but stand beside, those of signals.
 
     Those of the rig of a sweep alone are in none of them: no test in time feels them.
 
@@ -317,14 +380,19 @@ def sorted_out(model: NamedNetwork) -> tuple[list[Placed], list[Placed], list[Pl
         law = getattr(effect.element, "in_time", None)
         linear = effect.layer is not Layer.SIGNAL and "amplitude" not in effect.needs
         if linear and effect.composition.kind in (Parallel, Series, Shift, Chain):
-            # Around a nonlinear effect a linear one would share its displacement: no force follows from x alone.
+            # Around a nonlinear effect a linear one would share its displacement: no force follows
+            # from x alone.
             if beside and effect.composition.kind is not Parallel:
                 inner = beside[0].effect.name
-                raise ModelError(f"the force of '{inner}' cannot be told alone inside '{effect.name}': leave one out")
+                raise ModelError(
+                    f"the force of '{inner}' cannot be told alone inside '{effect.name}':"
+                    " leave one out"
+                )
             inside.append(Placed(effect, prefix, own))
         elif law is None:
             raise ModelError(
-                f"{model.name} cannot be followed in time: '{effect.name}' has no law there; leave it out"
+                f"{model.name} cannot be followed in time: '{effect.name}' has no law there;"
+                " leave it out"
             )
         elif effect.layer is Layer.SIGNAL:
             signals.append(Placed(effect, prefix, own))
@@ -334,7 +402,9 @@ def sorted_out(model: NamedNetwork) -> tuple[list[Placed], list[Placed], list[Pl
 
 
 def network_of(model: NamedNetwork, inside: list[Placed]) -> tuple[Node, list[int]]:
-    """The network of a model with some of its effects only, and where its parameters stand in the model's theta.
+    """The network of a model with some of its effects only.
+
+    And where its parameters stand in the model's theta.
 
     Examples
     --------
@@ -374,14 +444,19 @@ def _after_step(t: Real) -> Real:
 def _history(t: Real, values: Real, name: str) -> tuple[Real, Real]:
     t, values = np.asarray(t, dtype=float), np.asarray(values, dtype=float)
     if t.ndim != 1 or t.shape != values.shape or len(t) < 2:
-        raise ModelError(f"a history is two lists of the same length, times and {name}, of two samples or more")
+        raise ModelError(
+            f"a history is two lists of the same length, times and {name}, of two samples or more"
+        )
     for what, numbers in (("time", t), (name, values)):
         bad = np.flatnonzero(~np.isfinite(numbers))
         if len(bad):
-            raise ModelError(f"the {what} of sample {bad[0] + 1} is no number: leave that sample out")
+            raise ModelError(
+                f"the {what} of sample {bad[0] + 1} is no number: leave that sample out"
+            )
     back = np.flatnonzero(np.diff(t) <= 0.0)
     if len(back):
         raise ModelError(
-            f"the time does not rise after sample {back[0] + 1} (t = {t[back[0]]:g} s): sort the samples"
+            f"the time does not rise after sample {back[0] + 1} (t = {t[back[0]]:g} s):"
+            " sort the samples"
         )
     return t, values

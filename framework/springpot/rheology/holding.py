@@ -1,7 +1,7 @@
 """Parameters that a user knows: some are held at a value, others are kept within narrower bounds.
 
-What is held leaves theta, so that degrees of freedom, uncertainty and every test of a residual count only what the
-data decide.
+What is held leaves theta, so that degrees of freedom, uncertainty and every test of a residual
+count only what the data decide.
 """
 
 from __future__ import annotations
@@ -77,7 +77,9 @@ class Held(Mapped):
 
 @dataclass(frozen=True, eq=False)
 class Fixed(Node):
-    """A node at given parameters: it has none of its own, and is evaluated once for all settings beside it.
+    """A node at given parameters.
+
+    It has none of its own, and is evaluated once for all settings beside it.
 
     Parameters
     ----------
@@ -108,12 +110,16 @@ class Fixed(Node):
         """The inner node's response, without leading axes where the points have none."""
         # Once for all thetas beside it: that is why it is fixed.
         response = self.node.respond(self.theta, at, depth)
-        empty = np.zeros((*response.value.shape[:-1], 0, response.value.shape[-1]), dtype=np.complex128)
+        empty = np.zeros(
+            (*response.value.shape[:-1], 0, response.value.shape[-1]), dtype=np.complex128
+        )
         return response._replace(by_theta=empty)
 
 
 def hold(node: Node, values: Mapping[str, float], bounds: Mapping[str, Bounds]) -> Node:
-    """The node with parameters held at `values` and others within `bounds`; itself where neither names its own.
+    """The node with parameters held at `values` and others within `bounds`.
+
+    Itself where neither names its own.
 
     Parameters
     ----------
@@ -127,13 +133,16 @@ def hold(node: Node, values: Mapping[str, float], bounds: Mapping[str, Bounds]) 
     ModelError
         If a value or bound is none that the parameter can take.
     """
-    # Most nodes of a model are not named: they stay what they are, without a wrapping that costs time.
+    # Most nodes of a model are not named: they stay what they are, without a wrapping that costs
+    # time.
     names = {parameter.name for parameter in node.parameters}
     if not names & (set(values) | set(bounds)):
         return node
     # What is held already stays held, in one wrapping for all.
     inner, known = released(node), held_values(node)
-    known |= {name: _allowed(p, values[name]) for p in node.parameters if (name := p.name) in values}
+    known |= {
+        name: _allowed(p, values[name]) for p in node.parameters if (name := p.name) in values
+    }
     free = [_bounded(p, bounds.get(p.name), known) for p in node.parameters if p.name not in known]
     inserted = Inserted(tuple(known.get(parameter.name) for parameter in inner.parameters))
     return Held(inner, tuple(free), inserted, inserted.jacobian)
@@ -163,7 +172,8 @@ def _allowed(parameter: Parameter, value: float) -> float:
 
 def _bounded(parameter: Parameter, bounds: Bounds | None, known: Mapping[str, float]) -> Parameter:
     """The parameter in its narrower bounds; an order that is held becomes a number in the unit."""
-    # A unit such as kN s^alpha/m is told with the number from here on: there is no alpha left to be looked up.
+    # A unit such as kN s^alpha/m is told with the number from here on: there is no alpha left to be
+    # looked up.
     time = parameter.unit.time
     if isinstance(time, str) and time in known:
         parameter = replace(parameter, unit=replace(parameter.unit, time=known[time]))
@@ -173,5 +183,8 @@ def _bounded(parameter: Parameter, bounds: Bounds | None, known: Mapping[str, fl
     low, high = max(bounds[0], parameter.lower), min(bounds[1], parameter.upper)
     if not low < high:
         room = f"[{parameter.lower:g}, {parameter.upper:g}]"
-        raise ModelError(f"{parameter.name} has no room between {bounds[0]:g} and {bounds[1]:g}: it lies in {room}")
+        raise ModelError(
+            f"{parameter.name} has no room between {bounds[0]:g} and {bounds[1]:g}:"
+            f" it lies in {room}"
+        )
     return replace(parameter, lower=low, upper=high)

@@ -1,16 +1,18 @@
 """Smooth hysteresis after Bouc and Wen: a spring that yields gradually, with its exact loop.
 
-The force F z of the element follows the displacement x by z' = (k / F) x' (1 - |z|^n (beta sgn(z x') + 1 - beta)):
-k is its stiffness near z = 0 and F the force at which it yields (Wen 1976, J. Eng. Mech. Div. ASCE 102, 249; Ikhouane
-and Rodellar 2007, Systems with Hysteresis). It knows no rate, so that a steady cycle between -X and X is one loop.
-On its falling half the distance from the tip is
+The force F z of the element follows the displacement x by z' = (k / F) x' (1 - |z|^n (beta sgn(z
+x') + 1 - beta)): k is its stiffness near z = 0 and F the force at which it yields (Wen 1976, J.
+Eng. Mech. Div. ASCE 102, 249; Ikhouane and Rodellar 2007, Systems with Hysteresis). It knows no
+rate, so that a steady cycle between -X and X is one loop. On its falling half the distance from the
+tip is
 
-    int_z^Z dy / (1 + (2 beta - 1) y^n)      while z falls from its greatest value Z to 0, and beyond
-    int_0^|z| dy / (1 - y^n)
+    int_z^Z dy / (1 + (2 beta - 1) y^n)      while z falls from its greatest value Z to 0, and
+    beyond int_0^|z| dy / (1 - y^n)
 
-more, both together 2 k X / F. Integrated by parts, the harmonic F_m of the force is 2 i / (pi m) times the integral
-of exp(-i m phi) over z, with cos phi = x / X. Both integrals are done by Gauss's rule in a variable that is flat
-at z = 0 and at the tips, where they have roots and powers: they converge geometrically, to 1e-8 with 24 nodes.
+more, both together 2 k X / F. Integrated by parts, the harmonic F_m of the force is 2 i / (pi m)
+times the integral of exp(-i m phi) over z, with cos phi = x / X. Both integrals are done by Gauss's
+rule in a variable that is flat at z = 0 and at the tips, where they have roots and powers: they
+converge geometrically, to 1e-8 with 24 nodes.
 """
 
 from __future__ import annotations
@@ -59,7 +61,7 @@ class Rule(NamedTuple):
 
 
 def flat_rule() -> Rule:
-    """Gauss's rule in t, where the node y = I(t; 4, 4), an incomplete beta function, is flat at 0 and 1."""
+    """Gauss's rule in t; the node y = I(t; 4, 4), an incomplete beta, is flat at 0 and 1."""
     at, weight = legendre.leggauss(NODES)
     t = 0.5 * (at + 1.0)
     # Near 1 from the distance to 1, or its digits would be lost.
@@ -67,8 +69,12 @@ def flat_rule() -> Rule:
     log_node = np.where(t < 0.5, np.log(betainc(FLATNESS, FLATNESS, t)), near_one)
     log_slope = (FLATNESS - 1) * np.log(t * (1.0 - t)) - betaln(FLATNESS, FLATNESS)
     slope = 0.5 * np.exp(log_slope)
-    to_series = (legendre.legvander(at, NODES - 1) * weight[:, None]).T * (np.arange(NODES)[:, None] + 0.5)
-    integrated = np.stack([legendre.legval(at, legendre.legint(one, lbnd=-1)) for one in np.eye(NODES)], axis=1)
+    to_series = (legendre.legvander(at, NODES - 1) * weight[:, None]).T * (
+        np.arange(NODES)[:, None] + 0.5
+    )
+    integrated = np.stack(
+        [legendre.legval(at, legendre.legint(one, lbnd=-1)) for one in np.eye(NODES)], axis=1
+    )
     up_to = integrated @ to_series * slope
     return Rule(log_node, weight * slope, up_to, up_to[::-1, ::-1])
 
@@ -82,10 +88,11 @@ class Loop(NamedTuple):
     Attributes
     ----------
     depth : ndarray, shape (..., 1)
-        -ln(1 - Z^n) / n: how far the tip has yielded; finite where Z is 1 but for less than rounding.
+        -ln(1 - Z^n) / n: how far the tip has yielded; finite where Z is 1 but for less than
+        rounding.
     log_z, unloading, regular, log_part : ndarray, shape (..., q)
-        ln |z| at the nodes, the integrands of the way on either side of z = 0, less the part of the second that is
-        integrated by hand, and that part.
+        ln |z| at the nodes, the integrands of the way on either side of z = 0, less the part of the
+        second that is integrated by hand, and that part.
     share : ndarray, shape (..., 1, q)
         Weight of each node in an integral over z.
     cosine, sine : ndarray, shape (..., 2, q)
@@ -119,7 +126,8 @@ def loop(reach: Any, n: Any, turn: Any) -> Loop:
     way = np.stack([unloading @ RULE.beyond.T, whole + log_part + regular @ RULE.up_to.T], axis=-2)
     # From the tip on, over the amplitude: 0 at one tip and 2 at the other.
     way = way / reach[..., None]
-    # The nodes next to the tips, whose weights are next to nothing, may lie beyond them by the rule's error.
+    # The nodes next to the tips, whose weights are next to nothing, may lie beyond them by the
+    # rule's error.
     room = way * (2.0 - way)
     room = np.where(np.real(room) > 0.0, room, 0.0)
     share = (np.exp(_log_tip(depth, n)) * RULE.weight)[..., None, :]
@@ -133,14 +141,18 @@ def _log_tip(depth: Any, n: Any) -> Any:
 def _integrands(depth: Any, n: Any, turn: Any) -> tuple[Any, Any, Any]:
     """The logarithm of z at the nodes, Z / (1 + turn z^n) and Z (1 - z^(n-1)) / (1 - z^n)."""
     log_tip = _log_tip(depth, n)
-    # In logarithms, as Z is one but for less than rounding where the element slides nearly all the way.
+    # In logarithms, as Z is one but for less than rounding where the element slides nearly all the
+    # way.
     log_z, tip = log_tip + RULE.log_node, np.exp(log_tip)
     unloading = tip / (1.0 + turn * np.exp(n * log_z))
     return log_z, unloading, tip * np.expm1((n - 1.0) * log_z) / np.expm1(n * log_z)
 
 
 def _depth(reach: Any, n: Any, turn: Any) -> Any:
-    """How far the tip has yielded: Newton's method in the logarithms of both sides, which are nearly straight."""
+    """How far the tip has yielded.
+
+    Newton's method in the logarithms of both sides, which are nearly straight.
+    """
     log_goal = np.log(2.0 * reach)
     # Of a tip that hardly yields, and of one that slides nearly all the way.
     log_depth = np.minimum(n * np.log(reach) - np.log(n), log_goal)
@@ -161,7 +173,11 @@ def first_over(reach: Any, n: Any, turn: Any) -> Any:
 
 
 def _first(cycle: Loop, reach: Any) -> Any:
-    return 2.0 / (np.pi * reach) * np.sum(cycle.share * (cycle.sine + 1j * cycle.cosine), axis=(-2, -1))
+    return (
+        2.0
+        / (np.pi * reach)
+        * np.sum(cycle.share * (cycle.sine + 1j * cycle.cosine), axis=(-2, -1))
+    )
 
 
 def third_over(reach: Any, n: Any, turn: Any) -> Any:
@@ -208,7 +224,9 @@ def first_and_slopes(reach: Any, n: Any, turn: Any) -> Any:
         way = np.stack([u @ RULE.beyond.T, whole + h + r @ RULE.up_to.T], axis=-2)
         way = (way - start_alone[i]) / a[..., None]
         # At a tip the sine is zero, and so is the weight of what is divided by it.
-        sine = np.divide(cycle.cosine * way, cycle.sine, where=cycle.sine != 0.0, out=np.zeros_like(way))
+        sine = np.divide(
+            cycle.cosine * way, cycle.sine, where=cycle.sine != 0.0, out=np.zeros_like(way)
+        )
         moved = log_tip[..., None] * (cycle.sine + 1j * cycle.cosine) + sine - 1j * way
         slopes.append(2.0 / (np.pi * reach) * np.sum(cycle.share * moved, axis=(-2, -1)))
     first = _first(cycle, reach)
@@ -250,7 +268,10 @@ class Hysteresis(Node):
         return frozenset(NEEDS_AMPLITUDE)
 
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
-        """K, the same at all frequencies; it is worked out once for each amplitude that was measured."""
+        """K, the same at all frequencies.
+
+        It is worked out once for each amplitude that was measured.
+        """
         # The element knows no rate: points of one amplitude share their loop.
         amplitude, which = np.unique(at.need("amplitude"), return_inverse=True)
         k, force, n, beta = (theta[..., i : i + 1] for i in range(4))
@@ -258,7 +279,12 @@ class Hysteresis(Node):
         if depth == VALUE:
             return Response(k * _in_blocks(first_over, (reach, n, turn))[0][..., which])
         first, by_reach, by_n, by_turn = _in_blocks(first_and_slopes, (reach, n, turn))
-        slopes = [first + reach * by_reach, -k * reach / force * by_reach, k * by_n, 2.0 * k * by_turn]
+        slopes = [
+            first + reach * by_reach,
+            -k * reach / force * by_reach,
+            k * by_n,
+            2.0 * k * by_turn,
+        ]
         value = (k * first)[..., which]
         return Response(value, np.stack(slopes, axis=-2)[..., which], np.zeros_like(value))
 
@@ -270,12 +296,16 @@ class Hysteresis(Node):
         return third
 
 
-def smooth_hysteresis(k: str = "k", force: str = "F", n: str = "n", beta: str = "beta") -> Hysteresis:
-    """A Bouc-Wen element: stiffness k, yield force F, sharpness n (large: bilinear) and hysteretic share beta.
+def smooth_hysteresis(
+    k: str = "k", force: str = "F", n: str = "n", beta: str = "beta"
+) -> Hysteresis:
+    """A Bouc-Wen element.
 
-    beta = 1 with n = 1 is Dahl's friction (1976, doi:10.2514/3.61511), beta = 1/2 unloads with the stiffness k; below
-    1/2 the element could give back more energy than it took (Erlicher and Point 2004,
-    doi:10.1016/j.crme.2003.10.009), which is fitted to data none the less.
+    Stiffness k, yield force F, sharpness n (large: bilinear) and hysteretic share beta.
+
+    beta = 1 with n = 1 is Dahl's friction (1976, doi:10.2514/3.61511), beta = 1/2 unloads with the
+    stiffness k; below 1/2 the element could give back more energy than it took (Erlicher and Point
+    2004, doi:10.1016/j.crme.2003.10.009), which is fitted to data none the less.
 
     Examples
     --------

@@ -1,7 +1,8 @@
 """A model in time: relaxation, creep and the answer to any history, with exact derivatives.
 
-The network's exact spectrum is a sum of exponentials, of which each obeys a recursion (see `recursion`); a spring, a
-dashpot and a mass act for what they are. Nothing else is approximated: no Mittag-Leffler function is needed.
+The network's exact spectrum is a sum of exponentials, of which each obeys a recursion (see
+`recursion`); a spring, a dashpot and a mass act for what they are. Nothing else is approximated: no
+Mittag-Leffler function is needed.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ FAR = 300.0
 BEYOND = 1.0
 """Share of a decade by which a band of frequencies reaches beyond the inverse of the times."""
 LEVEL = 1e-9
-"""Power of omega below which a stiffness is level there, and so has a finite limit that is not zero."""
+"""Power of omega below which a stiffness is level there: it has a finite, non-zero limit."""
 
 
 class Traced(NamedTuple):
@@ -46,7 +47,9 @@ class Traced(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Retardation:
-    """1/K = glass + fluidity / s + sum of weights rates / (s + rates); rates of oscillations are complex.
+    """1/K = glass + fluidity / s + sum of weights rates / (s + rates).
+
+    Rates of oscillations are complex.
 
     Attributes
     ----------
@@ -55,7 +58,8 @@ class Retardation:
     rates, weights : ndarray, shape (m,)
         In 1/s and in the unit of 1/K.
     by_theta : Slopes
-        Derivatives under the names of a spectrum: `equilibrium` is that of the glass, `viscosity` of the fluidity.
+        Derivatives under the names of a spectrum: `equilibrium` is that of the glass, `viscosity`
+        of the fluidity.
     """
 
     glass: float
@@ -96,12 +100,15 @@ class Passive:
         return summed(self.parts, *self._band(shortest, longest), self.tolerance, signed=True)
 
     def _band(self, shortest: float, longest: float) -> tuple[float, float]:
-        """The band in ln omega of these times, reaching a little beyond so that one time alone has one too."""
+        """The band in ln omega of these times, a little wider so that one time alone has one."""
         # What happens within a time is ruled by frequencies of about one over it.
         return -float(np.log(longest)) - BEYOND, BEYOND - float(np.log(shortest))
 
     def limit(self, log_omega: float) -> tuple[float, Real]:
-        """K where it has levelled off, far above or below all frequencies: 0 or infinite if it never does."""
+        """K where it has levelled off, far above or below all frequencies.
+
+        0 or infinite if it never does.
+        """
         # At real s, where K is real.
         where = np.array([log_omega]) - HALF_PI
         own, grown = self.parts.classical, np.zeros(len(self.theta))
@@ -117,7 +124,10 @@ class Passive:
                 # Its local power tells a part that is level from one that still falls or grows.
                 power = float((response.by_log_omega[0] / response.value[0]).real)
                 if abs(power) < LEVEL:
-                    value, slopes = value + float(response.value[0].real), slopes + response.by_theta[:, 0].real
+                    value, slopes = (
+                        value + float(response.value[0].real),
+                        slopes + response.by_theta[:, 0].real,
+                    )
                 elif log_omega > 0:
                     return np.inf, grown
         return value, slopes
@@ -132,7 +142,8 @@ class Passive:
             value[later] = modes.equilibrium + fade @ modes.weights
             by_theta[later] = slopes.equilibrium + fade @ slopes.weights
             by_theta[later] -= (t[later, None] * fade * modes.weights) @ slopes.rates
-        # No sum of exponentials reaches t = 0: there the force is that of K far above all frequencies.
+        # No sum of exponentials reaches t = 0: there the force is that of K far above all
+        # frequencies.
         value[~later], by_theta[~later] = self.limit(FAR)
         return Traced(value, by_theta)
 
@@ -145,7 +156,9 @@ class Passive:
             modes = self.retardation(at.min(), at.max())
             grown, slopes = -np.expm1(-np.outer(at, modes.rates)), modes.by_theta
             value[later] = modes.glass + modes.fluidity * at + (grown @ modes.weights).real
-            by_theta[later] = slopes.equilibrium + np.outer(at, slopes.viscosity) + (grown @ slopes.weights).real
+            by_theta[later] = (
+                slopes.equilibrium + np.outer(at, slopes.viscosity) + (grown @ slopes.weights).real
+            )
             by_theta[later] += (((1.0 - grown) * modes.weights * at[:, None]) @ slopes.rates).real
         # A mass does not move at once: zero, as it stands.
         if not later.all() and not self.inertial:
@@ -160,16 +173,21 @@ class Passive:
         return self.parts.mass > 0.0 or any(part.is_layer for part in self.parts.parts)
 
     def respond(self, t: Any, displacement: Any, *, slopes: bool = True) -> Traced:
-        """Force for a displacement that was held at its first value before; reduced times may be complex."""
+        """Force for a displacement that was held at its first value before.
+
+        Reduced times may be complex.
+        """
         # Of the kind of the times, so that a complex one is not cast to real on its way.
         displacement = displacement.astype(t.dtype)
         steps, changes = np.diff(t, prepend=t[0]), np.diff(displacement, prepend=displacement[0])
-        # Only what these samples can show is worth modes: between the finest step and the whole length.
+        # Only what these samples can show is worth modes: between the finest step and the whole
+        # length.
         modes = self.spectrum(*_times(t.real))
         by = modes.by_theta
         # The modes begin at rest, so that they answer to the change since the first sample alone.
         moved = displacement - displacement[0]
-        # Held for ever before the first sample: all but the spring that never relaxes has gone by then.
+        # Held for ever before the first sample: all but the spring that never relaxes has gone by
+        # then.
         resting, resting_slopes = self.limit(-FAR)
         velocity = np.gradient(displacement, t)
         pushed = acceleration(t, displacement)
@@ -178,7 +196,8 @@ class Passive:
         if not slopes:
             alone = modes.weights[:, None]
             return Traced(
-                value + driven(modes.rates, steps, changes, alone, 0.0 * alone)[:, 0], np.zeros((len(t), 0))
+                value + driven(modes.rates, steps, changes, alone, 0.0 * alone)[:, 0],
+                np.zeros((len(t), 0)),
             )
         by_theta = resting_slopes * displacement[0] + np.outer(moved, by.equilibrium)
         by_theta = by_theta + np.outer(velocity, by.viscosity) + np.outer(pushed, by.mass)
@@ -197,11 +216,16 @@ class Passive:
     def creep_rate(self, t: Real) -> Real:
         """Derivative by time (n,) of `creep`, after the step."""
         modes = self.retardation(t.min(), t.max())
-        rate: Real = modes.fluidity + (np.exp(-np.outer(t, modes.rates)) @ (modes.rates * modes.weights)).real
+        rate: Real = (
+            modes.fluidity
+            + (np.exp(-np.outer(t, modes.rates)) @ (modes.rates * modes.weights)).real
+        )
         return rate
 
     def respond_force(self, t: Any, force: Any, *, slopes: bool = True) -> Traced:
-        """Displacement for a force that was held at its first value before; reduced times may be complex.
+        """Displacement for a force that was held at its first value before.
+
+        Reduced times may be complex.
 
         Raises
         ------
@@ -213,7 +237,8 @@ class Passive:
         stiffness, stiffness_slopes = self.limit(-FAR)
         if stiffness <= 0.0 and force[0] != 0.0:
             raise ModelError(
-                f"a fluid under a force of {force[0].real:g} before the first sample flowed without end: begin at 0"
+                f"a fluid under a force of {force[0].real:g} before the first sample flowed without"
+                " end: begin at 0"
             )
         # A fluid that carried nothing before the first sample was at rest there, wherever that was.
         start, start_slopes = 0.0, np.zeros(len(self.theta))
@@ -240,24 +265,31 @@ class Passive:
         return Traced(value + both[:, 0].real, by_theta + both[:, 1:].real)
 
     def retardation(self, shortest: float, longest: float) -> Retardation:
-        """The compliance as a sum of exponentials that serves times from `shortest` to `longest`."""
+        """The compliance as a sum of exponentials for times from `shortest` to `longest`."""
         # With a mass the compliance swings: it is no sum of decays, and its rates are complex.
         if self.inertial:
             return swinging(self.spectrum(shortest, longest))
-        # 1/K of passive parts has the form of a stiffness in p = 1/s: the same rule reads its spectrum.
+        # 1/K of passive parts has the form of a stiffness in p = 1/s: the same rule reads its
+        # spectrum.
         whole = Sum.of(self.network, self.theta, self.conditions, compliance=True)
         low, high = self._band(shortest, longest)
         compliance = summed(whole, -high, -low, self.tolerance)
         # In p = 1/s: p / (p + r) is 1/r / (s + 1/r).
         rates, slopes = 1.0 / compliance.rates, compliance.by_theta
         turned = Slopes(
-            slopes.equilibrium, slopes.viscosity, slopes.mass, -slopes.rates * rates[:, None] ** 2, slopes.weights
+            slopes.equilibrium,
+            slopes.viscosity,
+            slopes.mass,
+            -slopes.rates * rates[:, None] ** 2,
+            slopes.weights,
         )
-        return Retardation(compliance.equilibrium, compliance.viscosity, rates, compliance.weights, turned)
+        return Retardation(
+            compliance.equilibrium, compliance.viscosity, rates, compliance.weights, turned
+        )
 
 
 def swinging(modes: Spectrum) -> Retardation:
-    """The compliance of a network with a mass, by all zeros of K(s), of which one pair may be complex."""
+    """The compliance of a network with a mass, by all zeros of K(s), one pair perhaps complex."""
     s, fluidity, fluidity_slopes = _motions(modes)
     _, steep, bend, by_theta, steep_by_theta = _around(modes, s)
     # K stays zero along the way of a zero, so that ds/dtheta = -(dK/dtheta) / (dK/ds).
@@ -276,8 +308,9 @@ def swinging(modes: Spectrum) -> Retardation:
 def _motions(modes: Spectrum) -> tuple[Modes, float, Real]:
     """Zeros s of K but s = 0, and the fluidity, of a fluid, that belongs to that one.
 
-    On the negative axis K is infinite at each rate, and changes its sign there: between two of them, and beyond the
-    last, the signs tell where a zero is. Two are left; sum and product of all zeros tell their quadratic equation.
+    On the negative axis K is infinite at each rate, and changes its sign there: between two of
+    them, and beyond the last, the signs tell where a zero is. Two are left; sum and product of all
+    zeros tell their quadratic equation.
     """
     w, r, m = modes.weights, modes.rates, modes.mass
     # A mode without weight makes K neither infinite nor change its sign: it separates no zeros.
@@ -290,7 +323,8 @@ def _motions(modes: Spectrum) -> tuple[Modes, float, Real]:
         fluidity_slopes = -(steep_by_theta[0] / steep[0] ** 2).real
         return np.array([-modes.viscosity / m + 0j]), float(1.0 / steep[0].real), fluidity_slopes
     sides = np.sign(w)
-    # What a solid and a fluid have apart: where the search begins, how many zeros there are, and what stays over.
+    # What a solid and a fluid have apart: where the search begins, how many zeros there are, and
+    # what stays over.
     ahead, others, start = -1.0, len(r) - 1, float(steep[0])
     if solid:
         ahead, others, start = 1.0, len(r), modes.equilibrium
@@ -302,10 +336,14 @@ def _motions(modes: Spectrum) -> tuple[Modes, float, Real]:
     turned[0] &= solid
     low, high = edges[:-1][turned], edges[1:][turned]
     zeros = _zeros_between(modes, low, high, left[turned])
-    # With one missed the pair below, which stands for what is left, would be something else altogether.
+    # With one missed the pair below, which stands for what is left, would be something else
+    # altogether.
     if len(zeros) != others:
-        raise ModelError("the mass and the material balance so nearly that their motion cannot be told")
-    # All zeros but two are known: K(s) = m (s^2 + b s + d) times the product of (s + zero) / (s + rate).
+        raise ModelError(
+            "the mass and the material balance so nearly that their motion cannot be told"
+        )
+    # All zeros but two are known: K(s) = m (s^2 + b s + d) times the product of (s + zero) / (s +
+    # rate).
     b = modes.viscosity / m + float(np.sum(r) - np.sum(zeros))
     paired = np.sort(zeros)
     if not solid:
@@ -339,7 +377,10 @@ def _value(modes: Spectrum, s: Modes) -> tuple[Modes, Modes]:
 
 
 def _zeros_between(modes: Spectrum, low: Real, high: Real, sign: Real) -> Real:
-    """One r with K(-r) = 0 in each interval of ln r, at whose lower end K has that sign: by bisection and Newton."""
+    """One r with K(-r) = 0 in each interval of ln r, at whose lower end K has that sign.
+
+    By bisection and Newton.
+    """
     if not len(low):
         return low
     if low[0] == -np.inf:
@@ -385,7 +426,10 @@ def _times(t: Real) -> tuple[float, float]:
 
 
 def acceleration(t: Any, x: Real) -> Any:
-    """Second derivative (n,) from differences, as a mass feels it; at the ends that of the next sample."""
+    """Second derivative (n,) from differences, as a mass feels it.
+
+    At the ends that of the next sample.
+    """
     # A second difference needs three samples.
     if len(t) < 3:
         return np.zeros(len(t))

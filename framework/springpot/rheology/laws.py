@@ -23,7 +23,8 @@ def jenkins(t: Real, x: Real, v: Real, k: float, force: float) -> Law:
 
     Notes
     -----
-    The force remembers its last reversal only, so that each run in one direction is one vectorised step.
+    The force remembers its last reversal only, so that each run in one direction is one vectorised
+    step.
     """
     slider, by_k, by_force = np.zeros(len(x)), np.zeros(len(x)), np.zeros(len(x))
     # From one reversal to the next the path goes one way, and is one step.
@@ -49,7 +50,8 @@ def power_law(t: Real, x: Real, v: Real, force: float, exponent: float) -> Law:
     """F |v|^a sgn(v)."""
     speed = np.abs(v)
     moving = speed > 0.0
-    # At rest there is no logarithm; the sign of the speed is zero there, so that any number will do.
+    # At rest there is no logarithm; the sign of the speed is zero there, so that any number will
+    # do.
     log_speed = np.log(np.where(moving, speed, 1.0))
     unit = np.sign(v) * np.exp(exponent * log_speed)
     return force * unit, (unit, force * unit * log_speed)
@@ -85,7 +87,10 @@ def gain(t: Real, signals: Real, g: float) -> Law:
 
 
 def one_filter(t: Real, signals: Real, tau: float) -> Law:
-    """First-order filter of the force (tau > 0), or of the displacement (tau < 0): then the force seems to lead."""
+    """First-order filter of the force (tau > 0), or of the displacement (tau < 0).
+
+    Then the force seems to lead.
+    """
     if tau <= 0.0:
         rate = np.gradient(signals, t, axis=0)
         return signals - tau * rate, (-rate[:, 0],)
@@ -93,7 +98,8 @@ def one_filter(t: Real, signals: Real, tau: float) -> Law:
     one, none = np.ones((1, 1)), np.zeros((1, 1))
     rates = np.array([1.0 / tau])
     changes = np.diff(signals, axis=0, prepend=signals[:1])
-    # What a filter lags behind is a mode that the signal drives: the same exact recursion as of a material.
+    # What a filter lags behind is a mode that the signal drives: the same exact recursion as of a
+    # material.
     behind = [driven(rates, steps, changes[:, i], one, none)[:, 0] for i in range(size)]
     slope = driven(rates, steps, changes[:, 0], none, one)[:, 0] / tau**2
     return signals - np.stack(behind, axis=-1), (slope,)

@@ -1,6 +1,9 @@
-"""Factors without a law: one for each level of a condition, such as each temperature or each water content.
+"""Factors without a law.
 
-The levels are in the data and not in the model: an effect of this kind is a template until it is bound to points.
+One for each level of a condition, such as each temperature or each water content.
+
+The levels are in the data and not in the model: an effect of this kind is a template until it is
+bound to points.
 """
 
 from __future__ import annotations
@@ -17,16 +20,21 @@ from .parameters import Parameter
 from .points import KELVIN, Points, Real
 
 HELD: Mapping[str, float] = {"amplitude": 0.02, "temperature": 0.5}
-"""How nearly a rig holds what was set: amplitudes as a share, temperatures in kelvin. Rheometers state 1 to 2 % and
+"""How nearly a rig holds what was set: amplitudes as a share, temperatures in kelvin.
+
+Rheometers state 1 to 2 % and
 0.1 to 0.5 K. Values that lie closer to one another are one level."""
 HELD_OTHER = 2e-3
-"""The same of other settings, as a share of the largest: they are written down rather than measured."""
+"""The same of other settings, as a share of the largest.
+
+They are written down rather than measured.
+"""
 WIDEST = 1e20
 """Bound on a factor and its inverse: beyond 20 decades no two sweeps have been shifted."""
 
 
 def held(column: str, values: Real) -> Real:
-    """How far apart values (n,) of a column may lie and still be one setting, in the column's unit (n,)."""
+    """How far apart values (n,) of a column may be and be one setting, in its unit (n,)."""
     if column == "temperature":
         return np.full(len(values), HELD[column])
     if column in HELD:
@@ -37,8 +45,8 @@ def held(column: str, values: Real) -> Real:
 def levels_of(column: str, values: Real) -> NDArray[np.int64]:
     """Number of the level that each value belongs to, in ascending order.
 
-    Neighbouring values that a rig does not tell apart are one level, unless they drift on and on: a level is never
-    wider than twice what is held.
+    Neighbouring values that a rig does not tell apart are one level, unless they drift on and on: a
+    level is never wider than twice what is held.
 
     Parameters
     ----------
@@ -60,7 +68,9 @@ def levels_of(column: str, values: Real) -> NDArray[np.int64]:
     number = np.zeros(len(distinct), dtype=np.int64)
     first = 0
     for i in range(1, len(distinct)):
-        apart = distinct[i] - distinct[i - 1] > room[i] or distinct[i] - distinct[first] > 2.0 * room[i]
+        apart = (
+            distinct[i] - distinct[i - 1] > room[i] or distinct[i] - distinct[first] > 2.0 * room[i]
+        )
         if apart:
             first = i
         number[i] = number[i - 1] + apart
@@ -85,10 +95,11 @@ class Levels(Node):
     letter : str
         Name of the factors: ``a`` for shifts of frequency, ``b`` for vertical ones.
     logarithmic : bool
-        Whether the node responds with the factor's logarithm, as `shift` asks, or with the factor, as `chain` asks.
+        Whether the node responds with the factor's logarithm, as `shift` asks, or with the factor,
+        as `chain` asks.
     values : tuple of float
-        The levels in ascending order, temperatures in kelvin. Without any the node is a template that changes
-        nothing: `bound_to` gives it the levels of the data.
+        The levels in ascending order, temperatures in kelvin. Without any the node is a template
+        that changes nothing: `bound_to` gives it the levels of the data.
     reference : int
         Number of the level whose factor is one.
     """
@@ -118,7 +129,8 @@ class Levels(Node):
         if self.column != "temperature":
             # The lower median, as the mean of two levels would be none.
             target = float(np.sort(column)[(len(column) - 1) // 2])
-        # One level must be one: a factor of all of them would be the scale of the material once more.
+        # One level must be one: a factor of all of them would be the scale of the material once
+        # more.
         reference = int(np.argmin(np.abs(means - target)))
         return replace(self, values=tuple(means.tolist()), reference=reference)
 
@@ -147,7 +159,12 @@ class Levels(Node):
         if len(set(words)) < len(words):
             words = [level_word(value) for value in shown]
         return tuple(
-            Parameter(f"{self.letter}_{words[i]}", f"{self.letter}({shown[i]:.4g})", lower=1.0 / WIDEST, upper=WIDEST)
+            Parameter(
+                f"{self.letter}_{words[i]}",
+                f"{self.letter}({shown[i]:.4g})",
+                lower=1.0 / WIDEST,
+                upper=WIDEST,
+            )
             for i in self.free
         )
 
@@ -168,7 +185,9 @@ class Levels(Node):
         # Within what a rig holds a value is its level, not a place between two.
         settled = np.abs(column - values[nearest]) <= held(self.column, values)[nearest]
         place = np.where(settled, values[nearest], column)
-        return np.array([np.interp(place, values, unit) for unit in np.eye(len(values))[list(self.free)]])
+        return np.array(
+            [np.interp(place, values, unit) for unit in np.eye(len(values))[list(self.free)]]
+        )
 
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """The factor or its logarithm."""
@@ -193,7 +212,9 @@ class Levels(Node):
             return Response(value)
         if not self.logarithmic:
             by_theta = by_theta * value[..., None, :]
-        slopes = np.broadcast_to(by_theta, (*shape[:-1], *by_theta.shape[-2:])).astype(np.complex128)
+        slopes = np.broadcast_to(by_theta, (*shape[:-1], *by_theta.shape[-2:])).astype(
+            np.complex128
+        )
         if depth == GRADIENT:
             return Response(value, slopes)
         return Response(value, slopes, np.zeros(shape, dtype=np.complex128))
@@ -226,7 +247,8 @@ def free_vertical_factors(column: str = "temperature") -> Levels:
 
 
 def _as_written(value: float) -> float:
-    # Ten digits: 253.15 - 273.15 is not -20 to the last bit, and what is left of 273.15 - 273.15 is zero.
+    # Ten digits: 253.15 - 273.15 is not -20 to the last bit, and what is left of 273.15 - 273.15 is
+    # zero.
     if not abs(value) > 1e-9:
         return 0.0
     return float(f"{value:.10g}")

@@ -1,4 +1,7 @@
-"""Linear elements beyond powers of s: relaxation and retardation modes, rate-independent loss, diffusion."""
+"""Linear elements beyond powers of s.
+
+Relaxation and retardation modes, rate-independent loss, diffusion.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +11,24 @@ import numpy as np
 
 from .elements import FixedPower
 from .formula import Formula
-from .parameters import RADIAN_PER_SECOND, SECOND, STIFFNESS, Dimension, Parameter, relaxation_time, stiffness
+from .parameters import (
+    RADIAN_PER_SECOND,
+    SECOND,
+    STIFFNESS,
+    Dimension,
+    Parameter,
+    relaxation_time,
+    stiffness,
+)
 from .points import Points
 
 RADIAN = Dimension(label="rad")
 DAMPING_RATIO = Parameter("zeta", "ζ", lower=1e-4, upper=1.0, scale="linear", typical=0.05)
 STRUCTURAL_DAMPING = Parameter("zeta", "ζ", lower=1e-4, upper=0.3, scale="linear", typical=0.05)
-"""Of steel frames and their joints, even on rubber mounts; above, it would be no resonance but a mode."""
+"""Of steel frames and their joints, even on rubber mounts.
+
+Above, it would be no resonance but a mode.
+"""
 
 
 def _maxwell(at: Points, k: Any, tau: Any) -> Any:
@@ -60,7 +74,9 @@ def _hysteretic(at: Points, h: Any) -> Any:
 
 
 def hysteretic(h: str = "h") -> Formula:
-    """Structural damping, K = i h: independent of frequency and of amplitude, and therefore not causal.
+    """Structural damping, K = i h.
+
+    Independent of frequency and of amplitude, and therefore not causal.
 
     Examples
     --------
@@ -120,7 +136,8 @@ def resonant_frame(k: str = "k") -> Formula:
     --------
     >>> import numpy as np
     >>> from springpot.rheology import Points, resonant_frame
-    >>> resonant_frame().respond(np.array([100.0, 50.0, 0.02]), Points.at([5.0, 50.0])).value.round(3)
+    >>> at = Points.at([5.0, 50.0])
+    >>> resonant_frame().respond(np.array([100.0, 50.0, 0.02]), at).value.round(3)
     array([99.+0.4j,  0.+4.j ])
     """
     return Formula((stiffness(k), resonance(), STRUCTURAL_DAMPING), _frame, kind="frame")

@@ -1,4 +1,7 @@
-"""Finds effects by name; the registry of plugins puts its own finder here, so that rheology imports no host."""
+"""Finds effects by name.
+
+The registry of plugins puts its own finder here, so that rheology imports no host.
+"""
 
 from __future__ import annotations
 

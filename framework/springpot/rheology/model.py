@@ -1,4 +1,4 @@
-"""A model: a named network with its effects that can be asked for K, its spectrum, and what happens in time."""
+"""A model: a named network with effects that gives K, its spectrum, and what happens in time."""
 
 from __future__ import annotations
 
@@ -52,7 +52,12 @@ class Model(NamedNetwork):
         source = self.summary
         if self.citation:
             source += f" ({self.citation})"
-        return tag("div", tag("p", tag("b", self.name)), drawn, tag("p", f"{', '.join(self.names)}: {source}"))
+        return tag(
+            "div",
+            tag("p", tag("b", self.name)),
+            drawn,
+            tag("p", f"{', '.join(self.names)}: {source}"),
+        )
 
     def spectrum(
         self,
@@ -63,19 +68,23 @@ class Model(NamedNetwork):
         temperature: float | None = None,
         reference_temperature: float = ROOM,
     ) -> Spectrum:
-        """The relaxation spectrum: K(s) = K_e + c s + m s^2 + sum of w s / (s + r), w >= 0, from the network itself.
+        """The relaxation spectrum.
+
+        K(s) = K_e + c s + m s^2 + sum of w s / (s + r), w >= 0, from the network itself.
 
         Parameters
         ----------
         theta : ndarray, shape (p,)
             Parameters.
         band : (float, float), optional
-            Angular frequencies in rad/s between which the sum is to hold; by default two decades beyond the model's
-            own relaxation times.
+            Angular frequencies in rad/s between which the sum is to hold; by default two decades
+            beyond the model's own relaxation times.
         tolerance : float
-            Relative error of K that is aimed at; each factor of ten costs about a quarter term a decade.
+            Relative error of K that is aimed at; each factor of ten costs about a quarter term a
+            decade.
         temperature, reference_temperature : float, optional
-            In kelvin, for models with a temperature effect; by default at the reference temperature.
+            In kelvin, for models with a temperature effect; by default at the reference
+            temperature.
 
         Returns
         -------
@@ -85,13 +94,15 @@ class Model(NamedNetwork):
         Raises
         ------
         ModelError
-            If the model is no relaxing material: it has an effect of the signals, of the amplitude or of waves, or a
-            part that no sum of relaxations can follow (a loss that is not causal, a mass in series, Basset's layer).
+            If the model is no relaxing material: it has an effect of the signals, of the amplitude
+            or of waves, or a part that no sum of relaxations can follow (a loss that is not causal,
+            a mass in series, Basset's layer).
 
         Notes
         -----
-        The weights are H(r) = Im K(r exp(i pi)) / pi on the nodes of the trapezoidal rule in ln r, whose error with n
-        terms a decade is 2 exp(-4.29 n); relaxation at single rates is found as the poles of K.
+        The weights are H(r) = Im K(r exp(i pi)) / pi on the nodes of the trapezoidal rule in ln r,
+        whose error with n terms a decade is 2 exp(-4.29 n); relaxation at single rates is found as
+        the poles of K.
 
         Examples
         --------
@@ -117,25 +128,31 @@ class Model(NamedNetwork):
         reference_temperature: float = ROOM,
         tolerance: float = 1e-9,
     ) -> InTime:
-        """The model with its parameters, to be asked for relaxation, creep or any history with exact derivatives.
+        """The model with its parameters, to be asked for relaxation, creep or any history.
+
+        With exact derivatives.
 
         Parameters
         ----------
         theta : ndarray, shape (p,)
             Parameters.
         temperature : float or ndarray, shape (n,), optional
-            In kelvin; one for each sample of a history lets shift effects follow it in reduced time.
+            In kelvin; one for each sample of a history lets shift effects follow it in reduced
+            time.
         reference_temperature : float
             In kelvin.
         tolerance : float
-            Relative error of K, and so of what follows in time; each factor of ten costs a few modes.
+            Relative error of K, and so of what follows in time; each factor of ten costs a few
+            modes.
 
         Returns
         -------
         InTime
             Its methods return the values and their derivatives (n, p) by the parameters.
         """
-        return InTime(self, np.asarray(theta, dtype=float), temperature, reference_temperature, tolerance)
+        return InTime(
+            self, np.asarray(theta, dtype=float), temperature, reference_temperature, tolerance
+        )
 
     def relaxation(self, theta: Real, t: Real, *, temperature: float | None = None) -> Real:
         """Relaxation function: force over displacement after a step of the displacement.
@@ -147,22 +164,26 @@ class Model(NamedNetwork):
         t : ndarray, shape (n,)
             Time since the step in s, not negative.
         temperature : float, optional
-            In kelvin, for models with a temperature effect; by default 293.15 K, where a shift is one.
+            In kelvin, for models with a temperature effect; by default 293.15 K, where a shift is
+            one.
 
         Returns
         -------
         ndarray, shape (n,)
-            In the unit of K. A dashpot and a mass answer with an impulse at t = 0 and add nothing after it.
+            In the unit of K. A dashpot and a mass answer with an impulse at t = 0 and add nothing
+            after it.
 
         Raises
         ------
         ModelError
-            If the model has an effect that is not linear, belongs to the signals or has no law in time.
+            If the model has an effect that is not linear, belongs to the signals or has no law in
+            time.
 
         Examples
         --------
         >>> from springpot.rheology import Model, dashpot, series, spring
-        >>> Model("maxwell", series(spring(), dashpot())).relaxation([2.0, 8.0], [0.0, 4.0]).round(6)
+        >>> maxwell = Model("maxwell", series(spring(), dashpot()))
+        >>> maxwell.relaxation([2.0, 8.0], [0.0, 4.0]).round(6)
         array([2.      , 0.735759])
         """
         return self.in_time(theta, temperature=temperature).relaxation(t).value
@@ -180,23 +201,29 @@ class Model(NamedNetwork):
         """
         return self.in_time(theta, temperature=temperature).creep(t).value
 
-    def respond(self, theta: Real, t: Real, displacement: Real, *, temperature: float | Real | None = None) -> Real:
-        """Force for any history of the displacement, exact where that is straight between its samples.
+    def respond(
+        self, theta: Real, t: Real, displacement: Real, *, temperature: float | Real | None = None
+    ) -> Real:
+        """Force for any history of displacement.
+
+        Exact where that is straight between its samples.
 
         Parameters
         ----------
         theta : ndarray, shape (p,)
             Parameters.
         t, displacement : ndarray, shape (n,)
-            The history, at any rising times. Before it the displacement was held at its first value.
+            The history, at any rising times. Before it the displacement was held at its first
+            value.
         temperature : float or ndarray, shape (n,), optional
             In kelvin, one for all or one for each sample.
 
         Returns
         -------
         ndarray, shape (n,)
-            Force, at each sample. Friction, sliders, stops and the like are followed as they are; signal effects act
-            on the force signal. Velocity and acceleration, which a dashpot and a mass feel, are second differences.
+            Force, at each sample. Friction, sliders, stops and the like are followed as they are;
+            signal effects act on the force signal. Velocity and acceleration, which a dashpot and a
+            mass feel, are second differences.
 
         Raises
         ------
@@ -211,12 +238,17 @@ class Model(NamedNetwork):
         """
         return self.in_time(theta, temperature=temperature).respond(t, displacement).value
 
-    def respond_force(self, theta: Real, t: Real, force: Real, *, temperature: float | None = None) -> Real:
-        """Displacement for any history of the force, exact where that is straight between its samples; see `respond`.
+    def respond_force(
+        self, theta: Real, t: Real, force: Real, *, temperature: float | None = None
+    ) -> Real:
+        """Displacement for any history of the force; see `respond`.
+
+        Exact where that is straight between its samples.
 
         Raises
         ------
         ModelError
-            As `respond`; also if an effect is not linear, or if a fluid was under force before the history began.
+            As `respond`; also if an effect is not linear, or if a fluid was under force before the
+            history began.
         """
         return self.in_time(theta, temperature=temperature).respond_force(t, force).value

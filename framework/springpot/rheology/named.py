@@ -1,4 +1,7 @@
-"""A named network and the effects that have joined it: what a model is, before anything is asked of it in time."""
+"""A named network and the effects that have joined it.
+
+What a model is, before anything is asked of it in time.
+"""
 
 from __future__ import annotations
 
@@ -71,7 +74,8 @@ class NamedNetwork(HasParameters):
         # Of the usual specimen nothing is multiplied: it counts as resized from the start.
         network, resized = self.material, factor == 1.0 and mass == 0.0
         for effect, prefix in sorted(self.named_effects(), key=lambda pair: pair[0].position):
-            # The specimen ends where the first effect of the rig stands: only what lies within is resized.
+            # The specimen ends where the first effect of the rig stands: only what lies within is
+            # resized.
             if not resized and effect.layer > Layer.SPECIMEN:
                 network, resized = _loaded(network, factor, mass), True
             network = effect.composition(network, effect.element.with_prefix(prefix))
@@ -81,7 +85,10 @@ class NamedNetwork(HasParameters):
         return network
 
     def named_effects(self) -> list[tuple[Effect, str]]:
-        """The effects, each with the prefix of its parameters' names; a second one of its kind has `#2`."""
+        """The effects, each with the prefix of its parameters' names.
+
+        A second one of its kind has `#2`.
+        """
         # Names of parameters must be unique: a second relaxation mode has a number behind its name.
         seen: Counter[str] = Counter()
         named = []
@@ -115,10 +122,13 @@ class NamedNetwork(HasParameters):
         given = {name.replace("__", "."): value for name, value in values.items()}
         return self.vector(given)
 
-    def holding(self, values: Mapping[str, float], bounds: Mapping[str, Bounds] | None = None) -> Self:
+    def holding(
+        self, values: Mapping[str, float], bounds: Mapping[str, Bounds] | None = None
+    ) -> Self:
         """The model with some parameters held at a value and others within narrower bounds.
 
-        What is held is no parameter of the new model: theta, degrees of freedom and uncertainty are of the rest.
+        What is held is no parameter of the new model: theta, degrees of freedom and uncertainty are
+        of the rest.
 
         Parameters
         ----------
@@ -130,7 +140,8 @@ class NamedNetwork(HasParameters):
         Raises
         ------
         ModelError
-            If a name is unknown or stands in both, a value cannot be, or nothing is left to be fitted.
+            If a name is unknown or stands in both, a value cannot be, or nothing is left to be
+            fitted.
 
         Examples
         --------
@@ -144,7 +155,9 @@ class NamedNetwork(HasParameters):
             return self
         for name in (*values, *bounds):
             if name not in self.names:
-                raise ModelError(f"{self.name} has no free parameter '{name}': it has {', '.join(self.names)}")
+                raise ModelError(
+                    f"{self.name} has no free parameter '{name}': it has {', '.join(self.names)}"
+                )
         if both := sorted(set(values) & set(bounds)):
             raise ModelError(f"{', '.join(both)}: a parameter is held or has bounds, not both")
         if set(values) == set(self.names):
@@ -156,7 +169,8 @@ class NamedNetwork(HasParameters):
                 # Its parameters are those of whatever levels the data have.
                 if isinstance(effect.element, Levels):
                     raise ModelError(
-                        f"{effect.name} has a factor for each level of the data: none of them can be held"
+                        f"{effect.name} has a factor for each level of the data:"
+                        " none of them can be held"
                     )
                 effect = replace(effect, element=hold(effect.element, own_values, own_bounds))
             effects.append(effect)
@@ -169,7 +183,9 @@ class NamedNetwork(HasParameters):
         """Parameters that are held, by name, in the unit of theta."""
         values = held_values(self.material)
         for effect, prefix in self.named_effects():
-            values |= {f"{prefix}.{name}": value for name, value in held_values(effect.element).items()}
+            values |= {
+                f"{prefix}.{name}": value for name, value in held_values(effect.element).items()
+            }
         return values
 
     @property
@@ -180,13 +196,18 @@ class NamedNetwork(HasParameters):
 
     def released(self) -> Self:
         """The same model with all its parameters free, within the bounds of physics."""
-        effects = tuple(replace(effect, element=released(effect.element)) for effect in self.effects)
+        effects = tuple(
+            replace(effect, element=released(effect.element)) for effect in self.effects
+        )
         return replace(self, material=released(self.material), effects=effects)
 
     def fixed_at(self, theta: Real) -> Self:
-        """The model as it is at `theta` (p,), without parameters: whatever is added to it brings the only ones.
+        """The model as it is at `theta` (p,), without parameters.
 
-        Thousands of settings of one more effect are then evaluated without as many evaluations of the model itself.
+        Whatever is added to it brings the only ones.
+
+        Thousands of settings of one more effect are then evaluated without as many evaluations of
+        the model itself.
         """
         # The material's come first in theta: effects join behind it.
         own = len(self.material.parameters)
@@ -210,8 +231,8 @@ class NamedNetwork(HasParameters):
         Returns
         -------
         ndarray, shape (n,), or None
-            Zero where all is linear; None where an effect makes a harmonic that no formula here predicts, because it
-            has none or does not act in parallel.
+            Zero where all is linear; None where an effect makes a harmonic that no formula here
+            predicts, because it has none or does not act in parallel.
         """
         centre, radius = self.third_harmonic_range(theta, at)
         if np.any(radius):
@@ -219,7 +240,9 @@ class NamedNetwork(HasParameters):
         return centre
 
     def third_harmonic_range(self, theta: Real, at: Points) -> tuple[Complex, Real]:
-        """Where the third harmonic of the force over the first must lie, as a circle around what is predicted.
+        """Where the third harmonic of the force over the first must lie.
+
+        As a circle around what is predicted.
 
         Parameters
         ----------
@@ -243,7 +266,8 @@ class NamedNetwork(HasParameters):
             centre, radius = centre + known, radius + unsure
         first = self.stiffness(theta, at)
         with np.errstate(divide="ignore", invalid="ignore"):
-            # A model that has no force has no share of it either: not finite, as where nothing is known.
+            # A model that has no force has no share of it either: not finite, as where nothing is
+            # known.
             return np.asarray(centre / first, dtype=np.complex128), radius / np.abs(first)
 
     def stiffness(self, theta: Real, at: Points | Real | float) -> Complex:
@@ -274,7 +298,9 @@ class NamedNetwork(HasParameters):
         return self.network.respond(np.asarray(theta, dtype=float), _points(at), FULL).by_log_omega
 
     def bound_to(self, at: Points) -> Self:
-        """The model with the levels of these points, where an effect has a factor for each; else the model itself.
+        """The model with the levels of these points, where an effect has a factor for each.
+
+        Else the model itself.
 
         Raises
         ------
@@ -287,7 +313,9 @@ class NamedNetwork(HasParameters):
         for effect in effects:
             if effect.by_levels and not effect.element.parameters:
                 column = ", ".join(sorted(effect.needs))
-                raise ModelError(f"{effect.name} needs two levels of {column} or more; these data have one")
+                raise ModelError(
+                    f"{effect.name} needs two levels of {column} or more; these data have one"
+                )
         return replace(self, effects=effects)
 
     def __add__(self, effect: Effect | str) -> Self:
@@ -310,11 +338,14 @@ class NamedNetwork(HasParameters):
         Raises
         ------
         ModelError
-            If it has the effect already, and a second one would only share the size of the first: no data can tell
-            two masses from one.
+            If it has the effect already, and a second one would only share the size of the first:
+            no data can tell two masses from one.
         """
         if effect.name in {own.name for own in self.effects} and same_twice(effect):
-            one = f"a second one would be the same as one of another size; leave out one '{effect.name}'"
+            one = (
+                "a second one would be the same as one of another size; leave out one"
+                f" '{effect.name}'"
+            )
             raise ModelError(f"{self.name} has the effect '{effect.name}' already: {one}")
         return self + effect
 
@@ -338,7 +369,11 @@ class NamedNetwork(HasParameters):
 
 def _own(given: Mapping[str, T], prefix: str) -> dict[str, T]:
     """What is given for the parameters of one effect, by their own names."""
-    return {name.rpartition(".")[2]: value for name, value in given.items() if name.rpartition(".")[0] == prefix}
+    return {
+        name.rpartition(".")[2]: value
+        for name, value in given.items()
+        if name.rpartition(".")[0] == prefix
+    }
 
 
 def _loaded(specimen: Node, factor: float, mass: float) -> Node:

@@ -1,7 +1,7 @@
 """The algebra: a network node gives its complex stiffness and the exact derivatives of it.
 
-Leaves are elements (see `elements`); inner nodes are the four compositions, each of which adds up in one plane:
-parallel in K, series in 1/K, chain in ln K, shift in ln omega.
+Leaves are elements (see `elements`); inner nodes are the four compositions, each of which adds up
+in one plane: parallel in K, series in 1/K, chain in ln K, shift in ln omega.
 """
 
 from __future__ import annotations
@@ -40,22 +40,29 @@ class Response(NamedTuple):
 
 
 def repeated(column: Complex, frequencies: tuple[int, ...]) -> Complex:
-    """The same numbers (..., 1) at all frequencies (..., n); of many points it is a view, which takes no memory."""
+    """The same numbers (..., 1) at all frequencies (..., n).
+
+    Of many points it is a view, which takes no memory.
+    """
     if len(frequencies) > 1:
         return np.broadcast_to(column, np.broadcast_shapes(column.shape, frequencies))
-    # A single point is what most optimisers ask for: to write its few numbers is six times as quick as a view.
+    # A single point is what most optimisers ask for: to write its few numbers is six times as quick
+    # as a view.
     if column.ndim == 1:
         return column.repeat(frequencies[0])
     return np.broadcast_to(column, (*column.shape[:-1], frequencies[0]))
 
 
 def _together(a: Complex, b: Complex) -> Complex:
-    """Stiffness of two parts in series, a b / (a + b): a complex division takes as long as eight products.
+    """Stiffness of two parts in series, a b / (a + b).
+
+    A complex division takes as long as eight products.
 
     The quotient comes first, so that no product of two large or two small numbers leaves the range.
     """
     both = a + b
-    # In place: this runs at every evaluation of a search, and a table of its own for each step would cost as much.
+    # In place: this runs at every evaluation of a search, and a table of its own for each step
+    # would cost as much.
     np.divide(b, both, out=both)
     both *= a
     return both
@@ -89,7 +96,10 @@ class Node:
         return frozenset()
 
     def within(self, theta: Real) -> tuple[Real, Node]:
-        """The node that this one stands for, with that node's parameters; an element stands for itself."""
+        """The node that this one stands for, with that node's parameters.
+
+        An element stands for itself.
+        """
         return theta, self
 
     def with_prefix(self, prefix: str) -> Node:
@@ -135,7 +145,8 @@ class Composition(Node):
     Attributes
     ----------
     plane : str
-        What adds up: ``stiffness``, ``compliance``, ``log-complex`` or ``shift``. In this plane a missing node shows.
+        What adds up: ``stiffness``, ``compliance``, ``log-complex`` or ``shift``. In this plane a
+        missing node shows.
     order : int
         Which of two effects of one layer joins first: the lower one.
     flat : bool
@@ -152,7 +163,8 @@ class Composition(Node):
         """The nodes put together; one alone is itself."""
         children: list[Node] = []
         for node in nodes:
-            # Parallel within parallel is one row of parts; a chain within a chain is not, as its order counts.
+            # Parallel within parallel is one row of parts; a chain within a chain is not, as its
+            # order counts.
             if cls.flat and isinstance(node, cls):
                 children.extend(node.children)
             else:
@@ -219,7 +231,9 @@ def _lead(block: Complex, lead: tuple[int, ...]) -> Complex:
     return np.broadcast_to(block, lead + block.shape[-2:])
 
 
-def _combine(value: Complex, parts: Sequence[Response], factors: Sequence[Complex] | None, depth: int) -> Response:
+def _combine(
+    value: Complex, parts: Sequence[Response], factors: Sequence[Complex] | None, depth: int
+) -> Response:
     """The chain rule shared by parallel, series and chain: dK = sum factor_i dK_i."""
     if depth == VALUE:
         return Response(value)
@@ -240,7 +254,8 @@ class Parallel(Composition):
     --------
     >>> import numpy as np
     >>> from springpot.rheology import Points, parallel, spring
-    >>> parallel(spring("a"), spring("b")).respond(np.array([2.0, 3.0]), Points.at([1.0])).value.real
+    >>> both = parallel(spring("a"), spring("b"))
+    >>> both.respond(np.array([2.0, 3.0]), Points.at([1.0])).value.real
     array([5.])
     """
 
@@ -318,7 +333,9 @@ class Chain(Composition):
 
 
 class Shift(Composition):
-    """Frequencies are rescaled: the first child is read at omega times a_T, whose logarithm the second gives.
+    """Frequencies are rescaled.
+
+    The first child is read at omega times a_T, whose logarithm the second gives.
 
     Examples
     --------
@@ -345,12 +362,14 @@ class Shift(Composition):
         """K(omega) = K_a(omega a_T); the second child responds with the real ln a_T."""
         base_theta, shift_theta = theta[..., self.cuts[0]], theta[..., self.cuts[1]]
         log_shift = self.children[1].respond(shift_theta, at, depth)
-        # A real ln a_T keeps powers of s cheap; a complex theta (tests of derivatives) must pass through.
+        # A real ln a_T keeps powers of s cheap; a complex theta (tests of derivatives) must pass
+        # through.
         exact = log_shift.value.real
         if np.iscomplexobj(theta):
             exact = log_shift.value  # type: ignore[assignment]
         moved = at.shifted(exact)
-        # The derivative by a shift is that by ln omega: the base gives it even where only a gradient is asked for.
+        # The derivative by a shift is that by ln omega: the base gives it even where only a
+        # gradient is asked for.
         asked = FULL
         if depth == VALUE:
             asked = VALUE
@@ -359,10 +378,13 @@ class Shift(Composition):
             return Response(base.value)
         # A change of the shift moves the frequency: dK = (dK / d ln omega) d ln a_T.
         slope = base.by_log_omega
-        by_theta = np.concatenate([base.by_theta, slope[..., None, :] * log_shift.by_theta], axis=-2)
+        by_theta = np.concatenate(
+            [base.by_theta, slope[..., None, :] * log_shift.by_theta], axis=-2
+        )
         if depth == GRADIENT:
             return Response(base.value, by_theta)
-        # The shift may itself depend on the frequency: then ln(omega a_T) does not grow as ln omega.
+        # The shift may itself depend on the frequency: then ln(omega a_T) does not grow as ln
+        # omega.
         return Response(base.value, by_theta, slope * (1.0 + log_shift.by_log_omega))
 
 
@@ -387,7 +409,7 @@ class Composing:
     kind: type[Composition]
 
     def __call__(self, *nodes: Node) -> Node:
-        """The nodes put together, the first seen through or moved by the others where their order counts."""
+        """The nodes together, the first seen through or moved by the others where order counts."""
         return self.kind.of(nodes)
 
 

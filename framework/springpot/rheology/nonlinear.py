@@ -1,7 +1,10 @@
-"""Elements that depend on the amplitude: first harmonics (describing functions) of nonlinear forces.
+"""Elements that depend on the amplitude.
 
-The displacement is x = X cos(omega t), the force the real part of sum F_n exp(i n omega t), and K = F_1 / X. In
-parallel these are exact for a sinusoidal displacement. A third harmonic is F_3 / X in the same convention.
+First harmonics (describing functions) of nonlinear forces.
+
+The displacement is x = X cos(omega t), the force the real part of sum F_n exp(i n omega t), and K =
+F_1 / X. In parallel these are exact for a sinusoidal displacement. A third harmonic is F_3 / X in
+the same convention.
 """
 
 from __future__ import annotations
@@ -27,14 +30,23 @@ CUBIC = Dimension(stiffness=1, amplitude=-2)
 CUBIC_RATE = Dimension(stiffness=1, time=3, amplitude=-2)
 RATE = Dimension(time=-1, amplitude=1)
 TYPICAL_LIMIT = 3.0
-"""Where softening is sought, over the middle of what was measured: mostly a test ends soon after it has begun."""
+"""Where softening is sought, over the middle of what was measured.
+
+Mostly a test ends soon after it has begun.
+"""
 STEEPEST = 3.0
-"""Power of the amplitude with which K falls at most: a yielding gel's falls as its square, and a little faster."""
+"""Power of the amplitude with which K falls at most.
+
+A yielding gel's falls as its square, and a little faster.
+"""
 LARGEST_LOG = 300.0
 """Logarithm beyond which softening leaves nothing: the square of such a number is still one."""
 NEARLY_SINE = 1.0 / 12.0
-"""Most that the third harmonic of filled rubber may be of dK / d ln X: half of what an elastic law makes (a sixth for
-a cubic spring, up to a third for dry friction), which is 3 % of a force whose K falls as X^-0.35."""
+"""Most that the third harmonic of filled rubber may be of dK / d ln X.
+
+Half of what an elastic law makes (a sixth for
+a cubic spring, up to a third for dry friction), which is 3 % of a force whose K falls as X^-0.35.
+"""
 NEEDS_AMPLITUDE = ("amplitude",)
 
 
@@ -54,11 +66,17 @@ def coulomb_friction(force: str = "F") -> Formula:
     --------
     >>> import numpy as np
     >>> from springpot.rheology import Points, coulomb_friction
-    >>> coulomb_friction().respond(np.array([2.0]), Points.at([1.0, 10.0], amplitude=0.5)).value.round(3)
+    >>> at = Points.at([1.0, 10.0], amplitude=0.5)
+    >>> coulomb_friction().respond(np.array([2.0]), at).value.round(3)
     array([0.+5.093j, 0.+5.093j])
     """
     return Formula(
-        (Parameter(force, "F", FORCE),), _friction, NEEDS_AMPLITUDE, "friction", _friction_third, friction_law
+        (Parameter(force, "F", FORCE),),
+        _friction,
+        NEEDS_AMPLITUDE,
+        "friction",
+        _friction_third,
+        friction_law,
     )
 
 
@@ -99,11 +117,20 @@ def elasto_sliding(k: str = "k", force: str = "F") -> Formula:
     --------
     >>> import numpy as np
     >>> from springpot.rheology import Points, elasto_sliding
-    >>> elasto_sliding().respond(np.array([4.0, 1.0]), Points.at([1.0, 1.0], amplitude=[0.2, 0.5])).value.round(3)
+    >>> at = Points.at([1.0, 1.0], amplitude=[0.2, 0.5])
+    >>> elasto_sliding().respond(np.array([4.0, 1.0]), at).value.round(3)
     array([4.+0.j   , 2.+1.273j])
     """
     free = (stiffness(k), Parameter(force, "F", FORCE))
-    return Formula(free, _jenkins, NEEDS_AMPLITUDE, "jenkins", _jenkins_third, in_time=jenkins_law, step=jenkins_step)
+    return Formula(
+        free,
+        _jenkins,
+        NEEDS_AMPLITUDE,
+        "jenkins",
+        _jenkins_third,
+        in_time=jenkins_law,
+        step=jenkins_step,
+    )
 
 
 def power_law(at: Points, force: Any, exponent: Any) -> Any:
@@ -112,7 +139,8 @@ def power_law(at: Points, force: Any, exponent: Any) -> Any:
 
     amplitude = at.need("amplitude")
     half = 0.5 * exponent
-    # By logarithms of the gamma function, which also take a complex exponent (tests of derivatives).
+    # By logarithms of the gamma function, which also take a complex exponent (tests of
+    # derivatives).
     factor = 2.0 / np.sqrt(np.pi) * np.exp(loggamma(1.0 + half) - loggamma(1.5 + half))
     log_speed = at.log_omega + np.log(amplitude)
     unit = 1j * factor * np.exp(exponent * log_speed) / amplitude
@@ -132,14 +160,17 @@ def power_law_damper(force: str = "F", exponent: str = "a") -> Formula:
     --------
     >>> import numpy as np
     >>> from springpot.rheology import Points, power_law_damper
-    >>> power_law_damper().respond(np.array([3.0, 1.0]), Points.at([2.0], amplitude=0.1)).value.round(6)
+    >>> at = Points.at([2.0], amplitude=0.1)
+    >>> power_law_damper().respond(np.array([3.0, 1.0]), at).value.round(6)
     array([0.+6.j])
     """
     free = (
         Parameter(force, "F", FORCE),
         Parameter(exponent, "a", PURE, 0.0, 3.0, "linear", 0.5),
     )
-    return Formula(free, power_law, NEEDS_AMPLITUDE, "power-law damper", _power_law_third, power_law_law)
+    return Formula(
+        free, power_law, NEEDS_AMPLITUDE, "power-law damper", _power_law_third, power_law_law
+    )
 
 
 def _cubic_spring(at: Points, k3: Any) -> Any:
@@ -158,11 +189,14 @@ def cubic_spring(k3: str = "k3") -> Formula:
     --------
     >>> import numpy as np
     >>> from springpot.rheology import Points, cubic_spring
-    >>> cubic_spring().respond(np.array([4.0]), Points.at([1.0, 1.0], amplitude=[1.0, 2.0])).value.real
+    >>> at = Points.at([1.0, 1.0], amplitude=[1.0, 2.0])
+    >>> cubic_spring().respond(np.array([4.0]), at).value.real
     array([ 3., 12.])
     """
     free = (Parameter(k3, "k₃", CUBIC, -np.inf, scale="linear"),)
-    return Formula(free, _cubic_spring, NEEDS_AMPLITUDE, "cubic spring", _cubic_spring_third, cubic_spring_law)
+    return Formula(
+        free, _cubic_spring, NEEDS_AMPLITUDE, "cubic spring", _cubic_spring_third, cubic_spring_law
+    )
 
 
 def _cubic_dashpot(at: Points, c3: Any) -> Any:
@@ -181,11 +215,19 @@ def cubic_dashpot(c3: str = "c3") -> Formula:
     --------
     >>> import numpy as np
     >>> from springpot.rheology import Points, cubic_dashpot
-    >>> cubic_dashpot().respond(np.array([4.0]), Points.at([1.0, 2.0], amplitude=1.0)).value.imag.round(6)
+    >>> at = Points.at([1.0, 2.0], amplitude=1.0)
+    >>> cubic_dashpot().respond(np.array([4.0]), at).value.imag.round(6)
     array([ 3., 24.])
     """
     free = (Parameter(c3, "c₃", CUBIC_RATE),)
-    return Formula(free, _cubic_dashpot, NEEDS_AMPLITUDE, "cubic dashpot", _cubic_dashpot_third, cubic_dashpot_law)
+    return Formula(
+        free,
+        _cubic_dashpot,
+        NEEDS_AMPLITUDE,
+        "cubic dashpot",
+        _cubic_dashpot_third,
+        cubic_dashpot_law,
+    )
 
 
 def _gap(at: Points, b: Any) -> tuple[Any, Any]:
@@ -223,7 +265,9 @@ def gapped_spring(k: str = "k", b: str = "b") -> Formula:
     array([0.   , 3.492])
     """
     free = (stiffness(k), Parameter(b, "b", AMPLITUDE))
-    return Formula(free, _dead_zone, NEEDS_AMPLITUDE, "gapped spring", _dead_zone_third, dead_zone_law)
+    return Formula(
+        free, _dead_zone, NEEDS_AMPLITUDE, "gapped spring", _dead_zone_third, dead_zone_law
+    )
 
 
 def _play(at: Points, b: Any) -> Any:
@@ -264,9 +308,10 @@ def _payne_third_at_most(at: Points, k: Any, h: Any, limit: Any, m: Any) -> Any:
 def payne_softening(k: str = "k") -> Formula:
     """Filler network that breaks up (Kraus): K = k (1 + 2 i h u) / (1 + u^2), u = (X / Xc)^m.
 
-    k is the stiffness lost at large amplitude and h k the peak of the loss, at the amplitude Xc. The stress of filled
-    rubber stays a sinusoid to the eye while its moduli fall, down to 1e-5 Hz (doi:10.5254/rct.25.00018): its third
-    harmonic has no formula but a bound, a share of dK / d ln X.
+    k is the stiffness lost at large amplitude and h k the peak of the loss, at the amplitude Xc.
+    The stress of filled rubber stays a sinusoid to the eye while its moduli fall, down to 1e-5 Hz
+    (doi:10.5254/rct.25.00018): its third harmonic has no formula but a bound, a share of dK / d ln
+    X.
 
     Examples
     --------
@@ -291,13 +336,16 @@ def _stretch(at: Points, q: Any) -> Any:
 
 
 def amplitude_gain(q: str = "q") -> Formula:
-    """The factor 1 + q X^2 by which a material softens (q < 0) or stiffens, the same at all frequencies.
+    """The factor 1 + q X^2 by which a material softens (q < 0) or stiffens.
+
+    The same at all frequencies.
 
     Examples
     --------
     >>> import numpy as np
     >>> from springpot.rheology import Points, amplitude_gain
-    >>> amplitude_gain().respond(np.array([-0.1]), Points.at([1.0, 1.0], amplitude=[1.0, 2.0])).value.real
+    >>> at = Points.at([1.0, 1.0], amplitude=[1.0, 2.0])
+    >>> amplitude_gain().respond(np.array([-0.1]), at).value.real
     array([0.9, 0.6])
     """
     free = (Parameter(q, "q", Dimension(amplitude=-2), -np.inf, scale="linear"),)
@@ -306,7 +354,8 @@ def amplitude_gain(q: str = "q") -> Formula:
 
 def _damped(log_ratio: Any, limit: Any, n: Any) -> tuple[Any, tuple[Any, Any], Any]:
     """1 / (1 + u) with u = ratio^n, its derivatives by the limit and by n, and that by ln ratio."""
-    # Of a limit a hundred decades too small u would be no number, though all that is left is nothing.
+    # Of a limit a hundred decades too small u would be no number, though all that is left is
+    # nothing.
     u = np.exp(np.minimum(n * log_ratio, LARGEST_LOG))
     kept = 1.0 / (1.0 + u)
     by_log_u = -u * kept**2
@@ -319,11 +368,14 @@ def _softened(at: Points, limit: Any, n: Any) -> Any:
 
 
 def damping_function(limit: str = "Xc", exponent: str = "n") -> Formula:
-    """The factor 1 / (1 + (X / Xc)^n) by which a material softens as a whole, the same at all frequencies.
+    """The factor 1 / (1 + (X / Xc)^n) by which a material softens as a whole.
 
-    The damping function of Soskey and Winter 1984 (doi:10.1122/1.549770), 1 / (1 + a X^n) with a = Xc^-n, applied to
-    the first harmonic: storage and loss fall together, and the phase stays. The third harmonic has no formula: a
-    network that stays broken through the cycle makes hardly any, one that yields in each cycle a loud one.
+    The same at all frequencies.
+
+    The damping function of Soskey and Winter 1984 (doi:10.1122/1.549770), 1 / (1 + a X^n) with a =
+    Xc^-n, applied to the first harmonic: storage and loss fall together, and the phase stays. The
+    third harmonic has no formula: a network that stays broken through the cycle makes hardly any,
+    one that yields in each cycle a loud one.
 
     Examples
     --------
@@ -346,11 +398,12 @@ def _thinned(at: Points, limit: Any, n: Any) -> Any:
 
 
 def thinning(limit: str = "Vc", exponent: str = "n") -> Formula:
-    """The factor 1 / (1 + (omega X / Vc)^n) by which a liquid thins with the rate at which it is moved.
+    """The factor 1 / (1 + (omega X / Vc)^n) by which a liquid thins with the rate of motion.
 
-    Cross's law (1965, doi:10.1016/0095-8522(65)90022-X) of the rate omega X, after the rule that a liquid's viscosity
-    in large oscillations is that of steady flow at the same rate (Doraiswamy et al. 1991, doi:10.1122/1.550184). The
-    stress of steady flow does not fall with the rate: n is one at most.
+    Cross's law (1965, doi:10.1016/0095-8522(65)90022-X) of the rate omega X, after the rule that a
+    liquid's viscosity in large oscillations is that of steady flow at the same rate (Doraiswamy et
+    al. 1991, doi:10.1122/1.550184). The stress of steady flow does not fall with the rate: n is one
+    at most.
 
     Examples
     --------
@@ -373,7 +426,8 @@ def _leak(at: Points, force: Any, angle: Any) -> Any:
 
 
 def _no_third(at: Points, *_: Any) -> Any:
-    # A disturbance at the test frequency has no other; without this it would count as one that is not known.
+    # A disturbance at the test frequency has no other; without this it would count as one that is
+    # not known.
     return 0.0
 
 
@@ -384,7 +438,8 @@ def crosstalk_force(force: str = "F", angle: str = "phi") -> Formula:
     --------
     >>> import numpy as np
     >>> from springpot.rheology import Points, crosstalk_force
-    >>> crosstalk_force().respond(np.array([0.1, 0.0]), Points.at([1.0, 1.0], amplitude=[0.1, 1.0])).value.real
+    >>> at = Points.at([1.0, 1.0], amplitude=[0.1, 1.0])
+    >>> crosstalk_force().respond(np.array([0.1, 0.0]), at).value.real
     array([1. , 0.1])
     """
     free = (

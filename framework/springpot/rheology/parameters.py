@@ -1,7 +1,8 @@
 """Parameters of a model: their names, bounds and units.
 
-A unit is held as a *dimension* in terms of the measured stiffness ``K``, time and amplitude, not as a fixed
-string, so that the same model fits a damper in kN/m and a fluid in Pa and prints the unit that fits each.
+A unit is held as a *dimension* in terms of the measured stiffness ``K``, time and amplitude, not as
+a fixed string, so that the same model fits a damper in kN/m and a fluid in Pa and prints the unit
+that fits each.
 """
 
 from __future__ import annotations
@@ -41,8 +42,10 @@ class Dimension:
     --------
     >>> from springpot import Units
     >>> from springpot.rheology import Dimension
-    >>> Units("kN/m", "mm").of(Dimension(stiffness=1, time=2)), Units("Pa").of(Dimension(stiffness=1, time=1))
-    ((1000.0, 'kg'), (1.0, 'Pa s'))
+    >>> Units("kN/m", "mm").of(Dimension(stiffness=1, time=2))
+    (1000.0, 'kg')
+    >>> Units("Pa").of(Dimension(stiffness=1, time=1))
+    (1.0, 'Pa s')
     """
 
     stiffness: int = 0
@@ -80,7 +83,8 @@ class Parameter:
     typical : float
         Size in the natural unit of the data; starts are drawn around it.
     detail : bool
-        Whether it is one of many that are told as a whole, such as a line of a spectrum, and left out of lists.
+        Whether it is one of many that are told as a whole, such as a line of a spectrum, and left
+        out of lists.
 
     Examples
     --------
@@ -100,8 +104,13 @@ class Parameter:
 
     @property
     def is_order(self) -> bool:
-        """Whether it is a fractional order: a pure number from 0 to 1, which is no share told by its logarithm."""
-        return self.unit == PURE and self.scale == "linear" and (self.lower, self.upper) == (0.0, 1.0)
+        """Whether it is a fractional order.
+
+        A pure number from 0 to 1, which is no share told by its logarithm.
+        """
+        return (
+            self.unit == PURE and self.scale == "linear" and (self.lower, self.upper) == (0.0, 1.0)
+        )
 
     def renamed(self, name: str) -> Parameter:
         """The same parameter under another name; an order named in its unit moves along."""
@@ -114,7 +123,10 @@ class Parameter:
 
 
 class HasParameters(ABC):
-    """What has parameters in a fixed order, which is that of theta: a model of sweeps or of tests in time."""
+    """What has parameters in a fixed order, which is that of theta.
+
+    A model of sweeps or of tests in time.
+    """
 
     @property
     @abstractmethod
@@ -142,10 +154,14 @@ class HasParameters(ABC):
         # A name too many is told before one that lacks: it is mostly the misspelt form of that one.
         unknown = [name for name in values if name not in self.names]
         if unknown:
-            raise ModelError(f"{self.name} has no parameter '{unknown[0]}': it has {', '.join(self.names)}")
+            raise ModelError(
+                f"{self.name} has no parameter '{unknown[0]}': it has {', '.join(self.names)}"
+            )
         missing = [name for name in self.names if name not in values]
         if missing:
-            raise ModelError(f"{self.name} needs a value of each parameter: {', '.join(missing)} missing")
+            raise ModelError(
+                f"{self.name} needs a value of each parameter: {', '.join(missing)} missing"
+            )
         return np.array([values[name] for name in self.names], dtype=float)
 
 

@@ -19,10 +19,16 @@ KELVIN = 273.15
 ROOM = 293.15
 """20 degC in kelvin: where a shift is one if no test and no user says another temperature."""
 COLDEST = 75.0
-"""Kelvin below which a number is rather one in degC: specimens are cooled by nitrogen, which boils at 77.4 K."""
+"""Kelvin below which a number is rather one in degC.
+
+Specimens are cooled by nitrogen, which boils at 77.4 K.
+"""
 
 FURTHEST = 700.0
-"""Logarithm of a frequency that is no floating-point number any more: it was meant as the frequency itself."""
+"""Logarithm of a frequency that is no floating-point number any more.
+
+It was meant as the frequency itself.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,8 +51,8 @@ class Points:
     Raises
     ------
     DataError
-        If temperatures look like degC, frequencies were given for their logarithms, or a condition is not given for
-        each point: see `at`, which takes these.
+        If temperatures look like degC, frequencies were given for their logarithms, or a condition
+        is not given for each point: see `at`, which takes these.
 
     Examples
     --------
@@ -64,11 +70,18 @@ class Points:
     def __post_init__(self) -> None:
         for name, column in (("amplitude", self.amplitude), ("temperature", self.temperature)):
             if column is not None and np.ndim(column) == 0:
-                raise DataError(f"{name} is one number for each point: use Points.at(omega, {name}=...)")
+                raise DataError(
+                    f"{name} is one number for each point: use Points.at(omega, {name}=...)"
+                )
         if self.temperature is not None and np.min(self.temperature, initial=COLDEST) < COLDEST:
-            raise DataError("temperature is in kelvin here: use Points.at(omega, temperature=...) for degC")
+            raise DataError(
+                "temperature is in kelvin here: use Points.at(omega, temperature=...) for degC"
+            )
         if np.max(np.real(self.log_omega), initial=0.0) > FURTHEST:
-            raise DataError("log_omega is the natural logarithm of omega: use Points.at(omega) for omega in rad/s")
+            raise DataError(
+                "log_omega is the natural logarithm of omega:"
+                " use Points.at(omega) for omega in rad/s"
+            )
 
     @classmethod
     def at(
@@ -116,18 +129,24 @@ class Points:
         return self._unchecked(log_omega=self.log_omega + log_shift)
 
     def at_amplitude(self, amplitude: Real) -> Points:
-        """The same points at other amplitudes (..., n), such as the share of one that a part takes."""
+        """The same points at other amplitudes (..., n), as the share that a part takes."""
         return self._unchecked(amplitude=amplitude)
 
     def _unchecked(self, **changed: Real) -> Points:
-        # On the way to a fit any shift is tried, however far, and in each evaluation: nothing is checked here.
+        # On the way to a fit any shift is tried, however far, and in each evaluation: nothing is
+        # checked here.
         other = object.__new__(Points)
         other.__dict__.update(self.__dict__, **changed)
         return other
 
     def mapped(self, change: Callable[[Real], Real]) -> Points:
-        """The points with every condition changed: to some of the rows, say, or interpolated; frequencies stay."""
-        changed: dict[str, Any] = {"columns": {name: change(column) for name, column in self.columns.items()}}
+        """The points with every condition changed: to some of the rows, say, or interpolated.
+
+        Frequencies stay.
+        """
+        changed: dict[str, Any] = {
+            "columns": {name: change(column) for name, column in self.columns.items()}
+        }
         if self.amplitude is not None:
             changed["amplitude"] = change(self.amplitude)
         if self.temperature is not None:
@@ -147,7 +166,9 @@ class Points:
         if condition in own:
             column = own[condition]
         if column is None:
-            raise DataError(f"the model needs the column '{condition}', which these data do not have")
+            raise DataError(
+                f"the model needs the column '{condition}', which these data do not have"
+            )
         return column
 
 

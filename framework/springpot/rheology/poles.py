@@ -1,7 +1,10 @@
-"""Where a branch has its relaxation: at single rates (poles at s = -r), or spread over all of them (a cut).
+"""Where a branch has its relaxation.
 
-Both are found from the reciprocal J = 1/K, an analytic function of u = ln r on the upper edge of the negative axis: a
-line of K is a zero of J on that edge, a peak of its continuous spectrum a zero of J a little beyond it.
+At single rates (poles at s = -r), or spread over all of them (a cut).
+
+Both are found from the reciprocal J = 1/K, an analytic function of u = ln r on the upper edge of
+the negative axis: a line of K is a zero of J on that edge, a peak of its continuous spectrum a zero
+of J a little beyond it.
 """
 
 from __future__ import annotations
@@ -19,17 +22,24 @@ from .points import Complex, Real
 from .roots import inside, settled
 
 STEP = 0.05
-"""Step in ln r of the search: two lines nearer than 5 % count as one, unless more of them follow ever nearer."""
+"""Step in ln r of the search.
+
+Two lines nearer than 5 % count as one, unless more of them follow ever nearer.
+"""
 FINEST_STEP = STEP / 64
-"""Of a row of lines without end, such as that of diffusion, the first six hundred are told apart."""
+"""Of a row of lines without end, such as that of diffusion, the first six hundred are told apart.
+"""
 CROWDED = 4.0
 """Steps from one line to the next below which the next but one may be missed."""
 FAR = 8.0
-"""Distance in ln r beyond the band from which lines are a dashpot to it: they are 3000 times as fast."""
+"""Distance in ln r beyond the band from which lines are a dashpot to it.
+
+They are 3000 times as fast.
+"""
 DISCRETE = 1e-8
 """Share of K that the loss must reach on the negative axis to be a spectrum and not rounding."""
 NARROW = 1.2
-"""Peaks wider than this in ln r do not disturb the trapezoidal rule, whose kernel has the width pi/2."""
+"""Wider peaks in ln r do not disturb the trapezoidal rule, whose kernel has the width pi/2."""
 ROUNDED = 1e-13
 """Step in ln r of Newton's method after which the next one is rounding."""
 SAME = 1e-9
@@ -39,7 +49,10 @@ MOST_SAMPLES, MOST_POLES = 250, 30
 AROUND = 0.3
 """Radius of the circle about a pole, over the way to the next one, and at most in ln r."""
 CIRCLE = np.exp(2j * np.pi * np.arange(16) / 16)
-"""Points of Cauchy's integral for the derivatives at a pole: error 0.3^16, a third of the way to the next one."""
+"""Points of Cauchy's integral for the derivatives at a pole.
+
+Error 0.3^16, a third of the way to the next one.
+"""
 
 
 class Lines(NamedTuple):
@@ -80,7 +93,8 @@ class Edge(NamedTuple):
     @property
     def discrete(self) -> bool:
         """Whether all relaxation is at single rates."""
-        # Between its lines a discrete spectrum has no loss on the axis; a continuous one has it everywhere.
+        # Between its lines a discrete spectrum has no loss on the axis; a continuous one has it
+        # everywhere.
         return bool(np.all(np.abs(self.value.imag) <= DISCRETE * np.abs(self.value)))
 
     @property
@@ -92,7 +106,7 @@ class Edge(NamedTuple):
 
     @property
     def clear(self) -> int:
-        """How many of these lines, counted from the slowest, are so far apart that none between them was missed."""
+        """How many lines from the slowest lie so far apart that none between them was missed."""
         crowded = np.flatnonzero(np.diff(self.u[self.lines]) < CROWDED * self.step)
         if not len(crowded):
             return len(self.lines)
@@ -108,9 +122,12 @@ def edge_of(branch: Branch, low: float, high: float, step: float = STEP) -> Edge
 
 
 def resolved(branch: Branch, edge: Edge, high: float) -> Edge:
-    """The edge on a grid that tells its lines apart, up to where they are too fast for a band that ends at `high`.
+    """The edge on a grid that tells its lines apart.
 
-    Lines of diffusion are at 1, 9, 25, ... times the slowest: in ln r ever nearer to each other, without end.
+    Up to where they are too fast for a band that ends at `high`.
+
+    Lines of diffusion are at 1, 9, 25, ... times the slowest: in ln r ever nearer to each other,
+    without end.
     """
     while edge.clear < len(edge.lines):
         fastest = edge.u[edge.lines[edge.clear - 1]]
@@ -124,8 +141,8 @@ def resolved(branch: Branch, edge: Edge, high: float) -> Edge:
 def lines_of(branch: Branch, edge: Edge) -> Lines:
     """The lines of a branch whose relaxation is at single rates, each to rounding.
 
-    Near one, K = w / (u - u0) + ..., and w and u0 move with theta: coefficients of its Laurent series, by Cauchy's
-    integral around the line, at which itself K cannot be evaluated.
+    Near one, K = w / (u - u0) + ..., and w and u0 move with theta: coefficients of its Laurent
+    series, by Cauchy's integral around the line, at which itself K cannot be evaluated.
     """
     u = _poles(branch, edge)
     if not len(u):
@@ -151,14 +168,17 @@ def _mean_of(values: Complex) -> Real:
 
 
 def _poles(branch: Branch, edge: Edge) -> Real:
-    """Places ln r at which K is infinite, one in each step in which it rises: Newton's method, held by bisection."""
+    """Places ln r at which K is infinite, one in each step in which it rises.
+
+    Newton's method, held by bisection.
+    """
     steps = edge.lines
     if not len(steps):
         return np.zeros(0)
     low: Real = edge.u[steps]
     high: Real = edge.u[steps + 1]
-    # Between the values at the ends of the step, so that K has this one nowhere within it: K less the level then
-    # changes its sign at the line alone, and its inverse is zero there.
+    # Between the values at the ends of the step, so that K has this one nowhere within it: K less
+    # the level then changes its sign at the line alone, and its inverse is zero there.
     level = 0.5 * (edge.value.real[steps] + edge.value.real[steps + 1])
     u = 0.5 * (low + high)
     for _ in range(60):
@@ -190,7 +210,9 @@ def peaks_of(branch: Branch, edge: Edge) -> Complex:
     for _ in range(12):
         response = branch.respond(u + HALF_PI, FULL)
         # At the pole itself, to the last digit, K is infinite: there is nothing left to change.
-        change = np.nan_to_num(response.value / response.by_log_omega, nan=0.0, posinf=0.0, neginf=0.0)
+        change = np.nan_to_num(
+            response.value / response.by_log_omega, nan=0.0, posinf=0.0, neginf=0.0
+        )
         # By no more than half a factor e at a time, lest it run on to another peak.
         u = u + change / np.maximum(2.0 * np.abs(change), 1.0)
         if np.all(np.abs(change) < ROUNDED):
@@ -202,10 +224,13 @@ def peaks_of(branch: Branch, edge: Edge) -> Complex:
 
 
 def all_peaks_of(branch: Branch, edge: Edge) -> Complex:
-    """The same, the ones hidden beside a larger part of K or of another shape included; a hundred times as slow.
+    """The same, the ones hidden beside a larger part of K or of another shape included.
 
-    d ln K / du has a pole of strength one at each of them (and at the zeros of K), however weak it is in K; the
-    rational approximation of it tells where (Nakatsukasa, Sete & Trefethen 2018, 10.1137/16M1106122).
+    A hundred times as slow.
+
+    d ln K / du has a pole of strength one at each of them (and at the zeros of K), however weak it
+    is in K; the rational approximation of it tells where (Nakatsukasa, Sete & Trefethen 2018,
+    10.1137/16M1106122).
     """
     from scipy.interpolate import AAA
 
@@ -213,10 +238,12 @@ def all_peaks_of(branch: Branch, edge: Edge) -> Complex:
     power = (edge.slope / edge.value)[some]
     fine = np.isfinite(power)
     if not np.any(fine):
-        # K is nothing along the whole edge, as of an element whose constant has become zero: it has no poles.
+        # K is nothing along the whole edge, as of an element whose constant has become zero: it has
+        # no poles.
         return np.zeros(0, dtype=np.complex128)
     with warnings.catch_warnings():
-        # It complains where K has more poles than it may have terms: those that it does find serve all the same.
+        # It complains where K has more poles than it may have terms: those that it does find serve
+        # all the same.
         warnings.simplefilter("ignore")
         u = AAA(edge.u[some][fine], power[fine], rtol=1e-7, max_terms=MOST_POLES).poles()
     within = (u.imag > SAME) & (u.imag < NARROW) & (u.real > edge.u[0]) & (u.real < edge.u[-1])

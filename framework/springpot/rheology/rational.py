@@ -1,7 +1,10 @@
-"""Springs and dashpots in any arrangement: a spring, a dashpot and Maxwell modes side by side, exactly.
+"""Springs and dashpots in any arrangement.
 
-Networks in parallel add their modes; those in series add the modes of their compliances, and the compliance of such a
-network is one of the same kind in p = 1/s, whose rates are the zeros of K (they lie between its poles).
+A spring, a dashpot and Maxwell modes side by side, exactly.
+
+Networks in parallel add their modes; those in series add the modes of their compliances, and the
+compliance of such a network is one of the same kind in p = 1/s, whose rates are the zeros of K
+(they lie between its poles).
 """
 
 from __future__ import annotations
@@ -22,7 +25,7 @@ SAME = 1e-14
 
 @dataclass(frozen=True, eq=False)
 class Rational:
-    """K = spring + dashpot s + sum of weights s / (s + rates), with the derivatives by theta of each.
+    """K = spring + dashpot s + sum of weights s / (s + rates), with derivatives by theta of each.
 
     Attributes
     ----------
@@ -100,14 +103,19 @@ class Rational:
         by_theta = by_theta - (zeros[:, None] * away) @ self.weight_slopes
         by_theta = by_theta + (self.weights * zeros[:, None] * away**2) @ self.rate_slopes
         steep_slopes = self.end_slopes[1] + (self.rates * away**2) @ self.weight_slopes
-        steep_slopes = steep_slopes - (self.weights * (zeros[:, None] + self.rates) * away**3) @ self.rate_slopes
+        steep_slopes = (
+            steep_slopes
+            - (self.weights * (zeros[:, None] + self.rates) * away**3) @ self.rate_slopes
+        )
         # How a zero moves, along which K stays zero.
         moved = by_theta / steep[:, None]
         residue = 1.0 / steep
         residue_slopes = -(steep_slopes - bend[:, None] * moved) * residue[:, None] ** 2
         column = zeros[:, None]
         weight_slopes = residue_slopes / column - residue[:, None] * moved / column**2
-        return Rational(ends, 1.0 / zeros, residue / zeros, end_slopes, -moved / column**2, weight_slopes)
+        return Rational(
+            ends, 1.0 / zeros, residue / zeros, end_slopes, -moved / column**2, weight_slopes
+        )
 
     def _inverse_ends(self) -> tuple[Real, Real]:
         """Instantaneous compliance and fluidity, where there are any."""
@@ -122,12 +130,17 @@ class Rational:
             flow = dashpot + (self.weights / self.rates).sum()
             ends[1] = 1.0 / flow
             change = (self.weight_slopes / self.rates[:, None]).sum(axis=0)
-            change = change - ((self.weights / self.rates**2)[:, None] * self.rate_slopes).sum(axis=0)
+            change = change - ((self.weights / self.rates**2)[:, None] * self.rate_slopes).sum(
+                axis=0
+            )
             slopes[1] = -(self.end_slopes[1] + change) / flow**2
         return ends, slopes
 
     def _zeros(self) -> Real:
-        """All r > 0 at which K(-r) = 0, rising: one between two rates, and where a spring or a dashpot is, beyond."""
+        """All r > 0 at which K(-r) = 0, rising.
+
+        One between two rates, and where a spring or a dashpot is, beyond.
+        """
         spring, dashpot = self.ends
         poles = np.sort(self.rates)
         low, high = poles[:-1], poles[1:]
@@ -140,18 +153,27 @@ class Rational:
         slope = dashpot + 2.0 * (self.weights / self.rates).sum()
         height = spring + 2.0 * self.weights.sum()
         if spring > 0.0:
-            # K(-r) is positive there: up to half the first rate it is no less than spring - slope r.
-            # A hundredth further out than need be: rounding must not leave the zero outside.
-            low, high = np.append(0.99 * min(0.5 * first, spring / slope), low), np.append(first, high)
+            # K(-r) is positive there: up to half the first rate it is no less than spring - slope
+            # r. A hundredth further out than need be: rounding must not leave the zero outside.
+            low, high = (
+                np.append(0.99 * min(0.5 * first, spring / slope), low),
+                np.append(first, high),
+            )
         if dashpot > 0.0:
             # And negative there: from twice the last rate on it is no more than height - dashpot r.
-            low, high = np.append(low, last), np.append(high, 1.01 * max(2.0 * last, height / dashpot))
+            low, high = (
+                np.append(low, last),
+                np.append(high, 1.01 * max(2.0 * last, height / dashpot)),
+            )
         # Two modes of one rate are one, and no zero lies between them.
         apart = high > low * (1.0 + SAME)
         return self._between(np.log(low[apart]), np.log(high[apart]))
 
     def _between(self, low: Real, high: Real) -> Real:
-        """The zero of K(-exp(u)), which falls, in each interval of u: Newton's steps, held by bisection."""
+        """The zero of K(-exp(u)), which falls, in each interval of u.
+
+        Newton's steps, held by bisection.
+        """
         spring, dashpot = self.ends
         # In logarithms: rates may lie twenty decades apart, and intervals be as wide.
         u = 0.5 * (low + high)
@@ -195,7 +217,14 @@ def rational_of(node: Node, theta: Real, chain: Real, conditions: Points) -> Rat
     if isinstance(node, Continuum):
         # Its rates are given and not fitted: they move with no parameter.
         rates = np.array(node.rates, dtype=float)
-        return Rational(theta[:2], rates, theta[2:], chain[:2], np.zeros((len(rates), chain.shape[1])), chain[2:])
+        return Rational(
+            theta[:2],
+            rates,
+            theta[2:],
+            chain[:2],
+            np.zeros((len(rates), chain.shape[1])),
+            chain[2:],
+        )
     if isinstance(node, Parallel | Series):
         parts = zip(node.children, node.cuts, strict=True)
         modes = [rational_of(child, theta[cut], chain[cut], conditions) for child, cut in parts]
@@ -224,11 +253,12 @@ def _together(parts: list[Rational], count: int, in_series: bool) -> Rational | 
 
 
 def _carried(node: Shift | Chain, theta: Real, chain: Real, conditions: Points) -> Rational | None:
-    """A network whose frequencies are shifted, or that is multiplied, by what is the same at all frequencies."""
+    """A network shifted in frequency or multiplied by what is the same at all frequencies."""
     first, second = node.cuts
     inner = rational_of(node.children[0], theta[first], chain[first], conditions)
     law = node.children[1].respond(theta[second], conditions, GRADIENT)
-    # Asked at two frequencies: only a law that is the same at both leaves springs and dashpots what they are.
+    # Asked at two frequencies: only a law that is the same at both leaves springs and dashpots what
+    # they are.
     elsewhere = node.children[1].respond(theta[second], conditions.shifted(np.ones(1)))
     if inner is None or law.value.imag.any() or law.value[0] != elsewhere.value[0]:
         return None

@@ -1,9 +1,11 @@
-"""Exponentials driven by a sampled history: the exact recursion for an input that is linear between its samples.
+"""Exponentials driven by a sampled history.
+
+The exact recursion for an input that is linear between its samples.
 
 With g = (1 - exp(-r h))/(r h) and steps h, q(t), the integral of exp(-r (t - u)) dx(u), obeys
 q_k = exp(-r h) q_(k-1) + g (x_k - x_(k-1)):
-each step needs the last state only, whatever the sampling, and a ramp is exact (Taylor, Pister & Goudreau 1970,
-10.1002/nme.1620020106).
+each step needs the last state only, whatever the sampling, and a ramp is exact (Taylor, Pister &
+Goudreau 1970, 10.1002/nme.1620020106).
 """
 
 from __future__ import annotations
@@ -38,7 +40,8 @@ def driven(rates: Modes, steps: Modes, changes: Real, mix: Modes, rate_mix: Mode
     rates : ndarray, shape (m,)
         Of the modes, in 1/s.
     steps : ndarray, shape (n,)
-        Time from the sample before to each sample, in (reduced) seconds; the first one is of no account.
+        Time from the sample before to each sample, in (reduced) seconds; the first one is of no
+        account.
     changes : ndarray, shape (n,)
         Change of the input from the sample before to each sample.
     mix, rate_mix : ndarray, shape (m, c)
@@ -57,9 +60,13 @@ def driven(rates: Modes, steps: Modes, changes: Real, mix: Modes, rate_mix: Mode
     moving = np.flatnonzero(np.any(rate_mix != 0.0, axis=1))
     last, last_slope = np.zeros(len(rates), dtype=kind), np.zeros(len(moving), dtype=kind)
     inner = steps[1:]
-    # With even steps each mode is a filter of one constant, which compiled code runs through; a short history
-    # would not repay the call for each mode.
-    even = n > BLOCK and bool(np.ptp(inner.real) <= EVEN * np.max(inner.real)) and not np.iscomplexobj(inner)
+    # With even steps each mode is a filter of one constant, which compiled code runs through; a
+    # short history would not repay the call for each mode.
+    even = (
+        n > BLOCK
+        and bool(np.ptp(inner.real) <= EVEN * np.max(inner.real))
+        and not np.iscomplexobj(inner)
+    )
     for start in range(0, n, BLOCK):
         part = slice(start, min(start + BLOCK, n))
         one, step = changes[part], steps[part]
@@ -122,11 +129,15 @@ def _filtered(decay: Modes, gain: Modes, changes: Real, start: Modes) -> Modes:
 def _scan(decay: Modes, kicks: Modes, start: Modes) -> Modes:
     """q_k = decay_k q_(k-1) + kicks_k for each mode, all (n, m)."""
     n, m = kicks.shape
-    # A loop over all samples is slow in Python: this one runs over columns only, with all rows in each step.
+    # A loop over all samples is slow in Python: this one runs over columns only, with all rows in
+    # each step.
     columns = -(-n // ROWS)
     shape = (ROWS, columns, m)
     # Filled up with steps that change nothing, so that all rows are equally long.
-    factors, q = np.ones((ROWS * columns, m), dtype=kicks.dtype), np.zeros((ROWS * columns, m), dtype=kicks.dtype)
+    factors, q = (
+        np.ones((ROWS * columns, m), dtype=kicks.dtype),
+        np.zeros((ROWS * columns, m), dtype=kicks.dtype),
+    )
     factors[:n], q[:n] = decay, kicks
     factors, q = factors.reshape(shape), q.reshape(shape)
     # Every row on its own first, all rows at once; then what each carries over into the next one.

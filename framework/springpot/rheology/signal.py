@@ -49,7 +49,11 @@ def phase(phi: str = "phi") -> Formula:
     >>> np.angle(phase().respond(np.array([0.02]), Points.at([10.0, 100.0])).value)
     array([0.02, 0.02])
     """
-    return Formula((Parameter(phi, "φ", RADIAN, -0.5 * np.pi, 0.5 * np.pi, "linear", 0.0),), _phase, kind="phase")
+    return Formula(
+        (Parameter(phi, "φ", RADIAN, -0.5 * np.pi, 0.5 * np.pi, "linear", 0.0),),
+        _phase,
+        kind="phase",
+    )
 
 
 def _gain(at: Points, g: Any) -> Any:
@@ -67,7 +71,10 @@ def gain(g: str = "g") -> Formula:
     array([1.05])
     """
     return Formula(
-        (Parameter(g, "g", PURE, -0.99, scale="linear", typical=0.5),), _gain, kind="gain", in_time=gain_law
+        (Parameter(g, "g", PURE, -0.99, scale="linear", typical=0.5),),
+        _gain,
+        kind="gain",
+        in_time=gain_law,
     )
 
 
@@ -85,7 +92,8 @@ def force_resonance(omega_r: str = "omega_r") -> Formula:
     --------
     >>> import numpy as np
     >>> from springpot.rheology import Points, force_resonance
-    >>> np.abs(force_resonance().respond(np.array([100.0, 0.05]), Points.at([10.0, 100.0])).value).round(3)
+    >>> at = Points.at([10.0, 100.0])
+    >>> np.abs(force_resonance().respond(np.array([100.0, 0.05]), at).value).round(3)
     array([ 1.01, 10.  ])
     """
     return Formula((resonance(omega_r), DAMPING_RATIO), _force_resonance, kind="resonance")
@@ -102,7 +110,9 @@ def _filter(at: Points, tau: Any) -> Any:
 
 
 def filter_mismatch(tau: str = "tau") -> Formula:
-    """A first-order filter tau in one channel only: force where tau > 0, displacement where tau < 0.
+    """A first-order filter tau in one channel only.
+
+    Force where tau > 0, displacement where tau < 0.
 
     Examples
     --------
@@ -129,4 +139,6 @@ def clock(e: str = "e") -> Formula:
     >>> off.stiffness(off.theta(c=1.0, e=0.02), [10.0]).imag.round(6)
     array([10.2])
     """
-    return Formula((Parameter(e, "e", PURE, -0.9, scale="linear", typical=0.1),), _clock, kind="clock")
+    return Formula(
+        (Parameter(e, "e", PURE, -0.9, scale="linear", typical=0.1),), _clock, kind="clock"
+    )

@@ -1,8 +1,9 @@
 """The exact relaxation spectrum of a model, read from its network on the negative axis of s.
 
-A network of springs, dashpots and springpots has K(s) = K_e + c s + m s^2 + integral H(r) s/(s+r) dln r with
-H(r) = Im K(r exp(i pi)) / pi >= 0 (Bernstein functions; Gross 1953; Tschoegl 1989, 10.1007/978-3-642-73602-5).
-The trapezoidal rule in ln r turns the integral into a sum of exponentials with positive weights, ever so accurate.
+A network of springs, dashpots and springpots has K(s) = K_e + c s + m s^2 + integral H(r) s/(s+r)
+dln r with H(r) = Im K(r exp(i pi)) / pi >= 0 (Bernstein functions; Gross 1953; Tschoegl 1989,
+10.1007/978-3-642-73602-5). The trapezoidal rule in ln r turns the integral into a sum of
+exponentials with positive weights, ever so accurate.
 """
 
 from __future__ import annotations
@@ -31,13 +32,17 @@ FINEST = 2
 NEARLY = 100.0
 """Times the tolerance by which a smaller step alone will do."""
 REFUSED = 1e-2
-"""Relative error of K above which a network is said to have no spectrum: those that have one stay far below."""
+"""Relative error of K above which a network is said to have no spectrum.
+
+Those that have one stay far below.
+"""
 NEGATIVE = 1e-7
 """Share of K by which H may be negative from rounding."""
 ROUNDING = 1e-12
 """The same as a share of the largest K of the band: a network may cancel where it is soft."""
 SCALES = np.arange(-45.0, 45.0, 0.25)
-"""Twenty decades of rates either side of one, in which a model's own relaxation times are sought."""
+"""Twenty decades of rates either side of one, in which a model's own relaxation times are sought.
+"""
 MARGIN = 2.0 * np.log(10.0)
 """Two decades beyond a model's own times are of interest by default."""
 ONE_POWER = 1e-6
@@ -132,7 +137,8 @@ def spectrum_of(
     reference_temperature: float = ROOM,
 ) -> Spectrum:
     """The spectrum of a model; see `Model.spectrum`."""
-    # Before anything is evaluated: here the reason is known, and need not be searched for as in `blaming`.
+    # Before anything is evaluated: here the reason is known, and need not be searched for as in
+    # `blaming`.
     refuse_what_is_no_relaxation(model)
     conditions = conditions_at(temperature, reference_temperature)
     theta = np.asarray(theta, dtype=float)
@@ -161,7 +167,7 @@ def blaming(model: NamedNetwork, theta: Real, conditions: Points) -> Iterator[No
 
 
 def conditions_at(temperature: float | None, reference_temperature: float) -> Points:
-    """A temperature in kelvin, the reference temperature where there is none, without frequencies."""
+    """A temperature in kelvin, else the reference temperature, without frequencies."""
     if temperature is None:
         temperature = reference_temperature
     return Points(np.zeros(1), None, np.array([temperature]), reference_temperature)
@@ -179,8 +185,8 @@ def refuse_what_is_no_relaxation(model: NamedNetwork) -> None:
         reason = _reason(effect)
         if reason:
             raise ModelError(
-                f"{model.name} has no relaxation spectrum: '{effect.name}' {reason}; leave it out with "
-                f"model - '{effect.name}'"
+                f"{model.name} has no relaxation spectrum: '{effect.name}' {reason}; leave it out"
+                f" with model - '{effect.name}'"
             )
 
 
@@ -206,7 +212,12 @@ def _guilty(model: NamedNetwork, theta: Real, conditions: Points, fault: str) ->
         smaller = replace(model, effects=linear[:count])
         try:
             _spectrum(
-                smaller.network, smaller.vector({n: values[n] for n in smaller.names}), conditions, None, 1e-3, 1
+                smaller.network,
+                smaller.vector({n: values[n] for n in smaller.names}),
+                conditions,
+                None,
+                1e-3,
+                1,
             )
         except _NoSpectrumError:
             guilty = parts[count]
@@ -221,7 +232,9 @@ class _NoSpectrumError(Exception):
 def _checked(band: tuple[float, float]) -> tuple[float, float]:
     low, high = band
     if not 0.0 < low < high < np.inf:
-        raise ModelError(f"a band is two angular frequencies in rad/s, the lower first, not {low:g} and {high:g}")
+        raise ModelError(
+            f"a band is two angular frequencies in rad/s, the lower first, not {low:g} and {high:g}"
+        )
     return float(np.log(low)), float(np.log(high))
 
 
@@ -240,9 +253,17 @@ def _spectrum(
 
 
 def summed(
-    whole: Sum, low: float, high: float, tolerance: float, *, attempts: int = FINEST, signed: bool = False
+    whole: Sum,
+    low: float,
+    high: float,
+    tolerance: float,
+    *,
+    attempts: int = FINEST,
+    signed: bool = False,
 ) -> Spectrum:
-    """The sum of exponentials for the band from exp(low) to exp(high), with steps as fine as the tolerance asks.
+    """The sum of exponentials for the band from exp(low) to exp(high).
+
+    With steps as fine as the tolerance asks.
 
     Parameters
     ----------
@@ -270,7 +291,9 @@ def summed(
         # Half as many digits again.
         wanted = wanted**1.5
         # A finer rule is not always a better one: where rounding rules, the coarser is kept.
-        best = min(best, whole.summed(low, high, wanted, finder, signed), key=lambda each: each.error)
+        best = min(
+            best, whole.summed(low, high, wanted, finder, signed), key=lambda each: each.error
+        )
     if not best.error < REFUSED:
         raise _NoSpectrumError(f"is no sum of relaxations: they miss K by {100 * best.error:.2g} %")
     return best
@@ -281,7 +304,9 @@ PeakFinder: TypeAlias = Callable[[Branch, Edge], Complex]
 
 @dataclass(frozen=True, eq=False)
 class Sum:
-    """A network taken apart: its mass, all of its springs and dashpots, and branches that hold more than these.
+    """A network taken apart.
+
+    Its mass, all of its springs and dashpots, and branches that hold more than these.
 
     Attributes
     ----------
@@ -307,10 +332,13 @@ class Sum:
         mass, slopes, parts = 0.0, nothing, []
         classical = Rational.power(0, 0.0, nothing)
         for branch in branches(network, theta, conditions, compliance=compliance):
-            # Asked first: what is made of springs and dashpots has a spectrum in closed form, without any rule.
+            # Asked first: what is made of springs and dashpots has a spectrum in closed form,
+            # without any rule.
             modes = rational_of(branch.node, branch.theta, branch.chain, conditions)
             # What has no stiffness at all has no compliance that could be inverted.
-            if modes is not None and not (compliance and not modes.ends.any() and not modes.weights.any()):
+            if modes is not None and not (
+                compliance and not modes.ends.any() and not modes.weights.any()
+            ):
                 if compliance:
                     modes = modes.inverse()
                 classical = classical.beside(modes)
@@ -338,7 +366,12 @@ class Sum:
         own = self.classical
         kernel = s[:, None] / (s[:, None] + own.rates)
         responses = [part.respond(SCALES, FULL) for part in self.parts]
-        value = own.ends[0] + own.ends[1] * s + kernel @ own.weights + sum(each.value for each in responses)
+        value = (
+            own.ends[0]
+            + own.ends[1] * s
+            + kernel @ own.weights
+            + sum(each.value for each in responses)
+        )
         slope = own.ends[1] * s + (kernel * (1.0 - kernel)) @ own.weights
         slope = slope + sum(each.by_log_omega for each in responses)
         # The power of omega as which |K| grows: a relaxation time is where it changes most.
@@ -356,11 +389,17 @@ class Sum:
         return float(at.min() - MARGIN), float(at.max() + MARGIN)
 
     def summed(
-        self, low: float, high: float, tolerance: float, find_peaks: PeakFinder, signed: bool = False
+        self,
+        low: float,
+        high: float,
+        tolerance: float,
+        find_peaks: PeakFinder,
+        signed: bool = False,
     ) -> Spectrum:
         """The sum of exponentials for the band from exp(low) to exp(high).
 
-        The error of the rule with the step h is 2 exp(-pi^2 / h), the kernel's poles lying pi/2 from the axis.
+        The error of the rule with the step h is 2 exp(-pi^2 / h), the kernel's poles lying pi/2
+        from the axis.
         """
         own, modes = self.classical, self._modes(low, high, tolerance, find_peaks, signed)
         ends, slopes = self._ends(low, high, modes)
@@ -373,8 +412,11 @@ class Sum:
         by_theta = Slopes(slopes[0], slopes[1], slopes[2], modes.rate_slopes, modes.weight_slopes)
         band = (float(np.exp(low)), float(np.exp(high)))
         spring, dashpot, mass = ends.tolist()
-        spectrum = Spectrum(spring, dashpot, mass, modes.rates, modes.weights, band, np.inf, by_theta)
-        # What the rule promises holds for smooth spectra only: the error is measured against the network itself.
+        spectrum = Spectrum(
+            spring, dashpot, mass, modes.rates, modes.weights, band, np.inf, by_theta
+        )
+        # What the rule promises holds for smooth spectra only: the error is measured against the
+        # network itself.
         return replace(spectrum, error=self._error(spectrum, low, high))
 
     def _whole(self, log_omega: Anywhere) -> Complex:
@@ -382,7 +424,9 @@ class Sum:
         s = np.exp(log_omega + HALF_PI)
         own = self.classical
         kernel = s[:, None] / (s[:, None] + own.rates)
-        value: Complex = own.ends[0] + own.ends[1] * s + kernel @ own.weights + self.respond(log_omega, VALUE)[0]
+        value: Complex = (
+            own.ends[0] + own.ends[1] * s + kernel @ own.weights + self.respond(log_omega, VALUE)[0]
+        )
         return value
 
     def _sizes(self, low: float, high: float) -> tuple[float, float]:
@@ -390,10 +434,16 @@ class Sum:
         first, last = np.abs(self._whole(np.array([low, high]))).tolist()
         return first, last
 
-    def _modes(self, low: float, high: float, tolerance: float, find_peaks: PeakFinder, signed: bool) -> Lines:
-        """Single lines of the parts, and nodes for what is spread: as many of them as the band needs."""
+    def _modes(
+        self, low: float, high: float, tolerance: float, find_peaks: PeakFinder, signed: bool
+    ) -> Lines:
+        """Single lines of the parts, and nodes for what is spread.
+
+        As many of them as the band needs.
+        """
         margin = np.log(2.0 / tolerance)
-        # An empty one first, so that a network of springs and dashpots alone has something to be joined.
+        # An empty one first, so that a network of springs and dashpots alone has something to be
+        # joined.
         lines = [Lines(np.zeros(0), np.zeros(0), *[np.zeros((0, len(self.mass_slopes)))] * 2)]
         spread, peaks = [], [np.zeros(0, dtype=complex)]
         for part in self.parts:
@@ -405,21 +455,26 @@ class Sum:
                 spread.append(part)
                 peaks.append(find_peaks(part, edge))
         if spread:
-            # With this step the rule errs by 2 exp(-margin), which is the tolerance; so little is seen of what lies a
-            # margin beyond.
-            u, share = nodes_of(low - margin, high + margin, np.pi**2 / margin, np.concatenate(peaks))
+            # With this step the rule errs by 2 exp(-margin), which is the tolerance; so little is
+            # seen of what lies a margin beyond.
+            u, share = nodes_of(
+                low - margin, high + margin, np.pi**2 / margin, np.concatenate(peaks)
+            )
             value, by_theta = replace(self, parts=spread).respond(u + HALF_PI, GRADIENT)
             sizes = self._sizes(low, high)
             height = value.imag / np.pi
             if not signed and np.any(height < -NEGATIVE * np.abs(value) - ROUNDING * max(sizes)):
-                raise _NoSpectrumError("is no passive material: weights of its relaxation would be negative")
+                raise _NoSpectrumError(
+                    "is no passive material: weights of its relaxation would be negative"
+                )
             if not signed:
                 # What is left below zero is rounding: a passive material has no such weights.
                 height = np.maximum(height, 0.0)
             # The nodes belong to the rule and not to the model: only their weights move with theta.
             fixed = np.zeros((len(u), len(self.mass_slopes)))
             modes = Lines(np.exp(u), share * height, fixed, (share * by_theta.imag / np.pi).T)
-            # A layer of fluid also leaves a mass beside the dashpot, which takes up one power of the frequency more.
+            # A layer of fluid also leaves a mass beside the dashpot, which takes up one power of
+            # the frequency more.
             order = 2
             if any(part.is_layer for part in spread):
                 order = 3
@@ -428,7 +483,9 @@ class Sum:
         return Lines(*(np.concatenate(fields) for fields in zip(*lines, strict=True)))
 
     def _ends(self, low: float, high: float, modes: Lines) -> tuple[Real, Real]:
-        """Spring, dashpot and mass that stand for all modes slower and faster than `modes`, with their derivatives.
+        """Spring, dashpot and mass for all modes slower and faster than `modes`.
+
+        With their derivatives.
 
         They are told from real s, where K is real. Only a layer of fluid needs a mass.
         """
@@ -440,12 +497,18 @@ class Sum:
         where = np.linspace(low, high, len(powers))
         s = np.exp(where)[:, None]
         value, by_theta = self.respond(where - HALF_PI, GRADIENT)
-        # At real s nothing oscillates, and no phase can be: a network that has one there is no material.
+        # At real s nothing oscillates, and no phase can be: a network that has one there is no
+        # material.
         if np.any(np.abs(value.imag) > NEGATIVE * np.abs(value)):
-            raise _NoSpectrumError("is no material: without oscillation its force would not be real")
+            raise _NoSpectrumError(
+                "is no material: without oscillation its force would not be real"
+            )
         kernel = s / (s + modes.rates)
         # What the modes change by themselves is not the ends' to change once more.
-        slopes = kernel @ modes.weight_slopes - (modes.weights * kernel / (s + modes.rates)) @ modes.rate_slopes
+        slopes = (
+            kernel @ modes.weight_slopes
+            - (modes.weights * kernel / (s + modes.rates)) @ modes.rate_slopes
+        )
         # In units of the highest s, or the matrix would be singular to rounding.
         inverse = np.linalg.inv((s / s[-1]) ** powers) / s[-1] ** powers[:, None]
         unknowns = inverse @ (value.real - kernel @ modes.weights)
@@ -454,7 +517,9 @@ class Sum:
         there = layered | (unknowns > least)
         ends, end_slopes = np.zeros(3), np.zeros((3, len(self.mass_slopes)))
         ends[: len(powers)] = np.where(there, unknowns, 0.0)
-        end_slopes[: len(powers)] = np.where(there[:, None], inverse @ (by_theta.real.T - slopes), 0.0)
+        end_slopes[: len(powers)] = np.where(
+            there[:, None], inverse @ (by_theta.real.T - slopes), 0.0
+        )
         return ends, end_slopes
 
     def _error(self, spectrum: Spectrum, low: float, high: float) -> float:
@@ -462,7 +527,8 @@ class Sum:
         exact = self._whole(grid)
         if not np.all(np.isfinite(exact)):
             raise _NoSpectrumError("is not finite on the band")
-        # Without the mass, which is exact, and far up so large that it would hide any error of the rest.
+        # Without the mass, which is exact, and far up so large that it would hide any error of the
+        # rest.
         own = spectrum.stiffness(np.exp(grid)) + self.mass * np.exp(2.0 * grid)
         size = np.abs(exact)
         return float(np.max(np.abs(own - exact) / np.where(size > 0.0, size, 1.0)))

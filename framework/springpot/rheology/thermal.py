@@ -1,4 +1,4 @@
-"""Temperature: shift factors for `shift`, vertical ones for `chain`, branches of their own, self-heating."""
+"""Temperature: factors for `shift`, vertical ones for `chain`, own branches, self-heating."""
 
 from __future__ import annotations
 
@@ -26,7 +26,8 @@ def activation_energy(name: str = "Ea", typical: float = 50.0) -> Parameter:
 
 
 def _bounded(value: Any, slopes: tuple[Any, ...]) -> Any:
-    # Beyond the bound the slopes are zero too: a solver must not be drawn further where nothing changes.
+    # Beyond the bound the slopes are zero too: a solver must not be drawn further where nothing
+    # changes.
     inside = np.abs(np.real(value)) < LARGEST_SHIFT
     kept = np.where(inside, value, np.clip(np.real(value), -LARGEST_SHIFT, LARGEST_SHIFT))
     return kept, tuple(np.where(inside, slope, 0.0) for slope in slopes), 0.0
@@ -65,7 +66,11 @@ def _wlf(at: Points, c1: Any, c2: Any) -> Any:
     frozen = np.real(room) <= 1e-6
     unit = -LN_10 * above / np.where(frozen, 1.0, room)
     value, slopes, flat = _bounded(c1 * unit, (unit, -c1 * unit / np.where(frozen, 1.0, room)))
-    return np.where(frozen, LARGEST_SHIFT, value), tuple(np.where(frozen, 0.0, s) for s in slopes), flat
+    return (
+        np.where(frozen, LARGEST_SHIFT, value),
+        tuple(np.where(frozen, 0.0, s) for s in slopes),
+        flat,
+    )
 
 
 def wlf(c1: str = "C1", c2: str = "C2") -> Formula:
@@ -93,18 +98,25 @@ def _vogel(at: Points, b: Any, pole: Any) -> Any:
     warm, reference = (np.where(frozen, 1.0, part) for part in (warm, reference))
     unit = 1.0 / warm - 1.0 / reference
     value, slopes, flat = _bounded(b * unit, (unit, b * (1.0 / warm**2 - 1.0 / reference**2)))
-    return np.where(frozen, LARGEST_SHIFT, value), tuple(np.where(frozen, 0.0, s) for s in slopes), flat
+    return (
+        np.where(frozen, LARGEST_SHIFT, value),
+        tuple(np.where(frozen, 0.0, s) for s in slopes),
+        flat,
+    )
 
 
 def vogel(b: str = "B", pole: str = "T0") -> Formula:
-    """Ln a_T = B / (T - T0) - B / (Tr - T0) (Vogel, Fulcher and Tammann): WLF with B = ln(10) C1 C2, T0 = Tr - C2.
+    """Ln a_T = B / (T - T0) - B / (Tr - T0) (Vogel, Fulcher and Tammann).
+
+    WLF with B = ln(10) C1 C2, T0 = Tr - C2.
 
     Examples
     --------
     >>> import numpy as np
     >>> from springpot.rheology import Points, vogel
     >>> at = Points.at([1.0, 1.0], temperature=[20.0, 30.0])
-    >>> np.exp(vogel().respond(np.array([np.log(10.0) * 8.86 * 101.6, 293.15 - 101.6]), at).value.real).round(3)
+    >>> theta = np.array([np.log(10.0) * 8.86 * 101.6, 293.15 - 101.6])
+    >>> np.exp(vogel().respond(theta, at).value.real).round(3)
     array([1.   , 0.161])
     """
     kelvin = Dimension(label="K")
@@ -122,13 +134,16 @@ def _vertical(at: Points, n: Any) -> Any:
 
 
 def temperature_power(n: str = "n") -> Formula:
-    """b_T = (T / Tr)^n: n = 1 for entropic elasticity, negative where thermal expansion or softening wins.
+    """b_T = (T / Tr)^n.
+
+    n = 1 for entropic elasticity, negative where thermal expansion or softening wins.
 
     Examples
     --------
     >>> import numpy as np
     >>> from springpot.rheology import Points, temperature_power
-    >>> temperature_power().respond(np.array([1.0]), Points.at([1.0], temperature=30.0)).value.real.round(4)
+    >>> at = Points.at([1.0], temperature=30.0)
+    >>> temperature_power().respond(np.array([1.0]), at).value.real.round(4)
     array([1.0341])
     """
     free = (Parameter(n, "n", PURE, -20.0, 20.0, "linear", 1.0),)
@@ -156,14 +171,15 @@ def entropic_spring(k: str = "k") -> Formula:
 
 def _thermal_dashpot(at: Points, c: Any, energy: Any) -> Any:
     unit = _inverse_temperature(at)
-    # The size alone is bounded; the imaginary part carries a derivative by complex step and must pass unchanged.
+    # The size alone is bounded; the imaginary part carries a derivative by complex step and must
+    # pass unchanged.
     power = 1j * at.omega * np.exp(np.clip(np.real(energy * unit), -LARGEST_SHIFT, LARGEST_SHIFT))
     power = power * np.exp(1j * np.imag(energy * unit))
     return c * power, (power, c * power * unit), c * power
 
 
 def thermal_dashpot(c: str = "c", energy: str = "Ea") -> Formula:
-    """A dashpot with an activation energy of its own, c exp((Ea / R) (1/T - 1/Tr)) at temperature T.
+    """A dashpot with an activation energy of its own, c exp((Ea / R) (1/T - 1/Tr)) at T.
 
     Examples
     --------
@@ -173,24 +189,33 @@ def thermal_dashpot(c: str = "c", energy: str = "Ea") -> Formula:
     >>> thermal_dashpot().respond(np.array([1.0, 30.0]), at).value.imag.round(3)
     array([1.   , 0.456])
     """
-    return Formula((viscosity(c), activation_energy(energy, 20.0)), _thermal_dashpot, NEEDS_TEMPERATURE, "dashpot")
+    return Formula(
+        (viscosity(c), activation_energy(energy, 20.0)),
+        _thermal_dashpot,
+        NEEDS_TEMPERATURE,
+        "dashpot",
+    )
 
 
 def _steady_dashpot(at: Points, c: Any) -> Any:
-    # Asked for and not used: without temperatures it could not be told from a dashpot of the material.
+    # Asked for and not used: without temperatures it could not be told from a dashpot of the
+    # material.
     at.need("temperature")
     s = 1j * at.omega
     return c * s, (s,), c * s
 
 
 def steady_dashpot(c: str = "c") -> Formula:
-    """A dashpot of the rig, the same at every temperature; without temperatures it is a plain dashpot.
+    """A dashpot of the rig, the same at every temperature.
+
+    Without temperatures it is a plain dashpot.
 
     Examples
     --------
     >>> import numpy as np
     >>> from springpot.rheology import Points, steady_dashpot
-    >>> steady_dashpot().respond(np.array([1.0]), Points.at([1.0, 1.0], temperature=[20.0, 40.0])).value.imag
+    >>> at = Points.at([1.0, 1.0], temperature=[20.0, 40.0])
+    >>> steady_dashpot().respond(np.array([1.0]), at).value.imag
     array([1., 1.])
     """
     return Formula((viscosity(c),), _steady_dashpot, NEEDS_TEMPERATURE, "dashpot")
@@ -206,19 +231,25 @@ def _no_third(at: Points, *_: Any) -> Any:
 
 
 def heating(s: str = "s") -> Formula:
-    """Shift in -ln omega for each unit of loss stiffness, s omega X^2 / 2; s is the shift per unit of power.
+    """Shift in -ln omega for each unit of loss stiffness, s omega X^2 / 2.
 
-    The temperature that a specimen reaches in many cycles does not follow one of them, so that no harmonic arises.
+    s is the shift per unit of power.
+
+    The temperature that a specimen reaches in many cycles does not follow one of them, so that no
+    harmonic arises.
 
     Examples
     --------
     >>> import numpy as np
     >>> from springpot.rheology import Points, heating
-    >>> heating().respond(np.array([0.1]), Points.at([1.0, 1.0], amplitude=[1.0, 2.0])).value.real.round(3)
+    >>> at = Points.at([1.0, 1.0], amplitude=[1.0, 2.0])
+    >>> heating().respond(np.array([0.1]), at).value.real.round(3)
     array([0.05, 0.2 ])
     """
     unit = Dimension(stiffness=-1, time=1, amplitude=-2)
-    return Formula((Parameter(s, "s", unit, typical=0.1),), _heating, ("amplitude",), "heating", _no_third)
+    return Formula(
+        (Parameter(s, "s", unit, typical=0.1),), _heating, ("amplitude",), "heating", _no_third
+    )
 
 
 class Heated(Composition):
@@ -237,14 +268,17 @@ class Heated(Composition):
         level = FULL
         if depth == VALUE:
             level = VALUE
-        # The slope by ln omega is needed for any derivative: what warms the specimen moves its frequency.
+        # The slope by ln omega is needed for any derivative: what warms the specimen moves its
+        # frequency.
         cold, heat = body.respond(base_theta, at, level), heater.respond(heat_theta, at, level)
         # Power and shift are real: only the loss heats, and a real temperature moves the frequency.
         factor = heat.value.real
         shift = factor * cold.value.imag
         # Where the shift rests on its bound it does not follow the parameters.
         free = (np.abs(shift) < LARGEST_SHIFT).astype(float)
-        warm = body.respond(base_theta, at.shifted(-np.clip(shift, -LARGEST_SHIFT, LARGEST_SHIFT)), level)
+        warm = body.respond(
+            base_theta, at.shifted(-np.clip(shift, -LARGEST_SHIFT, LARGEST_SHIFT)), level
+        )
         if depth == VALUE:
             return Response(warm.value)
         fall = warm.by_log_omega * free

@@ -32,8 +32,9 @@ class _Sample(Node):
 def same_twice(effect: Effect) -> bool:
     """Whether two effects of this kind in one model act as one of them with another size.
 
-    Two masses are one larger mass; two relaxation modes, or two filters of different corner frequencies, are not one.
-    Effects with a factor for each level are; of the others only those with a single parameter are judged.
+    Two masses are one larger mass; two relaxation modes, or two filters of different corner
+    frequencies, are not one. Effects with a factor for each level are; of the others only those
+    with a single parameter are judged.
     """
     if effect.by_levels:
         return True

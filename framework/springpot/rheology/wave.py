@@ -1,7 +1,8 @@
 """Specimen inertia: a shear wave that crosses a specimen of mass m and quasi-static stiffness K.
 
-With z^2 = m omega^2 / K (that is, omega h sqrt(rho / G)), the force at the moving side is K z cot z and at the
-fixed side K z / sin z. Both are functions of u = -E / K alone, where E = -m omega^2 is the mass element.
+With z^2 = m omega^2 / K (that is, omega h sqrt(rho / G)), the force at the moving side is K z cot z
+and at the fixed side K z / sin z. Both are functions of u = -E / K alone, where E = -m omega^2 is
+the mass element.
 """
 
 from __future__ import annotations
@@ -67,7 +68,8 @@ def wave_factor(u: Complex, moving_side: bool) -> tuple[Complex, Complex]:
 
 def _closed(u: Complex, moving_side: bool) -> tuple[Complex, Complex]:
     z = np.sqrt(u.astype(complex))
-    # Both functions are even in z: the root above the real axis keeps the exponential from overflowing.
+    # Both functions are even in z: the root above the real axis keeps the exponential from
+    # overflowing.
     z = np.where(z.imag < 0.0, -z, z)
     p = np.exp(1j * z)
     below = p * p - 1.0

@@ -12,11 +12,13 @@ import numpy as np
 from springpot.errors import DataError, ModelError
 from springpot.identification.prediction import require_known
 from springpot.identified import fitted, lesser, stated
-from springpot.measurement import FREQUENCY_UNITS, KELVIN, RATE, known_unit, one_modulus
-from springpot.measurement.units import MODULI
+from springpot.measurement.covered import RATE
+from springpot.measurement.units import FREQUENCY_UNITS, MODULI, known_unit, one_modulus
 from springpot.registry import plugins
-from springpot.rheology import Layer, Model, Points, Real
-from springpot.timetests import Known
+from springpot.rheology.effect import Layer
+from springpot.rheology.model import Model
+from springpot.rheology.points import KELVIN, Points, Real
+from springpot.timetests.prediction import Known
 
 from .handoff import Handoff, Writer
 from .prony import Prony, prony_of
@@ -126,7 +128,9 @@ def exported(
     if terms is not None and tolerance is not None:
         raise ModelError("give a tolerance or a number of terms, not both")
     if dashpot and not writer.dashpot:
-        raise ModelError(f"{writer.name} has no place for a dashpot beside the terms: leave out --dashpot")
+        raise ModelError(
+            f"{writer.name} has no place for a dashpot beside the terms: leave out --dashpot"
+        )
     known = lesser(_known(source, values, unit), without)
     # Once those that the user leaves out are gone.
     _refuse_rig(known.model)
@@ -136,7 +140,9 @@ def exported(
         kelvin = temperature + KELVIN
         require_known(known.model, known.covered, "temperature", np.array([temperature]))
     edges = _band(band)
-    spectrum = known.model.spectrum(known.theta, edges, temperature=kelvin, reference_temperature=known.reference)
+    spectrum = known.model.spectrum(
+        known.theta, edges, temperature=kelvin, reference_temperature=known.reference
+    )
     prony = prony_of(spectrum, tolerance=_share(tolerance), terms=terms, dashpot=dashpot)
     # Numbers given for a model expression have a unit only if the user says which.
     shown_unit = ""
@@ -159,7 +165,9 @@ def _letter(known: Known, modulus: str | None) -> str:
     if modulus not in MODULI:
         raise ModelError(f"a modulus is {', '.join(MODULI)}, not '{modulus:.20}'")
     if not known.units.is_modulus:
-        raise ModelError(f"{known.model.name} is a stiffness in {known.units.stiffness}: leave out --modulus")
+        raise ModelError(
+            f"{known.model.name} is a stiffness in {known.units.stiffness}: leave out --modulus"
+        )
     told = replace(known.units, letter=MODULI[modulus])
     return one_modulus([(known.model.name, known.units), (f"--modulus {modulus}", told)])
 
@@ -171,7 +179,10 @@ def _bulk(bulk: str | None) -> str | None:
 
 
 def _measured(known: Known) -> tuple[float, float] | None:
-    """Angular frequencies between which a model was measured; nothing of one whose parameters were stated."""
+    """Angular frequencies between which a model was measured.
+
+    Nothing of one whose parameters were stated.
+    """
     if not np.isfinite(known.covered.rate[1]):
         return None
     return known.covered.rate
@@ -199,7 +210,10 @@ def _outside(known: Known, edges: tuple[float, float], celsius: float | None) ->
     if not parts:
         return ""
     spans = " and ".join(known.covered.span(name, known.units) for name in beyond)
-    return f"outside of what was measured ({spans}): {' and '.join(parts)}; there it holds only if the model does"
+    return (
+        f"outside of what was measured ({spans}): {' and '.join(parts)}; there it holds only if the"
+        " model does"
+    )
 
 
 def _handoff(known: Known, prony: Prony, unit: str, kelvin: float | None, outside: str) -> Handoff:
@@ -243,12 +257,16 @@ def _refuse_rig(model: Model) -> None:
         # What belongs to the rig would act on the structure, which has no such rig.
         if effect.layer > Layer.SPECIMEN:
             raise ModelError(
-                f"'{effect.name}' belongs to the rig, not to the specimen: leave it out with --without {effect.name}"
+                f"'{effect.name}' belongs to the rig, not to the specimen: leave it out with"
+                f" --without {effect.name}"
             )
 
 
 def _printed(known: Known, unit: str) -> dict[str, str]:
-    """Parameters with their units, those included that were held; the lines of a spectrum are left to the series."""
+    """Parameters with their units, those included that were held.
+
+    The lines of a spectrum are left to the series.
+    """
     # Held parameters are none of the model's own: only the model that is released has them all.
     values = dict(zip(known.model.names, known.theta.tolist(), strict=True)) | known.model.held
     shown = {}
@@ -274,10 +292,16 @@ def _band(text: str) -> tuple[float, float]:
         match = _EDGE.fullmatch(part)
         # 1e999 is written as a number, and read as none that is finite.
         if match is None or not 0.0 < float(match[1]) < np.inf:
-            raise DataError(f"'{text}' is no band: write two frequencies with their units, such as 1Hz:48Hz")
-        edges.append(float(match[1]) * FREQUENCY_UNITS[known_unit(match[2], FREQUENCY_UNITS, "the band")])
+            raise DataError(
+                f"'{text}' is no band: write two frequencies with their units, such as 1Hz:48Hz"
+            )
+        edges.append(
+            float(match[1]) * FREQUENCY_UNITS[known_unit(match[2], FREQUENCY_UNITS, "the band")]
+        )
     if len(edges) != 2 or not edges[0] < edges[1]:
-        raise DataError(f"'{text}' is no band: write two frequencies, the lower first, such as 1Hz:48Hz")
+        raise DataError(
+            f"'{text}' is no band: write two frequencies, the lower first, such as 1Hz:48Hz"
+        )
     return edges[0], edges[1]
 
 

@@ -43,7 +43,8 @@ class Handoff:
     name : str
         What the material or damper shall be called.
     exact : callable, optional
-        From angular frequencies in rad/s to the model's own complex K, for formats that hold K itself.
+        From angular frequencies in rad/s to the model's own complex K, for formats that hold K
+        itself.
     letter : {"", "G", "E", "K"}
         Which modulus it is: shear, Young's or bulk; empty for a stiffness, or if nobody said.
     bulk : {"constant", "relaxing"}, optional
@@ -78,16 +79,20 @@ class Handoff:
         """
         if not self.letter:
             raise ModelError(
-                f"{self.model} in {self.unit} is a shear, Young's or bulk modulus, which the data do not say: "
-                "give --modulus shear, young or bulk"
+                f"{self.model} in {self.unit} is a shear, Young's or bulk modulus, which the data"
+                " do not say: give --modulus shear, young or bulk"
             )
         # At 0.5 the bulk modulus is without end, and below -1 the shear modulus is negative.
         if self.poisson is None or not -1.0 < self.poisson < 0.5:
-            raise ModelError("a solid needs Poisson's ratio, above -1 and below 0.5: give --poisson 0.49")
+            raise ModelError(
+                "a solid needs Poisson's ratio, above -1 and below 0.5: give --poisson 0.49"
+            )
         return solid_of(self.prony, self.letter, self.poisson, self.bulk)
 
     def as_modulus(self, letter: str) -> Handoff:
-        """The same as the series of a shear (``G``) or Young's modulus (``E``); a stiffness as it is.
+        """The same as the series of a shear (``G``) or Young's modulus (``E``).
+
+        A stiffness as it is.
 
         Raises
         ------
@@ -111,13 +116,19 @@ class Handoff:
         return np.asarray((rates < low) | (rates > high))
 
     def stiffness(self, omega: Real) -> Complex:
-        """K (n,) at omega (n,) in rad/s: that of the model itself where it is known, else that of the series."""
+        """K (n,) at omega (n,) in rad/s.
+
+        That of the model itself where it is known, else that of the series.
+        """
         if self.exact is None:
             return self.prony.stiffness(omega)
         return self.exact(omega)
 
     def heading(self) -> list[str]:
-        """What it is, in lines of plain text: model, parameters, band, error, unit, long-term and instantaneous."""
+        """What it is, in lines of plain text.
+
+        Model, parameters, band, error, unit, long-term and instantaneous.
+        """
         prony = self.prony
         low, high = (omega / (2.0 * np.pi) for omega in prony.band)
         # A solver has no units: what the numbers are in must be read from the file's first lines.
@@ -131,10 +142,14 @@ class Handoff:
             dashpot = f", beside a dashpot of {prony.viscosity:.9g} [{unit} s]"
         return [
             f"springpot: {self.model}: {values}",
-            f"Prony series of {len(prony.times)} terms for {low:.6g} to {high:.6g} Hz, "
-            f"within {100 * prony.error:.3g} % of |K| of the model",
-            f"{what} in {unit}, times in s; "
-            f"long-term {prony.equilibrium:.9g}, instantaneous {prony.instantaneous:.9g}{dashpot}",
+            (
+                f"Prony series of {len(prony.times)} terms for {low:.6g} to {high:.6g} Hz, "
+                f"within {100 * prony.error:.3g} % of |K| of the model"
+            ),
+            (
+                f"{what} in {unit}, times in s; long-term {prony.equilibrium:.9g}, instantaneous"
+                f" {prony.instantaneous:.9g}{dashpot}"
+            ),
             *self.remarks,
         ]
 
@@ -154,8 +169,8 @@ class Writer:
     suffix : str
         Of the file, such as ``".inp"``.
     solid : bool
-        Whether the format describes a solid material: it then needs a modulus of which it is known whether it is
-        shear's, Young's or bulk, a long-term one above zero, and Poisson's ratio.
+        Whether the format describes a solid material: it then needs a modulus of which it is known
+        whether it is shear's, Young's or bulk, a long-term one above zero, and Poisson's ratio.
     dashpot : bool
         Whether it has room for a dashpot beside the terms.
     aliases : tuple of str
@@ -163,8 +178,8 @@ class Writer:
     damper : bool
         Whether the format describes a damper: it then needs a stiffness.
     modulus : {"", "G", "E"}
-        Which modulus the series is of where the format takes that of a material but describes no whole solid; empty
-        where it takes any and says which.
+        Which modulus the series is of where the format takes that of a material but describes no
+        whole solid; empty where it takes any and says which.
     data : callable, optional
         From a `Handoff` to the bytes of a file that is no text; `text` then says what is in it.
     """
@@ -194,12 +209,14 @@ class Writer:
             if handoff.unit:
                 given += f" in {handoff.unit}"
             raise ModelError(
-                f"{self.name} needs a modulus, and {handoff.model} is {given}: identify it with the --geometry"
+                f"{self.name} needs a modulus, and {handoff.model} is {given}: identify it with the"
+                " --geometry"
             )
         if self.solid and not prony.equilibrium >= LEAST * prony.instantaneous:
             raise ModelError(
-                f"{self.name} needs a solid, and {handoff.model} is a liquid on this band (long-term modulus "
-                f"{prony.equilibrium:.3g}): add a spring beside it or begin the band lower"
+                f"{self.name} needs a solid, and {handoff.model} is a liquid on this band"
+                f" (long-term modulus {prony.equilibrium:.3g}): add a spring beside it or begin the"
+                " band lower"
             )
         if self.solid:
             _ = handoff.solid
@@ -207,8 +224,8 @@ class Writer:
             raise ModelError(f"{self.name} has no dashpot beside its terms: leave out --dashpot")
         if self.damper and handoff.is_modulus:
             raise ModelError(
-                f"{self.name} needs a stiffness, and {handoff.model} is a modulus in {handoff.unit}: "
-                "identify it with the --geometry of the damper"
+                f"{self.name} needs a stiffness, and {handoff.model} is a modulus in"
+                f" {handoff.unit}: identify it with the --geometry of the damper"
             )
         if self.modulus:
             handoff = handoff.as_modulus(self.modulus)

@@ -1,4 +1,7 @@
-"""A Prony series of as few terms as a tolerance on a band needs: what solvers take instead of a fractional model."""
+"""A Prony series of as few terms as a tolerance on a band needs.
+
+What solvers take instead of a fractional model.
+"""
 
 from __future__ import annotations
 
@@ -17,20 +20,32 @@ if TYPE_CHECKING:
 MOST = 60
 """Terms beyond which a tolerance is given up: three a decade over twenty decades."""
 IN_VAIN = 6
-"""Terms that do not help after which no more are tried: one in every third of a decade of a band of two."""
+"""Terms that do not help after which no more are tried.
+
+One in every third of a decade of a band of two.
+"""
 WORTH = 0.9
-"""Share of the error that a term must leave at most to have helped; of a springpot each leaves a quarter."""
+"""Share of the error that a term must leave at most to have helped.
+
+Of a springpot each leaves a quarter.
+"""
 PER_DECADE = 16
-"""Frequencies a decade at which the error is fitted and measured: beyond 12 it changes in the third digit only."""
+"""Frequencies a decade at which the error is fitted and measured.
+
+Beyond 12 it changes in the third digit only.
+"""
 BEYOND = 5.0
-"""How far (in ln) times may lie outside the band: two decades, where a term is a spring or a dashpot to 1 %."""
+"""How far (in ln) times may lie outside the band.
+
+Two decades, where a term is a spring or a dashpot to 1 %.
+"""
 ROUNDS = 6
 """Reweightings towards the least largest error (Lawson); more gain less than 2 %."""
 
 
 @dataclass(frozen=True, eq=False)
 class Prony:
-    """K = equilibrium + viscosity s + sum of weights s tau / (1 + s tau), with non-negative weights.
+    """K = equilibrium + viscosity s + sum of weights s tau / (1 + s tau), weights non-negative.
 
     Attributes
     ----------
@@ -65,7 +80,11 @@ class Prony:
 
 
 def prony_of(
-    spectrum: Spectrum, *, tolerance: float | None = None, terms: int | None = None, dashpot: bool = False
+    spectrum: Spectrum,
+    *,
+    tolerance: float | None = None,
+    terms: int | None = None,
+    dashpot: bool = False,
 ) -> Prony:
     """The Prony series of fewest terms within a tolerance, or the best one with a number of terms.
 
@@ -88,8 +107,8 @@ def prony_of(
     Raises
     ------
     ModelError
-        If the tolerance needs more terms than `MOST` or no terms hold it, as those of a dashpot that may not stand
-        beside them, or if the number of terms is not 1 to `MOST`.
+        If the tolerance needs more terms than `MOST` or no terms hold it, as those of a dashpot
+        that may not stand beside them, or if the number of terms is not 1 to `MOST`.
 
     Examples
     --------
@@ -131,11 +150,12 @@ def prony_of(
             break
     if spectrum.viscosity > 0.0 and not dashpot:
         raise ModelError(
-            f"terms alone follow its dashpot no nearer than {100 * least:.2g} %: let a dashpot stand beside them "
-            "(--dashpot) where the format has one, or widen the tolerance"
+            f"terms alone follow its dashpot no nearer than {100 * least:.2g} %: let a dashpot"
+            " stand beside them (--dashpot) where the format has one, or widen the tolerance"
         )
     raise ModelError(
-        f"{count} terms hold {100 * least:.2g} %, not {100 * wanted:g} %: widen the tolerance or narrow the band"
+        f"{count} terms hold {100 * least:.2g} %, not {100 * wanted:g} %: widen the tolerance or"
+        " narrow the band"
     )
 
 
@@ -145,14 +165,19 @@ def _exact(spectrum: Spectrum, dashpot: bool) -> Prony | None:
         return None
     order = np.argsort(-spectrum.rates)
     times, weights = 1.0 / spectrum.rates[order], spectrum.weights[order]
-    return Prony(spectrum.equilibrium, spectrum.viscosity, weights, times, spectrum.band, spectrum.error)
+    return Prony(
+        spectrum.equilibrium, spectrum.viscosity, weights, times, spectrum.band, spectrum.error
+    )
 
 
-def _fitted(grid: Real, target: Complex, count: int, dashpot: bool, band: tuple[float, float]) -> Prony:
-    """Times by least squares from evenly spread ones, weights inside it by non-negative least squares."""
+def _fitted(
+    grid: Real, target: Complex, count: int, dashpot: bool, band: tuple[float, float]
+) -> Prony:
+    """Times by least squares from even ones, weights inside it by non-negative least squares."""
     from scipy.optimize import least_squares
 
-    # For given times the weights follow by linear least squares (variable projection): only times are searched.
+    # For given times the weights follow by linear least squares (variable projection): only times
+    # are searched.
     s = 1j * np.exp(grid)
     lawson = np.ones(len(grid))
     width = (grid[-1] - grid[0]) / count
@@ -181,14 +206,17 @@ def _fitted(grid: Real, target: Complex, count: int, dashpot: bool, band: tuple[
                 viscosity = float(amounts[1])
             weights = amounts[-count:][order]
             best = Prony(float(amounts[0]), viscosity, weights, np.exp(-u[order]), band, largest)
-        # Lawson: weights grow where the error is largest, so that least squares tend to the least largest error.
+        # Lawson: weights grow where the error is largest, so that least squares tend to the least
+        # largest error.
         lawson = lawson * error / max(error.mean(), 1e-300)
         # No point is let go altogether, or its error would grow unseen.
         lawson = np.maximum(lawson / lawson.mean(), 1e-3)
     assert best is not None
     # A solver would carry a term without weight through all its steps for nothing.
     kept = best.weights > 0.0
-    return Prony(best.equilibrium, best.viscosity, best.weights[kept], best.times[kept], band, best.error)
+    return Prony(
+        best.equilibrium, best.viscosity, best.weights[kept], best.times[kept], band, best.error
+    )
 
 
 def _columns(s: Complex, u: Real, dashpot: bool) -> Complex:

@@ -1,9 +1,11 @@
-"""An isotropic solid from the one modulus that was measured: shear and bulk modulus, each as a Prony series.
+"""An isotropic solid from the one modulus that was measured.
 
-One measured modulus leaves a second one open. Either Poisson's ratio stays constant, and all moduli relax in
-proportion, or the bulk modulus does, as that of rubber nearly does (Tschoegl, Knauss & Emri 2002,
-doi:10.1023/A:1014411503170). With a constant bulk modulus the shear modulus of a tensile test follows from
-1 / E(s) = 1 / (3 G(s)) + 1 / (9 K) at every s.
+Shear and bulk modulus, each as a Prony series.
+
+One measured modulus leaves a second one open. Either Poisson's ratio stays constant, and all moduli
+relax in proportion, or the bulk modulus does, as that of rubber nearly does (Tschoegl, Knauss &
+Emri 2002, doi:10.1023/A:1014411503170). With a constant bulk modulus the shear modulus of a tensile
+test follows from 1 / E(s) = 1 / (3 G(s)) + 1 / (9 K) at every s.
 """
 
 from __future__ import annotations
@@ -78,7 +80,10 @@ class Solid:
         bulk = "the bulk modulus relaxes as it does, with a constant Poisson's ratio"
         if self.constant:
             bulk = f"the bulk modulus is constant, {self.bulk.equilibrium:.9g}"
-        return f"measured: {MODULUS_WORDS[self.measured]}; Poisson's ratio {self.poisson:.6g} at once; {bulk}"
+        return (
+            f"measured: {MODULUS_WORDS[self.measured]}; Poisson's ratio {self.poisson:.6g} at once;"
+            f" {bulk}"
+        )
 
 
 def solid_of(prony: Prony, measured: str, poisson: float, bulk: str | None = None) -> Solid:
@@ -93,7 +98,8 @@ def solid_of(prony: Prony, measured: str, poisson: float, bulk: str | None = Non
     poisson : float
         Poisson's ratio at once, above -1 and below 0.5.
     bulk : {"constant", "relaxing"}, optional
-        What the bulk modulus does; constant above nu = 0.45 if nobody says, unless it was measured itself.
+        What the bulk modulus does; constant above nu = 0.45 if nobody says, unless it was measured
+        itself.
 
     Raises
     ------
@@ -119,7 +125,9 @@ def solid_of(prony: Prony, measured: str, poisson: float, bulk: str | None = Non
     none = np.zeros(0)
     volume = replace(prony, equilibrium=ratio * whole, weights=none, times=none)
     if not constant:
-        volume = replace(shear, equilibrium=ratio * shear.equilibrium, weights=ratio * shear.weights)
+        volume = replace(
+            shear, equilibrium=ratio * shear.equilibrium, weights=ratio * shear.weights
+        )
     return Solid(shear, volume, poisson, measured, constant)
 
 
@@ -149,16 +157,22 @@ def _to_shear(measured: str, poisson: float, bulk: float, constant: bool) -> tup
 
 
 def beside_a_spring(prony: Prony, own: float, soft: float) -> Prony:
-    """The Prony series of M / (own + soft M), exactly, for the series M: a spring of 1 / soft in series with M / own.
+    """The Prony series of M / (own + soft M), exactly, for the series M.
 
-    A negative `soft` takes such a spring away, which M must have in it. There are as many terms as before: one rate
-    between each two of M, and one before the slowest (or beyond the fastest, where a spring is taken away).
+    A spring of 1 / soft in series with M / own.
+
+    A negative `soft` takes such a spring away, which M must have in it. There are as many terms as
+    before: one rate between each two of M, and one before the slowest (or beyond the fastest, where
+    a spring is taken away).
     """
     equilibrium = prony.equilibrium / (own + soft * prony.equilibrium)
     if soft == 0.0 or not len(prony.times):
         return replace(prony, equilibrium=equilibrium, weights=prony.weights / own)
     if prony.viscosity:
-        raise ModelError("no series beside a dashpot is converted with a constant bulk modulus: give --bulk relaxing")
+        raise ModelError(
+            "no series beside a dashpot is converted with a constant bulk modulus: give --bulk"
+            " relaxing"
+        )
     order = np.argsort(-prony.times)
     rates, weights = 1.0 / prony.times[order], prony.weights[order]
     # The denominator has the same poles as M, and between two of them it takes every value once.
@@ -173,14 +187,18 @@ def beside_a_spring(prony: Prony, own: float, soft: float) -> Prony:
     slope = np.sum(weights * rates / (gaps - away[:, None]) ** 2, axis=1)
     new = rates + away
     return replace(
-        prony, equilibrium=equilibrium, weights=(own / (soft**2 * slope * new))[::-1], times=1.0 / new[::-1]
+        prony,
+        equilibrium=equilibrium,
+        weights=(own / (soft**2 * slope * new))[::-1],
+        times=1.0 / new[::-1],
     )
 
 
 def _roots(level: float, weights: Real, rates: Real, ends: tuple[Real, Real]) -> Real:
-    """How far (m,) from each rate there is a root of level + sum of weights x / (x - rates), between these ends.
+    """Roots of level + sum of weights x / (x - rates), as distances (m,) from each rate.
 
-    Counted from the rate itself, as that of a small term lies next to it.
+    They lie between these ends. Counted from the rate itself, as that of a small term lies next to
+    it.
     """
     low, high = ends
     gaps = rates - rates[:, None]

@@ -1,4 +1,7 @@
-"""A structure with identified dampers: modes, steady state, motion under a record, energy, and how sure all is."""
+"""A structure with identified dampers.
+
+Modes, steady state, motion under a record, energy, and how sure all is.
+"""
 
 from __future__ import annotations
 

@@ -1,9 +1,10 @@
-"""What in a damper is not linear - friction, a slider, a stop, a power of the speed - step by step, for what it is.
+"""What in a damper is not linear, step by step: friction, a slider, a stop, a power of the speed.
 
-Within a step each such force is constant. It is taken in the middle of the step, that of a slider as it moves along.
-Where a force jumps as the motion turns (dry friction), the damper sticks if a force between the ends of the jump
-brings it to rest at the end of the step: a jump is no steep slope, and what sticks does not creep (Moreau 1988,
-Unilateral contact and dry friction in finite freedom dynamics, doi:10.1007/978-3-7091-2624-0_1).
+Each is followed for what it is. Within a step each such force is constant. It is taken in the
+middle of the step, that of a slider as it moves along. Where a force jumps as the motion turns (dry
+friction), the damper sticks if a force between the ends of the jump brings it to rest at the end of
+the step: a jump is no steep slope, and what sticks does not creep (Moreau 1988, Unilateral contact
+and dry friction in finite freedom dynamics, doi:10.1007/978-3-7091-2624-0_1).
 """
 
 from __future__ import annotations
@@ -13,22 +14,40 @@ from typing import Any
 
 import numpy as np
 
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 from .frame import Damper
 
 TURNING = 1e-12
-"""Speed that is next to none, in the damper's own unit of length a second: which side of a jump is meant."""
+"""Speed that is next to none, in the damper's own unit of length a second.
+
+Which side of a jump is meant.
+"""
 JUMP = 1e-6
-"""Share of the force at a speed of one below which a change from side to side is the foot of a slope, no jump."""
+"""Share of the force at a speed of one below which a change of side is no jump.
+
+It is then the foot of a slope.
+"""
 CLOSE = 1e-7
-"""Relative change of the forces at which they are found: far below what the length of a step changes."""
+"""Relative change of the forces at which they are found.
+
+Far below what the length of a step changes.
+"""
 ROUNDS = 40
-"""Of putting the motion back into the laws. Three do for a force that moves the structure little within a step."""
+"""Of putting the motion back into the laws.
+
+Three do for a force that moves the structure little within a step.
+"""
 CALM = 8
-"""Rounds after which only half of a change is taken, and so on: near rest a power of the speed may be steep."""
+"""Rounds after which only half of a change is taken, and so on.
+
+Near rest a power of the speed may be steep.
+"""
 SWEEPS = 200
-"""Over the dampers that stick: those of neighbouring storeys feel each other by half, so that each sweep halves."""
+"""Over the dampers that stick.
+
+Those of neighbouring storeys feel each other by half, so that each sweep halves.
+"""
 
 
 class Beside:
@@ -72,7 +91,9 @@ class Beside:
         pairs = zip(self.sliders, self.carried, strict=True)
         return [slides(before, way, *theta) for (slides, theta), before in pairs]
 
-    def ends(self, start: float, end: float, start_speed: float, end_speed: float) -> tuple[float, float]:
+    def ends(
+        self, start: float, end: float, start_speed: float, end_speed: float
+    ) -> tuple[float, float]:
         """Least and largest force in N along the floor in a step; where nothing jumps they are one.
 
         Parameters
@@ -88,7 +109,10 @@ class Beside:
         if not self.jumps:
             force = self.size * (self._pointwise(way, speed) + slid)
             return force, force
-        back, on = self._pointwise(way, min(speed, -TURNING)), self._pointwise(way, max(speed, TURNING))
+        back, on = (
+            self._pointwise(way, min(speed, -TURNING)),
+            self._pointwise(way, max(speed, TURNING)),
+        )
         return self.size * (back + slid), self.size * (on + slid)
 
     def move(self, way: float) -> None:
@@ -122,7 +146,14 @@ def forces(
     low, high = np.full(len(guess), np.nan), np.full(len(guess), np.nan)
     for turn in range(ROUNDS):
         end, end_speed = last + way_by @ force, last_speed + speed_by @ force
-        motion = zip(besides, first.tolist(), end.tolist(), first_speed.tolist(), end_speed.tolist(), strict=True)
+        motion = zip(
+            besides,
+            first.tolist(),
+            end.tolist(),
+            first_speed.tolist(),
+            end_speed.tolist(),
+            strict=True,
+        )
         ends = np.array([beside.ends(*each) for beside, *each in motion])
         size = np.abs(ends).max()
         # In the first round there is nothing to compare with.
@@ -136,8 +167,10 @@ def forces(
     return force
 
 
-def _at_rest_if_it_can(free_speed: Real, by_force: Real, low: Real, high: Real, force: Real) -> Real:
-    """Forces (q,) from `low` to `high` that bring each damper to rest, or as near to it as they can."""
+def _at_rest_if_it_can(
+    free_speed: Real, by_force: Real, low: Real, high: Real, force: Real
+) -> Real:
+    """Forces (q,) from `low` to `high` that bring each damper to rest, or as near as they can."""
     if np.array_equal(low, high):
         return low.copy()
     ends = list(zip(low.tolist(), high.tolist(), strict=True))
@@ -146,7 +179,8 @@ def _at_rest_if_it_can(free_speed: Real, by_force: Real, low: Real, high: Real, 
         change = 0.0
         for i, (row, (least, most)) in enumerate(zip(matrix, ends, strict=True)):
             others = speeds[i] + sum(a * b for a, b in zip(row, now, strict=True)) - row[i] * now[i]
-            # One damper after the other, each at rest beside what the others do now (Gauss and Seidel).
+            # One damper after the other, each at rest beside what the others do now (Gauss and
+            # Seidel).
             stopping = min(max(-others / row[i], least), most)
             change = max(change, abs(stopping - now[i]))
             now[i] = stopping

@@ -1,4 +1,7 @@
-"""A structure under a record: drift with its band, the loops of the dampers, and where the energy went."""
+"""A structure under a record.
+
+Drift with its band, the loops of the dampers, and where the energy went.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from springpot.report.canvas import COLOURS, QUIET, blank, logarithmic, save
-from springpot.structure import Simulation, Steady
+
+from .modes import Steady
+from .motion import Simulation
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -39,7 +44,9 @@ def figure_motion(simulation: Simulation, path: str | Path | None = None) -> Fig
     with blank(9.0, 6.0) as figure:
         drifts, loops, peaks, energies = figure.subplots(2, 2).ravel()
         for i, drift in enumerate(motion.drift.T):
-            drifts.plot(time, 1e3 * drift, color=COLOURS[i % len(COLOURS)], lw=0.9, label=f"storey {i + 1}")
+            drifts.plot(
+                time, 1e3 * drift, color=COLOURS[i % len(COLOURS)], lw=0.9, label=f"storey {i + 1}"
+            )
         drifts.set(xlabel="t [s]", ylabel="drift [mm]")
         drifts.legend()
         for i, damper in enumerate(motion.frame.dampers):
@@ -51,7 +58,8 @@ def figure_motion(simulation: Simulation, path: str | Path | None = None) -> Fig
         peaks.hlines(storey, 1e3 * low, 1e3 * high, color=QUIET, lw=4)
         peaks.plot(1e3 * motion.peak_drift, storey, "o", color=COLOURS[0])
         peaks.set(xlabel="peak drift [mm], band 95 %", ylabel="storey", yticks=list(storey))
-        # From zero, as a band is small or large beside the drift itself, to where the largest is seen whole.
+        # From zero, as a band is small or large beside the drift itself, to where the largest is
+        # seen whole.
         peaks.set_xlim(0.0, ROOM * 1e3 * max(high.max(), motion.peak_drift.max()))
         peaks.set_ylim(0.5, len(motion.frame) + 0.5)
         for i, (name, each) in enumerate(energy.items()):
@@ -82,9 +90,13 @@ def figure_steady(steady: Steady, path: str | Path | None = None) -> Figure:
     with blank(9.0, 3.6) as figure:
         drifts, forces = figure.subplots(1, 2)
         for i, drift in enumerate(np.abs(steady.drift).T):
-            drifts.plot(frequency, 1e3 * drift, color=COLOURS[i % len(COLOURS)], label=f"storey {i + 1}")
+            drifts.plot(
+                frequency, 1e3 * drift, color=COLOURS[i % len(COLOURS)], label=f"storey {i + 1}"
+            )
         for i, force in enumerate(np.abs(steady.axial_force).T):
-            forces.plot(frequency, 1e-3 * force, color=COLOURS[i % len(COLOURS)], label=f"damper {i + 1}")
+            forces.plot(
+                frequency, 1e-3 * force, color=COLOURS[i % len(COLOURS)], label=f"damper {i + 1}"
+            )
         drifts.set(xlabel="f [Hz]", ylabel="drift [mm] at 1 m/s$^2$")
         forces.set(xlabel="f [Hz]", ylabel="axial force of a damper [kN] at 1 m/s$^2$")
         for axes in (drifts, forces):

@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import ModelError
-from springpot.rheology import KELVIN, ROOM, Complex, Effect, Layer, Model, Points, Real
+from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.history import Placed, sorted_out
+from springpot.rheology.model import Model
 from springpot.rheology.nodes import FULL
+from springpot.rheology.points import KELVIN, ROOM, Complex, Points, Real
 
 Number = TypeVar("Number", np.float64, np.complex128)
 
@@ -50,16 +52,17 @@ class Damper:
     Raises
     ------
     ModelError
-        If there is none of them, or they stand upright; or if the model has an effect of the rig or of the signals,
-        which belong to no damper. What is not linear and stands beside the material - friction, a slider, a stop - is
-        taken as part of the damper.
+        If there is none of them, or they stand upright; or if the model has an effect of the rig or
+        of the signals, which belong to no damper. What is not linear and stands beside the material
+        - friction, a slider, a stop - is taken as part of the damper.
 
     Examples
     --------
     >>> import numpy as np
     >>> from springpot.rheology import Model, dashpot
     >>> from springpot.structure import Damper
-    >>> Damper(Model("dashpot", dashpot()), np.array([500.0]), count=2.0).stiffness(np.array([1j]))[0].round(6)
+    >>> damper = Damper(Model("dashpot", dashpot()), np.array([500.0]), count=2.0)
+    >>> damper.stiffness(np.array([1j]))[0].round(6)
     array([0.+1000.j])
     """
 
@@ -79,7 +82,9 @@ class Damper:
             raise ModelError(f"there are {self.count:g} of a damper: its count is above zero")
         # An upright one feels nothing of a drift, and its force is endless beside it.
         if not UPRIGHT < self.cosine <= 1.0:
-            raise ModelError("a damper slopes by less than 90 degrees against the floor, either way")
+            raise ModelError(
+                "a damper slopes by less than 90 degrees against the floor, either way"
+            )
         for effect in self.linear.effects:
             if effect.layer > Layer.SPECIMEN:
                 raise ModelError(
@@ -123,9 +128,9 @@ class Damper:
         return self.temperature + KELVIN
 
     def stiffness(self, s: Complex) -> tuple[Complex, Complex]:
-        """K and dK/ds in N/m at s (n,) in 1/s, which may be complex, for all dampers of this kind together.
+        """K and dK/ds in N/m of all dampers of this kind together, at s (n,) in 1/s.
 
-        What is not linear is left out.
+        s may be complex. What is not linear is left out.
         """
         kelvin = None
         if self.kelvin is not None:
@@ -141,12 +146,16 @@ class Damper:
         if self.covariance is None:
             return self
         # A positive parameter that is known within a factor must not be drawn below zero.
-        log = np.array([parameter.scale == "log" for parameter in self.model.parameters]) & (self.theta > 0.0)
+        log = np.array([parameter.scale == "log" for parameter in self.model.parameters]) & (
+            self.theta > 0.0
+        )
         size = np.where(log, self.theta, 1.0)
         spread = self.covariance / np.outer(size, size)
-        # By eigenvalues and unchecked: the covariance of a parameter on its bound is zero, and rounding may make it
-        # less.
-        move = rng.multivariate_normal(np.zeros(len(size)), spread, method="eigh", check_valid="ignore")
+        # By eigenvalues and unchecked: the covariance of a parameter on its bound is zero, and
+        # rounding may make it less.
+        move = rng.multivariate_normal(
+            np.zeros(len(size)), spread, method="eigh", check_valid="ignore"
+        )
         theta = np.where(log, self.theta * np.exp(np.where(log, move, 0.0)), self.theta + move)
         lower = np.array([parameter.lower for parameter in self.model.parameters])
         upper = np.array([parameter.upper for parameter in self.model.parameters])
@@ -189,16 +198,24 @@ class Frame:
 
     def __post_init__(self) -> None:
         for name in ("mass", "stiffness"):
-            object.__setattr__(self, name, np.atleast_1d(np.asarray(getattr(self, name), dtype=float)))
+            object.__setattr__(
+                self, name, np.atleast_1d(np.asarray(getattr(self, name), dtype=float))
+            )
         if self.mass.shape != self.stiffness.shape:
-            raise ModelError(f"{len(self.mass)} floors have a mass and {len(self.stiffness)} storeys a stiffness")
+            raise ModelError(
+                f"{len(self.mass)} floors have a mass and {len(self.stiffness)} storeys a stiffness"
+            )
         if not (np.all(self.mass > 0.0) and np.all(self.stiffness > 0.0)):
             raise ModelError("masses and stiffnesses of a frame are above zero")
         if not 0.0 <= self.damping < 1.0:
-            raise ModelError(f"the damping of a frame is a ratio from 0 to below 1, not {self.damping:g}")
+            raise ModelError(
+                f"the damping of a frame is a ratio from 0 to below 1, not {self.damping:g}"
+            )
         for damper in self.dampers:
             if not 1 <= damper.storey <= len(self.mass):
-                raise ModelError(f"a damper braces storey {damper.storey} of a frame of {len(self.mass)}")
+                raise ModelError(
+                    f"a damper braces storey {damper.storey} of a frame of {len(self.mass)}"
+                )
 
     def __len__(self) -> int:
         return len(self.mass)
@@ -210,7 +227,7 @@ class Frame:
         return np.eye(n) - np.eye(n, k=-1)
 
     def drift_of(self, floors: NDArray[Number]) -> NDArray[Number]:
-        """Drifts of the storeys (t, n) from displacements of the floors, or their rates from velocities."""
+        """Drifts of the storeys (t, n) from displacements of the floors, rates from velocities."""
         return np.asarray(floors @ self.drifts.T)
 
     @cached_property
@@ -235,7 +252,7 @@ class Frame:
 
     @cached_property
     def floor_per_axis(self) -> Real:
-        """Force along the floor of all dampers of each entry over that of one along its axis, shape (d,)."""
+        """Force of an entry's dampers along the floor over that of one along its axis, (d,)."""
         return np.array([damper.count * damper.cosine for damper in self.dampers])
 
     def strokes_of(self, drift: NDArray[Number]) -> NDArray[Number]:
@@ -245,7 +262,10 @@ class Frame:
 
     @cached_property
     def storeys_of_dampers(self) -> Real:
-        """Ones where an entry of dampers braces a storey, shape (n, d): the sum of their forces in each."""
+        """Ones where an entry of dampers braces a storey, shape (n, d).
+
+        The sum of their forces in each.
+        """
         braced = np.zeros((len(self), len(self.dampers)))
         for i, damper in enumerate(self.dampers):
             braced[damper.storey - 1, i] = 1.0
@@ -262,7 +282,8 @@ class Frame:
         value: Complex = one**2 * mass + one * self.viscous + self.elastic
         slope: Complex = 2.0 * one * mass + self.viscous
         for damper in self.dampers:
-            # A damper feels the drift of its storey and pushes both floors apart: the same row twice.
+            # A damper feels the drift of its storey and pushes both floors apart: the same row
+            # twice.
             row = self.drifts[damper.storey - 1]
             square = np.outer(row, row)
             k, by_s = damper.stiffness(s)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from springpot.errors import ModelError
-from springpot.rheology import Complex, Real
+from springpot.rheology.points import Complex, Real
 
 from .frame import Frame
 
@@ -44,10 +44,10 @@ class Mode:
 
 
 def modes_of(frame: Frame) -> list[Mode]:
-    """All modes, lowest first, from the nonlinear eigenvalue problem (s^2 M + s C + K + K_d(s)) shape = 0.
+    """All modes, lowest first, of the eigenvalue problem (s^2 M + s C + K + K_d(s)) shape = 0.
 
-    Each is followed from that of the bare frame by Newton's method on shape and s together, while the dampers come in
-    step by step.
+    Each is followed from that of the bare frame by Newton's method on shape and s together, while
+    the dampers come in step by step.
 
     Raises
     ------
@@ -56,7 +56,8 @@ def modes_of(frame: Frame) -> list[Mode]:
 
     References
     ----------
-    Ruhe 1973, doi:10.1137/0710059; Lewandowski & Wielentejczyk 2020, doi:10.1007/s00419-019-01602-4.
+    Ruhe 1973, doi:10.1137/0710059; Lewandowski & Wielentejczyk 2020,
+    doi:10.1007/s00419-019-01602-4.
 
     Examples
     --------
@@ -66,9 +67,12 @@ def modes_of(frame: Frame) -> list[Mode]:
     >>> round(mode.frequency, 3), round(mode.damping, 3)
     (1.0, 0.05)
     """
-    # The bare frame has n modes for certain: followed from there, none is missed and none comes twice.
+    # The bare frame has n modes for certain: followed from there, none is missed and none comes
+    # twice.
     omega, shapes = frame.natural
-    return [_followed(frame, 1j * omega[i], shapes[:, i].astype(complex)) for i in range(len(frame))]
+    return [
+        _followed(frame, 1j * omega[i], shapes[:, i].astype(complex)) for i in range(len(frame))
+    ]
 
 
 def _followed(frame: Frame, s: complex, shape: Complex) -> Mode:
@@ -99,7 +103,9 @@ def _newton(frame: Frame, s: complex, shape: Complex, share: float) -> tuple[com
         shape, s = shape + step[:n], s + complex(step[n])
         if abs(step[n]) <= CLOSE * abs(s):
             return s, shape
-    raise ModelError("a mode of the frame was not found: its dampers are far stiffer than its storeys")
+    raise ModelError(
+        "a mode of the frame was not found: its dampers are far stiffer than its storeys"
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +133,7 @@ class Steady:
 
     @property
     def force(self) -> Complex:
-        """Amplitudes (w, d) of the forces of each entry of dampers together, in N, along the floor."""
+        """Amplitudes (w, d) of the force of each entry's dampers along the floor, in N."""
         return self._stiffness * self._way
 
     @property
@@ -182,13 +188,16 @@ def steady_of(frame: Frame, omega: Real, acceleration: float = 1.0) -> Steady:
     """
     for damper in frame.dampers:
         for effect, _ in damper.beside:
-            raise ModelError(f"'{effect.name}' has no steady state at any amplitude: give a record, or leave it out")
+            raise ModelError(
+                f"'{effect.name}' has no steady state at any amplitude: give a record, or leave"
+                " it out"
+            )
     omega = np.atleast_1d(np.asarray(omega, dtype=float))
     return Steady(frame, omega, steady_state(frame, omega, acceleration))
 
 
 def steady_state(frame: Frame, omega: Real, acceleration: float = 1.0) -> Complex:
-    """Amplitudes of the floors relative to the ground, which shakes with that amplitude of acceleration.
+    """Amplitudes of the floors relative to the ground, whose acceleration has that amplitude.
 
     Parameters
     ----------

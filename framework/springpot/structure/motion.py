@@ -1,9 +1,11 @@
-"""A frame under a record: displacement, force, energy, with the uncertainty of its dampers carried through.
+"""A frame under a record.
 
-Each damper is its spectrum, a sum of exponentials, so that frame and dampers are one linear system of first order.
-For an acceleration that is straight between its samples its motion is exact, and so are its largest values, which
-seldom fall on a sample: see `steps`. What is not linear in a damper stands beside that system and is followed in
-short steps, see `beside`.
+Displacement, force, energy, with the uncertainty of its dampers carried through.
+
+Each damper is its spectrum, a sum of exponentials, so that frame and dampers are one linear system
+of first order. For an acceleration that is straight between its samples its motion is exact, and so
+are its largest values, which seldom fall on a sample: see `steps`. What is not linear in a damper
+stands beside that system and is followed in short steps, see `beside`.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ from functools import cached_property
 import numpy as np
 
 from springpot.errors import DataError, ModelError
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 from .beside import Beside, forces
 from .frame import Damper, Frame
@@ -23,12 +25,16 @@ from .modes import Mode, modes_of
 from .steps import System
 
 TOLERANCE = 1e-5
-"""Relative error of K for which a damper's spectrum is read: far below what is known of any damper."""
+"""Relative error of K for which a damper's spectrum is read: far below what is known of any damper.
+"""
 BEYOND = 30.0
 """How far the band of a spectrum reaches beyond the frequencies of frame and record."""
 FINE = 120.0
-"""Steps in the shortest period of the frame where something is not linear: the motion is then within 0.5 % of that of
-an adaptive integrator, with stops as stiff as the storey; the error falls with the square of their number."""
+"""Steps in the shortest period of the frame where something is not linear.
+
+The motion is then within 0.5 % of that of an adaptive integrator, with stops as stiff as the
+storey; the error falls with the square of their number.
+"""
 MOST_STEPS = 1_000_000
 """Of a record in short steps, which take some minutes: a minute of shaking and a period of 7 ms."""
 STRONGEST = 1e6
@@ -83,31 +89,41 @@ class Record:
         """
         time, acceleration = np.asarray(time, dtype=float), np.asarray(acceleration, dtype=float)
         if len(time) < 2 or time.shape != acceleration.shape:
-            raise DataError(f"{name}: a record has two samples or more, each with a time and an acceleration")
+            raise DataError(
+                f"{name}: a record has two samples or more, each with a time and an acceleration"
+            )
         if not (np.all(np.isfinite(time)) and np.all(np.isfinite(acceleration))):
             bad = int(np.flatnonzero(~np.isfinite(time + acceleration))[0])
-            raise DataError(f"{name}: sample {bad + 1} is no number: leave the record whole, or mend it")
+            raise DataError(
+                f"{name}: sample {bad + 1} is no number: leave the record whole, or mend it"
+            )
         if (strong := np.flatnonzero(np.abs(acceleration) > STRONGEST)).size:
             raise DataError(
-                f"{name}: sample {strong[0] + 1} is {acceleration[strong[0]]:g} m/s^2, which no ground does: "
-                "mend it, or the unit"
+                f"{name}: sample {strong[0] + 1} is {acceleration[strong[0]]:g} m/s^2, which no"
+                " ground does: mend it, or the unit"
             )
         steps = np.diff(time)
         if not np.all(steps > 0.0):
             back = int(np.flatnonzero(steps <= 0.0)[0])
-            raise DataError(f"{name}: the time does not rise after sample {back + 1} (t = {time[back]:g} s)")
+            raise DataError(
+                f"{name}: the time does not rise after sample {back + 1} (t = {time[back]:g} s)"
+            )
         mean = float(np.mean(steps))
         if np.abs(steps - mean).max() > EVEN * mean:
             worst = int(np.argmax(np.abs(steps - mean)))
             raise DataError(
-                f"{name}: the steps are not equal ({steps[worst]:.4g} s after sample {worst + 1}, {mean:.4g} s on "
-                "average): sample the record anew at equal steps"
+                f"{name}: the steps are not equal ({steps[worst]:.4g} s after sample {worst + 1},"
+                f" {mean:.4g} s on average): sample the record anew at equal steps"
             )
         return cls(mean, acceleration, name)
 
 
-def artificial(rng: np.random.Generator, duration: float = 20.0, step: float = 0.01, peak: float = 3.0) -> Record:
-    """A ground motion as of an earthquake: white noise through the ground's own oscillator, rising and fading.
+def artificial(
+    rng: np.random.Generator, duration: float = 20.0, step: float = 0.01, peak: float = 3.0
+) -> Record:
+    """A ground motion as of an earthquake.
+
+    White noise through the ground's own oscillator, rising and fading.
 
     Parameters
     ----------
@@ -120,8 +136,8 @@ def artificial(rng: np.random.Generator, duration: float = 20.0, step: float = 0
 
     References
     ----------
-    Kanai 1957 and Tajimi 1960 for the filter (firm ground: 15.6 rad/s, damping 0.6); Saragoni & Hart 1974,
-    doi:10.1002/eqe.4290020305, for the envelope.
+    Kanai 1957 and Tajimi 1960 for the filter (firm ground: 15.6 rad/s, damping 0.6); Saragoni &
+    Hart 1974, doi:10.1002/eqe.4290020305, for the envelope.
 
     Examples
     --------
@@ -135,7 +151,9 @@ def artificial(rng: np.random.Generator, duration: float = 20.0, step: float = 0
 
     t = np.arange(0.0, duration, step)
     omega, zeta = 15.6, 0.6
-    upper, lower, _ = cont2discrete(([2 * zeta * omega, omega**2], [1.0, 2 * zeta * omega, omega**2]), step)
+    upper, lower, _ = cont2discrete(
+        ([2 * zeta * omega, omega**2], [1.0, 2 * zeta * omega, omega**2]), step
+    )
     # What the mass of an oscillator feels whose foot the noise shakes: the soil above the rock.
     shaken = lfilter(upper.ravel(), lower, rng.normal(size=len(t)))
     shaken = (shaken - shaken.mean()) * (t / duration) ** 2 * np.exp(-12.0 * t / duration)
@@ -157,7 +175,8 @@ class Motion:
     force : ndarray, shape (t, d)
         Of the dampers of each entry together, in N, along the floor.
     peaks : ndarray, shape (n + d + n,)
-        Largest sizes, between samples too, of the drifts, of these forces, and of their sums in each storey.
+        Largest sizes, between samples too, of the drifts, of these forces, and of their sums in
+        each storey.
     """
 
     frame: Frame
@@ -205,18 +224,28 @@ class Motion:
 
     @cached_property
     def energy(self) -> dict[str, Real]:
-        """Energies in J against time (t,): put in by the ground, taken by the dampers, by the frame's own damping."""
+        """Energies in J against time (t,).
+
+        Put in by the ground, taken by the dampers, by the frame's own damping.
+        """
         step = self.record.step
         # Relative to the ground its acceleration is a force of inertia, against it.
         power = -(self.velocity @ self.frame.mass) * self.record.acceleration
-        # What neither the dampers nor the frame take is in motion or in springs when the record ends.
+        # What neither the dampers nor the frame take is in motion or in springs when the record
+        # ends.
         own = np.einsum("ti,ij,tj->t", self.velocity, self.frame.viscous, self.velocity)
         rates = self.frame.drift_of(self.velocity)
         taken = sum(
-            (self.force[:, i] * rates[:, damper.storey - 1] for i, damper in enumerate(self.frame.dampers)),
+            (
+                self.force[:, i] * rates[:, damper.storey - 1]
+                for i, damper in enumerate(self.frame.dampers)
+            ),
             np.zeros(len(step * power)),
         )
-        return {name: _integral(each, step) for name, each in (("input", power), ("dampers", taken), ("frame", own))}
+        return {
+            name: _integral(each, step)
+            for name, each in (("input", power), ("dampers", taken), ("frame", own))
+        }
 
 
 def _integral(rate: Real, step: float) -> Real:
@@ -225,9 +254,10 @@ def _integral(rate: Real, step: float) -> Real:
 
 
 def motion_of(frame: Frame, record: Record) -> Motion:
-    """The motion of a frame that was at rest, exact for an acceleration that is straight between samples.
+    """The motion of a frame that was at rest, exact where the acceleration is piecewise linear.
 
-    What is not linear in a damper (friction, a slider, a stop, a power of the speed) is followed for what it is.
+    What is not linear in a damper (friction, a slider, a stop, a power of the speed) is followed
+    for what it is.
 
     Parameters
     ----------
@@ -252,7 +282,8 @@ def motion_of(frame: Frame, record: Record) -> Motion:
     """
     matrix, load, parts = _system(frame, record)
     system = System(matrix, load, record.step)
-    # A linear system goes in exact steps of the record, as long as they are; a jump of friction needs short ones.
+    # A linear system goes in exact steps of the record, as long as they are; a jump of friction
+    # needs short ones.
     besides = {i: Beside(damper) for i, damper in enumerate(frame.dampers) if damper.beside}
     n, count = len(frame), len(record.acceleration)
     seen = _seen(frame, parts, len(matrix))
@@ -266,7 +297,7 @@ def motion_of(frame: Frame, record: Record) -> Motion:
 
 
 def _seen(frame: Frame, parts: Sequence[_Part], size: int) -> Real:
-    """Rows (n + d + n, m) by which drifts, forces of entries and their sums in storeys are seen in a state."""
+    """Rows (n + d + n, m) that turn a state into drifts, forces of entries and storey forces."""
     n = len(frame)
     drifts = np.hstack([frame.drifts, np.zeros((n, size - n))])
     forces = np.array([part.row_of_force(size) for part in parts]).reshape(len(parts), size)
@@ -276,9 +307,10 @@ def _seen(frame: Frame, parts: Sequence[_Part], size: int) -> Real:
 def _stepped(
     frame: Frame, record: Record, system: System, besides: dict[int, Beside], seen: Real
 ) -> tuple[Real, Real, Real]:
-    """States (t, m), forces (t, d) of what is not linear, constant within each of many short steps, and peaks.
+    """States (t, m), forces (t, d) of what is not linear, and peaks.
 
-    The peaks are those of the short steps: with so many of them, a sample misses one by 1 - cos(pi / 120) = 3e-4.
+    The forces are constant within each of many short steps. The peaks are those of these steps:
+    with so many of them, a sample misses one by 1 - cos(pi / 120) = 3e-4.
     """
     # By the shortest period: the highest mode is the one that a jump of a force sets ringing.
     wanted = np.ceil(record.step * FINE * frame.natural[0][-1] / (2.0 * np.pi))
@@ -286,8 +318,9 @@ def _stepped(
     if not wanted * len(record.acceleration) <= MOST_STEPS:
         period = 2.0 * np.pi / frame.natural[0][-1]
         raise ModelError(
-            f"the shortest period of the frame is {period:.3g} s: friction, a slider or a stop in a damper takes "
-            f"more than {MOST_STEPS} steps of the record; check masses and stiffnesses, or give a shorter record"
+            f"the shortest period of the frame is {period:.3g} s: friction, a slider or a stop in a"
+            f" damper takes more than {MOST_STEPS} steps of the record; check masses and"
+            " stiffnesses, or give a shorter record"
         )
     parts = int(wanted)
     fine = record.finer(parts)
@@ -307,7 +340,8 @@ def _stepped(
     start = rows @ y[:n], rows @ y[n : 2 * n]
     for i, push in enumerate(pushed, 1):
         y = forward @ y + push
-        # As if nothing slid: what the forces then add is linear in them, so that they are solved for at once.
+        # As if nothing slid: what the forces then add is linear in them, so that they are solved
+        # for at once.
         free = rows @ y[:n], rows @ y[n : 2 * n]
         force = forces(members, start, free, by_force, force)
         y = y + pulled @ force
@@ -323,14 +357,17 @@ def _stepped(
 
 
 def _felt(frame: Frame, entries: Sequence[int]) -> Real:
-    """What forces of these entries (k,) that are not linear add to what `_seen` sees, shape (n + d + n, k)."""
+    """What not linear forces of entries (k,) add to what `_seen` sees, shape (n + d + n, k)."""
     own = np.eye(len(frame.dampers))[:, entries]
     return np.vstack([np.zeros((len(frame), len(entries))), own, frame.storeys_of_dampers @ own])
 
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """A damper in the system: its spring, dashpot and branches, and where the states of these stand."""
+    """A damper in the system.
+
+    Its spring, dashpot and branches, and where the states of these stand.
+    """
 
     row: Real
     spring: float
@@ -358,7 +395,8 @@ def _part(damper: Damper, frame: Frame, band: tuple[float, float], start: int) -
         temperature=damper.kelvin,
         reference_temperature=damper.reference,
     )
-    # The size holds the count and the slope; the model's own parameters stay as they were identified.
+    # The size holds the count and the slope; the model's own parameters stay as they were
+    # identified.
     row, factor = frame.drifts[damper.storey - 1], damper.size
     return _Part(
         row=row,
@@ -371,7 +409,7 @@ def _part(damper: Damper, frame: Frame, band: tuple[float, float], start: int) -
 
 
 def _system(frame: Frame, record: Record) -> tuple[Real, Real, list[_Part]]:
-    """Matrix and load of y' = A y + b a, y being displacements, velocities and the ways of the branches."""
+    """Matrix and load of y' = A y + b a; y: displacements, velocities, ways of the branches."""
     n = len(frame)
     # A short record leaves the frame swinging: its longest period counts as well.
     longest = max(len(record.acceleration) * record.step, 10.0 / frame.natural[0][0])
@@ -382,7 +420,8 @@ def _system(frame: Frame, record: Record) -> tuple[Real, Real, list[_Part]]:
         parts.append(_part(damper, frame, band, start))
         start = parts[-1].states.stop
     stiffness, damping = frame.elastic.copy(), frame.viscous.copy()
-    # One first-order system for all: frame and dampers are then exact together, without any iteration.
+    # One first-order system for all: frame and dampers are then exact together, without any
+    # iteration.
     matrix = np.zeros((start, start))
     inverse = 1.0 / frame.mass
     for part in parts:
@@ -390,7 +429,8 @@ def _system(frame: Frame, record: Record) -> tuple[Real, Real, list[_Part]]:
         stiffness += (part.spring + part.weights.sum()) * square
         damping += part.dashpot * square
         matrix[n : 2 * n, part.states] = np.outer(inverse * part.row, part.weights)
-        # The way of a branch follows the drift at the branch's own rate; what it lags behind is its force.
+        # The way of a branch follows the drift at the branch's own rate; what it lags behind is its
+        # force.
         matrix[part.states, :n] = np.outer(part.rates, part.row)
         matrix[part.states, part.states] = -np.diag(part.rates)
     matrix[:n, n : 2 * n] = np.eye(n)
@@ -455,4 +495,6 @@ def simulate(frame: Frame, record: Record, rng: np.random.Generator, draws: int 
     if all(damper.covariance is None for damper in frame.dampers):
         draws = 0
     peaks = [motion_of(frame.drawn(rng), record).peak_drift for _ in range(draws)]
-    return Simulation(motion_of(frame, record), modes_of(frame), np.array(peaks).reshape(-1, len(frame)))
+    return Simulation(
+        motion_of(frame, record), modes_of(frame), np.array(peaks).reshape(-1, len(frame))
+    )

@@ -14,12 +14,24 @@ from springpot.errors import DataError, ModelError, SpringpotError
 from springpot.identification.prediction import require_known
 from springpot.identified import fitted, lesser, stated
 from springpot.inputs import text_in, toml_in
-from springpot.measurement import AMPLITUDE_UNITS, STIFFNESS_UNITS
-from springpot.rheology import KELVIN, Real
-from springpot.structure import Damper, Frame, Record, artificial
+from springpot.measurement.units import AMPLITUDE_UNITS, STIFFNESS_UNITS
+from springpot.rheology.points import KELVIN, Real
 from springpot.structure.motion import STRONGEST
+from springpot.timetests.prediction import Known
 
-ACCELERATIONS = {"m/s^2": 1.0, "m/s2": 1.0, "g": 9.80665, "cm/s^2": 0.01, "gal": 0.01, "mm/s^2": 1e-3}
+from .frame import Damper, Frame
+from .motion import Record, artificial
+
+ACCELERATIONS = {
+    "m/s^2": 1.0,
+    "m/s2": 1.0,
+    "g": 9.80665,
+    "cm/s^2": 0.01,
+    "gal": 0.01,
+    "mm/s^2": 1e-3,
+}
+MOST_DAMPERS = 1e6
+"""Dampers of one kind in a storey: more is a slip of the pen."""
 MOST_STOREYS = 300
 """The tallest buildings have half as many; the work grows with their cube."""
 HEAVIEST = 1e15
@@ -27,7 +39,17 @@ HEAVIEST = 1e15
 STEEPEST = 89.9
 """Degrees against the floor: an upright damper would feel no drift."""
 FRAME_KEYS = {"mass", "stiffness", "damping", "storeys"}
-DAMPER_KEYS = {"fit", "model", "parameters", "unit", "storey", "count", "slope", "temperature", "without"}
+DAMPER_KEYS = {
+    "fit",
+    "model",
+    "parameters",
+    "unit",
+    "storey",
+    "count",
+    "slope",
+    "temperature",
+    "without",
+}
 
 
 def read_structure(path: str | Path) -> Frame:
@@ -36,10 +58,11 @@ def read_structure(path: str | Path) -> Frame:
     Parameters
     ----------
     path : str or Path
-        With ``[structure]`` (``mass`` in kg and ``stiffness`` in N/m, a number or one for each storey, ``damping``,
-        ``storeys``) and for each kind of damper ``[[damper]]``: ``fit``, the JSON of an identification, or ``model``
-        with ``parameters`` and ``unit``; ``storey``, ``count``, ``slope`` in degrees, ``temperature`` in degC, and
-        ``without``, effects of the rig to leave out.
+        With ``[structure]`` (``mass`` in kg and ``stiffness`` in N/m, a number or one for each
+        storey, ``damping``, ``storeys``) and for each kind of damper ``[[damper]]``: ``fit``, the
+        JSON of an identification, or ``model`` with ``parameters`` and ``unit``; ``storey``,
+        ``count``, ``slope`` in degrees, ``temperature`` in degC, and ``without``, effects of the
+        rig to leave out.
 
     Raises
     ------
@@ -70,7 +93,9 @@ def read_structure(path: str | Path) -> Frame:
 
 def _only(given: Mapping[str, Any], known: set[str], path: Path, where: str) -> None:
     if unknown := sorted(set(given) - known):
-        raise DataError(f"{path}: {where} has no '{unknown[0]}'; it knows {', '.join(sorted(known))}")
+        raise DataError(
+            f"{path}: {where} has no '{unknown[0]}'; it knows {', '.join(sorted(known))}"
+        )
 
 
 def _column(frame: Mapping[str, Any], name: str, storeys: int, path: Path) -> Real:
@@ -88,26 +113,18 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
     _only(entry, DAMPER_KEYS, path, where)
     # Both would leave it open which of them counts.
     if ("fit" in entry) == ("model" in entry):
-        raise DataError(f"{path}: {where} has a fit = 'FIT.json', or a model with parameters and unit")
-    if "fit" in entry:
-        # A path is meant from the description, wherever the command is run.
-        known = fitted(path.parent / str(entry["fit"]))
-    else:
-        values = _flat(entry.get("parameters", {}), where)
-        known = stated(str(entry["model"]), values, str(entry.get("unit", "")), f"{where} of {path}")
-    without = entry.get("without", [])
-    # A single name need not stand in a list.
-    if isinstance(without, str):
-        without = [without]
-    if not isinstance(without, list):
-        raise DataError(f"{where}: without is a list of names of effects")
-    known = lesser(known, map(str, without))
+        raise DataError(
+            f"{path}: {where} has a fit = 'FIT.json', or a model with parameters and unit"
+        )
+    known = lesser(_known(entry, path, where), _without(entry, where))
     if known.units.stiffness not in STIFFNESS_UNITS:
         raise ModelError(
             f"a damper has a stiffness, and {known.model.name} is in {known.units.stiffness}: "
             "identify it with the --geometry of the damper"
         )
-    cosine = float(np.cos(np.radians(_number(entry.get("slope", 0.0), f"{where}: slope", -STEEPEST, STEEPEST))))
+    cosine = float(
+        np.cos(np.radians(_number(entry.get("slope", 0.0), f"{where}: slope", -STEEPEST, STEEPEST)))
+    )
     temperature = None
     if "temperature" in entry:
         temperature = _number(entry["temperature"], f"{where}: temperature", -KELVIN)
@@ -126,7 +143,7 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
         known.model,
         known.theta,
         _count(entry.get("storey", 1), f"{where}: storey", MOST_STOREYS),
-        _number(entry.get("count", 1), f"{where}: count", 0.0),
+        _number(entry.get("count", 1), f"{where}: count", 0.0, MOST_DAMPERS),
         covariance,
         temperature,
         known.reference,
@@ -136,6 +153,26 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
     )
 
 
+def _known(entry: Mapping[str, Any], path: Path, where: str) -> Known:
+    """The model of a damper, from a file of a fit or with parameters that are stated."""
+    if "fit" in entry:
+        # A path is meant from the description, wherever the command is run.
+        return fitted(path.parent / str(entry["fit"]))
+    values = _flat(entry.get("parameters", {}), where)
+    return stated(str(entry["model"]), values, str(entry.get("unit", "")), f"{where} of {path}")
+
+
+def _without(entry: Mapping[str, Any], where: str) -> list[str]:
+    """Names of the effects that a damper is taken without."""
+    without = entry.get("without", [])
+    # A single name need not stand in a list.
+    if isinstance(without, str):
+        without = [without]
+    if not isinstance(without, list):
+        raise DataError(f"{where}: without is a list of names of effects")
+    return [str(name) for name in without]
+
+
 def _flat(parameters: object, where: str) -> dict[str, float]:
     """Parameters by name; TOML reads ``inertia.m = 0.6`` without quotes as a table of its own."""
     if not isinstance(parameters, dict):
@@ -143,7 +180,10 @@ def _flat(parameters: object, where: str) -> dict[str, float]:
     values: dict[str, float] = {}
     for name, value in parameters.items():
         if isinstance(value, dict):
-            values |= {f"{name}.{own}": _number(each, f"{where}: {name}.{own}") for own, each in value.items()}
+            values |= {
+                f"{name}.{own}": _number(each, f"{where}: {name}.{own}")
+                for own, each in value.items()
+            }
         else:
             values[name] = _number(value, f"{where}: {name}")
     return values
@@ -181,13 +221,18 @@ def _count(value: object, what: str, most: int) -> int:
     """
     if isinstance(value, int) and not isinstance(value, bool) and 1 <= value <= most:
         return value
-    raise DataError(f"{what}: {value!r:.40} is no number that it can be; give a whole one from 1 to {most}")
+    raise DataError(
+        f"{what}: {value!r:.40} is no number that it can be; give a whole one from 1 to {most}"
+    )
 
 
 def read_record(spec: str, rng: np.random.Generator) -> Record:
-    """The record that a user names: a CSV file, or ``artificial``, or ``artificial:3.0`` with its peak in m/s^2.
+    """The record that a user names.
 
-    The file has columns ``time [s]`` and ``acceleration [m/s^2]`` (or ``[g]``, ``[cm/s^2]``), at equal steps.
+    A CSV file, or ``artificial``, or ``artificial:3.0`` with its peak in m/s^2.
+
+    The file has columns ``time [s]`` and ``acceleration [m/s^2]`` (or ``[g]``, ``[cm/s^2]``), at
+    equal steps.
 
     Raises
     ------
@@ -205,7 +250,9 @@ def read_record(spec: str, rng: np.random.Generator) -> Record:
             raise DataError(f"'{spec:.60}': write artificial:3.0 with the peak in m/s^2")
         return artificial(rng, peak=largest)
     path = Path(spec)
-    rows = [line for line in text_in(path).splitlines() if line.strip() and not line.startswith("#")]
+    rows = [
+        line for line in text_in(path).splitlines() if line.strip() and not line.startswith("#")
+    ]
     header = ""
     if rows:
         header = rows[0]
@@ -231,8 +278,13 @@ def read_record(spec: str, rng: np.random.Generator) -> Record:
 def _acceleration_unit(header: str, path: Path) -> float:
     titles = [title.strip().lower() for title in header.split(",")[:2]]
     if len(titles) != 2 or titles[0] != "time [s]" or not titles[1].startswith("acceleration ["):
-        raise DataError(f"{path}: write 'time [s],acceleration [m/s^2]' in the first line, with the unit it has")
+        raise DataError(
+            f"{path}: write 'time [s],acceleration [m/s^2]' in the first line, with the unit it has"
+        )
     unit = titles[1].removeprefix("acceleration [").rstrip("]")
     if unit not in ACCELERATIONS:
-        raise DataError(f"{path}: unknown unit [{unit}] of an acceleration: known are {', '.join(ACCELERATIONS)}")
+        raise DataError(
+            f"{path}: unknown unit [{unit}] of an acceleration: known are"
+            f" {', '.join(ACCELERATIONS)}"
+        )
     return ACCELERATIONS[unit]

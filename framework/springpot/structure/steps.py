@@ -1,8 +1,9 @@
 """A linear system in exact steps, and what is largest between its samples.
 
-y' = A y + b a is exact for an acceleration a that is straight within each step: one matrix exponential serves all
-steps. Between two samples anything seen of y is followed by the cubic that has its values and slopes at both
-(Hermite); around the largest ones the recursion is repeated in steps so short that this cubic is exact to 1e-4.
+y' = A y + b a is exact for an acceleration a that is straight within each step: one matrix
+exponential serves all steps. Between two samples anything seen of y is followed by the cubic that
+has its values and slopes at both (Hermite); around the largest ones the recursion is repeated in
+steps so short that this cubic is exact to 1e-4.
 """
 
 from __future__ import annotations
@@ -12,10 +13,13 @@ from functools import cached_property
 
 import numpy as np
 
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 SHORT = 16.0
-"""Steps in the shortest period around a largest value: a cubic errs there by (2 pi / 16)^4 / 384 = 6e-5 of it."""
+"""Steps in the shortest period around a largest value.
+
+A cubic errs there by (2 pi / 16)^4 / 384 = 6e-5 of it.
+"""
 NEAREST = 8
 """Steps of the record that are looked at again for each value, the largest by the cubic first."""
 
@@ -49,9 +53,13 @@ class System:
 
     @cached_property
     def integrals(self) -> tuple[Real, Real]:
-        """Integrals (m, m) of exp(A (h - t)) over the step: of a load of one, and of one that rises to one."""
+        """Integrals (m, m) of exp(A (h - t)) over the step.
+
+        Of a load of one, and of one that rises to one.
+        """
         size = len(self.matrix)
-        # One exponential of a block matrix holds both (Van Loan 1978, doi:10.1109/TAC.1978.1101743).
+        # One exponential of a block matrix holds both (Van Loan 1978,
+        # doi:10.1109/TAC.1978.1101743).
         whole = np.zeros((3 * size, 3 * size))
         whole[:size, :size] = self.matrix * self.step
         whole[:size, size : 2 * size] = np.eye(size) * self.step
@@ -75,7 +83,7 @@ class System:
         return state
 
     def largest(self, state: Real, a: Real, seen: Real) -> Real:
-        """Largest size (q,) that each row of `seen` (q, m) times y reaches, at samples or between them.
+        """Largest size (q,) that each row of `seen` (q, m) times y reaches, between samples too.
 
         Parameters
         ----------
@@ -92,7 +100,8 @@ class System:
         parts = int(np.ceil(self.step * SHORT * fastest / (2.0 * np.pi)))
         if parts <= 1:
             return top
-        # Only about the largest: a smaller one does not become the largest when it is looked at more closely.
+        # Only about the largest: a smaller one does not become the largest when it is looked at
+        # more closely.
         order = np.argsort(whole, axis=0)[-NEAREST:]
         rows = np.unique(order)
         fine = self.in_steps_of(self.step / parts)
@@ -117,7 +126,8 @@ def _largest_of_cubic(start: Real, end: Real, slope: Real, last: Real) -> Real:
     """Largest size between 0 and 1 of the cubics with these values and slopes at both ends."""
     square, cube = 3.0 * (end - start) - 2.0 * slope - last, slope + last - 2.0 * (end - start)
     most = np.maximum(np.abs(start), np.abs(end))
-    # It turns where slope + 2 square u + 3 cube u^2 is nothing, in the form that loses no digits where cube is small.
+    # It turns where slope + 2 square u + 3 cube u^2 is nothing, in the form that loses no digits
+    # where cube is small.
     with np.errstate(all="ignore"):
         root = -(square + np.copysign(np.sqrt(square**2 - 3.0 * cube * slope), square))
         for turn in (slope / root, root / (3.0 * cube)):

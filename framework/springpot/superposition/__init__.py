@@ -1,10 +1,17 @@
 """Superposition: sweeps at many levels of a condition as one master curve, without a model."""
 
-from .curve import Level, MasterCurve, mastercurve
-from .factors import Factors
-from .laws import LawFit
-from .simplicity import Failure, Simplicity
-from .words import level_of, level_text
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from springpot.lazy import offered
+
+if TYPE_CHECKING:
+    from .curve import Level, MasterCurve, mastercurve
+    from .factors import Factors
+    from .laws import LawFit
+    from .simplicity import Failure, Simplicity
+    from .words import level_of, level_text
 
 __all__ = [
     "Factors",
@@ -17,3 +24,17 @@ __all__ = [
     "level_text",
     "mastercurve",
 ]
+
+_WHERE = {
+    "Factors": "springpot.superposition.factors",
+    "Failure": "springpot.superposition.simplicity",
+    "LawFit": "springpot.superposition.laws",
+    "Level": "springpot.superposition.curve",
+    "MasterCurve": "springpot.superposition.curve",
+    "Simplicity": "springpot.superposition.simplicity",
+    "level_of": "springpot.superposition.words",
+    "level_text": "springpot.superposition.words",
+    "mastercurve": "springpot.superposition.curve",
+}
+
+__getattr__, __dir__ = offered(__name__, _WHERE)

@@ -1,4 +1,7 @@
-"""How far the data allow neighbouring levels to be shifted: no further than their sweeps can overlap."""
+"""How far the data allow neighbouring levels to be shifted.
+
+No further than their sweeps can overlap.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 from .words import level_text
 
@@ -18,8 +21,9 @@ DECADE = float(np.log(10.0))
 class Allowed:
     """Bounds of a shift that follow from what the sweeps have in common.
 
-    Sweeps with moduli in common have reduced frequencies in common, as |K| rises with the frequency. So two
-    neighbours of which that is true are at most so far apart that the end of the one meets the end of the other.
+    Sweeps with moduli in common have reduced frequencies in common, as |K| rises with the
+    frequency. So two neighbours of which that is true are at most so far apart that the end of the
+    one meets the end of the other.
 
     Attributes
     ----------
@@ -55,6 +59,6 @@ class Allowed:
         cold, hot = (level_text(self.column, float(self.levels[k])) for k in (at, at + 1))
         wide = max(self.last[at] - self.first[at], self.last[at + 1] - self.first[at + 1]) / DECADE
         return (
-            f"shifts {cold} and {hot} apart by {apart:.2g} decades, though their sweeps of {wide:.2g} decades have "
-            "moduli in common"
+            f"shifts {cold} and {hot} apart by {apart:.2g} decades, though their sweeps of"
+            f" {wide:.2g} decades have moduli in common"
         )

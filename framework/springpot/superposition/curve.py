@@ -10,15 +10,21 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.digits import number
 from springpot.drawing import draw
 from springpot.errors import DataError
-from springpot.identification import Fit, Objective, default_objective, fit
-from springpot.identification.objective import relative_objective
+from springpot.format_numbers import number
+from springpot.identification.native import Fit, fit
+from springpot.identification.objective import Objective, default_objective, relative_objective
 from springpot.markup import Html, table, tag
-from springpot.measurement import Measurement, at_one_frequency
-from springpot.policy import SUPERPOSITION
-from springpot.rheology import HELD, Complex, Continuum, Effect, Layer, Levels, Model, Real, levels_of, shift
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.one_frequency import at_one_frequency
+from springpot.rheology.continuum import Continuum
+from springpot.rheology.effect import Effect, Layer
+from springpot.rheology.levels import HELD, Levels, levels_of
+from springpot.rheology.model import Model
+from springpot.rheology.nodes import shift
+from springpot.rheology.points import Complex, Real
+from springpot.thresholds import SUPERPOSITION
 
 from .allowed import Allowed
 from .direct import Direct
@@ -51,12 +57,13 @@ class Level(NamedTuple):
     b, b_low, b_high : float
         Factor of the stiffness.
     error, alone : float
-        Relative error of the curve here, and of a material that follows this level only (nan with too few points).
+        Relative error of the curve here, and of a material that follows this level only (nan with
+        too few points).
     determined : bool
         Whether the data connect it with the reference.
     reason : str
-        Why not: ``no overlap``, ``flat``, ``too few points``, ``at the end of the search`` or ``wide``; empty where
-        it is determined.
+        Why not: ``no overlap``, ``flat``, ``too few points``, ``at the end of the search`` or
+        ``wide``; empty where it is determined.
     """
 
     value: float
@@ -148,12 +155,14 @@ class MasterCurve:
         return rows
 
     def curve(self, omega: Real) -> NDArray[np.complex128]:
-        """The material at the reference at angular frequencies (n,) in rad/s, in the data's unit."""
+        """The material at the reference for `omega` (n,) in rad/s, in the data's unit."""
         # The fit has its factor one at a level of its own choice: the curve is carried from there.
         shift_by, lift_by = self._to_reference
         material = replace(self.fit.model, effects=())
         weights = self.fit.theta[: len(material.parameters)]
-        return np.asarray(lift_by * material.stiffness(weights, omega * shift_by), dtype=np.complex128)
+        return np.asarray(
+            lift_by * material.stiffness(weights, omega * shift_by), dtype=np.complex128
+        )
 
     @property
     def _to_reference(self) -> tuple[float, float]:
@@ -164,8 +173,9 @@ class MasterCurve:
     def __repr__(self) -> str:
         rest = self.simplicity
         return (
-            f"<MasterCurve {self.data.name}: {len(self.factors)} levels of {self.factors.column}, reference "
-            f"{self.reference:g} {self.unit}, error {100 * rest.error:.2g} %, {rest.verdict}>"
+            f"<MasterCurve {self.data.name}: {len(self.factors)} levels of {self.factors.column},"
+            f" reference {self.reference:g} {self.unit}, error {100 * rest.error:.2g} %,"
+            f" {rest.verdict}>"
         )
 
     def _repr_html_(self) -> str:
@@ -227,7 +237,7 @@ def mastercurve(
     vertical: bool = True,
     objective: Objective | None = None,
 ) -> MasterCurve:
-    """Bring sweeps onto one curve with a free factor of frequency, and one of stiffness, for each level of a column.
+    """Bring sweeps onto one curve by free factors of frequency and stiffness at each level.
 
     Parameters
     ----------
@@ -236,8 +246,8 @@ def mastercurve(
     column : str
         The condition whose levels are shifted.
     reference : float, optional
-        Level at which the factors are one, a temperature in degC; the measured level nearest to it is taken. By
-        default the middle one.
+        Level at which the factors are one, a temperature in degC; the measured level nearest to it
+        is taken. By default the middle one.
     vertical : bool
         Whether the stiffness has a factor too.
     objective : Objective, optional
@@ -253,7 +263,8 @@ def mastercurve(
     _check(measurement, column)
     weighing, notes = _weighing(measurement, column, objective)
     level = levels_of(column, measurement.points.need(column))
-    # First what each level gives by itself: a level that no material follows must not bend the curve of the others.
+    # First what each level gives by itself: a level that no material follows must not bend the
+    # curve of the others.
     own = each_alone(measurement, level, weighing)
     weighing = _by_level(weighing, column, own.share)
     alone, rows = _fits(measurement, column, vertical, weighing)
@@ -287,9 +298,13 @@ def mastercurve(
     )
 
 
-def _fits(measurement: Measurement, column: str, vertical: bool, weighing: Objective) -> tuple[Fit, Rows]:
-    """The material with a shift for each level, and the same with vertical factors where these are asked for."""
-    sideways = Effect("shift", shift, Levels(column, "a", True), "a factor for each level", Layer.TEMPERATURE)
+def _fits(
+    measurement: Measurement, column: str, vertical: bool, weighing: Objective
+) -> tuple[Fit, Rows]:
+    """The material with a shift, and where asked for a vertical factor, for each level."""
+    sideways = Effect(
+        "shift", shift, Levels(column, "a", True), "a factor for each level", Layer.TEMPERATURE
+    )
     # Shifts first: vertical factors could otherwise do what belongs to a shift (see `lifted`).
     alone = fit(Model("material", Continuum(), effects=(sideways,)), measurement, weighing)
     if not vertical:
@@ -302,8 +317,8 @@ def _laws(
 ) -> tuple[list[LawFit], list[str]]:
     """Laws of temperature and what is said of them.
 
-    They are judged against free factors: a law within the fit would bend them to itself. Their constants are those of
-    a fit to the data, which any other command gives of the same model.
+    They are judged against free factors: a law within the fit would bend them to itself. Their
+    constants are those of a fit to the data, which any other command gives of the same model.
     """
     unit = None
     if rows.expected is not None:
@@ -316,7 +331,7 @@ def _laws(
 
 
 def _without_vertical(laws: list[LawFit], alone: Direct) -> list[str]:
-    """What the best law of a shift is in a model that knows of no vertical factors, where that is another."""
+    """What a shift's best law is in a model without vertical factors, where that is another."""
     for law in laws[:1]:
         if law.law.vertical:
             break
@@ -328,8 +343,8 @@ def _without_vertical(laws: list[LawFit], alone: Direct) -> list[str]:
             for p, v, a, b in zip(law.law.element.parameters, values, low, high, strict=True)
         ]
         return [
-            f"a model with {law.law.name} and no vertical factors has {', '.join(said)}: there the shift does what b "
-            "does here"
+            f"a model with {law.law.name} and no vertical factors has {', '.join(said)}: there the"
+            " shift does what b does here"
         ]
     return []
 
@@ -348,27 +363,37 @@ def _check(measurement: Measurement, column: str) -> None:
         mend = ""
         if measurement.conditions:
             mend = ": name one with --column"
-        raise DataError(f"{measurement.name}: there is no column '{column}' to shift by; the data have {known}{mend}")
+        raise DataError(
+            f"{measurement.name}: there is no column '{column}' to shift by;"
+            f" the data have {known}{mend}"
+        )
     if not np.all(np.isfinite(measurement.conditions[column])):
-        raise DataError(f"{measurement.name}: column {column} has rows without a number; leave them out")
+        raise DataError(
+            f"{measurement.name}: column {column} has rows without a number; leave them out"
+        )
     if at_one_frequency(measurement):
-        raise DataError(f"{measurement.name}: all points have one frequency; a curve needs frequency sweeps")
+        raise DataError(
+            f"{measurement.name}: all points have one frequency; a curve needs frequency sweeps"
+        )
 
 
-def _weighing(measurement: Measurement, column: str, objective: Objective | None) -> tuple[Objective, list[str]]:
-    """How the misfit is measured, and a note where given standard deviations are not those of scatter."""
+def _weighing(
+    measurement: Measurement, column: str, objective: Objective | None
+) -> tuple[Objective, list[str]]:
+    """How the misfit is measured, and a note where given standard deviations are not scatter."""
     if objective is not None or measurement.sd is None:
         return objective or default_objective(measurement), []
     given = default_objective(measurement)
     own = each_alone(measurement, levels_of(column, measurement.points.need(column)), given)
     dof, cost = float(own.dof[own.judged].sum()), float(own.cost[own.judged].sum())
-    # Where each level's own material leaves as much as is given, the deviations are those of scatter.
+    # Where each level's own material leaves as much as is given, the deviations are those of
+    # scatter.
     if not dof or cost >= SUPERPOSITION.shared_errors**2 * dof:
         return given, []
     size = np.sqrt(dof / max(cost, 1e-300))
     note = (
-        f"the given standard deviations are {size:.2g} times the scatter within a sweep: they hold what all points "
-        "share, so that relative differences are compared instead"
+        f"the given standard deviations are {size:.2g} times the scatter within a sweep: they hold"
+        " what all points share, so that relative differences are compared instead"
     )
     return relative_objective(), [note]
 
@@ -396,7 +421,8 @@ def _reference(factors: Factors, wanted: float | None) -> tuple[int, list[str]]:
     """Number of the reference level, and a note where it is not what was asked for."""
     if wanted is None:
         return factors.reference, []
-    # Only at a measured level are the factors known to be one; between levels they would rest on a law.
+    # Only at a measured level are the factors known to be one; between levels they would rest on a
+    # law.
     nearest = int(np.argmin(np.abs(factors.levels - wanted)))
     there = float(factors.levels[nearest])
     room = 1e-2 * max(abs(there), abs(wanted))
@@ -422,7 +448,10 @@ def _reduced(rows: Rows, fitted: Factors, factors: Factors, known: Known) -> Mea
         conditions[name] = values
     # Whoever takes the table alone must see which of its points lie anywhere.
     conditions["a"] = np.exp(factors.log_a)[rows.number]
-    conditions["a_low"], conditions["a_high"] = np.exp(known.low)[rows.number], np.exp(known.high)[rows.number]
+    conditions["a_low"], conditions["a_high"] = (
+        np.exp(known.low)[rows.number],
+        np.exp(known.high)[rows.number],
+    )
     conditions["determined"] = known.determined[rows.number].astype(np.float64)
     sd = None
     if data.sd is not None:

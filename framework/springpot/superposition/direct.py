@@ -1,4 +1,7 @@
-"""A law of temperature in a material, fitted to the data as any model is: the constants that every command gives."""
+"""A law of temperature in a material, fitted to the data as any model is.
+
+The constants that every command gives.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +9,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from springpot.identification import Objective, Uncertainty, fit, intervals_beside_material
-from springpot.measurement import Measurement
-from springpot.rheology import Continuum, Effect, Formula, Layer, Levels, Model, Real, chain, shift
-from springpot.rheology.points import KELVIN
+from springpot.identification.held_material import intervals_beside_material
+from springpot.identification.native import fit
+from springpot.identification.objective import Objective
+from springpot.identification.uncertainty import Uncertainty
+from springpot.measurement.measurement import Measurement
+from springpot.rheology.continuum import Continuum
+from springpot.rheology.effect import Effect, Layer
+from springpot.rheology.formula import Formula
+from springpot.rheology.levels import Levels
+from springpot.rheology.model import Model
+from springpot.rheology.nodes import chain, shift
+from springpot.rheology.points import KELVIN, Real
 
 from .factors import Factors
 from .vertical import whitening
@@ -28,8 +39,8 @@ class Direct:
     factors : Factors
         The free factors, from which the search begins.
     unit : float, optional
-        Variance of a weighted residual, by which vertical factors are weighed against what is expected of them;
-        none without vertical factors.
+        Variance of a weighted residual, by which vertical factors are weighed against what is
+        expected of them; none without vertical factors.
     """
 
     measurement: Measurement
@@ -38,21 +49,33 @@ class Direct:
     unit: float | None
 
     def __call__(self, element: Formula, theta: Real) -> tuple[Real, Real, Real]:
-        """The parameters (k,) of a law fitted to the data, from `theta` on, and the ends of their 95 % intervals."""
+        """A law's parameters (k,) fitted from `theta` on, and the ends of their 95 % intervals."""
         factors, count = self.factors, len(theta)
-        data = replace(self.measurement, reference=float(factors.levels[factors.reference]) + KELVIN)
-        model = Model("material", Continuum(), effects=(Effect("law", shift, element, "a law", Layer.TEMPERATURE),))
+        data = replace(
+            self.measurement, reference=float(factors.levels[factors.reference]) + KELVIN
+        )
+        model = Model(
+            "material",
+            Continuum(),
+            effects=(Effect("law", shift, element, "a law", Layer.TEMPERATURE),),
+        )
         expected = None
         if self.unit is not None:
             vertical = Levels(factors.column, "b", False)
-            upwards = Effect("vertical", chain, vertical, "a factor for each level", Layer.TEMPERATURE)
+            upwards = Effect(
+                "vertical", chain, vertical, "a factor for each level", Layer.TEMPERATURE
+            )
             model = (model + upwards).bound_to(data.points)
             bound = vertical.bound_to(data.points)
             beside = np.sqrt(self.unit) * whitening(bound)
             expected = np.column_stack([np.zeros((len(beside), count)), beside])
-            theta = np.concatenate([theta, np.exp(factors.log_b - factors.log_b[bound.reference])[list(bound.free)]])
+            theta = np.concatenate(
+                [theta, np.exp(factors.log_b - factors.log_b[bound.reference])[list(bound.free)]]
+            )
         best = fit(model, data, self.weighing, seeds_theta=[theta], expected=expected)
         known = replace(Uncertainty.of(best), expected=expected)
         low, high = intervals_beside_material(known)
-        own = slice(len(best.model.material.parameters), len(best.model.material.parameters) + count)
+        own = slice(
+            len(best.model.material.parameters), len(best.model.material.parameters) + count
+        )
         return best.theta[own], low[own], high[own]

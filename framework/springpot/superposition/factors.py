@@ -8,16 +8,19 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.identification import Fit, weighted
 from springpot.identification.lack_of_fit import alike
+from springpot.identification.native import Fit
+from springpot.identification.objective import weighted
 from springpot.identification.uncertainty import student
-from springpot.policy import INTERVAL
-from springpot.rheology import Continuum, Levels, Real, levels_of
+from springpot.rheology.continuum import Continuum
+from springpot.rheology.levels import Levels, levels_of
+from springpot.rheology.points import Real
+from springpot.thresholds import INTERVAL
 
 from .words import level_text
 
 LOST = 1e-5
-"""Singular value, relative to the largest, below which a direction of the factors is not determined."""
+"""Singular value over the largest below which a direction of the factors is not determined."""
 ALIKE = 1e-9
 """Singular value, relative to the largest, below which columns of a basis say the same."""
 SMALLEST = 1e-12
@@ -89,7 +92,8 @@ class Factors:
     def _reach(self, variance: Real) -> Real:
         reach = np.zeros(len(self))
         unsure = variance > 0.0
-        # What is one by definition stays so where no degree of freedom is left and the quantile is infinite.
+        # What is one by definition stays so where no degree of freedom is left and the quantile is
+        # infinite.
         reach[unsure] = self.quantile * np.sqrt(variance[unsure])
         return reach
 
@@ -101,7 +105,8 @@ class Expected:
     Attributes
     ----------
     rows : ndarray, shape (r, q)
-        The logarithms of the factors times these are expected to be normal, of unit variance about zero.
+        The logarithms of the factors times these are expected to be normal, of unit variance about
+        zero.
     unit : float
         Variance of a weighted residual of the data, by which departures are weighed against these.
     """
@@ -116,7 +121,7 @@ class Expected:
 
     @property
     def covariance(self) -> Real:
-        """Covariance (q, q) of the logarithms of which something is expected; zero for the others."""
+        """Covariance (q, q) of logarithms of which something is expected; zero for others."""
         precision = self.rows.T @ self.rows
         known = np.flatnonzero(np.diag(precision) > 0.0)
         covariance = np.zeros_like(precision)
@@ -126,7 +131,7 @@ class Expected:
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """What the factors of a fitted material are judged by, row by row of the weighted residual (2n,).
+    """What the factors of a fitted material are judged by: rows of the weighted residual (2n,).
 
     Attributes
     ----------
@@ -148,7 +153,9 @@ class Rows:
     @classmethod
     def of(cls, fit: Fit, expected: Expected | None = None) -> Rows:
         """Of a fit of a material with free factors of one column."""
-        elements = tuple(effect.element for effect in fit.model.effects if isinstance(effect.element, Levels))
+        elements = tuple(
+            effect.element for effect in fit.model.effects if isinstance(effect.element, Levels)
+        )
         number = levels_of(elements[0].column, fit.measurement.points.need(elements[0].column))
         return cls(fit, elements, number, expected)
 
@@ -181,7 +188,10 @@ class Rows:
 
     @cached_property
     def spectrum(self) -> Real:
-        """Slopes (2n, s) by all that the spectrum can do: weights that are not zero, and the places of its lines."""
+        """Slopes (2n, s) by all that the spectrum can do.
+
+        Weights that are not zero, and the places of its lines.
+        """
         count = len(self.fit.model.material.parameters)
         weights = self.fit.theta[:count]
         return np.column_stack([self.by_theta[:, :count][:, weights > 0.0], self.by_places])
@@ -189,8 +199,8 @@ class Rows:
     @cached_property
     def by_places(self) -> Real:
         """Slopes (2n, lines) by the logarithm of each line's rate, the factors applied."""
-        # The lines lie on a lattice; between its places the true ones may be anywhere, and that makes factors less
-        # sure.
+        # The lines lie on a lattice; between its places the true ones may be anywhere, and that
+        # makes factors less sure.
         turn = self._turn
         moved = -self.fit.theta[2 : 2 + len(turn), None] * turn * (1.0 - turn) * self.reduced[0]
         return weighted(moved, self.weights).T
@@ -211,7 +221,9 @@ class Rows:
         """K (lines, n) of each line over its weight, at the reduced frequencies."""
         material = self.fit.model.material
         assert isinstance(material, Continuum)
-        return np.asarray(1.0 / (1.0 - 1j * np.exp(np.log(material.rates)[:, None] - self.reduced[1])))
+        return np.asarray(
+            1.0 / (1.0 - 1j * np.exp(np.log(material.rates)[:, None] - self.reduced[1]))
+        )
 
     @cached_property
     def reduced(self) -> tuple[Real, Real]:
@@ -238,10 +250,10 @@ class Rows:
 
     @cached_property
     def scale(self) -> Real:
-        """Standard deviation (2n,) of the residual of each row, that of its own level, degrees of freedom included.
+        """Standard deviation (2n,) of each row, that of its level, degrees of freedom included.
 
-        Given standard deviations only weigh: a factor compares sweeps of one series, and what these share, such as
-        the calibration, cancels in it.
+        Given standard deviations only weigh: a factor compares sweeps of one series, and what these
+        share, such as the calibration, cancels in it.
         """
         squares = np.bincount(self.level_of_row, self.residual**2) / np.bincount(self.level_of_row)
         spent = len(self.residual) / max(self.fit.dof, 1)
@@ -250,17 +262,23 @@ class Rows:
 
     @cached_property
     def alike(self) -> float:
-        """Factor on variances because neighbouring residuals are alike: (1 + r) / (1 - r) for their correlation r."""
+        """Factor on variances because neighbouring residuals are alike.
+
+        (1 + r) / (1 - r) for their correlation r.
+        """
         return alike(self.residual / self.scale, self.fit.measurement.omega, self.number)
 
     @cached_property
     def unit(self) -> float:
-        """Variance of a weighted residual, by which departures from what is expected are weighed."""
+        """Variance of a weighted residual, by which departures from expectation are weighed."""
         return max(self.alike * self.fit.cost / max(self.fit.dof, 1), LEAST**2)
 
     @cached_property
     def objective(self) -> float:
-        """What was minimised: the misfit, and beside it how far the factors lie from what was expected of them."""
+        """What was minimised.
+
+        The misfit, and beside it how far the factors lie from what was expected of them.
+        """
         if self.expected is None:
             return self.fit.cost
         own = self.fit.theta[len(self.fit.model.material.parameters) :]
@@ -271,14 +289,16 @@ class Rows:
 def factors_of(rows: Rows) -> Factors:
     """The factors with the covariance that the exact slopes give, the spectrum free to follow.
 
-    The scatter of each level is its own: where a level is not followed its factors are that much less certain. What
-    was expected of the factors counts as measured beside the data.
+    The scatter of each level is its own: where a level is not followed its factors are that much
+    less certain. What was expected of the factors counts as measured beside the data.
     """
     return _spread(rows, _covariance(rows, rows.expected))
 
 
 def told_by_data(rows: Rows, reference: int) -> NDArray[np.bool_]:
-    """Levels (m,) whose vertical factor the data tell more nearly than was expected of it; all, where nothing was.
+    """Levels (m,) whose vertical factor the data tell more nearly than was expected of it.
+
+    All, where nothing was.
 
     Parameters
     ----------
@@ -313,19 +333,21 @@ def _covariance(rows: Rows, expected: Expected | None) -> Real:
     # Least squares: u = (V / s) L' r, so that its covariance is that of r carried along.
     carry = (right[known].T / values[known]) @ left[:, known].T / size[:, None]
     covariance = (carry * sd**2) @ carry.T
-    # What the data do not determine gets a deviation that nobody takes for knowledge, rather than infinity, with
-    # which nothing can be computed.
+    # What the data do not determine gets a deviation that nobody takes for knowledge, rather than
+    # infinity, with which nothing can be computed.
     lost = right[~known].T / size[:, None]
     lost = lost / np.maximum(np.linalg.norm(lost, axis=0), 1e-300)
     return np.asarray(covariance + OPEN**2 * lost @ lost.T, dtype=np.float64)
 
 
 def _noise_of_slopes(rows: Rows, sd: Real) -> Real:
-    """Products (q, q) of the errors of the slopes by the factors: the curve follows some noise, and so do they.
+    """Products (q, q) of the errors of the slopes by the factors.
 
-    A shift's slope is that of the curve, a vertical factor's the curve itself. On straight sweeps the one is a
-    multiple of the other but for the noise, which would seem to tell them apart (errors in variables, Fuller 1987,
-    doi:10.1002/9780470316665).
+    The curve follows some noise, and so do they.
+
+    A shift's slope is that of the curve, a vertical factor's the curve itself. On straight sweeps
+    the one is a multiple of the other but for the noise, which would seem to tell them apart
+    (errors in variables, Fuller 1987, doi:10.1002/9780470316665).
 
     Parameters
     ----------
@@ -339,7 +361,9 @@ def _noise_of_slopes(rows: Rows, sd: Real) -> Real:
     size = np.linalg.norm(basis, axis=0)
     left, values, right = _spanned(basis / size)
     # What the spectrum makes of the noise, in as many independent ways as it has.
-    turn, spread, _ = np.linalg.svd((right.T / values) @ (left.T * sd) / size[:, None], full_matrices=False)
+    turn, spread, _ = np.linalg.svd(
+        (right.T / values) @ (left.T * sd) / size[:, None], full_matrices=False
+    )
     ways = turn * spread
     errors, seen, levels = [], [], []
     for element in rows.elements:
@@ -351,7 +375,8 @@ def _noise_of_slopes(rows: Rows, sd: Real) -> Real:
             errors.append(here)
             seen.append((left.T @ here).ravel())
             levels.append(level)
-    # Errors at different levels have no row in common; what the spectrum can do is taken out, as of the slopes.
+    # Errors at different levels have no row in common; what the spectrum can do is taken out, as of
+    # the slopes.
     products = -np.array(seen) @ np.array(seen).T
     for i, j in np.argwhere(np.equal.outer(levels, levels)):
         products[i, j] += np.sum(errors[i] * errors[j])
@@ -374,7 +399,7 @@ def _beyond_noise(slopes: Real, noise: Real) -> Real:
 
 
 def _spanned(basis: Real) -> tuple[Real, Real, Real]:
-    """Singular vectors and values of a basis (m, s) whose columns have the size one, without what they say twice."""
+    """Singular vectors and values of a basis (m, s) of unit columns, less what is said twice."""
     left, values, right = np.linalg.svd(basis, full_matrices=False)
     kept = values > ALIKE * values[0]
     return left[:, kept], values[kept], right[kept]
@@ -402,4 +427,12 @@ def _spread(rows: Rows, covariance: Real) -> Factors:
     whole = np.zeros((2 * m, 2 * m))
     whole[np.ix_(place, place)] = covariance
     quantile = student(INTERVAL, rows.fit.dof)
-    return Factors(first.column, np.array(first.shown), first.reference, values[:m], values[m:], whole, quantile)
+    return Factors(
+        first.column,
+        np.array(first.shown),
+        first.reference,
+        values[:m],
+        values[m:],
+        whole,
+        quantile,
+    )

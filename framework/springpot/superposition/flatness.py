@@ -1,4 +1,4 @@
-"""Sweeps that are flat, such as those of a rubbery plateau: no shift of one is better than another."""
+"""Flat sweeps, such as those of a rubbery plateau: no shift of one is better than another."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.identification.uncertainty import student
-from springpot.policy import INTERVAL, SUPERPOSITION
-from springpot.rheology import Real
+from springpot.rheology.points import Real
+from springpot.thresholds import INTERVAL, SUPERPOSITION
 
 from .factors import Rows
 
@@ -19,7 +19,7 @@ DECADE = float(np.log(10.0))
 
 
 def flat_levels(rows: Rows) -> NDArray[np.bool_]:
-    """Levels (m,) whose storage and loss neither rise nor fall with the frequency, as surely as they scatter."""
+    """Levels (m,) whose storage and loss neither rise nor fall with frequency beyond scatter."""
     data = rows.fit.measurement
     flat = np.zeros(len(rows.elements[0].values), dtype=np.bool_)
     for level in range(len(flat)):
@@ -33,7 +33,7 @@ def flat_levels(rows: Rows) -> NDArray[np.bool_]:
 
 
 def _is_level(x: Real, values: Real) -> bool:
-    """Whether values (n,) do not go with x (n,) beyond their scatter, and cannot go with it by much."""
+    """Whether values (n,) do not follow x (n,) beyond their scatter, and cannot do so by much."""
     away = x - x.mean()
     slope = abs(float(away @ values / (away @ away)))
     left = values - values.mean() - away * (away @ values / (away @ away))
@@ -41,4 +41,7 @@ def _is_level(x: Real, values: Real) -> bool:
     sd = float(np.sqrt(left @ left / freedom / (away @ away)))
     # Few points or a short sweep show no slope either, and leave room for a large one.
     room = slope + student(INTERVAL, freedom) * sd
-    return slope <= student(SUPERPOSITION.seen, freedom) * sd + EXACT and DECADE * room < SUPERPOSITION.flat
+    return (
+        slope <= student(SUPERPOSITION.seen, freedom) * sd + EXACT
+        and DECADE * room < SUPERPOSITION.flat
+    )

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.identification.coordinates import WIDEST
-from springpot.policy import SUPERPOSITION
-from springpot.rheology import Real
+from springpot.rheology.points import Real
+from springpot.thresholds import SUPERPOSITION
 
 from .allowed import Allowed
 from .factors import Factors, Rows
@@ -18,7 +18,10 @@ from .simplicity import FEW, Alone
 from .vertical import spread_between
 
 FURTHEST = 2.0 * WIDEST
-"""Logarithm beyond which no factor lies: two levels may be at the opposite ends of what is searched."""
+"""Logarithm beyond which no factor lies.
+
+Two levels may be at the opposite ends of what is searched.
+"""
 ROUNDING = 1e-9
 """Share of a logarithm by which one at the end of the search may lie within it."""
 
@@ -53,7 +56,10 @@ class Known:
 
     @property
     def placed(self) -> NDArray[np.bool_]:
-        """Levels (m,) that the data place beside the others, however widely: their intervals weigh them."""
+        """Levels (m,) that the data place beside the others, however widely.
+
+        Their intervals weigh them.
+        """
         return np.array([reason in {"", "wide", "too few points"} for reason in self.reason])
 
 
@@ -74,8 +80,9 @@ def known_factors(rows: Rows, fitted: Factors, factors: Factors, own: Alone) -> 
     joined = reached_from(at, overlaps(rows, own))
     # Both: flat sweeps are laid over the others wherever the search ended.
     connected = joined & reached_from(at, _touching(*_ranges(rows, rows.reduced[1])))
-    # The spectrum follows the noise of a flat sweep, by which its place would seem to be known. What overlaps with
-    # nothing could be shifted, flat or not, if there were anything to be laid upon.
+    # The spectrum follows the noise of a flat sweep, by which its place would seem to be known.
+    # What overlaps with nothing could be shifted, flat or not, if there were anything to be laid
+    # upon.
     flat = flat_levels(rows) & joined & others
     # A factor at the end of the search is where this ended, whatever its interval.
     ended = np.abs(fitted.log_a) >= (1.0 - ROUNDING) * WIDEST
@@ -85,7 +92,9 @@ def known_factors(rows: Rows, fitted: Factors, factors: Factors, own: Alone) -> 
     # The gravest last, as it stands above the others.
     whys = (wide, few, ended, ~connected, flat)
     for which, why in zip(
-        whys, ("wide", "too few points", "at the end of the search", "no overlap", "flat"), strict=True
+        whys,
+        ("wide", "too few points", "at the end of the search", "no overlap", "flat"),
+        strict=True,
     ):
         reasons[which & others] = why
     low, high = _ends(rows, factors, connected, flat | (ended & connected))
@@ -93,11 +102,12 @@ def known_factors(rows: Rows, fitted: Factors, factors: Factors, own: Alone) -> 
 
 
 def overlaps(rows: Rows, own: Alone) -> NDArray[np.bool_]:
-    """Which levels (m, m) have moduli in common, within their scatter and what is expected of vertical factors.
+    """Which levels (m, m) share moduli, within scatter and what is expected of vertical factors.
 
-    |K| of a passive material rises with the frequency (K is a complete Bernstein function, whose logarithm has a
-    real part that rises along the imaginary axis; Schilling, Song and Vondracek 2012, theorem 6.17). So sweeps share
-    reduced frequencies only where they share moduli, wherever they are shifted.
+    |K| of a passive material rises with the frequency (K is a complete Bernstein function, whose
+    logarithm has a real part that rises along the imaginary axis; Schilling, Song and Vondracek
+    2012, theorem 6.17). So sweeps share reduced frequencies only where they share moduli, wherever
+    they are shifted.
     """
     low, high = _ranges(rows, np.log(rows.fit.measurement.magnitude))
     variance = _scatter_between(rows, own)
@@ -107,11 +117,13 @@ def overlaps(rows: Rows, own: Alone) -> NDArray[np.bool_]:
 
 
 def allowed_shifts(rows: Rows, fitted: Factors, own: Alone) -> Allowed:
-    """How far neighbouring levels can be shifted, their moduli divided by the vertical factors that were found."""
+    """How far neighbouring levels can be shifted, moduli divided by the vertical factors found."""
     low, high = _ranges(rows, np.log(rows.fit.measurement.magnitude) - fitted.log_b[rows.number])
     # Beyond their scatter: where two ends only just meet, nobody knows that they do.
     surely = _touching(low, high, -ROOM * np.sqrt(_scatter_between(rows, own)))
-    return Allowed(fitted.column, fitted.levels, *_ranges(rows, rows.fit.measurement.points.log_omega), surely)
+    return Allowed(
+        fitted.column, fitted.levels, *_ranges(rows, rows.fit.measurement.points.log_omega), surely
+    )
 
 
 def _scatter_between(rows: Rows, own: Alone) -> Real:
@@ -136,7 +148,9 @@ def _ranges(rows: Rows, values: Real) -> tuple[Real, Real]:
 
 
 def _touching(low: Real, high: Real, room: Real | float = 0.0) -> NDArray[np.bool_]:
-    return np.asarray((low[:, None] <= high[None, :] + room) & (low[None, :] <= high[:, None] + room))
+    return np.asarray(
+        (low[:, None] <= high[None, :] + room) & (low[None, :] <= high[:, None] + room)
+    )
 
 
 def reached_from(reference: int, touching: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -148,11 +162,13 @@ def reached_from(reference: int, touching: NDArray[np.bool_]) -> NDArray[np.bool
     return np.asarray(reached)
 
 
-def _ends(rows: Rows, factors: Factors, connected: NDArray[np.bool_], open_: NDArray[np.bool_]) -> tuple[Real, Real]:
+def _ends(
+    rows: Rows, factors: Factors, connected: NDArray[np.bool_], open_: NDArray[np.bool_]
+) -> tuple[Real, Real]:
     """Ends (m,) of the intervals of ln a.
 
-    Of a sweep that does not overlap it is known on which side it lies, and that it is no nearer than it would
-    overlap: so far its interval goes, and on the other side there is no end.
+    Of a sweep that does not overlap it is known on which side it lies, and that it is no nearer
+    than it would overlap: so far its interval goes, and on the other side there is no end.
     """
     log_a, reach = factors.log_a, np.minimum(factors.reach_a, 2.0 * FURTHEST)
     # What the data leave open ends where no factor is searched: beyond, it would be no number.
@@ -166,7 +182,9 @@ def _ends(rows: Rows, factors: Factors, connected: NDArray[np.bool_], open_: NDA
         if first[i] > last[top]:
             low[i] = max(log_a[i] - _gaps(first, last, last[top], first[i]) - reach[top], -FURTHEST)
         elif last[i] < first[bottom]:
-            high[i] = min(log_a[i] + _gaps(first, last, last[i], first[bottom]) + reach[bottom], FURTHEST)
+            high[i] = min(
+                log_a[i] + _gaps(first, last, last[i], first[bottom]) + reach[bottom], FURTHEST
+            )
     others = np.arange(len(factors)) != factors.reference
     low[open_ & others], high[open_ & others] = -FURTHEST, FURTHEST
     return low, high

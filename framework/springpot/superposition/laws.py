@@ -13,9 +13,11 @@ from scipy.optimize import least_squares
 
 from springpot.distributions import chi2_sf, normal_sf
 from springpot.identification.uncertainty import student
-from springpot.policy import INTERVAL, SUPERPOSITION
-from springpot.rheology import Formula, Parameter, Points, Real, arrhenius, temperature_power, vogel, wlf
-from springpot.rheology.points import KELVIN
+from springpot.rheology.formula import Formula
+from springpot.rheology.parameters import Parameter
+from springpot.rheology.points import KELVIN, Points, Real
+from springpot.rheology.thermal import arrhenius, temperature_power, vogel, wlf
+from springpot.thresholds import INTERVAL, SUPERPOSITION
 
 from .allowed import Allowed
 from .factors import Factors
@@ -24,14 +26,20 @@ Verdict = Literal["holds", "departs", "cannot-tell"]
 TRIES = 12
 """Starts of a law's fit along its second parameter, which alone can have two minima."""
 BISECTIONS = 8
-"""Of the size of a law's own error between 1e-6 and all that the factors range over: known to a few per cent."""
+"""Of the size of a law's own error between 1e-6 and all that the factors range over.
+
+Known to a few per cent.
+"""
 EXACT = 1e-6
-"""Standard deviation in ln a to which no factor is known better: exact data would make every law depart."""
+"""Standard deviation in ln a to which no factor is known better.
+
+Exact data would make every law depart.
+"""
 BOUND = 1e-6
 """Share of a parameter's range within which it rests on a bound: steps beyond end this near."""
 SLOWER = (
-    "it relaxes more slowly when hot: no law of temperature does so; is the column a temperature, or did the "
-    "specimen dry or cure?"
+    "it relaxes more slowly when hot: no law of temperature does so; is the column a temperature,"
+    " or did the specimen dry or cure?"
 )
 
 
@@ -58,7 +66,8 @@ class Law:
 
 
 DirectFit: TypeAlias = Callable[[Formula, Real], tuple[Real, Real, Real]]
-"""A law's element and its parameters (k,) to the same fitted to the data, and the ends (k,) of their intervals."""
+"""A law's element and its parameters (k,) to the same fitted to the data, and the ends (k,) of
+their intervals."""
 
 LAWS = (
     Law("Arrhenius", "ln a = Ea / R (1 / T - 1 / Tr)", arrhenius()),
@@ -77,18 +86,21 @@ class LawFit:
     law : Law
         The law.
     values, low, high : ndarray, shape (k,)
-        Its parameters with 95 % intervals, widened where it does not follow the factors. Those of a shift are the
-        parameters of a material with this law fitted to the data, as any other model's.
+        Its parameters with 95 % intervals, widened where it does not follow the factors. Those of a
+        shift are the parameters of a material with this law fitted to the data, as any other
+        model's.
     log_factors : ndarray, shape (m,)
         What it gives at the levels.
     departure : float
         Root mean square of the difference in ln a (or ln b) at the levels that are judged.
     chance : float
-        That scatter of the factors alone leaves a departure like this; nan where there is nothing to judge by.
+        That scatter of the factors alone leaves a departure like this; nan where there is nothing
+        to judge by.
     evidence : float
         Minus twice the log-evidence by BIC; of two laws the smaller is the better.
     verdict : str
-        ``holds``, ``departs``, or ``cannot-tell`` where the law has as many parameters as there are factors.
+        ``holds``, ``departs``, or ``cannot-tell`` where the law has as many parameters as there are
+        factors.
     worst : float
         The level at which it is furthest off, by what is known of the factor there.
     """
@@ -108,7 +120,8 @@ class LawFit:
         """For JSON."""
         rows = zip(self.law.element.parameters, self.values, self.low, self.high, strict=True)
         parameters = {
-            p.name: {"value": v, "low": low, "high": high, "unit": p.unit.label or "-"} for p, v, low, high in rows
+            p.name: {"value": v, "low": low, "high": high, "unit": p.unit.label or "-"}
+            for p, v, low, high in rows
         }
         factor = "a"
         if self.law.vertical:
@@ -142,7 +155,11 @@ class Judged(NamedTuple):
 
 
 def judged_laws(
-    factors: Factors, placed: NDArray[np.bool_], told: NDArray[np.bool_], direct: DirectFit, allowed: Allowed
+    factors: Factors,
+    placed: NDArray[np.bool_],
+    told: NDArray[np.bool_],
+    direct: DirectFit,
+    allowed: Allowed,
 ) -> Judged:
     """All laws of temperature, none for another column.
 
@@ -153,15 +170,18 @@ def judged_laws(
     placed : ndarray of bool, shape (m,)
         Levels that the data place beside the others; how widely, the covariance says.
     told : ndarray of bool, shape (m,)
-        Levels whose vertical factors the data tell; others show what was expected of them, which is no evidence.
+        Levels whose vertical factors the data tell; others show what was expected of them, which is
+        no evidence.
     direct : callable
-        Of a law and its parameters (k,): these fitted to the data themselves, and the ends of their intervals.
+        Of a law and its parameters (k,): these fitted to the data themselves, and the ends of their
+        intervals.
     allowed : Allowed
         How far neighbouring levels can be shifted.
     """
     if factors.column != "temperature":
         return Judged([], [])
-    # The factor of the reference is one by definition: a law that goes through it has shown nothing.
+    # The factor of the reference is one by definition: a law that goes through it has shown
+    # nothing.
     judging = placed & (np.arange(len(factors)) != factors.reference)
     fits: list[LawFit] = []
     refused: list[str] = []
@@ -187,7 +207,9 @@ def judged_laws(
 
 
 def slower_when_hot(factors: Factors, determined: NDArray[np.bool_]) -> list[str]:
-    """A sentence where the shifts rise with temperature beyond their scatter: every law of temperature falls.
+    """A sentence where the shifts rise with temperature beyond their scatter.
+
+    Every law of temperature falls.
 
     Parameters
     ----------
@@ -204,7 +226,8 @@ def slower_when_hot(factors: Factors, determined: NDArray[np.bool_]) -> list[str
     # The slope of least squares over its standard deviation.
     weighing = np.linalg.solve(covariance, away)
     score = float(weighing @ log_a) / float(np.sqrt(weighing @ away))
-    # Where factors share much of their error, their weighted slope may have the sign of none of them.
+    # Where factors share much of their error, their weighted slope may have the sign of none of
+    # them.
     if float(away @ log_a) > 0.0 and normal_sf(score) < SUPERPOSITION.alarm:
         return [SLOWER]
     return []
@@ -247,27 +270,38 @@ class _Task:
         return np.log(np.maximum(value, 1e-300))
 
     def solve(self, starts: list[Real], own: float = 0.0) -> tuple[Real, float, Real]:
-        """Best parameters, chi-square and slopes, the law being off by `own` at each level by itself."""
+        """Best parameters, chi-square and slopes, the law being off by `own` at each level."""
         covariance = self.covariance + own**2 * np.eye(len(self.used))
         # Factors share errors through the reference: whitened, they are independent numbers.
         whiten = np.linalg.inv(np.linalg.cholesky(covariance))
 
         def misfit(theta: Real) -> Real:
-            return np.asarray(whiten @ (self.log_factor(theta)[self.used] - self.target), dtype=np.float64)
+            return np.asarray(
+                whiten @ (self.log_factor(theta)[self.used] - self.target), dtype=np.float64
+            )
 
-        ends = [least_squares(misfit, start, bounds=(self.low, self.high), x_scale="jac") for start in starts]
+        ends = [
+            least_squares(misfit, start, bounds=(self.low, self.high), x_scale="jac")
+            for start in starts
+        ]
         best = min(ends, key=lambda end: float(end.cost))
         return best.x, 2.0 * float(best.cost), np.asarray(best.jac, dtype=np.float64)
 
     def at_bound(self, theta: Real) -> bool:
-        """Whether a parameter rests on a bound: it is then the bound's value and not the material's."""
+        """Whether a parameter rests on a bound.
+
+        It is then the bound's value and not the material's.
+        """
         width = BOUND * (self.high - self.low)
         return bool(np.any((theta - self.low < width) | (self.high - theta < width)))
 
     def own_error(self, start: Real, spare: int) -> float:
-        """How far the law is off at each level by itself, so that its misfit is what is to be expected.
+        """How far the law is off at each level by itself.
 
-        Without it, factors that share an error would draw a law that is not theirs to one side of all of them.
+        So that its misfit is what is to be expected.
+
+        Without it, factors that share an error would draw a law that is not theirs to one side of
+        all of them.
         """
         low, high = EXACT, float(np.ptp(self.target)) + EXACT
         for _ in range(BISECTIONS):
@@ -281,19 +315,22 @@ class _Task:
         return high
 
 
-def _fitted(law: Law, factors: Factors, used: NDArray[np.int64], direct: DirectFit) -> LawFit | None:
-    """A law at the levels that are used; none where it would need constants that no material has."""
+def _fitted(
+    law: Law, factors: Factors, used: NDArray[np.int64], direct: DirectFit
+) -> LawFit | None:
+    """A law at the levels that are used; none where it needs constants that no material has."""
     kelvin = factors.levels + KELVIN
     reference = float(kelvin[factors.reference])
     offset, target = 0, factors.log_a[used]
     if law.vertical:
         # In the covariance the vertical factors follow on all horizontal ones.
         offset, target = len(factors), factors.log_b[used]
-    covariance = factors.covariance[np.ix_(used + offset, used + offset)] + EXACT**2 * np.eye(len(used))
+    block = np.ix_(used + offset, used + offset)
+    covariance = factors.covariance[block] + EXACT**2 * np.eye(len(used))
     at = Points(np.zeros(len(factors)), temperature=kelvin, reference_temperature=reference)
     task = _Task(law, at, used, target, covariance, *_box(law, kelvin, reference))
     theta, square, slopes = task.solve(_starts(task.low, task.high))
-    # A law with more parameters fits better by chance alone: each costs the logarithm of the number of factors.
+    # More parameters fit better by chance alone: each costs the logarithm of the number of factors.
     evidence = square + len(theta) * float(np.log(max(len(used), 2)))
     spare = len(used) - len(theta)
     verdict, chance = _verdict(square, spare)
@@ -304,7 +341,7 @@ def _fitted(law: Law, factors: Factors, used: NDArray[np.int64], direct: DirectF
         # A misfit that is too small to be told still widens the intervals.
         misfit = square / spare
     spread = np.sqrt(np.diag(np.linalg.pinv(slopes.T @ slopes)) * max(1.0, misfit))
-    # Where the scatter is known from the factors alone, it has no degrees of freedom to be short of.
+    # Scatter that is known from the factors alone has no degrees of freedom to be short of.
     freedom = inf
     if misfit > 1.0 or verdict == "departs":
         freedom = spare
@@ -315,7 +352,7 @@ def _fitted(law: Law, factors: Factors, used: NDArray[np.int64], direct: DirectF
     if task.at_bound(theta) or np.any(empty):
         return None
     if not law.vertical:
-        # One engine: the constants are those of a model with this law, whatever command asks for them.
+        # One engine: the constants are those of a model with this law, whatever command asks.
         theta, low, high = direct(law.element, theta)
         bounds = (low, high)
         if task.at_bound(theta):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.policy import SUPERPOSITION
+from springpot.thresholds import SUPERPOSITION
 
 from .factors import Factors, Rows
 from .known import Known
@@ -13,12 +13,25 @@ from .simplicity import FEW, Alone
 from .words import level_text
 
 WHY = {
-    "no overlap": "the sweeps do not overlap with the rest; their factors are not determined, as many fit alike: the "
-    "interval goes from where they would begin to overlap",
-    "flat": "storage and loss are flat within their scatter, so that there is nothing to shift by: any factor a fits",
-    "too few points": f"sweeps of fewer than {FEW} frequencies; their factors are known to no better than a decade",
-    "at the end of the search": "the search ended at the end of its range; the factors are not determined",
-    "wide": "the sweeps overlap too little or are too straight; their factors are known to no better than a decade",
+    "no overlap": (
+        "the sweeps do not overlap with the rest; their factors are not determined, as many fit"
+        " alike: the interval goes from where they would begin to overlap"
+    ),
+    "flat": (
+        "storage and loss are flat within their scatter, so that there is nothing to shift by:"
+        " any factor a fits"
+    ),
+    "too few points": (
+        f"sweeps of fewer than {FEW} frequencies;"
+        " their factors are known to no better than a decade"
+    ),
+    "at the end of the search": (
+        "the search ended at the end of its range; the factors are not determined"
+    ),
+    "wide": (
+        "the sweeps overlap too little or are too straight;"
+        " their factors are known to no better than a decade"
+    ),
 }
 """What is said of the levels whose factor is not determined, by its reason."""
 
@@ -30,7 +43,9 @@ def undetermined(factors: Factors, known: Known) -> list[str]:
     for reason, why in WHY.items():
         there = factors.levels[reasons == reason].tolist()
         if there:
-            notes.append(f"{', '.join(level_text(factors.column, value) for value in there)}: {why}")
+            notes.append(
+                f"{', '.join(level_text(factors.column, value) for value in there)}: {why}"
+            )
     return notes
 
 
@@ -40,8 +55,8 @@ def not_told_apart(factors: Factors, told: NDArray[np.bool_]) -> list[str]:
         return []
     names = ", ".join(level_text(factors.column, value) for value in factors.levels[~told].tolist())
     return [
-        f"{names}: a and b cannot be told apart, as the sweeps are nearly straight: b is taken as near to 1 as the "
-        "data allow, and the interval of a holds for such a b"
+        f"{names}: a and b cannot be told apart, as the sweeps are nearly straight: b is taken as"
+        " near to 1 as the data allow, and the interval of a holds for such a b"
     ]
 
 
@@ -53,8 +68,9 @@ def vertical_range(factors: Factors, told: NDArray[np.bool_]) -> list[str]:
     if span < SUPERPOSITION.vertical_range:
         return []
     return [
-        f"the vertical factors range over a factor of {span:.2g}, more than density and rubber elasticity explain: "
-        "the data contradict smaller ones, as a changed geometry, a slip or a failure of superposition would"
+        f"the vertical factors range over a factor of {span:.2g}, more than density and rubber"
+        " elasticity explain: the data contradict smaller ones, as a changed geometry, a slip or a"
+        " failure of superposition would"
     ]
 
 
@@ -65,4 +81,7 @@ def repeats_in_words(rows: Rows, own: Alone) -> list[str]:
     if not len(far):
         return []
     names = ", ".join(rows.named(i) for i in far.tolist())
-    return [f"repeated sweeps differ by up to {100.0 * scatter.max():.2g} % ({names}), which no curve can follow"]
+    return [
+        f"repeated sweeps differ by up to {100.0 * scatter.max():.2g} % ({names}),"
+        " which no curve can follow"
+    ]

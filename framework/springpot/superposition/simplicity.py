@@ -1,7 +1,8 @@
-"""Whether one factor of frequency and one of stiffness bring all sweeps onto one curve, and if not, where it fails.
+"""Whether factors of frequency and of stiffness bring all sweeps onto one curve, or where not.
 
-A material is thermorheologically simple if all its relaxation times change by one factor. Each sweep by itself is
-followed by some material; what one material with free factors leaves beyond that is the failure of superposition.
+A material is thermorheologically simple if all its relaxation times change by one factor. Each
+sweep by itself is followed by some material; what one material with free factors leaves beyond that
+is the failure of superposition.
 """
 
 from __future__ import annotations
@@ -13,10 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import f_sf, normal_sf
-from springpot.identification import Objective, fit, weighted
-from springpot.measurement import Measurement, frequency_numbers
-from springpot.policy import SUPERPOSITION
-from springpot.rheology import Continuum, Model, Real
+from springpot.identification.native import fit
+from springpot.identification.objective import Objective, weighted
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.one_frequency import frequency_numbers
+from springpot.rheology.continuum import Continuum
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
+from springpot.thresholds import SUPERPOSITION
 
 from .factors import Rows, without
 
@@ -28,7 +33,7 @@ TINY = 1e-24
 FEW = 4
 """Points of a level from which it can be fitted by itself."""
 ROUNDING = 1e-8
-"""Share of a direction's power that is left by rounding where spectrum and factors can do all of it."""
+"""Share of a direction's power left by rounding where spectrum and factors can do all of it."""
 
 
 @dataclass(frozen=True)
@@ -42,13 +47,14 @@ class Failure:
     place : float
         The level, or the relaxation time of the middle of the branch in s.
     size : float
-        Error over that of the level alone; error of the best material; factor by which a part is missed; shift of
-        the loss relative to the storage in ln omega; relative change of the branch's ln a.
+        Error over that of the level alone; error of the best material; factor by which a part is
+        missed; shift of the loss relative to the storage in ln omega; relative change of the
+        branch's ln a.
     chance : float
         That noise looks like this.
     share : float
-        Of the misfit that superposition leaves beyond noise, in chi-square, how much goes if this is mended; nan
-        for ``no-material`` and ``part``.
+        Of the misfit that superposition leaves beyond noise, in chi-square, how much goes if this
+        is mended; nan for ``no-material`` and ``part``.
     says : str
         One plain sentence.
     """
@@ -72,10 +78,9 @@ class Simplicity:
     Attributes
     ----------
     verdict : str
-        ``simple`` where nothing is left but noise, in storage and in loss,
-        ``nearly-simple`` where the error is within 1.5 times that of each
-        level by itself or superposition adds no more than 1 %, ``not-simple``, or ``not-judged`` where no level has
-        points enough.
+        ``simple`` where nothing is left but noise, in storage and in loss, ``nearly-simple`` where
+        the error is within 1.5 times that of each level by itself or superposition adds no more
+        than 1 %, ``not-simple``, or ``not-judged`` where no level has points enough.
     error, alone : float
         Relative error of the one material, and of a material for each level.
     added : float
@@ -116,7 +121,8 @@ class Alone:
     Attributes
     ----------
     cost, dof : ndarray, shape (m,)
-        Sum of squared weighted residuals and its degrees of freedom; nan and 0 where there are too few points.
+        Sum of squared weighted residuals and its degrees of freedom; nan and 0 where there are too
+        few points.
     error : ndarray, shape (m,)
         Relative error.
     repeats : ndarray, shape (m,)
@@ -130,11 +136,12 @@ class Alone:
 
     @property
     def share(self) -> Real:
-        """Factors (m,) on the weights: below one at levels that no material follows as nearly as elsewhere.
+        """Factors (m,) on the weights.
 
-        Their error would bend the curve at the neighbours, where there is none. It is the root of the ratio of
-        errors: by the ratio itself such a level is all but left out and ends anywhere (the tape at -40 degC 5.1 %
-        off, not 3.9 %).
+        Below one at levels that no material follows as nearly as elsewhere: their error would bend
+        the curve at the neighbours, where there is none. It is the root of the ratio of errors: by
+        the ratio itself such a level is all but left out and ends anywhere (the tape at -40 degC
+        5.1 % off, not 3.9 %).
         """
         strange = self.strange
         if not np.any(strange):
@@ -144,7 +151,7 @@ class Alone:
 
     @property
     def strange(self) -> NDArray[np.bool_]:
-        """Levels that no material follows as nearly as elsewhere, though repeats do not differ as much."""
+        """Levels that no material follows as nearly as elsewhere, though repeats differ less."""
         judged = self.judged
         if not np.any(judged):
             return judged
@@ -162,7 +169,10 @@ class Alone:
         return np.asarray(np.isfinite(self.cost) & (self.dof > 0))
 
     def variance(self, rows: Rows) -> Real:
-        """Variance (m,) of a weighted residual at each level: that of its own material, else of the common one."""
+        """Variance (m,) of a weighted residual at each level.
+
+        That of its own material, else of the common one.
+        """
         common = np.bincount(rows.level_of_row, rows.scale**2) / np.bincount(rows.level_of_row)
         own = self.cost / np.maximum(self.dof, 1.0)
         return np.maximum(np.where(self.judged, own, common), TINY)
@@ -190,7 +200,11 @@ def simplicity(rows: Rows, alone: Alone) -> Simplicity:
         nothing = float("nan")
         return Simplicity("not-judged", overall, nothing, nothing, nothing, error, alone.error, ())
     chance = _chance(rows, alone)
-    places = [*_levels(rows, alone, error), *_storage_and_loss(rows, alone), *_branches(rows, alone)]
+    places = [
+        *_levels(rows, alone, error),
+        *_storage_and_loss(rows, alone),
+        *_branches(rows, alone),
+    ]
     # What explains most comes first: it is what to look at.
     places.sort(key=lambda place: -place.share)
     strange = _no_material(rows, alone)
@@ -209,9 +223,16 @@ def simplicity(rows: Rows, alone: Alone) -> Simplicity:
     failures = [*strange, *missed]
     # Where superposition holds, what is found among so many places is chance.
     if verdict != "simple":
-        failures += [*(place for place in places if place.share > SUPERPOSITION.worth_a_place)]
+        failures += [place for place in places if place.share > SUPERPOSITION.worth_a_place]
     return Simplicity(
-        verdict, overall, _mean(rows, alone.error, judged), added, chance, error, alone.error, tuple(failures)
+        verdict,
+        overall,
+        _mean(rows, alone.error, judged),
+        added,
+        chance,
+        error,
+        alone.error,
+        tuple(failures),
     )
 
 
@@ -224,7 +245,9 @@ def _mean(rows: Rows, error: Real, which: NDArray[np.bool_]) -> float:
 def _relative(rows: Rows) -> Real:
     """Relative error (n,) of each point."""
     data = rows.fit.measurement
-    return np.asarray(np.abs(rows.fit.model.stiffness(rows.fit.theta, data.points) / data.stiffness - 1.0))
+    return np.asarray(
+        np.abs(rows.fit.model.stiffness(rows.fit.theta, data.points) / data.stiffness - 1.0)
+    )
 
 
 def _level_errors(rows: Rows) -> Real:
@@ -275,7 +298,8 @@ def repeat_scatter(data: Measurement, number: NDArray[np.int64]) -> Real:
 def _chance(rows: Rows, alone: Alone) -> float:
     """That one material for all levels leaves so much more than one for each, by Fisher's test.
 
-    Each level is measured in units of its own scatter, so that one noisy level does not hide the others.
+    Each level is measured in units of its own scatter, so that one noisy level does not hide the
+    others.
     """
     counts = np.bincount(rows.number)
     spare = float(rows.fit.dof * counts[alone.judged].sum() / counts.sum())
@@ -295,23 +319,27 @@ def _no_material(rows: Rows, alone: Alone) -> list[Failure]:
     values, failures = rows.elements[0].shown, []
     for level in np.flatnonzero(alone.strange).tolist():
         ratio = (alone.error[level] / usual) ** 2
-        chance = float(f_sf(ratio, alone.dof[level], np.median(alone.dof[judged]))) * int(judged.sum())
+        by_one = float(f_sf(ratio, alone.dof[level], np.median(alone.dof[judged])))
+        chance = by_one * int(judged.sum())
         if chance < SUPERPOSITION.alarm:
             off, at = alone.error[level], rows.named(level)
             says = (
-                f"at {at} no linear material comes nearer than {_percent(off)}, elsewhere {_percent(usual)}: "
-                "this is the instrument, the amplitude or the specimen, not superposition"
+                f"at {at} no linear material comes nearer than {_percent(off)}, elsewhere"
+                f" {_percent(usual)}: this is the instrument, the amplitude or the specimen, not"
+                " superposition"
             )
-            failures.append(Failure("no-material", values[level], off, min(chance, 1.0), float("nan"), says))
+            failures.append(
+                Failure("no-material", values[level], off, min(chance, 1.0), float("nan"), says)
+            )
     return sorted(failures, key=lambda one: -one.size)
 
 
 def _missed_parts(rows: Rows, alone: Alone) -> list[Failure]:
     """Levels at which the line misses storage or loss by as much as it is, and not by its scatter.
 
-    The misfit counts relative to |K|: of a glass, whose loss is a hundredth of |K| and less, the line may go anywhere
-    within the scatter of the storage. By how much a part scatters its own neighbours tell (von Neumann et al. 1941,
-    doi:10.1214/aoms/1177731746).
+    The misfit counts relative to |K|: of a glass, whose loss is a hundredth of |K| and less, the
+    line may go anywhere within the scatter of the storage. By how much a part scatters its own
+    neighbours tell (von Neumann et al. 1941, doi:10.1214/aoms/1177731746).
     """
     data = rows.fit.measurement
     line = rows.fit.model.stiffness(rows.fit.theta, data.points)
@@ -320,22 +348,28 @@ def _missed_parts(rows: Rows, alone: Alone) -> list[Failure]:
     for level in np.flatnonzero(alone.judged).tolist():
         here = np.flatnonzero(rows.number == level)
         here = here[np.argsort(data.omega[here], kind="stable")]
-        for word, measured, drawn in (("storage", data.storage, line.real), ("loss", data.loss, line.imag)):
+        for word, measured, drawn in (
+            ("storage", data.storage, line.real),
+            ("loss", data.loss, line.imag),
+        ):
             size = np.maximum(np.abs(measured[here]), TINY)
             off = (measured[here] - drawn[here]) / size
             typical = float(np.median(np.abs(off)))
             bent = np.diff(off, 2)
-            # Of second differences each is worth 36 / 70 of a degree of freedom, as neighbouring ones share points.
+            # Second differences that share points: each is worth 36 / 70 of a degree of freedom.
             ratio = float(np.mean(off**2)) / max(float(np.mean(bent**2)) / 6.0, TINY)
             chance = looked * float(f_sf(ratio, len(here), max(len(bent) * 36.0 / 70.0, 1.0)))
             if typical <= SUPERPOSITION.missed or chance >= SUPERPOSITION.alarm:
                 continue
+            of_whole = _percent(float(np.median(np.abs(off) * size / data.magnitude[here])))
             says = (
-                f"at {rows.named(level)} the line misses the {word} by {typical:.2g} times its size, which is "
-                f"{_percent(float(np.median(np.abs(off) * size / data.magnitude[here])))} of |K|: less than |K| "
-                "scatters, and more than its own points do"
+                f"at {rows.named(level)} the line misses the {word} by {typical:.2g} times its"
+                f" size, which is {of_whole} of |K|: less than |K| scatters, and more than its own"
+                " points do"
             )
-            failures.append(Failure("part", values[level], typical, min(chance, 1.0), float("nan"), says))
+            failures.append(
+                Failure("part", values[level], typical, min(chance, 1.0), float("nan"), says)
+            )
     return sorted(failures, key=lambda one: -one.size)
 
 
@@ -352,7 +386,10 @@ def _levels(rows: Rows, alone: Alone, error: Real) -> list[Failure]:
         if chance < SUPERPOSITION.alarm:
             off, own = _percent(error[level]), _percent(alone.error[level])
             share = float(excess[level]) / whole
-            says = f"at {rows.named(level)} the curve is {off} off, a material of its own {own}{_of_all(share)}"
+            says = (
+                f"at {rows.named(level)} the curve is {off} off,"
+                f" a material of its own {own}{_of_all(share)}"
+            )
             size = float(error[level] / alone.error[level])
             failures.append(Failure("level", values[level], size, min(chance, 1.0), share, says))
     return failures
@@ -376,8 +413,7 @@ def _storage_and_loss(rows: Rows, alone: Alone) -> list[Failure]:
     """Levels at which the loss would have to be shifted otherwise than the storage."""
     data = rows.fit.measurement
     slope = rows.fit.model.slope(rows.fit.theta, data.points)
-    # Half forward and half back: the one then runs ahead of the other by all of it, and the common factor is left
-    # alone.
+    # Half forward and half back: one runs ahead by all of it, and the common factor is left alone.
     apart = 0.5 * (1j * slope.imag - slope.real)
     count = int(rows.number.max()) + 1
     columns = np.array([np.where(rows.number == i, apart, 0.0) for i in range(count)])
@@ -389,19 +425,20 @@ def _storage_and_loss(rows: Rows, alone: Alone) -> list[Failure]:
             f"at {rows.named(i)} the loss asks for {_percent(abs(float(np.expm1(shifted))))} "
             f"{_direction(shifted)} shift than the storage{_of_all(share[i])}"
         )
-        failures.append(Failure("storage-and-loss", values[i], shifted, float(chance[i]), float(share[i]), says))
+        failures.append(
+            Failure("storage-and-loss", values[i], shifted, float(chance[i]), float(share[i]), says)
+        )
     return failures
 
 
 def _branches(rows: Rows, alone: Alone) -> list[Failure]:
-    """Decades of relaxation times whose factors depend on the level more, or less, than those of the others."""
+    """Decades of relaxation times whose factors depend on the level more, or less, than others."""
     material = rows.fit.model.material
     assert isinstance(material, Continuum)
     data, (factor, x) = rows.fit.measurement, rows.reduced
     log_rates, weights = np.log(material.rates), rows.fit.theta[2 : 2 + len(material.rates)]
     turn = 1.0 / (1.0 - 1j * np.exp(log_rates[:, None] - x))
-    # In proportion to the shift of its level: a branch with its own activation energy shifts more the further off it
-    # is.
+    # As its level's shift: a branch with its own activation energy shifts more further off.
     by_shift = weights[:, None] * turn * (1.0 - turn) * factor * (x - data.points.log_omega)
     # Of each line in |K|: what adds nothing to the data can be shifted as one likes.
     share = np.abs(weights[:, None] * turn * factor) / data.magnitude
@@ -423,10 +460,12 @@ def _branches(rows: Rows, alone: Alone) -> list[Failure]:
         low, high = places[i] / 10.0**0.5, places[i] * 10.0**0.5
         shifted = float(size[i])
         says = (
-            f"the branch of relaxation times {low:.1g} to {high:.1g} s shifts {_percent(abs(shifted))} "
-            f"{_direction(shifted)} than the others{_of_all(share[i])}"
+            f"the branch of relaxation times {low:.1g} to {high:.1g} s shifts"
+            f" {_percent(abs(shifted))} {_direction(shifted)} than the others{_of_all(share[i])}"
         )
-        failures.append(Failure("branch", places[i], shifted, float(chance[i]), float(share[i]), says))
+        failures.append(
+            Failure("branch", places[i], shifted, float(chance[i]), float(share[i]), says)
+        )
     return failures
 
 
@@ -435,18 +474,19 @@ def _inside(band: int, x: Real) -> bool:
 
 
 def _one_step(rows: Rows, alone: Alone, columns: NDArray[np.complex128]) -> tuple[Real, Real, Real]:
-    """Size (c,) that one step of least squares gives each direction alone, its chance, its share of the excess.
+    """Size (c,), chance and share of the excess of one least-squares step in each direction.
 
-    All that spectrum and factors can do is taken out; each row is weighted by the scatter of its level about a
-    material of its own. The chance counts all directions that are tried.
+    All that spectrum and factors can do is taken out; each row is weighted by the scatter of its
+    level about a material of its own. The chance counts all directions that are tried.
     """
     excess = alone.excess(rows)
     scale = np.sqrt(alone.variance(rows))[rows.level_of_row, None]
     # What spectrum and factors can do in its place is no failure of superposition.
-    basis = np.column_stack([rows.by_theta[:, : len(rows.fit.model.material.parameters)], rows.factors]) / scale
-    slopes = without(basis, weighted(columns, rows.weights).T / scale)
+    spectrum = rows.by_theta[:, : len(rows.fit.model.material.parameters)]
+    asked = weighted(columns, rows.weights).T / scale
+    slopes = without(np.column_stack([spectrum, rows.factors]) / scale, asked)
     square = np.sum(slopes**2, axis=0)
-    whole = np.sum((weighted(columns, rows.weights).T / scale) ** 2, axis=0)
+    whole = np.sum(asked**2, axis=0)
     seen = square > ROUNDING * np.maximum(whole, 1e-300)
     square = np.where(seen, square, 1.0)
     residual = rows.residual / scale[:, 0]

@@ -48,7 +48,9 @@ def level_of(text: str, column: str = "temperature") -> float:
     """
     parts = _LEVEL.fullmatch(text)
     if parts is None:
-        raise OptionError(f"reference '{text}' is no number: write a level such as {_example(column)}")
+        raise OptionError(
+            f"reference '{text}' is no number: write a level such as {_example(column)}"
+        )
     value, unit = float(parts[1]), parts[2]
     if not unit:
         return value

@@ -9,7 +9,8 @@ A whole test file::
     class TestMyPlugin(PluginContract):
         plugin = my_plugin
 
-The functions ``check_*`` do the same for one thing and return plain sentences that say what is wrong.
+The functions ``check_*`` do the same for one thing and return plain sentences that say what is
+wrong.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A contract is a set of aspects, each a function that yields sentences; running it never raises."""
+"""A contract is a set of aspects, functions that yield sentences; running it never raises."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ import numpy as np
 from springpot.processes import can_copy, elsewhere
 
 DEADLINE = 120.0
-"""Seconds in which a plugin must have shown all that is asked of it: the slowest of springpot's own take five."""
+"""Seconds in which a plugin must have shown all that is asked of it.
+
+The slowest of springpot's own take five.
+"""
 Aspect: TypeAlias = Callable[[], Iterable[str]]
 
 NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*(-N)?")
@@ -24,11 +27,13 @@ LONGEST = 160
 """Characters of a summary that still fit a listing."""
 
 
-def complaints(aspects: Mapping[str, Aspect], skip: Collection[str] = (), deadline: float = DEADLINE) -> list[str]:
+def complaints(
+    aspects: Mapping[str, Aspect], skip: Collection[str] = (), deadline: float = DEADLINE
+) -> list[str]:
     """What is wrong, each sentence preceded by its aspect; empty if nothing is.
 
-    It is looked at in a copy of this process, in which a plugin may crash or hang; where threads run here, in this
-    process and without a limit.
+    It is looked at in a copy of this process, in which a plugin may crash or hang; where threads
+    run here, in this process and without a limit.
 
     Parameters
     ----------
@@ -50,7 +55,9 @@ def complaints(aspects: Mapping[str, Aspect], skip: Collection[str] = (), deadli
     if not can_copy():
         return [f"{name}: {says}" for name, aspect in wanted.items() for says in _run(aspect)]
     ended = elsewhere(lambda report: _report(wanted, report), deadline)
-    told = [json.loads(line) for line in ended.message.splitlines(keepends=True) if line.endswith(b"\n")]
+    told = [
+        json.loads(line) for line in ended.message.splitlines(keepends=True) if line.endswith(b"\n")
+    ]
     sentences = [f"{name}: {says}" for name, found in told for says in found]
     # The first that has not answered is the one under way.
     for name in list(wanted)[len(told) :][:1]:
@@ -75,14 +82,21 @@ def _run(aspect: Aspect) -> list[str]:
             # What was said before it stays said; a plugin may also call sys.exit.
             sentences.append(f"raises {type(error).__name__}: {' '.join(str(error).split())}")
         if touched():
-            sentences.append("changes the process-wide random state: draw only from the generator that is handed in")
+            sentences.append(
+                "changes the process-wide random state:"
+                " draw only from the generator that is handed in"
+            )
     return sentences
 
 
 @contextmanager
 def kept_random_state() -> Iterator[Callable[[], bool]]:
-    """Put the process-wide random states back at the end; gives a function that tells whether they have changed."""
-    before, own = np.random.get_state(legacy=False), random.getstate()  # noqa: NPY002  it is what is watched
+    """Put the process-wide random states back at the end.
+
+    Gives a function that tells whether they have changed.
+    """
+    before = np.random.get_state(legacy=False)  # noqa: NPY002  it is what is watched
+    own = random.getstate()
 
     def touched() -> bool:
         now = np.random.get_state(legacy=False)  # noqa: NPY002
@@ -100,9 +114,14 @@ def name_and_summary(name: str, summary: str, aliases: Iterable[str] = ()) -> It
     """Sentences about what users type and read."""
     for word in (name, *aliases):
         if not NAME.fullmatch(word):
-            yield f"'{word}' must be lower-case words, digits and hyphens, such as 'fractional-maxwell'"
+            yield (
+                f"'{word}' must be lower-case words, digits and hyphens,"
+                " such as 'fractional-maxwell'"
+            )
     if len(summary.split()) < 2 or "\n" in summary or len(summary) > LONGEST:
-        yield f"the summary must be one sentence of at most {LONGEST} characters, not {summary!r:.60}"
+        yield (
+            f"the summary must be one sentence of at most {LONGEST} characters, not {summary!r:.60}"
+        )
     elif summary.endswith("."):
         yield "the summary ends with a full stop, which a listing does not need"
 
@@ -110,4 +129,7 @@ def name_and_summary(name: str, summary: str, aliases: Iterable[str] = ()) -> It
 def cited(citation: str) -> Iterator[str]:
     """A sentence if there is no source."""
     if not citation.strip():
-        yield "there is no citation: say where the equation or the numbers come from, with a DOI where there is one"
+        yield (
+            "there is no citation: say where the equation or the numbers come from,"
+            " with a DOI where there is one"
+        )

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 from springpot.hooks import GROUP
 from springpot.registry import Registry
-from springpot.rheology import Model
+from springpot.rheology.model import Model
 
 from .datasets import check_dataset
 from .effects import check_effect
@@ -43,7 +43,8 @@ class Plugin:
     Parameters
     ----------
     source : module or str
-        The module, or what an entry point would say: ``package.module`` or ``package.module:object``.
+        The module, or what an entry point would say: ``package.module`` or
+        ``package.module:object``.
     samples : mapping of str to sequence of Path or bytes
         Sample files by the name of the reader.
     skip : mapping of str to collection of str
@@ -76,7 +77,8 @@ class Plugin:
         faults = [fault.reason for fault in self.registry.faults]
         if not self.offers():
             faults.append(
-                "it offers nothing that can be checked: write a hook such as springpot_models, marked with @hookimpl"
+                "it offers nothing that can be checked:"
+                " write a hook such as springpot_models, marked with @hookimpl"
             )
         names = {name for _, name in self.offers()}
         # A name that is misspelt here would leave a test out in silence, or a sample unread.
@@ -110,7 +112,11 @@ class Plugin:
 
 
 def check_plugin(
-    plugin: ModuleType | str, *, samples: Samples | None = None, skip: Skips | None = None, passive: bool = False
+    plugin: ModuleType | str,
+    *,
+    samples: Samples | None = None,
+    skip: Skips | None = None,
+    passive: bool = False,
 ) -> list[str]:
     """What is wrong with a plugin and everything that it offers, as plain sentences.
 
@@ -159,7 +165,8 @@ class PluginContract:
     def pytest_generate_tests(self, metafunc: Any) -> None:
         """Make one test for each thing that is offered."""
         if "offered" in metafunc.fixturenames:
-            # One test for each thing, not one for all: what fails is named, and the rest is still tested.
+            # One test for each thing, not one for all: what fails is named, and the rest is still
+            # tested.
             offers = self._whole().offers()
             metafunc.parametrize("offered", offers, ids=[f"{word} {name}" for word, name in offers])
 
@@ -171,7 +178,9 @@ class PluginContract:
     def test_something_can_be_checked(self) -> None:
         """A plugin of which everything is unavailable here has not been tested."""
         whole = self._whole()
-        assert any(not whole.unavailable(*offer) for offer in whole.offers()), "everything is unavailable here"
+        assert any(not whole.unavailable(*offer) for offer in whole.offers()), (
+            "everything is unavailable here"
+        )
 
     def test_keeps_its_contract(self, offered: tuple[str, str]) -> None:
         """Whatever is offered does what its kind promises."""

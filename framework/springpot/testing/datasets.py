@@ -8,9 +8,10 @@ from collections.abc import Collection, Iterator, Mapping
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.measurement import AMPLITUDE_UNITS, MODULUS_UNITS, DataSet
+from springpot.measurement.catalogue import DataSet
+from springpot.measurement.units import AMPLITUDE_UNITS, MODULUS_UNITS
 from springpot.registry import parse_model
-from springpot.rheology import Model
+from springpot.rheology.model import Model
 
 from .aspects import cited, complaints
 
@@ -24,9 +25,10 @@ def check_dataset(
 ) -> list[str]:
     """What is wrong with a data set, as plain sentences.
 
-    Aspects: ``words`` (name, summary, kind, licence, citation), ``loads`` (as many points as it says, in known units,
-    the same bits twice) and ``truth`` (the parameters are those of its model). A set that says why it is unavailable
-    here, or that would first be downloaded, is not loaded.
+    Aspects: ``words`` (name, summary, kind, licence, citation), ``loads`` (as many points as it
+    says, in known units, the same bits twice) and ``truth`` (the parameters are those of its
+    model). A set that says why it is unavailable here, or that would first be downloaded, is not
+    loaded.
 
     Parameters
     ----------
@@ -54,8 +56,15 @@ def _words(dataset: DataSet) -> Iterator[str]:
     # Signs with a meaning in FILE#PART?COLUMN=UNIT@CONDITION would part the name.
     if not re.fullmatch(r"[A-Za-z0-9][\w.+-]*", dataset.name):
         yield f"the name '{dataset.name}' cannot be typed: use letters, digits, hyphens and points"
-    if len(dataset.summary.split()) < 3 or "\n" in dataset.summary or len(dataset.summary) > LONGEST:
-        yield f"the summary must be one sentence of at most {LONGEST} characters, not {dataset.summary!r:.60}"
+    if (
+        len(dataset.summary.split()) < 3
+        or "\n" in dataset.summary
+        or len(dataset.summary) > LONGEST
+    ):
+        yield (
+            f"the summary must be one sentence of at most {LONGEST} characters, not"
+            f" {dataset.summary!r:.60}"
+        )
     if dataset.kind not in KINDS:
         yield f"the kind is '{dataset.kind}', not one of {', '.join(KINDS)}"
     # What cannot be had here need not be described in full.
@@ -85,7 +94,10 @@ def _loads(dataset: DataSet) -> Iterator[str]:
         yield f"it loads {len(first)} points where it says {dataset.size}"
     if first.name != dataset.name:
         yield f"the measurement is called '{first.name}', not '{dataset.name}'"
-    for unit, known in ((first.units.stiffness, MODULUS_UNITS), (first.units.amplitude, AMPLITUDE_UNITS)):
+    for unit, known in (
+        (first.units.stiffness, MODULUS_UNITS),
+        (first.units.amplitude, AMPLITUDE_UNITS),
+    ):
         if unit not in known:
             yield f"the unit [{unit}] is unknown"
     for name in ("omega", "stiffness", "sd"):
@@ -101,4 +113,7 @@ def _truth(dataset: DataSet, models: Mapping[str, Model]) -> Iterator[str]:
         return
     model = models.get(dataset.model) or parse_model(dataset.model)
     if dataset.truth and set(dataset.truth) != set(model.names):
-        yield f"its true parameters are {', '.join(dataset.truth)}; {model.name} has {', '.join(model.names)}"
+        yield (
+            f"its true parameters are {', '.join(dataset.truth)}; {model.name} has"
+            f" {', '.join(model.names)}"
+        )

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from springpot.rheology import Parameter, Real
+from springpot.rheology.parameters import Parameter
+from springpot.rheology.points import Real
 
 EIGHTH_ORDER = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
 """Central differences: weights of f(x + i h) - f(x - i h) for i = 1 ... 4."""
@@ -15,7 +16,9 @@ STEPS = np.array([1, 2, 3, 4, -1, -2, -3, -4])
 ROOTS = np.exp(2j * np.pi * np.arange(16) / 16)
 
 
-def sample(parameters: Sequence[Parameter], rng: np.random.Generator, shape: tuple[int, ...] = ()) -> Real:
+def sample(
+    parameters: Sequence[Parameter], rng: np.random.Generator, shape: tuple[int, ...] = ()
+) -> Real:
     """Random parameters well inside their bounds.
 
     Parameters
@@ -38,7 +41,9 @@ def sample(parameters: Sequence[Parameter], rng: np.random.Generator, shape: tup
             drawn = parameter.typical * np.exp(rng.uniform(-1.0, 1.0, shape))
         elif np.isfinite(parameter.upper) and np.isfinite(parameter.lower):
             # Clear of the ends, where a derivative has one side only.
-            drawn = parameter.lower + (parameter.upper - parameter.lower) * rng.uniform(0.3, 0.9, shape)
+            drawn = parameter.lower + (parameter.upper - parameter.lower) * rng.uniform(
+                0.3, 0.9, shape
+            )
         else:
             drawn = parameter.typical * rng.uniform(0.3, 0.9, shape)
         columns.append(np.clip(drawn, parameter.lower, parameter.upper))
@@ -48,9 +53,9 @@ def sample(parameters: Sequence[Parameter], rng: np.random.Generator, shape: tup
 def derivative(function: Callable[[Any], Any], x: Real, reach: float = 0.01) -> Any:
     """Derivative of `function` by each entry of `x` (p,), on the last axis.
 
-    The mean over a circle in the complex plane (Cauchy's integral) has no truncation error to speak of, unlike a
-    finite difference. A function that is not analytic (it reads only the loss, say, or refuses complex numbers) is
-    differenced along the real axis instead, to eighth order.
+    The mean over a circle in the complex plane (Cauchy's integral) has no truncation error to speak
+    of, unlike a finite difference. A function that is not analytic (it reads only the loss, say, or
+    refuses complex numbers) is differenced along the real axis instead, to eighth order.
 
     Parameters
     ----------

@@ -8,7 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.rheology import Effect, Layer, Model, Points
+from springpot.rheology.effect import Effect, Layer
+from springpot.rheology.model import Model
+from springpot.rheology.points import Points
 
 from .aspects import SEED, cited, complaints, name_and_summary
 from .derivatives import sample
@@ -24,9 +26,9 @@ GONE = 1e-6
 def check_effect(effect: Effect, *, on: Model = SAMPLE, skip: Collection[str] = ()) -> list[str]:
     """What is wrong with an effect, as plain sentences.
 
-    Aspects: ``words`` (name, summary, citation, prior), ``parameters``, ``shapes``, ``derivatives`` (of the grown
-    model), ``finite``, ``units``, ``pure``, ``vanishes`` (at ``vanishes_at``, and only there), ``columns`` (it asks
-    for the conditions that it uses, no others) and ``harmonic``.
+    Aspects: ``words`` (name, summary, citation, prior), ``parameters``, ``shapes``, ``derivatives``
+    (of the grown model), ``finite``, ``units``, ``pure``, ``vanishes`` (at ``vanishes_at``, and
+    only there), ``columns`` (it asks for the conditions that it uses, no others) and ``harmonic``.
 
     Parameters
     ----------
@@ -61,7 +63,9 @@ def _words(effect: Effect) -> Iterator[str]:
     if not 0.0 < effect.prior <= 1.0:
         yield f"the prior is {effect.prior}, not above 0 and at most 1"
     if not isinstance(effect.layer, Layer):
-        yield f"the layer is {effect.layer!r}, not one of {', '.join(layer.name for layer in Layer)}"
+        yield (
+            f"the layer is {effect.layer!r}, not one of {', '.join(layer.name for layer in Layer)}"
+        )
     if not effect.element.parameters:
         yield "the element has no parameter, so there is no size to be found"
 
@@ -88,8 +92,9 @@ def _vanishes(effect: Effect, on: Model, grown: Model) -> Iterator[str]:
     left = np.max(np.abs(grown.stiffness(theta, POINTS) / alone - 1.0))
     if not left < GONE:
         yield (
-            f"it does not vanish when {size.name}, its first parameter, goes to {null:g}: K still changes by "
-            f"{left:.1e}; put the parameter that measures its size first, or give absent_at"
+            f"it does not vanish when {size.name}, its first parameter, goes to {null:g}: K still"
+            f" changes by {left:.1e}; put the parameter that measures its size first, or give"
+            " absent_at"
         )
 
 
@@ -102,7 +107,10 @@ def _without(column: str) -> Points:
 def _columns(effect: Effect, grown: Model) -> Iterator[str]:
     theta = sample(grown.parameters, np.random.default_rng(SEED))
     for column in sorted(effect.needs - COLUMNS):
-        yield f"it needs '{column}', but measurements have only amplitude and temperature beside the frequency"
+        yield (
+            f"it needs '{column}', but measurements have only amplitude and temperature beside the"
+            " frequency"
+        )
     # Used without being asked for, a column that the data lack would be an error within a fit.
     for column in sorted(COLUMNS - grown.needs):
         try:
@@ -111,7 +119,9 @@ def _columns(effect: Effect, grown: Model) -> Iterator[str]:
             yield f"it uses the {column} without saying so: name it in the element's conditions"
             continue
         if not np.array_equal(bare, grown.stiffness(theta, POINTS)):
-            yield f"it depends on the {column} without saying so: name it in the element's conditions"
+            yield (
+                f"it depends on the {column} without saying so: name it in the element's conditions"
+            )
     # Asked for without being used, it would refuse data that lack it for nothing.
     for column in sorted(COLUMNS & effect.needs):
         try:

@@ -7,9 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from springpot.identification import fit, is_material
-from springpot.rheology import Continuum, Model, drawing_of
+from springpot.identification.material import is_material
+from springpot.identification.native import fit
+from springpot.rheology.continuum import Continuum
+from springpot.rheology.drawing import drawing_of
 from springpot.rheology.family import Family
+from springpot.rheology.model import Model
 
 from .aspects import SEED, cited, complaints, name_and_summary
 from .derivatives import derivative, sample
@@ -20,17 +23,22 @@ MEMBERS = (1, 3)
 RATES = (0.03, 1.0, 40.0)
 """Lines [rad/s] below, within and above the frequencies at which a material is checked."""
 FOLLOWED = 2e-4
-"""Relative error to which lines follow a smooth spectrum at points that are two a decade: 1.1e-4 with the most lines
+"""Relative error to which lines follow a smooth spectrum at points that are two a decade.
+
+1.1e-4 with the most lines
 that a fit allows itself, which leaves a few of the measured numbers over."""
 
 
-def check_model(model: Model | Family, *, passive: bool = False, skip: Collection[str] = ()) -> list[str]:
+def check_model(
+    model: Model | Family, *, passive: bool = False, skip: Collection[str] = ()
+) -> list[str]:
     """What is wrong with a model, as plain sentences; of a family, with some of its members.
 
-    Aspects: ``words`` (name, summary, citation, drawing), ``parameters``, ``shapes``, ``derivatives`` (exact, by
-    Cauchy's integral), ``finite`` (over the search box), ``units``, ``pure``, ``search`` (the search form inverts and
-    keeps the bounds) and ``passive``. Of a material whose spectrum the data choose everything is checked with lines
-    in it, whether ``passive`` is asked for or not, and ``spectrum``: that a fit follows a network of springs,
+    Aspects: ``words`` (name, summary, citation, drawing), ``parameters``, ``shapes``,
+    ``derivatives`` (exact, by Cauchy's integral), ``finite`` (over the search box), ``units``,
+    ``pure``, ``search`` (the search form inverts and keeps the bounds) and ``passive``. Of a
+    material whose spectrum the data choose everything is checked with lines in it, whether
+    ``passive`` is asked for or not, and ``spectrum``: that a fit follows a network of springs,
     springpots and dashpots.
 
     Parameters
@@ -51,29 +59,46 @@ def check_model(model: Model | Family, *, passive: bool = False, skip: Collectio
         return _check_family(model, passive, skip)
     if is_material(model):
         return _check_material(model, skip)
-    aspects = {"words": lambda: _words(model), **network_aspects(model), "search": lambda: _search(model)}
+    aspects = {
+        "words": lambda: _words(model),
+        **network_aspects(model),
+        "search": lambda: _search(model),
+    }
     if passive:
         aspects["passive"] = lambda: _passive(model)
     return complaints(aspects, skip)
 
 
 def _check_family(family: Family, passive: bool, skip: Collection[str]) -> list[str]:
-    sentences = complaints({"words": lambda: name_and_summary(family.name, family.summary, family.aliases)})
+    sentences = complaints(
+        {"words": lambda: name_and_summary(family.name, family.summary, family.aliases)}
+    )
     for number in MEMBERS:
         expected = f"{family.name.removesuffix('-N')}-{number}"
         member = family.member(expected)
         # A member's name is typed and stored: it must lead back to the same member.
         if member is None or member.base != expected:
-            sentences.append(f"words: member {number} is called {member and member.base}, not {expected}")
+            sentences.append(
+                f"words: member {number} is called {member and member.base}, not {expected}"
+            )
         else:
-            sentences += [f"{expected}: {says}" for says in check_model(member, passive=passive, skip=skip)]
+            sentences += [
+                f"{expected}: {says}" for says in check_model(member, passive=passive, skip=skip)
+            ]
     return sentences
 
 
 def _check_material(model: Model, skip: Collection[str]) -> list[str]:
-    """The contract with the lines that a fit may choose: without any there is only a spring beside a dashpot."""
+    """The contract with the lines that a fit may choose.
+
+    Without any there is only a spring beside a dashpot.
+    """
     lined = replace(model, material=Continuum(RATES))
-    aspects = {"words": lambda: _words(model), **network_aspects(lined), "passive": lambda: _passive(lined)}
+    aspects = {
+        "words": lambda: _words(model),
+        **network_aspects(lined),
+        "passive": lambda: _passive(lined),
+    }
     return complaints({**aspects, "spectrum": lambda: _spectrum(model)}, skip)
 
 
@@ -85,7 +110,10 @@ def _spectrum(model: Model) -> Iterator[str]:
     fitted = fit(model, replace(data, stiffness=exact))
     left = np.abs(fitted.model.stiffness(fitted.theta, data.points) / exact - 1.0)
     if not left.max() < FOLLOWED:
-        yield f"a spring beside a spring in series with a springpot is followed to {left.max():.1e} only"
+        yield (
+            f"a spring beside a spring in series with a springpot is followed to {left.max():.1e}"
+            " only"
+        )
     if np.any(fitted.theta < 0.0):
         yield "a weight of the spectrum is negative"
 

@@ -9,22 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from springpot.identification import paper_box
-from springpot.measurement import Measurement, Units
-from springpot.rheology import (
-    FULL,
-    MAXWELL_FORM,
-    Continuum,
-    Model,
-    Parameter,
-    Points,
-    Real,
-    parallel,
-    power_of_s,
-    series,
-    spring,
-    springpot,
-)
+from springpot.identification.space import paper_box
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.units import Units
+from springpot.rheology.continuum import Continuum
+from springpot.rheology.elements import power_of_s, spring, springpot
+from springpot.rheology.forms import MAXWELL_FORM
+from springpot.rheology.model import Model
+from springpot.rheology.nodes import FULL, parallel, series
+from springpot.rheology.parameters import Parameter
+from springpot.rheology.points import Points, Real
 
 from .aspects import SEED, Aspect
 from .derivatives import derivative, sample
@@ -36,7 +30,9 @@ DRAWS = 4
 EXACT = 1e-8
 """Relative error above which a derivative is not exact; finite differences are worse than this."""
 
-SAMPLE = Model("sample", parallel(spring("k1"), series(spring("k2"), springpot())), search=MAXWELL_FORM)
+SAMPLE = Model(
+    "sample", parallel(spring("k1"), series(spring("k2"), springpot())), search=MAXWELL_FORM
+)
 """A solid with four parameters on which effects, optimisers and objectives are tried."""
 
 
@@ -45,12 +41,15 @@ def sample_measurement() -> Measurement:
     omega = np.geomspace(1e-2, 1e2, 9)
     conditions = {"amplitude": np.linspace(0.5, 2.0, 9), "temperature": np.linspace(10.0, 30.0, 9)}
     stiffness = 500.0 * power_of_s(0.4, np.log(omega))
-    return Measurement(omega, stiffness, conditions=conditions, units=Units("kN/m", "mm"), name="sample")
+    return Measurement(
+        omega, stiffness, conditions=conditions, units=Units("kN/m", "mm"), name="sample"
+    )
 
 
 def network_aspects(model: Model) -> dict[str, Aspect]:
     """The contract of a network, that of a grown model included."""
-    # Functions, called one after the other: one that raises is told as a sentence and does not end the rest.
+    # Functions, called one after the other: one that raises is told as a sentence and does not end
+    # the rest.
     return {
         "parameters": lambda: _parameters(model.parameters),
         "shapes": lambda: _shapes(model),
@@ -72,14 +71,26 @@ def _parameters(parameters: Sequence[Parameter]) -> Iterator[str]:
     for parameter in parameters:
         name = parameter.name
         if not re.fullmatch(r"([\w#-]+\.)?[^\W\d]\w*", name):
-            yield f"the parameter name '{name}' is no identifier, so that it cannot be given as a keyword"
-        if not parameter.lower <= parameter.typical <= parameter.upper or not parameter.lower < parameter.upper:
-            yield f"{name}: the typical size {parameter.typical} is not within {parameter.lower} to {parameter.upper}"
-        if parameter.scale == "log" and not (parameter.lower >= 0 and 0 < parameter.typical < np.inf):
+            yield (
+                f"the parameter name '{name}' is no identifier,"
+                " so that it cannot be given as a keyword"
+            )
+        if (
+            not parameter.lower <= parameter.typical <= parameter.upper
+            or not parameter.lower < parameter.upper
+        ):
+            yield (
+                f"{name}: the typical size {parameter.typical} is not within {parameter.lower} to"
+                f" {parameter.upper}"
+            )
+        if parameter.scale == "log" and not (
+            parameter.lower >= 0 and 0 < parameter.typical < np.inf
+        ):
             yield f"{name}: a logarithmic scale needs a positive typical size and no negative bound"
         if isinstance(parameter.unit.time, str) and parameter.unit.time not in names:
             yield f"{name}: its unit names the order '{parameter.unit.time}', which is no parameter"
-        # A stiffness with lengths, and a modulus with strains: units are printed differently for each.
+        # A stiffness with lengths, and a modulus with strains: units are printed differently for
+        # each.
         for units in (Units("kN/m", "mm"), Units("Pa", "-")):
             if not units.of(parameter.unit)[1].strip():
                 yield f"{name}: its unit cannot be printed for data in {units.stiffness}"
@@ -92,11 +103,18 @@ def _shapes(model: Model) -> Iterator[str]:
     expected = {"value": (2, 3, n), "by_theta": (2, 3, p, n), "by_log_omega": (2, 3, n)}
     wrong = [name for name, shape in expected.items() if getattr(whole, name).shape != shape]
     for name in wrong:
-        yield f"{name} has the shape {getattr(whole, name).shape}, not {expected[name]}, for theta of (2, 3, {p})"
+        yield (
+            f"{name} has the shape {getattr(whole, name).shape}, not {expected[name]},"
+            f" for theta of (2, 3, {p})"
+        )
     # Only where the shape is right: otherwise the values could not be compared.
     for name in set(expected) - set(wrong):
-        rows = [getattr(model.network.respond(row, POINTS, FULL), name) for row in theta.reshape(6, -1)]
-        if not np.allclose(np.reshape(rows, expected[name]), getattr(whole, name), rtol=1e-10, atol=1e-13):
+        rows = [
+            getattr(model.network.respond(row, POINTS, FULL), name) for row in theta.reshape(6, -1)
+        ]
+        if not np.allclose(
+            np.reshape(rows, expected[name]), getattr(whole, name), rtol=1e-10, atol=1e-13
+        ):
             yield f"{name} of stacked parameters differs from that of one set after the other"
 
 
@@ -118,7 +136,9 @@ def _by_theta(model: Model, theta: Real) -> Real:
     exact = np.swapaxes(response.by_theta, -1, -2)
     # Relative to K over the parameter: a derivative that is zero by nature has no size of its own.
     natural = np.abs(response.value)[:, None] / np.maximum(np.abs(theta), 1e-4) + np.abs(exact)
-    worst: Real = _error(exact, lambda x: model.network.respond(x, POINTS).value, theta, natural).max(axis=0)
+    worst: Real = _error(
+        exact, lambda x: model.network.respond(x, POINTS).value, theta, natural
+    ).max(axis=0)
     return worst
 
 
@@ -126,7 +146,12 @@ def _by_log_omega(model: Model, theta: Real) -> float:
     response = model.network.respond(theta, POINTS, FULL)
     exact = response.by_log_omega[:, None]
     natural = np.abs(response.value)[:, None] + np.abs(exact)
-    error = _error(exact, lambda x: model.network.respond(theta, POINTS.shifted(x[0])).value, np.zeros(1), natural)
+    error = _error(
+        exact,
+        lambda x: model.network.respond(theta, POINTS.shifted(x[0])).value,
+        np.zeros(1),
+        natural,
+    )
     return float(error.max())
 
 
@@ -134,11 +159,13 @@ def _error(exact: Any, function: Callable[[Any], Any], x: Real, natural: Real) -
     """Relative error of `exact`; none where a kink lies so near that two radii disagree."""
     near = derivative(function, x, 3e-3)
     nearer = derivative(function, x, 1e-3)
-    # A derivative that is nothing beside the others is held against them, not against its own roundings.
+    # A derivative that is nothing beside the others is held against them, not against its own
+    # roundings.
     natural = np.maximum(natural, 1e-9 * np.max(natural))
     smooth = np.abs(near - nearer) <= 0.1 * EXACT * natural
     wrong = np.abs(exact - nearer) / natural
-    # A derivative that is not a number is wrong, kink or not; and where all is rough, nothing has been shown.
+    # A derivative that is not a number is wrong, kink or not; and where all is rough, nothing has
+    # been shown.
     bad = np.isnan(exact) | ~smooth.any(axis=0)
     error: Real = np.where(bad, np.inf, np.where(smooth, wrong, 0.0))
     return error
@@ -154,12 +181,14 @@ def _finite(model: Model) -> Iterator[str]:
         for name, values in response._asdict().items():
             bad = ~np.isfinite(values.reshape(len(theta), -1)).all(axis=1)
             if bad.any():
-                shown = ", ".join(f"{key} = {v:.3g}" for key, v in zip(model.names, theta[bad][0], strict=True))
+                shown = ", ".join(
+                    f"{key} = {v:.3g}" for key, v in zip(model.names, theta[bad][0], strict=True)
+                )
                 yield f"{name} is not finite {where} the search box, such as at {shown}"
 
 
 def converted(model: Model, theta: Real, stiffness: float, time: float, amplitude: float) -> Real:
-    """`theta` (p,) in units in which stiffness, time and amplitude have these values for each one of the old."""
+    """`theta` (p,) in units where old ones of stiffness, time and amplitude have these values."""
     values = dict(zip(model.names, theta.tolist(), strict=True))
     factors: list[float] = []
     for parameter in model.parameters:
@@ -175,20 +204,32 @@ def converted(model: Model, theta: Real, stiffness: float, time: float, amplitud
 
 def _units(model: Model) -> Iterator[str]:
     """In other units the numbers must change as the parameters' units say."""
-    changes = {"stiffness": (1e-3, 1.0, 1.0), "time": (1.0, 1 / 60, 1.0), "amplitude": (1.0, 1.0, 1e3)}
+    changes = {
+        "stiffness": (1e-3, 1.0, 1.0),
+        "time": (1.0, 1 / 60, 1.0),
+        "amplitude": (1.0, 1.0, 1e3),
+    }
     for what, (stiffness, time, amplitude) in changes.items():
-        # In minutes instead of seconds a frequency has another number, and so has an amplitude in other units.
+        # In minutes instead of seconds a frequency has another number, and so has an amplitude in
+        # other units.
         at = replace(POINTS.shifted(-np.log(time)), amplitude=POINTS.need("amplitude") * amplitude)
         for theta in _thetas(model):
-            other = _of_rates(model, time).stiffness(converted(model, theta, stiffness, time, amplitude), at)
-            if not np.allclose(other, stiffness * model.stiffness(theta, POINTS), rtol=1e-8, atol=0.0):
-                yield f"K does not follow a change of the unit of {what}: a parameter's Dimension is wrong"
+            other = _of_rates(model, time).stiffness(
+                converted(model, theta, stiffness, time, amplitude), at
+            )
+            if not np.allclose(
+                other, stiffness * model.stiffness(theta, POINTS), rtol=1e-8, atol=0.0
+            ):
+                yield (
+                    f"K does not follow a change of the unit of {what}:"
+                    " a parameter's Dimension is wrong"
+                )
                 # Once for each unit: the same slip shows at every set of parameters.
                 break
 
 
 def _of_rates(model: Model, time: float) -> Model:
-    """The model with the lines of its spectrum, if it has any, in a unit of time of which an old one has `time`."""
+    """The model with any lines of its spectrum in a unit of time of which the old has `time`."""
     if not isinstance(model.material, Continuum):
         return model
     return replace(model, material=Continuum(tuple(rate / time for rate in model.material.rates)))
@@ -197,7 +238,11 @@ def _of_rates(model: Model, time: float) -> Model:
 def _pure(model: Model) -> Iterator[str]:
     theta = _thetas(model)
     before = theta.copy()
-    columns = [POINTS.log_omega.copy(), POINTS.need("amplitude").copy(), POINTS.need("temperature").copy()]
+    columns = [
+        POINTS.log_omega.copy(),
+        POINTS.need("amplitude").copy(),
+        POINTS.need("temperature").copy(),
+    ]
     first = model.network.respond(theta, POINTS, FULL)
     second = model.network.respond(theta, POINTS, FULL)
     if not all(np.array_equal(a, b) for a, b in zip(first, second, strict=True)):

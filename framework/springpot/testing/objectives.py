@@ -8,9 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.identification import Objective
-from springpot.measurement import Measurement
-from springpot.rheology import GRADIENT, Complex
+from springpot.identification.objective import Objective
+from springpot.measurement.measurement import Measurement
+from springpot.rheology.nodes import GRADIENT
+from springpot.rheology.points import Complex
 
 from .aspects import complaints, name_and_summary
 from .derivatives import derivative
@@ -22,9 +23,9 @@ THETA = np.array([60.0, 900.0, 300.0, 0.45])
 def check_objective(objective: Objective, *, skip: Collection[str] = ()) -> list[str]:
     """What is wrong with an objective, as plain sentences.
 
-    Aspects: ``words``, ``weights`` (finite, not negative, one for each point, with given standard deviations and
-    without them; one that needs them refuses with a `DataError`), ``value`` (the sum of squared residuals, zero for
-    perfect data) and ``derivative`` (exact).
+    Aspects: ``words``, ``weights`` (finite, not negative, one for each point, with given standard
+    deviations and without them; one that needs them refuses with a `DataError`), ``value`` (the sum
+    of squared residuals, zero for perfect data) and ``derivative`` (exact).
 
     Parameters
     ----------
@@ -48,7 +49,7 @@ def check_objective(objective: Objective, *, skip: Collection[str] = ()) -> list
 
 
 def _data(objective: Objective) -> dict[str, Measurement]:
-    """Data with standard deviations, and without them unless the objective says that it cannot do without."""
+    """Data with standard deviations, and without unless the objective says it needs them."""
     plain = sample_measurement()
     # Different in storage and loss, so that a mix-up of the two shows.
     given: Complex = (0.01 + 0.02j) * plain.stiffness.real.astype(np.complex128)
@@ -65,7 +66,10 @@ def _weights(objective: Objective) -> Iterator[str]:
     for which, data in _data(objective).items():
         weights = np.asarray(objective.weights(data))
         if weights.shape != data.stiffness.shape or not np.iscomplexobj(weights):
-            yield f"{which}: weights must be complex, one for each of the {len(data)} points, not {weights!r:.60}"
+            yield (
+                f"{which}: weights must be complex, one for each of the {len(data)} points,"
+                f" not {weights!r:.60}"
+            )
         elif not np.isfinite(weights).all() or np.any(weights.real < 0) or np.any(weights.imag < 0):
             yield f"{which}: weights must be finite and not negative in K' and in K''"
         elif not np.any(weights):
@@ -81,7 +85,9 @@ def _value(objective: Objective) -> Iterator[str]:
         residual = objective.residual(computed, data, weights)
         if residual.shape != (2 * len(data),):
             yield f"{which}: residuals have the shape {residual.shape}, not ({2 * len(data)},)"
-        if not np.allclose(objective.value(computed, data, weights), np.sum(residual**2), rtol=1e-12):
+        if not np.allclose(
+            objective.value(computed, data, weights), np.sum(residual**2), rtol=1e-12
+        ):
             yield f"{which}: the value is not the sum of the squared residuals"
         if not np.allclose(objective.value(data.stiffness.copy(), data, weights), 0.0, atol=1e-20):
             yield f"{which}: the value of perfect data is not zero"
@@ -91,13 +97,16 @@ def _derivative(objective: Objective) -> Iterator[str]:
     for which, data in _data(objective).items():
         weights = objective.weights(data)
         response = SAMPLE.network.respond(THETA, data.points, GRADIENT)
-        exact = np.swapaxes(objective.derivative(response.by_theta, response.value, weights), -1, -2)
+        exact = np.swapaxes(
+            objective.derivative(response.by_theta, response.value, weights), -1, -2
+        )
 
         def residual(theta: np.ndarray) -> np.ndarray:
             # Refused at once: the derivative is then differenced along the real axis.
             if np.iscomplexobj(theta):
                 raise TypeError("residuals are real parts: no analytic functions")
-            return objective.residual(SAMPLE.stiffness(theta, data.points), data, weights)  # noqa: B023  used at once
+            computed = SAMPLE.stiffness(theta, data.points)  # noqa: B023  used at once
+            return objective.residual(computed, data, weights)  # noqa: B023  used at once
 
         numeric = derivative(residual, THETA)
         # Times the parameters, for these differ by orders of magnitude.

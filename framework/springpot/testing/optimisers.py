@@ -9,11 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from springpot.identification import BatchedOptimiser, Objective, Optimiser, Problem, Run, run, run_batch
-from springpot.identification.optimiser import options_of
-from springpot.identification.problem import watched
-from springpot.measurement import Measurement, Units
-from springpot.rheology import Real
+from springpot.identification.objective import Objective
+from springpot.identification.optimiser import BatchedOptimiser, Optimiser, options_of
+from springpot.identification.problem import Problem, watched
+from springpot.identification.runs import Run, run, run_batch
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.units import Units
+from springpot.rheology.points import Real
 
 from .aspects import DEADLINE, SEED, complaints, kept_random_state, name_and_summary
 from .networks import SAMPLE
@@ -35,10 +37,11 @@ def check_optimiser(
 ) -> list[str]:
     """What is wrong with an optimiser, as plain sentences.
 
-    Aspects: ``words`` (name and card), ``options`` (frozen, documented, plain values), ``budget`` (runs to its end
-    without a fault), ``repeatable`` (same seed, same bits; the process-wide random state has no part in it), ``box``
-    (no point outside), ``improves``, ``faults`` (an error of the model is not swallowed), ``gradient`` (used if, and
-    only if, the card says so) and ``batch`` (as single runs).
+    Aspects: ``words`` (name and card), ``options`` (frozen, documented, plain values), ``budget``
+    (runs to its end without a fault), ``repeatable`` (same seed, same bits; the process-wide random
+    state has no part in it), ``box`` (no point outside), ``improves``, ``faults`` (an error of the
+    model is not swallowed), ``gradient`` (used if, and only if, the card says so) and ``batch`` (as
+    single runs).
 
     Parameters
     ----------
@@ -71,42 +74,56 @@ def check_optimiser(
 def sample_problem() -> Problem:
     """Exact data of the sample model at 14 frequencies, in kN/m."""
     omega = 2.0 * np.pi * np.arange(0.5, 14.0)
-    data = Measurement(omega, SAMPLE.stiffness(TRUTH, omega), units=Units("kN/m", "mm"), name="sample")
+    data = Measurement(
+        omega, SAMPLE.stiffness(TRUTH, omega), units=Units("kN/m", "mm"), name="sample"
+    )
     return Problem.of(SAMPLE, data, EQUAL, SCALE)
 
 
-def _run(optimiser: Optimiser, budget: int, seed: int = SEED, problem: Problem | None = None) -> Run:
+def _run(
+    optimiser: Optimiser, budget: int, seed: int = SEED, problem: Problem | None = None
+) -> Run:
     return run(optimiser, problem or sample_problem(), budget, np.random.default_rng(seed))
 
 
 def _options(optimiser: type[Optimiser]) -> Iterator[str]:
     made = optimiser()
     if not is_dataclass(made):
-        yield "it is no dataclass, so that its options cannot be listed: decorate it with @dataclass(frozen=True)"
+        yield (
+            "it is no dataclass, so that its options cannot be listed: decorate it with"
+            " @dataclass(frozen=True)"
+        )
         return
     # Called for what it raises: options that are no plain values cannot be kept with a trial.
     options_of(made)
     described = "".join(kind.__doc__ or "" for kind in optimiser.__mro__)
     for option in fields(made):
-        # A dataclass without a docstring is given its signature for one: only a described name counts.
+        # A dataclass without a docstring is given its signature for one: only a described name
+        # counts.
         if not re.search(rf"(?m)^.*\b{option.name}\b.* : ", described):
             yield f"option {option.name} is not described in the docstring"
         try:
             setattr(made, option.name, getattr(made, option.name))
         except FrozenInstanceError:
             continue
-        yield f"option {option.name} can be changed: decorate the class with @dataclass(frozen=True)"
+        yield (
+            f"option {option.name} can be changed: decorate the class with @dataclass(frozen=True)"
+        )
 
 
 def _budget(optimiser: Optimiser) -> Iterator[str]:
     for budget in BUDGETS:
         outcome = _run(optimiser, budget)
         if outcome.failed:
-            yield f"with a budget of {budget} it ends as '{outcome.status}' after {outcome.evaluations} evaluations"
+            yield (
+                f"with a budget of {budget} it ends as '{outcome.status}' after"
+                f" {outcome.evaluations} evaluations"
+            )
 
 
 def _same(one: Run, other: Run) -> bool:
-    # By their bytes: the same to the last bit, which comparing numbers would not tell of nan or of -0.0.
+    # By their bytes: the same to the last bit, which comparing numbers would not tell of nan or of
+    # -0.0.
     same_end = one.theta.tobytes() == other.theta.tobytes()
     return same_end and one.status == other.status and one.trace == other.trace
 
@@ -116,7 +133,7 @@ def _repeatable(optimiser: Optimiser) -> Iterator[str]:
     # Two states of the process, one generator: only what draws from elsewhere differs.
     for seed in (1, 2):
         with kept_random_state():
-            np.random.seed(seed)  # noqa: NPY002  a library that draws from the process-wide generator shows here
+            np.random.seed(seed)  # noqa: NPY002
             runs.append(_run(optimiser, 150))
     if not _same(*runs):
         yield "two runs with the same generator differ: every random number must come from rng"
@@ -142,9 +159,15 @@ def _box(optimiser: Optimiser) -> Iterator[str]:
     room = 1e-9 * (problem.upper - problem.lower)
     for i, name in enumerate(problem.space.names):
         if low[i] < problem.lower[i] - room[i]:
-            yield f"it asks for {name} = {low[i]:.6g} below the box, which begins at {problem.lower[i]:.6g}"
+            yield (
+                f"it asks for {name} = {low[i]:.6g} below the box,"
+                f" which begins at {problem.lower[i]:.6g}"
+            )
         if high[i] > problem.upper[i] + room[i]:
-            yield f"it asks for {name} = {high[i]:.6g} above the box, which ends at {problem.upper[i]:.6g}"
+            yield (
+                f"it asks for {name} = {high[i]:.6g} above the box,"
+                f" which ends at {problem.upper[i]:.6g}"
+            )
 
 
 def _improves(optimiser: Optimiser) -> Iterator[str]:
@@ -153,7 +176,10 @@ def _improves(optimiser: Optimiser) -> Iterator[str]:
     # Of three, as one run of a search by chance may be unlucky.
     best = min(_run(optimiser, LONG, seed).best for seed in (1, 2, 3))
     if not best < BETTER * centre:
-        yield f"the best of three runs of {LONG} evaluations is {best / centre:.2g} of the value at the box's centre"
+        yield (
+            f"the best of three runs of {LONG} evaluations is {best / centre:.2g} of the value at"
+            " the box's centre"
+        )
 
 
 def _faults(optimiser: Optimiser) -> Iterator[str]:
@@ -186,7 +212,9 @@ def _batch(optimiser: Optimiser) -> Iterator[str]:
     if not isinstance(optimiser, BatchedOptimiser):
         return
     seeds = range(3)
-    together: list[Any] = run_batch(optimiser, sample_problem(), 130, [np.random.default_rng(s) for s in seeds])
+    together: list[Any] = run_batch(
+        optimiser, sample_problem(), 130, [np.random.default_rng(s) for s in seeds]
+    )
     for seed, one in zip(seeds, together, strict=True):
         if not _same(one, _run(optimiser, 130, seed)):
             yield f"run {seed + 1} of a batch of three differs from the same run alone"

@@ -1,4 +1,7 @@
-"""The contract of a reader: it never crashes, whatever a file holds, and what it writes it reads back."""
+"""The contract of a reader.
+
+It never crashes, whatever a file holds, and what it writes it reads back.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +14,10 @@ from typing import Any
 import numpy as np
 
 from springpot.errors import SpringpotError
-from springpot.measurement import Choice, Measurement, Reader, Signals
+from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import HEAD
+from springpot.measurement.reader import Choice, Reader
+from springpot.measurement.signals import Signals
 
 from .aspects import SEED, complaints, name_and_summary
 from .networks import sample_measurement
@@ -35,13 +40,16 @@ PIECES = (
 EXTRAS = ("sd", "conditions", "repeat", "harmonics", "labels")
 
 
-def check_reader(reader: Reader, samples: Sequence[Path | bytes] = (), *, skip: Collection[str] = ()) -> list[str]:
+def check_reader(
+    reader: Reader, samples: Sequence[Path | bytes] = (), *, skip: Collection[str] = ()
+) -> list[str]:
     """What is wrong with a reader, as plain sentences.
 
-    Aspects: ``words``, ``samples`` (they are recognised and read), ``garbage`` (random bytes and damaged samples are
-    read or refused in one line, never a crash), ``choice`` (a part or column that the file does
-    not have is refused, not passed over) and ``round-trip`` (what ``text`` writes is recognised and read back as the
-    same bits; columns that the format cannot hold are refused, never dropped).
+    Aspects: ``words``, ``samples`` (they are recognised and read), ``garbage`` (random bytes and
+    damaged samples are read or refused in one line, never a crash), ``choice`` (a part or column
+    that the file does not have is refused, not passed over) and ``round-trip`` (what ``text``
+    writes is recognised and read back as the same bits; columns that the format cannot hold are
+    refused, never dropped).
 
     Parameters
     ----------
@@ -77,7 +85,9 @@ def _content(sample: Path | bytes) -> bytes:
 
 
 def _actions(reader: Reader) -> list[tuple[str, type, Callable[[Path, Choice], Any]]]:
-    actions: list[tuple[str, type, Callable[[Path, Choice], Any]]] = [("read", Measurement, reader.read)]
+    actions: list[tuple[str, type, Callable[[Path, Choice], Any]]] = [
+        ("read", Measurement, reader.read)
+    ]
     if reader.signals is not None:
         actions.append(("signals", Signals, reader.signals))
     return actions
@@ -111,7 +121,8 @@ def _files(samples: list[bytes]) -> Iterator[bytes]:
         yield b"".join(PIECES[i] for i in rng.integers(0, len(PIECES), 30))
     for sample in [whole[:DAMAGED] for whole in samples if whole]:
         for _ in range(RANDOM_FILES):
-            # Cut off, then with bytes that are wrong: what a broken transfer and a broken disk make of a file.
+            # Cut off, then with bytes that are wrong: what a broken transfer and a broken disk make
+            # of a file.
             yield sample[: rng.integers(0, len(sample))]
             damaged = bytearray(sample)
             for place in rng.integers(0, len(sample), 3):
@@ -151,7 +162,10 @@ def _complaints_about(reader: Reader, content: bytes, path: Path) -> Iterator[st
 
 
 def _choice(reader: Reader, samples: list[bytes], path: Path) -> Iterator[str]:
-    asked = {"part": Choice(part="no such part"), "column": Choice(columns={"no such column": "Hz"})}
+    asked = {
+        "part": Choice(part="no such part"),
+        "column": Choice(columns={"no such column": "Hz"}),
+    }
     for sample in [*samples, _text(reader, sample_measurement())][:1]:
         path.write_bytes(sample)
         for what, choice in asked.items():
@@ -178,13 +192,22 @@ def _versions() -> Iterator[tuple[str, Measurement]]:
     bare, rng = _bare(full), np.random.default_rng(SEED)
     yield "plain data", bare
     # Up to e^500, and down to its inverse: as text they need all their digits, and an exponent.
-    yield "numbers of any size", replace(bare, stiffness=bare.stiffness * np.exp(rng.uniform(-500, 500, n)))
+    yield (
+        "numbers of any size",
+        replace(bare, stiffness=bare.stiffness * np.exp(rng.uniform(-500, 500, n))),
+    )
     yield "standard deviations", replace(bare, sd=bare.stiffness / 7)
     yield "amplitude and temperature", full
     yield "repeats", replace(bare, repeat=np.arange(n))
-    yield "harmonics", replace(bare, harmonics=(rng.normal(size=(n, 2)) * (1 + 2j)).astype(np.complex128))
+    yield (
+        "harmonics",
+        replace(bare, harmonics=(rng.normal(size=(n, 2)) * (1 + 2j)).astype(np.complex128)),
+    )
     # With a comma and quotation marks, which part a cell in two where they are not guarded.
-    yield "labels", replace(bare, labels={"specimen": np.array([f"{i}, or 'so'" for i in range(n)])})
+    yield (
+        "labels",
+        replace(bare, labels={"specimen": np.array([f"{i}, or 'so'" for i in range(n)])}),
+    )
 
 
 def _round_trip(reader: Reader, path: Path) -> Iterator[str]:
@@ -214,5 +237,7 @@ def _differences(one: Measurement, other: Measurement) -> Iterator[str]:
         if name in ("conditions", "labels"):
             pairs = [(a.get(key), b.get(key)) for key in {*a, *b}]
         for left, right in pairs:
-            if (left is None) != (right is None) or (left is not None and not np.array_equal(left, right)):
+            if (left is None) != (right is None) or (
+                left is not None and not np.array_equal(left, right)
+            ):
                 yield name

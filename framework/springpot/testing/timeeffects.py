@@ -7,12 +7,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from springpot.measurement import Loading, Stage, Timed, TimeEffect, TimeTest
-from springpot.measurement.timetest import CONTROLS
-from springpot.rheology import Model, Real, parallel, series, spring, springpot
-from springpot.timetests import recorded
-from springpot.timetests.parts import InTimePart
-from springpot.timetests.tries import Scales, tries_of
+from springpot.measurement.imposed import Loading
+from springpot.measurement.timed import Timed
+from springpot.measurement.timeeffect import Stage, TimeEffect
+from springpot.measurement.timetest import CONTROLS, TimeTest
+from springpot.rheology.elements import spring, springpot
+from springpot.rheology.model import Model
+from springpot.rheology.nodes import parallel, series
+from springpot.rheology.points import Real
+from springpot.timetests.recording import recorded
+from springpot.timetests.residuals_of_tests import InTimePart
+from springpot.timetests.trial_values import Scales, tries_of
 
 from .aspects import SEED, cited, complaints, name_and_summary
 
@@ -21,7 +26,10 @@ THETA = np.array([50.0, 400.0, 60.0, 0.5])
 STEP = 1e-6
 """Relative step of the central difference that derivatives are held against."""
 AGREE = 2e-3
-"""Relative difference from it up to which a derivative is right: the response itself is good to 1e-6."""
+"""Relative difference from it up to which a derivative is right.
+
+The response itself is good to 1e-6.
+"""
 APART = 0.03
 """Share of the samples that may lie at a corner, where a difference is no derivative."""
 NEARLY = 1e-9
@@ -50,9 +58,9 @@ def tests_in_time() -> list[TimeTest]:
 def check_time_effect(effect: TimeEffect, *, skip: Collection[str] = ()) -> list[str]:
     """What is wrong with an effect of tests in time, as plain sentences.
 
-    Aspects: ``words`` (name, summary, signature, citation, prior), ``suits`` (some test can have it), ``shapes``,
-    ``derivatives`` (against differences, those by the material carried through it too), ``pure`` (arguments are left
-    alone) and ``vanishes`` (at ``absent_at``, and only there).
+    Aspects: ``words`` (name, summary, signature, citation, prior), ``suits`` (some test can have
+    it), ``shapes``, ``derivatives`` (against differences, those by the material carried through it
+    too), ``pure`` (arguments are left alone) and ``vanishes`` (at ``absent_at``, and only there).
 
     Parameters
     ----------
@@ -86,7 +94,9 @@ def _words(effect: TimeEffect) -> Iterator[str]:
     if not 0.0 < effect.prior <= 1.0:
         yield f"the prior is {effect.prior}, not above 0 and at most 1"
     if not isinstance(effect.stage, Stage):
-        yield f"the stage is {effect.stage!r}, not one of {', '.join(stage.name for stage in Stage)}"
+        yield (
+            f"the stage is {effect.stage!r}, not one of {', '.join(stage.name for stage in Stage)}"
+        )
     if not effect.parameters:
         yield "there is no parameter, so there is no size to be found"
     if not effect.controls or set(effect.controls) - set(CONTROLS):
@@ -95,11 +105,14 @@ def _words(effect: TimeEffect) -> Iterator[str]:
 
 def _suits(tests: list[TimeTest]) -> Iterator[str]:
     if not tests:
-        yield "no relaxation, creep, recovery, startup or cyclic test can have it: see controls and suits"
+        yield (
+            "no relaxation, creep, recovery, startup or cyclic test can have it:"
+            " see controls and suits"
+        )
 
 
 def _theta(effect: TimeEffect, test: TimeTest) -> Real:
-    """Parameters of the material, and those of the effect at a place in the middle of those that are tried."""
+    """Parameters of the material, and those of the effect at one of the places that are tried."""
     places = tries_of(effect, test, Scales.of([InTimePart(test)]))
     place = places[int(np.random.default_rng(SEED).integers(len(places)))]
     return np.concatenate([THETA, place])
@@ -110,7 +123,10 @@ def _shapes(effect: TimeEffect, tests: list[TimeTest]) -> Iterator[str]:
         record = recorded(Timed(MODEL, (effect,)), _theta(effect, test), test)
         expected = (len(test), len(THETA) + len(effect.parameters))
         if record.value.shape != expected[:1] or record.by_theta.shape != expected:
-            yield f"in a {test.kind} test shapes are {record.value.shape} and {record.by_theta.shape}, not {expected}"
+            yield (
+                f"in a {test.kind} test shapes are {record.value.shape} and"
+                f" {record.by_theta.shape}, not {expected}"
+            )
         # Without the first sample: at the instant of a step the response may be endless.
         numbers = np.all(np.isfinite(record.value[1:])) and np.all(np.isfinite(record.by_theta[1:]))
         if not numbers:
@@ -126,7 +142,10 @@ def _derivatives(effect: TimeEffect, tests: list[TimeTest]) -> Iterator[str]:
         for i, name in enumerate(model.names):
             step = STEP * max(abs(theta[i]), STEP)
             moved = step * (np.arange(len(theta)) == i)
-            ends = [recorded(model, theta + sign * moved, test, tolerance=1e-9).value for sign in (1.0, -1.0)]
+            ends = [
+                recorded(model, theta + sign * moved, test, tolerance=1e-9).value
+                for sign in (1.0, -1.0)
+            ]
             wanted = (ends[0] - ends[1]) / (2.0 * step)
             off = np.abs(wanted - slopes[:, i])[1:]
             size = float(np.abs(wanted[1:]).max())
@@ -157,7 +176,10 @@ def _vanishes(effect: TimeEffect, tests: list[TimeTest]) -> Iterator[str]:
         # Without the first sample, as above.
         there = test.response[1:]
         size = float(np.abs(there).max())
-        if not np.abs(recorded(Timed(MODEL, (effect,)), theta, test).value[1:] - there).max() > 1e-4 * size:
+        if (
+            not np.abs(recorded(Timed(MODEL, (effect,)), theta, test).value[1:] - there).max()
+            > 1e-4 * size
+        ):
             yield f"in a {test.kind} test it changes nothing at a size that is tried"
         tried = abs(theta[n])
         if np.isinf(effect.absent_at):
@@ -167,6 +189,7 @@ def _vanishes(effect: TimeEffect, tests: list[TimeTest]) -> Iterator[str]:
         left = np.abs(recorded(Timed(MODEL, (effect,)), theta, test).value[1:] - there).max() / size
         if not left < GONE:
             yield (
-                f"in a {test.kind} test {left:.1e} of the record still changes when {effect.parameters[0].name}, its "
-                f"first parameter, goes to {effect.absent_at:g}; put the size first, or give absent_at"
+                f"in a {test.kind} test {left:.1e} of the record still changes when"
+                f" {effect.parameters[0].name}, its first parameter, goes to {effect.absent_at:g};"
+                " put the size first, or give absent_at"
             )

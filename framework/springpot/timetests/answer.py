@@ -8,19 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from springpot.measurement import TimeEffect
-from springpot.rheology import Effect
+from springpot.measurement.timeeffect import TimeEffect
+from springpot.rheology.effect import Effect
 
-from .judging import PLAINLY, Left
-from .parts import InTimePart, Part
+from .information_criterion import PLAINLY, Left
+from .residuals_of_tests import InTimePart, Part
 from .result import TimeIdentification
 from .scatter import Scatter, times_noise
 from .sizes import rms
 from .where import Place
 
 if TYPE_CHECKING:
-    from springpot.measurement import Timed
-    from springpot.rheology import Model
+    from springpot.measurement.timed import Timed
+    from springpot.rheology.model import Model
 
 SCHEMA = "springpot.diagnosis-in-time/1"
 
@@ -38,7 +38,8 @@ class TimeError:
     memory : float
         Correlation of neighbouring samples of the noise.
     noise_source : str
-        ``residual``: the upper part of the residual's spectrum; ``signal`` where there are too few samples for one.
+        ``residual``: the upper part of the residual's spectrum; ``signal`` where there are too few
+        samples for one.
     """
 
     relative_rms: float
@@ -52,7 +53,8 @@ class TimeError:
         """That of a fit."""
         errors = []
         for part, residual, scatter in zip(parts, left.residuals, noise, strict=True):
-            # A sweep is judged in units of its own standard deviations: it has no one size of a signal.
+            # A sweep is judged in units of its own standard deviations: it has no one size of a
+            # signal.
             sd, size = np.ones(len(residual)), 1.0
             if isinstance(part, InTimePart):
                 sd = np.asarray(part.sd, dtype=float)
@@ -63,7 +65,8 @@ class TimeError:
             # A fit that leaves nothing at all says nothing of the noise.
             if ratio:
                 floor = error / ratio
-            # Of few samples the presumed noise is believed as it is: its size is one, to the last bit.
+            # Of few samples the presumed noise is believed as it is: its size is one, to the last
+            # bit.
             source = "residual"
             if scatter.size == 1.0:
                 source = "signal"
@@ -101,8 +104,8 @@ class TimeCandidate:
     parameters : dict
         Those of the effect, as printed.
     verdict : str
-        ``missing``: it brings the error to the noise, and no other effect does; ``absent``: nothing speaks for it;
-        ``cannot-tell``: anything else, also because a rival explains more.
+        ``missing``: it brings the error to the noise, and no other effect does; ``absent``: nothing
+        speaks for it; ``cannot-tell``: anything else, also because a rival explains more.
     says : str
         Its physics.
     physics : Effect or TimeEffect
@@ -134,7 +137,10 @@ class TimeCandidate:
 
 
 def best_of(candidates: Sequence[TimeCandidate]) -> TimeCandidate | None:
-    """The effect that should be added, if any: the first, where the evidence for it is beyond doubt."""
+    """The effect that should be added, if any.
+
+    The first, where the evidence for it is beyond doubt.
+    """
     # By evidence alone: the first of several candidates always fits best, which is no proof.
     if not candidates or candidates[0].delta_bic <= PLAINLY:
         return None
@@ -158,9 +164,9 @@ class TimeDiagnosis:
     base : TimeIdentification
         The model without further effects.
     verdict : str
-        ``adequate``: nothing is missing that these tests could show; ``effect-missing``: one effect brings the error
-        to the noise; ``unexplained``: something is missing, and no single effect that is known explains it;
-        ``inconclusive``: one would help, but not beyond chance.
+        ``adequate``: nothing is missing that these tests could show; ``effect-missing``: one effect
+        brings the error to the noise; ``unexplained``: something is missing, and no single effect
+        that is known explains it; ``inconclusive``: one would help, but not beyond chance.
     candidates : tuple of TimeCandidate
         Best first.
     where : tuple of Place
@@ -191,12 +197,18 @@ class TimeDiagnosis:
 
     @property
     def best(self) -> TimeCandidate | None:
-        """The effect that should be added, if any: the first that is missing, or that helps most beyond doubt."""
+        """The effect that should be added, if any.
+
+        The first that is missing, or that helps most beyond doubt.
+        """
         return best_of(self.candidates)
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """The effects that may be missing, which these tests cannot tell apart; empty where nothing is."""
+        """The effects that may be missing, which these tests cannot tell apart.
+
+        Empty where nothing is.
+        """
         return missing_of(self.candidates)
 
     @property
@@ -212,9 +224,15 @@ class TimeDiagnosis:
             return f"{size}: nothing is missing that these tests could show"
         if self.verdict == "inconclusive":
             lead = self.candidates[0]
-            return f"{size}: {lead.effect} would help a little, which may be chance; measure longer or repeat it"
+            return (
+                f"{size}: {lead.effect} would help a little, which may be chance;"
+                " measure longer or repeat it"
+            )
         if best is None:
-            return f"{size}, and no known effect explains it: something is missing that is not in the library{place}"
+            return (
+                f"{size}, and no known effect explains it:"
+                f" something is missing that is not in the library{place}"
+            )
         names = " or ".join(self.missing)
         if self.verdict == "unexplained":
             helps = f"{names} helps ({best.over_floor:.2g} x with it) but is not all"

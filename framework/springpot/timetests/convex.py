@@ -1,9 +1,11 @@
-"""A test in time as exponentials of amounts that are not negative: for these a convex problem, with one solution.
+"""A test in time as exponentials of amounts that are not negative.
 
-After a step of displacement, and under any history of it, the force is linear in the weights of relaxation; under a
-force the displacement is linear in those of retardation, J_g + t/eta + sum of L_j (1 - exp(-t/tau_j)). Either tells
-the other: the poles of K are the zeros of 1/K, one between each two of its own poles (N. W. Tschoegl, 1989,
-doi:10.1007/978-3-642-73602-5).
+For these a convex problem, with one solution.
+
+After a step of displacement, and under any history of it, the force is linear in the weights of
+relaxation; under a force the displacement is linear in those of retardation, J_g + t/eta + sum of
+L_j (1 - exp(-t/tau_j)). Either tells the other: the poles of K are the zeros of 1/K, one between
+each two of its own poles (N. W. Tschoegl, 1989, doi:10.1007/978-3-642-73602-5).
 """
 
 from __future__ import annotations
@@ -14,18 +16,24 @@ import numpy as np
 
 from springpot.identification.material import PER_DECADE
 from springpot.nonnegative import non_negative
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
-from .parts import InTimePart
+from .residuals_of_tests import InTimePart
 from .start import answers_of
 
 SLOWER, FASTER = 1.0, 0.5
-"""Decades beyond the times of the tests: what relaxes more slowly is a spring there, and of what is gone before the
+"""Decades beyond the times of the tests.
+
+What relaxes more slowly is a spring there, and of what is gone before the
 first sample, but for a few per cent, any amount could have been."""
 CLOSER = (0.25, 0.0625)
-"""Spacings, over that of the first lattice, at which lines are looked for about those that carry."""
+"""Spacings, over that of the first lattice, at which lines are looked for about those that carry.
+"""
 APART = 0.2
-"""Least distance of lines in ln tau: the exact response tells those apart that differ by more than a twentieth."""
+"""Least distance of lines in ln tau.
+
+The exact response tells those apart that differ by more than a twentieth.
+"""
 MOST = 2000
 """Samples that the lines are read off: more take longer and show no more."""
 HALVINGS = 100
@@ -41,7 +49,7 @@ class Lines(NamedTuple):
     weights: Real
 
     def among(self, others: Real) -> tuple[Real, Real]:
-        """Rates (m,) of these lines and of others that stand apart from them, and all weights (2 + m,)."""
+        """Rates (m,) of these lines and of others apart from them, and all weights (2 + m,)."""
         far = [rate for rate in others if np.all(np.abs(np.log(self.rates / rate)) > APART)]
         rates = np.concatenate([self.rates, far])
         weights = np.concatenate([self.weights, np.zeros(len(far))])
@@ -115,7 +123,7 @@ def relaxation_of(glass: float, fluidity: float, times: Real, weights: Real) -> 
 
 
 def _amounts(part: InTimePart, logs: Real) -> Real:
-    """Amounts (2 + m,) of spring, dashpot and exponentials of these times that come nearest to a test."""
+    """Amounts (2 + m,) of spring, dashpot and exponentials of these times nearest to a test."""
     test = part.test
     rows = np.unique(np.linspace(0, len(test) - 1, min(len(test), MOST)).astype(int))
     rows = rows[~np.isin(test.time[rows], test.loading.jumps[0])]

@@ -1,7 +1,10 @@
-"""Which effect is missing from a model of tests in time: all are looked at at once, and the leading few are fitted.
+"""Which effect is missing from a model of tests in time.
 
-Harmonics hide what happens within a cycle; the record does not. The error of the model stands beside the noise of the
-record, every effect is judged by how far the error falls for its parameters, and those that fall alike are one class.
+All are looked at at once, and the leading few are fitted.
+
+Harmonics hide what happens within a cycle; the record does not. The error of the model stands
+beside the noise of the record, every effect is judged by how far the error falls for its
+parameters, and those that fall alike are one class.
 """
 
 from __future__ import annotations
@@ -12,19 +15,32 @@ from dataclasses import replace
 import numpy as np
 
 from springpot.errors import SpringpotError
-from springpot.identification import is_material, within_material
-from springpot.measurement import Timed, TimeTest, grown, material_of, noise_of
+from springpot.identification.material import is_material
+from springpot.identification.passive import within_material
+from springpot.measurement.timed import Timed, grown, material_of
+from springpot.measurement.timenoise import noise_of
+from springpot.measurement.timetest import TimeTest
 from springpot.registry import library_in_time, parse_timed
-from springpot.rheology import Effect, Model, Real
+from springpot.rheology.effect import Effect
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
 
 from .answer import TimeDiagnosis
-from .identify import identify
-from .judging import Left, delta_bic, independent
+from .exponentials import QuickPart, UnfollowedError, quick_parts
+from .fitting import identify
+from .information_criterion import Left, delta_bic, independent
 from .native import Search
-from .parts import AnyEffect, InTimePart, Part, Test, at_rig, at_rigs, parts_of_specimen
-from .promise import Promise
-from .quick import QuickPart, UnfollowedError, quick_parts
+from .residuals_of_tests import (
+    AnyEffect,
+    InTimePart,
+    Part,
+    Test,
+    at_rig,
+    at_rigs,
+    parts_of_specimen,
+)
 from .result import TimeIdentification
+from .scan_scores import Promise
 from .scatter import Scatter
 from .score import Scan
 from .verdict import Tried, answer_of
@@ -32,23 +48,39 @@ from .verdict import Tried, answer_of
 LEADING = 14
 """Effects that are fitted, nearly: the others fell behind by a linear step already."""
 FEWEST = 3
-"""Effects that are fitted even where nothing promises much, so that the answer says how little they would help."""
+"""Effects that are fitted even where nothing promises much.
+
+So that the answer says how little they would help.
+"""
 HOPE = 4.0
-"""Drop of the sum of squares, over the noise, below which an effect is not worth a fit: two standard deviations."""
+"""Drop of the sum of squares, over the noise, below which an effect is not worth a fit.
+
+Two standard deviations.
+"""
 STARTS = 2
 """Places in the parameters of an effect from which its fit begins."""
 EXACT = 5
-"""Effects that are fitted exactly, of those that are near the best: the rest can be no more than absent."""
+"""Effects that are fitted exactly, of those that are near the best.
+
+The rest can be no more than absent.
+"""
 MARGIN = 12.0
-"""Difference of the Bayesian information criterion within which an effect is near the best: twice that of a class."""
+"""Difference of the Bayesian information criterion within which an effect is near the best.
+
+Twice that of a class.
+"""
 UNEVEN = 1.5
 """Ratio of the largest to the smallest noise of a record from which its shape matters."""
 COSTLY = 0.05
-"""Share of the best promise from which an effect that makes the specimen swing is worth its long fit."""
+"""Share of the best promise that makes an effect by which the specimen swings worth its fit."""
 ASTRAY = 3.0
-"""Error over the noise of the best effect from which its fit is not believed to be at its minimum."""
+"""Error over the noise of the best effect from which its fit is not believed to be at its minimum.
+"""
 NOTHING = 1e-6
-"""Share of the sum of squares that two searches for the same minimum may differ by: they stop at less."""
+"""Share of the sum of squares that two searches for the same minimum may differ by.
+
+They stop at less.
+"""
 
 
 def diagnose(
@@ -67,8 +99,8 @@ def diagnose(
     model : Model, Timed or str
         The model to be judged, or its expression, such as ``"fractional-zener + force-drift"``.
     effects : iterable of Effect or TimeEffect, optional
-        What may be missing; by default all that is installed. Those without a law in time, or whose conditions the
-        tests lack, are passed over.
+        What may be missing; by default all that is installed. Those without a law in time, or whose
+        conditions the tests lack, are passed over.
     base : TimeIdentification, optional
         The fit of the model, where it is known already.
 
@@ -98,14 +130,18 @@ def diagnose(
         model = parse_timed(model)
     if effects is None:
         effects = library_in_time()
-    library = [at_rig(effect, given) if isinstance(effect, Effect) else effect for effect in effects]
+    library = [
+        at_rig(effect, given) if isinstance(effect, Effect) else effect for effect in effects
+    ]
     model = at_rigs(model, given)
-    # The noise is needed to judge and a good model to know the noise: so a second round, where it matters.
+    # The noise is needed to judge and a good model to know the noise: so a second round, where it
+    # matters.
     diagnosis = _judged(given, model, library, base, None)
     noise = _noise_beside(parts_of_specimen(given), diagnosis)
     if noise is None:
         return diagnosis
-    # `base` was fitted with the weights of the first noise: it is fitted anew with those of the second.
+    # `base` was fitted with the weights of the first noise: it is fitted anew with those of the
+    # second.
     return _judged(given, model, library, None, noise)
 
 
@@ -116,7 +152,9 @@ def _listed(tests: Sequence[Test] | Test) -> list[Test]:
 
 
 def _noise_beside(parts: Sequence[Part], first: TimeDiagnosis) -> list[Real | None] | None:
-    """The noise of each test as the best model shows it, where the signal told another; None where it did not.
+    """The noise of each test as the best model shows it, where the signal told another.
+
+    None where it did not.
 
     Corners that friction, stops or a release make in a signal look like noise that grows with it.
     """
@@ -130,7 +168,8 @@ def _better_noise(part: Part, fit: TimeIdentification) -> Real | None:
     """The noise of one test as a fit shows it; None where what the signal told will do."""
     if not isinstance(part, InTimePart):
         return None
-    # Only the shape of the noise weighs samples against one another: its size is read from what is left anyway.
+    # Only the shape of the noise weighs samples against one another: its size is read from what is
+    # left anyway.
     if part.sd.max() < UNEVEN * part.sd.min():
         return None
     misfit = part.residual(fit.model, fit.theta, fit.reference).value * part.sd
@@ -153,10 +192,15 @@ def _judged(
         base = identify(given, model, noise=known)
     parts = parts_of_specimen(given, known)
     quick = quick_parts(parts)
-    # Three sieves, each finer and dearer than the one before: a linear scan, fits by fixed exponentials, exact fits.
+    # Three sieves, each finer and dearer than the one before: a linear scan, fits by fixed
+    # exponentials, exact fits.
     before = Left.by(base.model, base.theta, base.reference, parts)
     material = material_of(base.model)
-    beside = [effect for effect in effects if not (isinstance(effect, Effect) and within_material(material, effect))]
+    beside = [
+        effect
+        for effect in effects
+        if not (isinstance(effect, Effect) and within_material(material, effect))
+    ]
     promises = Scan(base, quick).promises(beside)
     leading = _leading(promises, before)
     left_out: dict[str, str] = {}
@@ -165,7 +209,8 @@ def _judged(
     else:
         nearly = _nearly(base, quick, leading, before, left_out)
         tried = _exactly(given, parts, base, nearly, before, known, left_out)
-    # A model with one more effect can always do as well as the one without: worse is a search that failed.
+    # A model with one more effect can always do as well as the one without: worse is a search that
+    # failed.
     tried = [_no_worse(each, before) for each in tried]
     # By a criterion that needs no noise, which is only read from what the best one leaves.
     best = min((each.left for each in tried), key=_plain_bic, default=before)
@@ -176,7 +221,10 @@ def _judged(
 
 
 def _no_worse(each: Tried, before: Left) -> Tried:
-    """An effect that changes nothing, or whose fit went astray, leaves what was left without it: it has no size."""
+    """An effect that changes nothing, or whose fit went astray, leaves what was left without it.
+
+    It has no size.
+    """
     if _power(each.left) < (1.0 - NOTHING) * _power(before):
         return each
     return replace(each, left=replace(before, count=each.left.count), fit=None)
@@ -192,7 +240,8 @@ def _leading(promises: dict[str, list[Promise]], before: Left) -> list[list[Prom
     def hope(of_effect: list[Promise]) -> float:
         return float(of_effect[0].drop / unit - len(of_effect[0].values) * count)
 
-    # Hope is the drop less what its parameters cost: else the effect with most parameters would lead.
+    # Hope is the drop less what its parameters cost: else the effect with most parameters would
+    # lead.
     ranked = sorted(promises.values(), key=hope, reverse=True)
     worth = [of_effect for of_effect in ranked[:LEADING] if of_effect[0].drop / unit > HOPE]
     if len(worth) < FEWEST:
@@ -231,7 +280,10 @@ def _nearly(
     before: Left,
     left_out: dict[str, str],
 ) -> list[Tried]:
-    """The leading effects fitted by fixed exponentials; those that swing by the exact response, if they lead."""
+    """The leading effects fitted by fixed exponentials.
+
+    Those that swing by the exact response, if they lead.
+    """
     tried = []
     best = max((promises[0].drop for promises in leading), default=0.0)
     for promises in leading:
@@ -239,7 +291,8 @@ def _nearly(
         model = grown(base.model, effect)
         seeds = [promise.start(base, model, moved=True) for promise in promises[:STARTS]]
         seeds.append(promises[0].start(base, model))
-        # The model's own fit with a trace of the effect is the last seed: an effect that does nothing ends there.
+        # The model's own fit with a trace of the effect is the last seed: an effect that does
+        # nothing ends there.
         search = Search(model, quick, base.reference, seeds, thorough=False)
         # Without the effect a parameter may have gone where nothing tells the way back.
         starts = [*(search.centred(u) for u in search.starts()[:-1]), search.starts()[-1]]
@@ -247,7 +300,8 @@ def _nearly(
             u, _ = search.near(quick, starts)
             left = Left.by(model, search.theta(u), base.reference, quick)
         except UnfollowedError:
-            # The exact response takes long: it is spent only where more than noise is left to explain.
+            # The exact response takes long: it is spent only where more than noise is left to
+            # explain.
             if promises[0].drop < COSTLY * best or not before.misfit:
                 continue
             parts = [_exact(part) for part in quick]
@@ -288,7 +342,8 @@ def _exactly(
     if not rated:
         return []
     best = rated[0]
-    # An exact fit is dear: it is spent where it can change the order, and not on what is far behind.
+    # An exact fit is dear: it is spent where it can change the order, and not on what is far
+    # behind.
     near = [i for i, each in enumerate(rated) if _near(each, best, before, noise, base)][:EXACT]
     # Fits that all go on from one that misses the tests by far may all be caught where it was.
     astray = best.left.over(noise) > ASTRAY
@@ -300,7 +355,9 @@ def _exactly(
             tried.append(each)
             continue
         try:
-            fit = identify(tests, each.model, seeds=[each.theta], thorough=astray, noise=known, near=not astray)
+            fit = identify(
+                tests, each.model, seeds=[each.theta], thorough=astray, noise=known, near=not astray
+            )
         except SpringpotError as error:
             left_out[each.effect.name] = str(error)
             continue
@@ -309,7 +366,9 @@ def _exactly(
     return tried
 
 
-def _near(each: Tried, best: Tried, before: Left, noise: Sequence[Scatter], base: TimeIdentification) -> bool:
+def _near(
+    each: Tried, best: Tried, before: Left, noise: Sequence[Scatter], base: TimeIdentification
+) -> bool:
     """Whether a nearly fitted effect may be in the class of the best."""
     worse = each.left.squares(noise) - best.left.squares(noise)
     apart = _delta(before, best, noise, base) - _delta(before, each, noise, base)

@@ -1,8 +1,10 @@
-"""Any linear passive material from tests in time: its spectrum by non-negative least squares, what surrounds it too.
+"""Any linear passive material from tests in time.
 
-A relaxation is linear in the weights of the lines, a creep is not: Gauss-Newton steps serve both, whose weights come
-from non-negative least squares and the parameters of effects from what these leave (Golub & Pereyra 2003,
-doi:10.1088/0266-5611/19/2/201).
+Its spectrum by non-negative least squares, what surrounds it too.
+
+A relaxation is linear in the weights of the lines, a creep is not: Gauss-Newton steps serve both,
+whose weights come from non-negative least squares and the parameters of effects from what these
+leave (Golub & Pereyra 2003, doi:10.1088/0266-5611/19/2/201).
 """
 
 from __future__ import annotations
@@ -16,26 +18,35 @@ import numpy as np
 from springpot.errors import ModelError, SpringpotError
 from springpot.identification.coordinates import Coordinates
 from springpot.identification.material import PER_DECADE
-from springpot.measurement import Timed, material_of
+from springpot.measurement.timed import Timed, material_of
 from springpot.nonnegative import non_negative
-from springpot.rheology import Continuum, Model, Real
+from springpot.rheology.continuum import Continuum
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
 
 from .convex import FASTER, SLOWER, Lines, lines_of
-from .parts import InTimePart, Part
-from .tries import Scales, test_with, tries_of
+from .residuals_of_tests import InTimePart, Part
+from .trial_values import Scales, test_with, tries_of
 
 WITHIN = 3.0
-"""Rates over one a step at which relaxation beside a straight motion is still told from a dashpot."""
+"""Rates over one a step at which relaxation beside a straight motion is still told from a dashpot.
+"""
 STEPS = 60
 """A relaxation alone takes two, a creep or an effect around the material ten to thirty."""
 STILL = 1e-7
 """Relative drop of the sum of squares below which a step changes nothing that is printed."""
 BRIEF = 3
-"""Steps from each place where an effect of a test may lie: the material needs two, and the effect one."""
+"""Steps from each place where an effect of a test may lie.
+
+The material needs two, and the effect one.
+"""
 SHORTEST = 1e-6
 """Share of a step below which none goes downhill."""
 LONGEST = 1.0
-"""Of a step of a searched coordinate, most of which are logarithms: beyond a factor of e no slope holds."""
+"""Of a step of a searched coordinate, most of which are logarithms.
+
+Beyond a factor of e no slope holds.
+"""
 
 
 def with_rates(model: Model | Timed, rates: Sequence[float]) -> Model | Timed:
@@ -79,12 +90,14 @@ def spectral(
     Raises
     ------
     ModelError
-        If the model cannot be followed in these tests, or any material could have done what an effect of them did.
+        If the model cannot be followed in these tests, or any material could have done what an
+        effect of them did.
     """
     search = _Search(model, parts, reference, coordinates)
     starts = [search.placed(search.start()), *search.seeded(seeds)]
     ends = [(search, search.descended(start, STEPS)) for start in starts]
-    # From all lines alike a creep may end anywhere: its own convex form, which knows no effect, tells where it lies.
+    # From all lines alike a creep may end anywhere: its own convex form, which knows no effect,
+    # tells where it lies.
     for lines in [lines_of(part) for part in parts if isinstance(part, InTimePart)]:
         other = _Search(model, parts, reference, coordinates, lines)
         ends.append((other, other.descended(other.placed(other.start()), STEPS)))
@@ -98,13 +111,22 @@ def spectral(
 
 
 FACTOR = 1.0
-"""Logarithm by which a size, a time or a threshold is moved to see whether the tests tell it: nearly threefold."""
+"""Logarithm by which a size, a time or a threshold is moved to see whether the tests tell it.
+
+Nearly threefold.
+"""
 VISIBLE = 0.1
-"""Share of the signal that an effect of either sign is changed by for the same: no test is run for less."""
+"""Share of the signal that an effect of either sign is changed by for the same.
+
+No test is run for less.
+"""
 SEEN = 4.0
 """Rise of the sum of squares over the noise that such a move must cost: two standard deviations."""
 LEAST = 1e-9
-"""Share of the stiffness that a line keeps while others are sought: a thousandth of the best transducer's noise."""
+"""Share of the stiffness that a line keeps while others are sought.
+
+A thousandth of the best transducer's noise.
+"""
 
 
 class Place(NamedTuple):
@@ -132,7 +154,9 @@ class _Search:
         low, high = min(each[0] for each in seen), max(each[1] for each in seen)
         decades = np.log10(high / low) + SLOWER + FASTER
         # A fixed lattice: of given rates the weights are a convex problem, with one solution.
-        self.rates = np.geomspace(low * 10.0**-SLOWER, high * 10.0**FASTER, int(PER_DECADE * decades) + 2)
+        self.rates = np.geomspace(
+            low * 10.0**-SLOWER, high * 10.0**FASTER, int(PER_DECADE * decades) + 2
+        )
         weights = None
         if lines is not None:
             self.rates, weights = lines.among(self.rates)
@@ -147,7 +171,10 @@ class _Search:
         return self.coordinates.theta(u, self.size)
 
     def start(self) -> Place:
-        """Lines that are known, or all alike and as stiff as what was measured; effects of their natural size."""
+        """Lines that are known, or all alike and as stiff as what was measured.
+
+        Effects of their natural size.
+        """
         stiffness = float(np.exp(np.mean([np.log(_typical(part)) for part in self.parts])))
         # An order begins in the middle, what may be of either sign, such as a drift, at nothing.
         u = np.where(self.coordinates.log, 0.0, np.where(np.isfinite(self.bounds[0][0]), 0.5, 0.0))
@@ -163,7 +190,10 @@ class _Search:
         raise ModelError(f"{self.model.name} cannot be followed in these tests")
 
     def seeded(self, seeds: Sequence[Real]) -> list[Place]:
-        """Starts with these parameters of the effects, all lines alike; those that cannot be followed are none."""
+        """Starts with these parameters of the effects, all lines alike.
+
+        Those that cannot be followed are none.
+        """
         weights = self.start().weights
         starts = []
         for seed in seeds:
@@ -172,7 +202,7 @@ class _Search:
         return [start for start in starts if np.isfinite(start.cost)]
 
     def placed(self, start: Place) -> Place:
-        """A start with each effect of the tests where it does most good, of the places where it may lie."""
+        """A start with each effect of the tests where it does most good, of its possible places."""
         if not isinstance(self.model, Timed):
             return start
         tests = [part.test for part in self.parts if isinstance(part, InTimePart)]
@@ -194,7 +224,7 @@ class _Search:
 
     @property
     def first_of_tests(self) -> int:
-        """Where the coordinates of effects of the tests begin, behind those of effects of the rig."""
+        """Where the coordinates of effects of tests begin, behind those of effects of the rig."""
         return len(material_of(self.model).parameters) - self.count
 
     def descended(self, place: Place, steps: int) -> Place:
@@ -223,7 +253,8 @@ class _Search:
 
     def _residual(self, weights: Real, u: Real) -> tuple[Real, Real]:
         self.evaluations += 1
-        # A line of no weight at all has no place among the times of the creep, and so no slope there.
+        # A line of no weight at all has no place among the times of the creep, and so no slope
+        # there.
         least = LEAST * weights.sum()
         theta = np.concatenate([weights[:2], np.maximum(weights[2:], least), self.own(u)])
         residuals = [part.residual(self.model, theta, self.reference) for part in self.parts]
@@ -234,7 +265,11 @@ class _Search:
         """Residuals (m,), and their derivatives by the weights (m, w) and by u (m, q)."""
         value, by_theta = self._residual(weights, u)
         by_own = np.ascontiguousarray(by_theta[:, self.count :].T)
-        return value, by_theta[:, : self.count], self.coordinates.carry(by_own, self.own(u), self.size).T
+        return (
+            value,
+            by_theta[:, : self.count],
+            self.coordinates.carry(by_own, self.own(u), self.size).T,
+        )
 
     def require_told(self, weights: Real, u: Real) -> None:
         """Check that no other lines could have done what an effect of the tests did.
@@ -254,30 +289,39 @@ class _Search:
         for i in range(self.first_of_tests, len(u)):
             effect, others = by_u[:, i], np.delete(by_u, i, axis=1)
             amount = FACTOR
-            # What may be of either sign has no logarithm, and may be nothing: it moves by what could be seen.
+            # What may be of either sign has no logarithm, and may be nothing: it moves by what
+            # could be seen.
             if not self.coordinates.log[i]:
-                amount = VISIBLE * float(np.linalg.norm(signal)) / max(float(np.linalg.norm(effect)), 1e-300)
+                amount = (
+                    VISIBLE
+                    * float(np.linalg.norm(signal))
+                    / max(float(np.linalg.norm(effect)), 1e-300)
+                )
             change = effect * amount
             least = _left(by_weights, others, by_weights @ weights - value)
             for moved in (change, -change):
                 if _left(by_weights, others, by_weights @ weights - value - moved) - least < SEEN:
                     raise ModelError(
-                        f"{names[i]}: another material could have done the same in these tests: name a model in "
-                        "place of 'material', or add a test of another kind"
+                        f"{names[i]}: another material could have done the same in these tests:"
+                        " name a model in place of 'material', or add a test of another kind"
                     )
 
     def step(self, place: Place, value: Real, by_weights: Real, by_u: Real) -> Place | None:
         """A better place, or None where none is found on the way to that of the linear problem."""
         weights, u, cost = place
         if not all(np.all(np.isfinite(each)) for each in (by_weights, by_u)):
-            # K is a number here and its slope is none, as where a loop closes on itself: no way leads on.
+            # K is a number here and its slope is none, as where a loop closes on itself: no way
+            # leads on.
             return None
-        # The whole of what the lines explain, not its change: whole weights are what must not fall below zero.
+        # The whole of what the lines explain, not its change: whole weights are what must not fall
+        # below zero.
         target = by_weights @ weights - value
         wanted = non_negative(_beside(by_u, by_weights), _beside(by_u, target))[0]
         move: Real = u
         if len(u):
-            move = np.asarray(np.linalg.lstsq(by_u, target - by_weights @ wanted, rcond=1e-8)[0], dtype=float)
+            move = np.asarray(
+                np.linalg.lstsq(by_u, target - by_weights @ wanted, rcond=1e-8)[0], dtype=float
+            )
         move = np.clip(move, -LONGEST, LONGEST)
         share = 1.0
         while share > SHORTEST:

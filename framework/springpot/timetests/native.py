@@ -1,4 +1,7 @@
-"""The native search for the parameters of a model of tests in time: where it begins, and how it goes down."""
+"""The native search for the parameters of a model of tests in time.
+
+Where it begins, and how it goes down.
+"""
 
 from __future__ import annotations
 
@@ -8,18 +11,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from springpot.errors import SpringpotError
-from springpot.identification import Solution, is_material, levenberg_marquardt
 from springpot.identification.coordinates import Coordinates
-from springpot.identification.leastsquares import Rows
-from springpot.measurement import Covered, Timed, Units, material_of, one_modulus
-from springpot.rheology import Model, Real
+from springpot.identification.leastsquares import Rows, Solution, levenberg_marquardt
+from springpot.identification.material import is_material
+from springpot.measurement.covered import Covered
+from springpot.measurement.timed import Timed, material_of
+from springpot.measurement.units import Units, one_modulus
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
 
-from .parts import InTimePart, Part, runs_against
-from .quick import QuickPart, UnfollowedError
+from .exponentials import QuickPart, UnfollowedError
+from .residuals_of_tests import InTimePart, Part, runs_against
 from .result import PartResult, TimeIdentification, sampled_scatter
 from .sizes import rms
 from .start import start_of
-from .tries import Scales, test_with, tries_of
+from .trial_values import Scales, test_with, tries_of
 
 QUICK = 20
 """Steps with some of the samples."""
@@ -30,9 +36,15 @@ LAST = 30
 LEAST_INFORMATION = 1e-12
 """Of a coordinate: its standard deviation would be a million natural sizes."""
 ORDERS = (0.3, 0.5, 0.8)
-"""Of springpots, to begin at: real ones lie between, and from each of these the search reaches the next."""
+"""Of springpots, to begin at.
+
+Real ones lie between, and from each of these the search reaches the next.
+"""
 FAR = 5.0
-"""Logarithm by which a start may differ from a natural size: beyond a factor of 150 it leaves no trace to follow."""
+"""Logarithm by which a start may differ from a natural size.
+
+Beyond a factor of 150 it leaves no trace to follow.
+"""
 EDGE = 0.05
 """Share of its range by which a parameter with two ends begins away from them."""
 DOUBTFUL = 1.5
@@ -40,11 +52,17 @@ DOUBTFUL = 1.5
 TRIED = 6
 """Places in the parameters of effects of time tests from which a search begins."""
 WRONG = 0.5
-"""Relative error from which the signs of a test are doubted: below, the model follows it, whatever they are."""
+"""Relative error from which the signs of a test are doubted.
+
+Below, the model follows it, whatever they are.
+"""
 AFAR, NEAR = 1e-3, 1e-6
 """Damping at a start, and at one beside its end: there a step of Gauss and Newton is right."""
 FLAT = 1e-10
-"""A search ends once the drop foretold is this share of its objective: the figure that is printed has six digits."""
+"""A search ends once the drop foretold is this share of its objective.
+
+The figure that is printed has six digits.
+"""
 ROUGHLY = 1e-5
 """The same of the first part of a search, which the last part goes on from."""
 
@@ -100,12 +118,20 @@ class Search:
         thorough: bool = True,
     ) -> None:
         self.thorough = thorough
-        self.model, self.parts, self.reference, self.seeds = model, list(parts), reference, list(seeds)
-        # Set once a model was followed: from then on a fault is one of the parameters, and a search may go on.
+        self.model, self.parts, self.reference, self.seeds = (
+            model,
+            list(parts),
+            reference,
+            list(seeds),
+        )
+        # Set once a model was followed: from then on a fault is one of the parameters, and a search
+        # may go on.
         self._followed = False
-        # Between the frequencies that the tests saw: there a springpot's constant hardly hangs on its order.
+        # Between the frequencies that the tests saw: there a springpot's constant hardly hangs on
+        # its order.
         middle = float(np.mean([part.log_omega for part in parts]))
-        # By logarithms: tests of one specimen may lie decades apart, and no single one should set the size.
+        # By logarithms: tests of one specimen may lie decades apart, and no single one should set
+        # the size.
         size = float(np.exp(np.mean([np.log(_typical(part)) for part in parts])))
         amplitude = max(_reach(part) for part in parts)
         self.sizes, self.middle = (size, amplitude), middle
@@ -118,8 +144,12 @@ class Search:
     def starts(self) -> list[Real]:
         """Search points (p,) to begin at."""
         if not self.thorough:
-            return [self.coordinates.u(np.asarray(theta, dtype=float), self.size) for theta in self.seeds]
-        # The material first: its start is read off the data, and what a test adds is sought on top of it.
+            return [
+                self.coordinates.u(np.asarray(theta, dtype=float), self.size)
+                for theta in self.seeds
+            ]
+        # The material first: its start is read off the data, and what a test adds is sought on top
+        # of it.
         in_time = [part for part in self.parts if isinstance(part, InTimePart)]
         sweeps = [part.test for part in self.parts if not isinstance(part, InTimePart)]
         material = material_of(self.model)
@@ -130,17 +160,18 @@ class Search:
         return [self.inside(u) for u in starts] or self.natural()
 
     def _with_effects(self, material: Real, in_time: Sequence[InTimePart]) -> list[Real]:
-        """Starts with parameters of the material, and those of each effect of the tests where it does most good."""
+        """Starts with these of the material, and each effect of tests where it does most good."""
         if not isinstance(self.model, Timed):
             return [material]
         theta = [np.asarray(material, dtype=float)]
         scales = Scales.of(self.parts)
         for effect in self.model.time_effects:
-            # Any test in which it can be seen will do: it is one effect, of one size, in all of them.
+            # Any test in which it can be seen will do: it is one effect, of one size, in all of
+            # them.
             mine = test_with(effect, [part.test for part in in_time])
             places = [np.array(place) for place in tries_of(effect, mine, scales)]
-            # One effect at a time: the product of all places of all effects would be hundreds of starts.
-            # Without a place for one of them there is no start with all of them.
+            # One effect at a time: the product of all places of all effects would be hundreds of
+            # starts. Without a place for one of them there is no start with all of them.
             if not places:
                 return []
             best = theta[0]
@@ -165,7 +196,9 @@ class Search:
         ordinary = np.where(self.coordinates.log, np.clip(u, -FAR, FAR), u)
         width = np.where(np.isfinite(high - low), high - low, 0.0)
         linear = ~self.coordinates.log & (width > 0.0)
-        return np.where(linear, np.clip(ordinary, low + EDGE * width, high - EDGE * width), ordinary)
+        return np.where(
+            linear, np.clip(ordinary, low + EDGE * width, high - EDGE * width), ordinary
+        )
 
     def centred(self, u: Real) -> Real:
         """A start whose parameters that went astray begin anew at their natural size."""
@@ -177,7 +210,8 @@ class Search:
         lower = np.array([p.lower for p in self.model.parameters])
         upper = np.array([p.upper for p in self.model.parameters])
         inside: Real = np.clip(theta, lower, upper)
-        # A spectrum has no spring or no dashpot at all: with a trace of a spring a fluid would not creep on and on.
+        # A spectrum has no spring or no dashpot at all: with a trace of a spring a fluid would not
+        # creep on and on.
         gone = u[: self._weights] <= self.coordinates.bounds()[0][0, : self._weights]
         inside[: self._weights][gone] = 0.0
         return inside
@@ -201,14 +235,18 @@ class Search:
         return last.u[0], spent + last.evaluations, bool(last.converged[0])
 
     def near(self, parts: Sequence[Part], starts: Sequence[Real]) -> tuple[Real, int]:
-        """A search point (p,) near the best one, and evaluations spent: by fixed exponentials where they will do."""
+        """A search point (p,) near the best one, and evaluations spent.
+
+        By fixed exponentials where they will do.
+        """
         quick = [_quick(part) for part in parts]
         try:
             further: list[Real] = []
             # With these a start costs next to nothing.
             if self.thorough:
                 further = self.natural()
-            # Exponentials show the valley at little cost; the exact response then has a short way to its bottom.
+            # Exponentials show the valley at little cost; the exact response then has a short way
+            # to its bottom.
             u, spent, rests = self._near(quick, [*starts, *further])
             if rests:
                 return u, spent
@@ -221,7 +259,8 @@ class Search:
             return self._near(parts, starts)[:2]
 
     def _near(self, parts: Sequence[Part], starts: Sequence[Real]) -> tuple[Real, int, bool]:
-        # A few steps from everywhere tell the starts apart; only the best is worth its way to the end.
+        # A few steps from everywhere tell the starts apart; only the best is worth its way to the
+        # end.
         quick = self._descend(parts, np.stack(starts), True, QUICK, AFAR)
         best = quick.best
         near, spent, rests = quick.u[best], quick.evaluations, bool(quick.converged[best])
@@ -239,7 +278,9 @@ class Search:
         def evaluate(u: Real, rows: Rows) -> tuple[Real, Real]:
             # One start after another: the parts of a test share no shape that could be stacked.
             pairs = [self._guarded(parts, one, coarse) for one in u]
-            return np.stack([value for value, _ in pairs]), np.stack([slopes for _, slopes in pairs])
+            return np.stack([value for value, _ in pairs]), np.stack(
+                [slopes for _, slopes in pairs]
+            )
 
         low, high = self.coordinates.bounds()
         shape, flat = starts.shape, FLAT
@@ -256,7 +297,7 @@ class Search:
         )
 
     def _guarded(self, parts: Sequence[Part], u: Real, coarse: bool) -> tuple[Real, Real]:
-        """The residual, endless where the model cannot be followed at these parameters, as it could at others."""
+        """The residual, endless at parameters at which the model cannot be followed."""
         try:
             with np.errstate(all="ignore"):
                 value, slopes = self.residual(parts, u, coarse)
@@ -276,7 +317,7 @@ class Search:
         return rms(value)
 
     def scale(self, part: Part, u: Real) -> float:
-        """By how much the misfit of a part exceeds its noise, samples that repeat one another counted once."""
+        """How far a part's misfit exceeds its noise, repeated samples counted once."""
         value = part.with_scale(1.0).residual(self.model, self.theta(u), self.reference).value
         return max(1.0, float(np.sqrt(sampled_scatter(value, part))))
 
@@ -304,7 +345,10 @@ class Search:
         )
 
     def _covariance(self, u: Real, parts: Sequence[Part]) -> Real:
-        """Of the search coordinates (p, p): each part weighs as its misfit and the likeness of neighbours allow."""
+        """Of the search coordinates (p, p).
+
+        Each part weighs as its misfit and the likeness of neighbours allow.
+        """
         # Tests are independent of one another: what they tell of the parameters adds up.
         information = np.zeros((len(u), len(u)))
         for part in parts:
@@ -314,7 +358,8 @@ class Search:
             if len(value) > len(u):
                 scatter = max(1.0, sampled_scatter(value, part))
             information += slopes @ slopes.T / scatter
-        # A direction that no test sees is left with next to no information, and so with endless variance.
+        # A direction that no test sees is left with next to no information, and so with endless
+        # variance.
         scale = np.sqrt(np.maximum(np.diag(information), LEAST_INFORMATION))
         scaled = information / np.outer(scale, scale) + 1e-12 * np.eye(len(u))
         covariance: Real = np.linalg.inv(scaled) / np.outer(scale, scale)
@@ -334,8 +379,8 @@ def _doubts(parts: Sequence[Part], rows: Sequence[PartResult]) -> tuple[str, ...
     for part, row in zip(parts, rows, strict=True):
         if row.error > WRONG and isinstance(part, InTimePart) and runs_against(part.test):
             doubts.append(
-                f"{row.name}: force and displacement have opposite signs: if one of them counts the other way, "
-                f"say so behind the file, such as '?force=-{part.test.force_unit}'"
+                f"{row.name}: force and displacement have opposite signs: if one of them counts the"
+                f" other way, say so behind the file, such as '?force=-{part.test.force_unit}'"
             )
     return tuple(doubts)
 

@@ -1,4 +1,7 @@
-"""What an identification from tests in time found: parameters, intervals, and each test beside its noise floor."""
+"""What an identification from tests in time found.
+
+Parameters, intervals, and each test beside its noise floor.
+"""
 
 from __future__ import annotations
 
@@ -10,23 +13,34 @@ import numpy as np
 
 from springpot.identification.coordinates import Coordinates
 from springpot.identification.uncertainty import ends, spread_of, student
-from springpot.measurement import Covered, Timed, TimeTest, Units, material_of
-from springpot.policy import INTERVAL
-from springpot.rheology import Continuum, Model, Real
+from springpot.measurement.covered import Covered
+from springpot.measurement.timed import Timed, material_of
+from springpot.measurement.timetest import TimeTest
+from springpot.measurement.units import Units
+from springpot.rheology.continuum import Continuum
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
+from springpot.thresholds import INTERVAL
 
 from .sizes import rms
 
 if TYPE_CHECKING:
-    from .parts import Part
+    from .residuals_of_tests import Part
 
 SCHEMA = "springpot.identification-in-time/1"
 AGREE = 1.5
-"""A test that the common parameters miss by this many times what its own would leave does not agree with the others:
-with the fifty numbers of a usual test that is beyond a chance of 1e-3 (F test)."""
+"""A test that the common parameters miss by this many times what its own would leave does not agree
+with the others: with the fifty numbers of a usual test that is beyond a chance of 1e-3 (F test)."""
 LOOSE = 100.0
-"""Ratio of the ends of an interval from which a parameter is hardly determined: a factor of ten either way."""
+"""Ratio of the ends of an interval from which a parameter is hardly determined.
+
+A factor of ten either way.
+"""
 LIKENESS = 0.98
-"""Largest correlation of neighbouring residuals that is believed: beyond, a test would be worth no sample at all."""
+"""Largest correlation of neighbouring residuals that is believed.
+
+Beyond, a test would be worth no sample at all.
+"""
 
 
 def sampled_scatter(residual: Real, part: Part) -> float:
@@ -74,7 +88,9 @@ class PartResult:
     alone: float
 
     @classmethod
-    def of(cls, part: Part, model: Model | Timed, theta: Real, reference: float, alone: float) -> PartResult:
+    def of(
+        cls, part: Part, model: Model | Timed, theta: Real, reference: float, alone: float
+    ) -> PartResult:
         """Judge one part at theta."""
         # By its noise alone, whatever it weighed in the fit.
         plain = part.with_scale(1.0)
@@ -183,7 +199,8 @@ class TimeIdentification:
         reach = self.quantile * spread_of(self.slopes, self.covariance)
         log = self.coordinates.log
         with np.errstate(all="ignore"):
-            # What is searched by its logarithm reaches by a factor: d ln theta is d theta over theta.
+            # What is searched by its logarithm reaches by a factor: d ln theta is d theta over
+            # theta.
             reach = np.where(log, reach / np.where(log, self.theta, 1.0), reach)
         # What the tests do not determine reaches anywhere.
         reach = np.where(np.isfinite(reach), reach, np.inf)
@@ -218,11 +235,16 @@ class TimeIdentification:
 
     @cached_property
     def parameters(self) -> dict[str, dict[str, Any]]:
-        """Each parameter with value, interval and unit, as printed; lines of a spectrum are left to it."""
+        """Each parameter with value, interval and unit, as printed.
+
+        Lines of a spectrum are left to it.
+        """
         low, high = self.interval
         values = zip(self.theta.tolist(), low.tolist(), high.tolist(), self.printed, strict=True)
         rows = {}
-        for parameter, (value, below, above, (factor, unit)) in zip(self.model.parameters, values, strict=True):
+        for parameter, (value, below, above, (factor, unit)) in zip(
+            self.model.parameters, values, strict=True
+        ):
             if not parameter.detail:
                 rows[parameter.name] = {
                     "value": _finite(value * factor),
@@ -252,28 +274,37 @@ class TimeIdentification:
         """What the numbers do not say, the gravest first."""
         notes = list(self.said)
         if not self.converged:
-            notes.append("the search did not come to rest: the parameters may be improved by more data")
+            notes.append(
+                "the search did not come to rest: the parameters may be improved by more data"
+            )
         for test in self.tests:
             if not test.agrees:
                 notes.append(
-                    f"{test.name} does not agree with the other tests: {test.ratio:.2g} x its noise floor with "
-                    f"common parameters, {test.alone:.2g} x with its own"
+                    f"{test.name} does not agree with the other tests: {test.ratio:.2g} x its noise"
+                    f" floor with common parameters, {test.alone:.2g} x with its own"
                 )
         if self.on_sweeps:
             names = ", ".join(self.on_sweeps)
             notes.append(f"{names}: of the rig of the sweeps; the tests in time are free of it")
         low, high = self.interval
-        for parameter, value, below, above in zip(self.model.parameters, self.theta, low, high, strict=True):
+        for parameter, value, below, above in zip(
+            self.model.parameters, self.theta, low, high, strict=True
+        ):
             if parameter.detail:
                 continue
             if value in (parameter.lower, parameter.upper):
                 notes.append(f"{parameter.name} ends at its bound {value:g}")
-            elif not np.isfinite(above) or (parameter.scale == "log" and above > LOOSE * max(below, 1e-300)):
+            elif not np.isfinite(above) or (
+                parameter.scale == "log" and above > LOOSE * max(below, 1e-300)
+            ):
                 notes.append(f"{parameter.name} is hardly determined by these tests")
         return tuple(notes)
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain data, schema ``springpot.identification-in-time/1``; an interval without an end has None."""
+        """As plain data, schema ``springpot.identification-in-time/1``.
+
+        An interval without an end has None.
+        """
         return {
             "schema": SCHEMA,
             "model": self.model.name,
@@ -308,7 +339,9 @@ class TimeIdentification:
         return covariance
 
     def __repr__(self) -> str:
-        values = ", ".join(f"{n} {row['value']:.4g} {row['unit']}".rstrip() for n, row in self.parameters.items())
+        values = ", ".join(
+            f"{n} {row['value']:.4g} {row['unit']}".rstrip() for n, row in self.parameters.items()
+        )
         tests = ", ".join(f"{test.name} {test.ratio:.2g} x floor" for test in self.tests)
         return f"<TimeIdentification {self.model.name}: {values}; {tests}>"
 

@@ -1,9 +1,12 @@
-"""What of a residual is noise: white or with a memory of a few samples, and what is too slow to be either.
+"""What of a residual is noise.
 
-A model that lacks something leaves a misfit that is smooth over many samples. Noise of a filtered transducer has a
-memory too, of a few samples. So the noise is read from the upper part of the residual's spectrum alone, as an
-autoregression of first order, and what lies above its continuation at low frequencies is misfit. Fitted by Whittle's
-likelihood (Whittle 1953, doi:10.1007/BF02590998): periodogram ordinates are exponential around the spectrum.
+White or with a memory of a few samples, and what is too slow to be either.
+
+A model that lacks something leaves a misfit that is smooth over many samples. Noise of a filtered
+transducer has a memory too, of a few samples. So the noise is read from the upper part of the
+residual's spectrum alone, as an autoregression of first order, and what lies above its continuation
+at low frequencies is misfit. Fitted by Whittle's likelihood (Whittle 1953, doi:10.1007/BF02590998):
+periodogram ordinates are exponential around the spectrum.
 """
 
 from __future__ import annotations
@@ -14,25 +17,39 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 FEWEST = 40
-"""Samples below which a spectrum tells nothing: then the noise of the signal is believed, and taken as white."""
+"""Samples below which a spectrum tells nothing.
+
+Then the noise of the signal is believed, and taken as white.
+"""
 UPPER = 0.25
-"""Share of the highest frequency above which there is noise alone: a misfit spans eight samples or more."""
+"""Share of the highest frequency above which there is noise alone.
+
+A misfit spans eight samples or more.
+"""
 TAPER = 0.1
-"""Share of the record at both ends that is faded, so that a slow misfit does not leak into the upper part."""
+"""Share of the record at both ends that is faded.
+
+So that a slow misfit does not leak into the upper part.
+"""
 MEMORIES = np.linspace(0.0, 0.7, 36)
-"""Correlations of neighbours that are tried: beyond 0.7 what is alike over five samples and more is no noise."""
+"""Correlations of neighbours that are tried.
+
+Beyond 0.7 what is alike over five samples and more is no noise.
+"""
 GROUPS = 4
 """Octaves below the upper part, each with a size of its own where there is a misfit."""
 PLAIN = 22.0
-"""Twice the logarithm of the likelihood ratio from which a misfit is plain: of simulated records of noise, 40 to
+"""Twice the logarithm of the likelihood ratio from which a misfit is plain.
+
+Of simulated records of noise, 40 to
 1,000 samples with memories from 0 to 0.6, three in a thousand exceed 18."""
 PARTS = 16
 """Parts of a record of which each alone may be missed."""
 LOCAL = 1e-3
-"""Chance below which the worst part is missed by more than noise (F test, times the number of parts)."""
+"""Chance below which the worst part is missed by more than noise (F test, times their number)."""
 CLIP = 0.37
 """Efficiency of a median of absolute values."""
 EFFICIENT = 18.0 / 35.0
@@ -126,8 +143,9 @@ def times_noise(residual: Real, size: float) -> float:
 def _scattered(residual: Real) -> NDArray[np.bool_]:
     """Which samples do not repeat the one before to the last bit; all, where too few would be left.
 
-    A channel at its limit carries no noise, and a model that knows the limit leaves the same number all along there:
-    beside these samples the others would look as if they were missed by more than is usual.
+    A channel at its limit carries no noise, and a model that knows the limit leaves the same number
+    all along there: beside these samples the others would look as if they were missed by more than
+    is usual.
     """
     new = np.concatenate([[True], np.diff(residual) != 0.0])
     if np.count_nonzero(new) < FEWEST:
@@ -169,11 +187,13 @@ def _log_likelihood(power: Real, spectrum: Real) -> float:
 
 
 def _local(residual: Real, memory: float) -> float:
-    """Chance that noise alone makes the worst part of a record so large, against the usual size of all."""
+    """Chance that noise alone makes the worst part so large, against the usual size of all."""
     white = residual[1:] - memory * residual[:-1]
-    # Squares of neighbours are correlated by the square of their memory: so many of them are independent.
+    # Squares of neighbours are correlated by the square of their memory: so many of them are
+    # independent.
     alike = (1.0 - memory**2) / (1.0 + memory**2)
-    # A short bump is smooth, and hardly there in what is new with each sample: so both are looked at.
+    # A short bump is smooth, and hardly there in what is new with each sample: so both are looked
+    # at.
     return min(1.0, 2.0 * _worst(white, 0.0, 1.0), 2.0 * _worst(residual, memory, alike))
 
 
@@ -187,7 +207,8 @@ def _worst(values: Real, memory: float, worth: float) -> float:
     chances = []
     for part in np.array_split(values / usual, PARTS):
         size = float(np.mean(part**2))
-        # Neighbours share a misfit, not the noise: where they bend more than elsewhere, the noise is larger.
+        # Neighbours share a misfit, not the noise: where they bend more than elsewhere, the noise
+        # is larger.
         bends = np.diff(part, 2)
         rough = float(bends @ bends) / max(len(bends), 1) / (6.0 - 8.0 * memory + 2.0 * memory**2)
         chances.append(_chance(size, count / PARTS, CLIP * count))

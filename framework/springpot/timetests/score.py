@@ -1,8 +1,11 @@
-"""The linearised scan: how far each effect would let the error fall, all of them at once, before any is fitted.
+"""The linearised scan.
 
-A small amount of an effect changes K by a known amount at all frequencies. Both are sums of the same exponentials,
-and what each exponential answers to the loading of a test is worked out once: the change of the record is a product
-of two matrices. What is not small, such as a stop that is met or not, is tried at a few places as it is.
+How far each effect would let the error fall, all of them at once, before any is fitted.
+
+A small amount of an effect changes K by a known amount at all frequencies. Both are sums of the
+same exponentials, and what each exponential answers to the loading of a test is worked out once:
+the change of the record is a product of two matrices. What is not small, such as a stop that is met
+or not, is tried at a few places as it is.
 """
 
 from __future__ import annotations
@@ -15,20 +18,27 @@ from itertools import product
 import numpy as np
 
 from springpot.errors import SpringpotError
-from springpot.measurement import KELVIN, Stage, Timed, TimeEffect, grown, material_of
-from springpot.rheology import GRADIENT, Complex, Effect, Model, Points, Real, network_of, sorted_out
+from springpot.measurement.timed import Timed, grown, material_of
+from springpot.measurement.timeeffect import Stage, TimeEffect
+from springpot.rheology.effect import Effect
+from springpot.rheology.history import network_of, sorted_out
+from springpot.rheology.model import Model
+from springpot.rheology.nodes import GRADIENT
+from springpot.rheology.points import KELVIN, Complex, Points, Real
 
-from .parts import AnyEffect, SweepPart
-from .predicted import TOLERANCE
-from .promise import Atom, Promise
-from .quick import QuickPart, points_at
-from .recorded import Clock, reached, recorded
+from .exponentials import QuickPart, points_at
+from .recording import Clock, reached, recorded
+from .residuals_of_tests import AnyEffect, SweepPart
+from .response import TOLERANCE
 from .result import TimeIdentification
-from .tries import Scales, tries_of
+from .scan_scores import Atom, Promise
+from .trial_values import Scales, tries_of
 
 STEEP = 1.2
-"""Power of omega from which a change of K makes a specimen under a force swing, so that it is never small: dashpots
-have 1, Basset's layer 1.5, a mass 2."""
+"""Power of omega from which a change of K makes a specimen under a force swing.
+
+It is then never small: dashpots have 1, Basset's layer 1.5, a mass 2.
+"""
 NEXT_TO_NOTHING = 1e-6
 """Of the natural size of an effect, where its share of K is linear."""
 RESONANCES = 12
@@ -36,11 +46,14 @@ RESONANCES = 12
 KNOWN = 1e-8
 """Share of the best known direction of the parameters below which one is not known at all."""
 LONGEST = 2.0
-"""Logarithm by which a linear step may change a parameter: beyond a factor of seven nothing is linear."""
+"""Logarithm by which a linear step may change a parameter.
+
+Beyond a factor of seven nothing is linear.
+"""
 THE_SAME = 0.9999
 """Cosine from which two places of an effect are one: its size alone differs."""
 ABSORBED = 1e-5
-"""Share of a column that is left when the model has taken its part, below which there is nothing left to see."""
+"""Share of a column left once the model has taken its part, below which nothing is to be seen."""
 
 
 class Scan:
@@ -69,13 +82,16 @@ class Scan:
         size = np.linalg.norm(slopes, axis=0)
         # A parameter that changes nothing in these tests has a column of nothing.
         self.size = np.where(size > 0.0, size, 1.0)
-        # By singular values: parameters that these tests cannot tell apart would make a plain inverse endless.
+        # By singular values: parameters that these tests cannot tell apart have no plain inverse.
         u, s, v = np.linalg.svd(slopes / self.size, full_matrices=False)
         good = s > KNOWN * s.max(initial=0.0)
         self.taken, self._back = u[:, good], (v[good].T / s[good]) / self.size[:, None]
 
     def promises(self, effects: Iterable[AnyEffect]) -> dict[str, list[Promise]]:
-        """For each effect its promises, the best first; those that make no sense in these tests have none."""
+        """For each effect its promises, the best first.
+
+        Those that make no sense in these tests have none.
+        """
         atoms: list[Atom] = []
         own = {effect.name for effect in self.model.effects}
         for effect in effects:
@@ -99,7 +115,8 @@ class Scan:
         # Only what the model's own parameters cannot take over speaks for an effect.
         columns = columns - self.taken @ (self.taken.T @ columns)
         left = np.linalg.norm(columns, axis=0)
-        # Nothing where the fit has come to rest; where it has not, what is left to its own parameters is no effect's.
+        # Nothing where the fit has come to rest; where it has not, what is left to its own
+        # parameters is no effect's.
         missed = self.residual - self.taken @ (self.taken.T @ self.residual)
         fall = -columns.T @ missed
         promises: dict[str, list[Promise]] = {}
@@ -115,7 +132,12 @@ class Scan:
             # The model makes way for the effect: its fit then begins where both together lead.
             theta = self._stepped(self.residual + amount * given[:, k])
             promise = Promise(
-                atom.effect, atom.at(amount), theta, drop, _as_tried(atom, amount), columns[:, k] / left[k]
+                atom.effect,
+                atom.at(amount),
+                theta,
+                drop,
+                _as_tried(atom, amount),
+                columns[:, k] / left[k],
             )
             promises.setdefault(atom.effect.name, []).append(promise)
         return {name: _different(each) for name, each in promises.items()}
@@ -125,7 +147,7 @@ class Scan:
         step = -self._back @ (self.taken.T @ residual)
         moved = []
         for parameter, value, change in zip(self.model.parameters, self.theta, step, strict=True):
-            # What has one sign moves by a factor, so that a long step cannot take it through nothing.
+            # What has one sign moves by a factor: a long step cannot take it through nothing.
             if parameter.scale == "log" and value > 0.0:
                 moved.append(value * float(np.exp(np.clip(change / value, -LONGEST, LONGEST))))
             else:
@@ -142,11 +164,12 @@ class Scan:
             return self._of_network(effect)
         return self._of_law(effect, effect.name in {each.effect.name for each in signals})
 
-    # --- effects of the network -------------------------------------------------------------------------------
+    # --- effects of the network ---
 
     def _of_network(self, effect: Effect) -> list[Atom]:
         size, *shape = effect.element.parameters
-        # The size follows by least squares; what shapes the effect, such as a time, is no linear thing and is tried.
+        # The size follows by least squares; what shapes the effect, such as a time, is no linear
+        # thing and is tried.
         places = list(product(*(self.scales.values(each) for each in shape)))
         endless = np.isinf(effect.vanishes_at)
         little = self.scales.typical(size) * NEXT_TO_NOTHING
@@ -157,32 +180,40 @@ class Scan:
             scale = -(little**2)
         values = np.array([[little, *place] for place in places])
         change = _Change(material_of(self.model), self.theta, effect, values)
-        # A specimen that swings answers a small mass by a large ringing: no linear step leads there.
+        # A specimen that swings answers a small mass by large ringing: no linear step leads there.
         if any(view.swings(change) for view in self.views):
             return self._swinging(effect, places)
         whole = np.concatenate([view.of_change(change, scale) for view in self.views])
-        powers = np.array([float(bool(parameter.unit.stiffness)) for parameter in effect.element.parameters])
+        powers = np.array(
+            [float(bool(parameter.unit.stiffness)) for parameter in effect.element.parameters]
+        )
         powers[0] = 1.0
         if endless:
             powers = -powers
         start = values.copy()
         start[:, 0] = 1.0
         signed = size.lower < 0.0
-        return [Atom(effect, each, powers, column, signed) for each, column in zip(start, whole.T, strict=True)]
+        return [
+            Atom(effect, each, powers, column, signed)
+            for each, column in zip(start, whole.T, strict=True)
+        ]
 
     def _swinging(self, effect: Effect, places: Sequence[tuple[float, ...]]) -> list[Atom]:
         """An effect at the sizes at which it balances the rest at some frequency."""
         model = material_of(self.model)
-        # It rings at the frequency at which it balances the rest: the record may show any that it resolves.
+        # It rings at the frequency at which it balances the rest: the record may show any that it
+        # resolves.
         omega = np.geomspace(1.0 / self.scales.longest, 1.0 / self.scales.shortest, RESONANCES)
         at = points_at(omega, self.views[0].kelvin, self.base.reference)
         stiffness = np.abs(linear_stiffness(self.base, at))
         atoms = []
         for place in places:
-            slope = _Change(model, self.theta, effect, np.array([[NEXT_TO_NOTHING, *place]])).in_time(at)[0]
+            next_to_nothing = np.array([[NEXT_TO_NOTHING, *place]])
+            slope = _Change(model, self.theta, effect, next_to_nothing).in_time(at)[0]
             for size in stiffness / np.abs(slope):
                 values = np.array([size, *place])
-                atoms.append(Atom(effect, values, np.zeros(len(values)), self._as_it_is(effect, values), False))
+                column = self._as_it_is(effect, values)
+                atoms.append(Atom(effect, values, np.zeros(len(values)), column, False))
         return atoms
 
     def _as_it_is(self, effect: AnyEffect, values: Real) -> Real:
@@ -190,7 +221,7 @@ class Scan:
         model, theta = _with_effect(self.base, effect, values)
         return np.concatenate([view.with_model(model, theta) for view in self.views])
 
-    # --- effects with a law of their own ------------------------------------------------------------------------
+    # --- effects with a law of their own ---
 
     def _of_law(self, effect: Effect, of_signal: bool) -> list[Atom]:
         """Forces beside the material, and what the measurement chain does to the force."""
@@ -210,14 +241,19 @@ class Scan:
             atoms.append(Atom(effect, start, unit, column, signed))
         return atoms
 
-    # --- effects of the test --------------------------------------------------------------------------------------
+    # --- effects of the test ---
 
     def _of_test(self, effect: TimeEffect) -> list[Atom]:
-        tests = [view.part.test for view in self.views if isinstance(view, View) and effect.is_for(view.part.test)]
+        tests = [
+            view.part.test
+            for view in self.views
+            if isinstance(view, View) and effect.is_for(view.part.test)
+        ]
         if not tests:
             return []
         atoms = []
-        # An effect of the test is tried at several places: a stop that is not met has no slope to follow.
+        # An effect of the test is tried at several places: a stop that is not met has no slope to
+        # follow.
         for place in tries_of(effect, tests[0], self.scales):
             values = np.array(place)
             if effect.stage is Stage.RESPONSE:
@@ -228,15 +264,22 @@ class Scan:
                 column = np.concatenate([view.of_course(effect, values) for view in self.views])
                 linear = False
             powers = np.zeros(len(values))
-            # A limit or a place is what it is; a ramp, a play or a clock are nearly proportional to their size.
+            # A limit or a place is what it is; a ramp, a play or a clock go nearly with their size.
             if linear or effect.stage is not Stage.RESPONSE:
                 powers[0] = 1.0
-            atoms.append(Atom(effect, values, powers, column, linear and effect.parameters[0].lower < 0.0))
+            atoms.append(
+                Atom(effect, values, powers, column, linear and effect.parameters[0].lower < 0.0)
+            )
         return atoms
 
 
-def _with_effect(base: TimeIdentification, effect: AnyEffect, values: Real) -> tuple[Model | Timed, Real]:
-    """A fitted model with an effect, and its parameters: those of the fit, and `values` (q,) of the effect."""
+def _with_effect(
+    base: TimeIdentification, effect: AnyEffect, values: Real
+) -> tuple[Model | Timed, Real]:
+    """A fitted model with an effect, and its parameters.
+
+    Those of the fit, and `values` (q,) of the effect.
+    """
     model = grown(base.model, effect)
     known = dict(zip(base.model.names, base.theta.tolist(), strict=True))
     new = [name for name in model.names if name not in known]
@@ -251,7 +294,7 @@ def _as_tried(atom: Atom, amount: float) -> float:
 
 
 def _rating(promise: Promise) -> tuple[float, float]:
-    """The largest drop first, to three digits, and of those the one that was tried as it is wanted."""
+    """The largest drop first, to three digits, and of those the one tried as it is wanted."""
     drop = float(f"{promise.drop:.3g}")
     return -drop, abs(float(np.log(max(promise.amount, 1e-300))))
 
@@ -290,7 +333,9 @@ class _Change:
         network, places = network_of(self.whole, sorted_out(self.whole)[0])
         if self.size not in places:
             return np.zeros((len(self.theta), len(at.log_omega)), dtype=np.complex128)
-        return network.respond(self.theta[:, places], at, GRADIENT).by_theta[:, places.index(self.size), :]
+        return network.respond(self.theta[:, places], at, GRADIENT).by_theta[
+            :, places.index(self.size), :
+        ]
 
 
 def linear_stiffness(base: TimeIdentification, at: Points) -> Complex:
@@ -301,7 +346,10 @@ def linear_stiffness(base: TimeIdentification, at: Points) -> Complex:
 
 
 class View:
-    """A test in time as the scan sees it: some of its samples, and what fixed exponentials answer there."""
+    """A test in time as the scan sees it.
+
+    Some of its samples, and what fixed exponentials answer there.
+    """
 
     def __init__(self, part: QuickPart, base: TimeIdentification) -> None:
         self.part, self.base, self.quick = part, base, part
@@ -310,7 +358,9 @@ class View:
         answer = recorded(base.model, base.theta, part.test, base.reference, self.t, TOLERANCE)
         seen = self.quick.seen
         self.value = np.where(seen, answer.value, 0.0)
-        self.residual = np.where(seen, answer.value - part.test.response[self.quick.rows], 0.0) * self.weight
+        self.residual = (
+            np.where(seen, answer.value - part.test.response[self.quick.rows], 0.0) * self.weight
+        )
         self.slopes = np.where(seen[:, None], answer.by_theta, 0.0) * self.weight[:, None]
 
     @property
@@ -321,7 +371,9 @@ class View:
     @cached_property
     def stiffness(self) -> Complex:
         """K at the frequencies of the exponentials."""
-        return linear_stiffness(self.base, points_at(self.quick.omega, self.kelvin, self.base.reference))
+        return linear_stiffness(
+            self.base, points_at(self.quick.omega, self.kelvin, self.base.reference)
+        )
 
     @cached_property
     def amounts(self) -> Real:
@@ -336,7 +388,8 @@ class View:
         """Whether a change of K is so steep that a specimen under a force would swing."""
         if self.part.test.control != "force":
             return False
-        # The last two lie far beyond the test, where no material has a meaning; these are the highest of its band.
+        # The last two lie far beyond the test, where no material has a meaning; these are the
+        # highest of its band.
         omega = self.quick.omega[[-4, -3]]
         sizes = np.abs(change.in_time(points_at(omega, self.kelvin, self.base.reference)))
         steepness = np.log(sizes[:, 1] / sizes[:, 0]) / np.log(omega[1] / omega[0])
@@ -344,13 +397,15 @@ class View:
 
     def of_change(self, change: _Change, scale: float) -> Real:
         """Columns (n, g) for a change of K."""
-        by_size = change.in_time(points_at(self.quick.omega, self.kelvin, self.base.reference)) * scale
+        by_size = (
+            change.in_time(points_at(self.quick.omega, self.kelvin, self.base.reference)) * scale
+        )
         if self.part.test.control == "force":
             by_size = -by_size / self.stiffness**2
         return (self.quick.answers @ self.quick.followed(by_size)) * self.weight[:, None]
 
     def of_course(self, effect: TimeEffect, values: Real) -> Real:
-        """The change of the residuals when the loading reaches the specimen otherwise, or its clock is another."""
+        """The change of the residuals when the specimen's loading or its clock is another."""
         test = self.part.test
         if not effect.is_for(test):
             return np.zeros(len(self.t))
@@ -367,7 +422,8 @@ class View:
     def with_model(self, model: Model | Timed, theta: Real) -> Real:
         """The change of the residuals with another model."""
         answer = recorded(model, theta, self.part.test, self.base.reference, self.t, TOLERANCE)
-        # At the instant of a step, of weight nothing, the answer may be endless: their product would be no number.
+        # At the instant of a step, of weight nothing, the answer may be endless: their product
+        # would be no number.
         return np.where(self.weight > 0.0, answer.value - self.value, 0.0) * self.weight
 
     def of_law(self, effect: Effect, values: Real, of_signal: bool) -> Real:
@@ -378,10 +434,12 @@ class View:
         if of_signal:
             return np.asarray(law(self.t, self.value[:, None], *values)[1][0] * self.weight)
         velocity = np.gradient(self.quick.record.imposed, self.t)
-        return np.asarray(law(self.t, self.quick.record.imposed, velocity, *values)[0] * self.weight)
+        return np.asarray(
+            law(self.t, self.quick.record.imposed, velocity, *values)[0] * self.weight
+        )
 
     def of_record(self, effect: TimeEffect, values: Real) -> tuple[Real, bool]:
-        """The column of an effect at the stage of the record, and whether it goes in proportion to its size."""
+        """An effect's column at the stage of the record, and whether it goes as its size."""
         if not effect.is_for(self.part.test):
             return np.zeros(len(self.t)), True
         shown = effect.law(self.quick.record, self.value, *values)

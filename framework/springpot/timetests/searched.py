@@ -1,4 +1,7 @@
-"""Tests in time as a problem for any optimiser: the same sum of squares that the native solver minimises."""
+"""Tests in time as a problem for any optimiser.
+
+The same sum of squares that the native solver minimises.
+"""
 
 from __future__ import annotations
 
@@ -7,13 +10,18 @@ from collections.abc import Sequence
 import numpy as np
 
 from springpot.errors import SpringpotError
-from springpot.identification import Searched, box_of
-from springpot.rheology import Model, Real
+from springpot.identification.problem import Searched
+from springpot.identification.space import box_of
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
 
-from .parts import InTimePart, Part
+from .residuals_of_tests import InTimePart, Part
 
 FASTEST = 10.0
-"""By how much the stiffness of the shortest time may exceed what was measured: glass lies beyond it."""
+"""By how much the stiffness of the shortest time may exceed what was measured.
+
+Glass lies beyond it.
+"""
 
 
 class InTimeProblem(Searched):
@@ -31,13 +39,18 @@ class InTimeProblem(Searched):
         Typical stiffness and largest displacement of the tests.
     """
 
-    def __init__(self, model: Model, parts: Sequence[Part], reference: float, size: float, reach: float) -> None:
+    def __init__(
+        self, model: Model, parts: Sequence[Part], reference: float, size: float, reach: float
+    ) -> None:
         self.model, self.parts, self.reference = model, list(parts), reference
         slowest = min(_slowest(part) for part in parts)
         self.space = box_of(model, FASTEST * size, max(1.0, 1.0 / slowest), reach)
 
     def evaluate(self, x: Real) -> Real:
-        """Sum of squares (...) at search points (..., d); endless where the model cannot be followed."""
+        """Sum of squares (...) at search points (..., d).
+
+        Endless where the model cannot be followed.
+        """
         rows = x.reshape(-1, x.shape[-1])
         squares = np.array([float(np.sum(self._one(row)[0] ** 2)) for row in rows])
         return squares.reshape(x.shape[:-1])
@@ -57,7 +70,8 @@ class InTimeProblem(Searched):
         try:
             residuals = [part.residual(self.model, theta, self.reference) for part in self.parts]
         except SpringpotError:
-            # Somewhere in the box a model may leave what can be followed: an optimiser goes on from elsewhere.
+            # Somewhere in the box a model may leave what can be followed: an optimiser goes on from
+            # elsewhere.
             count = sum(part.count() for part in self.parts)
             return np.full(count, np.inf), np.zeros((count, len(x)))
         value = np.concatenate([each.value for each in residuals])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 
 def rms(values: Real) -> float:

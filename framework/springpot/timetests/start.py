@@ -1,4 +1,4 @@
-"""Where to begin: a test in time as a sum of exponentials, and so as a sweep that the native solver fits at once."""
+"""Where to begin: a test in time as a sum of exponentials, and so as a sweep fitted at once."""
 
 from __future__ import annotations
 
@@ -8,11 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import SpringpotError
-from springpot.identification import fit
-from springpot.measurement import Loading, Measurement, TimeTest
+from springpot.identification.native import fit
+from springpot.measurement.imposed import Loading
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.timetest import TimeTest
 from springpot.nonnegative import non_negative
-from springpot.rheology import Complex, Model, Real
 from springpot.rheology.intime import acceleration
+from springpot.rheology.model import Model
+from springpot.rheology.points import Complex, Real
 from springpot.rheology.recursion import Modes, driven
 
 PER_DECADE = 2
@@ -23,7 +26,9 @@ MOST = 400
 """Samples that the sum is fitted to."""
 
 
-def start_of(model: Model, made: Sequence[Measurement | None], sweeps: Sequence[Measurement]) -> list[Real]:
+def start_of(
+    model: Model, made: Sequence[Measurement | None], sweeps: Sequence[Measurement]
+) -> list[Real]:
     """Parameters near those that fit tests in time, from sweeps that say about the same.
 
     Parameters
@@ -46,15 +51,16 @@ def start_of(model: Model, made: Sequence[Measurement | None], sweeps: Sequence[
     try:
         return [fit(model, _stacked(together)).theta]
     except SpringpotError:
-        # A model with a condition that a sweep made of time lacks begins at its typical values instead.
+        # A model with a condition that a sweep made of time lacks begins at its typical values
+        # instead.
         return []
 
 
 def apparent(test: TimeTest, sd: Real) -> Measurement | None:
     """The sweep that a test in time amounts to, between the frequencies that it saw.
 
-    The response is fitted by non-negative exponentials (Prony in relaxation, Kelvin elements in creep), whose complex
-    stiffness is known in closed form.
+    The response is fitted by non-negative exponentials (Prony in relaxation, Kelvin elements in
+    creep), whose complex stiffness is known in closed form.
     """
     picked = _picked(len(test))
     clock = test.time - test.start
@@ -81,18 +87,22 @@ def apparent(test: TimeTest, sd: Real) -> Measurement | None:
     conditions = {"amplitude": np.full(int(good.sum()), amplitude)}
     if test.temperature is not None:
         conditions["temperature"] = np.full(int(good.sum()), test.temperature)
-    return Measurement(omega[good], stiffness[good], conditions=conditions, units=test.units, name=test.name)
+    return Measurement(
+        omega[good], stiffness[good], conditions=conditions, units=test.units, name=test.name
+    )
 
 
 def _picked(count: int) -> NDArray[np.intp]:
     return np.unique(np.linspace(0, count - 1, min(count, MOST)).astype(int))
 
 
-def answers_of(loading: Loading, control: str, times: Real, t: Real, mix: Real | None = None) -> Real:
-    """The responses (n, 3 + m) of a spring, a dashpot, a mass and an exponential of each time, all of amount one.
+def answers_of(
+    loading: Loading, control: str, times: Real, t: Real, mix: Real | None = None
+) -> Real:
+    """The unit responses (n, 3 + m) of spring, dashpot, mass and an exponential of each time.
 
-    Under a force they are compliances, and a mass has no part in them. With a `mix` (3 + m, c) of amounts the answer
-    is that of the c mixtures (n, c), which takes less time than each alone.
+    Under a force they are compliances, and a mass has no part in them. With a `mix` (3 + m, c) of
+    amounts the answer is that of the c mixtures (n, c), which takes less time than each alone.
     """
     if mix is None:
         mix = np.eye(3 + len(times))
@@ -105,7 +115,8 @@ def answers_of(loading: Loading, control: str, times: Real, t: Real, mix: Real |
         after = t >= when
         faded += (size * after[:, None] * np.exp(-since[:, None] / times)) @ one
         followed += size * after
-        # A dashpot under a force moves on and on; a step of displacement meets it at one instant only.
+        # A dashpot under a force moves on and on; a step of displacement meets it at one instant
+        # only.
         moving += size * since * (control == "force")
     if loading.smooth is not None:
         grid = np.union1d(loading.smooth.time, t)
@@ -142,8 +153,14 @@ def _sum_at(omega: Real, times: Real, amounts: Real, control: str) -> Complex:
 
 def _bare(sweep: Measurement) -> Measurement:
     """The columns that all of them may have."""
-    kept = {name: column for name, column in sweep.conditions.items() if name in ("amplitude", "temperature")}
-    return Measurement(sweep.omega, sweep.stiffness, conditions=kept, units=sweep.units, name=sweep.name)
+    kept = {
+        name: column
+        for name, column in sweep.conditions.items()
+        if name in ("amplitude", "temperature")
+    }
+    return Measurement(
+        sweep.omega, sweep.stiffness, conditions=kept, units=sweep.units, name=sweep.name
+    )
 
 
 def _stacked(sweeps: Sequence[Measurement]) -> Measurement:
@@ -151,7 +168,9 @@ def _stacked(sweeps: Sequence[Measurement]) -> Measurement:
     return Measurement(
         np.concatenate([sweep.omega for sweep in sweeps]),
         np.concatenate([sweep.stiffness for sweep in sweeps]),
-        conditions={name: np.concatenate([sweep.conditions[name] for sweep in sweeps]) for name in common},
+        conditions={
+            name: np.concatenate([sweep.conditions[name] for sweep in sweeps]) for name in common
+        },
         units=sweeps[0].units,
         name=sweeps[0].name,
     )

@@ -7,20 +7,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from springpot.measurement import Timed
-from springpot.rheology import Model, Real
+from springpot.measurement.timed import Timed
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
 
 from .answer import TimeCandidate, TimeDiagnosis, TimeError
-from .judging import ALIKE, HINT, PLAINLY, Left
-from .parts import AnyEffect, InTimePart, Part
-from .promise import Promise
+from .information_criterion import ALIKE, HINT, PLAINLY, Left
+from .residuals_of_tests import AnyEffect, InTimePart, Part
 from .result import TimeIdentification
+from .scan_scores import Promise
 from .scatter import Scatter
 from .where import Place, places, worst_first
 
 TWINS = 0.995
-"""Cosine between what two effects leave in a record from which they are one to it, whatever the fits say: told apart
-they would need a hundred times the evidence that finds them."""
+"""Cosine between what two effects leave in a record from which they are one to it, whatever the
+fits say: told apart they would need a hundred times the evidence that finds them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +83,9 @@ def answer_of(
         if each.fit is not None and each.effect.name in alike[:1]:
             best_fit = each.fit
             break
-    return TimeDiagnosis(base, verdict, tuple(candidates), where, error, _classes(promises, tried, alike), best_fit)
+    return TimeDiagnosis(
+        base, verdict, tuple(candidates), where, error, _classes(promises, tried, alike), best_fit
+    )
 
 
 def _is_plain(tried: Sequence[Tried]) -> bool:
@@ -113,24 +116,33 @@ def _where(parts: Sequence[Part], before: Left, noise: Sequence[Scatter]) -> tup
     return worst_first(located)
 
 
-def _class(tried: Sequence[Tried], promises: dict[str, list[Promise]], noise: Sequence[Scatter]) -> list[str]:
+def _class(
+    tried: Sequence[Tried], promises: dict[str, list[Promise]], noise: Sequence[Scatter]
+) -> list[str]:
     """The best effect and those that these tests cannot tell from it."""
     best = tried[0]
-    # Two roads to a class: effects that fit as well, and such that add the same shape but were never fitted.
-    names = [each.effect.name for each in tried if each.delta > PLAINLY and _as_well(each, best, noise)]
+    # Two roads to a class: effects that fit as well, and such that add the same shape but were
+    # never fitted.
+    names = [
+        each.effect.name for each in tried if each.delta > PLAINLY and _as_well(each, best, noise)
+    ]
     fitted = {each.effect.name for each in tried}
     return names + [name for name in _twins(best.effect.name, promises) if name not in fitted]
 
 
 def _as_well(each: Tried, best: Tried, noise: Sequence[Scatter]) -> bool:
-    """Whether an effect explains the tests as well as the best one: more parameters do not exclude it."""
+    """Whether an effect explains the tests as well as the best one.
+
+    More parameters do not exclude it.
+    """
     worse = each.left.squares(noise) - best.left.squares(noise)
     return min(worse, best.delta - each.delta) <= ALIKE
 
 
 def _twins(name: str, promises: dict[str, list[Promise]]) -> list[str]:
     """Effects that add the same to a record as one does."""
-    # What the model's own parameters could take over is out of these directions: only what is seen is compared.
+    # What the model's own parameters could take over is out of these directions: only what is seen
+    # is compared.
     own = promises[name][0].direction
     twins = []
     for other, others in promises.items():
@@ -142,7 +154,10 @@ def _twins(name: str, promises: dict[str, list[Promise]]) -> list[str]:
 def _classes(
     promises: dict[str, list[Promise]], tried: Sequence[Tried], alike: Sequence[str]
 ) -> tuple[tuple[str, ...], ...]:
-    """Effects that are one to these tests: the class of the best, and the twins of the others that were fitted."""
+    """Effects that are one to these tests.
+
+    The class of the best, and the twins of the others that were fitted.
+    """
     classes = []
     if len(alike) > 1:
         classes.append(tuple(alike))
@@ -173,8 +188,8 @@ def _chances(tried: Sequence[Tried]) -> list[float]:
 def _open(each: Tried, alike: Sequence[str]) -> str:
     """Of an effect that is not plainly missing: absent only where nothing speaks for it.
 
-    One that helps, and less than a rival, may be there beside the rival, or only resemble it: that is told when the
-    rival has been accepted.
+    One that helps, and less than a rival, may be there beside the rival, or only resemble it: that
+    is told when the rival has been accepted.
     """
     if each.effect.name in alike or each.delta > HINT:
         return "cannot-tell"
@@ -195,5 +210,13 @@ def _candidate(
     if name in alike:
         others = tuple(other for other in alike if other != name)
     return TimeCandidate(
-        name, others, chance, each.delta, each.left.over(noise), parameters, verdict, each.effect.summary, each.effect
+        name,
+        others,
+        chance,
+        each.delta,
+        each.left.over(noise),
+        parameters,
+        verdict,
+        each.effect.summary,
+        each.effect,
     )

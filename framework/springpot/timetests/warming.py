@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from springpot.measurement import KELVIN, Loading, TimeTest
-from springpot.rheology import Model, Real, Traced
+from springpot.measurement.imposed import Loading
+from springpot.measurement.timetest import TimeTest
+from springpot.rheology.intime import Traced
+from springpot.rheology.model import Model
+from springpot.rheology.points import KELVIN, Real
 
 SUDDEN = 1e-6
-"""Share of the time to the next sample that a step takes: it is a ramp here, whose error is of that size."""
+"""Share of the time to the next sample that a step takes.
+
+It is a ramp here, whose error is of that size.
+"""
 
 
 def warming(
@@ -22,9 +28,9 @@ def warming(
 ) -> Traced:
     """The response of a model to the loading of a test whose temperature moved.
 
-    `loading` is what reached the specimen, where that is another. The other parameters and the returns are those of
-    `predicted`; the temperature is straight between samples and held before and after them, and the reference is its
-    mean by default.
+    `loading` is what reached the specimen, where that is another. The other parameters and the
+    returns are those of `predicted`; the temperature is straight between samples and held before
+    and after them, and the reference is its mean by default.
 
     Raises
     ------
@@ -44,7 +50,9 @@ def warming(
     # All samples take part, whichever are asked for: between them the temperature may turn.
     grid = np.union1d(np.union1d(loading.time, test.time), at)
     kelvin = np.interp(grid, test.time, test.warmth) + KELVIN
-    inside = model.in_time(theta, temperature=kelvin, reference_temperature=reference, tolerance=tolerance)
+    inside = model.in_time(
+        theta, temperature=kelvin, reference_temperature=reference, tolerance=tolerance
+    )
     imposed = np.interp(grid, loading.time, loading.value)
     if test.control == "displacement":
         answer = inside.respond(grid, imposed)

@@ -1,4 +1,7 @@
-"""Where in a record a model fails: between which times, and where in the loop of force and displacement."""
+"""Where in a record a model fails.
+
+Between which times, and where in the loop of force and displacement.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from springpot.measurement import TimeTest
-from springpot.rheology import Real
+from springpot.measurement.timetest import TimeTest
+from springpot.rheology.points import Real
 
 from .sizes import rms
 
@@ -19,7 +22,13 @@ NOTABLE = 1.5
 """Times the noise from which a part of a record is worth a word."""
 EDGES = (-1.001, -0.8, -0.3, 0.3, 0.8, 1.001)
 """Of what was imposed over its largest size: two ends, two flanks and the middle of a loop."""
-ENDS = ("at the lower end", "on the lower flank", "through the middle", "on the upper flank", "at the upper end")
+ENDS = (
+    "at the lower end",
+    "on the lower flank",
+    "through the middle",
+    "on the upper flank",
+    "at the upper end",
+)
 FEWEST = 3
 """Samples of a part of the loop below which it is left out."""
 ONE_SIDED = 3.0
@@ -27,7 +36,7 @@ ONE_SIDED = 3.0
 SLOW = 0.3
 """Share of the highest speed, single peaks apart, below which a motion turns."""
 PLAINLY_MORE = 2.0
-"""Times by which the squared misfit where a motion turns differs from that elsewhere for either to be told."""
+"""Ratio of squared misfits where a motion turns and elsewhere for either to be told."""
 AFTER_TURN = 0.25
 """Share of a half cycle that is just after a turn."""
 MORE_AFTER = 1.5
@@ -115,7 +124,9 @@ def _manner(test: TimeTest, residual: Real) -> str:
     """Whether a record is missed where its motion turns, or where it is fast."""
     if test.kind != "history":
         return ""
-    rate = np.abs(np.gradient(np.interp(test.time, test.loading.time, test.loading.value), test.time))
+    rate = np.abs(
+        np.gradient(np.interp(test.time, test.loading.time, test.loading.value), test.time)
+    )
     # Friction and play show where a motion turns, what goes by the speed where it is fast.
     slow = rate < SLOW * np.percentile(rate, USUAL_TOP)
     if not slow.any() or slow.all():
@@ -155,7 +166,9 @@ def _in_loop(test: TimeTest, residual: Real) -> Place | None:
     if alone:
         says += f"; on that side alone, {mirror:.2g} x on the other"
     says += _after_turn(imposed, residual) + _flat(test)
-    return Place("loop", test.name, max(EDGES[i], -1.0), min(EDGES[i + 1], 1.0), float(sizes[i, j]), says)
+    return Place(
+        "loop", test.name, max(EDGES[i], -1.0), min(EDGES[i + 1], 1.0), float(sizes[i, j]), says
+    )
 
 
 def _after_turn(imposed: Real, residual: Real) -> str:

@@ -1,4 +1,7 @@
-"""The answer to a state: exactly what ``springpot discover DATA --accept ...`` gives, and what is drawn of it."""
+"""The answer to a state.
+
+Exactly what ``springpot discover DATA --accept ...`` gives, and what is drawn of it.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +9,9 @@ from collections.abc import Callable
 from typing import Any
 
 from springpot.api import discover
-from springpot.diagnosis import Ladder, silent
-from springpot.measurement import Measurement
+from springpot.diagnosis.examination import silent
+from springpot.diagnosis.ladder import Ladder
+from springpot.measurement.measurement import Measurement
 from springpot.report.interactive.answers import drawn
 
 from .datatext import kept
@@ -27,7 +31,9 @@ def ladder_of(state: State, measurement: Measurement, told: Told = silent) -> La
     """
     used = kept(measurement, state.excluded)
     # A list, though it may be empty: without one the evidence would accept effects by itself.
-    return discover(used, state.model or None, accept=list(state.accepted), seed=state.seed, progress=told)
+    return discover(
+        used, state.model or None, accept=list(state.accepted), seed=state.seed, progress=told
+    )
 
 
 def answer(state: State, ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
@@ -47,4 +53,9 @@ def answer(state: State, ladder: Ladder, measurement: Measurement) -> dict[str, 
     dict
         ``schema``, ``state``, its ``key``, and all that `springpot.report.interactive.drawn` gives.
     """
-    return {"schema": SCHEMA, "state": state.to_dict(), "key": state.key, **drawn(ladder, measurement)}
+    return {
+        "schema": SCHEMA,
+        "state": state.to_dict(),
+        "key": state.key,
+        **drawn(ladder, measurement),
+    }

@@ -1,7 +1,8 @@
 """A connection of the server that ends when the head of a request is not whole in time.
 
-uvicorn closes a connection that is idle behind an answer, and the guard one whose body does not come; a client that
-sends half a head would stay for ever, and enough of them would take every file that the process may open.
+uvicorn closes a connection that is idle behind an answer, and the guard one whose body does not
+come; a client that sends half a head would stay for ever, and enough of them would take every file
+that the process may open.
 """
 
 from __future__ import annotations
@@ -13,9 +14,15 @@ import h11
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 HEAD_PATIENCE = 10.0
-"""Seconds from the first byte of a head, or from the connection, to its end: at loopback a millisecond is enough."""
+"""Seconds from the first byte of a head, or from the connection, to its end.
+
+At loopback a millisecond is enough.
+"""
 MOST = 128
-"""Connections at once: a page holds six, and a process may open 256 files where the least is allowed."""
+"""Connections at once.
+
+A page holds six, and a process may open 256 files where the least is allowed.
+"""
 
 
 class Punctual(H11Protocol):
@@ -24,7 +31,10 @@ class Punctual(H11Protocol):
     _late: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Begin to wait for a head; where there are too many connections, end the one that waits longest."""
+        """Begin to wait for a head.
+
+        Where there are too many connections, end the one that waits longest.
+        """
         super().connection_made(transport)
         self._await_head()
         if len(self.connections) > MOST:
@@ -53,8 +63,10 @@ class Punctual(H11Protocol):
 
 
 def _end_oldest(connections: set[Any]) -> None:
-    """Close the connection that has waited longest for a head; those that are being answered stay."""
-    waiting = [(each._late.when(), each.transport) for each in connections if each._late is not None]
+    """Close the connection that has waited longest for a head, but none that is being answered."""
+    waiting = [
+        (each._late.when(), each.transport) for each in connections if each._late is not None
+    ]
     if waiting:
         _, transport = min(waiting, key=lambda pair: pair[0])
         transport.abort()

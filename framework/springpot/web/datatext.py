@@ -1,4 +1,4 @@
-"""Data cross between processes, and into session files, as the text of a CSV file that reads back bit for bit."""
+"""Data as the text of a CSV file that reads back bit for bit, between processes and in sessions."""
 
 from __future__ import annotations
 
@@ -12,23 +12,25 @@ from pathlib import Path
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.measurement import Measurement, Part
-from springpot.measurement import joined as together
+from springpot.measurement.joining import joined as together
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.reader import Part
 from springpot.registry import open_in_time, open_measurement, parts_of, plugins
 
 LONGEST = 80
 """Signs of a file's name that are kept."""
 UNSAFE = re.compile(r"[^\w.+() -]", re.ASCII)
-"""What has a meaning in paths, in FILE#PART?COLUMN=UNIT@CONDITION or on a terminal is none of these."""
+"""What has a meaning in paths, FILE#PART?COLUMN=UNIT@CONDITION or a terminal is none of these."""
 
 
 def safe_name(name: str) -> str:
-    r"""The last part of a name that a browser gave, with nothing in it that could mean more than a name.
+    r"""The last part of a name that a browser gave, with nothing in it that means more than a name.
 
     Examples
     --------
-    >>> safe_name("../../etc/passwd"), safe_name("C:\\\\data\\\\my damper.csv"), safe_name("-rf?x=1")
-    ('passwd', 'my damper.csv', '_rf_x_1')
+    >>> names = "../../etc/passwd", "C:\\\\data\\\\my damper.csv", "-rf?x=1"
+    >>> [safe_name(name) for name in names]
+    ['passwd', 'my damper.csv', '_rf_x_1']
     """
     # Both slashes: the browser may run on another system than this.
     last = re.split(r"[/\\]", name)[-1]
@@ -40,7 +42,9 @@ def safe_name(name: str) -> str:
 
 @contextmanager
 def as_file(name: str, content: bytes) -> Iterator[Path]:
-    """A file of that name in a folder of its own, which is the current one meanwhile: errors name just the file.
+    """A file of that name in a folder of its own, which is the current one meanwhile.
+
+    Errors name just the file.
 
     Only for worker processes, which do one thing at a time.
     """
@@ -57,8 +61,10 @@ def as_file(name: str, content: bytes) -> Iterator[Path]:
             os.chdir(here)
 
 
-def measured_in(name: str, content: bytes, choice: str = "") -> tuple[Measurement, tuple[Part, ...]]:
-    """What an uploaded file holds, read by the same readers and within the same budget as a file that is named.
+def measured_in(
+    name: str, content: bytes, choice: str = ""
+) -> tuple[Measurement, tuple[Part, ...]]:
+    """What an uploaded file holds, by the same readers and budget as a file that is named.
 
     Parameters
     ----------
@@ -67,7 +73,8 @@ def measured_in(name: str, content: bytes, choice: str = "") -> tuple[Measuremen
     content : bytes
         Of the file.
     choice : str
-        What the user says beside: ``#2``, ``?storage=Pa``, ``@temperature=20``, or several in this order.
+        What the user says beside: ``#2``, ``?storage=Pa``, ``@temperature=20``, or several in this
+        order.
 
     Raises
     ------
@@ -95,13 +102,17 @@ def opened(spec: str) -> Measurement:
         if not _in_time(spec):
             raise
     raise DataError(
-        f"{spec} holds a test in time, and this page judges sweeps at frequencies; in a shell 'springpot diagnose "
-        f"{spec} --model EXPR' judges it, 'springpot identify SWEEP {spec} --model EXPR' joins it to a sweep"
+        f"{spec} holds a test in time, and this page judges sweeps at frequencies; in a shell"
+        f" 'springpot diagnose {spec} --model EXPR' judges it, 'springpot identify SWEEP {spec}"
+        " --model EXPR' joins it to a sweep"
     )
 
 
 def _in_time(spec: str) -> bool:
-    """Whether the readers of tests in time take it: a sweep's reader would ask for columns that are not there."""
+    """Whether the readers of tests in time take it.
+
+    A sweep's reader would ask for columns that are not there.
+    """
     try:
         return bool(open_in_time(spec))
     except DataError:
@@ -141,7 +152,10 @@ def kept(measurement: Measurement, excluded: tuple[int, ...]) -> Measurement:
         return measurement
     # They ascend: the last is the largest.
     if excluded[-1] >= len(measurement):
-        raise DataError(f"{measurement.name} has {len(measurement)} points; there is no point {excluded[-1]} in it")
+        raise DataError(
+            f"{measurement.name} has {len(measurement)} points; there is no point {excluded[-1]}"
+            " in it"
+        )
     if len(excluded) == len(measurement):
         raise DataError(f"{measurement.name}: all points are left out; take some back")
     rows = np.ones(len(measurement), dtype=bool)
@@ -152,7 +166,8 @@ def kept(measurement: Measurement, excluded: tuple[int, ...]) -> Measurement:
 def _copied(both: Measurement, count: int) -> bool:
     """Whether the rows from `count` on stand above already, digit for digit.
 
-    A file that is added to itself by mistake would be a repeat without any scatter, and the noise floor nothing.
+    A file that is added to itself by mistake would be a repeat without any scatter, and the noise
+    floor nothing.
     """
     rows = np.column_stack([both.omega, both.storage, both.loss, *both.conditions.values()])
     # By their bytes: two numbers that were measured agree in a few digits, never in all.
@@ -161,17 +176,21 @@ def _copied(both: Measurement, count: int) -> bool:
 
 
 def joined(one: Measurement, other: Measurement) -> Measurement:
-    """New data below those that are there, in their units, so that a next experiment joins the first.
+    """New data below those that are there, in their units.
+
+    So that a next experiment joins the first.
 
     Raises
     ------
     DataError
-        If one is a modulus and the other a stiffness, one lacks a condition of the other, or the new data are there
-        already.
+        If one is a modulus and the other a stiffness, one lacks a condition of the other, or the
+        new data are there already.
     """
     both = together([one, other])
     if _copied(both, len(one)):
-        raise DataError(f"{other.name}: all of its points stand in the open data already; nothing was added")
+        raise DataError(
+            f"{other.name}: all of its points stand in the open data already; nothing was added"
+        )
     # Only what was measured twice is a repeat: files of one frequency each are one sweep.
     known = one.repeat is not None or other.repeat is not None
     again = known or bool(np.intersect1d(one.omega, other.omega).size)

@@ -1,4 +1,4 @@
-"""The desk: hands tasks to worker processes, shares and keeps answers, ends what nobody waits for any more."""
+"""The desk: hands tasks to worker processes, shares and keeps answers, ends what nobody awaits."""
 
 from __future__ import annotations
 
@@ -43,10 +43,13 @@ class Worker:
             limit=LONGEST_LINE,
         )
 
-    async def perform(self, task: str, arguments: dict[str, Any], told: Callable[[Line], None]) -> Line:
+    async def perform(
+        self, task: str, arguments: dict[str, Any], told: Callable[[Line], None]
+    ) -> Line:
         """The last line of a task's answer; lines before it tell its stages.
 
-        However this is left before its end, the process is ended: it may be in the midst of anything.
+        However this is left before its end, the process is ended: it may be in the midst of
+        anything.
         """
         if not self.alive:
             await self.start()
@@ -65,7 +68,9 @@ class Worker:
                     return line
                 if line.startswith(b'{"stage"'):
                     told(line)
-            return _error("the computation ended before it was done: out of memory, or a crash of a library")
+            return _error(
+                "the computation ended before it was done: out of memory, or a crash of a library"
+            )
         except (OSError, ValueError) as error:
             return _error(f"the computation was lost: {type(error).__name__}")
         finally:
@@ -130,7 +135,8 @@ class Desk:
         Further ones start when they are needed: they would only take time from the first.
         """
         for lane, workers in self._lanes.items():
-            # The last who worked is the first who works again: it has the imports, and remembers ladders.
+            # The last who worked is the first who works again: it has the imports, and remembers
+            # ladders.
             self._free[lane] = asyncio.LifoQueue()
             await workers[0].start()
             for worker in reversed(workers):
@@ -159,8 +165,8 @@ class Desk:
         lane : {"short", "long"}
             Which workers do it.
         key : str
-            Of an answer that is the same whenever it is asked: it is computed once and kept. When the last who
-            waits for it leaves, the computation is ended.
+            Of an answer that is the same whenever it is asked: it is computed once and kept. When
+            the last who waits for it leaves, the computation is ended.
         """
         if key in self._kept:
             self._kept.move_to_end(key)
@@ -171,7 +177,9 @@ class Desk:
         running = self._running.get(name)
         if running is None:
             running = self._running[name] = _Running()
-            running.work = asyncio.create_task(self._work(name, running, task, arguments, lane, key))
+            running.work = asyncio.create_task(
+                self._work(name, running, task, arguments, lane, key)
+            )
         mine: asyncio.Queue[Line] = asyncio.Queue()
         running.listeners.append(mine)
         # Who joins late sees the stage that was reached, and not nothing until the next one.
@@ -192,7 +200,13 @@ class Desk:
                 self._running.pop(name, None)
 
     async def _work(
-        self, name: str, running: _Running, task: str, arguments: dict[str, Any], lane: str, key: str
+        self,
+        name: str,
+        running: _Running,
+        task: str,
+        arguments: dict[str, Any],
+        lane: str,
+        key: str,
     ) -> None:
         line = _error("the computation was cancelled")
         try:

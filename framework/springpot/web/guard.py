@@ -1,8 +1,9 @@
-"""What stands between the browser, where any site may run scripts, and a server that reads a user's files.
+"""What stands between the browser, where any site runs scripts, and a server of a user's files.
 
-Loopback alone is no protection: a foreign page can send requests to it, and by DNS rebinding even read the answers.
-So the Host must be this machine's own name, an Origin the server's own, and whatever computes needs the token of the
-run, which only the page knows that was opened from the terminal.
+Loopback alone is no protection: a foreign page can send requests to it, and by DNS rebinding even
+read the answers. So the Host must be this machine's own name, an Origin the server's own, and
+whatever computes needs the token of the run, which only the page knows that was opened from the
+terminal.
 """
 
 from __future__ import annotations
@@ -27,10 +28,13 @@ LONGEST = 60.0
 OWN_NAMES = frozenset({"127.0.0.1", "localhost", "[::1]"})
 
 POLICY = (
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
-    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:;"
+    " connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
-"""Nothing from elsewhere, no inline script or style; pictures of networks and exported plots are data: and blob:."""
+"""Nothing from elsewhere, no inline script or style.
+
+Pictures of networks and exported plots are data: and blob:.
+"""
 HEADERS = (
     (b"content-security-policy", POLICY.encode()),
     (b"cache-control", b"no-store"),
@@ -96,16 +100,22 @@ class Guard:
         origin = headers.get(b"origin")
         if origin is not None and origin != b"http://" + headers[b"host"]:
             raise Refusal(403, "this server answers only to its own page")
-        # An address that was typed comes with "none"; a browser that knows no such header sends nothing.
+        # An address that was typed comes with "none"; a browser that knows no such header sends
+        # nothing.
         site = headers.get(b"sec-fetch-site", b"none")
-        # The browser comes to the page itself from a file, or by a link: there is nothing in it that is not public.
+        # The browser comes to the page itself from a file, or by a link: there is nothing in it
+        # that is not public.
         if scope["path"] == "/" and headers.get(b"sec-fetch-mode") == b"navigate":
             site = b"none"
         if site not in (b"same-origin", b"none"):
             raise Refusal(403, "this server answers only to its own page")
         # In constant time: how long a comparison takes would tell the token sign by sign.
-        if scope["path"].startswith("/api/") and not hmac.compare_digest(headers.get(TOKEN, b""), self._token):
-            raise Refusal(401, "the token of this run is missing: open the address that springpot printed")
+        if scope["path"].startswith("/api/") and not hmac.compare_digest(
+            headers.get(TOKEN, b""), self._token
+        ):
+            raise Refusal(
+                401, "the token of this run is missing: open the address that springpot printed"
+            )
 
 
 def _headers_of(scope: MutableMapping[str, Any]) -> dict[bytes, bytes]:
@@ -123,7 +133,10 @@ def _limited(receive: Receive, largest: int, headers: dict[bytes, bytes]) -> Rec
     stated = headers.get(b"content-length", b"0")
     # What is told to be too large is refused before it is read; what grows beyond, below.
     if not stated.isdigit() or int(stated) > largest:
-        raise Refusal(413, f"more than {largest >> 20} MiB at once are not taken: leave out what is not needed")
+        raise Refusal(
+            413,
+            f"more than {largest >> 20} MiB at once are not taken: leave out what is not needed",
+        )
     begun = asyncio.get_running_loop().time()
     taken, whole = 0, False
 
@@ -141,7 +154,11 @@ def _limited(receive: Receive, largest: int, headers: dict[bytes, bytes]) -> Rec
             raise Refusal(408, "the request took too long") from None
         taken += len(message.get("body", b""))
         if taken > largest:
-            raise Refusal(413, f"more than {largest >> 20} MiB at once are not taken: leave out what is not needed")
+            raise Refusal(
+                413,
+                f"more than {largest >> 20} MiB at once are not taken: leave out what is not"
+                " needed",
+            )
         whole = not message.get("more_body", False)
         return message
 

@@ -1,4 +1,7 @@
-"""A model with parameters set, fixed or bounded by hand: what the page sent, as `springpot.identify` takes it."""
+"""A model with parameters set, fixed or bounded by hand.
+
+What the page sent, as `springpot.identify` takes it.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +11,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from springpot.errors import ModelError
-from springpot.measurement import Measurement
-from springpot.rheology import Model, Real
+from springpot.measurement.measurement import Measurement
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
 
 
 @dataclass(frozen=True)
@@ -52,7 +56,10 @@ def hand_of(model: Model, given: object) -> Hand:
         ends = _number(entry.get("lower"), -np.inf), _number(entry.get("upper"), np.inf)
         # Written this way round, a value that is no number is refused too.
         if not ends[0] <= value <= ends[1]:
-            raise ModelError(f"{name} = {value:.4g} is not within {ends[0]:.4g} to {ends[1]:.4g}; move one of them")
+            raise ModelError(
+                f"{name} = {value:.4g} is not within {ends[0]:.4g} to {ends[1]:.4g}; move one of"
+                " them"
+            )
         hand.values[name] = value
         # A parameter that stays needs no ends.
         if entry.get("fixed"):
@@ -80,7 +87,8 @@ def theta_of(model: Model, measurement: Measurement, hand: Hand) -> Real:
         if not parameter.lower <= value <= parameter.upper:
             ends = f"{parameter.lower:.4g} to {parameter.upper:.4g}"
             raise ModelError(
-                f"{parameter.name} = {value:.4g} is not within {ends}, outside of which there is no model"
+                f"{parameter.name} = {value:.4g} is not within {ends}, outside of which there is no"
+                " model"
             )
     return theta
 

@@ -1,4 +1,7 @@
-"""Starts the workbench: a free port of the loopback address, a token, the address told first, then the browser."""
+"""Starts the workbench.
+
+A free port of the loopback address, a token, the address told first, then the browser.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 from springpot.errors import OptionError, OutputError
 
 if TYPE_CHECKING:
-    from springpot.measurement import Measurement
+    from springpot.measurement.measurement import Measurement
 
 HOST = "127.0.0.1"
 
@@ -29,7 +32,8 @@ class Workbench:
     Parameters
     ----------
     data : str or dict, optional
-        What is open at first: a path or name as on the command line, or ``{"name", "content"}`` in base64.
+        What is open at first: a path or name as on the command line, or ``{"name", "content"}`` in
+        base64.
     model : str
         Expression of the model that is judged at first; empty for any material.
     port : int
@@ -43,7 +47,9 @@ class Workbench:
         If the port is taken.
     """
 
-    def __init__(self, data: str | dict[str, str] | None = None, model: str = "", port: int = 0) -> None:
+    def __init__(
+        self, data: str | dict[str, str] | None = None, model: str = "", port: int = 0
+    ) -> None:
         try:
             import uvicorn
 
@@ -51,7 +57,9 @@ class Workbench:
             from .guard import Guard
             from .server import Server
         except ImportError as error:
-            raise OutputError(f"the workbench needs {error.name}: pip install 'springpot[workbench]'") from None
+            raise OutputError(
+                f"the workbench needs {error.name}: pip install 'springpot[workbench]'"
+            ) from None
         # Loaded here: importing springpot.web must not load a server.
         from .desk import Desk
 
@@ -97,8 +105,9 @@ class Workbench:
     def open(self) -> None:
         """Open the page in the browser.
 
-        The browser is called with the name of a file that only this user can read and that leads to the address: the
-        address itself, with its token, would stand in the list of processes, which all users of a machine see.
+        The browser is called with the name of a file that only this user can read and that leads to
+        the address: the address itself, with its token, would stand in the list of processes, which
+        all users of a machine see.
         """
         import webbrowser
 
@@ -113,7 +122,11 @@ class Workbench:
     def _repr_html_(self) -> str:
         from springpot.markup import tag
 
-        return tag("p", "The workbench is open at ", tag("a", self.address, href=self.address, target="_blank"))
+        return tag(
+            "p",
+            "The workbench is open at ",
+            tag("a", self.address, href=self.address, target="_blank"),
+        )
 
     def run(self, ready: Callable[[], object] | None = None) -> None:
         """Serve until Ctrl-C.
@@ -121,8 +134,8 @@ class Workbench:
         Parameters
         ----------
         ready : callable, optional
-            Called when the data are there and before anything is served. Without it nothing is checked: the page
-            says what is wrong.
+            Called when the data are there and before anything is served. Without it nothing is
+            checked: the page says what is wrong.
 
         Raises
         ------
@@ -161,7 +174,10 @@ class Workbench:
 
 
 def _told_once(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-    """Let a connection that cannot be taken pass without a word; asyncio tries again, and would tell each time."""
+    """Let a connection that cannot be taken pass without a word.
+
+    Asyncio tries again, and would tell each time.
+    """
     if not isinstance(context.get("exception"), OSError):
         loop.default_exception_handler(context)
 
@@ -170,13 +186,19 @@ def _door(address: str) -> Path:
     """A page that leads to an address, in a folder of this user alone."""
     # mkdtemp makes it with mode 0700.
     door = Path(tempfile.mkdtemp(prefix="springpot-")) / "open.html"
-    with open(os.open(door, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as page:
-        page.write(f'<!doctype html><meta http-equiv="refresh" content="0; url={address}"><title>springpot</title>')
+    with open(
+        os.open(door, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8"
+    ) as page:
+        page.write(
+            '<!doctype html><meta http-equiv="refresh" content="0;'
+            f' url={address}"><title>springpot</title>'
+        )
     return door
 
 
 def _listening(port: int) -> socket.socket:
-    # Only where the protocol is named does asyncio send small answers at once; else each waits 40 ms for an echo.
+    # Only where the protocol is named does asyncio send small answers at once; else each waits 40
+    # ms for an echo.
     listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     # The port of a workbench that has just ended is free at once, not only minutes later.
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -192,8 +214,16 @@ def _listening(port: int) -> socket.socket:
     return listening
 
 
-def serve(data: str | None, model: str | None, port: int, browser: bool, tell: Callable[[Workbench], object]) -> None:
-    """What ``springpot workbench`` does: open the data, tell the address, open the browser, serve until Ctrl-C.
+def serve(
+    data: str | None,
+    model: str | None,
+    port: int,
+    browser: bool,
+    tell: Callable[[Workbench], object],
+) -> None:
+    """What ``springpot workbench`` does.
+
+    Open the data, tell the address, open the browser, serve until Ctrl-C.
 
     Raises
     ------
@@ -212,8 +242,9 @@ def serve(data: str | None, model: str | None, port: int, browser: bool, tell: C
         if browser:
             bench.open()
 
-    # A KeyboardInterrupt that is raised within a callback of the interpreter is swallowed there, and the server would
-    # run on: Ctrl-C is noted instead, also by the server, which hands it on here when it has ended.
+    # A KeyboardInterrupt that is raised within a callback of the interpreter is swallowed there,
+    # and the server would run on: Ctrl-C is noted instead, also by the server, which hands it on
+    # here when it has ended.
     usual = signal.signal(signal.SIGINT, end)
     try:
         bench.run(ready)

@@ -1,4 +1,7 @@
-"""What a user leaves with: command, script, tables and session; with relative paths, units in every header."""
+"""What a user leaves with: command, script, tables and session.
+
+With relative paths, units in every header.
+"""
 
 from __future__ import annotations
 
@@ -11,13 +14,15 @@ from typing import Any
 
 import numpy as np
 
-from springpot.diagnosis import Ladder
+from springpot.diagnosis.ladder import Ladder
 from springpot.errors import DataError
-from springpot.measurement import KELVIN, Measurement, guarded
-from springpot.plain import plain
+from springpot.measurement.csv_safe import guarded
+from springpot.measurement.measurement import Measurement
 from springpot.report.interactive.answers import proposed_points
 from springpot.report.interactive.previews import grown_by_each
 from springpot.report.interactive.scene import PageScene
+from springpot.rheology.points import KELVIN
+from springpot.terminal_safe import plain
 
 from .datatext import safe_name
 from .state import State
@@ -27,7 +32,9 @@ MOST_RANGES = 20
 
 
 def source_of(source: str, state: State, joined: bool) -> str:
-    """The file that command and script read: the user's own, or the data as used where a file alone cannot say that.
+    """The file that command and script read.
+
+    The user's own, or the data as used where a file alone cannot say that.
 
     A registered data set stays its name.
     """
@@ -49,7 +56,8 @@ def excluded_rows(state: State) -> list[str]:
     """
     ranges: list[tuple[int, int]] = []
     for row in state.excluded:
-        # Rows count from 0 here and from 1 for users: the end of a range is the number of the next row.
+        # Rows count from 0 here and from 1 for users: the end of a range is the number of the next
+        # row.
         if ranges and ranges[-1][1] == row:
             ranges[-1] = ranges[-1][0], row + 1
         else:
@@ -64,7 +72,10 @@ def excluded_rows(state: State) -> list[str]:
 
 
 def _rows_to_exclude(state: State) -> list[str]:
-    """What command and script are to leave out; nothing where the file that they read lacks these rows already."""
+    """What command and script are to leave out.
+
+    Nothing where the file that they read lacks these rows already.
+    """
     rows = excluded_rows(state)
     if len(rows) > MOST_RANGES:
         return []
@@ -79,7 +90,9 @@ def _exclude_argument(state: State) -> str:
 
 
 def command(state: State, source: str) -> str:
-    """The command line that gives what the page shows; `source` is a path relative to where it is run.
+    """The command line that gives what the page shows.
+
+    `source` is a path relative to where it is run.
 
     Examples
     --------
@@ -102,12 +115,16 @@ def command(state: State, source: str) -> str:
 
 
 def script(state: State, source: str) -> str:
-    """A Python program that gives the same numbers: it reads `source` from the folder in which it is run."""
+    """A Python program that gives the same numbers.
+
+    It reads `source` from the folder in which it is run.
+    """
     # Names come from outside: a line break in one would end the comment and begin a statement.
     title = " ".join(plain(f"{state.expression} of {source}, as the workbench showed it").split())
     on_command_line = " ".join(plain(command(state, source)).split())
     # By `repr`, as all that is set into the program: a name stays a text, whatever stands in it.
-    model, exclude = repr(state.model or None), _exclude_argument(state)
+    accepted, exclude = list(state.accepted), _exclude_argument(state)
+    asked = f"{state.model or None!r}, accept={accepted!r}, seed={state.seed}{exclude}"
     return f"""# {title}
 # On the command line: {on_command_line}
 import springpot
@@ -115,7 +132,7 @@ import springpot
 data = springpot.read({source!r})
 
 # Each accepted effect is one rung: the model is fitted, and what is missing from it is sought anew.
-ladder = springpot.discover(data, {model}, accept={list(state.accepted)!r}, seed={state.seed}{exclude})
+ladder = springpot.discover(data, {asked})
 
 for step in ladder.steps:
     print(f"{{step.model}}: error {{step.relative_rms:.6%}}, noise floor {{step.noise_floor:.6%}}")
@@ -129,7 +146,7 @@ print(ladder.verdict + ":", ladder.diagnosis.says)
 
 
 def curves_csv(ladder: Ladder, measurement: Measurement) -> str:
-    """K of the data, of the model and of every candidate at the measured points and on the smooth curves.
+    """K of data, model and every candidate, at the measured points and on the smooth curves.
 
     Frequencies are in Hz and, beside it, in rad/s, as the header says.
     """
@@ -137,7 +154,9 @@ def curves_csv(ladder: Ladder, measurement: Measurement) -> str:
     base, unit = case.search.base, measurement.units.stiffness
     fits = [("model", base.model, base.theta)]
     # Only what was refitted: where a scan puts an effect is no fit, and would be read as one.
-    fits += [(f"with {one.effect}", one.model, one.theta) for one in grown_by_each(case) if one.refitted]
+    fits += [
+        (f"with {one.effect}", one.model, one.theta) for one in grown_by_each(case) if one.refitted
+    ]
     # Frequency has columns of its own already.
     along = []
     if scene.axis.column != "frequency":
@@ -157,19 +176,33 @@ def curves_csv(ladder: Ladder, measurement: Measurement) -> str:
             x = [float(scene.axis.values[row])] * len(along)
             values = [measurement.stiffness[row], *(k[i] for k in at_points)]
             label = scene.sweeps[numbers[row]].label
-            table.append(["point", label, *x, *_frequencies(measurement.omega[row]), *_flat(values)])
+            table.append(
+                ["point", label, *x, *_frequencies(measurement.omega[row]), *_flat(values)]
+            )
         for sweep, (places, points) in zip(scene.sweeps, scene.grids, strict=True):
             curves = [model.stiffness(theta, points) for _, model, theta in fits]
             for i, place in enumerate(places):
                 x = [float(place)] * len(along)
                 values = [k[i] for k in curves]
                 # Between the points nothing was measured: the columns of the data stay empty.
-                table.append(["curve", sweep.label, *x, *_frequencies(points.omega[i]), "", "", *_flat(values)])
+                table.append(
+                    [
+                        "curve",
+                        sweep.label,
+                        *x,
+                        *_frequencies(points.omega[i]),
+                        "",
+                        "",
+                        *_flat(values),
+                    ]
+                )
     return _csv(table)
 
 
 def plan_csv(ladder: Ladder, measurement: Measurement) -> str:
-    """The proposed experiment as a table to be filled in: frequencies and conditions, storage and loss left open.
+    """The proposed experiment as a table to be filled in.
+
+    Frequencies and conditions, storage and loss left open.
 
     Raises
     ------
@@ -178,7 +211,9 @@ def plan_csv(ladder: Ladder, measurement: Measurement) -> str:
     """
     proposed = ladder.diagnosis.next_experiment
     if proposed is None or not proposed.action.get("omega"):
-        raise DataError("no further measurement is proposed here: nothing is left that one would decide")
+        raise DataError(
+            "no further measurement is proposed here: nothing is left that one would decide"
+        )
     points = proposed_points(proposed.action, measurement)
     unit, moved = measurement.units.stiffness, measurement.units.amplitude
     header, columns = ["frequency [Hz]"], [points.omega / (2 * np.pi)]
@@ -210,7 +245,8 @@ def _csv(rows: Sequence[Sequence[Any]]) -> str:
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     for row in rows:
-        # Text comes from files and plugins, and a table program would run what looks like a formula.
+        # Text comes from files and plugins, and a table program would run what looks like a
+        # formula.
         writer.writerow(map(_guarded, row))
     return stream.getvalue()
 

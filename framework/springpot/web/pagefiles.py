@@ -16,7 +16,7 @@ KINDS = {
 
 @cache
 def page_files() -> dict[str, tuple[bytes, str]]:
-    """Content and media type of each file of the page, by name, with the modules that reports have too."""
+    """Content and media type of each file of the page by name, modules of reports included."""
     files = modules() | assets_in("springpot.web", "page")
     kinds = {name: KINDS.get(name[name.rfind(".") :]) for name in files}
     # A file of no known kind is no part of the page, such as one that an editor left behind.

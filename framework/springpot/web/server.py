@@ -86,12 +86,15 @@ class Server:
     desk : Desk
         Who computes.
     data : str or dict, optional
-        What the page begins with: what was named on the command line, or ``{"name", "content"}`` in base64.
+        What the page begins with: what was named on the command line, or ``{"name", "content"}`` in
+        base64.
     model : str
         Expression of the model that it begins with.
     """
 
-    def __init__(self, desk: Desk, data: str | dict[str, str] | None = None, model: str = "") -> None:
+    def __init__(
+        self, desk: Desk, data: str | dict[str, str] | None = None, model: str = ""
+    ) -> None:
         self._desk, self._given, self._model = desk, data, model
         self._texts: dict[str, dict[str, Any]] = {}
 
@@ -101,7 +104,11 @@ class Server:
             Route("/", self._file, methods=["GET"]),
             Route("/page/{name}", self._file, methods=["GET"]),
             Route("/api/start", self._begin, methods=["GET"]),
-            Route("/api/library", lambda request: self._stream("library", {}, key="library"), methods=["GET"]),
+            Route(
+                "/api/library",
+                lambda request: self._stream("library", {}, key="library"),
+                methods=["GET"],
+            ),
             Route("/api/data", self._data, methods=["POST"]),
             # Last: it would take the others' addresses too.
             Route("/api/{task}", self._ask, methods=["POST"]),
@@ -117,7 +124,7 @@ class Server:
         return Response(content, headers={"content-type": kind})
 
     async def require(self) -> None:
-        """Check that what was named on the command line can be used, or that a reader merely has a question.
+        """Check that what the command line named can be used, or merely leaves a reader a question.
 
         Raises
         ------
@@ -130,7 +137,10 @@ class Server:
                 raise DataError(done["error"])
 
     async def _begin(self, request: Request) -> Response:
-        """What was named on the command line, opened; its error stands in the page as it would on a terminal."""
+        """What was named on the command line, opened.
+
+        Its error stands in the page as it would on a terminal.
+        """
         if self._given is None:
             return JSONResponse({"model": self._model})
         return JSONResponse({"model": self._model, "data": await self._begun()})
@@ -169,7 +179,10 @@ class Server:
         except ValueError:
             raise DataError("the request is no JSON object") from None
         if task == "race":
-            asked = {"name": str(given.get("name", ""))[:200], "report": given.get("report") is True}
+            asked = {
+                "name": str(given.get("name", ""))[:200],
+                "report": given.get("report") is True,
+            }
             return self._stream("race", asked)
         # Only what is listed: no address can name another function.
         if task not in LANES:
@@ -192,7 +205,12 @@ class Server:
         return self._stream(task, arguments, LANES[task], key)
 
     def _stream(
-        self, task: str, arguments: dict[str, Any], lane: str = "short", key: str = "", remember: bool = False
+        self,
+        task: str,
+        arguments: dict[str, Any],
+        lane: str = "short",
+        key: str = "",
+        remember: bool = False,
     ) -> Response:
         def lines() -> Answer:
             asked = self._desk.ask(task, arguments, lane, key)
@@ -224,7 +242,13 @@ class Server:
         return json.loads(last)
 
 
-LANES = {"answer": "long", "ranking": "long", "mastercurve": "long", "leave": "long", "held": "long"}
+LANES = {
+    "answer": "long",
+    "ranking": "long",
+    "mastercurve": "long",
+    "leave": "long",
+    "held": "long",
+}
 LANES |= {"curve": "short", "again": "short"}
 """Which workers do what the page asks of data."""
 EXTRA = {"curve": ("hands",), "held": ("hands",), "leave": ("kind",)}

@@ -1,4 +1,7 @@
-"""Session files: the data and every ladder of a page, to be opened again; read as data that a stranger wrote."""
+"""Session files: the data and every ladder of a page, to be opened again.
+
+Read as data that a stranger wrote.
+"""
 
 from __future__ import annotations
 
@@ -50,7 +53,8 @@ def session_of(content: bytes) -> dict[str, Any]:
         branches = [_branch(branch, digest) for branch in list(given["branches"])[:MOST_BRANCHES]]
         if not branches:
             raise ValueError("it has no branch")
-        # Which branch lay open may be any number in a strange file: it is kept within those that there are.
+        # Which branch lay open may be any number in a strange file: it is kept within those that
+        # there are.
         at = int(given.get("branch", 0))
         return {
             "schema": SCHEMA,
@@ -63,17 +67,34 @@ def session_of(content: bytes) -> dict[str, Any]:
             "branch": min(max(at, 0), len(branches) - 1),
             "view": _view(given.get("view", {})),
         }
-    except (KeyError, TypeError, ValueError, AttributeError, RecursionError, OverflowError, DataError) as error:
+    except (
+        KeyError,
+        TypeError,
+        ValueError,
+        AttributeError,
+        RecursionError,
+        OverflowError,
+        DataError,
+    ) as error:
         words = " ".join(str(error).split())[:120]
-        raise DataError(f"this is no session of the workbench ({words}); open one that it saved") from None
+        raise DataError(
+            f"this is no session of the workbench ({words}); open one that it saved"
+        ) from None
 
 
 def _branch(branch: Mapping[str, Any], digest: str) -> dict[str, Any]:
-    states = [replace(State.of({**state, "data": digest}), data=digest) for state in branch["states"][:MOST_STATES]]
+    states = [
+        replace(State.of({**state, "data": digest}), data=digest)
+        for state in branch["states"][:MOST_STATES]
+    ]
     if not states:
         raise ValueError("a branch has no state")
     at = min(max(int(branch.get("at", 0)), 0), len(states) - 1)
-    return {"name": safe_name(str(branch.get("name", "")))[:40], "states": [s.to_dict() for s in states], "at": at}
+    return {
+        "name": safe_name(str(branch.get("name", "")))[:40],
+        "states": [s.to_dict() for s in states],
+        "at": at,
+    }
 
 
 def _view(view: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,4 +1,7 @@
-"""What a page asks about: data, a model, accepted effects, left-out points, a seed; an answer depends on no more."""
+"""What a page asks about: data, a model, accepted effects, left-out points, a seed.
+
+An answer depends on no more.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,10 @@ from typing import Any
 from springpot.errors import DataError
 
 LONGEST_NAME = 200
-"""Signs of a model expression or of the name of an effect: the longest installed model with six effects has 120."""
+"""Signs of a model expression or of the name of an effect.
+
+The longest installed model with six effects has 120.
+"""
 MOST_EFFECTS = 12
 """Twice what `discover --auto` accepts: each one doubles nothing but costs a diagnosis."""
 MOST_ROWS = 1_000_000
@@ -62,7 +68,9 @@ class State:
                 _text(given["data"]),
                 _text(given.get("model", "")),
                 tuple(_text(name) for name in _listed(given.get("accepted", ()), MOST_EFFECTS)),
-                tuple(sorted({_number(row) for row in _listed(given.get("excluded", ()), MOST_ROWS)})),
+                tuple(
+                    sorted({_number(row) for row in _listed(given.get("excluded", ()), MOST_ROWS)})
+                ),
                 _number(given.get("seed", 0)),
             )
         except (KeyError, TypeError, ValueError, AttributeError) as error:

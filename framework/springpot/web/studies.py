@@ -1,13 +1,17 @@
-"""The studies below the folder in which the workbench was started: how far they are, and their tables."""
+"""The studies below the folder in which the workbench was started.
+
+How far they are, and their tables.
+"""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
 
-from springpot.benchmark import Store, Table
 from springpot.benchmark.findings import Findings, study_tables
 from springpot.benchmark.report.study import study_html
+from springpot.benchmark.store import Store
+from springpot.benchmark.tables import Table
 from springpot.errors import DataError, SpringpotError
 
 RESULTS = Path("results")
@@ -21,7 +25,10 @@ def _stores() -> dict[str, Path]:
 
 
 def studies() -> list[dict[str, Any]]:
-    """Every study with its cells, and its trials: all that are planned, done and failed; the latter grow in a run."""
+    """Every study with its cells, and its trials: all that are planned, done and failed.
+
+    The latter grow in a run.
+    """
     return [_progress(name, path) for name, path in _stores().items()]
 
 
@@ -39,7 +46,13 @@ def _progress(name: str, path: Path) -> dict[str, Any]:
     failed = sum(status.failed for status in ended)
     total = len(cells) * int(facts["repetitions"])
     counts = {"cells": len(cells), "total": total, "done": len(ended), "failed": failed}
-    return {"name": name, **counts, "started": facts.get("started", ""), "changed": path.stat().st_mtime, "says": ""}
+    return {
+        "name": name,
+        **counts,
+        "started": facts.get("started", ""),
+        "changed": path.stat().st_mtime,
+        "says": "",
+    }
 
 
 def study(name: str) -> dict[str, Any]:
@@ -71,7 +84,9 @@ def report_of(name: str) -> dict[str, str]:
 def _store_of(name: str) -> Path:
     path = _stores().get(name)
     if path is None:
-        raise DataError(f"there is no study '{name[:40]}' in {RESULTS}; run 'springpot run STUDY.py' here")
+        raise DataError(
+            f"there is no study '{name[:40]}' in {RESULTS}; run 'springpot run STUDY.py' here"
+        )
     return path
 
 

@@ -1,4 +1,7 @@
-"""What a worker process can be asked to do; each task is a function of plain arguments that gives plain data."""
+"""What a worker process can be asked to do.
+
+Each task is a function of plain arguments that gives plain data.
+"""
 
 from __future__ import annotations
 
@@ -13,20 +16,22 @@ from typing import Any
 import numpy as np
 
 from springpot.api import compare, identify, mastercurve
-from springpot.diagnosis import Ladder
+from springpot.diagnosis.ladder import Ladder
 from springpot.errors import DataError, SpringpotError
 from springpot.inputs import bytes_of
-from springpot.measurement import Measurement, OpenQuestion, Part, parts_as_opened
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.question import OpenQuestion
+from springpot.measurement.reader import Part, parts_as_opened
 from springpot.measurement.runs import runs_of
 from springpot.owners import blamed, described
 from springpot.registry import open_measurement, parse_model, parts_of, plugins
-from springpot.report.cards import EXAMPLE_MEMBER
-from springpot.report.cards import effect as effect_card
-from springpot.report.cards import model as model_card
 from springpot.report.interactive.scene import PageScene, relative_error
 from springpot.report.network import network_svg
-from springpot.rheology import Model
+from springpot.report.plugin_cards import EXAMPLE_MEMBER
+from springpot.report.plugin_cards import effect as effect_card
+from springpot.report.plugin_cards import model as model_card
 from springpot.rheology.family import Family
+from springpot.rheology.model import Model
 
 from . import leaving
 from .answers import Told, answer, ladder_of
@@ -39,7 +44,10 @@ from .studies import report_of, studies, study
 LADDERS = 8
 """Ladders that a worker remembers, for exports of what is on the page; each holds some MB."""
 MOST_LEVELS = 40
-"""Levels of a condition that are offered for a choice of rows; of more, hardly a row would belong to each."""
+"""Levels of a condition that are offered for a choice of rows.
+
+Of more, hardly a row would belong to each.
+"""
 MOST_RUNS = 200
 """Sweeps that are listed of one measurement."""
 
@@ -57,20 +65,27 @@ def _ladder(state: State, text: str, told: Told) -> Ladder:
         _ladders[state.key] = ladder_of(state, _measured(text), told)
         while len(_ladders) > LADDERS:
             _ladders.popitem(last=False)
-    # The one asked for last goes last: what somebody works with stays, however early it was climbed.
+    # The one asked for last goes last: what somebody works with stays, however early it was
+    # climbed.
     _ladders.move_to_end(state.key)
     return _ladders[state.key]
 
 
 def library(told: Told) -> dict[str, Any]:
     """All models, effects and data sets that are installed."""
-    # Once at the start: drawings, equations and summaries are in the page before anything is computed.
+    # Once at the start: drawings, equations and summaries are in the page before anything is
+    # computed.
     installed = plugins()
     return {
         "models": [_model(item) for item in installed.items("model")],
         "effects": [_effect(item) for item in installed.items("effect")],
         "datasets": [
-            {"name": item.name, "summary": item.summary, "kind": item.kind, "unavailable": item.unavailable}
+            {
+                "name": item.name,
+                "summary": item.summary,
+                "kind": item.kind,
+                "unavailable": item.unavailable,
+            }
             for item in installed.items("data set")
             # Nothing that the page asks for may leave the machine.
             if not item.remote
@@ -92,13 +107,18 @@ def _model(item: Model | Family) -> dict[str, Any]:
 
 def _effect(item: Any) -> dict[str, Any]:
     card = effect_card(item)
-    return {key: card[key] for key in ("name", "summary", "equation", "plane", "layer", "needs", "citation")}
+    return {
+        key: card[key]
+        for key in ("name", "summary", "equation", "plane", "layer", "needs", "citation")
+    }
 
 
 def understand(
     told: Told, name: str, content: str, choice: str = "", onto: str = "", onto_name: str = ""
 ) -> dict[str, Any]:
-    """What a dropped file holds; a question where the reader must be told more; a session with its data.
+    """What a dropped file holds; a question where the reader must be told more.
+
+    A session with its data.
 
     `content` is base64; `onto` is the text of data that the file joins.
     """
@@ -119,10 +139,12 @@ def understand(
 
 
 def begin(told: Told, spec: str, model: str = "") -> dict[str, Any]:
-    """What the command line named: a file, a session or a data set, each as for any other command; and a model.
+    """What the command line named: a file, a session or a data set, each as for any other command.
 
-    A file that leaves something open comes with its content, so that the page can ask and send it again: nothing that
-    a page says is ever part of a path.
+    And a model.
+
+    A file that leaves something open comes with its content, so that the page can ask and send it
+    again: nothing that a page says is ever part of a path.
 
     Raises
     ------
@@ -160,7 +182,7 @@ def _asked(error: OpenQuestion) -> dict[str, Any]:
 
 
 def _relative(spec: str) -> str:
-    """`spec` without folders that only this machine has, for command lines and scripts that are handed on."""
+    """`spec` without folders of this machine alone, for command lines and scripts handed on."""
     path = Path(spec)
     if not path.is_absolute():
         return spec
@@ -169,7 +191,9 @@ def _relative(spec: str) -> str:
     return path.name
 
 
-def again(told: Told, state: Mapping[str, Any], text: str, source: str, joined: bool) -> dict[str, Any]:
+def again(
+    told: Told, state: Mapping[str, Any], text: str, source: str, joined: bool
+) -> dict[str, Any]:
     """Data that the server still has, for a page that was loaded anew."""
     return _understood(_measured(text), source, joined=joined)
 
@@ -184,7 +208,11 @@ def dataset(told: Told, name: str) -> dict[str, Any]:
     """
     bare = name.partition("@")[0]
     # Looked up first, as a name that is none would be opened as a file.
-    known = [item for item in plugins().items("data set") if bare in (item.name, *item.aliases) and not item.remote]
+    known = [
+        item
+        for item in plugins().items("data set")
+        if bare in (item.name, *item.aliases) and not item.remote
+    ]
     if not known:
         raise DataError(f"'{name[:80]}' is no registered data set; see 'springpot list datasets'")
     return _understood(open_measurement(name), name)
@@ -198,7 +226,9 @@ def _understood(
     columns += [("storage", measurement.units.stiffness, measurement.storage)]
     columns += [("loss", measurement.units.stiffness, measurement.loss)]
     units = {"temperature": "°C", "amplitude": measurement.units.amplitude}
-    columns += [(name, units.get(name, ""), column) for name, column in measurement.conditions.items()]
+    columns += [
+        (name, units.get(name, ""), column) for name, column in measurement.conditions.items()
+    ]
     runs = list(runs_of(measurement))
     # A single sweep is all of the data: there is nothing to choose.
     if len(runs) == 1:
@@ -213,7 +243,12 @@ def _understood(
         "joined": joined,
         "scene": PageScene(measurement).to_dict(),
         "columns": [
-            {"name": name, "unit": unit, "from": float(np.nanmin(column)), "to": float(np.nanmax(column))}
+            {
+                "name": name,
+                "unit": unit,
+                "from": float(np.nanmin(column)),
+                "to": float(np.nanmax(column)),
+            }
             for name, unit, column in columns
         ],
         "runs": [{"name": run.name, "rows": run.rows.tolist()} for run in runs[:MOST_RUNS]],
@@ -252,15 +287,19 @@ def answered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     return answer(asked, ladder, _measured(text))
 
 
-def curve(told: Told, state: Mapping[str, Any], text: str, hands: Mapping[str, Any]) -> dict[str, Any]:
+def curve(
+    told: Told, state: Mapping[str, Any], text: str, hands: Mapping[str, Any]
+) -> dict[str, Any]:
     """The curve of a model whose parameters were set by hand, and its error."""
     asked, measurement = State.of(state), _measured(text)
     model = _bound(asked, measurement)
     return _drawn(asked, measurement, model, theta_of(model, measurement, hand_of(model, hands)))
 
 
-def held(told: Told, state: Mapping[str, Any], text: str, hands: Mapping[str, Any]) -> dict[str, Any]:
-    """The best fit that respects what was fixed and bounded by hand, begun where the sliders stand."""
+def held(
+    told: Told, state: Mapping[str, Any], text: str, hands: Mapping[str, Any]
+) -> dict[str, Any]:
+    """The best fit that respects what the hand fixed and bounded, begun where the sliders stand."""
     asked, measurement = State.of(state), _measured(text)
     model = _bound(asked, measurement)
     told(f"fitting {model.name} within the hand's bounds")
@@ -304,7 +343,9 @@ def mastered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     return {"column": column, "curve": result.to_dict()}
 
 
-def leave(told: Told, kind: str, state: Mapping[str, Any], text: str, source: str, joined: bool) -> dict[str, Any]:
+def leave(
+    told: Told, kind: str, state: Mapping[str, Any], text: str, source: str, joined: bool
+) -> dict[str, Any]:
     """One of the things that a user leaves with: its text and the name of its file."""
     asked, measurement = State.of(state), _measured(text)
     stem = Path(safe_name(source)).stem
@@ -375,5 +416,8 @@ def perform(task: str, arguments: Mapping[str, Any], told: Told) -> dict[str, An
     # A plugin may raise anything, and the page must hear of it.
     except Exception as error:
         by_plugin = blamed(error)
-        line = by_plugin or f"a fault in springpot or one of its plugins, not in your input: {described(error)}"
+        line = (
+            by_plugin
+            or f"a fault in springpot or one of its plugins, not in your input: {described(error)}"
+        )
         return {"error": " ".join(line.split())[:400], "fault": not by_plugin}

@@ -1,4 +1,7 @@
-"""A worker process: one line of JSON in, some lines out; what reads files and fits models, and can be ended."""
+"""A worker process: one line of JSON in, some lines out.
+
+What reads files and fits models, and can be ended.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The paper's artificial data, section 5.1: five models at 14 frequencies, exact and with the noise of eq. (53)."""
+"""The paper's artificial data, section 5.1.
+
+Five models at 14 frequencies, exact and with the noise of eq. (53).
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,10 @@ from springpot.measurement import DataSet, Measurement, Units, with_noise
 from ..models.paper import MODELS
 
 SEED = 2017
-"""Seed of the registered noisy sets; `artificial` draws others. Any number would do: results name these sets."""
+"""Seed of the registered noisy sets; `artificial` draws others.
+
+Any number would do: results name these sets.
+"""
 FREQUENCIES = np.arange(0.5, 14.0, 1.0)
 """0.5 to 13.5 Hz in steps of 1 Hz."""
 SCALE = 1000.0
@@ -26,11 +32,17 @@ TRUTH = {
     "fractional-kelvin4": _FOUR,
     "fractional-zener": _FOUR,
 }
-CITATION = "Parameters identification of fractional models of viscoelastic dampers and fluids, section 5.1"
+CITATION = (
+    "Parameters identification of fractional models of viscoelastic dampers and fluids, section 5.1"
+)
 
 
 def artificial(
-    model: str, level: float = 0.0, *, symmetric: bool = False, seed: int | np.random.Generator = SEED
+    model: str,
+    level: float = 0.0,
+    *,
+    symmetric: bool = False,
+    seed: int | np.random.Generator = SEED,
 ) -> Measurement:
     """Artificial data of one of the paper's models in kN/m.
 
@@ -51,7 +63,9 @@ def artificial(
         If the paper has no such model.
     """
     if model not in TRUTH:
-        raise DataError(f"there are no artificial data of '{model}': the paper has {', '.join(TRUTH)}")
+        raise DataError(
+            f"there are no artificial data of '{model}': the paper has {', '.join(TRUTH)}"
+        )
     known = next(item for item in MODELS if item.base == model)
     omega = 2.0 * np.pi * FREQUENCIES
     exact = Measurement(

@@ -1,4 +1,7 @@
-"""Data sets from their public origin: fetched once, checked against a checksum, kept in the user's cache."""
+"""Data sets from their public origin.
+
+Fetched once, checked against a checksum, kept in the user's cache.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,9 @@ CACHE = "SPRINGPOT_CACHE"
 """Environment variable that names another place for downloads."""
 INSTALL = "pip install 'springpot[download]'"
 LARGEST = 1 << 30
-"""Bytes of a download, since a server may send without end. A file as large as that is allowed ten times its size of
+"""Bytes of a download, since a server may send without end.
+
+A file as large as that is allowed ten times its size of
 memory to be read in (`springpot.measurement.budget`): few machines could use a larger one."""
 
 
@@ -95,8 +100,8 @@ def fetched(name: str, url: str, sha256: str) -> Path:
     Raises
     ------
     DataError
-        If pooch is not installed, there is no connection, the content is not what was published, or another file is
-        in its place.
+        If pooch is not installed, there is no connection, the content is not what was published, or
+        another file is in its place.
     """
     path = place(url, sha256)
     if _in_place(name, path, sha256):
@@ -109,19 +114,24 @@ def fetched(name: str, url: str, sha256: str) -> Path:
     pooch.get_logger().setLevel("ERROR")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        # Beside its place, so that it gets there by a link: whoever looks sees the whole file or none.
+        # Beside its place, so that it gets there by a link: whoever looks sees the whole file or
+        # none.
         with TemporaryDirectory(dir=path.parent, prefix=".download-") as draft:
             safely = pooch.HTTPDownloader(hooks={"response": _stay_safe})
-            got = pooch.retrieve(url, f"sha256:{sha256}", fname=path.name, path=draft, downloader=safely)
+            got = pooch.retrieve(
+                url, f"sha256:{sha256}", fname=path.name, path=draft, downloader=safely
+            )
             _put(Path(got), path)
     except FileExistsError:
-        # Another process was quicker. Nothing is ever replaced: what it put there is used if it is the same.
+        # Another process was quicker. Nothing is ever replaced: what it put there is used if it is
+        # the same.
         if not _in_place(name, path, sha256):
             raise DataError(f"data set '{name}': {path.parent} is no folder; remove it") from None
     except ValueError:
         # Pooch says so of a wrong checksum.
         raise DataError(
-            f"data set '{name}': what {url} holds is not what was published (its checksum differs); nothing was kept"
+            f"data set '{name}': what {url} holds is not what was published (its checksum differs);"
+            " nothing was kept"
         ) from None
     except OSError as error:
         raise DataError(
@@ -139,13 +149,14 @@ def _in_place(name: str, path: Path, sha256: str) -> bool:
     DataError
         If anything else is there, since nothing is ever replaced.
     """
-    # In this order: a file that another process puts there meanwhile is the right one, and no obstacle.
+    # In this order: a file that another process puts there meanwhile is the right one, and no
+    # obstacle.
     if not (path.exists() or path.is_symlink()):
         return False
     if not _is(path, sha256):
         raise DataError(
-            f"data set '{name}': {path} holds something else than what was published, and is not replaced; "
-            "remove it, and it is downloaded again"
+            f"data set '{name}': {path} holds something else than what was published, and is not"
+            " replaced; remove it, and it is downloaded again"
         )
     return True
 
@@ -170,7 +181,10 @@ def _put(draft: Path, path: Path) -> None:
 
 def _stay_safe(response: Any, *_: Any, **__: Any) -> None:
     """Follow no redirection away from https, and take no file without end."""
-    if response.is_redirect and urlparse(urljoin(response.url, response.headers["location"])).scheme != "https":
+    if (
+        response.is_redirect
+        and urlparse(urljoin(response.url, response.headers["location"])).scheme != "https"
+    ):
         raise OSError(0, "it leads to an address without https")
     pieces = response.iter_content
 
@@ -191,6 +205,13 @@ def _reason(error: OSError) -> str:
     status = getattr(getattr(error, "response", None), "status_code", None)
     if status is not None:
         return f"the server answers {status}"
-    kinds = {"ConnectionError": "no connection", "ConnectTimeout": "no answer", "ReadTimeout": "no answer"}
-    kinds |= {"ChunkedEncodingError": "the connection broke off", "SSLError": "its certificate is not trusted"}
+    kinds = {
+        "ConnectionError": "no connection",
+        "ConnectTimeout": "no answer",
+        "ReadTimeout": "no answer",
+    }
+    kinds |= {
+        "ChunkedEncodingError": "the connection broke off",
+        "SSLError": "its certificate is not trusted",
+    }
     return kinds.get(type(error).__name__) or error.strerror or type(error).__name__

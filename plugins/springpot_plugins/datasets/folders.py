@@ -1,4 +1,4 @@
-"""Data sets in the folders of the directories that the environment variable SPRINGPOT_DATA names."""
+"""Data sets in folders of the directories that the environment variable SPRINGPOT_DATA names."""
 
 from __future__ import annotations
 
@@ -21,15 +21,16 @@ NOWHERE = Path(os.devnull)
 
 
 def datasets() -> list[DataSet]:
-    """A set for every folder with a manifest, of its own or shipped, and for every shipped one that has no folder.
+    """A set for every folder with a manifest, of its own or shipped.
 
-    The first of a name counts.
+    Also for every shipped manifest that has no folder. The first of a name counts.
     """
     sets: dict[str, DataSet] = {}
     for folder in (*_folders(), *_known()):
         dataset = _dataset(folder)
         if dataset is not None:
-            # Folders before what is shipped, in the order of the directories: a user's own goes first.
+            # Folders before what is shipped, in the order of the directories: a user's own goes
+            # first.
             sets.setdefault(dataset.name, dataset)
     return list(sets.values())
 
@@ -37,7 +38,11 @@ def datasets() -> list[DataSet]:
 def _known() -> Iterator[Path]:
     """Folders that would hold the sets of the shipped manifests, and need not be there."""
     shipped = files(__package__).joinpath("manifests").iterdir()
-    yield from sorted(NOWHERE / entry.name.removesuffix(".toml") for entry in shipped if entry.name.endswith(".toml"))
+    yield from sorted(
+        NOWHERE / entry.name.removesuffix(".toml")
+        for entry in shipped
+        if entry.name.endswith(".toml")
+    )
 
 
 def _folders() -> Iterator[Path]:
@@ -54,14 +59,16 @@ def _folders() -> Iterator[Path]:
 
 
 def _dataset(folder: Path) -> DataSet | None:
-    """The set of a folder; unavailable, with the reason, where anything is wrong with its manifest."""
+    """The set of a folder; unavailable, with the reason, where its manifest is wrong."""
     try:
         if (folder / FILE).is_file():
             own = inside(folder, FILE)
             return within_budget(own, lambda: read_manifest(_text(own), folder, str(own)).dataset())
         shipped = files(__package__).joinpath("manifests", f"{folder.name}.toml")
         if shipped.is_file():
-            return read_manifest(shipped.read_text(encoding="utf-8"), folder, shipped.name).dataset()
+            return read_manifest(
+                shipped.read_text(encoding="utf-8"), folder, shipped.name
+            ).dataset()
     except DataError as error:
         return _broken(folder, str(error))
     except Exception as error:

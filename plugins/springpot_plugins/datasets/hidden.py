@@ -1,4 +1,7 @@
-"""Artificial data with something hidden in them, for demonstrations: the material is simple, the test rig is not."""
+"""Artificial data with something hidden in them, for demonstrations.
+
+The material is simple, the test rig is not.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,7 @@ TRUTH = {"k": 400.0, "c": 60.0, "alpha": 0.5, "inertia.m": 6e-4, "time-delay.tau
 
 
 def hidden() -> Measurement:
-    """A fractional Maxwell damper between plates with a mass, its force read a little late, with noise of 1 %."""
+    """A fractional Maxwell damper between plates with a mass, its force read late, noise of 1 %."""
     s = 2j * np.pi * FREQUENCIES
     material = 1.0 / (1.0 / TRUTH["k"] + 1.0 / (TRUTH["c"] * s ** TRUTH["alpha"]))
     exact = (material + TRUTH["inertia.m"] * s**2) * np.exp(-TRUTH["time-delay.tau"] * s)
@@ -37,7 +40,8 @@ def datasets() -> list[DataSet]:
     return [
         DataSet(
             NAME,
-            "computed: a fractional Maxwell damper on a rig with a moving mass and a time delay, 1 % noise",
+            "computed: a fractional Maxwell damper on a rig with a moving mass and a time delay, 1"
+            " % noise",
             hidden,
             kind="artificial",
             licence="none needed",

@@ -4,35 +4,27 @@ r"""Manifests: what the columns of a folder's file mean, and who measured them, 
 
     summary = "what was measured"              # one sentence
     file = "normalized.csv"                    # or [files], below
-    open = "#1?frequency=1[Hz]"                # what a user would type behind its name; not with [columns]
-    size = 340                                 # rows, shown before loading
-    citation = "who"                           # who measured, where it was published
-    doi = "10.1000/xyz"                        # optional, as all that follow
-    origin = "github.com/who/what"             # where it can be got
-    licence = "MIT"
-    test = "8 mm plates, shear"                # instrument, geometry, kind of test
-    physics = ["what is known to be in it"]
-    model = "fractional-maxwell"               # used in the literature
-    fit = "G = 1 kPa, tau = 2 s (who)"         # what was found with it
-    [columns]                                  # role = "header" or { from = "header", unit = "Pa" }
-    omega = { from = "omega_rad_s", unit = "rad/s" }
-    storage = { from = "storage_Pa", unit = "Pa" }
-    loss = { from = "loss_Pa", unit = "Pa" }
-    temperature = { from = "temperature_C", unit = "degC" }
-    lane = { from = "binder", extract = 'Lane (\d+)' }   # further conditions; a pattern picks a part of the cell
-    [conditions]                               # constants, with their units as in headers
-    "temperature [degC]" = 25
-    [files]                                    # instead of file: several, each with constants of its own
-    "at20.csv" = { "temperature [degC]" = 20 }
-    "at40.csv" = { "temperature [degC]" = 40 }
-    [download]                                 # the file's public address, where the licence allows
-    url = "https://example.org/normalized.csv"
+    open = "#1?frequency=1[Hz]"                # what a user would type behind its name; not with
+    [columns] size = 340                                 # rows, shown before loading citation =
+    "who"                           # who measured, where it was published doi = "10.1000/xyz"
+    # optional, as all that follow origin = "github.com/who/what"             # where it can be got
+    licence = "MIT" test = "8 mm plates, shear"                # instrument, geometry, kind of test
+    physics = ["what is known to be in it"] model = "fractional-maxwell"               # used in the
+    literature fit = "G = 1 kPa, tau = 2 s (who)"         # what was found with it [columns]
+    # role = "header" or { from = "header", unit = "Pa" } omega = { from = "omega_rad_s", unit =
+    "rad/s" } storage = { from = "storage_Pa", unit = "Pa" } loss = { from = "loss_Pa", unit = "Pa"
+    } temperature = { from = "temperature_C", unit = "degC" } lane = { from = "binder", extract =
+    'Lane (\d+)' }   # further conditions; a pattern picks a part of the cell [conditions]
+    # constants, with their units as in headers "temperature [degC]" = 25 [files]
+    # instead of file: several, each with constants of its own "at20.csv" = { "temperature [degC]" =
+    20 } "at40.csv" = { "temperature [degC]" = 40 } [download]                                 # the
+    file's public address, where the licence allows url = "https://example.org/normalized.csv"
     sha256 = "..."                             # of the file there
 
-A manifest is limited: `LARGEST` bytes, names of files as in `names`, patterns as in `patterns`, texts of
-`LONGEST_TEXT` signs, addresses with https.
-It stands in the folder that it describes. For the folders that this package knows by name, it is shipped.
-Without [columns], and where a downloaded file has another name than `file`, the reader of its format opens it.
+A manifest is limited: `LARGEST` bytes, names of files as in `names`, patterns as in `patterns`,
+texts of `LONGEST_TEXT` signs, addresses with https. It stands in the folder that it describes. For
+the folders that this package knows by name, it is shipped. Without [columns], and where a
+downloaded file has another name than `file`, the reader of its format opens it.
 """
 
 from __future__ import annotations
@@ -65,7 +57,20 @@ MOST_FILES = 100
 """Files of one set: a rig that sweeps a hundred temperatures is rare, and each has to be opened."""
 LARGEST_SIZE = 10**12
 """Rows that are believed."""
-_TEXTS = ("name", "summary", "file", "open", "citation", "doi", "origin", "licence", "test", "model", "fit", "kind")
+_TEXTS = (
+    "name",
+    "summary",
+    "file",
+    "open",
+    "citation",
+    "doi",
+    "origin",
+    "licence",
+    "test",
+    "model",
+    "fit",
+    "kind",
+)
 
 
 @dataclass(frozen=True)
@@ -79,7 +84,8 @@ class Manifest:
     values : mapping
         Names, texts, size and physics as in the file.
     columns : mapping of str to mapping
-        Role or condition to ``from``, ``unit`` and ``extract``; empty where the reader of the format names them.
+        Role or condition to ``from``, ``unit`` and ``extract``; empty where the reader of the
+        format names them.
     conditions : mapping of str to number
         Constants.
     download : mapping of str to str
@@ -109,7 +115,10 @@ class Manifest:
         DataError
             If one would be outside the folder.
         """
-        return {inside(self.folder, name): {**self.conditions, **own} for name, own in self.files.items()}
+        return {
+            inside(self.folder, name): {**self.conditions, **own}
+            for name, own in self.files.items()
+        }
 
     @property
     def _missing(self) -> list[Path]:
@@ -143,7 +152,11 @@ class Manifest:
     def _remote(self) -> str:
         """The address, unless the file is here or has been downloaded."""
         # A file that is here goes before its copy elsewhere: no connection is needed then.
-        if not self.download or not self._missing or kept(self.download["url"], self.download["sha256"]):
+        if (
+            not self.download
+            or not self._missing
+            or kept(self.download["url"], self.download["sha256"])
+        ):
             return ""
         return self.download["url"]
 
@@ -159,7 +172,10 @@ class Manifest:
         origin = ""
         if self.values.get("origin"):
             origin = f"published at {self.values['origin']}; "
-        return f"not here: {origin}name a directory that holds the folder {self.name} by SPRINGPOT_DATA"
+        return (
+            f"not here: {origin}name a directory that holds the folder {self.name} by"
+            " SPRINGPOT_DATA"
+        )
 
     def load(self) -> Measurement:
         """The measurement.
@@ -172,11 +188,16 @@ class Manifest:
         # A folder of the user's wins over the download.
         if self.download and self._missing:
             path = fetched(self.name, self.download["url"], self.download["sha256"])
-            # A download of another name has columns of its own, which the manifest does not describe.
+            # A download of another name has columns of its own, which the manifest does not
+            # describe.
             parts = [self._opened(path, self.conditions, path.name in self.files)]
         else:
             parts = [self._opened(path, constants, True) for path, constants in self.paths.items()]
-        origin = {key: str(self.values[key]) for key in ("citation", "doi", "licence") if self.values.get(key)}
+        origin = {
+            key: str(self.values[key])
+            for key in ("citation", "doi", "licence")
+            if self.values.get(key)
+        }
         whole = parts[0]
         if len(parts) > 1:
             whole = joined(parts, list(self.files), self.name, f"{len(parts)} files together")
@@ -194,7 +215,9 @@ class Manifest:
             return self._read(path, constants)
 
         # As a reader of its own, so that the limits of time and memory of opening hold for it too.
-        return open_measurement(path, (), [Reader(self.name, "the columns of a manifest", lambda head: 1.0, read)])
+        return open_measurement(
+            path, (), [Reader(self.name, "the columns of a manifest", lambda head: 1.0, read)]
+        )
 
     def _read(self, path: Path, constants: dict[str, float]) -> Measurement:
         """The table, by the columns that the manifest names."""
@@ -228,7 +251,9 @@ def _constants(values: dict[str, float], table: Table) -> Iterable[Column]:
 def _with_constants(spec: str, values: dict[str, float]) -> str:
     """What a user would type to say the constants as well: ``FILE?temperature=20[degC]``."""
     titles = {title: name_and_unit(title) for title in values}
-    constants = ",".join(f"{name}={values[title]!r}[{unit or '-'}]" for title, (name, unit) in titles.items())
+    constants = ",".join(
+        f"{name}={values[title]!r}[{unit or '-'}]" for title, (name, unit) in titles.items()
+    )
     if not constants:
         return spec
     if "?" in spec:
@@ -257,7 +282,9 @@ def read_manifest(text: str, folder: Path, path: str) -> Manifest:
     files = values.pop("files", {})
     download = values.pop("download", {})
     if not isinstance(columns, dict):
-        raise DataError(f"{path}: [columns] is a table; write omega, storage, loss = {{ from, unit }}")
+        raise DataError(
+            f"{path}: [columns] is a table; write omega, storage, loss = {{ from, unit }}"
+        )
     if len(columns) > MOST_COLUMNS:
         raise DataError(f"{path}: more than {MOST_COLUMNS} columns")
     mapped = {}
@@ -266,8 +293,14 @@ def read_manifest(text: str, folder: Path, path: str) -> Manifest:
         if isinstance(source, str):
             # The short form: role = "header".
             entry = {"from": source}
-        if not (isinstance(entry, dict) and "from" in entry and all(isinstance(v, str) for v in entry.values())):
-            raise DataError(f"{path}: column '{name}' needs from = \"header\", and unit or extract as text")
+        if not (
+            isinstance(entry, dict)
+            and "from" in entry
+            and all(isinstance(v, str) for v in entry.values())
+        ):
+            raise DataError(
+                f"{path}: column '{name}' needs from = \"header\", and unit or extract as text"
+            )
         if "extract" in entry:
             try:
                 checked(entry["extract"])
@@ -285,11 +318,17 @@ def read_manifest(text: str, folder: Path, path: str) -> Manifest:
 def _check_files(files: Any, values: dict[str, Any], path: str) -> None:
     """Either one file or several, whose constants are numbers."""
     if bool(files) == ("file" in values):
-        raise DataError(f'{path}: there is no file = "name.csv", or [files] beside it; give one of the two')
+        raise DataError(
+            f'{path}: there is no file = "name.csv", or [files] beside it; give one of the two'
+        )
     if not isinstance(files, dict) or len(files) > MOST_FILES:
         raise DataError(f"{path}: [files] is a table of at most {MOST_FILES} names")
-    if not all(isinstance(own, dict) and all(map(_is_number, own.values())) for own in files.values()):
-        raise DataError(f'{path}: [files] holds "name.csv" = {{ "temperature [degC]" = 20 }}, with numbers only')
+    if not all(
+        isinstance(own, dict) and all(map(_is_number, own.values())) for own in files.values()
+    ):
+        raise DataError(
+            f'{path}: [files] holds "name.csv" = {{ "temperature [degC]" = 20 }}, with numbers only'
+        )
 
 
 def _check_download(download: Any, values: dict[str, Any], path: str) -> None:
@@ -328,7 +367,10 @@ def _check_values(values: dict[str, Any], path: str) -> None:
     wrong = [key for key in _TEXTS if not _is_text(values.get(key, ""))]
     unknown = [key for key in values if key not in (*_TEXTS, "size", "physics")]
     if wrong or unknown:
-        raise DataError(f"{path}: check {', '.join(wrong or unknown)}; known are {', '.join(_TEXTS)}, size, physics")
+        raise DataError(
+            f"{path}: check {', '.join(wrong or unknown)}; known are {', '.join(_TEXTS)}, size,"
+            " physics"
+        )
     if not is_name(values.get("name", "name")):
         raise DataError(f"{path}: '{values['name']:.80}' is no name of a data set")
     size, physics = values.get("size", 0), values.get("physics", [])

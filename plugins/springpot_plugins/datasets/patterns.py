@@ -1,4 +1,7 @@
-r"""Patterns that a manifest gives for a part of a cell, such as ``Lane (\d+)``: only those that end soon."""
+r"""Patterns that a manifest gives for a part of a cell, such as ``Lane (\d+)``.
+
+Only those that end soon.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,10 @@ LONGEST_CELL = 80
 """Signs of a cell that are searched."""
 _LONGEST = 100
 _MOST_CHOICES = 4
-"""Repetitions and alternatives in a pattern: with as many, the worst search of a cell takes about a second."""
+"""Repetitions and alternatives in a pattern.
+
+With as many, the worst search of a cell takes about a second.
+"""
 _ONE_SIGN = re.compile(r"\\.|\[\^?\]?(?:\\.|[^\]\\])*\]")
 """An escape or a class, which match one sign."""
 
@@ -18,8 +24,9 @@ _ONE_SIGN = re.compile(r"\\.|\[\^?\]?(?:\\.|[^\]\\])*\]")
 def checked(pattern: str) -> str:
     """`pattern`, if it has one group and its search cannot take for ever.
 
-    Each repetition may end anywhere, so a search takes a power of the cell's length: with few of them that is little.
-    Repeated groups, references and assertions, whose search may grow without such a bound, are not taken.
+    Each repetition may end anywhere, so a search takes a power of the cell's length: with few of
+    them that is little. Repeated groups, references and assertions, whose search may grow without
+    such a bound, are not taken.
 
     Raises
     ------
@@ -30,7 +37,8 @@ def checked(pattern: str) -> str:
         raise DataError(f"has more than {_LONGEST} signs")
     if re.search(r"\\[1-9]|\(\?", pattern):
         raise DataError("has a reference or (?...), which are not taken")
-    # Without escapes and classes, whose signs repeat nothing, and with lazy repetitions as plain ones.
+    # Without escapes and classes, whose signs repeat nothing, and with lazy repetitions as plain
+    # ones.
     bare = re.sub(r"([*+?}])[?+]", r"\1", _ONE_SIGN.sub("x", pattern))
     if re.search(r"\)[*+?{]", bare):
         raise DataError("repeats a group, which is not taken")

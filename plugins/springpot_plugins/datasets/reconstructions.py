@@ -1,7 +1,8 @@
 """Curves computed from the parameters printed in Tables 3 to 6: reconstructions, no measurements.
 
-The paper shows its measured points only in figures. What a fitted model gives at frequencies of our choice says
-nothing about scatter or about what the model missed; these sets serve to repeat the paper's arithmetic.
+The paper shows its measured points only in figures. What a fitted model gives at frequencies of our
+choice says nothing about scatter or about what the model missed; these sets serve to repeat the
+paper's arithmetic.
 """
 
 from __future__ import annotations
@@ -36,9 +37,18 @@ TABLE_5 = {
     "0.1mrad-maxwell": ("fractional-maxwell", {"k": 80614.7, "c": 2038.84, "alpha": 0.7544}),
     "1mrad-maxwell": ("fractional-maxwell", {"k": 87876.0, "c": 2095.16, "alpha": 0.7470}),
     "10mrad-maxwell": ("fractional-maxwell", {"k": 85931.0, "c": 2060.90, "alpha": 0.7500}),
-    "0.1mrad-standard": ("fractional-kelvin4", {"k1": 80362.8, "k2": 168.4, "c": 1999.2, "alpha": 0.7595}),
-    "1mrad-standard": ("fractional-kelvin4", {"k1": 96591.5, "k2": 187.4, "c": 2172.0, "alpha": 0.7325}),
-    "10mrad-standard": ("fractional-kelvin4", {"k1": 92931.0, "k2": 0.0, "c": 2129.4, "alpha": 0.7369}),
+    "0.1mrad-standard": (
+        "fractional-kelvin4",
+        {"k1": 80362.8, "k2": 168.4, "c": 1999.2, "alpha": 0.7595},
+    ),
+    "1mrad-standard": (
+        "fractional-kelvin4",
+        {"k1": 96591.5, "k2": 187.4, "c": 2172.0, "alpha": 0.7325},
+    ),
+    "10mrad-standard": (
+        "fractional-kelvin4",
+        {"k1": 92931.0, "k2": 0.0, "c": 2129.4, "alpha": 0.7369},
+    ),
 }
 TABLE_6 = (
     (63.0, 80614.7, 2038.8, 0.7544),
@@ -58,13 +68,19 @@ def fluid_hz(highest: float) -> Real:
     return np.geomspace(0.3, highest, 30)
 
 
-def _computed(name: str, model: str, truth: dict[str, float], hertz: Real, unit: str, source: str) -> Measurement:
+def _computed(
+    name: str, model: str, truth: dict[str, float], hertz: Real, unit: str, source: str
+) -> Measurement:
     omega = 2.0 * np.pi * hertz
     known = _MODELS[model]
     # A branch of zero stiffness is what Table 4 prints; 1/0 is the limit that is wanted.
     with np.errstate(divide="ignore", invalid="ignore"):
         stiffness = known.stiffness(known.vector(truth), omega)
-    origin = {"source": f"reconstruction from {source}, not measured", "model": model, "grid": "chosen by us"}
+    origin = {
+        "source": f"reconstruction from {source}, not measured",
+        "model": model,
+        "grid": "chosen by us",
+    }
     # A stiffness moves by a length, a modulus by a strain.
     moved = "-"
     if "m" in unit:
@@ -72,11 +88,14 @@ def _computed(name: str, model: str, truth: dict[str, float], hertz: Real, unit:
     return Measurement(omega, stiffness, units=Units(unit, moved), name=name, provenance=origin)
 
 
-def _dataset(name: str, model: str, truth: dict[str, float], hertz: Real, unit: str, source: str) -> DataSet:
+def _dataset(
+    name: str, model: str, truth: dict[str, float], hertz: Real, unit: str, source: str
+) -> DataSet:
     name = f"reconstruction-{name}"
     return DataSet(
         name,
-        f"computed from {model} with the parameters of {source} at frequencies of our choice; not measured",
+        f"computed from {model} with the parameters of {source} at frequencies of our choice; not"
+        " measured",
         partial(_computed, name, model, truth, hertz, unit, source),
         kind="reconstruction",
         licence="none needed",
@@ -97,7 +116,9 @@ def datasets() -> list[DataSet]:
     ]
     for number, table in ((4, TABLE_4), (5, TABLE_5)):
         sets += [
-            _dataset(f"pdms-table{number}-{key}", model, truth, fluid_hz(63.0), "Pa", f"Table {number}")
+            _dataset(
+                f"pdms-table{number}-{key}", model, truth, fluid_hz(63.0), "Pa", f"Table {number}"
+            )
             for key, (model, truth) in table.items()
         ]
     for row, (highest, modulus, eta, alpha) in enumerate(TABLE_6, 1):

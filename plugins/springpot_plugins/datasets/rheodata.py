@@ -33,15 +33,22 @@ def _columns(identifier: str) -> dict[str, Real]:
     try:
         with (folder / identifier / "data.csv").open(newline="", encoding="utf-8") as stream:
             rows = list(csv.DictReader(stream))
-        return {key: np.array([float(row[key]) for row in rows]) for key in rows[0] if key != "sample_id"}
+        return {
+            key: np.array([float(row[key]) for row in rows])
+            for key in rows[0]
+            if key != "sample_id"
+        }
     except (OSError, ValueError, KeyError, IndexError) as error:
-        raise DataError(f"data set '{_name(identifier)}': rheopy-rheodata has changed its file: {error}") from None
+        raise DataError(
+            f"data set '{_name(identifier)}': rheopy-rheodata has changed its file: {error}"
+        ) from None
 
 
 def _load(identifier: str) -> Measurement:
     columns = _columns(identifier)
     n = len(columns["Gp_Pa"])
-    # The amplitude sweep was made at 1 rad/s, the frequency sweep at 0.5 % strain (dataset.yaml of the package).
+    # The amplitude sweep was made at 1 rad/s, the frequency sweep at 0.5 % strain (dataset.yaml of
+    # the package).
     omega, strain = np.ones(n), np.full(n, 0.5)
     if identifier == _AMPLITUDE:
         strain = columns["strain_pct"]
@@ -62,11 +69,19 @@ def _name(identifier: str) -> str:
 
 
 def datasets() -> list[DataSet]:
-    """The frequency sweep and the amplitude sweep; listed as unavailable where the package is absent."""
+    """The frequency sweep and the amplitude sweep.
+
+    Listed as unavailable where the package is absent.
+    """
     fluid = "high-molecular-weight linear polymer in water, 25 degC"
     sets = (
         (_FREQUENCY, f"{fluid}, 0.1 to 100 rad/s at 0.5 % strain", 31, ("linear range",)),
-        (_AMPLITUDE, f"{fluid}, 0.1 to 1000 % strain at 1 rad/s", 41, ("linear up to about 10 % strain",)),
+        (
+            _AMPLITUDE,
+            f"{fluid}, 0.1 to 1000 % strain at 1 rad/s",
+            41,
+            ("linear up to about 10 % strain",),
+        ),
     )
     missing = ""
     if not find_spec("rheodata"):

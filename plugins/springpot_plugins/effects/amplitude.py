@@ -26,20 +26,24 @@ from springpot.rheology import (
 )
 
 WARMEST = 0.01
-"""Shift in ln omega for each W/m^3, in m^3/W, that no specimen of a modulus exceeds: foam 5 cm thick, 0.03 W/(m K),
-warms by L^2 / (8 lambda) = 0.010 K m^3/W at most, and no polymer's times change by more than a factor of e in a
-kelvin (0.8 at the glass transition, by the universal constants of WLF)."""
+"""Shift in ln omega for each W/m^3, in m^3/W, that no specimen of a modulus exceeds.
+
+Foam 5 cm thick, 0.03 W/(m K),
+warms by L^2 / (8 lambda) = 0.010 K m^3/W at most, and no polymer's times change by more than a
+factor of e in a kelvin (0.8 at the glass transition, by the universal constants of WLF).
+"""
 GELB = "Gelb and Vander Velde, Multiple-Input Describing Functions, 1968"
 
-# Of the effects here and in the other files, rarer physics counts a third (prior=0.3): beside what every laboratory
-# meets it should need better evidence, and be found all the same.
+# Of the effects here and in the other files, rarer physics counts a third (prior=0.3): beside what
+# every laboratory meets it should need better evidence, and be found all the same.
 
 EFFECTS = (
     Effect(
         "friction",
         parallel,
         coulomb_friction("F"),
-        "dry friction: a loss the same at all frequencies that falls as 1/amplitude, with odd harmonics",
+        "dry friction: a loss the same at all frequencies that falls as 1/amplitude, with odd"
+        " harmonics",
         Layer.MOVING_PARTS,
         GELB,
         ("coulomb-friction",),
@@ -49,32 +53,45 @@ EFFECTS = (
         "elasto-sliding",
         parallel,
         elasto_sliding("k", "F"),
-        "a spring that slips at a certain force: storage falls with amplitude, the loss has a peak, odd harmonics",
+        "a spring that slips at a certain force: storage falls with amplitude, the loss has a peak,"
+        " odd harmonics",
         Layer.MOVING_PARTS,
         "Jenkin 1922; Iwan 1966, doi:10.1115/1.3625199",
         ("jenkins",),
-        equation="K + k / pi * (b - sin(2 * b) / 2 + i * sin(b)^2), b = arccos(1 - 2 * min(F / (k * X), 1))",
+        equation=(
+            "K + k / pi * (b - sin(2 * b) / 2 + i * sin(b)^2), b = arccos(1 - 2 * min(F / (k *"
+            " X), 1))"
+        ),
     ),
     Effect(
         "smooth-hysteresis",
         parallel,
         smooth_hysteresis("k", "F", "n", "beta"),
-        "a spring that yields gradually, at any rate alike: storage falls with amplitude, loss peaks, odd harmonics",
+        "a spring that yields gradually, at any rate alike: storage falls with amplitude, loss"
+        " peaks, odd harmonics",
         Layer.MOVING_PARTS,
-        "Wen 1976, J. Eng. Mech. Div. ASCE 102, 249; Ikhouane and Rodellar 2007, Systems with Hysteresis",
+        "Wen 1976, J. Eng. Mech. Div. ASCE 102, 249; Ikhouane and Rodellar 2007, Systems with"
+        " Hysteresis",
         ("bouc-wen",),
         # Rarer than plain friction, from which one amplitude cannot tell it.
         prior=0.3,
-        equation="K + F / X * fundamental(z), z' = k / F * x' * (1 - |z|^n * (beta * sgn(z * x') + 1 - beta))",
+        equation=(
+            "K + F / X * fundamental(z), z' = k / F * x' * (1 - |z|^n * (beta * sgn(z * x') + 1 -"
+            " beta))"
+        ),
     ),
     Effect(
         "power-law-damper",
         parallel,
         power_law_damper("F", "a"),
-        "a damper force that goes as a power of the speed: loss as omega^a, amplitude^(a-1), no storage",
+        "a damper force that goes as a power of the speed: loss as omega^a, amplitude^(a-1), no"
+        " storage",
         Layer.MOVING_PARTS,
         "Elliott, Tehrani and Langley 2015, doi:10.1098/rsta.2014.0402",
-        equation="K + i * F * g * omega^a * X^(a - 1), g = 2 / sqrt(pi) * gamma(1 + a / 2) / gamma((3 + a) / 2)",
+        equation=(
+            "K + i * F * g * omega^a * X^(a - 1), g = 2 / sqrt(pi) * gamma(1 + a / 2) / gamma((3 +"
+            " a) / 2)"
+        ),
     ),
     Effect(
         "cubic-damping",
@@ -90,7 +107,8 @@ EFFECTS = (
         "dead-zone",
         parallel,
         gapped_spring("k", "b"),
-        "a stop that touches only beyond a gap: storage grows with amplitude, the loss is untouched",
+        "a stop that touches only beyond a gap: storage grows with amplitude, the loss is"
+        " untouched",
         Layer.MOVING_PARTS,
         GELB,
         ("bump-stop", "gap"),
@@ -109,7 +127,8 @@ EFFECTS = (
         "payne",
         parallel,
         payne_softening("k"),
-        "a filler network breaks up: storage falls with amplitude while the loss passes through a peak",
+        "a filler network breaks up: storage falls with amplitude while the loss passes through a"
+        " peak",
         citation="Kraus 1984, J. Appl. Polym. Sci. Appl. Polym. Symp. 39, 75",
         aliases=("kraus",),
         equation="K + k * (1 + 2 * i * h * u) / (1 + u^2), u = (X / Xc)^m",
@@ -118,7 +137,8 @@ EFFECTS = (
         "intrinsic-nonlinearity",
         chain,
         amplitude_gain("q"),
-        "the material softens or stiffens with amplitude squared by the same fraction at all frequencies",
+        "the material softens or stiffens with amplitude squared by the same fraction at all"
+        " frequencies",
         citation="Hyun and Wilhelm 2009, Macromolecules 42, 411",
         aliases=("maos",),
         prior=0.3,
@@ -128,7 +148,8 @@ EFFECTS = (
         "strain-softening",
         chain,
         damping_function("Xc", "n"),
-        "the whole material softens beyond an amplitude: storage and loss fall by one factor at all frequencies",
+        "the whole material softens beyond an amplitude: storage and loss fall by one factor at all"
+        " frequencies",
         citation="Soskey and Winter 1984, doi:10.1122/1.549770",
         aliases=("damping-function", "strain-thinning"),
         approximate="first harmonic: the factor is of the amplitude, not of the history",
@@ -140,8 +161,12 @@ EFFECTS = (
         "shear-thinning",
         chain,
         thinning("Vc", "n"),
-        "a liquid flows the more easily the faster it is moved: storage and loss fall with frequency times amplitude",
-        citation="Cross 1965, doi:10.1016/0095-8522(65)90022-X; Doraiswamy et al. 1991, doi:10.1122/1.550184",
+        "a liquid flows the more easily the faster it is moved: storage and loss fall with"
+        " frequency times amplitude",
+        citation=(
+            "Cross 1965, doi:10.1016/0095-8522(65)90022-X; Doraiswamy et al. 1991,"
+            " doi:10.1122/1.550184"
+        ),
         aliases=("rate-thinning", "cross-thinning"),
         approximate="first harmonic: the factor is of the largest rate, not of the momentary one",
         absent_at=inf,
@@ -153,7 +178,8 @@ EFFECTS = (
         "self-heating",
         heated,
         heating("s"),
-        "the specimen is warmed by its own loss and behaves as at a lower frequency, growing with power",
+        "the specimen is warmed by its own loss and behaves as at a lower frequency, growing with"
+        " power",
         Layer.SPECIMEN,
         "first order in the power omega K'' X^2 / 2 at steady temperature",
         approximate="first order: the power is that of the unheated specimen",
@@ -169,6 +195,8 @@ EFFECTS = (
         GELB,
         ("play",),
         prior=0.3,
-        equation="K * (1 - (a - sin(2 * a) / 2 + i * sin(a)^2) / pi), a = arccos(1 - 2 * min(b / X, 1))",
+        equation=(
+            "K * (1 - (a - sin(2 * a) / 2 + i * sin(a)^2) / pi), a = arccos(1 - 2 * min(b / X, 1))"
+        ),
     ),
 )

@@ -24,13 +24,16 @@ EFFECTS = (
         "series-spring",
         series,
         spring("k"),
-        "mounting, tool or transducer give way elastically: the measured stiffness saturates, most where it is large",
+        "mounting, tool or transducer give way elastically: the measured stiffness saturates, most"
+        " where it is large",
         Layer.MOUNTING,
         "Liu et al. 2011, Rheologica Acta 50, 537",
         ("mounting-compliance", "instrument-compliance"),
         equation="1 / (1 / K + 1 / k)",
         constant=InstrumentConstant(
-            "compliance as modulus", "k", "an instrument compliance that is a spring of {stated} in series"
+            "compliance as modulus",
+            "k",
+            "an instrument compliance that is a spring of {stated} in series",
         ),
     ),
     Effect(
@@ -40,7 +43,8 @@ EFFECTS = (
         "the frame gives way with a resonance of its own at a fixed frequency",
         Layer.MOUNTING,
         "Ewins, Modal Testing, 2000",
-        # Its peak can imitate whatever is narrow in a sweep: it competes where no common effect explains the data.
+        # Its peak can imitate whatever is narrow in a sweep: it competes where no common effect
+        # explains the data.
         narrow=True,
         equation="1 / (1 / K + 1 / (k * (1 - r^2 + 2 * i * zeta * r))), r = omega / omega_r",
     ),
@@ -57,25 +61,31 @@ EFFECTS = (
         "hardening-mount",
         balanced_series,
         hardening_spring("k", "Xh"),
-        "a mount in series that stiffens as it is moved further: the specimen gets more of a large displacement",
+        "a mount in series that stiffens as it is moved further: the specimen gets more of a large"
+        " displacement",
         Layer.MOUNTING,
         "Nayfeh and Mook, Nonlinear Oscillations, 1979",
         ("hardening-series-spring",),
         approximate=BALANCE,
         prior=0.3,
-        equation="1 / (1 / K + 1 / (k * (1 + (Y / Xh)^2))), Y = X * |K / (K + k * (1 + (Y / Xh)^2))|",
+        equation=(
+            "1 / (1 / K + 1 / (k * (1 + (Y / Xh)^2))), Y = X * |K / (K + k * (1 + (Y / Xh)^2))|"
+        ),
     ),
     Effect(
         "power-law-slip",
         balanced_series,
         slip_film("F", "a"),
-        "the specimen slips on its plates, the faster the larger the stress: stiffness is lost at large amplitude",
+        "the specimen slips on its plates, the faster the larger the stress: stiffness is lost at"
+        " large amplitude",
         citation="Hatzikiriakos and Dealy 1991, J. Rheol. 35, 497",
         aliases=("stress-slip", "nonlinear-slip"),
         approximate=BALANCE,
         prior=0.3,
-        equation="1 / (1 / K + 1 / S), S = i * F * g * omega^a * Y^(a - 1), Y = X * |K / (K + S)|, "
-        "g = 2 / sqrt(pi) * gamma(1 + a / 2) / gamma((3 + a) / 2)",
+        equation=(
+            "1 / (1 / K + 1 / S), S = i * F * g * omega^a * Y^(a - 1), Y = X * |K / (K + S)|, "
+            "g = 2 / sqrt(pi) * gamma(1 + a / 2) / gamma((3 + a) / 2)"
+        ),
     ),
     Effect(
         "series-springpot",
@@ -89,7 +99,8 @@ EFFECTS = (
         "retardation-mode",
         series,
         retardation_mode("k", "tau"),
-        "one more retardation time: a step in storage compliance and a bump in loss compliance at omega = 1/tau",
+        "one more retardation time: a step in storage compliance and a bump in loss compliance at"
+        " omega = 1/tau",
         citation="Ferry, Viscoelastic Properties of Polymers, 1980",
         aliases=("kelvin-unit",),
         prior=0.3,

@@ -1,4 +1,7 @@
-"""Effects of the measurement chain: they multiply the stiffness, disturb the force or misread the clock."""
+"""Effects of the measurement chain.
+
+They multiply the stiffness, disturb the force or misread the clock.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,8 @@ EFFECTS = (
         "time-delay",
         chain,
         delay("tau"),
-        "force and displacement are sampled at different instants: a phase error that grows as omega",
+        "force and displacement are sampled at different instants: a phase error that grows as"
+        " omega",
         Layer.SIGNAL,
         "exp(-s tau), elementary",
         equation="K * exp(-s * tau)",
@@ -52,7 +56,8 @@ EFFECTS = (
         "filter-mismatch",
         chain,
         filter_mismatch("tau"),
-        "one channel has a low-pass filter that the other lacks: phase error as omega, gain error as its square",
+        "one channel has a low-pass filter that the other lacks: phase error as omega, gain error"
+        " as its square",
         Layer.SIGNAL,
         "1 / (1 + s tau), elementary",
         prior=0.3,
@@ -62,7 +67,8 @@ EFFECTS = (
         "fixture-resonance",
         chain,
         force_resonance("omega_r"),
-        "the force channel has a resonance at a fixed frequency: gain error growing as omega squared",
+        "the force channel has a resonance at a fixed frequency: gain error growing as omega"
+        " squared",
         Layer.SIGNAL,
         "Ewins, Modal Testing, 2000",
         ("transducer-resonance",),
@@ -75,7 +81,8 @@ EFFECTS = (
         "crosstalk",
         parallel,
         crosstalk_force("F", "phi"),
-        "the drive leaks into the force signal: a fixed force of fixed phase, the larger the smaller the amplitude",
+        "the drive leaks into the force signal: a fixed force of fixed phase, the larger the"
+        " smaller the amplitude",
         Layer.SIGNAL,
         "F exp(i phi) / X, elementary",
         prior=0.3,

@@ -22,7 +22,8 @@ EFFECTS = (
         "parallel-spring",
         parallel,
         spring("k"),
-        "a spring beside the model carries a share of the force that is the same at all frequencies",
+        "a spring beside the model carries a share of the force that is the same at all"
+        " frequencies",
         citation="Ferry, Viscoelastic Properties of Polymers, 1980",
         aliases=("equilibrium-spring", "bearing-spring", "gas-spring"),
         equation="K + k",
@@ -31,7 +32,8 @@ EFFECTS = (
         "parallel-dashpot",
         parallel,
         dashpot("c"),
-        "viscous drag beside the model adds a loss that grows as omega and moves with the material's temperature",
+        "viscous drag beside the model adds a loss that grows as omega and moves with the"
+        " material's temperature",
         citation="Ferry, Viscoelastic Properties of Polymers, 1980",
         aliases=("solvent-dashpot", "bearing-drag"),
         equation="K + c * s",
@@ -43,7 +45,8 @@ EFFECTS = (
         "parallel-springpot",
         parallel,
         springpot("c", "alpha"),
-        "a further broad relaxation beside the model: storage and loss grow as the same power of omega",
+        "a further broad relaxation beside the model: storage and loss grow as the same power of"
+        " omega",
         citation="Schiessel et al. 1995, doi:10.1088/0305-4470/28/23/012",
         equation="K + c * s^alpha",
     ),
@@ -60,7 +63,8 @@ EFFECTS = (
         "diffusion",
         parallel,
         diffusion("k", "tau"),
-        "fluid that seeps through the specimen stiffens it above omega = 1/tau: a step that levels off as omega^-1/2",
+        "fluid that seeps through the specimen stiffens it above omega = 1/tau: a step that levels"
+        " off as omega^-1/2",
         citation="Biot 1941, doi:10.1063/1.1712886",
         aliases=("poroelastic",),
         prior=0.3,
@@ -79,22 +83,27 @@ EFFECTS = (
         "inertia",
         parallel,
         mass("m"),
-        "a moving mass takes force in phase with acceleration: storage falls as omega squared, loss is untouched",
+        "a moving mass takes force in phase with acceleration: storage falls as omega squared, loss"
+        " is untouched",
         Layer.MOVING_PARTS,
         "Krieger 1990, J. Rheol. 34, 471",
         ("fixture-mass", "inerter", "instrument-inertia"),
         equation="K - m * omega^2",
         constant=InstrumentConstant(
-            "inertia as modulus", "m", "a moment of inertia that takes {stated} omega^2 from the modulus"
+            "inertia as modulus",
+            "m",
+            "a moment of inertia that takes {stated} omega^2 from the modulus",
         ),
     ),
     Effect(
         "basset",
         parallel,
         basset("c"),
-        "fluid set in motion around a moving surface adds a force at 135 degrees that grows as omega^(3/2)",
+        "fluid set in motion around a moving surface adds a force at 135 degrees that grows as"
+        " omega^(3/2)",
         Layer.MOVING_PARTS,
-        "Basset 1888, A Treatise on Hydrodynamics; Landau and Lifshitz, Fluid Mechanics, section 24",
+        "Basset 1888, A Treatise on Hydrodynamics; Landau and Lifshitz, Fluid Mechanics,"
+        " section 24",
         ("stokes-layer",),
         prior=0.3,
         equation="K + c * s^(3 / 2)",

@@ -35,7 +35,8 @@ EFFECTS = (
         "wlf-shift",
         shift,
         wlf("C1", "C2"),
-        "the material relaxes faster when hot: all times follow the free volume above the glass transition",
+        "the material relaxes faster when hot: all times follow the free volume above the glass"
+        " transition",
         Layer.TEMPERATURE,
         "Williams, Landel and Ferry 1955, doi:10.1021/ja01619a008",
         ("wlf", "vft", "vogel-fulcher-tammann"),
@@ -63,7 +64,8 @@ EFFECTS = (
         "arrhenius-dashpot",
         parallel,
         thermal_dashpot("c", "Ea"),
-        "a viscous branch with an activation energy of its own: sweeps at different temperatures do not superpose",
+        "a viscous branch with an activation energy of its own: sweeps at different temperatures do"
+        " not superpose",
         Layer.SPECIMEN,
         "van Gurp and Palmen 1998, Rheol. Bull. 67, 5",
         ("second-activation",),
@@ -84,7 +86,8 @@ EFFECTS = (
         "free-shift",
         shift,
         free_factors(),
-        "all times change by one factor for each temperature (or level of another column), without a law",
+        "all times change by one factor for each temperature (or level of another column), without"
+        " a law",
         Layer.TEMPERATURE,
         FERRY,
         ("shift-factors",),
@@ -96,7 +99,8 @@ EFFECTS = (
         "free-vertical-shift",
         chain,
         free_vertical_factors(),
-        "all moduli change by one factor for each temperature (or level of another column), without a law",
+        "all moduli change by one factor for each temperature (or level of another column), without"
+        " a law",
         Layer.TEMPERATURE,
         FERRY,
         ("vertical-factors",),

@@ -1,6 +1,7 @@
 """The models of bituminous binders and mixtures: Huet, Huet-Sayegh, 1S2P1D, 2S2P1D.
 
-In their literature the orders alpha and beta are called k and h, and the factor nu of the dashpot beta.
+In their literature the orders alpha and beta are called k and h, and the factor nu of the dashpot
+beta.
 """
 
 from __future__ import annotations
@@ -84,7 +85,12 @@ _huet_sayegh = parallel(spring("k0"), _branch(with_dashpot=False))
 _2s2p1d = parallel(spring("k0"), _branch(with_dashpot=True))
 
 MODELS = (
-    Model("huet", _branch(with_dashpot=False), "spring in series with two springpots of different order", HUET),
+    Model(
+        "huet",
+        _branch(with_dashpot=False),
+        "spring in series with two springpots of different order",
+        HUET,
+    ),
     Model(
         "huet-sayegh",
         _huet_sayegh,
@@ -92,11 +98,17 @@ MODELS = (
         SAYEGH,
         search=limits_form(_huet_sayegh.parameters),
     ),
-    Model("1s2p1d", _branch(with_dashpot=True), "Huet element in series with a dashpot: a bituminous binder", OLARD),
+    Model(
+        "1s2p1d",
+        _branch(with_dashpot=True),
+        "Huet element in series with a dashpot: a bituminous binder",
+        OLARD,
+    ),
     Model(
         "2s2p1d",
         _2s2p1d,
-        "spring beside a spring, two springpots and a dashpot in series: a bituminous mixture, kinf = k0 + k1",
+        "spring beside a spring, two springpots and a dashpot in series: a bituminous mixture, kinf"
+        " = k0 + k1",
         OLARD,
         search=limits_form(_2s2p1d.parameters),
     ),

@@ -53,14 +53,18 @@ MODELS = (
     Model(
         "burgers",
         series(spring("k1"), dashpot("c1"), parallel(spring("k2"), dashpot("c2"))),
-        "Maxwell element in series with a Kelvin element: a fluid with elastic, retarded and viscous creep",
+        "Maxwell element in series with a Kelvin element: a fluid with elastic, retarded and"
+        " viscous creep",
         TSCHOEGL,
         aliases=("burgersliquid",),
     ),
     Model(
         "zener-2",
-        parallel(spring("k0"), series(spring("k1"), dashpot("c1")), series(spring("k2"), dashpot("c2"))),
-        "spring beside two Maxwell elements, in springs and dashpots (prony-2 holds relaxation times)",
+        parallel(
+            spring("k0"), series(spring("k1"), dashpot("c1")), series(spring("k2"), dashpot("c2"))
+        ),
+        "spring beside two Maxwell elements, in springs and dashpots (prony-2 holds relaxation"
+        " times)",
         TSCHOEGL,
         aliases=("sls2",),
     ),

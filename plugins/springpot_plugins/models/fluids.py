@@ -1,8 +1,8 @@
 """The fluid forms of the paper whose published parameters are not those of the elements.
 
-Their thermodynamic conditions tie two parameters together (alpha <= beta, kinf > k0). The model's own parameters
-therefore hold a ratio or a difference, so that their bounds alone keep every result lawful; the published ones
-are the search form.
+Their thermodynamic conditions tie two parameters together (alpha <= beta, kinf > k0). The model's
+own parameters therefore hold a ratio or a difference, so that their bounds alone keep every result
+lawful; the published ones are the search form.
 """
 
 from __future__ import annotations
@@ -117,7 +117,12 @@ def _makris_jacobian(theta: Real) -> Real:
 def _makris() -> Node:
     """K = c0 s^q / (1 + (s tau)^r), r = ratio q, tau^r = lambda: two springpots in series."""
     network = series(springpot("c0", "q"), springpot("c0/lambda", "q-r"))
-    own = (quasi_property("c0", "q", "c₀"), relaxation_time(), order("ratio", "r/q"), order("q", "q"))
+    own = (
+        quasi_property("c0", "q", "c₀"),
+        relaxation_time(),
+        order("ratio", "r/q"),
+        order("q", "q"),
+    )
     return Mapped(network, own, _makris_forward, _makris_jacobian)
 
 
@@ -169,10 +174,11 @@ def _makris_form() -> SearchForm:
 
 
 def _relaxing_springpot(k: str, tau: str, alpha: str = "alpha") -> Node:
-    """K = k (s tau)^alpha / (1 + (s tau)^alpha): spring in series with the springpot k tau^alpha."""
+    """K = k (s tau)^alpha / (1 + (s tau)^alpha): spring k in series with springpot k tau^alpha."""
     network = series(spring(k), springpot(f"{k} {tau}^{alpha}", alpha))
     own = (stiffness(k), relaxation_time(tau), order(alpha))
-    # The parameters are those in which the three-parameter models are searched, and so are their maps.
+    # The parameters are those in which the three-parameter models are searched, and so are their
+    # maps.
     return Mapped(network, own, TIME_FORM.to_elements, TIME_FORM.jacobian)
 
 
@@ -183,14 +189,16 @@ MODELS = (
     Model(
         "fractional-maxwell-ab",
         _unequal_orders(),
-        "fractional Maxwell fluid with two orders: k (s tau)^beta / (1 + (s tau)^alpha), alpha = ratio beta <= beta",
+        "fractional Maxwell fluid with two orders: k (s tau)^beta / (1 + (s tau)^alpha), alpha ="
+        " ratio beta <= beta",
         "eq. (27)",
         search=_unequal_orders_form(),
     ),
     Model(
         "oldroyd-b",
         _oldroyd,
-        "fractional Oldroyd-B fluid of the paper: (k0 + kinf (s tau)^alpha) / (1 + (s tau)^alpha), kinf = k0 + k1",
+        "fractional Oldroyd-B fluid of the paper: (k0 + kinf (s tau)^alpha) / (1 + (s tau)^alpha),"
+        " kinf = k0 + k1",
         "eq. (28), (31), (32)",
         aliases=("fractional-oldroyd-b",),
         search=limits_form(_oldroyd.parameters),
@@ -198,7 +206,8 @@ MODELS = (
     Model(
         "makris",
         _makris(),
-        "fractional Maxwell model of viscous dampers: c0 s^q / (1 + lambda s^r), lambda = tau^r, r = ratio q <= q",
+        "fractional Maxwell model of viscous dampers: c0 s^q / (1 + lambda s^r), lambda = tau^r, r"
+        " = ratio q <= q",
         "eq. (54); Makris & Constantinou (1991), 10.1061/(ASCE)0733-9445(1991)117:9(2708)",
         aliases=("makris-constantinou",),
         search=_makris_form(),

@@ -1,7 +1,9 @@
-"""The fractional family that RHEOS.jl and pyRheo share: springpots where the classical models have dashpots.
+"""The fractional family that RHEOS.jl and pyRheo share.
 
-Aliases are the names those tools use, in lower case. ``fractional-maxwell-gel`` and ``-liquid`` are no aliases:
-pyRheo and RheoJAX give the two names to each other's networks.
+Springpots where the classical models have dashpots.
+
+Aliases are the names those tools use, in lower case. ``fractional-maxwell-gel`` and ``-liquid`` are
+no aliases: pyRheo and RheoJAX give the two names to each other's networks.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""The models of the paper: springpot, fractional Kelvin and Maxwell, and the two four-parameter types."""
+"""The models of the paper.
+
+Springpot, fractional Kelvin and Maxwell, and the two four-parameter types.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +43,8 @@ MODELS = (
     Model(
         "fractional-kelvin4",
         series(spring("k1"), parallel(spring("k2"), springpot())),
-        "spring in series with a fractional Kelvin element: the Kelvin type, or standard model of fluids",
+        "spring in series with a fractional Kelvin element: the Kelvin type, or standard model of"
+        " fluids",
         "eq. (3)-(6), (34)",
         aliases=("fractional-standard", "fractsls-pt", "fractional-poynting-thomson"),
         search=KELVIN_FORM,
@@ -50,7 +54,12 @@ MODELS = (
         parallel(spring("k1"), series(spring("k2"), springpot())),
         "spring beside a fractional Maxwell element: the Maxwell type with four parameters",
         "eq. (7)-(9), (35)",
-        aliases=("fractional-maxwell-type4", "fractional-sls", "fractsls-zener", "fractional-zener-solid-s"),
+        aliases=(
+            "fractional-maxwell-type4",
+            "fractional-sls",
+            "fractsls-zener",
+            "fractional-zener-solid-s",
+        ),
         search=MAXWELL_FORM,
     ),
 )

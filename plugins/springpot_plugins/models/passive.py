@@ -8,7 +8,8 @@ MODELS = (
     Model(
         "material",
         Continuum(),
-        "any linear passive material: a spectrum of relaxation times, the least error that any model reaches",
+        "any linear passive material: a spectrum of relaxation times, the least error that any"
+        " model reaches",
         "Ferry, Viscoelastic Properties of Polymers (1980), ch. 3",
         aliases=("any-material", "free-spectrum"),
     ),

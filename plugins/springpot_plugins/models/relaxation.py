@@ -1,4 +1,7 @@
-"""Relaxation functions that are no network of springpots: Havriliak-Negami, Cole-Davidson and the power law."""
+"""Relaxation functions that are no network of springpots.
+
+Havriliak-Negami, Cole-Davidson and the power law.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +40,10 @@ _LOG_RATE = np.arange(-60.0, 4.0, _STEP)
 _RATE = np.exp(_LOG_RATE)
 """Nodes of the trapezoidal rule in ln x, whose error is exp(-pi^2 / step), the rounding error."""
 _TURN = np.pi / 4
-"""Angle by which the path of x avoids a pole on the positive axis: as far from it as from where exp(-x) grows."""
+"""Angle by which the path of x avoids a pole on the positive axis.
+
+As far from it as from where exp(-x) grows.
+"""
 _TURNED_STEP = 0.15
 _TURNED_LOG_RATE = np.arange(-60.0, 4.2, _TURNED_STEP) + 1j * _TURN
 _TURNED_RATE = np.exp(_TURNED_LOG_RATE)
@@ -46,7 +52,7 @@ _TURNED_RATE = np.exp(_TURNED_LOG_RATE)
 
 @dataclass(frozen=True)
 class HavriliakNegami(Node):
-    """K = k1 [1 - (1 + (s tau)^alpha)^-gamma], a complete Bernstein function for orders in [0, 1]."""
+    """K = k1 [1 - (1 + (s tau)^alpha)^-gamma], complete Bernstein function for orders in [0, 1]."""
 
     kind: str = "havriliak-negami"
 
@@ -79,9 +85,9 @@ class HavriliakNegami(Node):
 class PowerLawRelaxation(Node):
     """The modulus whose relaxation is k1 (1 + t/tau)^-alpha.
 
-    With z = s tau, K = k1 [1 - alpha I(z)], I = 1/Gamma(1+alpha) times the integral of x^alpha e^-x / (z + x)
-    over the relaxation rates x > 0; it is evaluated by the trapezoidal rule in ln x. At a complex `log_omega`, where
-    z comes near the negative axis, the path of x turns away from it.
+    With z = s tau, K = k1 [1 - alpha I(z)], I = 1/Gamma(1+alpha) times the integral of x^alpha e^-x
+    / (z + x) over the relaxation rates x > 0; it is evaluated by the trapezoidal rule in ln x. At a
+    complex `log_omega`, where z comes near the negative axis, the path of x turns away from it.
     """
 
     kind: str = "power-law-relaxation"
@@ -104,14 +110,19 @@ class PowerLawRelaxation(Node):
         if depth == VALUE:
             return Response(value)
         by_log_z = k * alpha * np.exp(log_time + HALF_PI) * square
-        by_theta = np.stack(np.broadcast_arrays(shape, by_log_z / tau, -k * (mean + alpha * spread)), axis=-2)
+        by_theta = np.stack(
+            np.broadcast_arrays(shape, by_log_z / tau, -k * (mean + alpha * spread)), axis=-2
+        )
         if depth < FULL:
             return Response(value, by_theta, value)
         return Response(value, by_theta, by_log_z)
 
 
 def _straight(log_time: Real, alpha: Real, slopes: bool) -> tuple[Complex, Complex, Complex]:
-    """I(z), its derivative by alpha and minus that by z, at z = i y; 1/(z + x) = (x - i y)/(x^2 + y^2)."""
+    """I(z), its derivative by alpha and minus that by z, at z = i y.
+
+    1/(z + x) = (x - i y)/(x^2 + y^2).
+    """
     y = np.exp(log_time)
     pole = 1.0 / (_RATE**2 + (y * y)[..., None])
     weight = _STEP * np.exp((alpha + 1.0) * _LOG_RATE - _RATE) / gamma(alpha + 1.0)
@@ -137,7 +148,9 @@ def _turned(
     below = log_time.imag + HALF_PI.imag < 0.0
     z = np.exp(log_time + HALF_PI)
     pole = 1.0 / (np.where(below, z.conj(), z)[..., None] + _TURNED_RATE)
-    weight = np.exp((alpha + 1.0) * _TURNED_LOG_RATE - _TURNED_RATE) * _TURNED_STEP / gamma(alpha + 1.0)
+    weight = (
+        np.exp((alpha + 1.0) * _TURNED_LOG_RATE - _TURNED_RATE) * _TURNED_STEP / gamma(alpha + 1.0)
+    )
 
     def over_rates(pole: Complex, weight: Complex) -> Complex:
         mean = np.matmul(pole, weight[..., None])[..., 0]
@@ -158,7 +171,8 @@ MODELS = (
     Model(
         "havriliak-negami",
         _havriliak_negami,
-        "asymmetric relaxation, kinf - k1 / (1 + (s tau)^alpha)^gamma, kinf = k0 + k1; gamma = 1 is oldroyd-b",
+        "asymmetric relaxation, kinf - k1 / (1 + (s tau)^alpha)^gamma, kinf = k0 + k1; gamma = 1 is"
+        " oldroyd-b",
         "Havriliak & Negami (1967), 10.1016/0032-3861(67)90021-3",
         search=limits_form(_havriliak_negami.parameters),
     ),

@@ -88,5 +88,7 @@ FAMILIES = (
         "N Maxwell elements side by side, without a spring",
         aliases=("generalised-maxwell-N", "generalized-maxwell-N"),
     ),
-    Family("kelvin-N", _kelvin, "spring in series with N Kelvin elements", aliases=("kelvin-chain-N",)),
+    Family(
+        "kelvin-N", _kelvin, "spring in series with N Kelvin elements", aliases=("kelvin-chain-N",)
+    ),
 )

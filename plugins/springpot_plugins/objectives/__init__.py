@@ -18,7 +18,8 @@ def _equal(measurement: Measurement) -> Complex:
 
 
 def _relative(measurement: Measurement) -> Complex:
-    # By the magnitude for both parts: relative to itself, a loss of nearly nothing would outweigh all else.
+    # By the magnitude for both parts: relative to itself, a loss of nearly nothing would outweigh
+    # all else.
     return np.asarray((1.0 + 1.0j) / measurement.magnitude, dtype=np.complex128)
 
 
@@ -33,7 +34,9 @@ def _given_sd(measurement: Measurement) -> Complex:
 def springpot_objectives() -> Iterable[Objective]:
     """The paper's objective and three others."""
     return (
-        Objective("paper", "sum of (K' - K'_m)^2 + (K'' - K''_m)^2, eq. (44)", _equal, citation="eq. (44)"),
+        Objective(
+            "paper", "sum of (K' - K'_m)^2 + (K'' - K''_m)^2, eq. (44)", _equal, citation="eq. (44)"
+        ),
         Objective("relative", "the differences of K' and K'' over |K_m|", _relative),
         Objective("log", "the differences of ln|K| and of the phase", _equal, logarithmic=True),
         Objective("weighted", "the differences over their given standard deviations", _given_sd),

@@ -56,7 +56,8 @@ class DualAnnealing(Optimiser):
             lambda: dual_annealing(
                 cube,
                 [(0.0, 1.0)] * cube.dimension,
-                # The budget is the recorder's to watch: the library counts other calls than it does.
+                # The budget is the recorder's to watch: the library counts other calls than it
+                # does.
                 maxiter=UNENDING,
                 maxfun=UNENDING,
                 initial_temp=self.temperature,
@@ -92,7 +93,8 @@ class ScipyDirect(Optimiser):
         cube, ended = Cube(problem), list[BaseException]()
 
         def guarded(u: Real) -> float:
-            # An exception does not stop this library, it ends it in a SystemError later: keep it until then.
+            # An exception does not stop this library, it ends it in a SystemError later: keep it
+            # until then.
             if ended:
                 return inf
             try:

@@ -48,7 +48,7 @@ class Cube:
 
 
 def keep_on(problem: Recorder, attempt: Callable[[], object]) -> None:
-    """Make attempt after attempt until the recorder ends the run, or an attempt asks for no more values."""
+    """Make attempts until the recorder ends the run, or an attempt asks for no more values."""
     # An attempt that asks for no value would otherwise be repeated for ever.
     before = -1
     while problem.evaluations > before:

@@ -25,7 +25,7 @@ UNENDING = 2**31 - 1
 
 @dataclass(frozen=True)
 class CmaEs(Optimiser):
-    """CMA-ES of pycma in the unit cube, restarted with a growing population until the budget is spent.
+    """CMA-ES of pycma in the unit cube, restarted with a growing population within the budget.
 
     Parameters
     ----------
@@ -42,7 +42,9 @@ class CmaEs(Optimiser):
     growth: float = 2.0
 
     name: ClassVar[str] = "cma-es"
-    card: ClassVar[Card] = Card("covariance matrix adaptation with restarts (pycma)", "Hansen 2016, arXiv:1604.00772")
+    card: ClassVar[Card] = Card(
+        "covariance matrix adaptation with restarts (pycma)", "Hansen 2016, arXiv:1604.00772"
+    )
 
     def __post_init__(self) -> None:
         self._require("sigma", self.sigma > 0, "positive")
@@ -67,7 +69,8 @@ class CmaEs(Optimiser):
         options = {
             "bounds": [0.0, 1.0],
             "popsize": size,
-            # Its own numbers come from a process-wide generator; these from ours, and seeding is switched off.
+            # Its own numbers come from a process-wide generator; these from ours, and seeding is
+            # switched off.
             "randn": lambda *shape: rng.standard_normal(shape),
             "seed": np.nan,
             "maxiter": UNENDING,
@@ -83,7 +86,7 @@ class CmaEs(Optimiser):
 
 @dataclass(frozen=True)
 class DifferentialEvolution(Optimiser):
-    """Differential evolution of SciPy, a whole generation in one call, restarted until the budget is spent.
+    """Differential evolution of SciPy, a whole generation a call, restarted within the budget.
 
     Parameters
     ----------
@@ -104,7 +107,8 @@ class DifferentialEvolution(Optimiser):
 
     name: ClassVar[str] = "differential-evolution"
     card: ClassVar[Card] = Card(
-        "differential evolution, vectorised (SciPy)", "Storn and Price 1997, doi:10.1023/A:1008202821328"
+        "differential evolution, vectorised (SciPy)",
+        "Storn and Price 1997, doi:10.1023/A:1008202821328",
     )
 
     def __post_init__(self) -> None:

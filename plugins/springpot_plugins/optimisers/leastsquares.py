@@ -47,7 +47,10 @@ class LeastSquares(Optimiser):
         """Descend from one uniform start after another."""
         from scipy.optimize import least_squares
 
-        scales = [self.logarithmic and p.scale == "log" and p.lower >= 0 for p in problem.problem.space.parameters]
+        scales = [
+            self.logarithmic and p.scale == "log" and p.lower >= 0
+            for p in problem.problem.space.parameters
+        ]
         misfit = _Misfit(problem, np.array(scales))
         lower, upper = misfit.inner(problem.lower), misfit.inner(problem.upper)
         bounds: tuple[Real | float, Real | float] = (lower, upper)
@@ -76,7 +79,10 @@ class LeastSquares(Optimiser):
 
 
 class _Misfit:
-    """Residuals and Jacobian by inner coordinates: logarithms where asked for, search parameters elsewhere."""
+    """Residuals and Jacobian by inner coordinates.
+
+    Logarithms where asked for, search parameters elsewhere.
+    """
 
     def __init__(self, problem: Recorder, logarithmic: NDArray[np.bool_]) -> None:
         self.problem = problem
@@ -104,6 +110,10 @@ class _Misfit:
         if not np.array_equal(y, self._at):
             x = self._outer(y)
             residual, jacobian = self.problem.residuals(x)
-            # By ln x a derivative is x times that by x. A copy of y, since the library may change its own.
-            self._at, self._found = y.copy(), (residual, jacobian * np.where(self.logarithmic, x, 1.0))
+            # By ln x a derivative is x times that by x. A copy of y, since the library may change
+            # its own.
+            self._at, self._found = (
+                y.copy(),
+                (residual, jacobian * np.where(self.logarithmic, x, 1.0)),
+            )
         return self._found

@@ -1,4 +1,7 @@
-"""The native solver as a competitor: its descents run through the recorder, which counts every one of their steps."""
+"""The native solver as a competitor.
+
+Its descents run through the recorder, which counts every one of their steps.
+"""
 
 from __future__ import annotations
 
@@ -36,6 +39,7 @@ class Native(Optimiser):
 
     def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
         """Descend from the best starts of one scan after another."""
-        # Every descent of it keeps to the box, unlike those of a fit: a race is run by all in the same box.
+        # Every descent of it keeps to the box, unlike those of a fit: a race is run by all in the
+        # same box.
         descent = BoundedDescent(problem)
         keep_on(problem, lambda: descent.from_scan(rng, self.starts))

@@ -30,7 +30,9 @@ class Solver:
         Relative change of point and objective that ends it; 0 for none.
     """
 
-    def __init__(self, algorithm: str, cube: Cube, population: int = 0, tolerance: float = 0.0) -> None:
+    def __init__(
+        self, algorithm: str, cube: Cube, population: int = 0, tolerance: float = 0.0
+    ) -> None:
         import nlopt
 
         self._cube = cube
@@ -49,7 +51,8 @@ class Solver:
             self.native.set_population(population)
 
     def _objective(self, u: Real, slope: Real) -> float:
-        # An exception does not stop every solver, and the next call would fail over it: keep it, ask to stop.
+        # An exception does not stop every solver, and the next call would fail over it: keep it,
+        # ask to stop.
         if self._fault is not None:
             return inf
         try:
@@ -64,7 +67,10 @@ class Solver:
             return inf
 
     def search(self, start: Real) -> None:
-        """Search from `start`; a line search that NLopt gives up is the end of a descent, not a fault."""
+        """Search from `start`.
+
+        A line search that NLopt gives up is the end of a descent, not a fault.
+        """
         with suppress(*self._gives_up):
             self.native.optimize(start)
         if self._fault is not None:
@@ -114,7 +120,9 @@ class Crs(_Population):
 
     algorithm = "GN_CRS2_LM"
     name = "nlopt-crs"
-    card = Card("controlled random search (NLopt)", "Kaelo and Ali 2006, doi:10.1007/s10957-006-9101-0")
+    card = Card(
+        "controlled random search (NLopt)", "Kaelo and Ali 2006, doi:10.1007/s10957-006-9101-0"
+    )
 
     def __post_init__(self) -> None:
         self._require("population", self.population == 0 or self.population >= 6, "0 or at least 6")
@@ -150,7 +158,9 @@ class DirectL(_Global):
 
 @dataclass(frozen=True)
 class Mlsl(Optimiser):
-    """Multi-level single linkage: local descents from random points that no earlier descent explains.
+    """Multi-level single linkage.
+
+    Local descents from random points that no earlier descent explains.
 
     Parameters
     ----------
@@ -242,7 +252,11 @@ class NelderMead(_Local):
 
     algorithm = "LN_NELDERMEAD"
     name = "nlopt-nelder-mead"
-    card = Card("multi-start simplex (NLopt)", "Nelder and Mead 1965, doi:10.1093/comjnl/7.4.308", globally=False)
+    card = Card(
+        "multi-start simplex (NLopt)",
+        "Nelder and Mead 1965, doi:10.1093/comjnl/7.4.308",
+        globally=False,
+    )
 
 
 class Lbfgs(_Local):

@@ -16,21 +16,27 @@ Mask: TypeAlias = NDArray[np.bool_]
 Indices: TypeAlias = NDArray[np.int64]
 
 BLOCK = 5
-"""Instances whose random numbers are drawn at once: those of 50 swarms then stay in the processor's cache.
+"""Instances whose random numbers are drawn at once.
+
+Those of 50 swarms then stay in the processor's cache.
 
 They are the same as if drawn one by one.
 """
 
-# The swarm computes with (d, runs, particles), where each parameter's numbers lie side by side; all else has d last.
+# The swarm computes with (d, runs, particles), where each parameter's numbers lie side by side; all
+# else has d last.
 PARAMETERS_LAST, PARAMETERS_FIRST = (1, 2, 0), (2, 0, 1)
 
 
 @dataclass(frozen=True)
 class PaperSwarm(BatchedOptimiser):
-    """Particle swarm with the paper's neighbourhood, inertia and repair of constraints; eq. (48) to (52).
+    """Particle swarm with the paper's neighbourhood, inertia and repair of constraints; eq.
 
-    A swarm takes ``particles * (instances + 1)`` evaluations. A smaller budget shortens its schedule, so that the
-    inertia still falls to its end; a larger one gives birth to further swarms, as the paper applies its own 5 times.
+    (48) to (52).
+
+    A swarm takes ``particles * (instances + 1)`` evaluations. A smaller budget shortens its
+    schedule, so that the inertia still falls to its end; a larger one gives birth to further
+    swarms, as the paper applies its own 5 times.
 
     Parameters
     ----------
@@ -41,8 +47,8 @@ class PaperSwarm(BatchedOptimiser):
     individuality, sociality : float
         c1 and c2 of eq. (50).
     neighbourhood : int or "global"
-        How many particles of the ring, itself included, a particle knows: 3 is itself and one on each side, 2 is
-        itself and the one before.
+        How many particles of the ring, itself included, a particle knows: 3 is itself and one on
+        each side, 2 is itself and the one before.
     inertia_first, inertia_last : float
         w_max and w_min of eq. (52); the paper gives neither.
     clamp : float
@@ -63,21 +69,31 @@ class PaperSwarm(BatchedOptimiser):
     penalty: float = 1e5
 
     name: ClassVar[str] = "pso-paper"
-    card: ClassVar[Card] = Card("particle swarm of the paper", "section 4, eq. (48)-(52)", batched=True)
+    card: ClassVar[Card] = Card(
+        "particle swarm of the paper", "section 4, eq. (48)-(52)", batched=True
+    )
 
     def __post_init__(self) -> None:
         self._require("particles", self.particles >= 1, "at least 1")
         self._require("instances", self.instances >= 1, "at least 1")
         size = _known_to_each(self.particles, self.neighbourhood)
-        self._require("neighbourhood", 1 <= size <= self.particles, '"global" or from 1 to the number of particles')
+        self._require(
+            "neighbourhood",
+            1 <= size <= self.particles,
+            '"global" or from 1 to the number of particles',
+        )
         self._require("individuality", self.individuality >= 0, "at least 0")
         self._require("sociality", self.sociality >= 0, "at least 0")
-        self._require("inertia_first", self.inertia_first >= self.inertia_last, "at least inertia_last")
+        self._require(
+            "inertia_first", self.inertia_first >= self.inertia_last, "at least inertia_last"
+        )
         self._require("inertia_last", self.inertia_last >= 0, "at least 0")
         self._require("clamp", self.clamp > 0, "positive")
         self._require("penalty", self.penalty >= 1, "at least 1")
 
-    def minimise_batch(self, problems: RecorderGroup, budget: int, rngs: Sequence[np.random.Generator]) -> None:
+    def minimise_batch(
+        self, problems: RecorderGroup, budget: int, rngs: Sequence[np.random.Generator]
+    ) -> None:
         """Fly swarm after swarm until the recorders end it."""
         limits = Limits.of(problems.problem.space)
         left = budget
@@ -103,7 +119,9 @@ class PaperSwarm(BatchedOptimiser):
         own, own_value = x.copy(), self._evaluate(problems, limits, x).copy()
         known = _ring(self.particles, self.neighbourhood)
         weights = np.array([self.individuality, self.sociality])
-        for instance, (r1, r2) in enumerate(_numbers(rngs, (self.particles, d), instances, weights)):
+        for instance, (r1, r2) in enumerate(
+            _numbers(rngs, (self.particles, d), instances, weights)
+        ):
             pull = r1 * (own - x)
             pull += r2 * (_best_known(own, own_value, known) - x)
             velocity *= self._inertia(instance, instances)
@@ -113,14 +131,18 @@ class PaperSwarm(BatchedOptimiser):
             x += velocity
             limits.repair(x)
             value = self._evaluate(problems, limits, x)
-            # All particles have moved by now: they follow the bests of the instance before, in no order.
+            # All particles have moved by now: they follow the bests of the instance before, in no
+            # order.
             better = value < own_value
             np.copyto(own, x, where=better)
             np.copyto(own_value, value, where=better)
 
     def _inertia(self, instance: int, instances: int) -> float:
-        """w(i) of eq. (52), which starts at w(1); w(0) never acts, for the first velocity is zero."""
-        return self.inertia_first - (self.inertia_first - self.inertia_last) * max(instance - 1, 0) / instances
+        """w(i) of eq. (52), which starts at w(1); w(0) never acts: the first velocity is zero."""
+        return (
+            self.inertia_first
+            - (self.inertia_first - self.inertia_last) * max(instance - 1, 0) / instances
+        )
 
     def _evaluate(self, problems: RecorderGroup, limits: Limits, x: Real) -> Real:
         violated = limits.violated(x)
@@ -133,10 +155,13 @@ class PaperSwarm(BatchedOptimiser):
 
 @dataclass(frozen=True, eq=False)
 class Limits:
-    """The paper's constraints on a search space: columns (d, 1, 1) for swarms of shape (d, runs, particles).
+    """The paper's constraints on a search space.
 
-    Times and bounded parameters (tau, alpha) stay between a floor and their expected size; all others that cannot
-    be negative (stiffnesses) stay positive. Where there is no such limit, it is infinite.
+    Columns (d, 1, 1) for swarms of shape (d, runs, particles).
+
+    Times and bounded parameters (tau, alpha) stay between a floor and their expected size; all
+    others that cannot be negative (stiffnesses) stay positive. Where there is no such limit, it is
+    infinite.
 
     Parameters
     ----------
@@ -165,8 +190,14 @@ class Limits:
     @classmethod
     def of(cls, space: SearchSpace) -> Limits:
         """Read them off the parameters."""
-        # Times and orders are held between limits; a stiffness may leave the interval in which it was born.
-        boxed = np.array([p.upper < np.inf or (p.unit.time == 1 and not p.unit.stiffness) for p in space.parameters])
+        # Times and orders are held between limits; a stiffness may leave the interval in which it
+        # was born.
+        boxed = np.array(
+            [
+                p.upper < np.inf or (p.unit.time == 1 and not p.unit.stiffness)
+                for p in space.parameters
+            ]
+        )
         positive = space.lower >= 0
         birthplace = np.where(positive, 0.0, -space.expected)
         floor = np.where(boxed, birthplace, -np.inf)
@@ -178,26 +209,35 @@ class Limits:
         return cls(space, expected, birthplace, floor, ceiling, least, upright)
 
     def birth(self, numbers: Real) -> Real:
-        """Initial positions (d, runs, particles) from numbers (runs, particles, d), uniform in the expected size."""
-        spread = np.multiply(numbers.transpose(PARAMETERS_FIRST), self.expected - self.birthplace, order="C")
+        """Initial positions (d, runs, particles) from numbers (runs, particles, d).
+
+        They are uniform in the expected size.
+        """
+        spread = np.multiply(
+            numbers.transpose(PARAMETERS_FIRST), self.expected - self.birthplace, order="C"
+        )
         return self.birthplace + spread
 
     def turn_back(self, x: Real, velocity: Real, pull: Real, fastest: Real) -> None:
-        """Where a bounded component would leave its interval, its velocity becomes half the pull, clamped."""
+        """Where a bounded component would leave its interval, give it half the pull, clamped."""
         ahead = x + velocity
         leaving = ahead <= self.floor
         leaving |= ahead >= self.ceiling
         if not leaving.any():
             return
-        # The pull of this step with its random numbers, halved and then clamped: the paper leaves open whether they
-        # are drawn anew. Late in a run only a few turn back: they are picked out of the flat arrays.
+        # The pull of this step with its random numbers, halved and then clamped: the paper leaves
+        # open whether they are drawn anew. Late in a run only a few turn back: they are picked out
+        # of the flat arrays.
         places = np.flatnonzero(leaving)
         limit = fastest.ravel().take(places // x[0].size)
-        velocity.ravel()[places] = np.minimum(np.maximum(pull.ravel().take(places) / 2.0, -limit), limit)
+        velocity.ravel()[places] = np.minimum(
+            np.maximum(pull.ravel().take(places) / 2.0, -limit), limit
+        )
 
     def repair(self, x: Real) -> None:
         """Restore the order kinf > k0, in place."""
-        # The position itself, not only what is evaluated: "a new value of k_inf equal to 1.01 k_0 is introduced".
+        # The position itself, not only what is evaluated: "a new value of k_inf equal to 1.01 k_0
+        # is introduced".
         points = x.transpose(PARAMETERS_LAST)
         repaired = self.space.repaired(points)
         if repaired is not points:
@@ -205,7 +245,8 @@ class Limits:
 
     def violated(self, x: Real) -> Mask:
         """Which points violate any constraint, shape (runs, particles)."""
-        # A limit that is reached is broken: the paper's section 4 has 0 < alpha < 1, without the ends.
+        # A limit that is reached is broken: the paper's section 4 has 0 < alpha < 1, without the
+        # ends.
         broken = x <= self.least
         broken |= x >= self.ceiling
         any_broken: Mask = np.logical_or.reduce(broken, axis=0)
@@ -237,9 +278,11 @@ def _numbers(
 ) -> Iterator[Real]:
     """R1 and R2 of eq. (50) times their weights, (2, d, runs, particles) for each instance.
 
-    Each generator is asked in the order instance, term, particle, parameter, as if one number were drawn at a time.
+    Each generator is asked in the order instance, term, particle, parameter, as if one number were
+    drawn at a time.
     """
-    # R1 and R2 are diagonal matrices in the paper: a number for each parameter, not one for a whole particle.
+    # R1 and R2 are diagonal matrices in the paper: a number for each parameter, not one for a whole
+    # particle.
     for first in range(0, instances, BLOCK):
         block = _draw(rngs, (min(BLOCK, instances - first), 2, *shape))
         turned = block.transpose(1, 2, 4, 0, 3)

@@ -1,7 +1,10 @@
-"""The algorithms of optimagic, which gives those of many libraries one call: each an optimiser ``optimagic-...``.
+"""The algorithms of optimagic, which gives those of many libraries one call.
 
-Which there are depends on what is installed beside it: some forty with SciPy and NLopt, a hundred with the rest. The
-library takes seconds to import and is imported when one of its names is asked for.
+Each an optimiser ``optimagic-...``.
+
+Which there are depends on what is installed beside it: some forty with SciPy and NLopt, a hundred
+with the rest. The library takes seconds to import and is imported when one of its names is asked
+for.
 """
 
 from __future__ import annotations
@@ -25,17 +28,23 @@ PREFIX = "optimagic-"
 INSTALL = "pip install 'springpot[optimagic]'"
 CITATION = "Gabler and others, optimagic, github.com/optimagic-dev/optimagic"
 OWN = frozenset({"seed", "n_cores", "batch_evaluator", "display"})
-"""Options that are ours: the recorder's generator seeds, and a trial has one process and prints nothing."""
+"""Options that are ours.
+
+The recorder's generator seeds, and a trial has one process and prints nothing.
+"""
 PLAIN = (bool, int, float, str)
 """What an option may be, to be written in a study and kept in its store."""
 UNENDING = 2**31 - 1
-"""Evaluations and iterations after which an algorithm may end by itself: the recorder ends the run long before."""
+"""Evaluations and iterations after which an algorithm may end by itself.
+
+The recorder ends the run long before.
+"""
 LIMITS = frozenset({"stopping_maxfun", "stopping_maxiter"})
 
 
 @dataclass(frozen=True)
 class Unified(Optimiser):
-    """An algorithm of optimagic in the unit cube, from one uniform start after another until the budget is spent."""
+    """An algorithm of optimagic in the unit cube, from uniform starts until the budget is spent."""
 
     algorithm: ClassVar[str] = ""
     squares: ClassVar[bool] = False
@@ -44,7 +53,10 @@ class Unified(Optimiser):
 
     def __reduce__(self) -> tuple[Callable[..., Unified], tuple[str, dict[str, Any]]]:
         # A class that was made on the way has no place from which a worker could import it.
-        return _again, (self.name, {option.name: getattr(self, option.name) for option in fields(self)})
+        return _again, (
+            self.name,
+            {option.name: getattr(self, option.name) for option in fields(self)},
+        )
 
     def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
         """Start anew until the recorder ends it."""
@@ -79,7 +91,8 @@ class Unified(Optimiser):
                 skip_checks=True,
             )
         except Exception:
-            # Some algorithms give up loudly, and some libraries turn what ended the run into a fault of their own.
+            # Some algorithms give up loudly, and some libraries turn what ended the run into a
+            # fault of their own.
             if misfit.ended is None and misfit.calls == misfit.before:
                 raise
         misfit.before = misfit.calls
@@ -95,7 +108,8 @@ class _Misfit:
     cube : Cube
         Where values come from.
     squares : bool
-        Whether residuals (2n,) and their Jacobian are asked for, not their sum of squares and its gradient.
+        Whether residuals (2n,) and their Jacobian are asked for, not their sum of squares and its
+        gradient.
     graded : bool
         Whether derivatives are wanted at all.
     """
@@ -141,7 +155,7 @@ class _Misfit:
 
 @contextmanager
 def _seeded(rng: np.random.Generator) -> Iterator[None]:
-    """Libraries that draw from generators of the whole process draw what ours says, and leave no trace."""
+    """Let libraries with generators of the whole process draw what ours says, without a trace."""
     import nlopt
 
     kept, known = np.random.get_state(), random.getstate()  # noqa: NPY002  not ours, but theirs
@@ -179,7 +193,7 @@ def members() -> Mapping[str, type[Optimiser]]:
 
 
 def _made(name: str, algorithm: Any) -> type[Unified]:
-    """The optimiser of one algorithm, with those of its options that are plain numbers and words."""
+    """The optimiser of one algorithm, with those options that are plain numbers and words."""
     about, own = algorithm.algo_info, {option.name: option for option in fields(algorithm)}
     options = [
         (option.name, type(option.default), field(default=option.default))
@@ -205,15 +219,22 @@ def _made(name: str, algorithm: Any) -> type[Unified]:
         "limits": tuple(sorted(LIMITS & own.keys())),
         "seeded": "seed" in own,
     }
-    return make_dataclass(f"Optimagic_{name}", options, bases=(Unified,), namespace=space, frozen=True)
+    return make_dataclass(
+        f"Optimagic_{name}", options, bases=(Unified,), namespace=space, frozen=True
+    )
 
 
 def _explained(name: str, options: Mapping[str, type]) -> str:
-    lines = [f"{name} of optimagic, from one uniform start after another until the budget is spent."]
+    lines = [
+        f"{name} of optimagic, from one uniform start after another until the budget is spent."
+    ]
     if options:
         lines += ["", "Parameters", "----------"]
     for option, kind in options.items():
-        lines += [f"{option} : {kind.__name__}", f"    See {name} in optimagic's list of algorithms."]
+        lines += [
+            f"{option} : {kind.__name__}",
+            f"    See {name} in optimagic's list of algorithms.",
+        ]
     return "\n".join(lines)
 
 
@@ -224,5 +245,7 @@ def _again(name: str, options: dict[str, Any]) -> Unified:
 
 
 FAMILY = OptimiserFamily(
-    f"{PREFIX}NAME", "algorithms of SciPy, NLopt, nevergrad, pygmo and others through optimagic", members
+    f"{PREFIX}NAME",
+    "algorithms of SciPy, NLopt, nevergrad, pygmo and others through optimagic",
+    members,
 )

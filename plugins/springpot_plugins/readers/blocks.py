@@ -28,7 +28,8 @@ _WIDEST = 400
 _KEPT = 1000
 """Lines of numbers without names that are kept above a table: what is said of it stands nearer."""
 _NEAR, _SENTENCE = 4, 80
-"""Lines above a table in which its name is sought, and signs from which such a line is a sentence."""
+"""Lines above a table in which its name is sought, and signs from which such a line is a sentence.
+"""
 _DRIVEN = frozenset({"amplitude", "stress", "torque", "displacement"})
 """What is set or followed in a test in time."""
 _PATIENCE = 50_000
@@ -67,7 +68,9 @@ class Block:
         """What there is; a column without any value is not there."""
         # Backwards, so that of several columns of one role the first remains.
         named = {each.role: i for i, each in reversed(list(enumerate(self.headings))) if each.role}
-        filled = {str(role) for role, i in named.items() if not self.rows or self._is_filled(i, str(role))}
+        filled = {
+            str(role) for role, i in named.items() if not self.rows or self._is_filled(i, str(role))
+        }
         return filled | {str(heading(title).role) for title in self.constants}
 
     def _is_filled(self, place: int, role: str) -> bool:
@@ -109,7 +112,11 @@ def lacking(roles: set[str]) -> str:
     missing = []
     if not roles & FREQUENCIES:
         missing.append(FREQUENCY)
-    if "force_amplitude" in roles and roles & {"phase", "loss_factor"} and not roles & {*MODULI, "amplitude"}:
+    if (
+        "force_amplitude" in roles
+        and roles & {"phase", "loss_factor"}
+        and not roles & {*MODULI, "amplitude"}
+    ):
         return f"missing {' and '.join([*missing, SINGLE_AMPLITUDE])}"
     angles = {"phase", "loss_factor", "damping_ratio", "damping"}
     if not roles & {"storage", "magnitude", "loss", "viscosity"} and roles & angles:
@@ -140,7 +147,9 @@ def is_dynamic(roles: set[str]) -> bool:
     return modulus and bool(roles & FREQUENCIES)
 
 
-def blocks_of(grid: Grid, strict: bool = False, stacked: bool = False) -> tuple[list[Block], list[list[str]]]:
+def blocks_of(
+    grid: Grid, strict: bool = False, stacked: bool = False
+) -> tuple[list[Block], list[list[str]]]:
     """The tables in a grid, and the lines below the last one.
 
     Parameters
@@ -148,9 +157,11 @@ def blocks_of(grid: Grid, strict: bool = False, stacked: bool = False) -> tuple[
     grid : Grid
         The file.
     strict : bool
-        Whether rows must be as long as the names above them, and nothing may follow a table but another.
+        Whether rows must be as long as the names above them, and nothing may follow a table but
+        another.
     stacked : bool
-        Whether rows below a line of one cell, such as ``T = 40 °C``, go on under the names of the table before.
+        Whether rows below a line of one cell, such as ``T = 40 °C``, go on under the names of the
+        table before.
 
     Raises
     ------
@@ -174,11 +185,14 @@ def blocks_of(grid: Grid, strict: bool = False, stacked: bool = False) -> tuple[
             width = len(blocks[-1].headings)
             cells = _rectangle(rows[i:stop], grid.lines[i:stop], width, strict)
             name = _name(above)
-            blocks.append(replace(blocks[-1], name=name, rows=cells, lines=grid.lines[i:stop], above=above))
+            blocks.append(
+                replace(blocks[-1], name=name, rows=cells, lines=grid.lines[i:stop], above=above)
+            )
             above, i, tried = [], stop, 0
             continue
         if start is None:
-            # Remarks above a table are kept, numbers without names beyond some are of no further use.
+            # Remarks above a table are kept, numbers without names beyond some are of no further
+            # use.
             most = _KEPT
             if words:
                 most = _PATIENCE
@@ -208,11 +222,18 @@ def require_tables(count: int) -> None:
         With what to do.
     """
     if count > MOST_TABLES:
-        raise DataError(f"more than {MOST_TABLES} tables below one another; save those that matter alone")
+        raise DataError(
+            f"more than {MOST_TABLES} tables below one another; save those that matter alone"
+        )
 
 
-def _goes_on(blocks: Sequence[Block], rows: Sequence[Sequence[str]], i: int, above: Sequence[list[str]]) -> bool:
-    """Whether a row of numbers belongs to the names of the last table, below one or two lines of one cell."""
+def _goes_on(
+    blocks: Sequence[Block], rows: Sequence[Sequence[str]], i: int, above: Sequence[list[str]]
+) -> bool:
+    """Whether a row of numbers belongs to the names of the last table.
+
+    Lines of one cell, one or two, may stand between.
+    """
     return (
         bool(blocks)
         and 0 < len(above) <= _STACKED
@@ -255,7 +276,7 @@ def _first_row(rows: Sequence[Sequence[str]], i: int) -> int | None:
 
 
 def _last_row(rows: Sequence[Sequence[str]], start: int, names: Sequence[str]) -> int:
-    """Behind the last row of a table: rows of the same width whose first number is one go quickly."""
+    """Behind the last row of a table: rows of one width whose first number is one go quickly."""
     width = len(rows[start])
     key = next(k for k, cell in enumerate(rows[start]) if holds_number(cell))
     for j in range(start + 1, len(rows)):
@@ -265,14 +286,19 @@ def _last_row(rows: Sequence[Sequence[str]], start: int, names: Sequence[str]) -
             continue
         if is_data(row) and not _ends(row):
             continue
-        if len(row) == width and width > 1 and any(holds_number(cell) for cell in row) and not _ends(row):
+        if (
+            len(row) == width
+            and width > 1
+            and any(holds_number(cell) for cell in row)
+            and not _ends(row)
+        ):
             continue
         return j
     return len(rows)
 
 
 def _is_plain(cell: str) -> bool:
-    """Whether a cell is a number as Python reads it, which is quicker than to match all ways of writing one."""
+    """Whether a cell is a number to Python: quicker than to match all ways of writing one."""
     try:
         float(cell.replace(",", "."))
     except ValueError:
@@ -285,7 +311,9 @@ def _ends(row: Sequence[str]) -> bool:
     return row[0].strip().endswith(":") or row[0].strip().startswith((*COMMENT, "["))
 
 
-def _rectangle(rows: Sequence[list[str]], lines: Sequence[int], width: int, strict: bool) -> Sequence[list[str]]:
+def _rectangle(
+    rows: Sequence[list[str]], lines: Sequence[int], width: int, strict: bool
+) -> Sequence[list[str]]:
     """The rows, all of one width."""
     if set(map(len, rows)) == {width}:
         return rows

@@ -1,4 +1,7 @@
-"""Which channel of a time signal is what: time, displacement and force by name and unit, in several languages."""
+"""Which channel of a time signal is what.
+
+Time, displacement and force by name and unit, in several languages.
+"""
 
 from __future__ import annotations
 
@@ -34,47 +37,27 @@ from .titles import apart_from_sign
 
 NAMES: dict[str, tuple[str, ...]] = {
     "time": (
-        *("time", "t", "temps", "zeit", "tiempo", "tempo", "elapsed time", "laufzeit", "total time", "running time"),
-        *(
-            "test time",
-            "prüfzeit",
-            "time stamp",
-            "timestamp",
-            "zeitstempel",
-            "datum/zeit",
-            "datum uhrzeit",
-            "datum/uhrzeit",
-            "date and time",
-            "elapsed",
-            "uhrzeit",
-        ),
-        *("date/time", "datetime", "date time", "horodatage", "x_value"),
+        *("time", "t", "temps", "zeit", "tiempo", "tempo", "elapsed time", "laufzeit"),
+        *("total time", "running time", "test time", "prüfzeit", "time stamp", "timestamp"),
+        *("zeitstempel", "datum/zeit", "datum uhrzeit", "datum/uhrzeit", "date and time"),
+        *("elapsed", "uhrzeit", "date/time", "datetime", "date time", "horodatage", "x_value"),
     ),
     "displacement": (
-        *(
-            "displacement",
-            "disp",
-            "x",
-            "q",
-            "u",
-            "stroke",
-            "position",
-            "deformation",
-            "actuator displacement",
-            "lvdt",
-        ),
-        *("deplacement", "course", "weg", "verschiebung", "auslenkung", "kolbenweg", "desplazamiento", "spostamento"),
-        *("corsa", "deslocamento", "strain", "shear strain", "gamma", "γ", "dehnung", "deformacion", "deformazione"),
-        *("crosshead", "extension", "axial displacement", "axial position", "axial disp", "traverse", "traversenweg"),
-        *("machine position", "standardweg"),
-        *("angle", "rotation", "angular displacement", "winkel", "drehwinkel", "angulo", "angolo", "d"),
-        *("dep", "depl", "depla"),
+        *("displacement", "disp", "x", "q", "u", "stroke", "position", "deformation"),
+        *("actuator displacement", "lvdt", "deplacement", "course", "weg", "verschiebung"),
+        *("auslenkung", "kolbenweg", "desplazamiento", "spostamento", "corsa", "deslocamento"),
+        *("strain", "shear strain", "gamma", "γ", "dehnung", "deformacion", "deformazione"),
+        *("crosshead", "extension", "axial displacement", "axial position", "axial disp"),
+        *("traverse", "traversenweg", "machine position", "standardweg", "angle", "rotation"),
+        *("angular displacement", "winkel", "drehwinkel", "angulo", "angolo"),
+        *("d", "dep", "depl", "depla"),
     ),
     "force": (
-        *("force", "f", "load", "actuator force", "load cell", "axial force", "damper force", "effort", "kraft"),
-        *("last", "kolbenkraft", "standardkraft", "prüfkraft", "fuerza", "carga", "forza", "carico", "forca"),
-        *("stress", "shear stress", "sigma", "σ", "τ", "tau", "tau_yx", "contrainte", "spannung", "schubspannung"),
-        *("tension", "esfuerzo", "sforzo", "torque", "moment", "couple", "drehmoment", "coppia", "par", "p"),
+        *("force", "f", "load", "actuator force", "load cell", "axial force", "damper force"),
+        *("effort", "kraft", "last", "kolbenkraft", "standardkraft", "prüfkraft", "fuerza"),
+        *("carga", "forza", "carico", "forca", "stress", "shear stress", "sigma", "σ", "τ"),
+        *("tau", "tau_yx", "contrainte", "spannung", "schubspannung", "tension", "esfuerzo"),
+        *("sforzo", "torque", "moment", "couple", "drehmoment", "coppia", "par", "p"),
     ),
 }
 NAMES = {channel: (*names, *CHANNELS[channel]) for channel, names in NAMES.items()}
@@ -84,7 +67,11 @@ UNITS = {
     "force": FORCE_UNITS | PRESSURE_UNITS | TORQUE_UNITS,
 }
 ADVICE = {"time": "time [s]", "displacement": "displacement [mm]", "force": "force [N]"}
-_FEW = {"time": ("s", "ms"), "displacement": ("mm", "m", "in", "%", "rad"), "force": ("N", "kN", "lbf", "MPa", "N m")}
+_FEW = {
+    "time": ("s", "ms"),
+    "displacement": ("mm", "m", "in", "%", "rad"),
+    "force": ("N", "kN", "lbf", "MPa", "N m"),
+}
 """Units that a page offers for a column that it asks for: those that test machines write."""
 _LARGEST = 1e100
 _EXAMPLE = {"time": "s", "displacement": "mm", "force": "N"}
@@ -99,50 +86,38 @@ _PREFIX = re.compile(
     r"(?:ch(?:an(?:nel)?)?|kanal|voie|canal|canale|ai|チャンネル|通道)[\s_.:#-]{0,3}\d{1,3}[\s_.:)-]{1,3}(?=\S)",
     re.IGNORECASE,
 )
-"""What an amplifier writes before the name of a channel: ``Ch 1 Kraft``, ``Channel 2: Load``, ``MX840_CH_1 Weg``."""
+"""What an amplifier writes before the name of a channel.
+
+``Ch 1 Kraft``, ``Channel 2. Load``, ``MX840_CH_1 Weg``.
+"""
 _NUMBERED = re.compile(r"[\s_#.-]{0,2}\d{1,2}(?:\s+-\s.*)?$")
-"""A sensor's number behind its name, or a clock's with its rate: ``LVDT 3``, ``Zeit 1 - Standardmessrate``."""
+"""A sensor's number behind its name, or a clock's with its rate.
+
+``LVDT 3``, ``Zeit 1 - Standardmessrate``.
+"""
 _WAY = "s"
 """The German symbol of a displacement; without a length beside it, it is the unit of a time."""
 _NOT_MEASURED = frozenset(
     (
-        *(
-            "command",
-            "cmd",
-            "setpoint",
-            "set",
-            "soll",
-            "sollwert",
-            "consigne",
-            "target",
-            "error",
-            "limit",
-            "max",
-            "min",
-        ),
-        *(
-            "peak",
-            "offset",
-            "mean",
-            "rate",
-            "amplitude",
-            "range",
-            "maximum",
-            "minimum",
-            "cumulative",
-            "total",
-            "count",
-        ),
+        *("command", "cmd", "setpoint", "set", "soll", "sollwert", "consigne", "target", "error"),
+        *("limit", "max", "min", "peak", "offset", "mean", "rate", "amplitude", "range"),
+        *("maximum", "minimum", "cumulative", "total", "count"),
     )
 )
 """Words of a channel that was not measured, or is no channel at each moment."""
 _WORST = 1000
-"""Added to the rank of a name whose unit is none of its channel: a sensor in volts beside the calibrated one."""
+"""Added to the rank of a name whose unit is none of its channel.
+
+A sensor in volts beside the calibrated one.
+"""
 
 
 @lru_cache(maxsize=2048)
 def channel_of(title: str) -> tuple[str | None, str | None, str]:
-    """Channel, unit and bare name of a title: ``force [kN]``, ``force_kN``, ``Kraft / kN`` or ``Ch 1 Kraft``."""
+    """Channel, unit and bare name of a title.
+
+    ``force [kN]``, ``force_kN``, ``Kraft / kN`` or ``Ch 1 Kraft``.
+    """
     title = " ".join(title[:200].lstrip("#% ").split())
     named = _channel(title)
     if named[0] is None and (match := _PREFIX.match(title)):
@@ -168,7 +143,8 @@ def _numbered(title: str) -> tuple[str | None, str | None, str]:
     if len(channels) != 1 or unit is None or _NOT_MEASURED & set(parts):
         return None, None, title
     channel = channels.pop()
-    # "Weg oben [mm]", "Load cell 50kN [kN]": words beside the name are a place or a type, if the unit fits.
+    # "Weg oben [mm]", "Load cell 50kN [kN]": words beside the name are a place or a type, if the
+    # unit fits.
     if normal_unit(unit) not in UNITS[channel]:
         return None, None, title
     return channel, unit, words
@@ -240,7 +216,8 @@ def places_of(titles: Sequence[str], below: Sequence[str], choice: Choice) -> Pl
     below : sequence of str
         Units from a row of their own or from a file's properties; empty where there are none.
     choice : Choice
-        What the user says: ``force=kN``, ``3=force[kN]``, or ``force=-kN`` for a force that counts the other way.
+        What the user says: ``force=kN``, ``3=force[kN]``, or ``force=-kN`` for a force that counts
+        the other way.
 
     Raises
     ------
@@ -295,7 +272,9 @@ def _recognised(titles: Sequence[str], below: Sequence[str]) -> dict[str, _Place
     return layout
 
 
-def _sensors_left(layout: Mapping[str, _Place], titles: Sequence[str], below: Sequence[str]) -> list[str]:
+def _sensors_left(
+    layout: Mapping[str, _Place], titles: Sequence[str], below: Sequence[str]
+) -> list[str]:
     """A note for each channel that several sensors measured, of which one is taken."""
     notes = []
     for channel, place in layout.items():
@@ -304,7 +283,11 @@ def _sensors_left(layout: Mapping[str, _Place], titles: Sequence[str], below: Se
             other, unit, _ = channel_of(title)
             unit = unit or _unit_below(below, i)
             # In another unit it is another quantity, such as the raw volts of the same sensor.
-            if other == channel and i != place.column and normal_unit(unit) == normal_unit(place.unit or ""):
+            if (
+                other == channel
+                and i != place.column
+                and normal_unit(unit) == normal_unit(place.unit or "")
+            ):
                 others.append(f"'{title}'")
         # Several clocks tell the same time.
         if others and channel != "time":
@@ -323,15 +306,22 @@ def _require_all(layout: dict[str, _Place], titles: Sequence[str]) -> None:
             f"or say which by 'FILE?{spec}' (columns: {shown:.100})"
         )
         if missing == ["time"]:
-            message += "; of samples that are evenly spaced say how many there are a second: 'FILE?rate=1000[Hz]'"
+            message += (
+                "; of samples that are evenly spaced say how many there are a second:"
+                " 'FILE?rate=1000[Hz]'"
+            )
         free = set(range(len(titles))) - {place.column for place in layout.values()}
         raise OpenQuestion(message, [_which(channel, titles, sorted(free)) for channel in missing])
     bare = [channel for channel in UNITS if layout[channel].unit is None]
     if bare:
         spec = ",".join(f"{channel}={_EXAMPLE[channel]}" for channel in bare)
         names = ", ".join(f"'{titles[layout[channel].column]}'" for channel in bare)
-        message = f"column {names}: there is no unit; write {ADVICE[bare[0]]}, or say it by 'FILE?{spec}'"
-        raise OpenQuestion(message, [Question.of_unit(each, _EXAMPLE[each], UNITS[each]) for each in bare])
+        message = (
+            f"column {names}: there is no unit; write {ADVICE[bare[0]]}, or say it by 'FILE?{spec}'"
+        )
+        raise OpenQuestion(
+            message, [Question.of_unit(each, _EXAMPLE[each], UNITS[each]) for each in bare]
+        )
 
 
 def _which(channel: str, titles: Sequence[str], free: Sequence[int]) -> Question:
@@ -345,7 +335,10 @@ def _which(channel: str, titles: Sequence[str], free: Sequence[int]) -> Question
 
 
 def _apply(layout: dict[str, _Place], titles: Sequence[str], name: str, meaning: str) -> list[str]:
-    """Put what a user says of one column into the layout; notes of what the file itself says otherwise."""
+    """Put what a user says of one column into the layout.
+
+    Notes of what the file itself says otherwise.
+    """
     column = _column(layout, titles, name, meaning)
     channel, unit, _ = channel_of(meaning)
     if channel is not None:
@@ -355,7 +348,9 @@ def _apply(layout: dict[str, _Place], titles: Sequence[str], name: str, meaning:
     # No channel was said, so that it is the unit of one that is known already.
     channel = next((key for key, place in layout.items() if place.column == column), None)
     if channel is None:
-        raise DataError(f"say what column '{name:.40}' is, such as 'FILE?{name}=force[{meaning:.20}]'")
+        raise DataError(
+            f"say what column '{name:.40}' is, such as 'FILE?{name}=force[{meaning:.20}]'"
+        )
     before = layout[channel]
     layout[channel] = _Place(column, meaning)
     return _overruled(channel, before, layout[channel], titles)
@@ -364,7 +359,8 @@ def _apply(layout: dict[str, _Place], titles: Sequence[str], name: str, meaning:
 def _column(layout: Mapping[str, _Place], titles: Sequence[str], name: str, meaning: str) -> int:
     """The column that a user calls by number, title or channel.
 
-    Of several it is the one that would be taken without the hint, which says more of it and never another.
+    Of several it is the one that would be taken without the hint, which says more of it and never
+    another.
     """
     taken = {place.column for place in layout.values()}
     tests: tuple[Callable[[int, str], bool], ...] = (
@@ -386,7 +382,9 @@ def _column(layout: Mapping[str, _Place], titles: Sequence[str], name: str, mean
     return named[0]
 
 
-def _overruled(channel: str, before: _Place | None, now: _Place, titles: Sequence[str]) -> list[str]:
+def _overruled(
+    channel: str, before: _Place | None, now: _Place, titles: Sequence[str]
+) -> list[str]:
     """What the file says otherwise than the user."""
     if before is not None and before.column != now.column:
         return [f"{channel} is '{titles[now.column]}' as you said, not '{titles[before.column]}'"]
@@ -417,8 +415,13 @@ def signals_from(values: Sequence[Real], places: Places, path: Path, origin: str
         If a value is so large that it cannot be a measurement, as in a broken binary file.
     """
     for name, channel in zip(UNITS, values, strict=True):
-        if not isinstance(channel, np.memmap) and (np.abs(channel[np.isfinite(channel)]) > _LARGEST).any():
-            raise DataError(f"{name} has values beyond {_LARGEST:g}; the file is broken, or the wrong channel")
+        if (
+            not isinstance(channel, np.memmap)
+            and (np.abs(channel[np.isfinite(channel)]) > _LARGEST).any()
+        ):
+            raise DataError(
+                f"{name} has values beyond {_LARGEST:g}; the file is broken, or the wrong channel"
+            )
     factors = (TIME_UNITS[places.units[0]] * places.signs[0], *places.signs[1:])
     clock, moved, pulled = map(_times, values, factors)
     facts = {"file": path.name, "format": origin}

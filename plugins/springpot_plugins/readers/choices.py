@@ -1,4 +1,4 @@
-"""What a user says of a file's columns (``FILE?frequency=Hz,3=loss [Pa]``), and how to ask for it."""
+"""What a user says of a file's columns (``FILE?frequency=Hz,3=loss [Pa]``), and how to ask it."""
 
 from __future__ import annotations
 
@@ -27,7 +27,10 @@ from .written import OPPOSITE
 
 LOG, CURVES = "log", "curves"
 WHOLE = frozenset((LOG, CURVES))
-"""What is said of a whole table rather than of a column: the base of its logarithms, by what its curves differ."""
+"""What is said of a whole table rather than of a column.
+
+The base of its logarithms, by what its curves differ.
+"""
 _CONSTANT = re.compile(r"^([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*\[?\s*([^\[\]]*?)\s*\]?$")
 _MEANING = re.compile(r"^([^\[\]]+?)\s*\[([^\[\]]*)\]$")
 
@@ -81,12 +84,22 @@ def with_choice(headings: Sequence[Heading], choice: Choice) -> Chosen:
         place = _place(headings, name, role)
         columns[place] = _meant(columns[place], meaning)
         named.add(place)
-    meant = {str(columns[place].role) for place in named} | {title.partition(" ")[0] for title in constants}
-    # Of two columns that seem to be one thing, the one that was named is meant, and a constant goes before any.
-    spare = [place for place, each in enumerate(columns) if place not in named and _same(str(each.role), meant)]
+    meant = {str(columns[place].role) for place in named} | {
+        title.partition(" ")[0] for title in constants
+    }
+    # Of two columns that seem to be one thing, the one that was named is meant, and a constant goes
+    # before any.
+    spare = [
+        place
+        for place, each in enumerate(columns)
+        if place not in named and _same(str(each.role), meant)
+    ]
     differences = [_difference(headings[place], columns[place]) for place in sorted(named)]
     overruled = [note for note in differences if note]
-    overruled += [f"'{headings[place].title}' is not used as {headings[place].role}, as you said" for place in spare]
+    overruled += [
+        f"'{headings[place].title}' is not used as {headings[place].role}, as you said"
+        for place in spare
+    ]
     for place in spare:
         # Without a name it is no further condition either.
         columns[place] = replace(columns[place], role=None, name="")
@@ -106,10 +119,17 @@ def _same(role: str, meant: set[str]) -> bool:
 
 
 def _difference(before: Heading, after: Heading) -> str:
-    """What the file says of a column that the user reads otherwise; nothing where it says nothing."""
+    """What the file says of a column that the user reads otherwise; empty where it is silent."""
     if before.role is not None and after.role != before.role:
-        return f"'{before.title}' is {after.role or 'ignored'} as you said; its name says {before.role}"
-    if before.unit is not None and after.unit is not None and normal_unit(before.unit) != normal_unit(after.unit):
+        return (
+            f"'{before.title}' is {after.role or 'ignored'} as you said; its name says"
+            f" {before.role}"
+        )
+    if (
+        before.unit is not None
+        and after.unit is not None
+        and normal_unit(before.unit) != normal_unit(after.unit)
+    ):
         return f"'{before.title}' is in {after.unit} as you said; the file says {before.unit}"
     return ""
 
@@ -128,7 +148,8 @@ def _place(headings: Sequence[Heading], name: str, role: str | None) -> int:
     """Where the column is that is called by number, title, name or role."""
     if name.isdigit() and len(name) < 6 and 1 <= int(name) <= len(headings):
         return int(name) - 1
-    # The exact word first: titles that differ in case alone, such as g' and G', are told apart by it.
+    # The exact word first: titles that differ in case alone, such as g' and G', are told apart by
+    # it.
     for test in (
         lambda h: h.title == name or h.name == name,
         lambda h: fold(h.title) == fold(name) or fold(h.name) == fold(name),
@@ -136,17 +157,25 @@ def _place(headings: Sequence[Heading], name: str, role: str | None) -> int:
     ):
         places = [i for i, heading in enumerate(headings) if test(heading)]
         if places:
-            # Of several the one that would be taken without the hint: that says more of it, and never another.
+            # Of several the one that would be taken without the hint: that says more of it, and
+            # never another.
             return min(places, key=lambda i: doubt(headings[i]))
     shown = ", ".join(heading.title or str(i) for i, heading in enumerate(headings[:12], 1))
     raise DataError(f"no column '{name:.40}' (there are: {shown}, or numbers 1 to {len(headings)})")
 
 
 def doubt(heading_: Heading) -> tuple[bool, int]:
-    """How unsure it is that a column is the one meant: least for a known name with a unit of its quantity."""
+    """How unsure it is that a column is the one meant.
+
+    Least for a known name with a unit of its quantity.
+    """
     units = UNITS.get(str(heading_.role))
     # A sensor in volts stands beside the calibrated one.
-    foreign = bool(units) and heading_.unit is not None and normal_unit(heading_.unit) not in (units or ())
+    foreign = (
+        bool(units)
+        and heading_.unit is not None
+        and normal_unit(heading_.unit) not in (units or ())
+    )
     return foreign, rank(heading_.name)
 
 
@@ -164,7 +193,10 @@ def _meant(heading_: Heading, meaning: str) -> Heading:
         return replace(heading_, unit=apart_from_sign(meaning)[1], written=OPPOSITE)
     role = _role(name)
     if role is None and name not in ("ignore", "none"):
-        roles = "omega, frequency, storage, loss, magnitude, phase, loss_factor, temperature, amplitude, repeat"
+        roles = (
+            "omega, frequency, storage, loss, magnitude, phase, loss_factor, temperature,"
+            " amplitude, repeat"
+        )
         raise DataError(f"'{meaning:.40}' is neither a unit nor one of {roles}, ignore")
     if role is None:
         # Without a name it is no further condition either.
@@ -186,7 +218,10 @@ def ask_units(headings: Iterable[Heading]) -> OpenQuestion:
         # Hz and rad/s differ by 2 pi, and a bare "frequency" may be either: both are offered.
         write = "frequency [Hz] or omega [rad/s]"
     usual = " and ".join(dict.fromkeys(units.values()))
-    message = f"{names} {have} no unit; if {they_are} {usual}, open 'FILE?{given}', or write {write} in it"
+    message = (
+        f"{names} {have} no unit; if {they_are} {usual}, open 'FILE?{given}', or write {write}"
+        " in it"
+    )
     return OpenQuestion(message, [_unit_of(heading) for heading in missing])
 
 
@@ -200,24 +235,32 @@ def ask_base(headings: Iterable[Heading]) -> OpenQuestion:
     logarithms = list(headings)
     unsure = ", ".join(f"'{heading.title}'" for heading in logarithms if heading.written == "?")
     # An omega is in rad/s by its name, so that no unit is asked for.
-    bare = [heading for heading in logarithms if heading.unit is None and heading.role in {*USUAL} - {"omega"}]
-    given = ",".join(["log=10", *(f"{heading.role}={USUAL[str(heading.role)]}" for heading in bare)])
+    bare = [
+        heading
+        for heading in logarithms
+        if heading.unit is None and heading.role in {*USUAL} - {"omega"}
+    ]
+    given = ",".join(
+        ["log=10", *(f"{heading.role}={USUAL[str(heading.role)]}" for heading in bare)]
+    )
     units = ""
     if bare:
         usual = dict.fromkeys(USUAL[str(heading.role)] for heading in bare)
         units = f" and units {', '.join(usual)}"
     message = (
-        f"{unsure}: logarithms to base 10 or e? For base 10{units} open 'FILE?{given}', or write log10 or ln in it"
+        f"{unsure}: logarithms to base 10 or e? For base 10{units} open 'FILE?{given}', or write"
+        " log10 or ln in it"
     )
     base = Question(LOG, "base", {"10": f"{LOG}=10", "e": f"{LOG}=e"})
     return OpenQuestion(message, [base, *(_unit_of(heading) for heading in bare)])
 
 
 MEANINGS = (
-    "omega[rad/s]", "frequency[Hz]", "storage[Pa]", "loss[Pa]", "storage[kPa]", "loss[kPa]", "storage[MPa]",
-    "loss[MPa]", "storage[kN/m]", "loss[kN/m]", "storage[N/mm]", "loss[N/mm]", "temperature[degC]", "amplitude[mm]",
-    "amplitude[%]", "repeat", "ignore",
-)  # fmt: skip
+    *("omega[rad/s]", "frequency[Hz]"),
+    *("storage[Pa]", "loss[Pa]", "storage[kPa]", "loss[kPa]", "storage[MPa]", "loss[MPa]"),
+    *("storage[kN/m]", "loss[kN/m]", "storage[N/mm]", "loss[N/mm]"),
+    *("temperature[degC]", "amplitude[mm]", "amplitude[%]", "repeat", "ignore"),
+)
 """What a column may be whose name says nothing, in the units that instruments write most."""
 FIRST_COLUMNS = ("omega[rad/s]", "storage[Pa]", "loss[Pa]")
 """The order in which most programs write them; weights may follow."""
@@ -226,7 +269,8 @@ FIRST_COLUMNS = ("omega[rad/s]", "storage[Pa]", "loss[Pa]")
 def ask_meaning(says: str, block_lacks: str, headings: Sequence[Heading]) -> DataError:
     """The error of a table that lacks something, with how to say it where that would mend it.
 
-    A hint must not lead to wrong numbers without a word when it is typed as it stands: it says what it assumes.
+    A hint must not lead to wrong numbers without a word when it is typed as it stands: it says what
+    it assumes.
     """
     if block_lacks == f"missing {FREQUENCY}":
         return _ask_frequency(says, headings)
@@ -235,14 +279,21 @@ def ask_meaning(says: str, block_lacks: str, headings: Sequence[Heading]) -> Dat
         return _ask_which_modulus(says, moduli[0], headings)
     # A length that nobody names may be the amplitude, but also a gap: it is asked for, not taken.
     moved = next(
-        (i for i, h in enumerate(headings, 1) if not h.role and normal_unit(h.unit or "") in LENGTH_UNITS), 0
+        (
+            i
+            for i, h in enumerate(headings, 1)
+            if not h.role and normal_unit(h.unit or "") in LENGTH_UNITS
+        ),
+        0,
     )
     if block_lacks.endswith("of the displacement") and moved:
         title, unit = headings[moved - 1].title, normal_unit(headings[moved - 1].unit or "")
         spec = f"{moved}=amplitude[{unit}]"
         says = f"{says}; if {title} is it, counted from the middle, open 'FILE?{spec}'"
         return OpenQuestion(says, [Question("amplitude", "column", {title: spec})])
-    unknown = {i: each.title for i, each in enumerate(headings, 1) if each.title and each.role is None}
+    unknown = {
+        i: each.title for i, each in enumerate(headings, 1) if each.title and each.role is None
+    }
     if not unknown and block_lacks.endswith(ANGLE):
         return DataError(f"{says}; {_how_to_add(block_lacks)}")
     if not block_lacks.startswith("missing") or not unknown:
@@ -257,18 +308,23 @@ def _how_to_add(block_lacks: str) -> str:
     if FREQUENCY not in block_lacks:
         return "export the phase angle as well, as a column phase [deg]"
     return (
-        "export the phase angle and the frequency as well, as columns phase [deg] and frequency [Hz]; a frequency "
-        "that is the same in all rows may be said instead, by 'FILE?frequency=1[Hz]'"
+        "export the phase angle and the frequency as well, as columns phase [deg] and frequency"
+        " [Hz]; a frequency that is the same in all rows may be said instead, by"
+        " 'FILE?frequency=1[Hz]'"
     )
 
 
-_SWEPT = frozenset({"amplitude", "temperature", "time", "stress", "torque", "displacement", "repeat"})
+_SWEPT = frozenset(
+    {"amplitude", "temperature", "time", "stress", "torque", "displacement", "repeat"}
+)
 """What is swept at one frequency."""
 
 
 def _ask_frequency(says: str, headings: Sequence[Heading]) -> OpenQuestion:
     """The question for the frequency: which column holds it, or that it is the same in all rows."""
-    clock = next((i for i, h in enumerate(headings, 1) if normal_unit(h.unit or "") in FREQUENCY_UNITS), None)
+    clock = next(
+        (i for i, h in enumerate(headings, 1) if normal_unit(h.unit or "") in FREQUENCY_UNITS), None
+    )
     if clock is not None:
         unit, title = normal_unit(headings[clock - 1].unit or ""), headings[clock - 1].title
         spec = f"{clock}=frequency[{unit}]"
@@ -276,10 +332,12 @@ def _ask_frequency(says: str, headings: Sequence[Heading]) -> OpenQuestion:
         return OpenQuestion(says, [Question("frequency", "column", {title: spec})])
     same = Question("frequency", "constant", {"1 Hz": "frequency=1[Hz]"})
     unknown = {i: h.title for i, h in enumerate(headings, 1) if h.title and h.role is None}
-    # A constant is the nearest answer only where something else is swept: a column that nobody knows may be the
-    # frequency, and a constant in its place would be wrong without a word.
+    # A constant is the nearest answer only where something else is swept: a column that nobody
+    # knows may be the frequency, and a constant in its place would be wrong without a word.
     if not unknown or any(each.role in _SWEPT for each in headings):
-        return OpenQuestion(f"{says}; if it is 1 Hz in all rows, open 'FILE?frequency=1[Hz]'", [same])
+        return OpenQuestion(
+            f"{says}; if it is 1 Hz in all rows, open 'FILE?frequency=1[Hz]'", [same]
+        )
     place, title = next(iter(unknown.items()))
     hint = f"if {title} is it, in Hz, open 'FILE?{place}=frequency[Hz]'"
     hint += ", if it is 1 Hz in all rows, 'FILE?frequency=1[Hz]'"
@@ -288,11 +346,14 @@ def _ask_frequency(says: str, headings: Sequence[Heading]) -> OpenQuestion:
 
 
 def _ask_which_modulus(says: str, each: Heading, headings: Sequence[Heading]) -> OpenQuestion:
-    """The question whether a modulus beside a loss angle is the whole one or its part in phase, which differ."""
+    """The question whether a modulus beside a loss angle is the magnitude or the part in phase."""
     place, unit = headings.index(each) + 1, stated_unit(each)
     hints = {f"{role}[{unit}]": f"{place}={role}[{unit}]" for role in ("magnitude", "storage")}
     whole, part = hints.values()
-    hint = f"; if {each.title} is the whole one, open 'FILE?{whole}', if it is the part in phase, 'FILE?{part}'"
+    hint = (
+        f"; if {each.title} is the whole one, open 'FILE?{whole}', if it is the part in phase,"
+        f" 'FILE?{part}'"
+    )
     return OpenQuestion(f"{says}{hint}", [Question(each.title, "meaning", hints)])
 
 
@@ -302,23 +363,33 @@ def ask_columns(count: int) -> OpenQuestion:
     weights = ""
     if count > 3:
         weights = "; further columns, such as weights, are left out"
-    message = f"{count} columns of numbers without names; say what they are, such as {spec}{weights}"
+    message = (
+        f"{count} columns of numbers without names; say what they are, such as {spec}{weights}"
+    )
     if count < 3:
         # Storage and loss often stand one below the other, as a program for graphs writes them.
         message = (
-            f"{count} columns of numbers without names, where frequency, storage and loss are needed; of tables "
-            'one below the other write a line of titles above each, such as "frequency [Hz], G\' [Pa]"'
+            f"{count} columns of numbers without names, where frequency, storage and loss are"
+            " needed; of tables one below the other write a line of titles above each, such as"
+            ' "frequency [Hz], G\' [Pa]"'
         )
-    return OpenQuestion(message, ask_each({i: f"column {i}" for i in range(1, count + 1)}, FIRST_COLUMNS))
+    return OpenQuestion(
+        message, ask_each({i: f"column {i}" for i in range(1, count + 1)}, FIRST_COLUMNS)
+    )
 
 
 def ask_each(columns: Mapping[int, str], usual: Sequence[str] = ()) -> list[Question]:
-    """What each of these columns is, by its number; without a usual meaning it is left out unless somebody says."""
+    """What each of these columns is, by its number.
+
+    Without a usual meaning it is left out unless somebody says.
+    """
     questions = []
     # Left out unless somebody says what it is: a guess would become data.
     first_answers = [*usual, *["ignore"] * len(columns)]
     for (number, name), first in zip(columns.items(), first_answers, strict=False):
-        questions.append(Question(name, "meaning", {each: f"{number}={each}" for each in [first, *MEANINGS]}))
+        questions.append(
+            Question(name, "meaning", {each: f"{number}={each}" for each in [first, *MEANINGS]})
+        )
     return questions
 
 

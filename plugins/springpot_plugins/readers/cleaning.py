@@ -1,4 +1,7 @@
-"""What is left of columns that a file gives: rows in which something was measured, numbers in one style."""
+"""What is left of columns that a file gives.
+
+Rows in which something was measured, numbers in one style.
+"""
 
 from __future__ import annotations
 
@@ -23,8 +26,10 @@ _WITH_UNIT = re.compile(r"\s*[-+−]?\d[\d.,]*(?:[eE][-+]?\d+)?\s*((?:[^\W\d]|[�
 _WHOLE = ("temperature", "amplitude", "storage_sd", "loss_sd")
 
 
-def cleaned(roles: dict[str, Column], others: list[Column]) -> tuple[dict[str, Column], list[Column], dict[str, str]]:
-    """Rows in which something was measured, columns that are complete there, and what was left out."""
+def cleaned(
+    roles: dict[str, Column], others: list[Column]
+) -> tuple[dict[str, Column], list[Column], dict[str, str]]:
+    """Rows in which something was measured, the columns complete there, and what was left out."""
     notes: dict[str, str] = {}
     keep = np.ones(len(next(iter(roles.values())).cells), dtype=bool)
     for role, column in roles.items():
@@ -35,10 +40,13 @@ def cleaned(roles: dict[str, Column], others: list[Column]) -> tuple[dict[str, C
     if not keep.any():
         raise DataError(f"no row has a number for {', '.join(c.title for c in roles.values())}")
     if not keep.all():
-        notes["note rows"] = f"{int((~keep).sum())} of {len(keep)} rows without a measured value were left out"
+        notes["note rows"] = (
+            f"{int((~keep).sum())} of {len(keep)} rows without a measured value were left out"
+        )
     roles = {role: rows_of(column, keep) for role, column in roles.items()}
     for role in [role for role in (*_WHOLE, "repeat") if role in roles]:
-        # A point was measured without its temperature too, so that the column goes and the row stays.
+        # A point was measured without its temperature too, so that the column goes and the row
+        # stays.
         if not _present(roles[role]).all():
             notes[f"note {role}"] = f"column '{roles[role].title}' has gaps and was left out"
             del roles[role]
@@ -49,7 +57,10 @@ def cleaned(roles: dict[str, Column], others: list[Column]) -> tuple[dict[str, C
 
 
 def with_unit_of_cells(column: Column) -> Column:
-    """A column whose cells carry one unit, ``23 °C``, as plain numbers in that unit; others as they are."""
+    """A column whose cells carry one unit, ``23 °C``, as plain numbers in that unit.
+
+    Others as they are.
+    """
     first = next((cell for cell in column.cells if cell.strip() not in MISSING), "")
     match = _WITH_UNIT.match(first)
     if match is None or not is_unit(match[1]):
@@ -60,25 +71,40 @@ def with_unit_of_cells(column: Column) -> Column:
         cell.endswith(behind) or cell in MISSING for cell in cells
     ):
         return column
-    return replace(column, unit=normal_unit(behind), cells=[cell.removesuffix(behind).rstrip() for cell in cells])
+    return replace(
+        column,
+        unit=normal_unit(behind),
+        cells=[cell.removesuffix(behind).rstrip() for cell in cells],
+    )
 
 
 def _present(column: Column) -> NDArray[np.bool_]:
-    return np.fromiter((cell.strip() not in MISSING for cell in column.cells), bool, len(column.cells))
+    return np.fromiter(
+        (cell.strip() not in MISSING for cell in column.cells), bool, len(column.cells)
+    )
 
 
 def _without_thousands(column: Column) -> Column:
-    """Numbers such as 1,234.5, where all commas plainly part thousands, without them; 1.234,5; 1 234,5; 1'234.5."""
+    """Numbers such as 1,234.5, where all commas plainly part thousands, without them; 1.234,5.
+
+    1 234,5; 1'234.5.
+    """
     quoted = [cell for cell in column.cells if "'" in cell or "’" in cell]
     if quoted and all(map(APOSTROPHES.match, quoted)):
-        column = replace(column, cells=[cell.replace("'", "").replace("’", "") for cell in column.cells])
+        column = replace(
+            column, cells=[cell.replace("'", "").replace("’", "") for cell in column.cells]
+        )
     parted = [cell for cell in column.cells if len(cell.split()) > 1]
     if parted and all(map(_BLANKS.match, parted)):
         column = replace(column, cells=["".join(cell.split()) for cell in column.cells])
     for sign, pattern in ((",", _THOUSANDS), (".", _POINTS)):
         marked = [cell for cell in column.cells if sign in cell]
         # 1,234 alone may be a decimal comma: only a cell with both signs tells which is which.
-        if marked and any({",", "."} <= set(cell) for cell in marked) and all(map(pattern.match, marked)):
+        if (
+            marked
+            and any({",", "."} <= set(cell) for cell in marked)
+            and all(map(pattern.match, marked))
+        ):
             return replace(column, cells=[cell.replace(sign, "") for cell in column.cells])
     return column
 
@@ -89,7 +115,8 @@ def _one_style(column: Column) -> None:
     points = next((cell for cell in column.cells if "." in cell), None)
     if commas is not None and points is not None:
         raise column.error(
-            f"'{commas.strip():.20}' and '{points.strip():.20}' have comma and point; write one decimal sign"
+            f"'{commas.strip():.20}' and '{points.strip():.20}' have comma and point; write one"
+            " decimal sign"
         )
 
 
@@ -114,7 +141,10 @@ def _without_sign_of_gap(cell: str) -> str:
 
 
 def _named_apart(columns: list[Column], taken: Collection[str]) -> list[Column]:
-    """Further columns, each with a name of its own: of two that mean alike, the second keeps the file's words."""
+    """Further columns, each with a name of its own.
+
+    Of two that mean alike, the second keeps the file's words.
+    """
     made: dict[str, Column] = {}
     for column in columns:
         words = re.sub(r"[\W_]+", "_", bare_name(column).lower()).strip("_")

@@ -20,8 +20,10 @@ _OF_DAY = re.compile(rf"\s*{_TIME}\s*\Z")
 
 
 _RATE = re.compile(
-    r"(?:sampl\w*[ _-]?(?:rate|freq\w*)|abtast(?:rate|frequenz)|messrate|fréquence d.échantillonnage)"
-    r"[\s:;,=\t\"]{1,8}(?:[\[(](?P<before>k?Hz)[\])][\s:;,=\t]*)?(?P<number>\d+(?:[.,]\d+)?)[\s;,\t\"]*(?P<unit>k?Hz|1/s|S/s)?",
+    r"(?:sampl\w*[ _-]?(?:rate|freq\w*)|abtast(?:rate|frequenz)|messrate"
+    r"|fréquence d.échantillonnage)"
+    r"[\s:;,=\t\"]{1,8}(?:[\[(](?P<before>k?Hz)[\])][\s:;,=\t]*)?"
+    r"(?P<number>\d+(?:[.,]\d+)?)[\s;,\t\"]*(?P<unit>k?Hz|1/s|S/s)?",
     re.IGNORECASE,
 )
 """A line of a header such as ``Sample rate: 400 Hz`` or ``Abtastrate [Hz];400``."""
@@ -31,7 +33,7 @@ RATE = "rate"
 
 
 def sample_rate(choice: Choice, head: str, titles: Sequence[str]) -> tuple[float | None, Choice]:
-    """Samples a second where time is to be counted by them, and the choice without what it says of them.
+    """Samples a second where time is counted by them, and the choice without what it says of them.
 
     Parameters
     ----------
@@ -74,7 +76,9 @@ def _hertz(number: str, unit: str) -> float:
 
 
 def seconds_of(cell: str) -> float | None:
-    """Seconds of a timestamp since some moment that is the same for all of one style; None for what is no timestamp.
+    """Seconds of a timestamp since some moment that is the same for all of one style.
+
+    None for what is no timestamp.
 
     Examples
     --------
@@ -94,12 +98,16 @@ def seconds_of(cell: str) -> float | None:
 
 @lru_cache(maxsize=64)
 def _day(first: str, second: str, third: str) -> int | None:
-    """Number of the day: year first, or else last with the month in the middle unless it can be none."""
+    """Number of the day.
+
+    Year first, or else last with the month in the middle unless it can be none.
+    """
     year, month, day = int(third), int(second), int(first)
     if len(first) == 4:
         year, day = int(first), int(third)
     if month > 12:
-        # Written the American way; a date that may be either is read as the rest of the world writes it.
+        # Written the American way; a date that may be either is read as the rest of the world
+        # writes it.
         month, day = day, month
     if year < 100:
         # Two digits are of this century: only differences are used, but there is no year 0.
@@ -110,7 +118,9 @@ def _day(first: str, second: str, third: str) -> int | None:
         return None
 
 
-def _of_day(hour: str, minute: str, second: str | None, fraction: str | None, half: str | None) -> float:
+def _of_day(
+    hour: str, minute: str, second: str | None, fraction: str | None, half: str | None
+) -> float:
     hours = int(hour)
     if half:
         # 12 am is midnight, and 12 pm is noon.

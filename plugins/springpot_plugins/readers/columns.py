@@ -1,4 +1,7 @@
-"""Named columns to a measurement: which column is what, units, and the checks that a user's slip runs into."""
+"""Named columns to a measurement.
+
+Which column is what, units, and the checks that a user's slip runs into.
+"""
 
 from __future__ import annotations
 
@@ -23,11 +26,11 @@ from springpot.measurement import (
     misspelt,
     temperature_in_celsius,
 )
-from springpot.measurement.again import NOTE as AGAIN
-from springpot.measurement.again import again_note
 from springpot.measurement.exchange import NOTE as EXCHANGED
 from springpot.measurement.exchange import exchange_note
-from springpot.measurement.together import runs_together
+from springpot.measurement.mixed_tests import runs_together
+from springpot.measurement.unnumbered_repeats import NOTE as AGAIN
+from springpot.measurement.unnumbered_repeats import again_note
 from springpot.rheology import Complex, Real
 
 from .moduli import letter_of
@@ -35,10 +38,23 @@ from .proposals import COLUMN_OF_AMPLITUDE, COLUMN_OF_TEMPERATURE
 from .table import Column
 
 ROLES = (
-    *("frequency", "omega", "storage", "loss", "magnitude", "phase", "loss_factor", "storage_sd", "loss_sd"),
+    *(
+        "frequency",
+        "omega",
+        "storage",
+        "loss",
+        "magnitude",
+        "phase",
+        "loss_factor",
+        "storage_sd",
+        "loss_sd",
+    ),
     *("temperature", "amplitude", "repeat"),
 )
-"""What a measurement is made of, by the names of springpot's own tables; other names for them are in `names`."""
+"""What a measurement is made of, by the names of springpot's own tables.
+
+Other names for them are in `names`.
+"""
 TEXT = "text"
 """Unit that marks a column of words, so that a word that looks like a number stays a word."""
 
@@ -133,7 +149,9 @@ def _omega(roles: Mapping[str, Column]) -> Real:
     wrong = values <= 0
     if wrong.any():
         row = int(np.argmax(wrong))
-        raise column.error(f"the frequency must be positive, got {values[row]:g}; leave out the row", row)
+        raise column.error(
+            f"the frequency must be positive, got {values[row]:g}; leave out the row", row
+        )
     if unit == "rad/s":
         # The same bits as in the file.
         return values
@@ -163,14 +181,18 @@ def _in_unit(values: Real, unit: str, wanted: str, column: Column) -> Real:
     """Values converted; the same bits where nothing is to be converted."""
     if unit == wanted:
         return values
-    kinds = [{*PRESSURE_UNITS}, {*STIFFNESS_UNITS}, {*MODULUS_UNITS} - {*PRESSURE_UNITS} - {*STIFFNESS_UNITS}]
+    kinds = [
+        {*PRESSURE_UNITS},
+        {*STIFFNESS_UNITS},
+        {*MODULUS_UNITS} - {*PRESSURE_UNITS} - {*STIFFNESS_UNITS},
+    ]
     if not any(unit in kind and wanted in kind for kind in kinds):
         raise column.error(f"[{unit}] cannot be converted to [{wanted}] of the other column")
     return values * (MODULUS_UNITS[unit] / MODULUS_UNITS[wanted])
 
 
 def _stiffness(roles: Mapping[str, Column]) -> tuple[Complex, str]:
-    """K' + i K'' from storage and loss, or from one of them or the magnitude with phase or loss factor."""
+    """K' + i K'' from storage and loss, or from one or the magnitude with phase or loss factor."""
     if "storage" in roles and "loss" in roles:
         storage, unit = _modulus(roles["storage"])
         loss, loss_unit = _modulus(roles["loss"])
@@ -199,7 +221,10 @@ def _over_tangent(loss: Real, tangent: Real, column: Column) -> Real:
     """Storage from the loss modulus and the loss angle, which must not be zero."""
     wrong = np.tan(tangent) == 0
     if wrong.any():
-        raise column.error("tan delta is zero, so that it gives no storage; leave out the row", int(np.argmax(wrong)))
+        raise column.error(
+            "tan delta is zero, so that it gives no storage; leave out the row",
+            int(np.argmax(wrong)),
+        )
     return np.asarray(loss / np.tan(tangent))
 
 
@@ -226,7 +251,7 @@ NOTES_OF_VALUES = frozenset(
     {"note storage", "note loss", "note together", "note temperature", AGAIN, EXCHANGED, SIGN}
     | {COLUMN_OF_AMPLITUDE, COLUMN_OF_TEMPERATURE}
 )
-"""Notes that are made of the values and the file's name whenever a file is opened, and are not written into one."""
+"""Notes made of the values and the file's name at each opening, and not written into a file."""
 
 
 def _negative(measured: Measurement) -> dict[str, str]:
@@ -263,7 +288,11 @@ def _last_of_their_sweeps(measured: Measurement, rows: NDArray[np.bool_]) -> boo
     # An amplitude may move along with the frequency, and would make a sweep of every row.
     for _, sweep in measured.sweeps(held=["temperature"]):
         chosen, others = sweep[rows[sweep]], sweep[~rows[sweep]]
-        if len(chosen) and len(others) and measured.omega[chosen].min() < measured.omega[others].max():
+        if (
+            len(chosen)
+            and len(others)
+            and measured.omega[chosen].min() < measured.omega[others].max()
+        ):
             return False
     return True
 
@@ -287,14 +316,17 @@ def sign_note(measured: Measurement, own: Mapping[str, Column]) -> dict[str, str
     own : mapping of str to Column
         The file's own columns by role: only what it holds itself can be turned by a hint.
     """
-    # Either alone has other causes: a mass takes the storage away, a phase of the other sign the loss.
+    # Either alone has other causes: a mass takes the storage away, a phase of the other sign the
+    # loss.
     both = (measured.storage < 0.0) & (measured.loss < 0.0)
     if not own.keys() >= {"storage", "loss"} or 2 * both.sum() <= len(measured):
         return {}
     hint = ",".join(f"{role}=-{own[role].unit}" for role in ("storage", "loss"))
     return {
-        SIGN: "storage and loss are negative, as if the force had the wrong sign: "
-        f"if one channel counts the other way, open 'FILE?{hint}'"
+        SIGN: (
+            "storage and loss are negative, as if the force had the wrong sign: "
+            f"if one channel counts the other way, open 'FILE?{hint}'"
+        )
     }
 
 
@@ -314,7 +346,8 @@ def _check_something(stiffness: Complex, roles: Mapping[str, Column]) -> None:
             more = f" (and {len(nothing) - 1} more such rows)"
         column = roles.get("storage") or roles["magnitude"]
         raise column.error(
-            f"storage and loss are both zero: nothing was measured, leave out the row{more}", int(nothing[0])
+            f"storage and loss are both zero: nothing was measured, leave out the row{more}",
+            int(nothing[0]),
         )
 
 
@@ -365,7 +398,9 @@ def _conditions(roles: Mapping[str, Column]) -> tuple[dict[str, Real], str]:
             raise temperature.error("below absolute zero", int(np.argmin(celsius)))
         conditions["temperature"] = celsius
     if amplitude is not None and not amplitude.is_empty:
-        unit = _unit(amplitude, AMPLITUDE_UNITS, "write amplitude [mm], or amplitude [-] for a strain")
+        unit = _unit(
+            amplitude, AMPLITUDE_UNITS, "write amplitude [mm], or amplitude [-] for a strain"
+        )
         moved = amplitude.numbers()
         if (moved <= 0).any():
             row = int(np.argmin(moved))
@@ -393,13 +428,17 @@ def _harmonics(others: list[Column]) -> tuple[Complex | None, list[Column]]:
         return None, others
     values = np.full((len(others[0].cells), max(orders) - 1), complex(np.nan, np.nan))
     for n in orders:
-        values[:, n - 2] = _complex(parts[f"h{n}_re"].numbers(gaps=True), parts[f"h{n}_im"].numbers(gaps=True))
+        values[:, n - 2] = _complex(
+            parts[f"h{n}_re"].numbers(gaps=True), parts[f"h{n}_im"].numbers(gaps=True)
+        )
     used = {f"h{n}_re" for n in orders} | {f"h{n}_im" for n in orders}
     return values, [column for column in others if column.name not in used]
 
 
-def _further(others: list[Column]) -> tuple[dict[str, Real], dict[str, NDArray[np.str_]], dict[str, str]]:
-    """Other columns: numbers as conditions (nan where empty), words as labels, and the units of the former."""
+def _further(
+    others: list[Column],
+) -> tuple[dict[str, Real], dict[str, NDArray[np.str_]], dict[str, str]]:
+    """Other columns: numbers as conditions (nan where empty) and their units, words as labels."""
     numbers, words, units = {}, {}, {}
     for column in others:
         if column.is_empty:

@@ -1,4 +1,4 @@
-"""Conditions that a line above a table states, such as ``T = 25 °C`` or ``# Frequency [Hz]: 1``."""
+"""Conditions stated in a line above a table, such as ``T = 25 °C`` or ``# Frequency [Hz]: 1``."""
 
 from __future__ import annotations
 
@@ -25,8 +25,10 @@ _LONGEST = 1000
 
 
 def with_conditions_above(blocks: Iterable[Block]) -> list[Block]:
-    """The blocks, each with what the lines above it state of conditions that it has no column of."""
-    return [replace(block, constants={**conditions_above(block), **block.constants}) for block in blocks]
+    """The blocks, each with the conditions that lines above it state and no column of it has."""
+    return [
+        replace(block, constants={**conditions_above(block), **block.constants}) for block in blocks
+    ]
 
 
 def conditions_above(block: Block) -> dict[str, str]:

@@ -1,4 +1,6 @@
-"""What a title says beside name and unit: that the column holds logarithms, and for which curve it is.
+"""What a title says beside name and unit.
+
+That the column holds logarithms, and for which curve it is.
 
 ``log10 G' [Pa]``, ``ln omega``; ``G' at 20 °C [Pa]``, ``tan d (1 Hz)``.
 """
@@ -9,7 +11,9 @@ import re
 from dataclasses import dataclass
 from functools import lru_cache
 
-_LOGARITHM = re.compile(r"(log[ _]?\(?10\)?|log₁₀|lg|ln|log[ _]?e(?![a-z])|log)([\s_({\[]*)(.+)\Z", re.IGNORECASE)
+_LOGARITHM = re.compile(
+    r"(log[ _]?\(?10\)?|log₁₀|lg|ln|log[ _]?e(?![a-z])|log)([\s_({\[]*)(.+)\Z", re.IGNORECASE
+)
 _BASES = {"lg": "10", "ln": "e", "loge": "e", "log10": "10", "log₁₀": "10", "log": "?"}
 _QUANTITY = re.compile(
     r"[\s_,;@(\[]*(?:(?<![^\W_])(?:at|bei|T|f|ω|omega)\b)?[\s=@]*(?<![^\W_])(?<![.,])([-+−]?\d{1,9}(?:[.,]\d{1,9})?)[\s_]?"
@@ -21,10 +25,55 @@ _LONGEST = 120
 _PLAIN = re.compile(r"(.*?['\w)])(?:[\s_\-.#]+|\s*\()([^\W_][\w.+-]{0,19}|\d[\d.]*)\)?\Z")
 _DERIVED = frozenset(
     (
-        *("model", "fit", "fitted", "calc", "calculated", "theory", "pred", "predicted", "sim", "simulated"),
-        *("residual", "std", "sd", "stdev", "err", "error", "unc", "uncertainty", "min", "max", "mean", "avg"),
-        *("average", "median", "norm", "normalized", "normalised", "smooth", "smoothed", "shifted", "master"),
-        *("reduced", "ratio", "raw", "corrected", "uncorrected", "set", "target", "cmd", "command", "limit"),
+        *(
+            "model",
+            "fit",
+            "fitted",
+            "calc",
+            "calculated",
+            "theory",
+            "pred",
+            "predicted",
+            "sim",
+            "simulated",
+        ),
+        *(
+            "residual",
+            "std",
+            "sd",
+            "stdev",
+            "err",
+            "error",
+            "unc",
+            "uncertainty",
+            "min",
+            "max",
+            "mean",
+            "avg",
+        ),
+        *(
+            "average",
+            "median",
+            "norm",
+            "normalized",
+            "normalised",
+            "smooth",
+            "smoothed",
+            "shifted",
+            "master",
+        ),
+        *(
+            "reduced",
+            "ratio",
+            "raw",
+            "corrected",
+            "uncorrected",
+            "set",
+            "target",
+            "cmd",
+            "command",
+            "limit",
+        ),
         *("ref", "reference", "slope", "index", "modulus"),
     )
 )
@@ -60,7 +109,10 @@ class CurveName:
 
 @lru_cache(maxsize=2048)
 def logarithm(title: str) -> tuple[str, str] | None:
-    """Base (``10``, ``e``, or ``?`` where it is not said) and what is within; None for other titles."""
+    """Base (``10``, ``e``, or ``?`` where it is not said) and what is within.
+
+    None for other titles.
+    """
     match = _LOGARITHM.match(title)
     if match is None:
         return None
@@ -95,7 +147,9 @@ def curve_of_number(text: str, unit: str, whole: str = "") -> CurveName:
     elif known.startswith("deg"):
         name = "temperature"
     value = text.replace("−", "-").replace(",", ".").lstrip("+")
-    return CurveName(whole or f"{text} {unit}", f"{name} [{known}]", value, unit == "C" and "=" not in whole)
+    return CurveName(
+        whole or f"{text} {unit}", f"{name} [{known}]", value, unit == "C" and "=" not in whole
+    )
 
 
 @lru_cache(maxsize=2048)
@@ -106,17 +160,25 @@ def curve_in_title(title: str) -> tuple[str, CurveName] | None:
     if match is None or match.start() == 0:
         return None
     # A bracket that holds more than the number stays with the title.
-    left, right = match[0].count("(") + match[0].count("["), match[0].count(")") + match[0].count("]")
+    left, right = (
+        match[0].count("(") + match[0].count("["),
+        match[0].count(")") + match[0].count("]"),
+    )
     if left != right:
         return None
     stem = f"{title[: match.start()]} {title[match.end() :].lstrip()}".strip()
     stem = re.sub(r"\s+_|_\s+", "_", stem)
-    return stem, curve_of_number(match[1], match[2], re.sub(r"^at\s+", "", match[0].strip(" _,;@()[]")))
+    return stem, curve_of_number(
+        match[1], match[2], re.sub(r"^at\s+", "", match[0].strip(" _,;@()[]"))
+    )
 
 
 @lru_cache(maxsize=2048)
 def curve_in_suffix(name: str) -> tuple[str, CurveName] | None:
-    """A name without its last word, and this as the name of a curve: ``G'_A``; None for other names."""
+    """A name without its last word, and this as the name of a curve: ``G'_A``.
+
+    None for other names.
+    """
     match = _PLAIN.match(name)
     # "fit2" is a second fit, no second measurement.
     if match is None or re.sub(r"[\d.]+$", "", match[2].lower()) in _DERIVED:

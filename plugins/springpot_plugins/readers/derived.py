@@ -1,4 +1,4 @@
-"""Moduli from what stands in their place: complex viscosity, its parts, compliances, damping, work."""
+"""Moduli from what stands for them: complex viscosity, its parts, compliances, damping, work."""
 
 from __future__ import annotations
 
@@ -22,9 +22,10 @@ def with_moduli(roles: Mapping[str, Column]) -> dict[str, Column]:
     """The columns, with storage and loss, or a magnitude, in Pa for what is no modulus.
 
     |G*| = omega |eta*|; G'' = omega eta' and G' = omega eta''; G* = 1 / (J' - i J'');
-    K'' = omega c for a damping coefficient, or W / (pi X^2) for the work W of a cycle, beside a storage stiffness,
-    and K' = sqrt(|K|^2 - K''^2) beside a dynamic one; |K| = F / X of the amplitudes of force and displacement;
-    tan delta = 2 xi for the damping ratio xi = W / (2 pi K' X^2) of ISO 22762-1.
+    K'' = omega c for a damping coefficient, or W / (pi X^2) for the work W of a cycle, beside a
+    storage stiffness, and K' = sqrt(|K|^2 - K''^2) beside a dynamic one; |K| = F / X of the
+    amplitudes of force and displacement; tan delta = 2 xi for the damping ratio xi = W / (2 pi K'
+    X^2) of ISO 22762-1.
 
     Raises
     ------
@@ -32,17 +33,24 @@ def with_moduli(roles: Mapping[str, Column]) -> dict[str, Column]:
         If a damping coefficient or the work of a cycle alone gives more than the whole stiffness.
     """
     columns = dict(roles)
-    # First, since it gives a loss factor, from which all that follows goes on as from a measured one.
+    # First, since it gives a loss factor, from which all that follows goes on as from a measured
+    # one.
     if "damping_ratio" in columns:
         column = columns.pop("damping_ratio")
-        columns["loss_factor"] = _column(column, "loss_factor", 2.0 * _si(column, UNITS["damping_ratio"]), "-")
+        columns["loss_factor"] = _column(
+            column, "loss_factor", 2.0 * _si(column, UNITS["damping_ratio"]), "-"
+        )
     if "viscosity" in columns:
         column = columns.pop("viscosity")
-        columns["magnitude"] = _column(column, "magnitude", _omega(columns) * _si(column, VISCOSITY_UNITS))
+        columns["magnitude"] = _column(
+            column, "magnitude", _omega(columns) * _si(column, VISCOSITY_UNITS)
+        )
     elif columns.keys() >= set(VISCOSITIES):
         dynamic, other = (columns.pop(role) for role in VISCOSITIES)
         columns["loss"] = _column(dynamic, "loss", _omega(columns) * _si(dynamic, VISCOSITY_UNITS))
-        columns["storage"] = _column(other, "storage", _omega(columns) * _si(other, VISCOSITY_UNITS))
+        columns["storage"] = _column(
+            other, "storage", _omega(columns) * _si(other, VISCOSITY_UNITS)
+        )
     elif "damping" in columns and "loss" not in columns:
         column = columns.pop("damping")
         loss = _omega(columns) * _si(column, DAMPING_UNITS)
@@ -71,12 +79,15 @@ def with_moduli(roles: Mapping[str, Column]) -> dict[str, Column]:
 
 def _loss_of_work(work: Column, amplitude: Column) -> Column:
     """Loss stiffness in N/m from the work W of a cycle, which is pi K'' X^2."""
-    moved = _positive(amplitude) * LENGTH_UNITS[known_unit(amplitude.unit or "", LENGTH_UNITS, amplitude.name)]
+    moved = (
+        _positive(amplitude)
+        * LENGTH_UNITS[known_unit(amplitude.unit or "", LENGTH_UNITS, amplitude.name)]
+    )
     return _column(work, "loss", _si(work, UNITS["energy"]) / (np.pi * moved**2), "N/m")
 
 
 def _over(force: Column, amplitude: Column) -> Column:
-    """Dynamic stiffness from the amplitudes of force and displacement, or torque and angle, in their units."""
+    """Dynamic stiffness from amplitudes of force and displacement, or torque and angle."""
     # In the file's own units: kN over mm is told as kN/mm, as it was measured.
     factor, unit = stiffness_unit(normal_unit(amplitude.unit or ""), normal_unit(force.unit or ""))
     return _column(force, "magnitude", factor * force.numbers() / _positive(amplitude), unit)
@@ -86,7 +97,9 @@ def _positive(amplitude: Column) -> Real:
     moved = amplitude.numbers()
     if not (moved > 0).all():
         row = int(np.argmin(moved > 0))
-        raise amplitude.error("the amplitude must be positive where a stiffness follows from it", row)
+        raise amplitude.error(
+            "the amplitude must be positive where a stiffness follows from it", row
+        )
     return moved
 
 
@@ -114,4 +127,6 @@ def _si(column: Column, table: dict[str, float]) -> Real:
 
 def _column(like: Column, name: str, values: Real, unit: str = "Pa") -> Column:
     write: Callable[[float], str] = repr
-    return replace(like, name=name, unit=unit, cells=list(map(write, values.tolist())), decimal_comma=False)
+    return replace(
+        like, name=name, unit=unit, cells=list(map(write, values.tolist())), decimal_comma=False
+    )

@@ -1,4 +1,7 @@
-"""Blocks to a measurement: which parts and columns are meant, what is left out, and the note that says so."""
+"""Blocks to a measurement.
+
+Which parts and columns are meant, what is left out, and the note that says so.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,15 @@ from pathlib import Path
 from typing import TypeAlias
 
 from springpot.errors import DataError
-from springpot.measurement import Choice, Measurement, OpenQuestion, Part, Reader, known_unit, normal_unit
+from springpot.measurement import (
+    Choice,
+    Measurement,
+    OpenQuestion,
+    Part,
+    Reader,
+    known_unit,
+    normal_unit,
+)
 from springpot.rheology import Real
 
 from .blocks import Block, is_dynamic, lacking
@@ -51,7 +62,9 @@ _PAIRS = (
 _REPEATED = set(FREQUENCIES).union(*_PAIRS)
 """Columns that say once more what the chosen ones say."""
 COLUMNS_AGREE = 0.01
-"""Share by which two columns of one frequency may differ, as what was set and what was measured do: much more than
+"""Share by which two columns of one frequency may differ, as what was set and what was measured do.
+
+Much more than
 rows of one column, which come from one instrument."""
 RATIOS = ("loss_factor", "damping_ratio")
 """Plain numbers, which need no unit."""
@@ -100,13 +113,22 @@ def measurement_from(
             origin |= offers(parts[0], with_choice(chosen[0].headings, choice).headings, choice)
         return replace(parts[0], name=name, provenance={**origin, **left_out})
     first = next(i for i, block in enumerate(blocks, 1) if block is chosen[0])
-    note = f"{len(parts)} of {len(blocks)} parts together; choose one by '#', such as {path.name}#{first}"
+    note = (
+        f"{len(parts)} of {len(blocks)} parts together; choose one by '#', such as"
+        f" {path.name}#{first}"
+    )
     if CURVES not in choice.columns and all(is_number(block.name) for block in chosen):
-        # Numbers without a unit may count samples as well as state temperatures: only the user knows.
+        # Numbers without a unit may count samples as well as state temperatures: only the user
+        # knows.
         shown = ", ".join(block.name for block in chosen[:3])
-        note += f"; say what {shown} ... are by '{path.name}?curves=temperature[degC]' or '?curves=repeat'"
+        note += (
+            f"; say what {shown} ... are by '{path.name}?curves=temperature[degC]' or"
+            " '?curves=repeat'"
+        )
     opened = {block.name for block in chosen}
-    require_one_kind(parts, {block.name: i for i, block in enumerate(blocks, 1) if block.name in opened})
+    require_one_kind(
+        parts, {block.name: i for i, block in enumerate(blocks, 1) if block.name in opened}
+    )
     together = joined(parts, [block.name for block in chosen], name, note)
     return replace(together, provenance={**together.provenance, **left_out})
 
@@ -148,7 +170,7 @@ Parsed: TypeAlias = Callable[[Path], tuple[list[Block], dict[str, str]]]
 def reader_of_blocks(
     name: str, summary: str, recognises: Callable[[bytes], float], parsed: Parsed, written_by: str
 ) -> Reader:
-    """The reader of a format that is told by how its tables are found, and read as any other from there on.
+    """The reader of a format that is told by how its tables are found, and read as any other then.
 
     Parameters
     ----------
@@ -161,7 +183,11 @@ def reader_of_blocks(
     """
     # No functions within this one: those could not be handed to another process.
     return Reader(
-        name, summary, recognises, partial(_read_blocks, parsed, written_by), parts=partial(_parts_of_blocks, parsed)
+        name,
+        summary,
+        recognises,
+        partial(_read_blocks, parsed, written_by),
+        parts=partial(_parts_of_blocks, parsed),
     )
 
 
@@ -215,19 +241,25 @@ def chosen_blocks(blocks: Sequence[Block], choice: Choice) -> list[Block]:
         If there is no such block, or none that is a dynamic test.
     """
     if not blocks:
-        raise DataError("there is no table with named columns, such as frequency [Hz], storage [Pa], loss [Pa]")
+        raise DataError(
+            "there is no table with named columns, such as frequency [Hz], storage [Pa], loss [Pa]"
+        )
     picked = list(blocks)
     if choice.part:
         picked = _picked(blocks, choice.part)
     usable = [block for block in picked if is_dynamic(_roles_chosen(block, choice))]
-    # Parts that a user names are all meant; without a choice, those that are no dynamic test are passed over.
+    # Parts that a user names are all meant; without a choice, those that are no dynamic test are
+    # passed over.
     if usable and (len(usable) == len(picked) or not choice.part):
         return usable
     if len(picked) == 1:
         raise _not_dynamic(picked[0])
     reasons = list(dict.fromkeys(block.lacks() for block in picked))
     names = ", ".join(dict.fromkeys(block.name or "unnamed" for block in picked))
-    says = f"none of its {len(picked)} parts is a dynamic test ({names:.120}): {'; '.join(reasons):.200}"
+    says = (
+        f"none of its {len(picked)} parts is a dynamic test ({names:.120}):"
+        f" {'; '.join(reasons):.200}"
+    )
     common_reason = ""
     if len(reasons) == 1:
         # Only what all of them lack can be mended by one option.
@@ -259,16 +291,23 @@ def _picked(blocks: Sequence[Block], part: str) -> list[Block]:
     if match := re.fullmatch(r"(\d{1,6})(?:-(\d{1,6}))?", part):
         first, last = int(match[1]), int(match[2] or match[1])
         if not 1 <= first <= last <= len(blocks):
-            raise DataError(f"there is no part {part}; it has {len(blocks)} (see 'springpot inspect')")
+            raise DataError(
+                f"there is no part {part}; it has {len(blocks)} (see 'springpot inspect')"
+            )
         return list(blocks[first - 1 : last])
     named = [block for block in blocks if part.casefold() in block.name.casefold()]
     if not named:
-        names = ", ".join(dict.fromkeys(block.name for block in blocks if block.name)) or "none has a name"
+        names = (
+            ", ".join(dict.fromkeys(block.name for block in blocks if block.name))
+            or "none has a name"
+        )
         raise DataError(f"no part is called '{part:.40}' ({names:.120})")
     return named
 
 
-def _measurement(block: Block, choice: Choice, provenance: Mapping[str, str], further: bool) -> Measurement:
+def _measurement(
+    block: Block, choice: Choice, provenance: Mapping[str, str], further: bool
+) -> Measurement:
     chosen = with_choice(block.headings, choice)
     if any(each.written == "?" and each.role in _MEANT for each in chosen.headings):
         raise ask_base([each for each in chosen.headings if each.written and each.role in _MEANT])
@@ -280,7 +319,11 @@ def _measurement(block: Block, choice: Choice, provenance: Mapping[str, str], fu
     roles = _roles(columns)
     _require_units(roles)
     used = {column.title for column in roles.values()}
-    others = [c for c in columns if c.title not in used and c.name not in _REPEATED and _is_kept(c, further)]
+    others = [
+        c
+        for c in columns
+        if c.title not in used and c.name not in _REPEATED and _is_kept(c, further)
+    ]
     # Gaps before sums: what is not there in a row gives no modulus there.
     roles, others, notes = cleaned(roles, others)
     own = dict(roles)
@@ -293,14 +336,16 @@ def _measurement(block: Block, choice: Choice, provenance: Mapping[str, str], fu
     notes |= flags.notes | raw_phase_note(_named(others, "raw_phase"), measured.frequency)
     for each in chosen.headings:
         if each.role in SWINGING and counts_whole_swing(each):
-            notes["note amplitude"] = f"'{each.title}' counts from trough to crest; half of it is the amplitude"
+            notes["note amplitude"] = (
+                f"'{each.title}' counts from trough to crest; half of it is the amplitude"
+            )
     if chosen.overruled:
         notes["note columns"] = "; ".join(chosen.overruled)
     return replace(measured, provenance={**measured.provenance, **notes})
 
 
 def _require_one_clock(columns: Sequence[Column]) -> None:
-    """Refuse a table in which storage and loss each have frequencies of their own, as curves that were read off."""
+    """Refuse a table whose storage and loss have frequencies of their own, as digitised curves."""
     clocks = [(place, each) for place, each in enumerate(columns, 1) if each.name in FREQUENCIES]
     for place, other in clocks[1:]:
         first = clocks[0][1]
@@ -310,9 +355,9 @@ def _require_one_clock(columns: Sequence[Column]) -> None:
         for one, two in zip(first.cells, other.cells, strict=True):
             if is_number(one) and is_number(two) and not _is_near(one, two):
                 raise DataError(
-                    f"'{first.title}' stands twice, with {one.strip()} and {two.strip()} in one row: storage and "
-                    "loss need the same frequencies; bring them there, or leave out the second by "
-                    f"'FILE?{place}=ignore'"
+                    f"'{first.title}' stands twice, with {one.strip()} and {two.strip()} in one"
+                    " row: storage and loss need the same frequencies; bring them there, or leave"
+                    f" out the second by 'FILE?{place}=ignore'"
                 )
 
 
@@ -343,7 +388,12 @@ def _columns(block: Block, headings: Sequence[Heading]) -> list[Column]:
         if heading_.role == "omega" and unit in (None, "1/s", "/s", "s^-1", "s-1"):
             # An angular frequency is in rad/s also where the radian is not written.
             unit = "rad/s"
-        if unit is None and heading_.role == "amplitude" and complete and "strain" in heading_.name.lower():
+        if (
+            unit is None
+            and heading_.role == "amplitude"
+            and complete
+            and "strain" in heading_.name.lower()
+        ):
             # Where every other name carries its unit, a strain without one is a plain number.
             unit = "-"
         if heading_.role in SWINGING:
@@ -351,7 +401,9 @@ def _columns(block: Block, headings: Sequence[Heading]) -> list[Column]:
             if counts_whole_swing(heading_):
                 column = halved(column)
         title = heading_.title or name
-        whole = with_unit_of_cells(Column(title, name, unit, column, block.lines, decimal_comma=True))
+        whole = with_unit_of_cells(
+            Column(title, name, unit, column, block.lines, decimal_comma=True)
+        )
         made.append(as_measured(whole, heading_.written))
     return made
 
@@ -370,7 +422,9 @@ def _has_all_units(headings: Sequence[Heading]) -> bool:
 
 def _constant(title: str, value: str, block: Block) -> Column:
     named = heading(title)
-    return Column(title, named.role or named.name, _normal(named.unit), [value] * len(block.rows), block.lines)
+    return Column(
+        title, named.role or named.name, _normal(named.unit), [value] * len(block.rows), block.lines
+    )
 
 
 def _roles(columns: Sequence[Column]) -> dict[str, Column]:
@@ -390,7 +444,8 @@ def _roles(columns: Sequence[Column]) -> dict[str, Column]:
         del roles[spare]
     pair = next((pair for pair in _PAIRS if roles.keys() >= set(pair)), ())
     if pair:
-        # The others say the modulus once more, with other rounding, and must not contradict the chosen ones.
+        # The others say the modulus once more, with other rounding, and must not contradict the
+        # chosen ones.
         others = set().union(*_PAIRS) - set(pair)
         roles = {role: column for role, column in roles.items() if role not in others}
     if not is_dynamic(set(roles)):
@@ -404,7 +459,9 @@ def _doubt(column: Column) -> tuple[bool, int]:
 
 
 def _is_kept(column: Column, further: bool) -> bool:
-    return bool(column.name) and (further or column.name in (*KEPT, STATUS)) and not is_blank(column)
+    return (
+        bool(column.name) and (further or column.name in (*KEPT, STATUS)) and not is_blank(column)
+    )
 
 
 def _require_units(roles: Mapping[str, Column]) -> None:
@@ -422,6 +479,11 @@ def _require_units(roles: Mapping[str, Column]) -> None:
         try:
             known_unit(column.unit, UNITS[role], role)
         except DataError as error:
-            # All that are in it are said at once: storage alone would only lead to the same question for the loss.
-            alike = [each for each, other in roles.items() if other.unit == column.unit and each in UNITS]
-            raise column.error(f"{error}; {unit_proposal(alike, column.title, column.unit)}") from None
+            # All that are in it are said at once: storage alone would only lead to the same
+            # question for the loss.
+            alike = [
+                each for each, other in roles.items() if other.unit == column.unit and each in UNITS
+            ]
+            raise column.error(
+                f"{error}; {unit_proposal(alike, column.title, column.unit)}"
+            ) from None

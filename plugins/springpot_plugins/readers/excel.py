@@ -1,4 +1,7 @@
-"""Excel workbooks, .xlsx through openpyxl and .xls through xlrd: tables as in CSV, one or more on each sheet."""
+"""Excel workbooks, .xlsx through openpyxl and .xls through xlrd.
+
+Tables as in CSV, one or more on each sheet.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,15 @@ from pathlib import Path
 from typing import Any
 
 from springpot.errors import DataError
-from springpot.measurement import Choice, Measurement, Part, Reader, Signals, budget_of, measurement_from_signals
+from springpot.measurement import (
+    Choice,
+    Measurement,
+    Part,
+    Reader,
+    Signals,
+    budget_of,
+    measurement_from_signals,
+)
 
 from .blocks import Block, blocks_of
 from .channels import UNITS as CHANNELS
@@ -43,14 +54,18 @@ def recognises(head: bytes) -> float:
     return 0.3
 
 
-def _parsed(path: Path, choice: Choice | None = None) -> tuple[list[Block], list[tuple[str, str]], dict[str, str]]:
-    """The tables of all sheets, the pairs of key and value above them or on sheets of their own, and notes.
+def _parsed(
+    path: Path, choice: Choice | None = None
+) -> tuple[list[Block], list[tuple[str, str]], dict[str, str]]:
+    """The tables of all sheets, pairs of key and value, and notes.
+
+    The pairs stand above the tables or on sheets of their own.
 
     Raises
     ------
     DataError
-        If what reads it is not installed, or the file is no workbook, broken, or unpacks to far too much; or if no
-        sheet is a dynamic test before the user says more.
+        If what reads it is not installed, or the file is no workbook, broken, or unpacks to far too
+        much; or if no sheet is a dynamic test before the user says more.
     """
     made: list[Block] = []
     pairs: list[tuple[str, str]] = []
@@ -100,7 +115,10 @@ def _sheets(path: Path) -> list[tuple[str, Grid]]:
             # What formulas came to, not the formulas; and no links, which lead out of the file.
             book = load_workbook(stream, read_only=True, data_only=True, keep_links=False)
             unpacked = Unpacked()
-            sheets = [(str(sheet.title), _grid(sheet, unpacked)) for sheet in book.worksheets[:MOST_SHEETS]]
+            sheets = [
+                (str(sheet.title), _grid(sheet, unpacked))
+                for sheet in book.worksheets[:MOST_SHEETS]
+            ]
             book.close()
     except (DataError, MemoryError):
         # The limits within which a file is read, told as such: the workbook need not be broken.
@@ -144,7 +162,10 @@ def _as_lines(grid: Grid) -> list[str]:
 
 
 def _named(sheet: str, blocks: list[Block]) -> list[Block]:
-    """Blocks called by their sheet, and numbered where it has several; ``40 °C`` as a name is a temperature."""
+    """Blocks called by their sheet, and numbered where it has several.
+
+    ``40 °C`` as a name is a temperature.
+    """
     curve = curve_in_cell(sheet)
     if curve.title:
         blocks = [_with_condition(block, curve) for block in blocks]
@@ -171,7 +192,9 @@ def _check_archive(path: Path) -> None:
     size = sum(entry.file_size for entry in entries)
     # Before anything is unpacked: a small archive may hold terabytes of zeros.
     if size > budget_of(path).memory or len(entries) > _MOST_ENTRIES:
-        raise DataError(f"the workbook unpacks to {size} bytes; save the one sheet that matters, or CSV")
+        raise DataError(
+            f"the workbook unpacks to {size} bytes; save the one sheet that matters, or CSV"
+        )
 
 
 def _grid(sheet: Any, unpacked: Unpacked) -> Grid:
@@ -205,7 +228,9 @@ def read(path: Path, choice: Choice) -> Measurement:
         sheets = [grid for _, grid in _sheets_of(path)]
         if any(map(_holds_signals, sheets)):
             return measurement_from_signals([signals(path, choice)])
-    return measurement_from(blocks, choice, path, {"format": "Excel", **facts_of(pairs), **notes}, further=True)
+    return measurement_from(
+        blocks, choice, path, {"format": "Excel", **facts_of(pairs), **notes}, further=True
+    )
 
 
 def parts(path: Path) -> tuple[Part, ...]:

@@ -1,7 +1,10 @@
-"""What an instrument says against its values: flags of a status column, tan delta at a limit, raw phase near 180 deg.
+"""What an instrument says against its values.
 
-Where the loss tangent is beyond what it can tell, an instrument writes a limit instead, and a storage modulus that
-follows from the limit: nothing was measured, and such rows are left out. All else is told and left to the user.
+Flags of a status column, tan delta at a limit, raw phase near 180 deg.
+
+Where the loss tangent is beyond what it can tell, an instrument writes a limit instead, and a
+storage modulus that follows from the limit: nothing was measured, and such rows are left out. All
+else is told and left to the user.
 """
 
 from __future__ import annotations
@@ -28,11 +31,17 @@ TANGENT_LIMIT = 20000.0
 """The limit that RheoCompass writes as the loss factor; storage is the loss over it."""
 ROUNDING = 1e-3
 """Values are printed with five digits, so that the ratio of two is known to a thousandth."""
-WAYS = frozenset({"trustrain", "trustress", "dso", "dsc", "dy_auto", "dy_man", "ok", "good", "valid", "-", "0"})
+WAYS = frozenset(
+    {"trustrain", "trustress", "dso", "dsc", "dy_auto", "dy_man", "ok", "good", "valid", "-", "0"}
+)
 """Words of a status column that tell how was measured, not that something is wrong."""
 RAW_PHASE = 150.0
-"""Degrees. Without inertia the raw phase lies within 0 and 90; at 150 the moment of inertia takes 0.87 of the torque
-(the cosine) beyond what the sample's elasticity balances, and storage is a small difference of large numbers."""
+"""Degrees. Without inertia the raw phase lies within 0 and 90.
+
+At 150 the moment of inertia takes 0.87 of the torque
+(the cosine) beyond what the sample's elasticity balances, and storage is a small difference of
+large numbers.
+"""
 
 
 @dataclass(frozen=True)
@@ -51,7 +60,9 @@ class Flags:
     notes: dict[str, str]
 
 
-def flags_in(status: Column | None, storage: Real | None, loss: Real | None, ignored: bool) -> Flags:
+def flags_in(
+    status: Column | None, storage: Real | None, loss: Real | None, ignored: bool
+) -> Flags:
     """What a status column and the values themselves say.
 
     Parameters
@@ -78,12 +89,18 @@ def flags_in(status: Column | None, storage: Real | None, loss: Real | None, ign
     if storage is not None and loss is not None:
         clipped |= _at_limit(storage, loss)
     notes = _flag_note(words)
-    # Flags of other kinds are told and change nothing: what they mean differs from instrument to instrument.
+    # Flags of other kinds are told and change nothing: what they mean differs from instrument to
+    # instrument.
     if not clipped.any():
         return Flags(~clipped, notes)
-    what = f"{int(clipped.sum())} of {count} rows have a storage that was not measured (tan delta at its limit)"
+    what = (
+        f"{int(clipped.sum())} of {count} rows have a storage that was not measured (tan delta at"
+        " its limit)"
+    )
     if ignored:
-        return Flags(np.ones(count, dtype=bool), {**notes, "note clipped": f"{what}; kept as you said"})
+        return Flags(
+            np.ones(count, dtype=bool), {**notes, "note clipped": f"{what}; kept as you said"}
+        )
     # Nothing would be left: the user decides, rather than an empty table.
     if clipped.all():
         raise DataError(f"{what}; open 'FILE?{STATUS}={IGNORE}' to see them all the same")
@@ -99,12 +116,17 @@ def _flag_note(words: Sequence[set[str]]) -> dict[str, str]:
     """How often each flag stands there that may mean a fault."""
     count = Counter[str]()
     for each in words:
-        # Sorted, since a set has another order in each process and ties are told in the order of counting.
+        # Sorted, since a set has another order in each process and ties are told in the order of
+        # counting.
         count.update(word for word in sorted(each) if word.casefold() not in WAYS)
     if not count:
         return {}
     shown = ", ".join(f"{word} ({number})" for word, number in count.most_common(6))
-    return {"note status": f"of {len(words)} rows the instrument flags {shown}; its manual says what that means"}
+    return {
+        "note status": (
+            f"of {len(words)} rows the instrument flags {shown}; its manual says what that means"
+        )
+    }
 
 
 def _at_limit(storage: Real, loss: Real) -> NDArray[np.bool_]:
@@ -127,5 +149,8 @@ def raw_phase_note(raw: Column | None, frequency: Real) -> dict[str, str]:
         return {}
     where = f"{int(rows.sum())} of {len(values)} rows, from {frequency[rows].min():.3g} Hz on"
     return {
-        "note raw phase": f"beyond {RAW_PHASE:g} deg in {where}: the instrument's inertia outweighs the sample there"
+        "note raw phase": (
+            f"beyond {RAW_PHASE:g} deg in {where}: the instrument's inertia outweighs the sample"
+            " there"
+        )
     }

@@ -1,8 +1,9 @@
-"""Any table of a frequency and a complex modulus, whatever separates its cells and in whatever language.
+"""Any table of a frequency and a complex modulus, with any separator and in any language.
 
-Units stand in brackets, after `` / ``, a comma or an underscore, or in a row of their own; decimals have a point or,
-where commas do not separate cells, a comma. What a file leaves open is asked for: ``FILE?frequency=Hz,storage=MPa``.
-Columns without names are named by number: ``FILE?1=omega[rad/s],2=storage[Pa],3=loss[Pa]``.
+Units stand in brackets, after `` / ``, a comma or an underscore, or in a row of their own; decimals
+have a point or, where commas do not separate cells, a comma. What a file leaves open is asked for:
+``FILE?frequency=Hz,storage=MPa``. Columns without names are named by number:
+``FILE?1=omega[rad/s],2=storage[Pa],3=loss[Pa]``.
 """
 
 from __future__ import annotations
@@ -50,7 +51,9 @@ def recognises(head: bytes) -> float:
             below = grid.rows[i + 1 : i + 3]
             width = max(map(len, [row, *below[:1]]))
             headings = headings_of(row, below, width)
-            rows = [each for each in grid.rows[i + 1 : i + 1 + _LOOKED_AT] if len(each) == len(headings)]
+            rows = [
+                each for each in grid.rows[i + 1 : i + 1 + _LOOKED_AT] if len(each) == len(headings)
+            ]
             best = max(best, _confidence(with_pairs_apart(headings, rows)[0]))
     if best < _REARRANGED and _is_rearranged(grid):
         best = _REARRANGED
@@ -70,7 +73,8 @@ def _confidence(headings: Sequence[Heading]) -> float:
     """Below that of the readers of one maker's format, which know more of such a file."""
     named = [heading for heading in headings if heading.role]
     roles = {str(heading.role) for heading in named}
-    # A unit makes it likely that the names mean what they say; without any, other readers may know better.
+    # A unit makes it likely that the names mean what they say; without any, other readers may know
+    # better.
     if is_dynamic(roles) and any(heading.unit for heading in named):
         return 0.8
     if is_dynamic(roles):
@@ -96,7 +100,7 @@ def read(path: Path, choice: Choice) -> Measurement:
 
 
 def _names_channels(choice: Choice) -> bool:
-    """Whether the user says which columns are time, displacement and force, so that it is a record."""
+    """Whether the user says which columns are time, displacement and force: it is a record then."""
     return found_in(list(choice.columns.values())) >= {*CHANNELS}
 
 
@@ -110,7 +114,9 @@ def parts(path: Path) -> tuple[Part, ...]:
     return parts_from(with_conditions_above(apart(blocks)))
 
 
-def _blocks(grid: Grid, choice: Choice) -> tuple[list[Block], list[tuple[str, str]], dict[str, str]]:
+def _blocks(
+    grid: Grid, choice: Choice
+) -> tuple[list[Block], list[tuple[str, str]], dict[str, str]]:
     """The tables of a file, what it says above them, and notes on how they were read."""
     notes: dict[str, str] = {}
     if not choice.part and needs_rearranging(grid, blocks_of(grid, stacked=True)[0]):
@@ -134,10 +140,16 @@ def _blocks(grid: Grid, choice: Choice) -> tuple[list[Block], list[tuple[str, st
 
 def _without_names(grid: Grid, choice: Choice) -> Block:
     """The numbers of a file without names for its columns, which the user gives."""
-    kept = [(row, n) for row, n in zip(grid.rows, grid.lines, strict=True) if not row[0].strip().startswith(COMMENT)]
+    kept = [
+        (row, n)
+        for row, n in zip(grid.rows, grid.lines, strict=True)
+        if not row[0].strip().startswith(COMMENT)
+    ]
     start = next((i for i, (row, _) in enumerate(kept) if is_data(row) and len(row) > 1), None)
     if start is None:
-        raise DataError("there is no table of numbers; write frequency [Hz], storage [Pa], loss [Pa] above them")
+        raise DataError(
+            "there is no table of numbers; write frequency [Hz], storage [Pa], loss [Pa] above them"
+        )
     rows, lines = [row for row, _ in kept[start:]], [n for _, n in kept[start:]]
     width = len(rows[0])
     for row, number in zip(rows, lines, strict=True):

@@ -25,23 +25,71 @@ DEVIATING = re.compile(rf"\s*\(?\s*([-+−]?{_SIZE})\s*(?:±|\+/-|\+-)\s*({_SIZE
 """A value with its deviation: ``12.3 ± 0.4``."""
 MISSING = frozenset(
     (
-        *("", "-", "--", "---", "----", "-----", "------", "*", "***", "****", "*****", "******", "—", "–", "?"),
-        *("n/a", "N/A", "NA", "nan", "NaN", "NAN", "-nan", "null", "None", "none", "#N/A", "#NV", "#DIV/0!"),
+        *(
+            "",
+            "-",
+            "--",
+            "---",
+            "----",
+            "-----",
+            "------",
+            "*",
+            "***",
+            "****",
+            "*****",
+            "******",
+            "—",
+            "–",
+            "?",
+        ),
+        *(
+            "n/a",
+            "N/A",
+            "NA",
+            "nan",
+            "NaN",
+            "NAN",
+            "-nan",
+            "null",
+            "None",
+            "none",
+            "#N/A",
+            "#NV",
+            "#DIV/0!",
+        ),
         *("#VALUE!", "#REF!", "inf", "-inf", "Inf", "-Inf", "1.#QNAN", "-1.#IND"),
-        *("OL", "OVL", "OVLD", "OVERLOAD", "Overload", "Over", "over", "ERR", "Error", "#ERR", "invalid"),
+        *(
+            "OL",
+            "OVL",
+            "OVLD",
+            "OVERLOAD",
+            "Overload",
+            "Over",
+            "over",
+            "ERR",
+            "Error",
+            "#ERR",
+            "invalid",
+        ),
     )
 )
 """What stands where nothing was measured."""
 SEPARATORS = (";", "\t", ",", "|", " ")
 COMMENT = ("#", "%", "//", "!")
 LONGEST_CELL = 500
-"""Signs of a cell of a spreadsheet that are kept: no name of a column is longer, and patterns are sought in it."""
+"""Signs of a cell of a spreadsheet that are kept.
+
+No name of a column is longer, and patterns are sought in it.
+"""
 _SAMPLED = 300
 """Lines of the whole file by which the separator is told."""
 _OPEN = re.compile(r'(?:^|[;,\t|]) *"[^"]*$')
 """A last cell whose quote is not closed."""
 _MOST_JOINED = 3
-"""Lines that a quoted cell may go on in: a quote that never closes must not swallow the rest of the file."""
+"""Lines that a quoted cell may go on in.
+
+A quote that never closes must not swallow the rest of the file.
+"""
 _HEAD = 1 << 15
 """Signs of a file by which it is recognised."""
 _LONG = 20_000
@@ -75,7 +123,10 @@ def is_number(cell: str) -> bool:
 
 
 def holds_number(cell: str) -> bool:
-    """Whether a cell is a number in any style: with thousands parted, complex, or with its deviation."""
+    """Whether a cell is a number in any style.
+
+    With thousands parted, complex, or with its deviation.
+    """
     if NUMBER.match(cell):
         return True
     return any(style.match(cell) for style in (APOSTROPHES, COMPLEX, DEVIATING))
@@ -90,12 +141,19 @@ def separator_in(lines: Sequence[str]) -> str:
     """The sign that makes the most numbers of the lines, and the fewest cells that are none."""
     # A sample of the whole file beside its beginning, which may be a long report.
     step = max(1, len(lines) // _SAMPLED)
-    sample = [line for line in (*lines[:50], *lines[50::step]) if any(sign.isdigit() for sign in line[:200])]
-    gains = {sign: sum(_gain(line, sign) for line in sample if len(line) < _LONG) for sign in SEPARATORS}
+    sample = [
+        line
+        for line in (*lines[:50], *lines[50::step])
+        if any(sign.isdigit() for sign in line[:200])
+    ]
+    gains = {
+        sign: sum(_gain(line, sign) for line in sample if len(line) < _LONG) for sign in SEPARATORS
+    }
     # White space also splits words within cells, which may look like a number gained.
     gains[" "] = int(_BY_BLANKS * gains[" "])
     if not any(gains.values()):
-        # As many words as numbers in each row: then the sign that gives all lines the same number of cells.
+        # As many words as numbers in each row: then the sign that gives all lines the same number
+        # of cells.
         return max(SEPARATORS, key=lambda sign: _evenness(sample, sign))
     return max(SEPARATORS, key=gains.__getitem__)
 
@@ -136,7 +194,11 @@ def split_line(line: str, separator: str) -> list[str]:
     """The cells of a line; quotes that do not close are an error of csv."""
     if separator == " ":
         return line.split()
-    if '"' not in line or line.count('"') % 2 or not re.search(rf'(?:^|{re.escape(separator)}) *"', line):
+    if (
+        '"' not in line
+        or line.count('"') % 2
+        or not re.search(rf'(?:^|{re.escape(separator)}) *"', line)
+    ):
         # A lone quote is a prime, as in G".
         return line.split(separator)
     return next(csv.reader([line], delimiter=separator, skipinitialspace=True), [""])
@@ -155,7 +217,8 @@ def closed(lines: Iterable[tuple[int, str]]) -> list[tuple[int, str]]:
                 joining = 0
         else:
             whole.append((number, line))
-            # An even number of quotes is closed; a lone one behind other signs is a prime, as in G".
+            # An even number of quotes is closed; a lone one behind other signs is a prime, as in
+            # G".
             if line.count('"') % 2 and _OPEN.search(line):
                 joining = _MOST_JOINED
     return whole
@@ -184,7 +247,9 @@ def grid_of(text: str) -> Grid:
 
 def head_grid(text: str, most: int = 400) -> Grid:
     """The first lines of a file as rows, for its recognition; never an error."""
-    numbered = ((i, line) for i, line in enumerate(lines_of(text[:_HEAD])) if line and not line.isspace())
+    numbered = (
+        (i, line) for i, line in enumerate(lines_of(text[:_HEAD])) if line and not line.isspace()
+    )
     filled = [line for _, line in closed(islice(numbered, most))]
     if len(filled) > 1 and len(text) >= _HEAD:
         # The last line may be cut off.
@@ -205,11 +270,16 @@ def require_columns(count: int) -> None:
         With what to do.
     """
     if count > MOST_COLUMNS:
-        raise DataError(f"{count} columns, of which {MOST_COLUMNS} are read; save those that matter alone")
+        raise DataError(
+            f"{count} columns, of which {MOST_COLUMNS} are read; save those that matter alone"
+        )
 
 
 def shortest(value: float) -> str:
-    """The shortest decimals that read back as the same bits; nothing for nan, which stands for a gap."""
+    """The shortest decimals that read back as the same bits.
+
+    Nothing for nan, which stands for a gap.
+    """
     if isnan(value):
         return ""
     return repr(value)
@@ -227,12 +297,16 @@ class Unpacked:
         Raises
         ------
         DataError
-            If there are; while they come, for how many there are is known when all have been unpacked.
+            If there are; while they come, for how many there are is known when all have been
+            unpacked.
         """
         for cells in rows:
             self.cells += len(cells)
             if self.cells > MOST_CELLS:
-                raise DataError(f"a workbook of more than {MOST_CELLS} cells; save the table that matters as CSV")
+                raise DataError(
+                    f"a workbook of more than {MOST_CELLS} cells; save the table that matters"
+                    " as CSV"
+                )
             yield cells
 
 

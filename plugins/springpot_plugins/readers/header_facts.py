@@ -1,4 +1,7 @@
-"""What a file says of instrument, geometry and sample, under fixed keys, and what it means for a measured modulus."""
+"""What a file says of instrument, geometry and sample, and what it means for a measured modulus.
+
+The facts have fixed keys.
+"""
 
 from __future__ import annotations
 
@@ -15,11 +18,24 @@ KEYS: dict[str, tuple[str, ...]] = {
     "test": ("test", "essai", "versuch", "prueba", "prova", "testname", "procedurename"),
     "result": ("result", "resultat", "ergebnis", "resultado", "risultato"),
     "date": ("rundate", "date", "datum", "datetime", "datum/zeit", "fecha", "data", "starttime"),
-    "instrument.type": ("instrumenttype", "instrument", "gerat", "messgerat", "appareil", "device", "instrumento"),
+    "instrument.type": (
+        "instrumenttype",
+        "instrument",
+        "gerat",
+        "messgerat",
+        "appareil",
+        "device",
+        "instrumento",
+    ),
     "instrument.serial": ("instrumentserialnumber", "serialnumber"),
     "instrument.inertia": ("instrumentinertia", "motorinertia", "systeminertia", "deviceinertia"),
     "instrument.friction": ("bearingfriction", "instrumentfriction", "motorfriction", "friction"),
-    "instrument.compliance": ("instrumentcompliance", "axialcompliance", "torsionalcompliance", "systemcompliance"),
+    "instrument.compliance": (
+        "instrumentcompliance",
+        "axialcompliance",
+        "torsionalcompliance",
+        "systemcompliance",
+    ),
     "software": ("triosversion", "softwareversion", "software", "rheocompassversion"),
     "geometry.type": ("geometrytype", "measuringsystemtype"),
     "geometry.name": (
@@ -55,7 +71,9 @@ COMPLIANCE_UNITS = {f"{p}rad/N m": f for p, f in _PREFIXES.items()}
 PER_ANGLE_UNITS = {"1/rad": 1.0, "rad^-1": 1.0, "rad-1": 1.0, "-": 1.0}
 # A gram-force centimetre, by the standard gravity of 9.80665 m/s^2.
 _TORQUES = TORQUE_UNITS | {"g cm": 9.80665e-5}
-PER_TORQUE_UNITS = {f"{p}/{t}": a / b for p, a in PRESSURE_UNITS.items() for t, b in _TORQUES.items()}
+PER_TORQUE_UNITS = {
+    f"{p}/{t}": a / b for p, a in PRESSURE_UNITS.items() for t, b in _TORQUES.items()
+}
 
 
 def facts_of(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
@@ -79,7 +97,10 @@ def facts_of(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
 
 
 def _is_unset(value: str) -> bool:
-    """Whether a field was left as the program had it: empty, a dash, or nothing of a unit such as ``0 mm``."""
+    """Whether a field was left as the program had it.
+
+    Empty, a dash, or nothing of a unit such as ``0 mm``.
+    """
     parsed = quantity(value)
     return value in ("", "-", "Anonymous") or bool(parsed and parsed[0] == 0 and parsed[1])
 
@@ -108,8 +129,9 @@ def quantity(text: str) -> tuple[float, str] | None:
 def as_modulus(facts: dict[str, str]) -> dict[str, str]:
     """Inertia, friction and compliance of a rotational rheometer as they act on a shear modulus.
 
-    With stress = F_s torque and strain = F_g angle, a moment of inertia I takes I omega^2 F_s / F_g from the modulus,
-    a friction b adds a viscosity b F_s / F_g, a compliance C is a spring F_s / (F_g C) in series.
+    With stress = F_s torque and strain = F_g angle, a moment of inertia I takes I omega^2 F_s / F_g
+    from the modulus, a friction b adds a viscosity b F_s / F_g, a compliance C is a spring F_s /
+    (F_g C) in series.
     """
     stress = _in_si(facts.get("geometry.stress_constant"), PER_TORQUE_UNITS)
     strain = _in_si(facts.get("geometry.strain_constant"), PER_ANGLE_UNITS)
@@ -117,7 +139,9 @@ def as_modulus(facts: dict[str, str]) -> dict[str, str]:
         # Without the constants of the geometry a torque tells nothing of a modulus.
         return {}
     factor, moduli = stress / strain, {}
-    inertia = sum(_in_si(facts.get(f"{part}.inertia"), INERTIA_UNITS) for part in ("instrument", "geometry"))
+    inertia = sum(
+        _in_si(facts.get(f"{part}.inertia"), INERTIA_UNITS) for part in ("instrument", "geometry")
+    )
     friction = _in_si(facts.get("instrument.friction"), FRICTION_UNITS)
     compliance = sum(
         _in_si(facts.get(key), COMPLIANCE_UNITS)

@@ -30,7 +30,14 @@ _DEVIATIONS = frozenset(
             "σ",
             "sigma",
         ),
-        *("standard deviation", "uncertainty", "standardabweichung", "unsicherheit", "écart-type", "écart type"),
+        *(
+            "standard deviation",
+            "uncertainty",
+            "standardabweichung",
+            "unsicherheit",
+            "écart-type",
+            "écart type",
+        ),
         *("ecart-type", "ecart type", "desviación estándar", "deviazione standard"),
     )
 )
@@ -40,7 +47,9 @@ _MOST_JOINED = 200
 """Words above a table that are tried in pairs; each joining looks at all of them again."""
 
 
-def headings_of(names: Sequence[str], between: Iterable[Sequence[str]], width: int) -> tuple[Heading, ...]:
+def headings_of(
+    names: Sequence[str], between: Iterable[Sequence[str]], width: int
+) -> tuple[Heading, ...]:
     """Titles with the units from the row below them, at least `width` of them."""
     titles = [unquoted(cell.strip()) for cell in uncommented(names)]
     if len(titles) > width:
@@ -54,13 +63,14 @@ def headings_of(names: Sequence[str], between: Iterable[Sequence[str]], width: i
             titles = _in_two_rows(titles, [unquoted(cell.strip()) for cell in uncommented(row)])
     for place, (title, unit) in enumerate(zip(titles, units, strict=True)):
         if unit and not title and heading(unit).role:
-            # A name that stands in the row of units, as where pandas names the index below the columns.
+            # A name that stands in the row of units, as where pandas names the index below the
+            # columns.
             titles[place], units[place] = unit, None
     return with_deviations(heading(title, unit) for title, unit in zip(titles, units, strict=True))
 
 
 def named_above(headings: Sequence[Heading], above: Sequence[str]) -> tuple[Heading, ...]:
-    """The headings, those that are no more than a unit with the name that stands in the row above them.
+    """The headings, where one that is only a unit takes the name that stands in the row above.
 
     Parameters
     ----------
@@ -77,10 +87,15 @@ def named_above(headings: Sequence[Heading], above: Sequence[str]) -> tuple[Head
 
 
 def with_deviations(headings: Iterable[Heading]) -> tuple[Heading, ...]:
-    """The headings, where one that says no more than "±" or "SD" is the deviation of the column before it."""
+    """The headings, where a mere "±" or "SD" is the deviation of the column before it."""
     made: list[Heading] = []
     for each in headings:
-        if made and made[-1].role in _WITH_DEVIATION and each.role is None and _says_deviation(each):
+        if (
+            made
+            and made[-1].role in _WITH_DEVIATION
+            and each.role is None
+            and _says_deviation(each)
+        ):
             role = f"{made[-1].role}_sd"
             each = replace(each, name=role, role=role, unit=each.unit or made[-1].unit)
         made.append(each)
@@ -94,7 +109,10 @@ def _says_deviation(each: Heading) -> bool:
 
 
 def _beside_titles(units: Sequence[str], titles: Sequence[str]) -> list[str | None]:
-    """The units under their titles: a column without one, such as a counter, leaves no gap between blanks."""
+    """The units under their titles.
+
+    A column without one, such as a counter, leaves no gap between blanks.
+    """
     spare = [None] * (len(titles) - len(units))
     from_left, from_right = [*units, *spare], [*spare, *units]
     # From the left unless the other way fits better: most tables are written so.
@@ -110,7 +128,7 @@ def _fits(title: str, unit: str | None) -> bool:
 
 
 def _in_two_rows(titles: list[str], below: Sequence[str]) -> list[str]:
-    """Names that go on in the next row, ``Storage`` and ``modulus``, where more is known of the whole."""
+    """Names that go on in the next row (``Storage``, ``modulus``), where that makes more known."""
     whole = [f"{title} {more}".strip() for title, more in zip(titles, below, strict=False)]
     if len(whole) == len(titles) and _known_among(whole) > _known_among(titles):
         return whole
@@ -130,13 +148,14 @@ def unquoted(cell: str) -> str:
 
 
 def _rejoined(titles: list[str], names: Sequence[str], width: int) -> list[str]:
-    """Names with spaces in a file that is separated by them: joined where only the whole is known."""
+    """Names with spaces in a file separated by spaces: joined where only the whole is known."""
     while width < len(titles) < min(4 * width + 8, _MOST_JOINED):
         pairs = [i for i in range(len(titles) - 1) if heading(" ".join(titles[i : i + 2])).role]
         # Two names that are both known by themselves are two columns, whatever they are together.
         pairs = [i for i in pairs if not (heading(titles[i]).role and heading(titles[i + 1]).role)]
         if not pairs:
-            # Where the names that hold anything are as many as the numbers, the empty ones were wider gaps.
+            # Where the names that hold anything are as many as the numbers, the empty ones were
+            # wider gaps.
             filled = [cell for cell in titles if cell]
             if len(filled) == width:
                 return filled
@@ -150,7 +169,11 @@ def units_in(row: Sequence[str]) -> list[str]:
     """The units in a row that holds nothing else; none for other rows."""
     cells = [cell.strip() for cell in uncommented(row)]
     filled = [cell for cell in cells if cell and cell not in ("[]", "()")]
-    known = [cell for cell in filled if is_unit(cell.strip("()[]")) or re.fullmatch(r"[\[(][^\[\]()]*[\])]", cell)]
+    known = [
+        cell
+        for cell in filled
+        if is_unit(cell.strip("()[]")) or re.fullmatch(r"[\[(][^\[\]()]*[\])]", cell)
+    ]
     # Not all: a column that is of no interest may have a unit that is not known.
     if filled and len(known) >= max(1, 0.6 * len(filled)):
         return cells
@@ -160,7 +183,7 @@ def units_in(row: Sequence[str]) -> list[str]:
 def beside(
     names: Sequence[str], between: Sequence[Sequence[str]], rows: Sequence[Sequence[str]]
 ) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
-    """Names and units with one cell for each of the rows, where the first name is of none of them, or lacks."""
+    """Names and units, one cell a row, where the first name is of none of the rows, or lacks."""
     width = len(rows[0])
     if len(names) == width + 1 and names[0].strip().endswith(":"):
         # "Interval data:" stands before the names, and nothing before the numbers.

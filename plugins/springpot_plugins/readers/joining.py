@@ -32,17 +32,29 @@ def joined(parts: Sequence[Measurement], names: Sequence[str], name: str, note: 
     """
     unit = parts[0].units.stiffness
     parts = [_in_unit(part, unit) for part in parts]
-    amplitude = next((part.units.amplitude for part in parts if "amplitude" in part.conditions), "-")
+    amplitude = next(
+        (part.units.amplitude for part in parts if "amplitude" in part.conditions), "-"
+    )
     parts = [_with_amplitude(part, amplitude) for part in parts]
-    common = [key for key in parts[0].conditions if all(_has(part, key, parts[0]) for part in parts)]
+    common = [
+        key for key in parts[0].conditions if all(_has(part, key, parts[0]) for part in parts)
+    ]
     # A "step" of a part itself gives way to the name of the part, which tells them apart.
-    words = [key for key in parts[0].labels if all(key in part.labels for part in parts) and key != "step"]
+    words = [
+        key
+        for key in parts[0].labels
+        if all(key in part.labels for part in parts) and key != "step"
+    ]
     labels = {key: np.concatenate([part.labels[key] for part in parts]) for key in words}
-    labels["step"] = np.concatenate([np.full(len(p), word) for p, word in zip(parts, names, strict=True)])
+    labels["step"] = np.concatenate(
+        [np.full(len(p), word) for p, word in zip(parts, names, strict=True)]
+    )
     dropped = sorted(set().union(*(part.conditions for part in parts)) - set(common))
     notes = {"note parts": note}
     if dropped:
-        notes["note columns"] = f"not in every part, or in other units, left out: {', '.join(dropped)}"
+        notes["note columns"] = (
+            f"not in every part, or in other units, left out: {', '.join(dropped)}"
+        )
     counted = [part.repeat for part in parts if part.repeat is not None]
     repeat = None
     if len(counted) == len(parts):
@@ -54,7 +66,9 @@ def joined(parts: Sequence[Measurement], names: Sequence[str], name: str, note: 
         omega=np.concatenate([part.omega for part in parts]),
         stiffness=np.concatenate([part.stiffness for part in parts]),
         sd=_together(parts, lambda part: part.sd),
-        conditions={key: np.concatenate([part.conditions[key] for part in parts]) for key in common},
+        conditions={
+            key: np.concatenate([part.conditions[key] for part in parts]) for key in common
+        },
         repeat=repeat,
         units=replace(parts[0].units, amplitude=amplitude),
         name=name,
@@ -63,7 +77,9 @@ def joined(parts: Sequence[Measurement], names: Sequence[str], name: str, note: 
     )
 
 
-def _together(parts: Sequence[Measurement], column: Callable[[Measurement], Complex | None]) -> Complex | None:
+def _together(
+    parts: Sequence[Measurement], column: Callable[[Measurement], Complex | None]
+) -> Complex | None:
     """A column that every part has, or none."""
     columns = [values for part in parts if (values := column(part)) is not None]
     if len(columns) < len(parts):
@@ -76,7 +92,9 @@ def _has(part: Measurement, key: str, first: Measurement) -> bool:
     if key == "amplitude" and part.units.amplitude != first.units.amplitude:
         return False
     unit_key = f"unit {key}"
-    return key in part.conditions and part.provenance.get(unit_key) == first.provenance.get(unit_key)
+    return key in part.conditions and part.provenance.get(unit_key) == first.provenance.get(
+        unit_key
+    )
 
 
 def _factor(unit: str, wanted: str) -> float | None:
@@ -98,7 +116,10 @@ def require_one_kind(parts: Sequence[Measurement], numbers: Mapping[str, int]) -
     wanted = parts[0].units.stiffness
     for part in parts:
         if _factor(part.units.stiffness, wanted) is None:
-            message = f"its parts come in {wanted} and {part.units.stiffness}; choose one, such as 'FILE#1'"
+            message = (
+                f"its parts come in {wanted} and {part.units.stiffness}; choose one, such as"
+                " 'FILE#1'"
+            )
             answers = {name: f"#{number}" for name, number in numbers.items()}
             raise OpenQuestion(message, [Question("part", "part", answers)])
 
@@ -113,7 +134,9 @@ def _in_unit(part: Measurement, wanted: str) -> Measurement:
     sd = part.sd
     if sd is not None:
         sd = sd * factor
-    return replace(part, stiffness=part.stiffness * factor, sd=sd, units=replace(part.units, stiffness=wanted))
+    return replace(
+        part, stiffness=part.stiffness * factor, sd=sd, units=replace(part.units, stiffness=wanted)
+    )
 
 
 def _with_amplitude(part: Measurement, wanted: str) -> Measurement:

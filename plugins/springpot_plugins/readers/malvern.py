@@ -11,7 +11,13 @@ from .dynamic import reader_of_blocks
 from .grid import grid_of
 from .text import head_text, text_of
 
-_MARKS = ("(sequence)(s)", "(action)(s)", "(elastic component)", "(viscous component)", "Action Name")
+_MARKS = (
+    "(sequence)(s)",
+    "(action)(s)",
+    "(elastic component)",
+    "(viscous component)",
+    "Action Name",
+)
 
 
 def recognises(head: bytes) -> float:
@@ -27,7 +33,9 @@ def _parsed(path: Path) -> tuple[list[Block], dict[str, str]]:
     blocks, _ = blocks_of(grid_of(text_of(path)))
     made: list[Block] = []
     for block in blocks:
-        place = next((i for i, h in enumerate(block.headings) if h.title.startswith("Action")), None)
+        place = next(
+            (i for i, h in enumerate(block.headings) if h.title.startswith("Action")), None
+        )
         if place is None:
             made.append(block)
             continue
@@ -35,7 +43,11 @@ def _parsed(path: Path) -> tuple[list[Block], dict[str, str]]:
         # Only rows that follow one another: the same action may come again later in a sequence.
         for name, run in groupby(row[place].strip() for row in block.rows):
             stop = start + len(list(run))
-            made.append(replace(block, name=name, rows=block.rows[start:stop], lines=block.lines[start:stop]))
+            made.append(
+                replace(
+                    block, name=name, rows=block.rows[start:stop], lines=block.lines[start:stop]
+                )
+            )
             start = stop
     # The columns of all actions stand in one table: those of the others are empty.
     return [_without_blank_columns(block) for block in made], {}
@@ -49,4 +61,6 @@ def _without_blank_columns(block: Block) -> Block:
     return replace(block, headings=tuple(block.headings[i] for i in keep), rows=rows)
 
 
-READER = reader_of_blocks("malvern", "Malvern rSpace, exported as CSV", recognises, _parsed, "Malvern rSpace")
+READER = reader_of_blocks(
+    "malvern", "Malvern rSpace, exported as CSV", recognises, _parsed, "Malvern rSpace"
+)

@@ -1,8 +1,8 @@
 """Arrays of numbers in MATLAB files of version 5 to 7.
 
-Every size is checked against what is there before it is believed: the general reader in SciPy ends the whole process
-on some broken files. Text, cells, objects and sparse arrays are passed over. The layout is that of "MAT-File Format",
-The MathWorks.
+Every size is checked against what is there before it is believed: the general reader in SciPy ends
+the whole process on some broken files. Text, cells, objects and sparse arrays are passed over. The
+layout is that of "MAT-File Format", The MathWorks.
 """
 
 from __future__ import annotations
@@ -16,7 +16,18 @@ from struct import unpack_from
 import numpy as np
 from numpy.typing import NDArray
 
-_STORED = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
+_STORED = {
+    1: "i1",
+    2: "u1",
+    3: "i2",
+    4: "u2",
+    5: "i4",
+    6: "u4",
+    7: "f4",
+    9: "f8",
+    12: "i8",
+    13: "u8",
+}
 _MATRIX, _COMPRESSED = 14, 15
 _STRUCT, _NUMERIC = 2, range(6, 16)
 _COMPLEX = 0x0800
@@ -49,7 +60,8 @@ def arrays_in(content: bytes, most: int) -> dict[str, NDArray[np.float64]]:
     BrokenFile
         If the file is broken or unpacks to more.
     """
-    # The last two bytes of the header are "MI" as the writing machine stores the number of these letters.
+    # The last two bytes of the header are "MI" as the writing machine stores the number of these
+    # letters.
     order = "<"
     if content[126:128] == b"MI":
         order = ">"
@@ -90,7 +102,8 @@ def _elements(data: memoryview, order: str, padded: bool = True) -> Iterator[_El
                 raise BrokenFile("a small element is too large")
         else:
             kind, start = first, place + 8
-            # Elements are filled up to whole eight bytes, compressed ones at the top of the file are not.
+            # Elements are filled up to whole eight bytes, compressed ones at the top of the file
+            # are not.
             filled = -(-size // 8) * 8
             if not padded and kind == _COMPRESSED:
                 filled = size
@@ -136,7 +149,9 @@ def _numbers(part: _Element | None, shape: tuple[int, ...], order: str) -> NDArr
     return np.frombuffer(part.data, kind).astype(np.float64).reshape(shape, order="F")
 
 
-def _fields(parts: Iterator[_Element], order: str, title: str, depth: int) -> dict[str, NDArray[np.float64]]:
+def _fields(
+    parts: Iterator[_Element], order: str, title: str, depth: int
+) -> dict[str, NDArray[np.float64]]:
     length, names = next(parts, None), next(parts, None)
     if length is None or names is None or len(length.data) != 4:
         raise BrokenFile("a structure without fields")

@@ -1,4 +1,4 @@
-"""Which modulus a title tells of: by its letter, as G' or E(t), or in words, as shear or tensile."""
+"""Which modulus a title tells of: by its letter, as G' or E(t), or words, as shear or tensile."""
 
 from __future__ import annotations
 
@@ -18,12 +18,13 @@ _WORDS = {
 
 
 def letter_of(titles: Iterable[str], is_modulus: bool) -> str:
-    """G, E or K (bulk modulus or stiffness) of the first title that tells; empty where none does."""
+    """G, E or K (bulk modulus or stiffness) of the first title that tells; empty if none does."""
     for title in titles:
         match = _SWEEP.search(title) or _TIMED.search(title)
         if match:
             letter = _OF_COMPLIANCE.get(match[1], match[1])
-            # In N/mm a G is no modulus; in Pa a K may be the bulk modulus or any: it is better asked for.
+            # In N/mm a G is no modulus; in Pa a K may be the bulk modulus or any: it is better
+            # asked for.
             if is_modulus == (letter != "K"):
                 return letter
         named = [letter for letter, word in _WORDS.items() if word.search(title)]

@@ -1,6 +1,9 @@
-"""What a column is called: names and symbols in the languages that instruments speak, as the role they stand for.
+"""What a column is called.
 
-Names are compared folded: without accents, case, spaces, hyphens, dots and underscores, with primes as ``'``.
+Names and symbols in the languages that instruments speak, as the role they stand for.
+
+Names are compared folded: without accents, case, spaces, hyphens, dots and underscores, with primes
+as ``'``.
 """
 
 from __future__ import annotations
@@ -12,315 +15,224 @@ from functools import lru_cache
 from .languages import LANGUAGES
 from .peaks import says_whole_swing, without_swing
 
-EXACT = {"T": "temperature", "t": "time", "f": "frequency", "w": "omega", "W": "omega", "d": "phase"}
+EXACT = {
+    "T": "temperature",
+    "t": "time",
+    "f": "frequency",
+    "w": "omega",
+    "W": "omega",
+    "d": "phase",
+}
 """Single letters, where case decides."""
 
-NAMES: dict[str, tuple[str, ...]] = {
-    "omega": (
-        *("omega", "ω", "angularfrequency", "angfrequency", "angularfreq", "angfreq", "radianfrequency"),
-        *("circularfrequency", "oscillationangularfrequency", "ang.frequency"),
-        *("pulsation", "frequenceangulaire", "kreisfrequenz", "winkelfrequenz"),
-        *("frecuenciaangular", "frequenzaangolare", "pulsazione", "frequenciaangular"),
-    ),
-    "frequency": (
-        *("frequency", "freq", "testfrequency", "oscillationfrequency", "excitationfrequency", "ν"),
-        *("frequence", "frequenz", "messfrequenz", "frecuencia", "frequenza", "frequencia"),
-    ),
-    "storage": (
-        *("storage", "storagemodulus", "m'", "g'", "gp", "gprime", "storageshearmodulus", "shearstoragemodulus"),
-        *(
-            "elasticshearmodulus",
-            "shearmodulus(elasticcomponent)",
-            "elasticmodulusg'",
-            "elasticmodulus",
-            "storagestiffness",
-            "k'",
-            "kp",
-        ),
-        *("e'", "ep", "eprime", "estor", "estorage", "gstor", "gstorage", "storageyoungsmodulus", "reg*", "re(g*)"),
-        *(
-            "tensilestoragemodulus",
-            "storageyoung'smodulus",
-            "storagetensilemodulus",
-            "kprime",
-            "storagemodul",
-            "stormod",
-        ),
-        *(
-            "effectivestiffness",
-            "keff",
-            "geff",
-            "eeff",
-            "equivalentstiffness",
-            "keq",
-            "effektivesteifigkeit",
-            "rigiditeeffective",
-        ),
-        *("c'", "re(f/x)", "ref/x", "dynamicstiffnessreal", "realstiffness", "realpartofstiffness"),
-        *(
-            "horizontalstiffness",
-            "kh",
-            "kdyn'",
-            "k'dyn",
-            "cdyn'",
-            "c'dyn",
-            "kdynstorage",
-            "storagekdyn",
-            "shearstiffness",
-            "rigidezefectiva",
-            "rigidezzaefficace",
-        ),
-        *("aquivalentesteifigkeit", "rigiditeequivalente", "raideurequivalente", "rigidezequivalente"),
-        *("storagemod", "re(k)", "re(k*)", "rek*", "re(g)", "re(e)", "re(e*)", "kstorage", "kstor", "storagek"),
-        *("moduledestockage", "moduledeconservation", "moduleelastique", "modulestockage", "moduleconservation"),
-        *("moduledecisaillementdestockage", "moduledestockageencisaillement"),
-        *("speichermodul", "speicherschubmodul", "schubspeichermodul", "speichersteifigkeit"),
-        *("modulodealmacenamiento", "moduloelastico", "modulodealmacenaje", "almacenamiento"),
-        *("modulodiconservazione", "moduloconservativo", "modulodiimmagazzinamento", "modulodiaccumulo"),
-        *("modulodistoccaggio", "modulodearmazenamento"),
-    ),
-    "loss": (
-        *(
-            "loss",
-            "lossmodulus",
-            "m''",
-            "g''",
-            "gpp",
-            "gdoubleprime",
-            "gdprime",
-            "lossshearmodulus",
-            "shearlossmodulus",
-        ),
-        *("viscousmodulus", "viscousshearmodulus", "shearmodulus(viscouscomponent)", "lossstiffness", "k''", "kpp"),
-        *("e''", "epp", "edoubleprime", "eloss", "gloss", "lossyoungsmodulus", "img*", "im(g*)", "kdoubleprime"),
-        *(
-            "tensilelossmodulus",
-            "lossyoung'smodulus",
-            "losstensilemodulus",
-            "edprime",
-            "lossmodul",
-            "viscousmodulusg''",
-        ),
-        *("c''", "im(f/x)", "imf/x", "dynamicstiffnessimag", "imaginarystiffness", "imaginarypartofstiffness"),
-        *("kdyn''", "k''dyn", "cdyn''", "c''dyn", "kdynloss", "losskdyn"),
-        *("lossmod", "im(k)", "im(k*)", "imk*", "im(g)", "im(e)", "im(e*)", "kloss", "lossk"),
-        *("moduledeperte", "moduledepertes", "moduleperte", "moduledissipatif", "modulevisqueux"),
-        *("moduledeperteencisaillement", "verlustmodul", "verlustschubmodul", "schubverlustmodul"),
-        *("verluststeifigkeit", "modulodeperdida", "modulodeperdidas", "moduloviscoso", "perdida"),
-        *("modulodiperdita", "modulodissipativo", "modulodeperda"),
-    ),
-    "magnitude": (
-        *("dynamischesteifigkeit", "dynsteifigkeit", "kdyn", "dynstiffness", "dynamicspringrate"),
-        *("rigiditedynamique", "raideurdynamique", "rigidezdinamica", "rigidezzadinamica"),
-        *("c*", "|c*|", "|c|", "|f/x|", "f/x"),
-        *("magnitude", "complexmodulus", "|m*|", "|g*|", "g*", "gstar", "complexshearmodulus", "|e*|", "e*", "estar"),
-        *("shearmodulus(complexcomponent)", "|k|", "|k*|", "k*", "|g|", "|e|", "dynamicmodulus", "dynamicstiffness"),
-        *("absg*", "abse*", "complexstiffness", "|complexmodulus|", "modulecomplexe", "komplexermodul"),
-        *("komplexerschubmodul", "betragkomplexermodul", "modulocomplejo", "modulocomplesso", "modulocomplexo"),
-    ),
-    "phase": (
-        *("phaseangle", "phase", "delta", "δ", "phaseshift", "lossangle", "phi", "φ", "phaselag", "phaseshiftangle"),
-        *("angledephase", "dephasage", "angledeperte", "phasenwinkel", "verlustwinkel", "phasenverschiebung"),
-        *("phasenverschiebungswinkel", "angulodefase", "angulodeperdida", "desfase", "angolodifase"),
-        *("angolodiperdita", "sfasamento", "ϕ"),
-    ),
-    "loss_factor": (
-        *("lossfactor", "tandelta", "tanδ", "tan(delta)", "tan(δ)", "tand", "tgδ", "tgdelta", "losstangent"),
-        *("dampingfactor", "dissipationfactor", "eta", "tanphi", "tanφ", "facteurdeperte", "facteurdamortissement"),
-        *(
-            "tangentedelta",
-            "verlustfaktor",
-            "verlustf",
-            "dampfungsfaktor",
-            "factordeperdida",
-            "factordeamortiguamiento",
-        ),
-        *("factordeamortiguacion", "tangentedeperdida", "fattorediperdita", "fattoredismorzamento"),
-        *("factordeperdidas", "fatordeperda"),
-    ),
-    "viscosity": (
-        *("complexviscosity", "|η*|", "η*", "eta*", "|eta*|", "etastar", "shearviscosity(complexcomponent)"),
-        *("viscositecomplexe", "komplexeviskositat", "betrag(viskositat)", "viscosidadcompleja"),
-        *("viscositacomplessa", "|viscosity|", "viscosidadecomplexa"),
-    ),
-    "dynamic_viscosity": ("η'", "eta'", "etaprime", "dynamicviscosity", "dynamischeviskositat"),
-    "out_of_phase_viscosity": ("η''", "eta''", "etadoubleprime", "outofphaseviscosity", "outofphasecomplexviscosity"),
-    "storage_compliance": (
-        *("j'", "jprime", "storagecompliance", "d'", "speichernachgiebigkeit"),
-        *("re(x/f)", "rex/f", "receptancereal", "realreceptance", "re(receptance)"),
-    ),
-    "complex_compliance": ("j*", "d*", "complexcompliance", "x/f", "receptance", "komplexenachgiebigkeit"),
-    "loss_compliance": ("j''", "jdoubleprime", "losscompliance", "d''", "verlustnachgiebigkeit"),
-    "receptance_imaginary": ("im(x/f)", "imx/f", "receptanceimag", "imaginaryreceptance", "im(receptance)"),
-    "period": ("period", "periode", "période", "periodo", "periodendauer", "schwingungsdauer", "perioddauer", "周期"),
-    "damping": (
-        *("dampingcoefficient", "dampingconstant", "viscousdamping", "equivalentdamping", "equivalentviscousdamping"),
-        *("ceq", "cdyn", "dampfungskoeffizient", "dampfungskonstante", "coefficientdamortissement"),
-        *("coeficientedeamortiguamiento", "coefficientedismorzamento"),
-    ),
-    "damping_ratio": (
-        *("dampingratio", "equivalentdampingratio", "equivalentviscousdampingratio", "effectivedampingratio", "heq"),
-        *(
-            "ξ",
-            "ζ",
-            "βeff",
-            "betaeff",
-            "βeq",
-            "betaeq",
-            "xi",
-            "zeta",
-            "ξeq",
-            "ξeff",
-            "zetaeq",
-            "xieq",
-            "effectivedamping",
-            "dampfungsgrad",
-            "dampfungsmass",
-        ),
-        *("lehrschesdampfungsmass", "aquivalentedampfung", "tauxdamortissement", "razondeamortiguamiento"),
-        *("aquivalentesdampfungsmass", "aquivalenterdampfungsgrad", "effektivesdampfungsmass", "effektivedampfung"),
-        *("tauxdamortissementequivalent", "amortissementequivalent", "rapportdamortissement"),
-        *("amortiguamientoequivalente", "amortiguamientoefectivo", "rapportodismorzamento", "smorzamentoequivalente"),
-    ),
-    "force_amplitude": (
-        *(
-            "forceamplitude",
-            "forceamp",
-            "loadamplitude",
-            "loadamp",
-            "dynamicforce",
-            "dynforce",
-            "fdyn",
-            "dynamicload",
-        ),
-        *("peakforce", "maxforce", "maximumforce", "peakload", "maxload", "maximumload", "f0", "torqueamplitude"),
-        *("kraftamplitude", "dynamischekraft", "dynkraft", "maximalkraft", "maxkraft", "amplitudedeforce"),
-        *("forcedynamique", "effortdynamique", "forcemax", "fuerzamaxima", "fuerzadinamica", "forzamassima"),
-        *(
-            "荷重振幅",
-            "最大荷重",
-            "動荷重",
-            "力幅值",
-            "最大力",
-            "最大阻尼力",
-            "하중진폭",
-            "최대하중",
-            "амплитуда силы",
-        ),
-    ),
-    "energy": (
-        *("energydissipatedpercycle", "dissipatedenergypercycle", "energypercycle", "dissipatedenergy", "edc"),
-        *("energydissipated", "energydissipation", "hysteresisenergy", "energyloss", "losswork", "looparea"),
-        *("verlustarbeit", "dampfungsarbeit", "dissipierteenergie", "hystereseflache", "energiedissipee"),
-        *(
-            "energiedissipeeparcycle",
-            "energiadisipada",
-            "energiadissipata",
-            "吸収エネルギー",
-            "消費エネルギー",
-            "履歴面積",
-        ),
-        *("耗能", "耗散能量", "滞回面积", "소산에너지", "рассеянная энергия"),
-    ),
-    "storage_sd": (
-        *("storagesd", "storagestd", "storagestdunc", "storagestandarduncertainty", "storageuncertainty"),
-        *("storageerror", "g'sd", "g'std", "gpsd", "gpstd", "storagestandarddeviation", "sdstorage"),
-    ),
-    "loss_sd": (
-        *("losssd", "lossstd", "lossstdunc", "lossstandarduncertainty", "lossuncertainty", "losserror"),
-        *("g''sd", "g''std", "gppsd", "gppstd", "lossstandarddeviation", "sdloss"),
-    ),
-    "temperature": (
-        *(
-            "temperature",
-            "temp",
-            "ts",
-            "sampletemperature",
-            "temperatur",
-            "probentemperatur",
-            "temperatura",
-            "teta",
-            "ϑ",
-        ),
-        *("sampletemp", "specimentemperature", "specimentemp", "tempsample", "tempspecimen", "temperaturesample"),
-        *("temperaturespecimen", "materialtemperature", "materialtemp", "probentemp", "temperaturprobe", "tempprobe"),
-        *("temperaturderprobe", "temperatureechantillon", "temperatureeprouvette", "temperaturedeleprouvette"),
-        *("temperaturamuestra", "temperaturademuestra", "temperaturadelamuestra", "temperaturaprobeta"),
-        *("temperaturacampione", "temperaturadelcampione", "temperaturaprovino", "temperaturadelprovino"),
-        *("chambertemperature", "chambertemp", "tempchamber", "tempkammer", "kammertemperatur"),
-        *("temperatureenceinte", "umgebungstemperatur", "ambienttemperature"),
-        *("temperaturedelechantillon", "testtemperature", "temperaturedegc"),
-    ),
-    "amplitude": (
-        *("oscillationstrain", "strainamplitude", "shearstrainamplitude", "complexshearstrain", "shearstrainamp"),
-        *(
-            "strainamp",
-            "amplitude",
-            "amp",
-            "peakamplitude",
-            "amplitudepeak",
-            "x0",
-            "dynamicamplitude",
-            "dynamicdisplacement",
-            "displacementamplitude",
-            "dispamplitude",
-            "dispamp",
-            "displacementamp",
-            "両振幅",
-            "全振幅",
-        ),
-        *(
-            "dynamicstrain",
-            "straindyn",
-            "dynstrain",
-            "shearstrain",
-            "strain",
-            "γ0",
-            "gamma0",
-            "γ",
-            "ɣ",
-            "gamma",
-            "%strain",
-            "strainγ",
-            "ga",  # RheoWin writes Greek letters as two Latin ones
-        ),
-        *("amplitudededeformation", "deformationdecisaillement", "deformation", "scherdeformation"),
-        *("deformationsamplitude", "dehnung", "dehnungsamplitude", "wegamplitude", "amplituddedeformacion"),
-        *("deformaciondecizalla", "deformacionporcizalla", "deformacion", "amplitud", "ampiezza"),
-        *("deformazioneditaglio", "deformazione", "ampiezzadideformazione", "deformacaodecisalhamento"),
-        *("dynamplitude", "ε", "ε0", "εdyn", "εa", "γdyn", "γa", "epsdyn", "epsilondyn", "xamp", "zeropeakamplitude"),
-        *("dyndehnung", "dehnungdyn", "dynamischedehnung", "dynweg", "dynamischerweg", "dynamischeamplitude"),
-        *("dynamicdisp", "dynamicdispl", "dyndisp", "dyndispl", "dynamicdeflection", "doubleamplitude"),
-        *("peaktopeakamplitude", "peaktopeakdisplacement", "doppelamplitude", "amplitudecreteacrete"),
-        *("deplacementdynamique", "deformationdynamique", "amplitudedynamique", "deformaciondinamica"),
-    ),
-    "repeat": ("repeat", "rep", "replicate", "repetition", "replica", "wiederholung", "repeticion", "ripetizione"),
-    "time": (
-        # Of several the one that runs through all steps, by which a specimen ages.
-        *("time", "elapsedtime", "timeelapsed", "totaltime", "testtime", "experimenttime", "curetime", "curingtime"),
-        *("ageingtime", "agingtime", "gelationtime", "waitingtime", "steptime", "runtime", "time(action)"),
-        *("temps", "tempsecoule", "zeit", "gesamtzeit", "messzeit", "versuchszeit", "verstrichenezeit", "laufzeit"),
-        *("tiempo", "tiempotranscurrido", "tempo", "tempotrascorso", "tempodecorrido", "abschnittszeit"),
-    ),
-    "gap": ("gap", "entrefer", "spalt", "messspalt", "entrehierro", "fessura", "traferro", "spaltweite"),
-    "normal_force": ("normalforce", "axialforce", "forcenormale", "normalkraft", "fuerzanormal", "forzanormale"),
-    "torque": ("oscillationtorque", "torque", "couple", "drehmoment", "moment", "par", "momentotorsor", "coppia"),
-    "displacement": ("oscillationdisplacement", "angulardisplacement", "deflectionangle", "auslenkwinkel"),
-    "raw_phase": ("rawphase", "rawphase(torque)", "rawphaseangle", "rohphase"),
-    "status": ("status", "statut", "estado", "stato", "messstatus", "zustand", "pointstatus"),
-    "stress": (
-        *("oscillationstress", "complexshearstress", "shearstress", "contraintedecisaillement", "schubspannung"),
-        *("tensioncortante", "esfuerzocortante", "sforzoditaglio"),
-    ),
-    "shift": ("logat", "at", "log10at", "shiftfactor", "shiftfactors", "logshiftfactor", "logalphat"),
-    "relaxation": ("erelax", "grelax", "relaxationmodulus", "relaxationsmodul", "modulederelaxation", "g(t)", "e(t)"),
-    "creep": ("creepcompliance", "j(t)", "kriechnachgiebigkeit", "complaisancedefluage"),
-    "flow": ("shearrate", "viscosity", "scherrate", "viskositat", "gradientdecisaillement", "viscosite"),
+_WORDS = {
+    "omega": """
+        omega ω angularfrequency angfrequency angularfreq angfreq radianfrequency circularfrequency
+        oscillationangularfrequency ang.frequency pulsation frequenceangulaire kreisfrequenz
+        winkelfrequenz frecuenciaangular frequenzaangolare pulsazione frequenciaangular
+    """,
+    "frequency": """
+        frequency freq testfrequency oscillationfrequency excitationfrequency ν frequence frequenz
+        messfrequenz frecuencia frequenza frequencia
+    """,
+    "storage": """
+        storage storagemodulus m' g' gp gprime storageshearmodulus shearstoragemodulus
+        elasticshearmodulus shearmodulus(elasticcomponent) elasticmodulusg' elasticmodulus
+        storagestiffness k' kp e' ep eprime estor estorage gstor gstorage storageyoungsmodulus reg*
+        re(g*) tensilestoragemodulus storageyoung'smodulus storagetensilemodulus kprime storagemodul
+        stormod effectivestiffness keff geff eeff equivalentstiffness keq effektivesteifigkeit
+        rigiditeeffective c' re(f/x) ref/x dynamicstiffnessreal realstiffness realpartofstiffness
+        horizontalstiffness kh kdyn' k'dyn cdyn' c'dyn kdynstorage storagekdyn shearstiffness
+        rigidezefectiva rigidezzaefficace aquivalentesteifigkeit rigiditeequivalente
+        raideurequivalente rigidezequivalente storagemod re(k) re(k*) rek* re(g) re(e) re(e*)
+        kstorage kstor storagek moduledestockage moduledeconservation moduleelastique modulestockage
+        moduleconservation moduledecisaillementdestockage moduledestockageencisaillement
+        speichermodul speicherschubmodul schubspeichermodul speichersteifigkeit
+        modulodealmacenamiento moduloelastico modulodealmacenaje almacenamiento
+        modulodiconservazione moduloconservativo modulodiimmagazzinamento modulodiaccumulo
+        modulodistoccaggio modulodearmazenamento
+    """,
+    "loss": """
+        loss lossmodulus m'' g'' gpp gdoubleprime gdprime lossshearmodulus shearlossmodulus
+        viscousmodulus viscousshearmodulus shearmodulus(viscouscomponent) lossstiffness k'' kpp e''
+        epp edoubleprime eloss gloss lossyoungsmodulus img* im(g*) kdoubleprime tensilelossmodulus
+        lossyoung'smodulus losstensilemodulus edprime lossmodul viscousmodulusg'' c'' im(f/x) imf/x
+        dynamicstiffnessimag imaginarystiffness imaginarypartofstiffness kdyn'' k''dyn cdyn'' c''dyn
+        kdynloss losskdyn lossmod im(k) im(k*) imk* im(g) im(e) im(e*) kloss lossk moduledeperte
+        moduledepertes moduleperte moduledissipatif modulevisqueux moduledeperteencisaillement
+        verlustmodul verlustschubmodul schubverlustmodul verluststeifigkeit modulodeperdida
+        modulodeperdidas moduloviscoso perdida modulodiperdita modulodissipativo modulodeperda
+    """,
+    "magnitude": """
+        dynamischesteifigkeit dynsteifigkeit kdyn dynstiffness dynamicspringrate rigiditedynamique
+        raideurdynamique rigidezdinamica rigidezzadinamica c* |c*| |c| |f/x| f/x magnitude
+        complexmodulus |m*| |g*| g* gstar complexshearmodulus |e*| e* estar
+        shearmodulus(complexcomponent) |k| |k*| k* |g| |e| dynamicmodulus dynamicstiffness absg*
+        abse* complexstiffness |complexmodulus| modulecomplexe komplexermodul komplexerschubmodul
+        betragkomplexermodul modulocomplejo modulocomplesso modulocomplexo
+    """,
+    "phase": """
+        phaseangle phase delta δ phaseshift lossangle phi φ phaselag phaseshiftangle angledephase
+        dephasage angledeperte phasenwinkel verlustwinkel phasenverschiebung
+        phasenverschiebungswinkel angulodefase angulodeperdida desfase angolodifase angolodiperdita
+        sfasamento ϕ
+    """,
+    "loss_factor": """
+        lossfactor tandelta tanδ tan(delta) tan(δ) tand tgδ tgdelta losstangent dampingfactor
+        dissipationfactor eta tanphi tanφ facteurdeperte facteurdamortissement tangentedelta
+        verlustfaktor verlustf dampfungsfaktor factordeperdida factordeamortiguamiento
+        factordeamortiguacion tangentedeperdida fattorediperdita fattoredismorzamento
+        factordeperdidas fatordeperda
+    """,
+    "viscosity": """
+        complexviscosity |η*| η* eta* |eta*| etastar shearviscosity(complexcomponent)
+        viscositecomplexe komplexeviskositat betrag(viskositat) viscosidadcompleja
+        viscositacomplessa |viscosity| viscosidadecomplexa
+    """,
+    "dynamic_viscosity": """
+        η' eta' etaprime dynamicviscosity dynamischeviskositat
+    """,
+    "out_of_phase_viscosity": """
+        η'' eta'' etadoubleprime outofphaseviscosity outofphasecomplexviscosity
+    """,
+    "storage_compliance": """
+        j' jprime storagecompliance d' speichernachgiebigkeit re(x/f) rex/f receptancereal
+        realreceptance re(receptance)
+    """,
+    "complex_compliance": """
+        j* d* complexcompliance x/f receptance komplexenachgiebigkeit
+    """,
+    "loss_compliance": """
+        j'' jdoubleprime losscompliance d'' verlustnachgiebigkeit
+    """,
+    "receptance_imaginary": """
+        im(x/f) imx/f receptanceimag imaginaryreceptance im(receptance)
+    """,
+    "period": """
+        period periode période periodo periodendauer schwingungsdauer perioddauer 周期
+    """,
+    "damping": """
+        dampingcoefficient dampingconstant viscousdamping equivalentdamping equivalentviscousdamping
+        ceq cdyn dampfungskoeffizient dampfungskonstante coefficientdamortissement
+        coeficientedeamortiguamiento coefficientedismorzamento
+    """,
+    "damping_ratio": """
+        dampingratio equivalentdampingratio equivalentviscousdampingratio effectivedampingratio heq
+        ξ ζ βeff betaeff βeq betaeq xi zeta ξeq ξeff zetaeq xieq effectivedamping dampfungsgrad
+        dampfungsmass lehrschesdampfungsmass aquivalentedampfung tauxdamortissement
+        razondeamortiguamiento aquivalentesdampfungsmass aquivalenterdampfungsgrad
+        effektivesdampfungsmass effektivedampfung tauxdamortissementequivalent
+        amortissementequivalent rapportdamortissement amortiguamientoequivalente
+        amortiguamientoefectivo rapportodismorzamento smorzamentoequivalente
+    """,
+    "force_amplitude": """
+        forceamplitude forceamp loadamplitude loadamp dynamicforce dynforce fdyn dynamicload
+        peakforce maxforce maximumforce peakload maxload maximumload f0 torqueamplitude
+        kraftamplitude dynamischekraft dynkraft maximalkraft maxkraft amplitudedeforce
+        forcedynamique effortdynamique forcemax fuerzamaxima fuerzadinamica forzamassima
+        荷重振幅 最大荷重 動荷重 力幅值 最大力 最大阻尼力 하중진폭 최대하중 амплитудасилы
+    """,
+    "energy": """
+        energydissipatedpercycle dissipatedenergypercycle energypercycle dissipatedenergy edc
+        energydissipated energydissipation hysteresisenergy energyloss losswork looparea
+        verlustarbeit dampfungsarbeit dissipierteenergie hystereseflache energiedissipee
+        energiedissipeeparcycle energiadisipada energiadissipata 吸収エネルギー 消費エネルギー
+        履歴面積 耗能 耗散能量 滞回面积 소산에너지 рассеяннаяэнергия
+    """,
+    "storage_sd": """
+        storagesd storagestd storagestdunc storagestandarduncertainty storageuncertainty
+        storageerror g'sd g'std gpsd gpstd storagestandarddeviation sdstorage
+    """,
+    "loss_sd": """
+        losssd lossstd lossstdunc lossstandarduncertainty lossuncertainty losserror g''sd g''std
+        gppsd gppstd lossstandarddeviation sdloss
+    """,
+    "temperature": """
+        temperature temp ts sampletemperature temperatur probentemperatur temperatura teta ϑ
+        sampletemp specimentemperature specimentemp tempsample tempspecimen temperaturesample
+        temperaturespecimen materialtemperature materialtemp probentemp temperaturprobe tempprobe
+        temperaturderprobe temperatureechantillon temperatureeprouvette temperaturedeleprouvette
+        temperaturamuestra temperaturademuestra temperaturadelamuestra temperaturaprobeta
+        temperaturacampione temperaturadelcampione temperaturaprovino temperaturadelprovino
+        chambertemperature chambertemp tempchamber tempkammer kammertemperatur temperatureenceinte
+        umgebungstemperatur ambienttemperature temperaturedelechantillon testtemperature
+        temperaturedegc
+    """,
+    "amplitude": """
+        oscillationstrain strainamplitude shearstrainamplitude complexshearstrain shearstrainamp
+        strainamp amplitude amp peakamplitude amplitudepeak x0 dynamicamplitude dynamicdisplacement
+        displacementamplitude dispamplitude dispamp displacementamp 両振幅 全振幅 dynamicstrain
+        straindyn dynstrain shearstrain strain γ0 gamma0 γ ɣ gamma %strain strainγ ga
+        amplitudededeformation
+        deformationdecisaillement deformation scherdeformation deformationsamplitude dehnung
+        dehnungsamplitude wegamplitude amplituddedeformacion deformaciondecizalla
+        deformacionporcizalla deformacion amplitud ampiezza deformazioneditaglio deformazione
+        ampiezzadideformazione deformacaodecisalhamento dynamplitude ε ε0 εdyn εa γdyn γa epsdyn
+        epsilondyn xamp zeropeakamplitude dyndehnung dehnungdyn dynamischedehnung dynweg
+        dynamischerweg dynamischeamplitude dynamicdisp dynamicdispl dyndisp dyndispl
+        dynamicdeflection doubleamplitude peaktopeakamplitude peaktopeakdisplacement doppelamplitude
+        amplitudecreteacrete deplacementdynamique deformationdynamique amplitudedynamique
+        deformaciondinamica
+    """,
+    "repeat": """
+        repeat rep replicate repetition replica wiederholung repeticion ripetizione
+    """,
+    "time": """
+        time elapsedtime timeelapsed totaltime testtime experimenttime curetime curingtime
+        ageingtime agingtime gelationtime waitingtime steptime runtime time(action) temps
+        tempsecoule zeit gesamtzeit messzeit versuchszeit verstrichenezeit laufzeit tiempo
+        tiempotranscurrido tempo tempotrascorso tempodecorrido abschnittszeit
+    """,
+    "gap": """
+        gap entrefer spalt messspalt entrehierro fessura traferro spaltweite
+    """,
+    "normal_force": """
+        normalforce axialforce forcenormale normalkraft fuerzanormal forzanormale
+    """,
+    "torque": """
+        oscillationtorque torque couple drehmoment moment par momentotorsor coppia
+    """,
+    "displacement": """
+        oscillationdisplacement angulardisplacement deflectionangle auslenkwinkel
+    """,
+    "raw_phase": """
+        rawphase rawphase(torque) rawphaseangle rohphase
+    """,
+    "status": """
+        status statut estado stato messstatus zustand pointstatus
+    """,
+    "stress": """
+        oscillationstress complexshearstress shearstress contraintedecisaillement schubspannung
+        tensioncortante esfuerzocortante sforzoditaglio
+    """,
+    "shift": """
+        logat at log10at shiftfactor shiftfactors logshiftfactor logalphat
+    """,
+    "relaxation": """
+        erelax grelax relaxationmodulus relaxationsmodul modulederelaxation g(t) e(t)
+    """,
+    "creep": """
+        creepcompliance j(t) kriechnachgiebigkeit complaisancedefluage
+    """,
+    "flow": """
+        shearrate viscosity scherrate viskositat gradientdecisaillement viscosite
+    """,
 }
-NAMES = {role: (*names, *LANGUAGES.get(role, ())) for role, names in NAMES.items()}
+"""Names of each role, parted by blanks; the first is the one that is offered."""
+NAMES: dict[str, tuple[str, ...]] = {
+    role: (*words.split(), *LANGUAGES.get(role, ())) for role, words in _WORDS.items()
+}
 FREQUENCIES = frozenset({"omega", "frequency"})
 MODULI = frozenset(
-    {"storage", "loss", "magnitude", "viscosity", "dynamic_viscosity", "storage_compliance", "damping"}
+    {
+        "storage",
+        "loss",
+        "magnitude",
+        "viscosity",
+        "dynamic_viscosity",
+        "storage_compliance",
+        "damping",
+    }
 )
 ROLES = frozenset(NAMES) - {"shift", "relaxation", "creep", "flow"}
 """What a user may say that a column is."""
@@ -331,10 +243,15 @@ _PRIMES = str.maketrans(
     | {"\x91": "'", "\x92": "'", "\x93": "''", "\x94": "''"}
 )
 _LATEX = re.compile(r"\\(?:text|mathrm|mathit|rm|left|right)\b|[${}^\\]")
-_SAMPLE = re.compile(r"T[\s_.]*(?:sample|specimen|probe|material|muestra|campione|provino)\Z", re.IGNORECASE)
+_SAMPLE = re.compile(
+    r"T[\s_.]*(?:sample|specimen|probe|material|muestra|campione|provino)\Z", re.IGNORECASE
+)
 """A sample's temperature by its symbol; written small it may be a time."""
-_MOVED = frozenset(("displacement", "disp", "displ", "deflection", "weg", "verschiebung", "deplacement"))
-"""What is an amplitude where it counts from trough to crest, and may be a mean position otherwise."""
+_MOVED = frozenset(
+    ("displacement", "disp", "displ", "deflection", "weg", "verschiebung", "deplacement")
+)
+"""What is an amplitude where it counts from trough to crest, and may be a mean position otherwise.
+"""
 _LOST = re.compile(r"[\s_.\-:,]+")
 
 
@@ -394,7 +311,10 @@ _NEUTRAL = frozenset(
 
 
 def names_a_modulus(name: str) -> bool:
-    """Whether a name says modulus or stiffness and no more, so that its numbers tell which part it is."""
+    """Whether a name says modulus or stiffness and no more.
+
+    So that its numbers tell which part it is.
+    """
     return fold(name) in _NEUTRAL
 
 
@@ -434,7 +354,9 @@ def role_of(name: str) -> str | None:
             # "Stiffness K'": the symbol says which.
             return _ROLE_OF.get(fold(last.strip("(),")))
         first = _ROLE_OF.get(fold(words))
-        if first is not None and first == (EXACT.get(last.strip("(),")) or _ROLE_OF.get(fold(last.strip("(),")))):
+        if first is not None and first == (
+            EXACT.get(last.strip("(),")) or _ROLE_OF.get(fold(last.strip("(),")))
+        ):
             return first
     return None
 

@@ -1,4 +1,7 @@
-"""Sheets of the Excel workbooks of before 2007 (.xls), through xlrd; many instruments still write them."""
+"""Sheets of the Excel workbooks of before 2007 (.xls), through xlrd.
+
+Many instruments still write them.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +29,9 @@ def sheets_of(path: Path) -> list[tuple[str, Grid]]:
     try:
         import xlrd
     except ImportError:
-        raise DataError("old Excel files (.xls) need xlrd: pip install 'springpot[instruments]'") from None
+        raise DataError(
+            "old Excel files (.xls) need xlrd: pip install 'springpot[instruments]'"
+        ) from None
     try:
         # What xlrd would print of a file that is not quite right is of no use to anybody here.
         with xlrd.open_workbook(path, logfile=io.StringIO(), on_demand=True) as book:
@@ -36,9 +41,12 @@ def sheets_of(path: Path) -> list[tuple[str, Grid]]:
     except (DataError, MemoryError):
         raise
     except Exception as error:
-        # Broken workbooks fail within xlrd in many ways, and the projects of instruments are compound files as well.
+        # Broken workbooks fail within xlrd in many ways, and the projects of instruments are
+        # compound files as well.
         reason = (str(error).splitlines() or [""])[0]
-        raise DataError(f"no readable Excel file: {reason:.80}; export the results as .xlsx or CSV") from None
+        raise DataError(
+            f"no readable Excel file: {reason:.80}; export the results as .xlsx or CSV"
+        ) from None
 
 
 def _grid(book: Any, number: int, unpacked: Unpacked) -> Grid:
@@ -51,7 +59,13 @@ def _grid(book: Any, number: int, unpacked: Unpacked) -> Grid:
 
 
 def _text(cell: Any, datemode: int) -> str:
-    from xlrd import XL_CELL_BOOLEAN, XL_CELL_DATE, XL_CELL_ERROR, XL_CELL_NUMBER, xldate_as_datetime
+    from xlrd import (
+        XL_CELL_BOOLEAN,
+        XL_CELL_DATE,
+        XL_CELL_ERROR,
+        XL_CELL_NUMBER,
+        xldate_as_datetime,
+    )
 
     if cell.ctype == XL_CELL_NUMBER:
         return repr(cell.value)

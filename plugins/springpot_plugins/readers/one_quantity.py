@@ -1,7 +1,7 @@
 """Tables of one quantity each, one below the other, as one table with a column for each quantity.
 
-They are storage and then loss, or |E*| and then phase with a column for each frequency, as tests of asphalt are
-written.
+They are storage and then loss, or |E*| and then phase with a column for each frequency, as tests of
+asphalt are written.
 """
 
 from __future__ import annotations
@@ -65,7 +65,8 @@ def from_tables_of_one(grid: Grid, choice: Choice) -> Grid | None:
     Raises
     ------
     DataError
-        If columns go by frequencies or temperatures, but it is not said of what or against what, or a part lacks.
+        If columns go by frequencies or temperatures, but it is not said of what or against what, or
+        a part lacks.
     """
     if len(grid.rows) > _MOST_LINES:
         return None
@@ -91,8 +92,8 @@ def from_tables_of_one(grid: Grid, choice: Choice) -> Grid | None:
     quantities = list(dict.fromkeys(value.quantity for value in values))
     if wide and not makes_modulus(quantities):
         raise DataError(
-            f"its columns go by frequency or temperature, and hold {' and '.join(quantities)} alone; add below it a "
-            f"line '{_lacking(quantities)}', and a table with the same names"
+            f"its columns go by frequency or temperature, and hold {' and '.join(quantities)}"
+            f" alone; add below it a line '{_lacking(quantities)}', and a table with the same names"
         )
     if len(quantities) < 2 or not makes_modulus(quantities):
         return None
@@ -106,18 +107,20 @@ def _lacking(quantities: Sequence[str]) -> str:
 
 
 def is_wide(grid: Grid) -> bool:
-    """Whether numbers stand right below names that are frequencies or temperatures, rather than quantities."""
+    """Whether numbers stand right below names that are frequencies or temperatures."""
     for i, row in enumerate(grid.rows[:_MOST_LINES]):
         if len(row) <= _FEWEST or is_number(row[0]) or _first_number(grid, i) is None:
             continue
         filled = [unquoted(cell.strip()) for cell in row[1:] if cell.strip()]
-        if len(filled) >= _FEWEST and all(heading(curve_in_cell(cell).title).role in _AXES for cell in filled):
+        if len(filled) >= _FEWEST and all(
+            heading(curve_in_cell(cell).title).role in _AXES for cell in filled
+        ):
             return True
     return False
 
 
 def _first_number(grid: Grid, i: int) -> int | None:
-    """The first row of numbers below a row of at least two names, of which one of units may stand between."""
+    """The first row of numbers below at least two names, with a row of units between at most."""
     row = grid.rows[i]
     if len(row) < 2 or row[0].strip().startswith(COMMENT):
         return None
@@ -136,7 +139,9 @@ def _end(grid: Grid, start: int) -> int:
     """Behind the last row whose cells are numbers."""
     for j in range(start, len(grid.rows)):
         cells = grid.rows[j]
-        if not is_number(cells[0]) or not all(is_number(cell) or cell.strip() in MISSING for cell in cells):
+        if not is_number(cells[0]) or not all(
+            is_number(cell) or cell.strip() in MISSING for cell in cells
+        ):
             return j
     return len(grid.rows)
 
@@ -156,7 +161,9 @@ def _values(grid: Grid, start: int, end: int, columns: _Columns) -> list[Value]:
     return values
 
 
-def _narrow(row: Sequence[str], units: Sequence[Sequence[str]], above: Sequence[Sequence[str]]) -> _Columns | None:
+def _narrow(
+    row: Sequence[str], units: Sequence[Sequence[str]], above: Sequence[Sequence[str]]
+) -> _Columns | None:
     """A table of conditions and one column of values, which a line above may name."""
     if any(map(holds_number, row)):
         return None
@@ -205,23 +212,33 @@ def _wide(row: Sequence[str], above: Sequence[Sequence[str]], choice: Choice) ->
     filled = [cell for cell in row[1:] if cell]
     quantities = _quantities(row, above)
     conditions = _conditions(row, across)
-    if quantities and heading(key).role in _AXES and not across and len(filled) > 1 and all(map(is_number, filled)):
+    if (
+        quantities
+        and heading(key).role in _AXES
+        and not across
+        and len(filled) > 1
+        and all(map(is_number, filled))
+    ):
         raise _ask_across(filled, heading(key).role)
     if len(conditions) < max(_FEWEST, len(filled)):
         others = [heading(cell) for j, cell in enumerate(row) if j and cell and j not in conditions]
-        if len(conditions) >= _FEWEST and all(each.curve is not None and each.role in VALUES for each in others):
+        if len(conditions) >= _FEWEST and all(
+            each.curve is not None and each.role in VALUES for each in others
+        ):
             raise DataError(
-                f"'{filled[0]}' says at what, but not which quantity it holds: write it before, with its unit, as in "
-                f"'|E*| {filled[0]} [MPa]', above each such column"
+                f"'{filled[0]}' says at what, but not which quantity it holds: write it before,"
+                f" with its unit, as in '|E*| {filled[0]} [MPa]', above each such column"
             )
         return None
     columns = f"its columns go by {', '.join(filled[:3])} ..."
     role = heading(next(iter(conditions.values()))[0]).role
     remedy = (
-        f"write a line '|E*| [MPa]', below it '{_NAMES[role in FREQUENCIES]},...' and the numbers, then a line "
-        "'phase [deg]' and its table in the same way"
+        f"write a line '|E*| [MPa]', below it '{_NAMES[role in FREQUENCIES]},...' and the numbers,"
+        " then a line 'phase [deg]' and its table in the same way"
     )
-    if heading(key).role not in _AXES or (heading(key).role in FREQUENCIES) == (role in FREQUENCIES):
+    if heading(key).role not in _AXES or (heading(key).role in FREQUENCIES) == (
+        role in FREQUENCIES
+    ):
         raise DataError(f"{columns}, but it is not said what its rows go by; {remedy}")
     if quantities is None:
         raise DataError(f"{columns}, but it is not said which quantity they hold; {remedy}")
@@ -234,20 +251,32 @@ def _ask_across(filled: Sequence[str], along: str | None) -> OpenQuestion:
     if along in FREQUENCIES:
         meaning = "temperature[degC]"
     said = f"{CURVES}={meaning}"
-    says = f"its columns go by {', '.join(filled[:3])} ...; if that is {meaning}, open 'FILE?{said}'"
+    says = (
+        f"its columns go by {', '.join(filled[:3])} ...; if that is {meaning}, open 'FILE?{said}'"
+    )
     return OpenQuestion(says, [Question("columns", "meaning", {meaning: said})])
 
 
 def _sides(row: Sequence[str], above: Sequence[Sequence[str]], choice: Choice) -> tuple[str, str]:
-    """The titles of what stands in the first column and of what the columns go by; the second may be empty."""
+    """The titles of what stands in the first column and of what the columns go by.
+
+    The second may be empty.
+    """
     cells = [row[0]]
     for line in above[-1:]:
         # "Temp (°C)", "Frequency (Hz)" in the row above, whose cells stand for the sides.
         cells += [cell for cell in line if heading(cell).role in _AXES]
-    cells = [part for cell in cells for part in (_CORNER.split(cell) if _CORNER.search(cell) else [cell]) if part]
+    cells = [
+        part
+        for cell in cells
+        for part in (_CORNER.split(cell) if _CORNER.search(cell) else [cell])
+        if part
+    ]
     named = [cell for cell in cells if heading(cell).role in _AXES]
     key = next(iter(named), "")
-    across = next((cell for cell in named[1:] if heading(cell).unit), choice.columns.get(CURVES, ""))
+    across = next(
+        (cell for cell in named[1:] if heading(cell).unit), choice.columns.get(CURVES, "")
+    )
     return key, across
 
 
@@ -267,10 +296,15 @@ def _conditions(row: Sequence[str], across: str) -> dict[int, tuple[str, str]]:
 
 
 def _quantities(row: Sequence[str], above: Sequence[Sequence[str]]) -> dict[int, str] | None:
-    """What the columns hold: said by the row above, one cell for those to its right, or by a line of one cell."""
+    """What the columns hold.
+
+    Said by the row above, one cell for those to its right, or by a line of one cell.
+    """
     for line in reversed(above):
         marked = {j: cell for j, cell in enumerate(line) if cell and heading(cell).role in VALUES}
-        if len(marked) < 2 and not (marked and min(marked) > 0 and len([cell for cell in line if cell]) == 1):
+        if len(marked) < 2 and not (
+            marked and min(marked) > 0 and len([cell for cell in line if cell]) == 1
+        ):
             continue
         quantities: dict[int, str] = {}
         current = ""

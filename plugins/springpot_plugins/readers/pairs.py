@@ -1,4 +1,7 @@
-"""Columns whose cells hold two numbers, as two columns: a complex modulus, or a value with its deviation."""
+"""Columns whose cells hold two numbers, as two columns.
+
+A complex modulus, or a value with its deviation.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,10 @@ _CONJUGATE = {
     "viscosity": ("dynamic_viscosity", "out_of_phase_viscosity"),
     "complex_compliance": ("storage_compliance", "loss_compliance"),
 }
-"""Parts of what is written x' - i x'', since it goes against the modulus: eta* = G* / (i omega), J* = 1 / G*."""
+"""Parts of what is written x' - i x'', since it goes against the modulus.
+
+Eta* = G* / (i omega), J* = 1 / G*.
+"""
 
 
 def with_pairs_apart(
@@ -68,7 +74,10 @@ def _complex_parts(heading: Heading) -> list[Heading]:
     if roles is None:
         return []
     names = [f"{heading.title} (real part)", f"{heading.title} (imaginary part)"]
-    return [replace(heading, title=name, name=role, role=role) for name, role in zip(names, roles, strict=True)]
+    return [
+        replace(heading, title=name, name=role, role=role)
+        for name, role in zip(names, roles, strict=True)
+    ]
 
 
 def _with_deviation(heading: Heading) -> list[Heading]:

@@ -1,4 +1,7 @@
-"""Words by which an amplitude says from where it is counted: from trough to crest, or from the middle."""
+"""Words by which an amplitude says from where it is counted.
+
+From trough to crest, or from the middle.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,9 @@ _WHOLE_SWING = re.compile(
     r"|\bdouble[\s_]amplitude|\bdoppelamplitude|cr[êe]te[\s-]+(?:à|a)[\s-]+cr[êe]te|spitze[\s-]*(?:zu)?[\s-]*spitze",
     re.IGNORECASE,
 )
-_FROM_ZERO = re.compile(r"(?<![^\W_])(?:0|zero)[\s_-]*(?:to)?[\s_-]*(?:pk|peak|p)(?![^\W_])", re.IGNORECASE)
+_FROM_ZERO = re.compile(
+    r"(?<![^\W_])(?:0|zero)[\s_-]*(?:to)?[\s_-]*(?:pk|peak|p)(?![^\W_])", re.IGNORECASE
+)
 _PEAK = re.compile(r"\b(?:pk|peak)\b(?![\s-]*(?:to|pk|peak))", re.IGNORECASE)
 _LEFT = re.compile(r"[\[(]\s*[\])]")
 """Brackets that held nothing else."""

@@ -1,4 +1,7 @@
-"""What to type for columns that nobody knows: commands that open the file as they stand, and say what they assume."""
+"""What to type for columns that nobody knows.
+
+Commands that open the file as they stand, and say what they assume.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,10 @@ from .names import FREQUENCIES, fold
 from .peaks import without_peak, without_swing
 from .titles import UNITS, USUAL, Heading
 
-COLUMN_OF_AMPLITUDE, COLUMN_OF_TEMPERATURE = "note column of amplitude", "note column of temperature"
+COLUMN_OF_AMPLITUDE, COLUMN_OF_TEMPERATURE = (
+    "note column of amplitude",
+    "note column of temperature",
+)
 """Keys of the notes in a measurement's provenance."""
 _MOST = 2
 """Columns that a note offers for one condition: a longer list is no help."""
@@ -31,10 +37,13 @@ _ANGLES = frozenset({"phase", "loss_factor", "damping_ratio", "damping"})
 _STRAINS = frozenset({"%", "m/m", "mm/mm", "strain"})
 """Units of a strain that are written out; a mere number may be anything."""
 _BEHIND = re.compile(r".(?:\s*[,/]\s*|\s+in\s+)\(?([^\s,()]+)\)?\Z")
-_STIFF = re.compile(r"\A(?-i:[Kkc])(?:dyn|[a-z]?(?![a-z]))|stiff|steif|raideur|rigid|spring|feder", re.IGNORECASE)
+_STIFF = re.compile(
+    r"\A(?-i:[Kkc])(?:dyn|[a-z]?(?![a-z]))|stiff|steif|raideur|rigid|spring|feder", re.IGNORECASE
+)
 """Names of a stiffness; a modulus is nearly always in Pa."""
 _MODULUS = re.compile(
-    rf"{_STIFF.pattern}|\A(?-i:[GEM])[a-z]?(?![a-z])|modul|storage|loss|speicher|verlust", re.IGNORECASE
+    rf"{_STIFF.pattern}|\A(?-i:[GEM])[a-z]?(?![a-z])|modul|storage|loss|speicher|verlust",
+    re.IGNORECASE,
 )
 _LOOKS_LIKE = {
     "frequency": re.compile(r"\A(?:f|w|ω)(?![a-z])|freq|omega|puls|hertz", re.IGNORECASE),
@@ -45,8 +54,32 @@ _LOOKS_LIKE = {
 _TYPED = re.compile(r"[^\W\d_][\w .%°/-]*\Z")
 """Names that may stand in ``FILE?NAME=...`` within quotes; others go by their number."""
 _OTHER_LENGTHS = (
-    *("gap", "spalt", "thick", "dicke", "height", "höhe", "width", "breite", "length", "länge", "diam", "radius"),
-    *("durchmesser", "stärke", "humid", "feucht", "moisture", "content", "gehalt", "conc", "konz", "fraction"),
+    *(
+        "gap",
+        "spalt",
+        "thick",
+        "dicke",
+        "height",
+        "höhe",
+        "width",
+        "breite",
+        "length",
+        "länge",
+        "diam",
+        "radius",
+    ),
+    *(
+        "durchmesser",
+        "stärke",
+        "humid",
+        "feucht",
+        "moisture",
+        "content",
+        "gehalt",
+        "conc",
+        "konz",
+        "fraction",
+    ),
     *(
         "anteil",
         "füllgrad",
@@ -62,32 +95,87 @@ _OTHER_LENGTHS = (
         "mean",
         "mittel",
     ),
-    *("static", "stati", "preload", "prestrain", "vorlast", "vorverform", "offset", "minim", "maxim", "position"),
-    *("harmonic", "distortion", "noise", "quality", "gauge", "loss", "factor", "faktor", "roughness", "power"),
+    *(
+        "static",
+        "stati",
+        "preload",
+        "prestrain",
+        "vorlast",
+        "vorverform",
+        "offset",
+        "minim",
+        "maxim",
+        "position",
+    ),
+    *(
+        "harmonic",
+        "distortion",
+        "noise",
+        "quality",
+        "gauge",
+        "loss",
+        "factor",
+        "faktor",
+        "roughness",
+        "power",
+    ),
 )
 """What a length or a percentage that is no amplitude is called, whole or in part."""
 _OTHER_TEMPERATURES = (
-    *("rise", "differ", "delta", "gradient", "rate", "devia", "abweich", "uncert", "error", "fehler", "toleran"),
+    *(
+        "rise",
+        "differ",
+        "delta",
+        "gradient",
+        "rate",
+        "devia",
+        "abweich",
+        "uncert",
+        "error",
+        "fehler",
+        "toleran",
+    ),
     *("glass", "refer", "anstieg", "erhöhung", "elevation", "std"),
 )
 _OTHER_WORDS = frozenset(
-    ("rh", "err", "sd", "std", "min", "max", "avg", "rms", "pre", "ref", "tg", "d", "δt", "dt", "thd")
+    (
+        "rh",
+        "err",
+        "sd",
+        "std",
+        "min",
+        "max",
+        "avg",
+        "rms",
+        "pre",
+        "ref",
+        "tg",
+        "d",
+        "δt",
+        "dt",
+        "thd",
+    )
 )
 """The same as whole words: of a root mean square the amplitude is another multiple."""
 
 
 def proposal(headings: Sequence[Heading]) -> str:
-    """``if 'K1' is storage [N/mm] and ..., open 'FILE?2=storage[N/mm],...'``: a command that works as it stands.
+    """``if 'K1' is storage [N/mm] and ..., open 'FILE?2=storage[N/mm],...'``.
 
-    A column is proposed only by its unit or a name that looks like one of a modulus; of columns that could be
-    anything a command says ``NAME``, so that it gives no numbers before the user has chosen.
+    A command that works as it stands.
+
+    A column is proposed only by its unit or a name that looks like one of a modulus; of columns
+    that could be anything a command says ``NAME``, so that it gives no numbers before the user has
+    chosen.
 
     Parameters
     ----------
     headings : sequence of Heading
         The columns of a table that lacks a frequency or a modulus.
     """
-    unknown = {place: each for place, each in enumerate(headings, 1) if each.title and each.role is None}
+    unknown = {
+        place: each for place, each in enumerate(headings, 1) if each.title and each.role is None
+    }
     needed = _needed({str(each.role) for each in headings})
     given = next((stated_unit(each) for each in headings if each.role in ("storage", "loss")), "")
     assumed, said, has_example = [], [], False
@@ -135,10 +223,14 @@ def _needed(roles: set[str]) -> list[str]:
 
 
 def _likeliest(role: str, unknown: Mapping[int, Heading]) -> int | None:
-    """The first column with a unit of this role, else the first without any whose name looks like one."""
+    """The first column with a unit of this role, else the first without one that is named alike."""
     looks = _LOOKS_LIKE[role]
     fits = [place for place, each in unknown.items() if stated_unit(each) in UNITS[role]]
-    alike = [place for place, each in unknown.items() if not stated_unit(each) and looks.search(each.title)]
+    alike = [
+        place
+        for place, each in unknown.items()
+        if not stated_unit(each) and looks.search(each.title)
+    ]
     return next(iter([*fits, *alike]), None)
 
 
@@ -177,7 +269,7 @@ def stated_unit(heading: Heading) -> str:
 
 
 def offers(measurement: Measurement, headings: Sequence[Heading], choice: Choice) -> dict[str, str]:
-    """Notes that ask whether a column that nobody knows is the amplitude or the temperature that lacks.
+    """Notes that ask whether an unknown column is the amplitude or the temperature that lacks.
 
     Parameters
     ----------
@@ -195,7 +287,12 @@ def offers(measurement: Measurement, headings: Sequence[Heading], choice: Choice
         )
     if "temperature" not in measurement.conditions:
         notes[COLUMN_OF_TEMPERATURE] = _offer(
-            measurement, headings, choice, "temperature", "the temperature of the specimen", _may_be_temperature
+            measurement,
+            headings,
+            choice,
+            "temperature",
+            "the temperature of the specimen",
+            _may_be_temperature,
         )
     return {key: note for key, note in notes.items() if note}
 
@@ -216,7 +313,10 @@ def _offer(
         unit = may_be(each, values)
         if unit and len(offered) < _MOST:
             meaning = f"{_called(place, headings)}={role}[{unit}]"
-            offered.append(f"if '{each.title}' is {what}{_from_where(each, unit)}, open '{_again(choice, meaning)}'")
+            offered.append(
+                f"if '{each.title}' is {what}{_from_where(each, unit)}, open"
+                f" '{_again(choice, meaning)}'"
+            )
     return "; ".join(offered)
 
 
@@ -265,7 +365,9 @@ def _says(title: str, parts: Sequence[str]) -> bool:
 def _called(place: int, headings: Sequence[Heading]) -> str:
     """What to type for a column: its name where it can be typed and is its own, else its number."""
     name = headings[place - 1].name
-    alike = [each for each in headings if fold(each.name) == fold(name) or fold(each.title) == fold(name)]
+    alike = [
+        each for each in headings if fold(each.name) == fold(name) or fold(each.title) == fold(name)
+    ]
     if _TYPED.match(name) and len(alike) == 1:
         return name
     return str(place)

@@ -14,12 +14,14 @@ from .values_in_rows import from_rows
 
 
 def needs_rearranging(grid: Grid, blocks: Iterable[Block]) -> bool:
-    """Whether a table is no dynamic test as it stands in `blocks`, or its columns go by another than quantities."""
+    """Whether a table is no dynamic test as it stands, or its columns are no quantities."""
     return not any(block.is_dynamic for block in apart(blocks)) or is_wide(grid)
 
 
 def rearranged(grid: Grid, choice: Choice) -> tuple[Grid, str] | None:
-    """The table with a column for each quantity, and a note on how it was read; None for other files.
+    """The table with a column for each quantity, and a note on how it was read.
+
+    None for other files.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""RepTate: ``Mw=23.4;T=-35;chem=PI;`` in the first line, then omega, G' and G'' in rad/s and Pa (.tts, .osc)."""
+"""RepTate (.tts, .osc): ``Mw=23.4;T=-35;chem=PI;``, then omega, G' and G'' in rad/s and Pa."""
 
 from __future__ import annotations
 
@@ -15,8 +15,11 @@ from .headings import headings_of
 from .text import head_text, text_of
 from .titles import Heading, heading
 
-# At least one semicolon: a lone "T = 20" heads the tables of many instruments. The last one is often forgotten.
-HEADER = re.compile(r"(?=[^;\n]*;)(?:[A-Za-z_]\w{0,20}\s{0,9}=[^;=\n]{0,60}(?:;\s{0,9}|\Z)){1,40}\Z")
+# At least one semicolon: a lone "T = 20" heads the tables of many instruments. The last one is
+# often forgotten.
+HEADER = re.compile(
+    r"(?=[^;\n]*;)(?:[A-Za-z_]\w{0,20}\s{0,9}=[^;=\n]{0,60}(?:;\s{0,9}|\Z)){1,40}\Z"
+)
 _FORMAT = (
     Heading("w", "omega", "omega", "rad/s"),
     Heading("G'", "storage", "storage", "Pa"),
@@ -64,7 +67,11 @@ def table_of(text: str) -> tuple[list[list[str]], list[int], list[list[str]]]:
     for i, cells in numbers:
         if len(cells) < 3:
             raise DataError(f"line {i}: {len(cells)} cells where at least 3 are needed")
-    return [cells for _, cells in numbers], [i for i, _ in numbers], [cells for _, cells in split[:start]]
+    return (
+        [cells for _, cells in numbers],
+        [i for i, _ in numbers],
+        [cells for _, cells in split[:start]],
+    )
 
 
 def _is_row(cells: list[str]) -> bool:
@@ -75,12 +82,16 @@ def _block(text: str, header: dict[str, str]) -> Block:
     rows, lines, above = table_of(text)
     width = min(len(row) for row in rows)
     rows = [row[:width] for row in rows]
-    headings = [*_FORMAT, *(Heading(str(i), f"column_{i}", None, None) for i in range(4, width + 1))]
+    headings = [
+        *_FORMAT,
+        *(Heading(str(i), f"column_{i}", None, None) for i in range(4, width + 1)),
+    ]
     for i, own in enumerate(_own_headings(above, width)):
         if i >= len(_FORMAT):
             headings[i] = own
         elif own.unit is not None:
-            # The format fixes what the first three are; a unit that is written goes before that of the format.
+            # The format fixes what the first three are; a unit that is written goes before that of
+            # the format.
             headings[i] = Heading(own.title, own.name, _FORMAT[i].role, own.unit)
     constants = {}
     has_temperatures = any(each.role == "temperature" and each.unit for each in headings)
@@ -120,4 +131,6 @@ def read(path: Path, choice: Choice) -> Measurement:
     return measurement_from([block], choice, path, origin)
 
 
-READER = Reader("reptate", "RepTate .tts and .osc: omega, G' and G'' of one sweep", recognises, read)
+READER = Reader(
+    "reptate", "RepTate .tts and .osc: omega, G' and G'' of one sweep", recognises, read
+)

@@ -72,4 +72,10 @@ def read(path: Path, choice: Choice) -> Measurement:
     return measurement_from_signals([signals(path, choice)])
 
 
-READER = Reader("reptate-laos", "RepTate .laos: strain and stress against time", recognises, read, signals=signals)
+READER = Reader(
+    "reptate-laos",
+    "RepTate .laos: strain and stress against time",
+    recognises,
+    read,
+    signals=signals,
+)

@@ -1,4 +1,4 @@
-"""Anton Paar RheoCompass and RheoPlus: short and full exports, in the language of the instrument."""
+"""Anton Paar RheoCompass and RheoPlus: short and full exports in the instrument's language."""
 
 from __future__ import annotations
 
@@ -28,13 +28,28 @@ _FIRST = re.compile(
     r" {0,20}[:：][\"\t;, ]",
     re.IGNORECASE,
 )
-_SERIES = re.compile(r"Data Series Information|Datenreihen-Info|Informations? sur les séries", re.IGNORECASE)
+_SERIES = re.compile(
+    r"Data Series Information|Datenreihen-Info|Informations? sur les séries", re.IGNORECASE
+)
 _EASTERN = ("結果", "结果", "결과", "результат", "wynik")
 _RESULTS = frozenset(
-    map(fold, ("result", "résultat", "ergebnis", "resultado", "risultato", "name", "test", *_EASTERN))
+    map(
+        fold,
+        ("result", "résultat", "ergebnis", "resultado", "risultato", "name", "test", *_EASTERN),
+    )
 )
 _INVALID = (
-    *("invalid", "ungültig", "ungultig", "inválido", "non valido", "ongeldig", "nieprawid", "neplatn", "недейств"),
+    *(
+        "invalid",
+        "ungültig",
+        "ungultig",
+        "inválido",
+        "non valido",
+        "ongeldig",
+        "nieprawid",
+        "neplatn",
+        "недейств",
+    ),
     *("无效", "無効", "무효"),
 )
 
@@ -42,7 +57,11 @@ _INVALID = (
 def recognises(head: bytes) -> float:
     """High for the lines that stand above an interval."""
     text = head_text(head)
-    return min(1.0, 0.8 * bool(_INTERVAL.search(text) or _SERIES.search(text)) + 0.18 * bool(_FIRST.match(text)))
+    return min(
+        1.0,
+        0.8 * bool(_INTERVAL.search(text) or _SERIES.search(text))
+        + 0.18 * bool(_FIRST.match(text)),
+    )
 
 
 def _parsed(path: Path) -> tuple[list[Block], dict[str, str]]:
@@ -53,7 +72,14 @@ def _parsed(path: Path) -> tuple[list[Block], dict[str, str]]:
         here = pairs_in(block.above)
         pairs += here
         result = next((value for key, value in here if fold(key) in _RESULTS - {"test"}), result)
-        number = next((value.split()[0] for key, value in here if _INTERVAL.match(f"{key}:") and value.split()), "")
+        number = next(
+            (
+                value.split()[0]
+                for key, value in here
+                if _INTERVAL.match(f"{key}:") and value.split()
+            ),
+            "",
+        )
         name = f"{result} interval {number or i}".strip()
         made.append(_valid(replace(block, name=name)))
     return with_conditions_above(made), facts_of(pairs)

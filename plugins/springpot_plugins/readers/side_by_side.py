@@ -1,7 +1,10 @@
-"""Curves side by side in one table: storage and loss once for each temperature, frequency or sample.
+"""Curves side by side in one table.
 
-What makes the difference stands in the titles (``G' at 20 °C [Pa]``), in a row above them, or is not said, where the
-same titles come again. A table is taken apart only where each part is complete; otherwise it stays as it is.
+Storage and loss once for each temperature, frequency or sample.
+
+What makes the difference stands in the titles (``G' at 20 °C [Pa]``), in a row above them, or is
+not said, where the same titles come again. A table is taken apart only where each part is complete;
+otherwise it stays as it is.
 """
 
 from __future__ import annotations
@@ -49,8 +52,8 @@ def apart(blocks: Iterable[Block], choice: Choice | None = None) -> list[Block]:
     blocks : iterable of Block
         The tables of a file.
     choice : Choice, optional
-        What the user says; where it names columns by number or title, tables stay whole. ``curves`` says what the
-        numbers are by which curves are called.
+        What the user says; where it names columns by number or title, tables stay whole. ``curves``
+        says what the numbers are by which curves are called.
     """
     given: Mapping[str, str] = {}
     if choice is not None:
@@ -75,12 +78,17 @@ def _segments(block: Block) -> list[Block]:
     for number, run in groupby(cell.partition("|")[0] for cell in first):
         stop = start + len(list(run))
         rows, lines = block.rows[start:stop], block.lines[start:stop]
-        made.append(replace(block, name=f"{block.name} segment {number}".strip(), rows=rows, lines=lines))
+        made.append(
+            replace(block, name=f"{block.name} segment {number}".strip(), rows=rows, lines=lines)
+        )
         start = stop
     if len(made) == 1:
         made = [block]
     # The numbers of segment and point have served their purpose, and are no condition.
-    return [replace(each, headings=each.headings[1:], rows=[row[1:] for row in each.rows]) for each in made]
+    return [
+        replace(each, headings=each.headings[1:], rows=[row[1:] for row in each.rows])
+        for each in made
+    ]
 
 
 def _apart(block: Block, title: str) -> list[Block]:
@@ -89,10 +97,16 @@ def _apart(block: Block, title: str) -> list[Block]:
         return [block]
     labels, above = _labels(block), block.above
     if labels:
-        # Each part has its own of these as its name; the row of all of them would state the others' as well.
+        # Each part has its own of these as its name; the row of all of them would state the others'
+        # as well.
         above = above[:-1]
     # The surest sign first: a title that states its condition, before one that merely comes again.
-    for marked in (_by_title(headings), _by_label(headings, labels), _by_plain_title(headings), _again(headings)):
+    for marked in (
+        _by_title(headings),
+        _by_label(headings, labels),
+        _by_plain_title(headings),
+        _again(headings),
+    ):
         curves = _curves(headings, marked)
         if curves and all(_is_complete(columns) for _, columns in curves):
             certain = _are_temperatures([curve for curve, _ in curves])
@@ -111,7 +125,11 @@ def _called(curve: CurveName, title: str) -> CurveName:
         return replace(curve, title="repeat", value=curve.text)
     if meaning.unit is None:
         return curve
-    return replace(curve, title=f"{meaning.role} [{normal_unit(meaning.unit)}]", value=curve.text.replace(",", "."))
+    return replace(
+        curve,
+        title=f"{meaning.role} [{normal_unit(meaning.unit)}]",
+        value=curve.text.replace(",", "."),
+    )
 
 
 def _by_title(headings: Sequence[Heading]) -> list[tuple[Heading, CurveName | None]]:
@@ -161,7 +179,7 @@ def _uncopied(copy: Heading) -> Heading:
 
 
 def _labels(block: Block) -> list[CurveName | None]:
-    """What the row above the titles says of each column; empty where it says nothing of that kind."""
+    """What the row above the titles says of each column; empty where it names no curve."""
     if not block.above:
         return []
     row = block.above[-1]
@@ -195,7 +213,10 @@ def _labels(block: Block) -> list[CurveName | None]:
 def _curves(
     headings: Sequence[Heading], marked: Sequence[tuple[Heading, CurveName | None]]
 ) -> list[tuple[CurveName, Columns]]:
-    """The columns of each curve, with those that all share; none where there is nothing to take apart."""
+    """The columns of each curve, with those that all share.
+
+    None where there is nothing to take apart.
+    """
     curves: dict[str, tuple[CurveName, Columns]] = {}
     shared: Columns = []
     for place, (heading_, curve) in enumerate(marked):
@@ -233,7 +254,11 @@ def _with_shared(columns: Columns, shared: Columns, clock: Columns) -> Columns:
     if not roles & FREQUENCIES and not any(heading_.role in FREQUENCIES for _, heading_ in shared):
         shared = [*shared, *clock]
     return [
-        *((place, heading_) for place, heading_ in shared if heading_.role not in roles or not heading_.role),
+        *(
+            (place, heading_)
+            for place, heading_ in shared
+            if heading_.role not in roles or not heading_.role
+        ),
         *columns,
     ]
 
@@ -242,12 +267,17 @@ def _is_complete(columns: Columns) -> bool:
     """Whether the columns are a dynamic test, each role of which is there once."""
     roles = [str(heading_.role) for _, heading_ in columns if heading_.role]
     values = [role for role in roles if role in VALUES or role in FREQUENCIES]
-    curve_names = {heading_.curve.role for _, heading_ in columns if heading_.curve and heading_.curve.title}
+    curve_names = {
+        heading_.curve.role for _, heading_ in columns if heading_.curve and heading_.curve.title
+    }
     return len(values) == len(set(values)) and is_dynamic({*roles, *curve_names})
 
 
 def _are_temperatures(curve_names: Sequence[CurveName]) -> bool:
-    """Whether numbers before a mere C are temperatures: where they are several, and nothing else is."""
+    """Whether numbers before a mere C are temperatures.
+
+    Where they are several, and nothing else is.
+    """
     return len({curve.value for curve in curve_names}) > 1 and all(
         curve.role == "temperature" for curve in curve_names
     )
@@ -261,7 +291,9 @@ def has_condition(curve: CurveName, roles: Iterable[str]) -> bool:
     return curve.role in set(roles)
 
 
-def _part(block: Block, above: list[list[str]], curve: CurveName, columns: Columns, certain: bool) -> Block:
+def _part(
+    block: Block, above: list[list[str]], curve: CurveName, columns: Columns, certain: bool
+) -> Block:
     places = [place for place, _ in columns]
     # A row that ends early has nothing for this curve.
     filled = [i for i, row in enumerate(block.rows) if any(row[place].strip() for place in places)]

@@ -1,4 +1,4 @@
-"""Where the table of a text of time signals begins: its names, its units, what separates its cells."""
+"""Where the table of a text of time signals begins: its names, units and separator of cells."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _WORDS = re.compile(r"[^\W\d_eE]")
 MOST_UNITS = 0.6
 """Share of the cells of a row of units that are known ones."""
 _LABVIEW = "Y_Unit_Label"
-"""Before the units in a LabVIEW measurement file (.lvm), whose columns are called X_Value and so on."""
+"""Before the units in a LabVIEW measurement file (.lvm), with columns X_Value and so on."""
 _SEARCHED = 500
 """Lines that may stand above the numbers."""
 
@@ -47,15 +47,21 @@ class Layout:
 
 
 def layout_of(head: str) -> Layout:
-    """The layout of the file that begins with `head`: below names of all channels, or else of the first numbers."""
+    """The layout of the file that begins with `head`.
+
+    Below names of all channels, or else of the first numbers.
+    """
     lines = lines_of(head)[:_SEARCHED]
-    # A report above the table may have more of another sign: then any sign that shows all three names will do.
+    # A report above the table may have more of another sign: then any sign that shows all three
+    # names will do.
     surest = separator_in([line for line in lines if line.strip()])
     worded = [i for i, line in enumerate(lines) if _WORDS.search(line)]
     for separator in dict.fromkeys((surest, *SEPARATORS)):
         named = next((i for i in worded if _names_all(_cells(lines[i], separator))), None)
         if named is not None:
-            return _named([_cells(line, separator) for line in lines[: named + 3]], named, separator)
+            return _named(
+                [_cells(line, separator) for line in lines[: named + 3]], named, separator
+            )
     return _unnamed([_cells(line, surest) for line in lines], surest)
 
 
@@ -70,7 +76,7 @@ def _named(rows: Sequence[list[str]], named: int, separator: str) -> Layout:
 
 
 def labview_units(above: Sequence[list[str]]) -> list[str]:
-    """Units from a LabVIEW header, which has a line for those of the channels and counts time in seconds."""
+    """Units from a LabVIEW header, whose line has those of the channels; its time is in seconds."""
     named = next((row for row in above if row and row[0] == _LABVIEW), None)
     if named is None:
         return []
@@ -79,7 +85,9 @@ def labview_units(above: Sequence[list[str]]) -> list[str]:
 
 def _names_all(row: Sequence[str]) -> bool:
     # Sensors may be called by a number of their own, which has no decimals.
-    return len(found_in(row)) == len(UNITS) and all(cell.isdigit() for cell in row if is_number(cell))
+    return len(found_in(row)) == len(UNITS) and all(
+        cell.isdigit() for cell in row if is_number(cell)
+    )
 
 
 def _unnamed(rows: Sequence[list[str]], separator: str) -> Layout:
@@ -100,7 +108,8 @@ def _unnamed(rows: Sequence[list[str]], separator: str) -> Layout:
 
 def _cells(line: str, separator: str) -> list[str]:
     if separator == " ":
-        # Names with their units in brackets hang together, and so do words that one blank separates.
+        # Names with their units in brackets hang together, and so do words that one blank
+        # separates.
         line = re.sub(r"(?<!\s)\s+(?=[\[(])", "", line.strip())
         cells = [cell for cell in re.split(r"\s{2,}|\t", line) if cell]
         if len(cells) <= 2:

@@ -1,4 +1,4 @@
-"""The numbers of a text of time signals, read in pieces so that a file of any size takes little memory."""
+"""The numbers of a text of time signals, read in pieces, so that any size takes little memory."""
 
 from __future__ import annotations
 
@@ -53,7 +53,9 @@ class Rows:
         return place < len(first) and seconds_of(first[place]) is not None
 
     def read(self, text: IO[str], in_memory: bool) -> list[Real]:
-        """The three channels, time in seconds; mapped from temporary files where they are not to be in memory.
+        """The three channels, time in seconds.
+
+        Mapped from temporary files where they are not to be in memory.
 
         Raises
         ------
@@ -103,7 +105,12 @@ class Rows:
             places = list(self.places.columns)
             try:
                 values: Real = np.loadtxt(
-                    filled, delimiter=delimiter, usecols=places, ndmin=2, comments="#", quotechar='"'
+                    filled,
+                    delimiter=delimiter,
+                    usecols=places,
+                    ndmin=2,
+                    comments="#",
+                    quotechar='"',
                 )
                 return values
             except ValueError:
@@ -112,7 +119,7 @@ class Rows:
         return self._slowly(lines, first)
 
     def _slowly(self, lines: list[str], first: int) -> Real:
-        """Row by row, to the end of the table: a line of words, such as the names of the next one."""
+        """Row by row, to the end of the table: a line of words, such as names of the next one."""
         rows = []
         for number, raw in enumerate(lines, first):
             if not raw.strip() or raw.lstrip().startswith("#"):
@@ -122,7 +129,12 @@ class Rows:
                 self._ended = True
                 self.notes.append(f"the table ends above line {number}; what follows is left out")
                 break
-            rows.append([self._number(cells[i], i, place, number) for i, place in enumerate(self.places.columns)])
+            rows.append(
+                [
+                    self._number(cells[i], i, place, number)
+                    for i, place in enumerate(self.places.columns)
+                ]
+            )
         return np.array(rows, dtype=float).reshape(-1, 3)
 
     def _cells(self, raw: str) -> list[str]:
@@ -136,16 +148,21 @@ class Rows:
         return [cells[place] for place in self.places.columns]
 
     def _is_behind(self, cells: list[str], raw: str) -> bool:
-        """Whether a line is of words: no time in it, and at most one number where the channels are."""
+        """Whether a line is of words: no time in it, at most one number where the channels are."""
         numbers = [is_number(cell) or seconds_of(cell) is not None for cell in cells]
         # "nan" is no word, and a slip in one cell is an error rather than the end of the table.
-        return not numbers[0] and sum(numbers) < 2 and bool(_LETTERS.search(re.sub("nan", "", raw, flags=re.I)))
+        return (
+            not numbers[0]
+            and sum(numbers) < 2
+            and bool(_LETTERS.search(re.sub("nan", "", raw, flags=re.I)))
+        )
 
     def _number(self, cell: str, channel: int, place: int, number: int) -> float:
         if cell in MISSING:
             return np.nan
         if channel == 0 and self._is_timed and (moment := seconds_of(cell)) is not None:
-            # Counted from the first of the file, whatever piece it is in: else no digits are left for milliseconds.
+            # Counted from the first of the file, whatever piece it is in: else no digits are left
+            # for milliseconds.
             if self._start is None:
                 self._start = moment
             return moment - self._start

@@ -1,10 +1,10 @@
 """Time signals as delimited text: columns of time, displacement and force, read in pieces.
 
-Names are ``time [s]``, ``displacement [mm]``, ``force [N]``, or joined as ``t_s``, ``disp_mm``, ``force_N``, or
-have their units in the row below; a test report may stand above them. Strain and stress, angle and torque serve as
-well, and names in other languages.
-Other columns are left alone; a unit that is missing is said by ``FILE?force=kN``. A file of any size takes little
-memory: its numbers go to a temporary file that is mapped, and all that follows works block by block.
+Names are ``time [s]``, ``displacement [mm]``, ``force [N]``, or joined as ``t_s``, ``disp_mm``,
+``force_N``, or have their units in the row below; a test report may stand above them. Strain and
+stress, angle and torque serve as well, and names in other languages. Other columns are left alone;
+a unit that is missing is said by ``FILE?force=kN``. A file of any size takes little memory: its
+numbers go to a temporary file that is mapped, and all that follows works block by block.
 """
 
 from __future__ import annotations
@@ -68,9 +68,13 @@ def signals(path: Path, choice: Choice) -> Signals:
         if encoding is None:
             raise DataError("this is no text file; save the signals as CSV in UTF-8")
         with path.open(encoding=encoding, newline=None) as text:
-            return _signals_in(text, head_text(head), path.stat().st_size <= IN_MEMORY, path, choice, "text")
+            return _signals_in(
+                text, head_text(head), path.stat().st_size <= IN_MEMORY, path, choice, "text"
+            )
     except UnicodeDecodeError as error:
-        raise DataError(f"byte {error.start} is no {error.encoding} text; save it as CSV in UTF-8") from None
+        raise DataError(
+            f"byte {error.start} is no {error.encoding} text; save it as CSV in UTF-8"
+        ) from None
     except OSError as error:
         raise DataError(f"cannot be read: {error.strerror or error}") from None
 
@@ -81,7 +85,9 @@ def signals_of_sheet(lines: list[str], path: Path, choice: Choice, origin: str) 
     return _signals_in(io.StringIO(text), text[: 1 << 16], True, path, choice, origin)
 
 
-def _signals_in(text: IO[str], head: str, in_memory: bool, path: Path, choice: Choice, origin: str) -> Signals:
+def _signals_in(
+    text: IO[str], head: str, in_memory: bool, path: Path, choice: Choice, origin: str
+) -> Signals:
     """The signals in a text that begins with `head`."""
     layout = layout_of(head)
     titles, units = _with_clock(layout)
@@ -91,7 +97,9 @@ def _signals_in(text: IO[str], head: str, in_memory: bool, path: Path, choice: C
         titles, units = [*titles, "time"], [*units, *[""] * (len(titles) - len(units)), "s"]
     places = places_of(titles, units, choice)
     if rate is not None:
-        places = replace(places, columns=(places.columns[1], *places.columns[1:]), signs=(1.0, *places.signs[1:]))
+        places = replace(
+            places, columns=(places.columns[1], *places.columns[1:]), signs=(1.0, *places.signs[1:])
+        )
     rows = Rows(layout, places, CHUNK)
     channels = rows.read(text, in_memory)
     notes = [*places.notes, *rows.notes]
@@ -104,7 +112,7 @@ def _signals_in(text: IO[str], head: str, in_memory: bool, path: Path, choice: C
 
 
 def _with_clock(layout: Layout) -> tuple[list[str], list[str]]:
-    """Names and units of the columns, where those of timestamps are in seconds whatever their names say."""
+    """Names and units of the columns, with those of timestamps in seconds whatever they say."""
     titles = list(layout.titles)
     units = [*layout.units, *[""] * (len(titles) - len(layout.units))]
     for i, cell in enumerate(layout.first[: len(titles)]):

@@ -1,6 +1,9 @@
-"""Time signals in MATLAB files (version 7 and before): vectors named as in CSV, or the columns of one matrix.
+"""Time signals in MATLAB files (version 7 and before).
 
-Their names carry the units (``t_s``, ``disp_mm``, ``force_N``), or the user says them: ``FILE?t=s,x=mm,F=N``.
+Vectors named as in CSV, or the columns of one matrix.
+
+Their names carry the units (``t_s``, ``disp_mm``, ``force_N``), or the user says them:
+``FILE?t=s,x=mm,F=N``.
 """
 
 from __future__ import annotations
@@ -11,7 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
-from springpot.measurement import Choice, Measurement, Reader, Signals, budget_of, bytes_of, measurement_from_signals
+from springpot.measurement import (
+    Choice,
+    Measurement,
+    Reader,
+    Signals,
+    budget_of,
+    bytes_of,
+    measurement_from_signals,
+)
 
 from .channels import places_of, signals_from
 from .matfile import BrokenFile, arrays_in
@@ -63,7 +74,10 @@ def _arrays(path: Path) -> dict[str, NDArray[np.float64]]:
 
 
 def _columns(arrays: dict[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:
-    """Vectors by name, those in a structure by the names of its fields; columns of a matrix by name and number."""
+    """Vectors by name, those in a structure by the names of its fields.
+
+    Columns of a matrix by name and number.
+    """
     vectors: dict[str, NDArray[np.float64]] = {}
     for name, array in arrays.items():
         key = name.rpartition(".")[2]

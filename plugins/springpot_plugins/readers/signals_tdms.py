@@ -1,4 +1,7 @@
-"""Time signals in LabVIEW TDMS files, through npTDMS: channels by name, units from their properties."""
+"""Time signals in LabVIEW TDMS files, through npTDMS.
+
+Channels by name, units from their properties.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,14 @@ from typing import Any
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.measurement import Choice, Measurement, Reader, Signals, budget_of, measurement_from_signals
+from springpot.measurement import (
+    Choice,
+    Measurement,
+    Reader,
+    Signals,
+    budget_of,
+    measurement_from_signals,
+)
 from springpot.rheology import Real
 
 from .channels import channel_of, places_of, signals_from
@@ -59,10 +69,15 @@ def _signals(file: Any, choice: Choice, path: Path) -> Signals:
     if any(not 0 <= len(channel) <= most for channel in channels):
         raise DataError("a channel claims more samples than the file can hold")
     titles = [str(channel.name) for channel in channels]
-    units = [next((str(c.properties[key]) for key in _UNIT_KEYS if key in c.properties), "") for c in channels]
+    units = [
+        next((str(c.properties[key]) for key in _UNIT_KEYS if key in c.properties), "")
+        for c in channels
+    ]
     if not any(channel_of(title)[0] == "time" for title in titles):
         # LabVIEW writes the interval of a waveform as a property, and no channel of times.
-        timed = next((c for c in channels if float(c.properties.get("wf_increment", 0) or 0) > 0), None)
+        timed = next(
+            (c for c in channels if float(c.properties.get("wf_increment", 0) or 0) > 0), None
+        )
         if timed is not None:
             channels, titles, units = [*channels, timed], [*titles, "time"], [*units, "s"]
     places = places_of(titles, units, choice)
@@ -73,7 +88,10 @@ def _signals(file: Any, choice: Choice, path: Path) -> Signals:
 
 def _values(channel: Any, title: str, is_clock: bool) -> Real:
     if is_clock:
-        step, start = float(channel.properties["wf_increment"]), float(channel.properties.get("wf_start_offset", 0))
+        step, start = (
+            float(channel.properties["wf_increment"]),
+            float(channel.properties.get("wf_start_offset", 0)),
+        )
         return np.asarray(start + step * np.arange(len(channel)), dtype=float)
     values = np.asarray(channel[:])
     if values.dtype.kind == "M":

@@ -1,11 +1,12 @@
 """springpot's own tables: columns ``name [unit]`` separated by comma, semicolon or tab.
 
-Needed: ``frequency [Hz]`` or ``omega [rad/s]``, and ``storage [kN/m]`` with ``loss [kN/m]`` (any stiffness, pressure
-or torsion unit), or ``magnitude [..]`` with ``phase [deg]`` or ``loss_factor [-]``. Optional: ``storage_sd`` and
-``loss_sd`` (in the unit of storage unless they say another), ``temperature [degC]``, ``amplitude [mm]`` or ``[-]``,
-``repeat``; ``h3_re [-]`` and ``h3_im [-]``, the third force harmonic over the first with phases counted from the
-displacement, and so for 2, 4, ... Any other column of numbers is a condition, any other column of words (or marked
-``[text]``) a label; both can be chosen by ``FILE@name=value``. Lines beginning with ``#`` are kept as provenance.
+Needed: ``frequency [Hz]`` or ``omega [rad/s]``, and ``storage [kN/m]`` with ``loss [kN/m]`` (any
+stiffness, pressure or torsion unit), or ``magnitude [..]`` with ``phase [deg]`` or ``loss_factor
+[-]``. Optional: ``storage_sd`` and ``loss_sd`` (in the unit of storage unless they say another),
+``temperature [degC]``, ``amplitude [mm]`` or ``[-]``, ``repeat``; ``h3_re [-]`` and ``h3_im [-]``,
+the third force harmonic over the first with phases counted from the displacement, and so for 2, 4,
+... Any other column of numbers is a condition, any other column of words (or marked ``[text]``) a
+label; both can be chosen by ``FILE@name=value``. Lines beginning with ``#`` are kept as provenance.
 """
 
 from __future__ import annotations
@@ -43,15 +44,19 @@ _CELSIUS, _UNIT = "degC", "unit "
 _TWICE = "measured twice"
 """Comment of a file whose rows of one frequency were all meant."""
 _TOLD = "told in"
-"""Comment of a file that springpot wrote, whose frequencies are in rad/s whatever the data came in."""
+"""Comment of a file that springpot wrote, whose frequencies are in rad/s whatever the data came in.
+"""
 _NOT_MEASURED = frozenset(
     word for word in MISSING if word and not word.casefold().strip("+-").startswith(("nan", "inf"))
 )
-"""What spreadsheets and people write for no value; an empty cell, nan or inf is more likely a slip, and is told."""
+"""What spreadsheets and people write for no value.
+
+An empty cell, nan or inf is more likely a slip, and is told.
+"""
 
 
 def recognises(head: bytes) -> float:
-    """High for a header with a frequency and a modulus of these very names, with units in square brackets."""
+    """High for a header with a frequency and a modulus of these names, units in square brackets."""
     _, titles = header_of(head_text(head))
     names = {name_and_unit(title)[0] for title in titles}
     units = {name_and_unit(title)[0] for title in titles if title.endswith("]")}
@@ -59,7 +64,8 @@ def recognises(head: bytes) -> float:
         return 0.0
     if not names & {"loss", "phase", "loss_factor"}:
         return 0.0
-    # Another's table may call the amplitude a strain: then the reader of any table knows more names than this one.
+    # Another's table may call the amplitude a strain: then the reader of any table knows more names
+    # than this one.
     foreign = {role for title in titles if (role := heading(title).role) in ROLES} - names
     if foreign and not head.lstrip(b"\xef\xbb\xbf").startswith(b"# name: "):
         return 0.7
@@ -88,7 +94,9 @@ def parse(text: str, name: str) -> Measurement:
     if any(cell.strip() in _NOT_MEASURED for column in roles.values() for cell in column.cells):
         roles, others, notes = cleaned(roles, others)
     comments = {key: unguarded_line(value) for key, value in table.comments.items()}
-    provenance = {key: value for key, value in comments.items() if key not in ("name", _TWICE, _TOLD)}
+    provenance = {
+        key: value for key, value in comments.items() if key not in ("name", _TWICE, _TOLD)
+    }
     measurement = measurement_of(roles, others, comments.get("name", name), {**provenance, **notes})
     told = {**measurement.provenance, **sign_note(measurement, roles)}
     measurement = replace(measurement, provenance=told)
@@ -105,7 +113,10 @@ def parse(text: str, name: str) -> Measurement:
 
 
 def _told(units: Units, words: str) -> Units:
-    """The units with the words of data that were written again; what is not understood changes nothing."""
+    """The units with the words of data that were written again.
+
+    What is not understood changes nothing.
+    """
     clock, _, letter = (part.strip() for part in words.partition(","))
     try:
         return replace(units, clock=clock, letter=letter)
@@ -142,7 +153,10 @@ def _twins(measurement: Measurement) -> NDArray[np.int64]:
     """Pairs of rows that nothing tells apart, the earlier first; shape (k, 2)."""
     # As a key nan would differ from itself; two gaps tell nothing apart.
     keys = [np.nan_to_num(values, nan=-np.inf) for values in measurement.conditions.values()]
-    keys += [np.unique(words, return_inverse=True)[1].astype(float) for words in measurement.labels.values()]
+    keys += [
+        np.unique(words, return_inverse=True)[1].astype(float)
+        for words in measurement.labels.values()
+    ]
     if measurement.repeat is not None:
         keys.append(measurement.repeat.astype(float))
     keys.append(measurement.omega)
@@ -159,7 +173,8 @@ def text_from(measurement: Measurement) -> str:
     columns = _columns(measurement)
     stream = io.StringIO()
     comments = {"name": measurement.name}
-    # The numbers are in rad/s, so that they come back bit for bit; this tells in what they were measured.
+    # The numbers are in rad/s, so that they come back bit for bit; this tells in what they were
+    # measured.
     comments[_TOLD] = ", ".join(filter(None, (measurement.units.clock, measurement.units.letter)))
     comments |= measurement.provenance
     if len(_twins(measurement)):
@@ -212,10 +227,15 @@ def _columns(measurement: Measurement) -> list[tuple[str, list[str]]]:
     if measurement.harmonics is not None:
         # The first harmonic is the stiffness itself.
         for order, values in enumerate(measurement.harmonics.T, 2):
-            columns += [(f"h{order}_re [-]", _cells(values.real)), (f"h{order}_im [-]", _cells(values.imag))]
+            columns += [
+                (f"h{order}_re [-]", _cells(values.real)),
+                (f"h{order}_im [-]", _cells(values.imag)),
+            ]
     for key, words in measurement.labels.items():
         # Marked, since a word may look like a number.
-        columns.append((f"{key} [{TEXT}]", [guarded(" ".join(word.split())) for word in words.tolist()]))
+        columns.append(
+            (f"{key} [{TEXT}]", [guarded(" ".join(word.split())) for word in words.tolist()])
+        )
     return columns
 
 

@@ -1,4 +1,4 @@
-"""Amplitudes that are counted from trough to crest, as test machines often do, rather than from the middle."""
+"""Amplitudes counted from trough to crest, as test machines often do, not from the middle."""
 
 from __future__ import annotations
 

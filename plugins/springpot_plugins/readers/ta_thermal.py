@@ -1,4 +1,7 @@
-"""TA Instruments thermal analysis text (DMA Q800, RSA): signals are listed as ``Sig1 ...`` above ``StartOfData``."""
+"""TA Instruments thermal analysis text (DMA Q800, RSA).
+
+Signals are listed as ``Sig1 ...`` above ``StartOfData``.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +40,9 @@ def _blocks(path: Path) -> tuple[list[Block], list[list[str]]]:
     headings = tuple(map(heading, titles))
     numbered = [(line.split(), i) for i, line in enumerate(lines[start:], start + 1)]
     blocks: list[Block] = []
-    for is_row, run in groupby(numbered, lambda row: len(row[0]) == len(titles) and all(map(is_number, row[0]))):
+    for is_row, run in groupby(
+        numbered, lambda row: len(row[0]) == len(titles) and all(map(is_number, row[0]))
+    ):
         if is_row:
             # What is no row of all signals marks the end of a segment.
             cells, places = zip(*run, strict=True)
@@ -54,7 +59,9 @@ def read(path: Path, choice: Choice) -> Measurement:
         One line that says what was recognised and what is missing.
     """
     blocks, above = _blocks(path)
-    return measurement_from(blocks, choice, path, {"format": "TA thermal analysis", **facts_of(pairs_in(above))})
+    return measurement_from(
+        blocks, choice, path, {"format": "TA thermal analysis", **facts_of(pairs_in(above))}
+    )
 
 
 def parts(path: Path) -> tuple[Part, ...]:

@@ -1,4 +1,7 @@
-"""Delimited text as named columns that know where they came from, so that every error names file, line and column."""
+"""Delimited text as named columns that know where they came from.
+
+So that every error names file, line and column.
+"""
 
 from __future__ import annotations
 
@@ -77,7 +80,8 @@ class Column:
         try:
             values = np.fromiter(map(float, cells), float, len(cells))
         except ValueError:
-            # The slow way tells which cells are no numbers, and reads what typesetting and Fortran write.
+            # The slow way tells which cells are no numbers, and reads what typesetting and Fortran
+            # write.
             values = np.array([_number(cell) for cell in cells])
         # Python reads 1_000 as a number; in a table it is a slip.
         wrong = ~np.isfinite(values)
@@ -99,7 +103,10 @@ class Column:
 
 
 def _with_point(cell: str) -> str:
-    """A decimal comma as a point; beside a point a comma may part thousands, which is left to be told."""
+    """A decimal comma as a point.
+
+    Beside a point a comma may part thousands, which is left to be told.
+    """
     if "." in cell:
         return cell
     return cell.replace(",", ".")
@@ -173,9 +180,16 @@ def name_and_unit(title: str) -> tuple[str, str | None]:
 
 
 def header_of(text: str) -> tuple[str, list[str]]:
-    """Separator and titles of the first line that is neither empty nor a comment; no titles if there is none."""
+    """Separator and titles of the first line that is neither empty nor a comment.
+
+    No titles if there is none.
+    """
     for line in re.split(r"\r\n|\n|\r", text):
-        if line.strip() and not line.lstrip().startswith("#") and not re.fullmatch(r"sep=.", line.strip()):
+        if (
+            line.strip()
+            and not line.lstrip().startswith("#")
+            and not re.fullmatch(r"sep=.", line.strip())
+        ):
             separator = separator_of(line)
             return separator, split_header(line, separator)
     return ",", []
@@ -194,7 +208,10 @@ def table_of(text: str) -> Table:
     filled = [
         (number, line)
         for number, line in enumerate(lines, 1)
-        if line and not line.isspace() and not line.lstrip().startswith("#") and not line.startswith("sep=")
+        if line
+        and not line.isspace()
+        and not line.lstrip().startswith("#")
+        and not line.startswith("sep=")
     ]
     if not filled:
         raise DataError("the file holds no table")

@@ -1,4 +1,4 @@
-"""Bytes to text: UTF-8, UTF-16, and of the older codes the one in which the file speaks of dynamic tests."""
+"""Bytes to text: UTF-8, UTF-16, or the older code in which the file speaks of dynamic tests."""
 
 from __future__ import annotations
 
@@ -16,7 +16,10 @@ _MARKS = (
     (codecs.BOM_UTF16_BE, "utf-16"),
 )
 _OLDER = ("cp932", "gb18030", "big5", "cp949", "cp1251", "cp1250", "cp1254")
-"""Codes of Japanese, Chinese, Korean, Russian, Polish and Turkish Windows, which bytes alone cannot tell apart."""
+"""Codes of Japanese, Chinese, Korean, Russian, Polish and Turkish Windows.
+
+Bytes alone cannot tell them apart.
+"""
 _WORDS = frozenset(
     word
     for names in (*LANGUAGES.values(), *CHANNELS.values())
@@ -47,7 +50,10 @@ def encoding_of(head: bytes) -> str | None:
 
 
 def _older(head: bytes) -> str:
-    """The code in which the text has most words of the field; latin-1 where it has none in any other."""
+    """The code in which the text has most words of the field.
+
+    Latin-1 where it has none in any other.
+    """
     count = dict.fromkeys(("latin-1", *_OLDER), 0)
     head = head[:_MOST_LOOKED_AT]
     for encoding in count:
@@ -97,4 +103,6 @@ def text_of(path: Path) -> str:
     try:
         return data.decode(encoding)
     except UnicodeDecodeError as error:
-        raise DataError(f"byte {error.start} is no {encoding} text; save the table as CSV in UTF-8") from None
+        raise DataError(
+            f"byte {error.start} is no {encoding} text; save the table as CSV in UTF-8"
+        ) from None

@@ -1,4 +1,7 @@
-"""The title of a column: its role, its name, and its unit in any of the ways in which units are written."""
+"""The title of a column.
+
+Its role, its name, and its unit in any of the ways in which units are written.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +36,14 @@ RECEPTANCE_UNITS = {
     for force, newton in FORCE_UNITS.items()
 }
 """Displacement over force, as modal tests measure it."""
-_OVER_PRESSURE = {"1/Pa": 1.0, "1/kPa": 1e-3, "1/MPa": 1e-6, "1/GPa": 1e-9, "Pa^-1": 1.0, "MPa^-1": 1e-6}
+_OVER_PRESSURE = {
+    "1/Pa": 1.0,
+    "1/kPa": 1e-3,
+    "1/MPa": 1e-6,
+    "1/GPa": 1e-9,
+    "Pa^-1": 1.0,
+    "MPa^-1": 1e-6,
+}
 COMPLIANCE_UNITS = _OVER_PRESSURE | RECEPTANCE_UNITS
 DAMPING_UNITS = {
     f"{force}{space}s/{length}": newton / metre
@@ -92,7 +102,14 @@ USUAL = {
 """What to write in an example."""
 KNOWN = frozenset(
     unit
-    for table in (*UNITS.values(), FORCE_UNITS, LENGTH_UNITS, PRESSURE_UNITS, TORQUE_UNITS, TIME_UNITS)
+    for table in (
+        *UNITS.values(),
+        FORCE_UNITS,
+        LENGTH_UNITS,
+        PRESSURE_UNITS,
+        TORQUE_UNITS,
+        TIME_UNITS,
+    )
     for unit in table
 ) | {"1/s", "1/K", "1/Pa", "1/MPa", "1/kPa", "1/rad", "A", "V"}
 _MADE_A_NAME = re.compile(r"(.*[A-Za-z*])(?:_|\.\.+)([A-Za-z]\w*(?:\.\w+)*)[_.]+\Z")
@@ -119,8 +136,9 @@ class Heading:
     joined : bool
         Whether the unit was joined by an underscore, as programs write it.
     written : str
-        What was done to the numbers before they were written: ``10`` or ``e`` is the base of their logarithm, ``?``
-        one that the title does not say, `DECIBEL`, `INVERSE` or `OPPOSITE`; empty for plain numbers.
+        What was done to the numbers before they were written: ``10`` or ``e`` is the base of their
+        logarithm, ``?`` one that the title does not say, `DECIBEL`, `INVERSE` or `OPPOSITE`; empty
+        for plain numbers.
     curve : CurveName or None
         Which of several curves the column belongs to.
     """
@@ -151,9 +169,12 @@ def heading(title: str, below: str | None = None) -> Heading:
     name = title
     if own.written or own.curve:
         name = own.name
-    # The row of units stands for the whole column, so that its unit goes before one within the title.
+    # The row of units stands for the whole column, so that its unit goes before one within the
+    # title.
     unit = unbracketed(below.strip()).strip()
-    return _by_unit(Heading(title, name, role_of(title) or own.role, unit, written=own.written, curve=own.curve))
+    return _by_unit(
+        Heading(title, name, role_of(title) or own.role, unit, written=own.written, curve=own.curve)
+    )
 
 
 def unbracketed(unit: str) -> str:
@@ -164,7 +185,10 @@ def unbracketed(unit: str) -> str:
 
 
 def _by_unit(named: Heading) -> Heading:
-    """The heading whose unit tells what its name leaves open: a damping, the dynamic stiffness ``C_dyn``, a level."""
+    """The heading whose unit tells what its name leaves open.
+
+    A damping, the dynamic stiffness ``C_dyn``, a level.
+    """
     unit = normal_unit(named.unit or "")
     if named.role == "period":
         # Without a unit of time it may count periods.
@@ -202,7 +226,7 @@ def _marked(title: str) -> Heading | None:
 
 
 def _is_along_curve(role: str | None, curve: CurveName) -> bool:
-    """Whether a column of this role may belong to one of several curves, rather than say which one it is."""
+    """Whether a column of this role may belong to one of several curves, not say which it is."""
     if role not in UNITS or role in (curve.role, "time"):
         return False
     return role not in FREQUENCIES or curve.role not in FREQUENCIES
@@ -246,7 +270,17 @@ def _stem_role(stem: str) -> str | None:
 
 def _restricts(remark: str) -> bool:
     """Whether a remark says that this is not the measured value."""
-    return remark.lower() in ("cmd", "set", "target", "soll", "consigne", "step", "average", "sample", "command")
+    return remark.lower() in (
+        "cmd",
+        "set",
+        "target",
+        "soll",
+        "consigne",
+        "step",
+        "average",
+        "sample",
+        "command",
+    )
 
 
 def _in_parentheses(title: str) -> Heading | None:
@@ -283,7 +317,12 @@ def _joined(title: str) -> Heading | None:
         role = role_of(stem)
         if role is None or role not in UNITS:
             continue
-        for unit in (rest.replace("_per_", "/"), rest.replace("_", "/"), rest.replace("_", " "), _sign_of(rest)):
+        for unit in (
+            rest.replace("_per_", "/"),
+            rest.replace("_", "/"),
+            rest.replace("_", " "),
+            _sign_of(rest),
+        ):
             known = normal_unit(unit)
             # Programs often write names in lower case alone: storage_mpa.
             if known in UNITS[role] or known.lower() in {name.lower() for name in UNITS[role]}:
@@ -292,7 +331,10 @@ def _joined(title: str) -> Heading | None:
 
 
 def _made_a_name(title: str) -> Heading | None:
-    """``Frequency_Hz_`` and ``Storage.modulus..Pa.``: titles that MATLAB and R made names of, by replacing signs."""
+    """``Frequency_Hz_`` and ``Storage.modulus..Pa.``.
+
+    Titles that MATLAB and R made names of, by replacing signs.
+    """
     match = _MADE_A_NAME.match(title)
     if match is None:
         return None

@@ -10,12 +10,20 @@ _MOST_ROWS = 60
 
 
 def upright(grid: Grid) -> Grid | None:
-    """The table set upright, if each row begins with a name and goes on with numbers; None for other tables."""
+    """The table set upright, if each row begins with a name and goes on with numbers.
+
+    None for other tables.
+    """
     rows = [row for row in grid.rows if not row[0].strip().startswith(COMMENT)]
     rows = [_without_end(row) for row in rows]
-    if not 2 < len(rows) <= _MOST_ROWS or len(rows[0]) < 3 or {len(row) for row in rows} != {len(rows[0])}:
+    if (
+        not 2 < len(rows) <= _MOST_ROWS
+        or len(rows[0]) < 3
+        or {len(row) for row in rows} != {len(rows[0])}
+    ):
         return None
-    # Every cell behind a name must be a number: a table that stands upright has names in its first row.
+    # Every cell behind a name must be a number: a table that stands upright has names in its first
+    # row.
     if any(is_number(row[0]) or not all(map(is_number, row[1:])) for row in rows):
         return None
     if not is_dynamic({str(heading(row[0].strip()).role) for row in rows}):

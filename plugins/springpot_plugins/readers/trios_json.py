@@ -17,7 +17,14 @@ from .header_facts import facts_of
 from .text import head_text, text_of
 from .titles import Heading, heading
 
-_MARKS = ("TRIOSJSONExportSchema", '"ColumnHeaders"', '"ResultsSteps"', '"Experiment"', '"DataSet"', '"Procedure"')
+_MARKS = (
+    "TRIOSJSONExportSchema",
+    '"ColumnHeaders"',
+    '"ResultsSteps"',
+    '"Experiment"',
+    '"DataSet"',
+    '"Procedure"',
+)
 _PATHS = {
     "InstrumentInertia": "instrument inertia",
     "StressConstant": "stress constant",
@@ -30,7 +37,10 @@ _PATHS = {
 }
 """Names of quantities in the file, and in other exports of TRIOS."""
 _MOST_SEEN, _DEEPEST = 20_000, 12
-"""Values outside the results that are looked at, and how far down: a file may be nested as somebody likes."""
+"""Values outside the results that are looked at, and how far down.
+
+A file may be nested as somebody likes.
+"""
 _WIDEST = 500
 """Columns of a table: an instrument writes some tens."""
 _STEPS = ("Results Step Id", "Procedure Step Id", "Step")
@@ -48,7 +58,10 @@ def recognises(head: bytes) -> float:
 
 
 def _object(value: Any) -> dict[str, Any]:
-    """The object itself; an empty one for anything else, since a broken file may hold that in its place."""
+    """The object itself.
+
+    An empty one for anything else, since a broken file may hold that in its place.
+    """
     if isinstance(value, dict):
         return value
     return {}
@@ -60,7 +73,9 @@ def _parsed(path: Path) -> tuple[list[Block], dict[str, str]]:
         data = json_of(text_of(path).lstrip("\ufeff"))
     except ValueError as error:
         reason = getattr(error, "msg", error)
-        raise DataError(f"no readable JSON: {reason}, line {getattr(error, 'lineno', '?')}") from None
+        raise DataError(
+            f"no readable JSON: {reason}, line {getattr(error, 'lineno', '?')}"
+        ) from None
     if not isinstance(data, dict):
         raise DataError("no TRIOS export: the JSON is no object")
     root: dict[str, Any] = data
@@ -120,7 +135,10 @@ def _blocks(table: Mapping[str, Any], number: int, root: Mapping[str, Any]) -> I
 
 
 def _by_step(headings: Sequence[Heading], rows: list[list[str]]) -> dict[str, list[list[str]]]:
-    """Rows by what the column of steps says; all of them under nothing where there is no such column."""
+    """Rows by what the column of steps says.
+
+    All of them under nothing where there is no such column.
+    """
     titles = [each.title for each in headings]
     named = [titles.index(name) for name in _STEPS if name in titles]
     runs: dict[str, list[list[str]]] = {}
@@ -139,7 +157,9 @@ def _by_headers(table: Mapping[str, Any]) -> tuple[tuple[Heading, ...], list[lis
         return (), []
     keys = list(islice(headers, _WIDEST))
     headings = tuple(_heading(headers[key], key) for key in keys)
-    return headings, [[_cell(row.get(key)) for key in keys] for row in rows if isinstance(row, dict)]
+    return headings, [
+        [_cell(row.get(key)) for key in keys] for row in rows if isinstance(row, dict)
+    ]
 
 
 def _by_columns(table: Mapping[str, Any]) -> tuple[tuple[Heading, ...], list[list[str]]]:
@@ -148,7 +168,9 @@ def _by_columns(table: Mapping[str, Any]) -> tuple[tuple[Heading, ...], list[lis
     columns, values = data.get("columns"), data.get("values")
     if not isinstance(columns, list) or not isinstance(values, list):
         return (), []
-    headings = tuple(_heading(column, f"column {i}") for i, column in enumerate(columns[:_WIDEST], 1))
+    headings = tuple(
+        _heading(column, f"column {i}") for i, column in enumerate(columns[:_WIDEST], 1)
+    )
     width = len(headings)
     rows = [[_cell(cell) for cell in row[:width]] for row in values if isinstance(row, list)]
     return headings, [[*row, *[""] * (width - len(row))] for row in rows]

@@ -38,7 +38,9 @@ def _parsed(path: Path) -> tuple[list[Block], dict[str, str]]:
 
 
 def _block(step: list[tuple[int, list[str]]]) -> Block | None:
-    header = {cells[0]: cells[1:] for _, cells in step if cells[0] in ("Step name", "Variables", "Units")}
+    header = {
+        cells[0]: cells[1:] for _, cells in step if cells[0] in ("Step name", "Variables", "Units")
+    }
     titles = [title.strip() for title in header.get("Variables", [])]
     data = [(number, cells[1:]) for number, cells in step if cells[0] == "Data point"]
     if not titles or not data:
@@ -48,7 +50,12 @@ def _block(step: list[tuple[int, list[str]]]) -> Block | None:
     headings = tuple(heading(title, unit) for title, unit in zip(titles, units, strict=False))
     width = len(titles)
     rows = [[*cells[:width], *[""] * (width - len(cells))] for _, cells in data]
-    return Block(" ".join(header.get("Step name", [])).strip(), headings, rows, [number for number, _ in data])
+    return Block(
+        " ".join(header.get("Step name", [])).strip(),
+        headings,
+        rows,
+        [number for number, _ in data],
+    )
 
 
 READER = reader_of_blocks(

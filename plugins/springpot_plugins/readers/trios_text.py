@@ -1,4 +1,7 @@
-"""TA Instruments TRIOS as CSV or text: a header of keys and values, then steps of names, units and numbers."""
+"""TA Instruments TRIOS as CSV or text.
+
+A header of keys and values, then steps of names, units and numbers.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,9 @@ from .header_facts import facts_of, pairs_in
 from .text import head_text, text_of
 
 _STEP = re.compile(r"^[ \t]{0,20}\"?\[step\]", re.IGNORECASE | re.MULTILINE)
-_HEADER = re.compile(r"^\"?(?:Filename|proceduresegments|Trios version|\[File Parameters\])\b", re.I | re.M)
+_HEADER = re.compile(
+    r"^\"?(?:Filename|proceduresegments|Trios version|\[File Parameters\])\b", re.I | re.M
+)
 _LIMS = re.compile(r"LIMS export|^Variables\t", re.MULTILINE)
 
 
@@ -31,4 +36,6 @@ def _parsed(path: Path) -> tuple[list[Block], dict[str, str]]:
     return blocks, facts_of(pairs_in(row for block in blocks for row in block.above))
 
 
-READER = reader_of_blocks("trios", "TA Instruments TRIOS, exported as CSV or text", recognises, _parsed, "TA TRIOS")
+READER = reader_of_blocks(
+    "trios", "TA Instruments TRIOS, exported as CSV or text", recognises, _parsed, "TA TRIOS"
+)

@@ -1,4 +1,7 @@
-"""One value in each row, with a word for what it is, as a table with a column for each: storage beside loss."""
+"""One value in each row, with a word for what it is, as a table with a column for each.
+
+Storage beside loss.
+"""
 
 from __future__ import annotations
 
@@ -24,11 +27,15 @@ _FEWEST = 4
 _FEWEST_CELLS = 3
 """Cells of a row: a condition, a word and a value."""
 _IN_COMMON = 0.5
-"""Share of a column's values that all quantities have, from which it may be what tells points apart: specimens, of
-one of which a quantity lacks."""
+"""Share of a column's values that all quantities have, from which it may tell points apart.
+
+As specimens do, of one of which a quantity lacks.
+"""
 _MOST_NAMES = 20
 """Different words of a column beyond which it names samples or runs rather than quantities."""
-_VALUE = frozenset(fold(word) for word in ("value", "values", "result", "wert", "valeur", "valor", "valore", "y"))
+_VALUE = frozenset(
+    fold(word) for word in ("value", "values", "result", "wert", "valeur", "valor", "valore", "y")
+)
 """What a column of values is called."""
 _CONDITIONS = FREQUENCIES | {"temperature", "amplitude", "repeat"}
 """What makes two rows of different quantities one point, where it is the same."""
@@ -66,14 +73,15 @@ def makes_modulus(quantities: Sequence[str]) -> bool:
 def side_by_side(values: Sequence[Value]) -> Grid:
     """The values with one row for each set of conditions and one column for each quantity.
 
-    A value that comes again under the same conditions makes a further row, as a repeat does in any table. Where one
-    of the quantities lacks, its cell is empty.
+    A value that comes again under the same conditions makes a further row, as a repeat does in any
+    table. Where one of the quantities lacks, its cell is empty.
 
     Raises
     ------
     DataError
-        If no row has a value of all quantities, as where curves were read off at frequencies of their own; or if it
-        is open which values of several under the same conditions belong together.
+        If no row has a value of all quantities, as where curves were read off at frequencies of
+        their own; or if it is open which values of several under the same conditions belong
+        together.
     """
     titles = list(dict.fromkeys(title for value in values for title, _ in value.keys))
     quantities = list(dict.fromkeys(value.quantity for value in values))
@@ -89,8 +97,8 @@ def side_by_side(values: Sequence[Value]) -> Grid:
     if not any(all(row.get(quantity) for quantity in quantities) for row in rows.values()):
         _require_one_name(quantities)
         raise DataError(
-            f"{' and '.join(quantities)} stand at different {' and '.join(titles)}, so that no point has both; "
-            "bring them to the same values, in columns beside each other"
+            f"{' and '.join(quantities)} stand at different {' and '.join(titles)}, so that no"
+            " point has both; bring them to the same values, in columns beside each other"
         )
     _require_pairs(seen)
     order = [*titles, *quantities]
@@ -105,22 +113,31 @@ def _require_one_name(quantities: Sequence[str]) -> None:
         role = str(heading(quantity).role)
         other = first.setdefault(role, quantity)
         if other != quantity and role in VALUES:
-            raise DataError(f"{other} and {quantity} are both {role}; call it by one name, in one unit")
+            raise DataError(
+                f"{other} and {quantity} are both {role}; call it by one name, in one unit"
+            )
 
 
 def _require_pairs(seen: Counter[tuple[_Conditions, str]]) -> None:
-    """Refuse several values of one quantity where another has fewer: nobody knows which of them it belongs to."""
+    """Refuse several values of one quantity where another has fewer.
+
+    Nobody knows which of them it belongs to.
+    """
     # Of a quantity that lacks altogether there is nothing that could be put beside a wrong one.
     counts: dict[_Conditions, dict[str, int]] = {}
     for (conditions, quantity), count in seen.items():
         counts.setdefault(conditions, {})[quantity] = count
     for conditions, count_of in counts.items():
-        fewest, most = min(count_of, key=count_of.__getitem__), max(count_of, key=count_of.__getitem__)
+        fewest, most = (
+            min(count_of, key=count_of.__getitem__),
+            max(count_of, key=count_of.__getitem__),
+        )
         if count_of[fewest] < count_of[most]:
             where = " and ".join(f"{title} {cell}" for title, cell in conditions)
             raise DataError(
-                f"at {where} there are {count_of[most]} values of {most} and {count_of[fewest]} of {fewest}; say "
-                "which belong together in a column repeat, with the same number for both"
+                f"at {where} there are {count_of[most]} values of {most} and {count_of[fewest]} of"
+                f" {fewest}; say which belong together in a column repeat, with the same number for"
+                " both"
             )
 
 
@@ -132,7 +149,9 @@ def _same(cell: str) -> str:
 
 
 def from_rows(grid: Grid) -> tuple[Grid, str] | None:
-    """A table whose rows say in words what their value is, and a note on how it was read; None for other tables.
+    """A table whose rows say in words what their value is, and a note on how it was read.
+
+    None for other tables.
 
     Raises
     ------
@@ -146,7 +165,10 @@ def from_rows(grid: Grid) -> tuple[Grid, str] | None:
         below = _rows_as_wide(grid, i)
         if len(below) < _FEWEST:
             return None
-        columns = [[cell.strip() for cell in cells] for cells in zip(*(cells for cells, _ in below), strict=True)]
+        columns = [
+            [cell.strip() for cell in cells]
+            for cells in zip(*(cells for cells, _ in below), strict=True)
+        ]
         named = next((j for j, column in enumerate(columns) if _names_quantities(column)), None)
         if named is not None:
             return _from_columns(titles, columns, [line for _, line in below], named)
@@ -160,8 +182,13 @@ def _rows_as_wide(grid: Grid, i: int) -> list[tuple[list[str], int]]:
     found = []
     for row, line in zip(grid.rows[i + 1 :], grid.lines[i + 1 :], strict=True):
         cells, further = row[:width], row[width:]
-        # Remarks may stand behind the last name; numbers there tell that the row was parted at the wrong signs.
-        if len(cells) < _FEWEST_CELLS or cells[0].strip().startswith(COMMENT) or any(map(holds_number, further)):
+        # Remarks may stand behind the last name; numbers there tell that the row was parted at the
+        # wrong signs.
+        if (
+            len(cells) < _FEWEST_CELLS
+            or cells[0].strip().startswith(COMMENT)
+            or any(map(holds_number, further))
+        ):
             continue
         # A row of a sheet ends with its last filled cell.
         found.append(([*cells, *[""] * (width - len(cells))], line))
@@ -174,8 +201,8 @@ def _require_all_parts(titles: Sequence[str], columns: Sequence[Sequence[str]]) 
         words = set(column) - MISSING
         if len(words) == 1 and heading(min(words)).role in VALUES:
             raise DataError(
-                f"all rows of '{title}' say {min(words)}; add rows of what lacks: loss beside storage, phase "
-                "beside a magnitude"
+                f"all rows of '{title}' say {min(words)}; add rows of what lacks: loss beside"
+                " storage, phase beside a magnitude"
             )
 
 
@@ -203,7 +230,10 @@ def _from_columns(
             unit = columns[units][k]
         conditions = tuple((titles[j], columns[j][k]) for j in keys)
         values.append(Value(conditions, _with_unit(names[k], unit), columns[place][k], line))
-    note = f"the words of '{titles[named]}' say what '{titles[place]}' is in each row: put in columns of their own"
+    note = (
+        f"the words of '{titles[named]}' say what '{titles[place]}' is in each row: put in columns"
+        " of their own"
+    )
     # A column without a name counts the rows.
     left_out = [f"'{titles[j]}'" for j in others if titles[j] and j not in (units, *keys)]
     if left_out:
@@ -212,7 +242,10 @@ def _from_columns(
 
 
 def _keys(
-    titles: Sequence[str], columns: Sequence[Sequence[str]], names: Sequence[str], others: Sequence[int]
+    titles: Sequence[str],
+    columns: Sequence[Sequence[str]],
+    names: Sequence[str],
+    others: Sequence[int],
 ) -> list[int]:
     """Columns by which values of different quantities are one point."""
     known = [j for j in others if heading(titles[j]).role in _CONDITIONS]
@@ -245,7 +278,8 @@ def _place_of_values(titles: Sequence[str], columns: Sequence[Sequence[str]], na
         if j != named and heading(titles[j]).role not in _CONDITIONS and all(map(_is_value, column))
     ]
     sure = [j for j in numeric if _is_called_value(titles[j])]
-    # A column that is the same beside each quantity is a condition, such as a current or a number of the sample.
+    # A column that is the same beside each quantity is a condition, such as a current or a number
+    # of the sample.
     moving = [j for j in numeric if not _is_condition(titles[j], columns[j], columns[named])]
     for places in (sure, moving, numeric):
         if len(places) == 1:
@@ -254,11 +288,13 @@ def _place_of_values(titles: Sequence[str], columns: Sequence[Sequence[str]], na
         wrong = [cell for cell in column if not _is_value(cell)]
         # A few words among numbers: the column is known, and its name is not what is to be mended.
         if _is_called_value(title) and 0 < 2 * len(wrong) <= len(column):
-            raise DataError(f"'{title}' holds '{wrong[0]}', which is no number; leave that cell empty")
+            raise DataError(
+                f"'{title}' holds '{wrong[0]}', which is no number; leave that cell empty"
+            )
     shown = ", ".join(titles[j] for j in numeric) or "none holds numbers"
     raise DataError(
-        f"'{titles[named]}' says which rows are storage and which loss, but not which column holds their values "
-        f"({shown}); call it value, with its unit, as in value [Pa]"
+        f"'{titles[named]}' says which rows are storage and which loss, but not which column holds"
+        f" their values ({shown}); call it value, with its unit, as in value [Pa]"
     )
 
 
@@ -287,7 +323,10 @@ def _in_common(column: Sequence[str], names: Sequence[str]) -> float:
 
 
 def _with_unit(name: str, unit: str) -> str:
-    """The name of a quantity with a unit of its own, or that of the values where it fits: an angle is not in Pa."""
+    """The name of a quantity with a unit of its own, or that of the values where it fits.
+
+    An angle is not in Pa.
+    """
     named = heading(name)
     if named.unit is None and normal_unit(unit) in UNITS.get(str(named.role), {}):
         return f"{name} [{unit}]"

@@ -1,4 +1,7 @@
-"""Numbers that a file writes in another form: logarithms, levels in decibel, a period instead of a frequency."""
+"""Numbers that a file writes in another form.
+
+Logarithms, levels in decibel, a period instead of a frequency.
+"""
 
 from __future__ import annotations
 
@@ -14,13 +17,15 @@ from .table import Column
 DECIBEL, INVERSE, OPPOSITE = "dB", "1/x", "-x"
 PER_PERIOD = {"s": "Hz", "ms": "kHz", "min": "1/min"}
 """Unit of the frequency that is one over a period in this unit."""
-_LEVEL = re.compile(r"dB\s*[\[(]?\s*(?:ref|rel|re)\.?\s*:?\s*(?:1\s+|1(?=[A-Za-z]))?([A-Za-z][^\[\]()]*?)\s*[\])]?\Z")
+_LEVEL = re.compile(
+    r"dB\s*[\[(]?\s*(?:ref|rel|re)\.?\s*:?\s*(?:1\s+|1(?=[A-Za-z]))?([A-Za-z][^\[\]()]*?)\s*[\])]?\Z"
+)
 
 _FORMS: dict[str, Callable[[float], float]] = {
     "10": lambda number: float(np.power(10.0, number)),
     "e": lambda number: float(np.exp(number)),
-    # The level of a field quantity is 20 lg of it over the reference (ISO 80000-3), also of a dynamic stiffness
-    # (ISO 10846-1: L_k = 20 lg(|k| / 1 N/m)).
+    # The level of a field quantity is 20 lg of it over the reference (ISO 80000-3), also of a
+    # dynamic stiffness (ISO 10846-1: L_k = 20 lg(|k| / 1 N/m)).
     DECIBEL: lambda number: float(np.power(10.0, number / 20.0)),
     INVERSE: lambda number: float(np.divide(1.0, number)),
     OPPOSITE: lambda number: -number,
@@ -44,7 +49,7 @@ def as_measured(column: Column, written: str) -> Column:
 
 
 def _as_measured(cell: str, form: Callable[[float], float]) -> str:
-    """The number that a cell stands for; what is no number is told later, as it stands in the file."""
+    """The number that a cell stands for; what is no number is told later, as the file has it."""
     if cell.strip() in MISSING or not is_number(cell):
         return cell
     with np.errstate(all="ignore"):
@@ -57,4 +62,6 @@ def _as_measured(cell: str, form: Callable[[float], float]) -> str:
 
 def value_of(cell: str) -> float:
     """The number in a cell that holds one."""
-    return float(cell.strip().replace(",", ".").replace("−", "-").replace("D", "E").replace("d", "e"))
+    return float(
+        cell.strip().replace(",", ".").replace("−", "-").replace("D", "E").replace("d", "e")
+    )

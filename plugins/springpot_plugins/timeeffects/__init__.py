@@ -6,4 +6,9 @@ from springpot.measurement import TimeEffect
 
 from . import clock, loading, record, stops
 
-EFFECTS: tuple[TimeEffect, ...] = (*loading.EFFECTS, *clock.EFFECTS, *record.EFFECTS, *stops.EFFECTS)
+EFFECTS: tuple[TimeEffect, ...] = (
+    *loading.EFFECTS,
+    *clock.EFFECTS,
+    *record.EFFECTS,
+    *stops.EFFECTS,
+)

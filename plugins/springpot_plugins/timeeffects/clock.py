@@ -10,15 +10,16 @@ from springpot.measurement import Stage, TimeEffect, TimeTest
 from springpot.rheology import PURE, Parameter, relaxation_time
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)
-"""Gauss's rule: it integrates exp(-s exp(-u)) over one time constant to rounding for |s| up to some 10."""
+"""Gauss's rule: integrates exp(-s exp(-u)) over one time constant to rounding for |s| up to 10."""
 
 
 def aged(time: Any, mu: Any, waited: Any) -> Any:
-    """Effective time: the integral of (t_w / (t_w + u))^mu du, and its derivatives by mu and t_w."""
+    """Effective time, the integral of (t_w / (t_w + u))^mu du, and derivatives by mu and t_w."""
     long = np.log1p(time / waited)
     rest = 1.0 - mu
     # (exp(rest L) - 1) / rest and its derivative by rest, which have limits where rest is nothing.
-    # There the next term of the series is below 1e-8, and the closed form a difference of nearly equal terms.
+    # There the next term of the series is below 1e-8, and the closed form a difference of nearly
+    # equal terms.
     near = np.abs(rest * long) < 1e-4
     safe = np.where(near, 1.0, rest)
     grown = np.where(near, long * (1.0 + rest * long / 2.0), np.expm1(safe * long) / safe)
@@ -29,10 +30,12 @@ def aged(time: Any, mu: Any, waited: Any) -> Any:
 
 
 def warming(time: Any, s: Any, tau: Any) -> Any:
-    """Integral of exp(-s exp(-u / tau)) du and its derivatives: ln a_T = s exp(-t / tau) fades with the transient.
+    """Integral of exp(-s exp(-u / tau)) du and its derivatives.
 
-    In v = exp(-u / tau) it is tau times the integral of exp(-s v) / v dv, which is u itself and, without its pole,
-    an entire function of s.
+    ln a_T = s exp(-t / tau) fades with the transient.
+
+    In v = exp(-u / tau) it is tau times the integral of exp(-s v) / v dv, which is u itself and,
+    without its pole, an entire function of s.
     """
     v = np.exp(-time / tau)
     x, share = 0.5 * (1.0 + NODES), 0.5 * WEIGHTS
@@ -70,8 +73,10 @@ EFFECTS = (
         Stage.CLOCK,
         (Parameter("mu", "μ", PURE, 0.0, 1.2, "linear", 0.5), relaxation_time("waited")),
         aged,
-        "the specimen ages during the test: its times grow as the power mu of the time since it was quenched",
-        "nothing early; from the waiting time on the response lags more and more behind that of a ready specimen",
+        "the specimen ages during the test: its times grow as the power mu of the time since it was"
+        " quenched",
+        "nothing early; from the waiting time on the response lags more and more behind that of a"
+        " ready specimen",
         "Struik, Physical Aging in Amorphous Polymers and Other Materials, 1978",
         suits=_long,
         tries=_waits,

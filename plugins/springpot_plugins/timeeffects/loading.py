@@ -1,4 +1,7 @@
-"""What was imposed is not what reached the specimen: a step that took time, play in a joint, a bearing that holds."""
+"""What was imposed is not what reached the specimen.
+
+A step that took time, play in a joint, a bearing that holds.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +40,7 @@ def ramped(loading: Loading, tau: Any) -> tuple[Loading, tuple[Loading]]:
 
 
 def _summed(when: Real, depths: Real, tau: float) -> Loading:
-    """The sum of ramps from nothing to `depths` in tau seconds that jump back then, one for each step."""
+    """The sum of ramps from nothing to `depths` in tau seconds that then jump back, one a step."""
     time = np.repeat(np.unique(np.concatenate([when, when + tau])), 2)
     since = (time[:, None] - when) / tau
     after = np.arange(len(time)) % 2 == 1
@@ -48,7 +51,7 @@ def _summed(when: Real, depths: Real, tau: float) -> Loading:
 
 
 def held_back(loading: Loading, reach: Any) -> tuple[Loading, tuple[Loading]]:
-    """What follows a value at a distance of at most `reach`, as the far end of a joint with play does."""
+    """What follows a value at a distance of at most `reach`, as the far end of a joint's play."""
     x, behind, slope = loading.value, np.empty(len(loading.value)), np.zeros(len(loading.value))
     moves = np.sign(np.diff(x))
     turns = np.flatnonzero((moves[1:] != moves[:-1]) & (moves[1:] != 0.0)) + 1
@@ -96,7 +99,8 @@ EFFECTS = (
         Stage.LOADING,
         (Parameter("b", "b", AMPLITUDE, typical=0.3),),
         held_back,
-        "a joint with play of b on either side: after each turn the specimen rests until the play is taken up",
+        "a joint with play of b on either side: after each turn the specimen rests until the play"
+        " is taken up",
         "flat pieces after each turn of the motion, and a smaller loop",
         "Visintin, Differential Models of Hysteresis, 1994",
         ("displacement",),

@@ -1,4 +1,7 @@
-"""The record is not the response: its zero is off or drifts, the fixture grows, the amplifier saturates, it tires."""
+"""The record is not the response.
+
+Its zero is off or drifts, the fixture grows, the amplifier saturates, it tires.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,10 @@ from springpot.measurement import Answered, Record, Stage, TimeEffect, TimeTest
 from springpot.rheology import AMPLITUDE, FORCE, PURE, SECOND, Dimension, Parameter
 
 NEAR_TOP, SEVERAL = 0.95, 5
-"""Share of the largest response, and samples above it, from which it is no single peak: a limit would hold more."""
+"""Share of the largest response, and samples above it, from which it is no single peak.
+
+A limit would hold more.
+"""
 SHARES = (0.98, 0.95, 0.9, 0.8, 0.7, 0.5)
 """Shares of the largest response at which a limit is sought."""
 
@@ -38,7 +44,9 @@ def clipped(record: Record, response: Any, limit: Any) -> Answered:
     # Where the limit cuts, the record follows it alone, and the specimen no more.
     inside = np.abs(response) < limit
     return Answered(
-        np.clip(response, -limit, limit), (np.where(inside, 0.0, np.sign(response)),), inside.astype(float)
+        np.clip(response, -limit, limit),
+        (np.where(inside, 0.0, np.sign(response)),),
+        inside.astype(float),
     )
 
 
@@ -46,7 +54,8 @@ def tired(record: Record, response: Any, damage: Any) -> Answered:
     """The response of a specimen that loses a share of its stiffness with every cycle."""
     way = record.cycles
     if record.control == "displacement":
-        # Less stiff, it answers an imposed displacement with less force, an imposed force with more displacement.
+        # Less stiff, it answers an imposed displacement with less force, an imposed force with more
+        # displacement.
         way = -record.cycles
     left = np.exp(damage * way)
     return Answered(response * left, (response * left * way,), left)
@@ -54,7 +63,8 @@ def tired(record: Record, response: Any, damage: Any) -> Answered:
 
 def _limits(test: TimeTest) -> tuple[tuple[float], ...]:
     largest = float(np.abs(test.response).max())
-    # A limit above all samples changes nothing and has no slope: the search could not come back from there.
+    # A limit above all samples changes nothing and has no slope: the search could not come back
+    # from there.
     return tuple((share * largest,) for share in SHARES)
 
 
@@ -64,7 +74,10 @@ def _cyclic(test: TimeTest) -> bool:
 
 
 def _cycled(test: TimeTest) -> bool:
-    """Whether the load came back: a constant beside what a step alone leaves would be a spring of another size."""
+    """Whether the load came back.
+
+    A constant beside what a step alone leaves would be a spring of another size.
+    """
     return test.kind == "history" and bool(Record.of(test).cycles[-1] >= 1.0)
 
 
@@ -77,8 +90,12 @@ def _level(test: TimeTest) -> bool:
 
 
 QUICKEST = 1.0
-"""Seconds within which no fixture comes to its temperature: steel of 0.1 mm in a strong draught takes
-rho c d / h = 7800 * 500 * 1e-4 / 100 = 4 s. What is there sooner was there before, or is the start of the rig."""
+"""Seconds within which no fixture comes to its temperature.
+
+Steel of 0.1 mm in a strong draught takes
+rho c d / h = 7800 * 500 * 1e-4 / 100 = 4 s. What is there sooner was there before, or is the start
+of the rig.
+"""
 WARMING = Parameter("tau", "τ", SECOND, QUICKEST)
 
 FORCE_RATE = Dimension(stiffness=1, amplitude=1, time=-1)
@@ -91,7 +108,8 @@ EFFECTS = (
         Stage.RESPONSE,
         (Parameter("size", "F", FORCE, -np.inf, scale="linear"),),
         offset,
-        "the force has a constant part: a preload, a gas charge, a weight, or the zero of the transducer",
+        "the force has a constant part: a preload, a gas charge, a weight, or the zero of the"
+        " transducer",
         "the whole loop stands higher or lower, the same from the first sample to the last",
         ELEMENTARY,
         ("displacement",),
@@ -124,7 +142,8 @@ EFFECTS = (
         (Parameter("rate", "r", AMPLITUDE_RATE, -np.inf, scale="linear"),),
         drifted,
         "the zero of the displacement transducer drifts at a steady rate",
-        "a straight line in linear time, from the first sample to the last; in creep it looks like flow",
+        "a straight line in linear time, from the first sample to the last; in creep it looks like"
+        " flow",
         ELEMENTARY,
         ("force",),
     ),
@@ -133,7 +152,8 @@ EFFECTS = (
         Stage.RESPONSE,
         (Parameter("size", "F", FORCE, -np.inf, scale="linear"), WARMING),
         grown,
-        "fixture and specimen grow while they come to their temperature, and press on the transducer",
+        "fixture and specimen grow while they come to their temperature, and press on the"
+        " transducer",
         "a force that comes up within some tau and stays, whatever the load does",
         "Newton's law of cooling; free thermal strain",
         ("displacement",),
@@ -144,7 +164,8 @@ EFFECTS = (
         Stage.RESPONSE,
         (Parameter("size", "u", AMPLITUDE, -np.inf, scale="linear"), WARMING),
         grown,
-        "fixture and specimen grow while they come to their temperature, and the transducer takes it for creep",
+        "fixture and specimen grow while they come to their temperature, and the transducer takes"
+        " it for creep",
         "a displacement that comes up within some tau and stays; it does not recover with the load",
         "Newton's law of cooling; free thermal strain",
         ("force",),

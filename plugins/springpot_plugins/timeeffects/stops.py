@@ -10,7 +10,10 @@ from springpot.measurement import Answered, Record, Stage, TimeEffect, TimeTest
 from springpot.rheology import AMPLITUDE, Dimension, Parameter, stiffness
 
 SOFTEST = 0.3
-"""Stiffness of a stop at the start of the search, over that of the specimen: much softer ones go unnoticed."""
+"""Stiffness of a stop at the start of the search, over that of the specimen.
+
+Much softer ones go unnoticed.
+"""
 TO_THAT_SIDE = 0.05
 """Share of the largest motion from which it goes to a side at all, and can meet a stop there."""
 PLACES = (0.1, 0.3, 0.5, 0.7, 0.85, 0.95)
@@ -19,17 +22,20 @@ ASYMMETRY = Dimension(stiffness=1, amplitude=-1)
 
 
 def stopped(record: Record, response: Any, k: Any, place: Any) -> Answered:
-    """The response and a spring that is touched beyond a place, on that side of the middle alone."""
-    # The place itself says on which side the stop stands, so that a search may move it across the middle.
+    """The response and a spring touched beyond a place, on that side of the middle alone."""
+    # The place itself says on which side the stop stands, so that a search may move it across the
+    # middle.
     side = 1.0
     if place < 0.0:
         side = -1.0
     into = np.maximum(side * (record.imposed - place), 0.0) * side
-    return Answered(response + k * into, (into, np.where(into != 0.0, -k, 0.0)), np.ones_like(response))
+    return Answered(
+        response + k * into, (into, np.where(into != 0.0, -k, 0.0)), np.ones_like(response)
+    )
 
 
 def leaned(record: Record, response: Any, k2: Any) -> Answered:
-    """The response and a force that goes as the square of the displacement: even harmonics alone."""
+    """The response and a force quadratic in the displacement: even harmonics alone."""
     return Answered(response + k2 * record.imposed**2, (record.imposed**2,), np.ones_like(response))
 
 
@@ -50,9 +56,13 @@ EFFECTS = (
     TimeEffect(
         "asymmetric-stop",
         Stage.RESPONSE,
-        (stiffness("k"), Parameter("place", "x_0", AMPLITUDE, -np.inf, scale="linear", typical=0.5)),
+        (
+            stiffness("k"),
+            Parameter("place", "x_0", AMPLITUDE, -np.inf, scale="linear", typical=0.5),
+        ),
         stopped,
-        "a stop on one side: beyond a place the motion meets a spring that is not there on the other side",
+        "a stop on one side: beyond a place the motion meets a spring that is not there on the"
+        " other side",
         "a corner of the loop at one end of the motion alone; even harmonics and a mean force",
         "Gelb and Vander Velde, Multiple-Input Describing Functions, 1968",
         ("displacement",),
@@ -65,8 +75,10 @@ EFFECTS = (
         Stage.RESPONSE,
         (Parameter("k2", "k₂", ASYMMETRY, -np.inf, scale="linear"),),
         leaned,
-        "stiffer on one side than on the other, as after a preload: a force as the square of the displacement",
-        "one half of the loop is steeper than the other; even harmonics and a mean force, nothing in the first one",
+        "stiffer on one side than on the other, as after a preload: a force as the square of the"
+        " displacement",
+        "one half of the loop is steeper than the other; even harmonics and a mean force, nothing"
+        " in the first one",
         "Nayfeh and Mook, Nonlinear Oscillations, 1979",
         ("displacement",),
         _moves,

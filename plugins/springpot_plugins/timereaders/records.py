@@ -1,6 +1,7 @@
-"""Records of displacement and force in the binary files of laboratories and in RepTate's .laos, as tests in time.
+"""Records of displacement and force as tests in time.
 
-The readers that give a stiffness for each record know these formats; here the record itself is what was measured.
+From the binary files of laboratories and RepTate's .laos. The readers that give a stiffness for
+each record know these formats; here the record itself is what was measured.
 """
 
 from __future__ import annotations
@@ -42,11 +43,18 @@ def read(path: Path, choice: Choice) -> list[TimeTest]:
     try:
         signals = _signals(reader, path, replace(choice, columns=columns))
     except DataError:
-        # What lacks is asked for by the reader that finds a stiffness, which knows sweeps in such files as well.
+        # What lacks is asked for by the reader that finds a stiffness, which knows sweeps in such
+        # files as well.
         return []
-    known = np.isfinite(signals.time) & np.isfinite(signals.displacement) & np.isfinite(signals.force)
+    known = (
+        np.isfinite(signals.time) & np.isfinite(signals.displacement) & np.isfinite(signals.force)
+    )
     temperature = manner.temperature
-    if temperature is None and (warm := first_line(head_text(head)).get("T")) is not None and is_number(warm):
+    if (
+        temperature is None
+        and (warm := first_line(head_text(head)).get("T")) is not None
+        and is_number(warm)
+    ):
         temperature = value_of(warm)
     test = TimeTest.of_history(
         signals.time[known],
@@ -60,7 +68,11 @@ def read(path: Path, choice: Choice) -> list[TimeTest]:
         name=path.stem,
         provenance={"file": path.name, **signals.provenance},
     )
-    return [replace(test, provenance={**test.provenance, **sign_note(test, f"force=-{signals.force_unit}")})]
+    return [
+        replace(
+            test, provenance={**test.provenance, **sign_note(test, f"force=-{signals.force_unit}")}
+        )
+    ]
 
 
 def _signals(reader: Reader, path: Path, choice: Choice) -> Signals:

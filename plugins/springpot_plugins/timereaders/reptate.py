@@ -1,8 +1,8 @@
 """RepTate's files of tests in time: keys in the first line, then two columns.
 
-``.gt`` holds t and G(t); ``.shear`` has the key ``gdot`` and holds t and the growth of the viscosity, which times the
-rate is the stress of a startup, and perhaps further columns; ``.creep`` has the key ``stress`` and holds t and the
-strain. All in s, Pa and Pa s.
+``.gt`` holds t and G(t); ``.shear`` has the key ``gdot`` and holds t and the growth of the
+viscosity, which times the rate is the stress of a startup, and perhaps further columns; ``.creep``
+has the key ``stress`` and holds t and the strain. All in s, Pa and Pa s.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ def recognises(head: bytes) -> float:
     if not keys or keys.keys() & CLOCKS:
         return 0.0
     widths = {len(line.split()) for line in text.split("\n")[1:40] if _is_row(line)}
-    # A sweep of RepTate has the same first line above three columns, but nothing that is sheared at one rate; what
-    # stands behind the first two columns of a startup is the rheometer's.
+    # A sweep of RepTate has the same first line above three columns, but nothing that is sheared at
+    # one rate; what stands behind the first two columns of a startup is the rheometer's.
     return 0.96 * (widths == {2} or ("gdot" in keys and bool(widths) and min(widths) >= 2))
 
 
@@ -46,7 +46,8 @@ def read(path: Path, choice: Choice) -> list[TimeTest]:
     """
     if choice.columns or choice.part:
         raise DataError(
-            f"{path}: RepTate's columns have their meaning by the format; leave out what follows the name"
+            f"{path}: RepTate's columns have their meaning by the format; leave out what follows"
+            " the name"
         )
     text = text_of(path)
     keys, rows = first_line(text), _rows(text, path)
@@ -88,4 +89,6 @@ def _number(keys: dict[str, str], key: str, path: Path) -> float:
         raise DataError(f"{path}: {key}={keys[key]:.20} in the first line is no number") from None
 
 
-READER = TimeReader("time-reptate", "RepTate .gt, .shear and .creep: relaxation, startup, creep", recognises, read)
+READER = TimeReader(
+    "time-reptate", "RepTate .gt, .shear and .creep: relaxation, startup, creep", recognises, read
+)

@@ -25,15 +25,35 @@ DYNAMIC = frozenset({"omega", "frequency", "storage", "loss", "phase", "loss_fac
 RELAXATION = frozenset(
     map(
         fold,
-        ("relaxation", "relaxation modulus", "relaxation stiffness", "relaxation function", "G(t)", "E(t)", "Gt"),
+        (
+            "relaxation",
+            "relaxation modulus",
+            "relaxation stiffness",
+            "relaxation function",
+            "G(t)",
+            "E(t)",
+            "Gt",
+        ),
     )
 )
 COMPLIANCE = frozenset(
     map(
         fold,
         (
-            *("compliance", "creep compliance", "creep function", "J(t)", "D(t)", "kriechnachgiebigkeit"),
-            *("complaisance", "complaisance de fluage", "recoverable compliance", "creep recovery compliance"),
+            *(
+                "compliance",
+                "creep compliance",
+                "creep function",
+                "J(t)",
+                "D(t)",
+                "kriechnachgiebigkeit",
+            ),
+            *(
+                "complaisance",
+                "complaisance de fluage",
+                "recoverable compliance",
+                "creep recovery compliance",
+            ),
         ),
     )
 )
@@ -58,7 +78,8 @@ class Title:
     text : str
         As written.
     role : str
-        ``time``, ``displacement``, ``force``, ``relaxation``, ``compliance``, ``temperature``, ``dynamic`` or empty.
+        ``time``, ``displacement``, ``force``, ``relaxation``, ``compliance``, ``temperature``,
+        ``dynamic`` or empty.
     unit : str
         In the usual spelling; empty where none is written.
     sign : float
@@ -117,7 +138,8 @@ class Section:
             if not cell:
                 continue
             if began is not None and (now := seconds_of(cell)) is not None:
-                # Counted from the first: seconds since a date would leave no digits for milliseconds.
+                # Counted from the first: seconds since a date would leave no digits for
+                # milliseconds.
                 values[i] = now - began
                 continue
             try:
@@ -153,11 +175,21 @@ def sections_of(text: str) -> list[Section]:
         while stop < len(lines) and _goes_on(lines, stop, separator, len(titles)):
             stop += 1
         numbers = range(start + 1, stop + 1)
-        rows = [(number, line) for number, line in zip(numbers, lines[start:stop], strict=True) if line.strip()]
+        rows = [
+            (number, line)
+            for number, line in zip(numbers, lines[start:stop], strict=True)
+            if line.strip()
+        ]
         titles = _with_clock(titles, cells_of(lines[start], separator))
         titles = _with_units_above(titles, [cells_of(line, separator) for line in above])
         sections.append(
-            Section(_name(above), titles, [number for number, _ in rows], [line for _, line in rows], separator)
+            Section(
+                _name(above),
+                titles,
+                [number for number, _ in rows],
+                [line for _, line in rows],
+                separator,
+            )
         )
         above, i = [], stop
     return sections
@@ -178,7 +210,10 @@ def _with_units_above(titles: tuple[Title, ...], above: Sequence[list[str]]) -> 
     if not units or any(title.unit for title in titles):
         return titles
     more = [""] * (len(titles) - len(units))
-    return tuple(replace(title, unit=_tidied(unit)) for title, unit in zip(titles, [*units, *more], strict=False))
+    return tuple(
+        replace(title, unit=_tidied(unit))
+        for title, unit in zip(titles, [*units, *more], strict=False)
+    )
 
 
 def cells_of(line: str, separator: str) -> list[str]:
@@ -213,7 +248,7 @@ def title_of(text: str, unit: str = "") -> Title:
 
 
 def apart(title: str) -> tuple[str, str]:
-    """Name and unit of ``relaxation [kPa]``, ``Nachgiebigkeit / 1/Pa`` or ``compliance in 1/Pa``."""
+    """Name and unit of ``relaxation [kPa]``, ``Nachgiebigkeit / 1/Pa``, ``compliance in 1/Pa``."""
     match = _BRACKETED.match(title) or _AFTER.match(title)
     if not match or not match[1]:
         return title, ""
@@ -228,7 +263,7 @@ def _tidied(unit: str) -> str:
 
 
 def _named(lines: Sequence[str], i: int) -> tuple[tuple[Title, ...], int, str] | None:
-    """Columns, place of the first row and separator, where line i names columns of a test in time."""
+    """Columns, place of the first row and separator, where line i names those of a test in time."""
     line = lines[i]
     # No line of names is as long; a file without line ends must not be searched as one.
     if not line.strip() or len(line) > _LONGEST:
@@ -242,13 +277,21 @@ def _named(lines: Sequence[str], i: int) -> tuple[tuple[Title, ...], int, str] |
         if "time" not in roles or len(roles) < 2:
             continue
         start, units = i + 1, [""] * len(cells)
-        while start < len(lines) and start <= i + _UNITS_WITHIN and not _is_row(lines[start], separator):
+        while (
+            start < len(lines)
+            and start <= i + _UNITS_WITHIN
+            and not _is_row(lines[start], separator)
+        ):
             below = cells_of(lines[start], separator)
             if any(is_unit(cell.strip("[]()")) for cell in below) and len(below) <= len(cells) + 1:
                 units = [cell.strip("[]()").strip() for cell in below] + [""] * len(cells)
             start += 1
         if start < len(lines) and _is_row(lines[start], separator):
-            return tuple(title_of(cell, unit) for cell, unit in zip(cells, units, strict=False)), start, separator
+            return (
+                tuple(title_of(cell, unit) for cell, unit in zip(cells, units, strict=False)),
+                start,
+                separator,
+            )
     return None
 
 
@@ -258,7 +301,7 @@ def _is_row(line: str, separator: str) -> bool:
 
 
 def _goes_on(lines: Sequence[str], i: int, separator: str, width: int) -> bool:
-    """Whether line i belongs to a table: a row, one with a slip in it, or a gap before another row."""
+    """Whether line i belongs to a table: a row, a row with a slip, or a gap before another row."""
     if not lines[i].strip():
         return i + 1 < len(lines) and _is_row(lines[i + 1], separator)
     cells = cells_of(lines[i], separator)
@@ -270,14 +313,21 @@ def _countable(cell: str) -> bool:
 
 
 def _name(above: Sequence[str]) -> str:
-    """What the lines above a table call it: the values of ``Test:`` and its like, or a line of one cell."""
+    """What the lines above a table call it.
+
+    The values of ``Test:`` and its like, or a line of one cell.
+    """
     pairs = [[cell.strip() for cell in re.split(r"[\t;,]", line) if cell.strip()] for line in above]
-    named = [cells[1] for cells in pairs if len(cells) == 2 and fold(cells[0].rstrip(":")) in _TITLES]
+    named = [
+        cells[1] for cells in pairs if len(cells) == 2 and fold(cells[0].rstrip(":")) in _TITLES
+    ]
     if named:
         # The nearest two: above them stand those of the whole file.
         return ", ".join(named[-2:]).strip("# ")
     alone = [
-        cells[0] for cells in pairs if len(cells) == 1 and len(cells[0]) < _SENTENCE and not cells[0].startswith("[")
+        cells[0]
+        for cells in pairs
+        if len(cells) == 1 and len(cells[0]) < _SENTENCE and not cells[0].startswith("[")
     ]
     if alone:
         return alone[-1].strip("# ")

@@ -1,10 +1,12 @@
-"""Any table of a test in time: CSV, RheoCompass, TRIOS, MTS, with names and units in many languages.
+"""Any table of a test in time.
 
-What was tested is read off the columns: ``time [s]`` with ``relaxation [kPa]``, ``compliance [1/kPa]``, or
-displacement and force (strain and stress, angle and torque), of which the record is then taken as it is, its real
-ramp included. What a file leaves open is said behind it:
-``FILE?time=s,relaxation=Pa,temperature=160[degC],ramp=0.05[s],control=force``, and of a channel that
-counts the other way ``FILE?force=-N``.
+CSV, RheoCompass, TRIOS, MTS, with names and units in many languages.
+
+What was tested is read off the columns: ``time [s]`` with ``relaxation [kPa]``, ``compliance
+[1/kPa]``, or displacement and force (strain and stress, angle and torque), of which the record is
+then taken as it is, its real ramp included. What a file leaves open is said behind it:
+``FILE?time=s,relaxation=Pa,temperature=160[degC],ramp=0.05[s],control=force``, and of a channel
+that counts the other way ``FILE?force=-N``.
 """
 
 from __future__ import annotations
@@ -18,7 +20,6 @@ import numpy as np
 
 from springpot.errors import DataError
 from springpot.measurement import (
-    LENGTH_UNITS,
     TEMPERATURE_UNITS,
     TIME_UNITS,
     Choice,
@@ -37,23 +38,23 @@ from ..readers.blocks import blocks_of
 from ..readers.channels import UNITS
 from ..readers.grid import Grid, grid_of, head_grid
 from ..readers.moduli import letter_of
-from ..readers.names import fold, role_of
+from ..readers.names import fold
 from ..readers.text import head_text, text_of
-from ..readers.titles import apart_from_sign, heading, is_unit
+from ..readers.titles import apart_from_sign, is_unit
+from .lacking import EXAMPLES, lacking
 from .sections import Section, Title, apart, sections_of, title_of
 
-EXAMPLES = {"time": "s", "relaxation": "Pa", "compliance": "1/Pa", "displacement": "mm", "force": "N"}
-"""What to write in a hint."""
 ANSWERS = ("relaxation", "compliance", "force")
 """Columns whose titles tell which modulus it is of."""
 STEADY = 0.5
 """Kelvin by which a temperature may wander and still be one."""
 MOST_TIED = 0.5
-"""Share of rows that may repeat the printed time of the row before: more is no rounding, but another table."""
+"""Share of rows that may repeat the printed time of the row before.
+
+More is no rounding, but another table.
+"""
 ENOUGH = 20
 """Rows of a table from which such repeats are taken for rounding."""
-_THERE_AND_BACK = 2
-"""Passages of the middle by a record that is no oscillation."""
 _CONSTANT = re.compile(r"^([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*\[([^\]]*)\]$")
 _MEANING = re.compile(r"^([^\[\]]+?)\s*\[([^\[\]]*)\]$")
 
@@ -93,7 +94,10 @@ def recognises(head: bytes) -> float:
 
 
 def _holds_sweep(grid: Grid) -> bool:
-    """Whether any table is a sweep: of a job with a pre-shear or a rest, the sweep is what is meant."""
+    """Whether any table is a sweep.
+
+    Of a job with a pre-shear or a rest, the sweep is what is meant.
+    """
     try:
         return any(block.is_dynamic for block in blocks_of(grid, stacked=True)[0])
     except DataError:
@@ -129,7 +133,8 @@ def read(path: Path, choice: Choice) -> list[TimeTest]:
             tests.append(replace(test, letter=letter_of(titles, test.units.is_modulus)))
         except DataError as error:
             if _holds_sweep(grid_of(text)):
-                # A rest may be so long that the sweep below it was not seen when the file was recognised.
+                # A rest may be so long that the sweep below it was not seen when the file was
+                # recognised.
                 return []
             raise DataError(_with_path(str(error), path, name)) from None
     if not tests:
@@ -202,7 +207,9 @@ def _with_meaning(title: Title, meaning: str, path: Path) -> Title:
         return replace(title, unit=normal_unit(unit), sign=sign)
     made = title_of(meaning)
     if not made.role:
-        raise DataError(f"{path}: '{meaning:.40}' is neither a unit nor one of {', '.join(EXAMPLES)}")
+        raise DataError(
+            f"{path}: '{meaning:.40}' is neither a unit nor one of {', '.join(EXAMPLES)}"
+        )
     sign, unit = apart_from_sign(made.unit or title.unit)
     return Title(title.text, made.role, normal_unit(unit), sign)
 
@@ -210,7 +217,8 @@ def _with_meaning(title: Title, meaning: str, path: Path) -> Title:
 def _place(section: Section, key: str, meaning: str, path: Path) -> int:
     """Where the column is that a user calls by number, title or role.
 
-    Of several it is the one that would be taken without the hint, which says more of it and never another.
+    Of several it is the one that would be taken without the hint, which says more of it and never
+    another.
     """
     titles = section.titles
     if key.isdigit() and 1 <= int(key) <= len(titles):
@@ -257,7 +265,9 @@ def _overruled(section: Section, told: Section) -> str:
     notes = []
     for before, after in zip(section.titles, told.titles, strict=True):
         if before.unit and after.role and after.unit != before.unit:
-            notes.append(f"'{before.text}' is in {after.unit} as you said; the file says {before.unit}")
+            notes.append(
+                f"'{before.text}' is in {after.unit} as you said; the file says {before.unit}"
+            )
     return "; ".join(notes)
 
 
@@ -290,7 +300,9 @@ def _test(section: Section, manner: Manner, name: str, path: Path, overruled: st
         )
         # The other way than it counts now.
         opposite = "-" * (pulled.sign > 0.0)
-        return replace(test, provenance={**origin, **sign_note(test, f"force={opposite}{pulled.unit}")})
+        return replace(
+            test, provenance={**origin, **sign_note(test, f"force={opposite}{pulled.unit}")}
+        )
     if (place := _first(section, "relaxation")) is not None:
         unit, values = section.titles[place].unit, section.column(place)
         return TimeTest.of_relaxation(clock, values, unit, rise=manner.ramp or 0.0, **common)  # type: ignore[arg-type]
@@ -299,13 +311,17 @@ def _test(section: Section, manner: Manner, name: str, path: Path, overruled: st
         return TimeTest.of_compliance(clock, values, unit, rise=manner.ramp or 0.0, **common)  # type: ignore[arg-type]
     if manner.planned and (alone := _alone(section)) is not None:
         unit = section.titles[alone].unit
-        return TimeTest.planned(clock, section.column(alone), unit, temperature=temperature, name=name)
-    raise _lacking(section, path)
+        return TimeTest.planned(
+            clock, section.column(alone), unit, temperature=temperature, name=name
+        )
+    raise lacking(section, path)
 
 
 def _alone(section: Section) -> int | None:
     """The column of what is imposed, where there is nothing else."""
-    imposed = [i for i, title in enumerate(section.titles) if title.role in ("displacement", "force")]
+    imposed = [
+        i for i, title in enumerate(section.titles) if title.role in ("displacement", "force")
+    ]
     if len(imposed) == 1:
         return imposed[0]
     return None
@@ -323,7 +339,7 @@ def _clock(section: Section) -> Real:
 
 
 def _without_ties(section: Section, origin: dict[str, str]) -> Section:
-    """The table without rows whose time is that of the row before, as printed digits make now and then."""
+    """The table without rows whose time is that of the row before, as printed digits make it."""
     place = _first(section, "time")
     assert place is not None
     clock = section.column(place)
@@ -331,9 +347,13 @@ def _without_ties(section: Section, origin: dict[str, str]) -> Section:
     if not tied.any() or len(clock) < ENOUGH or tied.mean() > MOST_TIED:
         return section
     # Times of a record have to rise.
-    origin["note time"] = f"{int(tied.sum())} of {len(clock)} rows have the time of the row before and are left out"
+    origin["note time"] = (
+        f"{int(tied.sum())} of {len(clock)} rows have the time of the row before and are left out"
+    )
     kept = np.flatnonzero(~tied).tolist()
-    return replace(section, lines=[section.lines[i] for i in kept], numbers=[section.numbers[i] for i in kept])
+    return replace(
+        section, lines=[section.lines[i] for i in kept], numbers=[section.numbers[i] for i in kept]
+    )
 
 
 def _require_units(section: Section, path: Path) -> None:
@@ -342,15 +362,17 @@ def _require_units(section: Section, path: Path) -> None:
     if _pair(section) is None:
         # Displacement and force are of no use beside a modulus, unless their units make one.
         wanted |= section.roles & {"relaxation", "compliance"} or set(EXAMPLES)
-    places = [i for i, title in enumerate(section.titles) if title.role in wanted and not title.unit]
+    places = [
+        i for i, title in enumerate(section.titles) if title.role in wanted and not title.unit
+    ]
     if not places:
         return
     bare = [section.titles[i] for i in places]
     names = ", ".join(f"'{title.text}'" for title in bare)
     spec = ",".join(f"{_called(section, i)}={EXAMPLES[section.titles[i].role]}" for i in places)
     raise DataError(
-        f"{path}, column {names}: there is no unit; write {bare[0].text} [{EXAMPLES[bare[0].role]}], "
-        f"or say it by 'FILE?{spec}'"
+        f"{path}, column {names}: there is no unit; write {bare[0].text}"
+        f" [{EXAMPLES[bare[0].role]}], or say it by 'FILE?{spec}'"
     )
 
 
@@ -363,7 +385,10 @@ def _called(section: Section, place: int) -> str:
 
 
 def _pair(section: Section) -> tuple[int, int] | None:
-    """The columns of displacement and force that make a stiffness or modulus; strain and stress before others."""
+    """The columns of displacement and force that make a stiffness or modulus.
+
+    Strain and stress before others.
+    """
     moved = [i for i, title in enumerate(section.titles) if title.role == "displacement"]
     pulled = [i for i, title in enumerate(section.titles) if title.role == "force"]
     pairs = []
@@ -379,63 +404,11 @@ def _pair(section: Section) -> tuple[int, int] | None:
     return min(pairs)[1:]
 
 
-def _lacking(section: Section, path: Path) -> DataError:
-    """What a table with a time needs to be a test."""
-    there = ", ".join(title.text for title in section.titles[:12])
-    if section.roles >= {"displacement", "force"}:
-        return DataError(f"{path}: displacement and force are in units that make no stiffness (columns: {there})")
-    if any(role_of(title.text.partition("[")[0]) == "flow" for title in section.titles):
-        # A rate or a viscosity beside a stress: no column of it, whatever it is called, would make it a test.
-        return DataError(
-            f"{path}: steady flow, neither an oscillation nor a test in time; give the step that oscillates, "
-            f"creeps or relaxes (columns: {there})"
-        )
-    lacks, has = "force", "displacement"
-    if "force" in section.roles:
-        lacks, has = has, lacks
-        if (place := _distance(section)) is not None:
-            return DataError(f"{path}: {_instead(section, place, path)} (columns: {there})")
-    return DataError(
-        f"{path}: a {has} without a {lacks} is no test; add {lacks} [{EXAMPLES[lacks]}], or say which column is "
-        f"the relaxation modulus: 'FILE?2=relaxation[Pa]' (columns: {there})"
-    )
-
-
-def _distance(section: Section) -> int | None:
-    """The first column with a length that is no displacement by its name, such as a gap."""
-    lengths = (i for i, title in enumerate(section.titles) if not title.role and title.unit in LENGTH_UNITS)
-    return next(lengths, None)
-
-
-def _instead(section: Section, place: int, path: Path) -> str:
-    """What to make of a force against a distance, as where a sample is compressed at a constant speed."""
-    title = section.titles[place]
-    what = f"no column of displacement beside the force, but '{title.text}'"
-    if _moves_once(section.column(place)):
-        what += ", which moves one way: a compression or pull is no oscillation and has no storage and loss modulus"
-    if heading(title.text).role == "gap":
-        # A gap is there before the specimen is touched, and falls where the force rises.
-        return (
-            f"{what}; for a test in time at small deformations add a column displacement [{title.unit}], the gap at "
-            "first contact less each gap"
-        )
-    return (
-        f"{what}; if it counts from the first contact, 'FILE?{place + 1}=displacement[{title.unit}]' opens it as a "
-        "test in time, for small deformations"
-    )
-
-
-def _moves_once(distance: Real) -> bool:
-    """Whether a distance passes its middle at most twice: there, and perhaps back."""
-    known = distance[np.isfinite(distance)]
-    if len(known) < 2:
-        return False
-    beyond = known > 0.5 * (known.max() + known.min())
-    return int(np.count_nonzero(np.diff(beyond))) <= _THERE_AND_BACK
-
-
 def _inverse(unit: str, path: Path) -> str:
-    """The stiffness that a compliance in this unit is one over: ``1/Pa`` and ``mm/N`` give ``Pa`` and ``N/mm``."""
+    """The stiffness that a compliance in this unit is one over.
+
+    ``1/Pa`` and ``mm/N`` give ``Pa`` and ``N/mm``.
+    """
     text = unit.removesuffix("^-1")
     if text != unit:
         return text.strip()

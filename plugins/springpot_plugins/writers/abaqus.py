@@ -1,10 +1,10 @@
 """Abaqus: one material for time (a Prony series), one for steady-state dynamics (the model itself).
 
-FREQUENCY and TIME exclude one another in a material of Abaqus, so that there are two. Elastic constants are E and nu,
-and what relaxes is the shear modulus (g) and the bulk modulus (k). The table of frequencies is of the model itself;
-where its shear modulus is a spring beside a springpot, it is the power law that Abaqus has built in (User's Guide
-22.7.2):
-G' = G_inf (1 - w Im g*), G'' = G_inf w Re g*, and g* = g1* f^-a in FORMULA, f in cycles a unit of time.
+FREQUENCY and TIME exclude one another in a material of Abaqus, so that there are two. Elastic
+constants are E and nu, and what relaxes is the shear modulus (g) and the bulk modulus (k). The
+table of frequencies is of the model itself; where its shear modulus is a spring beside a springpot,
+it is the power law that Abaqus has built in (User's Guide 22.7.2): G' = G_inf (1 - w Im g*), G'' =
+G_inf w Re g*, and g* = g1* f^-a in FORMULA, f in cycles a unit of time.
 """
 
 from __future__ import annotations
@@ -19,12 +19,15 @@ from springpot.solvers import Handoff, Writer
 from .frequencies import frequencies
 
 PER_DECADE = 20
-"""Frequencies a decade of the table: straight lines between them are within 0.05 % of a power law."""
+"""Frequencies a decade of the table: straight lines between them are within 0.05 % of a power law.
+"""
 STRAIGHT = 1e-9
 """Scatter of a slope that is one: what is left of the digits of K after two differences."""
 NEXT_TO_NOTHING = 1e-5
-"""Share of the least storage modulus that is given to a springpot alone as the spring that Abaqus needs: below what
-any test shows."""
+"""Share of the least storage modulus that a springpot alone gets as the spring that Abaqus needs.
+
+Below what any test shows.
+"""
 
 
 class PowerLaw(NamedTuple):
@@ -36,7 +39,7 @@ class PowerLaw(NamedTuple):
 
 
 def to_abaqus(handoff: Handoff) -> str:
-    """Both materials; k follows g where the bulk modulus relaxes, and is nothing where it is constant."""
+    """Both materials; k follows g where the bulk modulus relaxes, and is zero where it does not."""
     lines = [f"** {line}" for line in (*handoff.heading(), handoff.solid.says)]
     return "\n".join(lines + _in_time(handoff) + _at_frequencies(handoff)) + "\n"
 
@@ -50,7 +53,9 @@ def _in_time(handoff: Handoff) -> list[str]:
         f"{solid.young:.9g}, {solid.poisson:.9g}",
         "*VISCOELASTIC, TIME=PRONY",
     ]
-    for share, time in zip(solid.shear.weights / solid.shear.instantaneous, solid.shear.times, strict=True):
+    for share, time in zip(
+        solid.shear.weights / solid.shear.instantaneous, solid.shear.times, strict=True
+    ):
         lines.append(f"{share:.9g}, {_of_bulk(handoff, f'{share:.9g}', '0.')}, {time:.9g}")
     return lines
 
@@ -80,20 +85,33 @@ def _at_frequencies(handoff: Handoff) -> list[str]:
         f"{2.0 * (1.0 + poisson) * spring:.9g}, {poisson:.9g}",
     ]
     if law is not None:
-        turned = law.size * (2.0 * np.pi) ** (law.order - 1.0) / law.spring * np.exp(0.5j * np.pi * (1.0 - law.order))
+        turned = (
+            law.size
+            * (2.0 * np.pi) ** (law.order - 1.0)
+            / law.spring
+            * np.exp(0.5j * np.pi * (1.0 - law.order))
+        )
         g = f"{turned.real:.9g}, {-turned.imag:.9g}, {1.0 - law.order:.9g}"
-        return [*lines, "*VISCOELASTIC, FREQUENCY=FORMULA", f"{g}, {_of_bulk(handoff, g, '0., 0., 0.')}"]
+        return [
+            *lines,
+            "*VISCOELASTIC, FREQUENCY=FORMULA",
+            f"{g}, {_of_bulk(handoff, g, '0., 0., 0.')}",
+        ]
     relative = shear / spring
     lines.append("*VISCOELASTIC, FREQUENCY=TABULAR")
     for f, real, imaginary in zip(omega / (2.0 * np.pi), relative.real, relative.imag, strict=True):
-        # The real part of g* is what the loss is over the spring, the imaginary part what the storage lacks of it.
+        # The real part of g* is what the loss is over the spring, the imaginary part what the
+        # storage lacks of it.
         g = f"{imaginary:.9g}, {1.0 - real:.9g}"
         lines.append(f"{g}, {_of_bulk(handoff, g, '0., 0.')}, {f:.9g}")
     return lines
 
 
 def power_law_of(omega: Real, k: Complex) -> PowerLaw | None:
-    """The spring and the springpot that a model consists of, told from its K (n,); None where there is more to it."""
+    """The spring and the springpot that a model consists of, told from its K (n,).
+
+    None where there is more to it.
+    """
     # A spring alone, or one that an effect turns active: there is no logarithm of its loss.
     if np.any(k.imag <= 0.0):
         return None
@@ -101,7 +119,8 @@ def power_law_of(omega: Real, k: Complex) -> PowerLaw | None:
     order = float(slopes.mean())
     if not 0.0 < order < 1.0 or np.ptp(slopes) > STRAIGHT:
         return None
-    # (i w)^order has the loss sin(order pi / 2) and the storage cos(order pi / 2): what is left of it is the spring.
+    # (i w)^order has the loss sin(order pi / 2) and the storage cos(order pi / 2): what is left of
+    # it is the spring.
     size = float(k.imag[0] / omega[0] ** order / np.sin(0.5 * np.pi * order))
     spring = k.real - size * omega**order * np.cos(0.5 * np.pi * order)
     if np.ptp(spring) > STRAIGHT * k.real.max():
@@ -113,7 +132,8 @@ def power_law_of(omega: Real, k: Complex) -> PowerLaw | None:
 WRITER = Writer(
     "abaqus",
     to_abaqus,
-    "Abaqus: *VISCOELASTIC in time (PRONY) and at frequencies (a table, or the power law of a springpot)",
+    "Abaqus: *VISCOELASTIC in time (PRONY) and at frequencies (a table, or the power law of a"
+    " springpot)",
     ".inp",
     solid=True,
     dashpot=False,

@@ -5,11 +5,11 @@ from __future__ import annotations
 from springpot.solvers import Handoff, Writer
 
 PER_LINE = 3
-"""Constants that one TBDATA line may hold, kept at three for readers of older releases (it takes six)."""
+"""Constants of a TBDATA line, kept at three for readers of older releases (it takes six)."""
 
 
 def to_ansys(handoff: Handoff) -> str:
-    """Relative moduli and times in turn, for shear, and for volume where the bulk modulus relaxes."""
+    """Relative moduli and times in turn, for shear, and for volume if the bulk modulus relaxes."""
     solid = handoff.solid
     lines = [f"! {line}" for line in (*handoff.heading(), solid.says)]
     lines += [
@@ -28,4 +28,6 @@ def to_ansys(handoff: Handoff) -> str:
     return "\n".join(lines) + "\n"
 
 
-WRITER = Writer("ansys", to_ansys, "ANSYS Mechanical APDL: TB,PRONY", ".mac", solid=True, dashpot=False)
+WRITER = Writer(
+    "ansys", to_ansys, "ANSYS Mechanical APDL: TB,PRONY", ".mac", solid=True, dashpot=False
+)

@@ -1,8 +1,9 @@
 """COMSOL: parameters to load from a file, of the fractional model itself and of its branches.
 
-Its solid mechanics has springpots since version 6.2, so that a fractional model needs no series there; the branches
-serve the generalised Maxwell model of all versions, which takes shear moduli. The parameters of the model are those
-of the modulus that was measured. Rows of a parameter file are name, expression and description.
+Its solid mechanics has springpots since version 6.2, so that a fractional model needs no series
+there; the branches serve the generalised Maxwell model of all versions, which takes shear moduli.
+The parameters of the model are those of the modulus that was measured. Rows of a parameter file are
+name, expression and description.
 """
 
 from __future__ import annotations
@@ -26,10 +27,15 @@ def to_comsol(handoff: Handoff) -> str:
             assert theirs is not None
             # The power of time of a springpot is the value of its order.
             unit_text = re.sub(rf"\^{re.escape(other)}(?![\w.])", f"^{theirs[1]}", unit_text)
-        lines.append(f'{_name(name)} {match[1]}{_unit(unit_text)} "{name} of {handoff.model}, as measured"')
+        lines.append(
+            f'{_name(name)} {match[1]}{_unit(unit_text)} "{name} of {handoff.model}, as measured"'
+        )
     lines.append(f'G_inf {prony.equilibrium:.9g}{unit} "long-term stiffness or modulus"')
     if prony.viscosity:
-        lines.append(f'eta {prony.viscosity:.9g}{_unit(f"{handoff.unit} s".strip())} "dashpot beside the branches"')
+        lines.append(
+            f'eta {prony.viscosity:.9g}{_unit(f"{handoff.unit} s".strip())} "dashpot beside the'
+            ' branches"'
+        )
     for i, (weight, time) in enumerate(zip(prony.weights, prony.times, strict=True), 1):
         lines.append(f'G_{i} {weight:.9g}{unit} "branch {i}"')
         lines.append(f'tau_{i} {time:.9g}[s] "relaxation time of branch {i}"')
@@ -50,5 +56,9 @@ def _unit(text: str) -> str:
 
 
 WRITER = Writer(
-    "comsol", to_comsol, "COMSOL: a parameter file of the fractional model and its branches", ".txt", modulus="G"
+    "comsol",
+    to_comsol,
+    "COMSOL: a parameter file of the fractional model and its branches",
+    ".txt",
+    modulus="G",
 )

@@ -1,11 +1,13 @@
-"""A Functional Mock-up Unit (FMI 2.0): displacement in, force out, for model exchange and co-simulation.
+"""A Functional Mock-up Unit (FMI 2.0).
 
-Its source is one C file without any header from elsewhere, in the unit for whoever has another machine, and
-compiled for this one where there is a C compiler. The state of a branch is the way of its dashpot,
-z' = (x - z) / tau, so that the force K_e x + sum of w (x - z) follows the displacement at once and no velocity is
-needed. In co-simulation a master gives the displacement at the beginning of a step, and the force lags by that
-step where it gives nothing else. With the displacement's derivative (``canInterpolateInputs``) there is no lag:
-the unit is exact for straight lines.
+Displacement in, force out, for model exchange and co-simulation.
+
+Its source is one C file without any header from elsewhere, in the unit for whoever has another
+machine, and compiled for this one where there is a C compiler. The state of a branch is the way of
+its dashpot, z' = (x - z) / tau, so that the force K_e x + sum of w (x - z) follows the displacement
+at once and no velocity is needed. In co-simulation a master gives the displacement at the beginning
+of a step, and the force lags by that step where it gives nothing else. With the displacement's
+derivative (``canInterpolateInputs``) there is no lag: the unit is exact for straight lines.
 """
 
 from __future__ import annotations
@@ -38,15 +40,17 @@ SOURCE = r"""
 static const double W[N + 1] = {@WEIGHTS@0};
 static const double TAU[N + 1] = {@TIMES@1};
 static const double KE = @EQUILIBRIUM@;
-enum { X, F, V, Z };   /* value references: displacement, force, its rate of input, states from Z on, then rates */
+/* value references: displacement, force, its rate of input, states from Z on, then rates */
+enum { X, F, V, Z };
 
 typedef struct { double x, v, t, z[N + 1]; } Unit;
 
 EXPORT const char *fmi2GetTypesPlatform(void) { return "default"; }
 EXPORT const char *fmi2GetVersion(void) { return "2.0"; }
 EXPORT int fmi2SetDebugLogging(void *c, int on, size_t n, const char *const *names) { return 0; }
-EXPORT void *fmi2Instantiate(const char *name, int type, const char *guid, const char *where, const void *calls,
-                             int visible, int logging) { return calloc(1, sizeof(Unit)); }
+EXPORT void *fmi2Instantiate(const char *name, int type, const char *guid, const char *where,
+                             const void *calls, int visible, int logging)
+{ return calloc(1, sizeof(Unit)); }
 EXPORT void fmi2FreeInstance(void *c) { free(c); }
 EXPORT int fmi2SetupExperiment(void *c, int d, double tol, double start, int s, double stop)
 { ((Unit *)c)->t = start; return 0; }
@@ -84,20 +88,26 @@ EXPORT int fmi2SetReal(void *c, const unsigned *vr, size_t n, const double *valu
     }
     return 0;
 }
-EXPORT int fmi2GetInteger(void *c, const unsigned *vr, size_t n, int *value) { return n ? 3 : 0; }
-EXPORT int fmi2SetInteger(void *c, const unsigned *vr, size_t n, const int *value) { return n ? 3 : 0; }
-EXPORT int fmi2GetBoolean(void *c, const unsigned *vr, size_t n, int *value) { return n ? 3 : 0; }
-EXPORT int fmi2SetBoolean(void *c, const unsigned *vr, size_t n, const int *value) { return n ? 3 : 0; }
-EXPORT int fmi2GetString(void *c, const unsigned *vr, size_t n, const char **value) { return n ? 3 : 0; }
-EXPORT int fmi2SetString(void *c, const unsigned *vr, size_t n, const char *const *value) { return n ? 3 : 0; }
+EXPORT int fmi2GetInteger(void *c, const unsigned *vr, size_t n, int *value)
+{ return n ? 3 : 0; }
+EXPORT int fmi2SetInteger(void *c, const unsigned *vr, size_t n, const int *value)
+{ return n ? 3 : 0; }
+EXPORT int fmi2GetBoolean(void *c, const unsigned *vr, size_t n, int *value)
+{ return n ? 3 : 0; }
+EXPORT int fmi2SetBoolean(void *c, const unsigned *vr, size_t n, const int *value)
+{ return n ? 3 : 0; }
+EXPORT int fmi2GetString(void *c, const unsigned *vr, size_t n, const char **value)
+{ return n ? 3 : 0; }
+EXPORT int fmi2SetString(void *c, const unsigned *vr, size_t n, const char *const *value)
+{ return n ? 3 : 0; }
 EXPORT int fmi2GetFMUstate(void *c, void **state) { return 3; }
 EXPORT int fmi2SetFMUstate(void *c, void *state) { return 3; }
 EXPORT int fmi2FreeFMUstate(void *c, void **state) { return 3; }
 EXPORT int fmi2SerializedFMUstateSize(void *c, void *state, size_t *n) { return 3; }
 EXPORT int fmi2SerializeFMUstate(void *c, void *state, char *bytes, size_t n) { return 3; }
 EXPORT int fmi2DeSerializeFMUstate(void *c, const char *bytes, size_t n, void **state) { return 3; }
-EXPORT int fmi2GetDirectionalDerivative(void *c, const unsigned *z, size_t nz, const unsigned *v, size_t nv,
-                                        const double *dv, double *dz) { return 3; }
+EXPORT int fmi2GetDirectionalDerivative(void *c, const unsigned *z, size_t nz, const unsigned *v,
+                                        size_t nv, const double *dv, double *dz) { return 3; }
 
 /* model exchange */
 EXPORT int fmi2EnterEventMode(void *c) { return 0; }
@@ -114,17 +124,20 @@ EXPORT int fmi2GetContinuousStates(void *c, double *z, size_t n)
 EXPORT int fmi2GetDerivatives(void *c, double *d, size_t n)
 { Unit *u = c; for (size_t i = 0; i < n && i < N; i++) d[i] = rate(u, (int)i); return 0; }
 EXPORT int fmi2GetEventIndicators(void *c, double *e, size_t n) { return 0; }
+/* of a damper in m; solvers scale tolerances by it */
 EXPORT int fmi2GetNominalsOfContinuousStates(void *c, double *x, size_t n)
-{ for (size_t i = 0; i < n; i++) x[i] = 1e-3; return 0; }  /* of a damper in m; solvers scale tolerances by it */
+{ for (size_t i = 0; i < n; i++) x[i] = 1e-3; return 0; }
 
 /* co-simulation: exact where the displacement is straight within the step */
-EXPORT int fmi2SetRealInputDerivatives(void *c, const unsigned *vr, size_t n, const int *order, const double *value)
+EXPORT int fmi2SetRealInputDerivatives(void *c, const unsigned *vr, size_t n, const int *order,
+                                       const double *value)
 {
     Unit *u = c;
     for (size_t k = 0; k < n; k++) { if (vr[k] != X || order[k] != 1) return 3; u->v = value[k]; }
     return 0;
 }
-EXPORT int fmi2GetRealOutputDerivatives(void *c, const unsigned *vr, size_t n, const int *order, double *value)
+EXPORT int fmi2GetRealOutputDerivatives(void *c, const unsigned *vr, size_t n, const int *order,
+                                        double *value)
 { return 3; }
 EXPORT int fmi2DoStep(void *c, double t, double h, int keep)
 {
@@ -166,6 +179,29 @@ def source_of(handoff: Handoff) -> str:
     return text.lstrip()
 
 
+def _variables(count: int) -> list[str]:
+    """Elements of displacement, force, the states of so many branches and their rates."""
+    channels = [
+        '<ScalarVariable name="x" valueReference="0" causality="input" variability="continuous"'
+        ' description="displacement"><Real start="0"/></ScalarVariable>',
+        '<ScalarVariable name="F" valueReference="1" causality="output" variability="continuous"'
+        ' description="force"><Real/></ScalarVariable>',
+    ]
+    states = [
+        f'<ScalarVariable name="z[{i + 1}]" valueReference="{3 + i}" causality="local"'
+        ' variability="continuous" initial="calculated"'
+        ' description="way of a dashpot"><Real/></ScalarVariable>'
+        for i in range(count)
+    ]
+    rates = [
+        f'<ScalarVariable name="der(z[{i + 1}])" valueReference="{3 + count + i}"'
+        ' causality="local" variability="continuous">'
+        f'<Real derivative="{3 + i}"/></ScalarVariable>'
+        for i in range(count)
+    ]
+    return [*channels, *states, *rates]
+
+
 def description_of(handoff: Handoff) -> str:
     """modelDescription.xml."""
     count = len(handoff.prony.times)
@@ -173,28 +209,13 @@ def description_of(handoff: Handoff) -> str:
     # It tells which description belongs to which library (FMI 2.0); the same model has the same.
     guid = hashlib.sha256(source_of(handoff).encode()).hexdigest()[:32]
     files = '<SourceFiles><File name="unit.c"/></SourceFiles>'
-    variables = [
-        '<ScalarVariable name="x" valueReference="0" causality="input" variability="continuous" '
-        'description="displacement"><Real start="0"/></ScalarVariable>',
-        '<ScalarVariable name="F" valueReference="1" causality="output" variability="continuous" '
-        'description="force"><Real/></ScalarVariable>',
-    ]
-    for i in range(count):
-        variables.append(
-            f'<ScalarVariable name="z[{i + 1}]" valueReference="{3 + i}" causality="local" variability="continuous" '
-            'initial="calculated" description="way of a dashpot"><Real/></ScalarVariable>'
-        )
-    for i in range(count):
-        variables.append(
-            f'<ScalarVariable name="der(z[{i + 1}])" valueReference="{3 + count + i}" causality="local" '
-            f'variability="continuous"><Real derivative="{3 + i}"/></ScalarVariable>'
-        )
-    # Variables are counted from one here: x and F come first. Their value references in the source are the same from
-    # Z on.
+    # Variables are counted from one here: x and F come first. Their value references in the source
+    # are the same from Z on.
     states, rates = range(3, 3 + count), range(3 + count, 3 + 2 * count)
     needs = " ".join(map(str, [1, *states]))
     derivatives = "".join(
-        f'<Unknown index="{rate}" dependencies="1 {state}"/>' for rate, state in zip(rates, states, strict=True)
+        f'<Unknown index="{rate}" dependencies="1 {state}"/>'
+        for rate, state in zip(rates, states, strict=True)
     )
     if count:
         # The schema takes no empty list.
@@ -203,23 +224,34 @@ def description_of(handoff: Handoff) -> str:
     return "\n".join(
         [
             '<?xml version="1.0" encoding="UTF-8"?>',
-            f'<fmiModelDescription fmiVersion="2.0" modelName={name} guid="{guid}" generationTool="springpot"',
-            f'  description={quoteattr(" | ".join(handoff.heading()))} numberOfEventIndicators="0">',
+            (
+                f'<fmiModelDescription fmiVersion="2.0" modelName={name} guid="{guid}"'
+                ' generationTool="springpot"'
+            ),
+            (
+                f"  description={quoteattr(' | '.join(handoff.heading()))}"
+                ' numberOfEventIndicators="0">'
+            ),
             f'<ModelExchange modelIdentifier="unit">{files}</ModelExchange>',
-            '<CoSimulation modelIdentifier="unit" canHandleVariableCommunicationStepSize="true" '
-            f'canInterpolateInputs="true">{files}</CoSimulation>',
+            (
+                '<CoSimulation modelIdentifier="unit"'
+                ' canHandleVariableCommunicationStepSize="true"'
+                f' canInterpolateInputs="true">{files}</CoSimulation>'
+            ),
             "<ModelVariables>",
-            *variables,
+            *_variables(count),
             "</ModelVariables>",
-            f'<ModelStructure><Outputs><Unknown index="2" dependencies="{needs}"/></Outputs>'
-            f"{derivatives}<InitialUnknowns>{initial}</InitialUnknowns></ModelStructure>",
+            (
+                f'<ModelStructure><Outputs><Unknown index="2" dependencies="{needs}"/></Outputs>'
+                f"{derivatives}<InitialUnknowns>{initial}</InitialUnknowns></ModelStructure>"
+            ),
             "</fmiModelDescription>",
         ]
     )
 
 
 def compiled(source: str) -> tuple[str, bytes] | None:
-    """Name within the unit and bytes of the library for this machine; None where it cannot be made."""
+    """Name within the unit and bytes of the library for this machine; None if it cannot be made."""
     place = PLATFORMS.get((platform.system(), platform.machine()))
     compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
     if place is None or compiler is None:
@@ -267,7 +299,8 @@ def to_fmu(handoff: Handoff) -> bytes:
 WRITER = Writer(
     "fmu",
     source_of,
-    "FMI 2.0 unit, displacement in and force out, with its C source; compiled where there is a compiler",
+    "FMI 2.0 unit, displacement in and force out, with its C source; compiled where there is a"
+    " compiler",
     ".fmu",
     dashpot=False,
     data=to_fmu,

@@ -1,4 +1,4 @@
-"""LS-DYNA: *MAT_GENERAL_VISCOELASTIC (076), whose terms are G, beta = 1/tau and the same for the bulk modulus."""
+"""LS-DYNA: *MAT_GENERAL_VISCOELASTIC (076), with terms G and beta = 1/tau, for the bulk too."""
 
 from __future__ import annotations
 
@@ -10,7 +10,10 @@ from springpot.solvers import Handoff, Writer
 WIDTH = 10
 """Of a field of a fixed card; numbers take one sign less, so that they stand apart."""
 MOST = 18
-"""Terms that the card holds (LS-DYNA keyword manual, volume II, *MAT_076); the long-term modulus takes one."""
+"""Terms that the card holds (LS-DYNA keyword manual, volume II, *MAT_076).
+
+The long-term modulus takes one.
+"""
 
 
 def field(number: float) -> str:
@@ -41,7 +44,10 @@ def to_lsdyna(handoff: Handoff) -> str:
     lines = ["*KEYWORD", *(f"$ {line}" for line in (*handoff.heading(), solid.says))]
     lines += [
         "$ the card takes shear and bulk moduli; the term without decay is the long-term",
-        "$ define the density RO by *PARAMETER: the card needs one, and no test of stiffness tells it",
+        (
+            "$ define the density RO by *PARAMETER: the card needs one, and no test of stiffness"
+            " tells it"
+        ),
         "*MAT_GENERAL_VISCOELASTIC_TITLE",
         handoff.name,
         "$#     mid        ro      bulk       pcf        ef      tref         a         b",

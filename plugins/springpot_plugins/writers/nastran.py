@@ -1,7 +1,7 @@
-"""Nastran: a damper as PBUSH and PBUSHT, whose stiffness and loss factor are tables of the frequency.
+"""Nastran: a damper as PBUSH and PBUSHT, tables of stiffness and loss factor by the frequency.
 
-For direct frequency response (MSC and Siemens Nastran). K is K' and GE is K''/K', both against f in cycles a unit of
-time, straight between their points.
+For direct frequency response (MSC and Siemens Nastran). K is K' and GE is K''/K', both against f in
+cycles a unit of time, straight between their points.
 """
 
 from __future__ import annotations
@@ -69,5 +69,9 @@ def to_nastran(handoff: Handoff) -> str:
 
 
 WRITER = Writer(
-    "nastran", to_nastran, "Nastran: PBUSH and PBUSHT with tables of stiffness and loss factor", ".bdf", damper=True
+    "nastran",
+    to_nastran,
+    "Nastran: PBUSH and PBUSHT with tables of stiffness and loss factor",
+    ".bdf",
+    damper=True,
 )

@@ -1,7 +1,7 @@
 """OpenSees: a uniaxial material of one elastic and several Maxwell ones in parallel, for dampers.
 
-Of a solid it is stress over strain along one axis, so that its modulus is Young's. The alpha of its Maxwell material
-is the power of a dashpot's speed, here 1; it is no fractional order.
+Of a solid it is stress over strain along one axis, so that its modulus is Young's. The alpha of its
+Maxwell material is the power of a dashpot's speed, here 1; it is no fractional order.
 """
 
 from __future__ import annotations
@@ -11,7 +11,10 @@ from collections.abc import Callable
 from springpot.solvers import Handoff, Writer
 
 FIRST, WHOLE = 1, 100
-"""Tags: the parts count up from the first; the whole is 100, above the most terms that there may be."""
+"""Tags: the parts count up from the first.
+
+The whole is 100, above the most terms that there may be.
+"""
 
 
 def _materials(handoff: Handoff) -> list[tuple[str, list[str]]]:
@@ -29,11 +32,17 @@ def _script(line: Callable[[str, int, list[str]], str]) -> Callable[[Handoff], s
     def text(handoff: Handoff) -> str:
         parts = _materials(handoff)
         lines = [f"# {words}" for words in handoff.heading()]
-        lines.append(f"# the damper is material {WHOLE}; of Maxwell: K, C, power of the speed, length")
+        lines.append(
+            f"# the damper is material {WHOLE}; of Maxwell: K, C, power of the speed, length"
+        )
         if handoff.is_modulus:
-            lines.append("# stress over strain of one axis, as trusses and fibres take it: Young's modulus")
+            lines.append(
+                "# stress over strain of one axis, as trusses and fibres take it: Young's modulus"
+            )
         lines += [line(kind, tag, numbers) for tag, (kind, numbers) in enumerate(parts, FIRST)]
-        lines.append(line("Parallel", WHOLE, [str(tag) for tag in range(FIRST, FIRST + len(parts))]))
+        lines.append(
+            line("Parallel", WHOLE, [str(tag) for tag in range(FIRST, FIRST + len(parts))])
+        )
         return "\n".join(lines) + "\n"
 
     return text
@@ -49,7 +58,17 @@ def _python(kind: str, tag: int, numbers: list[str]) -> str:
 
 WRITERS = (
     Writer(
-        "opensees", _script(_tcl), "OpenSees in Tcl: Elastic and Maxwell materials in parallel", ".tcl", modulus="E"
+        "opensees",
+        _script(_tcl),
+        "OpenSees in Tcl: Elastic and Maxwell materials in parallel",
+        ".tcl",
+        modulus="E",
     ),
-    Writer("openseespy", _script(_python), "OpenSeesPy: the same for an interpreter called ops", ".py", modulus="E"),
+    Writer(
+        "openseespy",
+        _script(_python),
+        "OpenSeesPy: the same for an interpreter called ops",
+        ".py",
+        modulus="E",
+    ),
 )

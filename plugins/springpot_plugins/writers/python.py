@@ -23,7 +23,7 @@ def stiffness(omega):
 
 
 def respond(t, displacement):
-    """Force for a displacement that is straight between its samples and was held at its first value before."""
+    """Force for a displacement, straight between samples and before them at its first value."""
     t, x = np.asarray(t, dtype=float), np.asarray(displacement, dtype=float)
     state, force = np.zeros(len(TIMES)), np.empty(len(t))
     speed = np.gradient(x, t)
@@ -55,4 +55,9 @@ def _listed(numbers: Real) -> str:
     return ", ".join(f"{number:.17g}" for number in numbers)
 
 
-WRITER = Writer("python", to_python, "a file with stiffness(omega) and respond(t, x) that needs numpy alone", ".py")
+WRITER = Writer(
+    "python",
+    to_python,
+    "a file with stiffness(omega) and respond(t, x) that needs numpy alone",
+    ".py",
+)

@@ -29,7 +29,10 @@ def to_json(handoff: Handoff) -> str:
                 "terms": [
                     {"weight": weight, "time_s": time, "outside_measured": outside}
                     for weight, time, outside in zip(
-                        prony.weights.tolist(), prony.times.tolist(), handoff.outside.tolist(), strict=True
+                        prony.weights.tolist(),
+                        prony.times.tolist(),
+                        handoff.outside.tolist(),
+                        strict=True,
                     )
                 ],
             },
@@ -47,7 +50,9 @@ def to_csv(handoff: Handoff) -> str:
     lines.append(f"spring,{handoff.prony.equilibrium:.9g},inf")
     if handoff.prony.viscosity:
         lines.append(f"dashpot (weight times s),{handoff.prony.viscosity:.9g},0")
-    for i, (weight, time) in enumerate(zip(handoff.prony.weights, handoff.prony.times, strict=True), 1):
+    for i, (weight, time) in enumerate(
+        zip(handoff.prony.weights, handoff.prony.times, strict=True), 1
+    ):
         lines.append(f"{i},{weight:.9g},{time:.9g}")
     return "\n".join(lines) + "\n"
 

@@ -1,6 +1,7 @@
-"""Further strata of the hidden-effect test, each a way in which measurements differ from the plain designs.
+"""Further strata of the hidden-effect test.
 
-``draw(stratum, seed)`` returns the case of this seed, always the same; kinds within a stratum take turns.
+Each is a way in which measurements differ from the plain designs. ``draw(stratum, seed)`` returns
+the case of this seed, always the same; kinds within a stratum take turns.
 """
 
 from __future__ import annotations
@@ -33,7 +34,9 @@ def draw(stratum: str, seed: int) -> Drawn:
     """Return the case of this stratum and seed."""
     for attempt in range(400):
         try:
-            return STRATA[stratum](seed, np.random.default_rng([crc32(stratum.encode()), seed, attempt]))
+            return STRATA[stratum](
+                seed, np.random.default_rng([crc32(stratum.encode()), seed, attempt])
+            )
         except NotVisible:
             continue
     raise RuntimeError(f"{stratum} {seed}: no visible case in 400 draws")

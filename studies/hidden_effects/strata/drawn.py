@@ -25,11 +25,12 @@ QUIET, LOUD = 1e-3, 0.03
 class Drawn:
     """A measurement of a stratum. Frequencies in rad/s, stiffness in kN/m, amplitude in mm.
 
-    ``kind`` is "nothing", "one" (a library effect is missing), "outside" (something that has no name) or "base" (the
-    model's own spectrum is wrong); ``right`` holds every name that is a right answer. ``floor`` is the relative rms
-    error per complex point of the noise alone; ``network`` names the true spectrum where that is not the model's;
-    ``chi2`` is what the best refitted model leaves of the noise-free data, ``material_chi2`` what any passive
-    spectrum leaves of them, where that was asked.
+    ``kind`` is "nothing", "one" (a library effect is missing), "outside" (something that has no
+    name) or "base" (the model's own spectrum is wrong); ``right`` holds every name that is a right
+    answer. ``floor`` is the relative rms error per complex point of the noise alone; ``network``
+    names the true spectrum where that is not the model's; ``chi2`` is what the best refitted model
+    leaves of the noise-free data, ``material_chi2`` what any passive spectrum leaves of them, where
+    that was asked.
     """
 
     seed: int
@@ -74,7 +75,9 @@ class Drawn:
 
     def to_csv(self, path: str | Path) -> Path:
         """Write what a tool may see, and nothing of the truth."""
-        return write_table(self.columns(), path, {"storage [kN/m]": self.digits, "loss [kN/m]": self.digits})
+        return write_table(
+            self.columns(), path, {"storage [kN/m]": self.digits, "loss [kN/m]": self.digits}
+        )
 
     def summary(self) -> dict[str, Any]:
         """Return the truth as plain JSON values."""
@@ -95,7 +98,11 @@ class Drawn:
             "floor": self.floor,
             "points": len(self.sweep),
             "harmonics": self.third is not None,
-            "sigma": "given" if self.sd is not None else ("repeats" if self.sweep.repeat is not None else "unknown"),
+            "sigma": (
+                "given"
+                if self.sd is not None
+                else ("repeats" if self.sweep.repeat is not None else "unknown")
+            ),
         }
 
 
@@ -133,8 +140,12 @@ class Specimen:
         return self.truth.hidden[0].parameters if self.truth.hidden else {}
 
 
-def draw_specimen(rng: np.random.Generator, design: str, hidden: bool, noise: Noise, repeats: int = 1) -> Specimen:
-    """Draw sweep, base and at most one effect of clear size; ``noise`` gives ``relative`` and ``force``.
+def draw_specimen(
+    rng: np.random.Generator, design: str, hidden: bool, noise: Noise, repeats: int = 1
+) -> Specimen:
+    """Draw sweep, base and at most one effect of clear size.
+
+    ``noise`` gives ``relative`` and ``force``.
 
     Raises
     ------
@@ -173,9 +184,17 @@ def pick_design(rng: np.random.Generator) -> str:
 
 
 def level_for(
-    rng: np.random.Generator, network: Network, start: Real, sweep: Sweep, k: Complex, low: float, high: float
+    rng: np.random.Generator,
+    network: Network,
+    start: Real,
+    sweep: Sweep,
+    k: Complex,
+    low: float,
+    high: float,
 ) -> tuple[float, float]:
-    """Relative noise at which the refitted ``network`` leaves a clear chi-square of ``k``; both are returned.
+    """Relative noise at which the refitted ``network`` leaves a clear chi-square of ``k``.
+
+    Both are returned.
 
     It is the noise that is scaled, not the effect: chi-square goes exactly as one over its square.
 

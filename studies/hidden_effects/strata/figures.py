@@ -43,7 +43,12 @@ def strata_table(rows: list[Row]) -> list[Figure]:
     for stratum in STRATA:
         here = [r for r in rows if r["design"] == stratum]
         if here:
-            out += [*_plain(stratum, here), *_outside(stratum, here), *_base(stratum, here), *_floor(stratum, here)]
+            out += [
+                *_plain(stratum, here),
+                *_outside(stratum, here),
+                *_base(stratum, here),
+                *_floor(stratum, here),
+            ]
             out += [same_verdict(stratum, here), _time(stratum, here)]
     return [figure for figure in out if figure.n]
 
@@ -65,7 +70,7 @@ def floor_ratio(row: Row) -> float:
 
 
 def without_model(row: Row) -> Row:
-    """The same row with the answer to the second question, where any linear passive material was judged."""
+    """The row with the answer to the second question, the judgement of any passive material."""
     return row | {
         "answer": row["material_answer"],
         "truth": row["material_truth"],
@@ -80,7 +85,14 @@ def _plain(d: str, rows: list[Row]) -> list[Figure]:
     nothing, one = of_kind(rows, "nothing"), of_kind(rows, "one")
     return [
         share("failed (fault, time-out)", d, rows, lambda r: verdict(r) == "failed", 0.0, "<="),
-        share("nothing missing, yet auto-accepted", d, _walked(nothing), lambda r: bool(accepted(r)), 0.005, "<="),
+        share(
+            "nothing missing, yet auto-accepted",
+            d,
+            _walked(nothing),
+            lambda r: bool(accepted(r)),
+            0.005,
+            "<=",
+        ),
         *_found("", d, nothing, one),
     ]
 
@@ -93,9 +105,20 @@ def _found(head: str, d: str, nothing: list[Row], one: list[Row]) -> list[Figure
     """False alarms, detection and names of one question."""
     return [
         share(f"{head}nothing missing, yet flagged", d, nothing, flagged, FEW, "<="),
-        share(f"{head}nothing missing, called inconclusive", d, nothing, lambda r: verdict(r) == "inconclusive"),
+        share(
+            f"{head}nothing missing, called inconclusive",
+            d,
+            nothing,
+            lambda r: verdict(r) == "inconclusive",
+        ),
         share(f"{head}detected, chi2 >= 30", d, of_kind(one, "one", least=SEEN), flagged, 0.99),
-        share(f"{head}in first class, chi2 >= 60", d, of_kind(one, "one", least=NAMEABLE), classed, 0.98),
+        share(
+            f"{head}in first class, chi2 >= 60",
+            d,
+            of_kind(one, "one", least=NAMEABLE),
+            classed,
+            0.98,
+        ),
         share(f"{head}first by name, chi2 >= 120", d, of_kind(one, "one", least=PLAIN), named),
         share(f"{head}confident name and wrong", d, [*nothing, *one], misnamed, 0.01, "<="),
     ]
@@ -114,7 +137,12 @@ def _outside(d: str, rows: list[Row]) -> list[Figure]:
         share(f"{plain}: confidently misnamed", d, of_kind(rows, "outside"), misnamed, 0.01, "<="),
         share(f"{plain}: auto-accepted an effect", d, _walked(hard), lambda r: bool(accepted(r))),
         share("correlated noise: flagged", d, smooth, flagged),
-        share("correlated noise: an effect auto-accepted", d, _walked(smooth), lambda r: bool(accepted(r))),
+        share(
+            "correlated noise: an effect auto-accepted",
+            d,
+            _walked(smooth),
+            lambda r: bool(accepted(r)),
+        ),
     ]
 
 
@@ -131,7 +159,14 @@ def _base(d: str, rows: list[Row]) -> list[Figure]:
     plain = "wrong base"
     return [
         share(f"{plain}: flagged", d, wrong, flagged, 0.99),
-        share(f"{plain}, nothing beside: another effect named with confidence", d, alone, _not_material, 0.01, "<="),
+        share(
+            f"{plain}, nothing beside: another effect named with confidence",
+            d,
+            alone,
+            _not_material,
+            0.01,
+            "<=",
+        ),
         share(f"{plain}: confidently misnamed", d, wrong, _not_material, 0.01, "<="),
         share(f"{plain}: what stands beside it in first class", d, _beside(wrong), _beside_classed),
         share("without a model: failed", d, asked, lambda r: verdict(r) == "failed", 0.0, "<="),
@@ -145,11 +180,13 @@ def _beside(rows: list[Row]) -> list[Row]:
 
 
 def _beside_classed(row: Row) -> bool:
-    return verdict(row) == "effect-missing" and bool(set(first_class(row)) & set(row["material_truth"]))
+    return verdict(row) == "effect-missing" and bool(
+        set(first_class(row)) & set(row["material_truth"])
+    )
 
 
 def _not_material(row: Row) -> bool:
-    """Whether a name is given with confidence that is neither of the material nor of what stands beside it."""
+    """Whether a confident name is neither of the material nor of what stands beside it."""
     return sure(row) and first(row).get("effect") not in row["truth"]
 
 
@@ -160,18 +197,24 @@ def _near(row: Row) -> bool:
 def _floor(d: str, rows: list[Row]) -> list[Figure]:
     return [
         mean("noise floor found / true", d, (floor_ratio(r) for r in rows)),
-        share("noise floor within 1.5 x of the truth", d, rows, _near, 0.8 if d in FAULTS else None),
+        share(
+            "noise floor within 1.5 x of the truth", d, rows, _near, 0.8 if d in FAULTS else None
+        ),
     ]
 
 
 def _time(d: str, rows: list[Row]) -> Figure:
-    return mean("seconds per answer", d, (r["seconds"] for r in rows if r.get("seconds") is not None))
+    return mean(
+        "seconds per answer", d, (r["seconds"] for r in rows if r.get("seconds") is not None)
+    )
 
 
 def by_detail(rows: list[Row]) -> list[str]:
-    """Lines of a Markdown table: verdicts, floor and first names for every kind within the strata."""
+    """Lines of a Markdown table: verdicts, floor and first names for every kind of the strata."""
     lines = [
-        "| stratum | kind | cases | " + " | ".join(VERDICTS) + " | floor / true, median | named first |",
+        "| stratum | kind | cases | "
+        + " | ".join(VERDICTS)
+        + " | floor / true, median | named first |",
         "|---|---|---|" + "---|" * (len(VERDICTS) + 2),
     ]
     for stratum in STRATA:

@@ -1,7 +1,10 @@
-"""Force histories by integration in time, reduced to harmonics: nothing here knows a describing function.
+"""Force histories by integration in time, reduced to harmonics.
 
-The displacement is x = X cos(turn) with turn = omega t. All rows (frequencies times amplitudes) march together with
-the classical Runge-Kutta method until the last turn, whose force gives the harmonics.
+Nothing here knows a describing function.
+
+The displacement is x = X cos(turn) with turn = omega t. All rows (frequencies times amplitudes)
+march together with the classical Runge-Kutta method until the last turn, whose force gives the
+harmonics.
 """
 
 from __future__ import annotations
@@ -15,19 +18,23 @@ from hidden_effects.bases import Complex, Real
 from hidden_effects.scaling import NotVisible
 
 STEPS = 400
-"""Steps a turn: 1e-5 of the force even with a resonance at thirty times the frequency of the motion."""
+"""Steps a turn: 1e-5 of the force even with a resonance at thirty times the motion's frequency."""
 TURNS = 4
 HALVES = 8
 """Half turns in which offsets are taken out before that."""
 UNSTEADY = 2e-4
-"""Largest change over the last turn, relative to the largest value: a fifth of the smallest noise."""
+"""Largest change over the last turn, relative to the largest value: a fifth of the smallest noise.
+"""
 State = Real
 Rate = Callable[[State, float], State]
 
 
 @dataclass(frozen=True)
 class Motion:
-    """The prescribed displacement of all rows: angular frequency [rad/s] and amplitude, each of shape (n,)."""
+    """The prescribed displacement of all rows.
+
+    Angular frequency [rad/s] and amplitude, each of shape (n,).
+    """
 
     omega: Real
     top: Real
@@ -71,10 +78,13 @@ def harmonic(force: Real, order: int) -> Complex:
 
 
 def march(rate: Rate, start: State, omega: Real, count: int = TURNS) -> Real:
-    """States (STEPS, m, n) over the last of ``count`` turns; ``rate(state (m, n), turn)`` is per second.
+    """States (STEPS, m, n) over the last of ``count`` turns.
 
-    Everything here is odd, so that in the steady state half a turn changes the sign. Half the difference of two
-    states half a turn apart is therefore free of the offsets that would take many turns to die; it is the next start.
+    ``rate(state (m, n), turn)`` is per second.
+
+    Everything here is odd, so that in the steady state half a turn changes the sign. Half the
+    difference of two states half a turn apart is therefore free of the offsets that would take many
+    turns to die; it is the next start.
 
     Raises
     ------
@@ -109,11 +119,17 @@ def _step(rate: Rate, y: State, turn: float, h: float) -> State:
     return y + h / 6.0 * (a + 2.0 * b + 2.0 * c + rate(y + h * c, turn + h))
 
 
-# --- what specimen and rig are made of; each returns the force of the last turn (STEPS, n) ----------------------
+# --- what specimen and rig are made of; each returns the force of the last turn (STEPS, n)
 def solid_force(solid: Solid, motion: Motion) -> Real:
     """The specimen alone."""
-    branch = march(lambda y, turn: solid.branch_rate(y, motion.at(turn)[1]), solid.steady(motion)[None], motion.omega)
-    return np.array([solid.pull(q[0], motion.at(turn)[0]) for q, turn in zip(branch, clock(), strict=True)])
+    branch = march(
+        lambda y, turn: solid.branch_rate(y, motion.at(turn)[1]),
+        solid.steady(motion)[None],
+        motion.omega,
+    )
+    return np.array(
+        [solid.pull(q[0], motion.at(turn)[0]) for q, turn in zip(branch, clock(), strict=True)]
+    )
 
 
 def instant_force(element: Callable[[Real, Real, Real], Real], motion: Motion) -> Real:
@@ -134,8 +150,10 @@ def sliders_force(stiffness: float, limits: Real, motion: Motion) -> Real:
     return force
 
 
-def bouc_wen_force(stiffness: float, limit: float, sharpness: float, share: float, motion: Motion) -> Real:
-    """Bouc and Wen: z' = v (1 - |z / limit|^n (share sign(v z) + 1 - share)), force = stiffness z."""
+def bouc_wen_force(
+    stiffness: float, limit: float, sharpness: float, share: float, motion: Motion
+) -> Real:
+    """Bouc-Wen: z' = v (1 - |z / limit|^n (share sign(v z) + 1 - share)), force = stiffness z."""
 
     def rate(y: State, turn: float) -> State:
         v = motion.at(turn)[1]
@@ -146,7 +164,10 @@ def bouc_wen_force(stiffness: float, limit: float, sharpness: float, share: floa
 
 
 def load_cell_force(force: Real, motion: Motion, resonance: float, zeta: float) -> Real:
-    """What a load cell shows that is itself a mass on a spring: y'' + 2 zeta w y' + w^2 y = w^2 force."""
+    """What a load cell shows that is itself a mass on a spring.
+
+    y'' + 2 zeta w y' + w^2 y = w^2 force.
+    """
     closed = np.vstack([force, force[:1]])
 
     def pulled(turn: float) -> Real:
@@ -155,14 +176,19 @@ def load_cell_force(force: Real, motion: Motion, resonance: float, zeta: float) 
         return closed[i] + (place - i) * (closed[i + 1] - closed[i])
 
     def rate(y: State, turn: float) -> State:
-        return np.array([y[1], resonance**2 * (pulled(turn) - y[0]) - 2.0 * zeta * resonance * y[1]])
+        return np.array(
+            [y[1], resonance**2 * (pulled(turn) - y[0]) - 2.0 * zeta * resonance * y[1]]
+        )
 
     slope = (closed[1] - closed[-2]) / (4.0 * np.pi / STEPS) * motion.omega
     return march(rate, np.array([force[0], slope]), motion.omega, 30)[:, 0]
 
 
 def mount_force(solid: Solid, motion: Motion, stiffness: float, cubic: float) -> Real:
-    """The specimen behind a mount whose spring hardens: mount force = stiffness w + cubic w^3, w = x - u."""
+    """The specimen behind a mount whose spring hardens.
+
+    Mount force = stiffness w + cubic w^3, w = x - u.
+    """
 
     def rate(y: State, turn: float) -> State:
         u, q = y

@@ -10,7 +10,15 @@ from hidden_effects.bases import Complex, Sweep
 from hidden_effects.fit import refit
 from hidden_effects.outside import correlated_noise
 from hidden_effects.setup import deviation
-from hidden_effects.strata.drawn import Drawn, Noise, draw_specimen, log_uniform, pick_design, relative_level, white
+from hidden_effects.strata.drawn import (
+    Drawn,
+    Noise,
+    draw_specimen,
+    log_uniform,
+    pick_design,
+    relative_level,
+    white,
+)
 
 KINDS = ("gain", "phase", "floor", "tails", "correlated", "drift")
 HONEST = KINDS[:4]
@@ -20,7 +28,7 @@ FREEDOM = 3.0
 
 
 def noise(seed: int, rng: np.random.Generator) -> Drawn:
-    """One case; kinds take turns, and those without structure have an effect hidden in every second case."""
+    """One case; kinds take turns, and every second one without structure hides an effect."""
     kind = KINDS[seed % len(KINDS)]
     if kind not in HONEST:
         return _structured(seed, rng, kind)
@@ -46,7 +54,7 @@ def noise(seed: int, rng: np.random.Generator) -> Drawn:
 
 
 def _constant_force(rng: np.random.Generator, sweep: Sweep, k: Complex) -> dict[str, float]:
-    """A force resolution of up to a fifth of the smallest force beside a little proportional noise."""
+    """A force resolution of up to a fifth of the least force, and a little proportional noise."""
     lever = np.ones(len(sweep)) if sweep.amplitude is None else sweep.amplitude
     worst = log_uniform(rng, 0.01, 0.2)
     return {"relative": 0.02 * worst, "force": worst * float(np.min(np.abs(k) * lever))}
@@ -66,12 +74,18 @@ def _unit(kind: str, rng: np.random.Generator, k: Complex) -> Complex:
 
 
 def _structured(seed: int, rng: np.random.Generator, kind: str) -> Drawn:
-    """Errors that rows share: one smooth error a sweep, or a creep of the gain over rows measured in random order."""
+    """Errors that rows share.
+
+    One smooth error a sweep, or a creep of the gain over rows measured in random order.
+    """
     specimen = draw_specimen(rng, pick_design(rng), False, relative_level(0.001, 0.01))
     sweep, level = specimen.sweep, specimen.noise["relative"]
     if kind == "drift":
         order = rng.permutation(len(sweep))
-        columns = {name: _taken(getattr(sweep, name), order) for name in ("temperature", "amplitude", "repeat")}
+        columns = {
+            name: _taken(getattr(sweep, name), order)
+            for name in ("temperature", "amplitude", "repeat")
+        }
         sweep = replace(sweep, omega=sweep.omega[order], **columns)
         size = level * float(rng.uniform(2.0, 20.0))
         pattern = size * _creep(rng, len(sweep))

@@ -1,4 +1,7 @@
-"""Strata of narrow and periodic faults of the rig, of replicates and of rounding; noise of unknown size."""
+"""Strata of narrow and periodic faults of the rig, of replicates and of rounding.
+
+Noise of unknown size.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,14 @@ import numpy as np
 
 from hidden_effects.bases import Complex, Real
 from hidden_effects.fit import refit
-from hidden_effects.strata.drawn import Drawn, Specimen, draw_specimen, pick_design, relative_level, white
+from hidden_effects.strata.drawn import (
+    Drawn,
+    Specimen,
+    draw_specimen,
+    pick_design,
+    relative_level,
+    white,
+)
 
 LOW, HIGH = 0.003, 0.02
 """Noise of notch and ripple: 0.3 to 2 % of |K| per complex point."""
@@ -20,18 +30,31 @@ def notch(seed: int, rng: np.random.Generator) -> Drawn:
     turn, sharp = float(rng.uniform(-1.0, 1.0)), float(rng.uniform(0.8, 1.1))
     x = (np.arange(len(specimen.sweep)) - place) / sharp
     pattern = depth * (-1.0 + 1j * turn * x) * np.exp(-0.5 * x**2)
-    return _faulty(seed, rng, "notch", specimen, pattern, {"depth": depth, "place": float(place), "turn": turn})
+    return _faulty(
+        seed, rng, "notch", specimen, pattern, {"depth": depth, "place": float(place), "turn": turn}
+    )
 
 
 def ripple(seed: int, rng: np.random.Generator) -> Drawn:
     """A ripple of 4 to 10 % in ln omega, from 1.2 waves over the window to one of five points."""
     specimen = _plain(rng)
     size, most = float(rng.uniform(0.04, 0.10)), len(specimen.sweep) / 5.0
-    waves, start, tilt = rng.uniform(1.2, min(most, 8.0)), rng.uniform(0.0, 2.0 * np.pi), rng.uniform(-1.0, 1.0)
+    waves, start, tilt = (
+        rng.uniform(1.2, min(most, 8.0)),
+        rng.uniform(0.0, 2.0 * np.pi),
+        rng.uniform(-1.0, 1.0),
+    )
     x = np.log(specimen.sweep.omega)
     turn = 2.0 * np.pi * waves * (x - x.min()) / np.ptp(x) + start
     pattern = size * (np.cos(turn) + 1j * tilt * np.sin(turn))
-    return _faulty(seed, rng, "ripple", specimen, pattern, {"size": size, "waves": float(waves), "tilt": float(tilt)})
+    return _faulty(
+        seed,
+        rng,
+        "ripple",
+        specimen,
+        pattern,
+        {"size": size, "waves": float(waves), "tilt": float(tilt)},
+    )
 
 
 def _plain(rng: np.random.Generator) -> Specimen:
@@ -40,7 +63,12 @@ def _plain(rng: np.random.Generator) -> Specimen:
 
 
 def _faulty(
-    seed: int, rng: np.random.Generator, stratum: str, specimen: Specimen, pattern: Complex, details: dict[str, float]
+    seed: int,
+    rng: np.random.Generator,
+    stratum: str,
+    specimen: Specimen,
+    pattern: Complex,
+    details: dict[str, float],
 ) -> Drawn:
     """The specimen seen through a factor 1 + pattern, with noise that nobody admits to."""
     k, level = specimen.truth.stiffness * (1.0 + pattern), specimen.noise["relative"]
@@ -64,10 +92,13 @@ def _faulty(
 def replicates(seed: int, rng: np.random.Generator) -> Drawn:
     """Two to four specimens, each with a gain of its own of 2 to 20 times the noise.
 
-    No model of the material follows the difference of specimens, so that the floor holds their realised spread.
+    No model of the material follows the difference of specimens, so that the floor holds their
+    realised spread.
     """
     repeats = int(rng.integers(2, 5))
-    specimen = draw_specimen(rng, pick_design(rng), seed % 2 == 1, relative_level(0.001, 0.01), repeats)
+    specimen = draw_specimen(
+        rng, pick_design(rng), seed % 2 == 1, relative_level(0.001, 0.01), repeats
+    )
     level, k = specimen.noise["relative"], specimen.truth.stiffness
     spread = level * float(rng.uniform(2.0, 20.0))
     assert specimen.sweep.repeat is not None

@@ -1,4 +1,7 @@
-"""The strata of truths that live in time: elements integrated step by step, and specimens that remember."""
+"""The strata of truths that live in time.
+
+Elements integrated step by step, and specimens that remember.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +34,10 @@ Element = Callable[[np.random.Generator, Solid, Motion, Real], Parts]
 
 
 def _amplitude_field(rng: np.random.Generator, shuffled: bool = False) -> Sweep:
-    """Frequencies at three or four amplitudes, one temperature; sweep after sweep in rising or random order."""
+    """Frequencies at three or four amplitudes, one temperature.
+
+    Sweep after sweep in rising or random order.
+    """
     decades, count = rng.uniform(1.0, 2.0), int(rng.integers(8, 16))
     first = 10.0 ** rng.uniform(-1.0, 1.0)
     hertz = np.geomspace(first, first * 10.0**decades, count)
@@ -53,7 +59,7 @@ def _typical(force: Real, motion: Motion) -> float:
     return float(np.median(np.abs(harmonic(force, 1)) / motion.top))
 
 
-# --- one element each; ``force`` is that of the specimen alone in the last turn -----------------------------------
+# --- one element each; ``force`` is that of the specimen alone in the last turn
 def _linear(rng: np.random.Generator, solid: Solid, motion: Motion, force: Real) -> Parts:
     return force, {}
 
@@ -77,9 +83,17 @@ def _friction(rng: np.random.Generator, solid: Solid, motion: Motion, force: Rea
 def _power(rng: np.random.Generator, solid: Solid, motion: Motion, force: Real) -> Parts:
     exponent = float(rng.choice([rng.uniform(0.25, 0.6), rng.uniform(1.5, 2.0)]))
     speed = float(np.median(motion.omega * motion.top))
-    c = log_uniform(rng, 0.05, 0.3) * _typical(force, motion) * float(np.median(motion.top)) / speed**exponent
+    c = (
+        log_uniform(rng, 0.05, 0.3)
+        * _typical(force, motion)
+        * float(np.median(motion.top))
+        / speed**exponent
+    )
     parts = {"c": c, "exponent": exponent}
-    return force + instant_force(lambda x, v, a: c * np.abs(v) ** exponent * np.sign(v), motion), parts
+    return (
+        force + instant_force(lambda x, v, a: c * np.abs(v) ** exponent * np.sign(v), motion),
+        parts,
+    )
 
 
 def _sliding(rng: np.random.Generator, solid: Solid, motion: Motion, force: Real) -> Parts:
@@ -88,7 +102,10 @@ def _sliding(rng: np.random.Generator, solid: Solid, motion: Motion, force: Real
 
 
 def _load_cell(rng: np.random.Generator, solid: Solid, motion: Motion, force: Real) -> Parts:
-    resonance, zeta = float(motion.omega.max()) * log_uniform(rng, 1.5, 4.0), float(rng.uniform(0.03, 0.1))
+    resonance, zeta = (
+        float(motion.omega.max()) * log_uniform(rng, 1.5, 4.0),
+        float(rng.uniform(0.03, 0.1)),
+    )
     return load_cell_force(force, motion, resonance, zeta), {"resonance": resonance, "zeta": zeta}
 
 
@@ -102,8 +119,13 @@ def _mount(rng: np.random.Generator, solid: Solid, motion: Motion, force: Real) 
 def _slip(rng: np.random.Generator, solid: Solid, motion: Motion, force: Real) -> Parts:
     exponent = float(rng.uniform(2.0, 3.5))
     pull = float(np.median(np.abs(harmonic(force, 1))))
-    fluidity = log_uniform(rng, 0.02, 0.3) * float(np.median(motion.omega * motion.top)) / pull**exponent
-    return slip_force(solid, motion, fluidity, exponent), {"fluidity": fluidity, "exponent": exponent}
+    fluidity = (
+        log_uniform(rng, 0.02, 0.3) * float(np.median(motion.omega * motion.top)) / pull**exponent
+    )
+    return slip_force(solid, motion, fluidity, exponent), {
+        "fluidity": fluidity,
+        "exponent": exponent,
+    }
 
 
 def _bouc_wen(rng: np.random.Generator, solid: Solid, motion: Motion, force: Real) -> Parts:
@@ -131,7 +153,10 @@ TIME: tuple[tuple[str, Element, tuple[str, ...]], ...] = (
     ("hardening-mount", _mount, ("hardening-mount",)),
     ("wall-slip", _slip, ("power-law-slip",)),
 )
-"""Turns of the stratum: its elements, and the names that are right; without one the truth has no name."""
+"""Turns of the stratum: its elements, and the names that are right.
+
+Without one the truth has no name.
+"""
 HISTORY: tuple[tuple[str, Element | None, tuple[str, ...]], ...] = (
     ("nothing", None, ()),
     ("bouc-wen", _bouc_wen, HYSTERESIS),
@@ -148,7 +173,7 @@ def time(seed: int, rng: np.random.Generator) -> Drawn:
 
 
 def history(seed: int, rng: np.random.Generator) -> Drawn:
-    """Hysteresis with a memory in the cycle, or a specimen that ages or breaks in from row to row."""
+    """Hysteresis with a memory in the cycle, or a specimen that ages or breaks in over rows."""
     detail, element, right = HISTORY[seed % len(HISTORY)]
     if element is not None:
         return _integrated(seed, rng, "history", detail, element, right)
@@ -169,18 +194,32 @@ def _memory(rng: np.random.Generator, detail: str, sweep: Sweep) -> tuple[Real, 
     if detail == "mullins":
         worst = np.maximum.accumulate(sweep.amplitude)
         scale = log_uniform(rng, float(sweep.amplitude.min()), float(sweep.amplitude.max()))
-        return 1.0 - 2.0 * size * (1.0 - np.exp(-worst / scale)), {"size": 2.0 * size, "scale": scale}
+        return 1.0 - 2.0 * size * (1.0 - np.exp(-worst / scale)), {
+            "size": 2.0 * size,
+            "scale": scale,
+        }
     return np.ones(len(sweep)), {}
 
 
 def _integrated(
-    seed: int, rng: np.random.Generator, stratum: str, detail: str, element: Element, right: tuple[str, ...]
+    seed: int,
+    rng: np.random.Generator,
+    stratum: str,
+    detail: str,
+    element: Element,
+    right: tuple[str, ...],
 ) -> Drawn:
-    """Reduce the force of one integrated device to harmonics; the user believes in its linear solid."""
+    """Reduce the force of one integrated device to harmonics.
+
+    The user believes in its linear solid.
+    """
     sweep = _amplitude_field(rng)
     network, theta = draw_base(rng, sweep, "zener")
     assert sweep.amplitude is not None
-    motion, solid = Motion(sweep.omega, sweep.amplitude), Solid(theta[0], theta[1], theta[2] / theta[1])
+    motion, solid = (
+        Motion(sweep.omega, sweep.amplitude),
+        Solid(theta[0], theta[1], theta[2] / theta[1]),
+    )
     force, parameters = element(rng, solid, motion, solid_force(solid, motion))
     first = harmonic(force, 1)
     third = harmonic(force, 3) / first if rng.random() < 0.5 else None

@@ -1,7 +1,10 @@
-"""The stratum of wrong bases: the user's fractional Kelvin model cannot follow the truth's spectrum.
+"""The stratum of wrong bases.
 
-Beside that there is nothing, an effect of the rig, of the amplitude, or a temperature that the model leaves out. Two
-questions are asked: with the wrong model, and with no model at all (any linear passive material).
+The user's fractional Kelvin model cannot follow the truth's spectrum.
+
+Beside that there is nothing, an effect of the rig, of the amplitude, or a temperature that the
+model leaves out. Two questions are asked: with the wrong model, and with no model at all (any
+linear passive material).
 """
 
 from __future__ import annotations
@@ -19,17 +22,37 @@ from hidden_effects.setup import draw_base, draw_sweep
 from hidden_effects.strata.drawn import CLEAR, Drawn, log_uniform, pick_design, white
 
 BESIDE = ("alone", "rig", "temperature", "amplitude")
-RIG = ("inertia", "time-delay", "phase-error", "fixture-resonance", "specimen-inertia", "hysteretic-loss")
-AMPLITUDE = ("friction", "power-law-damper", "elasto-sliding", "cubic-stiffness", "dead-zone", "payne")
+RIG = (
+    "inertia",
+    "time-delay",
+    "phase-error",
+    "fixture-resonance",
+    "specimen-inertia",
+    "hysteretic-loss",
+)
+AMPLITUDE = (
+    "friction",
+    "power-law-damper",
+    "elasto-sliding",
+    "cubic-stiffness",
+    "dead-zone",
+    "payne",
+)
 SHIFTS = ("arrhenius-shift", "wlf-shift", "free-shift")
 MATERIAL = (
-    "parallel-spring", "parallel-dashpot", "parallel-springpot", "relaxation-mode", "series-spring", "series-dashpot",
-    "series-springpot", "retardation-mode", "diffusion",
-)  # fmt: skip
-"""Every effect that is a spring, a dashpot, a springpot or a relaxation: right answers to a wrong spectrum."""
+    *("parallel-spring", "parallel-dashpot", "parallel-springpot", "relaxation-mode"),
+    *("series-spring", "series-dashpot", "series-springpot", "retardation-mode", "diffusion"),
+)
+"""Every effect that is a spring, a dashpot, a springpot or a relaxation.
+
+Right answers to a wrong spectrum.
+"""
 MODEL = BASES["fractional-kelvin"]
 MISFIT = (0.01, 0.15)
-"""Relative rms error of the wrong base alone: with a worse one nobody would go on, a better one would be right."""
+"""Relative rms error of the wrong base alone.
+
+With a worse one nobody would go on, a better one would be right.
+"""
 
 
 def _modes(s: Complex, p: Real) -> Complex:
@@ -46,7 +69,10 @@ def _skewed(s: Complex, p: Real) -> Complex:
 
 
 def _truths(rng: np.random.Generator) -> tuple[Base, ...]:
-    """True networks that take turns: several relaxation times, two springpots, a skewed spectrum, small networks."""
+    """True networks that take turns.
+
+    Several relaxation times, two springpots, a skewed spectrum, small networks.
+    """
     count = int(rng.integers(3, 6))
     names = ("ke", *(f"{letter}{i}" for i in range(count) for letter in ("k", "tau")))
     modes = Base(
@@ -86,7 +112,12 @@ def _truths(rng: np.random.Generator) -> tuple[Base, ...]:
             float(g.uniform(0.3, 0.9)),
         ),
     )
-    return (modes, pots, skewed, *(BASES[name] for name in ("fractional-zener", "fractional-kelvin4")))
+    return (
+        modes,
+        pots,
+        skewed,
+        *(BASES[name] for name in ("fractional-zener", "fractional-kelvin4")),
+    )
 
 
 def wrong_base(seed: int, rng: np.random.Generator) -> Drawn:
@@ -150,7 +181,9 @@ def _hidden_beside(
 ) -> tuple[Complex, tuple[str, ...], dict[str, float]]:
     """Hide one effect at the size at which the best material leaves a clear chi-square."""
     names = [
-        n for n in (RIG if beside == "rig" else AMPLITUDE) if not EFFECTS[n].needs or sweep.amplitude is not None
+        n
+        for n in (RIG if beside == "rig" else AMPLITUDE)
+        if not EFFECTS[n].needs or sweep.amplitude is not None
     ]
     name = str(rng.choice(names))
     plan = hide(rng, sweep, network, theta, [name])
@@ -159,7 +192,10 @@ def _hidden_beside(
     for _ in range(12):
         with np.errstate(all="ignore"):
             k = plan.network.stiffness(sweep, plan.at(scale))
-        if not np.all(np.isfinite(k)) or np.max(np.abs(k / plan.network.stiffness(sweep, plan.at(0.0)) - 1.0)) > 1.5:
+        if (
+            not np.all(np.isfinite(k))
+            or np.max(np.abs(k / plan.network.stiffness(sweep, plan.at(0.0)) - 1.0)) > 1.5
+        ):
             raise NotVisible
         left = material_loss(reduced, k, level * np.abs(k))
         if 0.8 < left / target < 1.25:
@@ -169,7 +205,7 @@ def _hidden_beside(
 
 
 def material_loss(omega: Real, k: Complex, sigma: Real, a_decade: int = 6) -> float:
-    """Chi-square that the best spring, dashpot and row of Maxwell elements with positive weights leave of ``k``."""
+    """Chi-square left of ``k`` by the best spring, dashpot and non-negative Maxwell elements."""
     low, high = np.log10(omega.min()) - 2.0, np.log10(omega.max()) + 2.0
     rates = 10.0 ** np.linspace(low, high, int(a_decade * (high - low)) + 1)
     s = 1j * omega[:, None]

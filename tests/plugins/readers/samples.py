@@ -1,4 +1,7 @@
-"""Small files of every layout, made of one Maxwell element, so that each test knows what must be read."""
+"""Small files of every layout, made of one Maxwell element.
+
+So that each test knows what must be read.
+"""
 
 import io
 import json
@@ -16,7 +19,9 @@ def number(value, decimal="."):
 
 
 def rows(columns, separator=",", decimal="."):
-    return "\n".join(separator.join(number(v, decimal) for v in row) for row in zip(*columns, strict=True))
+    return "\n".join(
+        separator.join(number(v, decimal) for v in row) for row in zip(*columns, strict=True)
+    )
 
 
 def moduli(separator=",", decimal=".", omega=OMEGA, scale=1.0):
@@ -30,24 +35,88 @@ def table(header, separator=",", decimal=".", omega=OMEGA, scale=1.0):
 def rheocompass_short():
     head = "Test:\ta gel(0,3%), x\r\nResult:\tFrequency sweep 10C\r\nInterval:\t1\r\n"
     names = "Angular Frequency\tStorage Modulus\tLoss Modulus\r\n\t\t\r\n[rad/s]\t[Pa]\t[Pa]\r\n"
-    return ("\ufeff" + head + names + moduli("\t", ",").replace("\n", "\r\n") + "\r\n\r\n").encode("utf-16-le")
+    return ("\ufeff" + head + names + moduli("\t", ",").replace("\n", "\r\n") + "\r\n\r\n").encode(
+        "utf-16-le"
+    )
 
 
 WORDS = {
-    "en": ("Project", "Test", "Result", "Interval and data points", "Interval data", "Point No.", "Time",
-           "Angular Frequency", "Storage Modulus", "Loss Modulus", "Shear Strain", "Temperature", "invalid"),
-    "fr": ("Projet", "Essai", "Résultat", "Intervalle et points de données", "Interval données", "Point No.", "Temps",
-           "Fréquence angulaire", "Module de Stockage", "Module de Perte", "Déformation de Cisaillement",
-           "Température", "invalide"),
-    "de": ("Projekt", "Versuch", "Ergebnis", "Intervall und Datenpunkte", "Intervalldaten", "Messpunkt", "Zeit",
-           "Kreisfrequenz", "Speichermodul", "Verlustmodul", "Scherdeformation", "Temperatur", "ungültig"),
-    "es": ("Proyecto", "Prueba", "Resultado", "Intervalo y puntos de datos", "Datos del intervalo", "Punto", "Tiempo",
-           "Frecuencia angular", "Módulo de almacenamiento", "Módulo de pérdida", "Deformación de cizalla",
-           "Temperatura", "inválido"),
-    "it": ("Progetto", "Prova", "Risultato", "Intervallo e punti dati", "Dati intervallo", "Punto", "Tempo",
-           "Frequenza angolare", "Modulo di conservazione", "Modulo di perdita", "Deformazione di taglio",
-           "Temperatura", "non valido"),
-}  # fmt: skip
+    "en": (
+        "Project",
+        "Test",
+        "Result",
+        "Interval and data points",
+        "Interval data",
+        "Point No.",
+        "Time",
+        "Angular Frequency",
+        "Storage Modulus",
+        "Loss Modulus",
+        "Shear Strain",
+        "Temperature",
+        "invalid",
+    ),
+    "fr": (
+        "Projet",
+        "Essai",
+        "Résultat",
+        "Intervalle et points de données",
+        "Interval données",
+        "Point No.",
+        "Temps",
+        "Fréquence angulaire",
+        "Module de Stockage",
+        "Module de Perte",
+        "Déformation de Cisaillement",
+        "Température",
+        "invalide",
+    ),
+    "de": (
+        "Projekt",
+        "Versuch",
+        "Ergebnis",
+        "Intervall und Datenpunkte",
+        "Intervalldaten",
+        "Messpunkt",
+        "Zeit",
+        "Kreisfrequenz",
+        "Speichermodul",
+        "Verlustmodul",
+        "Scherdeformation",
+        "Temperatur",
+        "ungültig",
+    ),
+    "es": (
+        "Proyecto",
+        "Prueba",
+        "Resultado",
+        "Intervalo y puntos de datos",
+        "Datos del intervalo",
+        "Punto",
+        "Tiempo",
+        "Frecuencia angular",
+        "Módulo de almacenamiento",
+        "Módulo de pérdida",
+        "Deformación de cizalla",
+        "Temperatura",
+        "inválido",
+    ),
+    "it": (
+        "Progetto",
+        "Prova",
+        "Risultato",
+        "Intervallo e punti dati",
+        "Dati intervallo",
+        "Punto",
+        "Tempo",
+        "Frequenza angolare",
+        "Modulo di conservazione",
+        "Modulo di perdita",
+        "Deformazione di taglio",
+        "Temperatura",
+        "non valido",
+    ),
+}
 
 
 def rheocompass_full(language="en", separator="\t", decimal=","):
@@ -107,30 +176,66 @@ Instrument inertia,22.5 µN.m.s²
 
 def trios(separator=","):
     columns = (STIFFNESS.real, STIFFNESS.imag, OMEGA, 0 * OMEGA + TEMPERATURE, 0 * OMEGA + STRAIN)
-    names = "Storage modulus,Loss modulus,Angular frequency,Temperature,Oscillation strain\nPa,Pa,rad/s,°C,%\n"
-    hold = "[step]\nPeak hold - 1\nStress,Shear rate,Step time,Temperature\nPa,1/s,min,°C\n1.0,2.0,3.0,25.0\n"
+    names = (
+        "Storage modulus,Loss modulus,Angular frequency,Temperature,"
+        "Oscillation strain\nPa,Pa,rad/s,°C,%\n"
+    )
+    hold = (
+        "[step]\nPeak hold - 1\n"
+        "Stress,Shear rate,Step time,Temperature\nPa,1/s,min,°C\n1.0,2.0,3.0,25.0\n"
+    )
     steps = hold + "1.5,2.0,3.5,25.0\n[step]\nFrequency sweep - 2\n" + names + rows(columns) + "\n"
     return (TRIOS_HEAD + steps).replace(",", separator).encode("utf-8-sig")
 
 
 def trios_lims():
-    head = "[Version]\nTA Instruments LIMS export format version\t0\n[Header]\nInstrument name\tARES\n[Geometry]\n"
+    head = (
+        "[Version]\nTA Instruments LIMS export format version\t0\n[Header]\n"
+        "Instrument name\tARES\n[Geometry]\n"
+    )
     head += "[Geometry: Extended]\nUpper Compliance\t0.5 mrad/N.m\nLower Compliance\t0.5 mrad/N.m\n"
-    head += "Geometry Inertia\t5 µN.m.s²\nStress constant\t80000 Pa/N.m\nStrain constant\t20.0 1/rad\n"
+    head += (
+        "Geometry Inertia\t5 µN.m.s²\nStress constant\t80000 Pa/N.m\nStrain constant\t20.0 1/rad\n"
+    )
     steps = ""
     for temperature in (20.0, 30.0):
-        steps += f"[Step]\nStep name\tFrequency sweep ({temperature} °C)\nNumber of points\t{len(OMEGA)}\n"
-        steps += "Variables\tRun time\tTemperature\tAngular frequency\tOscillation strain (cmd)\tOscillation strain\t"
-        steps += "Status bits\tFrequency\tTan(delta)\tComplex modulus\tG*/sin(delta)\tStorage modulus\tLoss modulus\n"
+        steps += (
+            f"[Step]\nStep name\tFrequency sweep ({temperature} °C)\n"
+            f"Number of points\t{len(OMEGA)}\n"
+        )
+        steps += (
+            "Variables\tRun time\tTemperature\tAngular frequency\t"
+            "Oscillation strain (cmd)\tOscillation strain\t"
+        )
+        steps += (
+            "Status bits\tFrequency\tTan(delta)\tComplex modulus\tG*/sin(delta)\t"
+            "Storage modulus\tLoss modulus\n"
+        )
         steps += "Units\ts\t°C\trad/s\t%\t%\t\tHz\t\tPa\tkPa\tPa\tPa\n"
         for w, g in zip(OMEGA, STIFFNESS, strict=True):
-            cells = [1.0, temperature, w, 9.0, STRAIN, "0xB5", w / 6.283185307179586, g.imag / g.real, abs(g), 1.0]
+            cells = [
+                1.0,
+                temperature,
+                w,
+                9.0,
+                STRAIN,
+                "0xB5",
+                w / 6.283185307179586,
+                g.imag / g.real,
+                abs(g),
+                1.0,
+            ]
             steps += "Data point\t" + "\t".join(map(str, [*cells, g.real, g.imag])) + "\n"
     return (head + steps).encode("utf-8-sig")
 
 
 def trios_json(official=True):
-    names = (("Angular frequency", "rad/s"), ("Storage modulus", "Pa"), ("Loss modulus", "Pa"), ("Temperature", "°C"))
+    names = (
+        ("Angular frequency", "rad/s"),
+        ("Storage modulus", "Pa"),
+        ("Loss modulus", "Pa"),
+        ("Temperature", "°C"),
+    )
     columns = (OMEGA, STIFFNESS.real, STIFFNESS.imag, 0 * OMEGA + TEMPERATURE)
     if not official:
         data = {
@@ -138,9 +243,17 @@ def trios_json(official=True):
             "values": [list(map(float, row)) for row in zip(*columns, strict=True)],
         }
         results = [{"Properties": {"Name": "sweep", "Step": 1}, "DataSet": [{"Data": data}]}]
-        return json.dumps({"Experiment": {"Properties": {}, "Sample": {"Name": "gel"}, "Results": results}}).encode()
-    headers = {f"{n}_{u}": {"DisplayName": n, "ValueType": "Number", "Unit": {"Name": u}} for n, u in names}
-    headers["Results Step Id"] = {"DisplayName": "Results Step Id", "ValueType": "Uuid", "Unit": None}
+        return json.dumps(
+            {"Experiment": {"Properties": {}, "Sample": {"Name": "gel"}, "Results": results}}
+        ).encode()
+    headers = {
+        f"{n}_{u}": {"DisplayName": n, "ValueType": "Number", "Unit": {"Name": u}} for n, u in names
+    }
+    headers["Results Step Id"] = {
+        "DisplayName": "Results Step Id",
+        "ValueType": "Uuid",
+        "Unit": None,
+    }
     found = []
     for step in ("a", "b"):
         for row in zip(*columns, strict=True):
@@ -149,7 +262,9 @@ def trios_json(official=True):
     procedure = {
         "Name": "sweeps",
         "Steps": [{"Id": "a", "Name": "first sweep"}, {"Id": "b", "Name": "second sweep"}],
-        "Configuration": {"InstrumentConfigurations": [{"InertiaOptions": {"InstrumentInertia": inertia}}]},
+        "Configuration": {
+            "InstrumentConfigurations": [{"InertiaOptions": {"InstrumentInertia": inertia}}]
+        },
     }
     schema = {"Url": "https://software.tainstruments.com/schemas/TRIOSJSONExportSchema"}
     results = {"Processed": {"ColumnHeaders": headers, "Rows": found}}
@@ -160,9 +275,12 @@ def trios_json(official=True):
 
 def malvern():
     names = (
-        "Action Name;Time (sequence)(s);Time (action)(s);Shear stress(Pa);Shear rate(s-¹);Complex shear strain(%);"
+        "Action Name;Time (sequence)(s);Time (action)(s);Shear stress(Pa);Shear rate(s-¹);"
+        "Complex shear strain(%);"
     )
-    names += "Frequency(Hz);Shear modulus (elastic component)(Pa);Shear modulus (viscous component)(Pa);"
+    names += (
+        "Frequency(Hz);Shear modulus (elastic component)(Pa);Shear modulus (viscous component)(Pa);"
+    )
     names += "Shear modulus (complex component)(Pa);Temperature(°C);Gap(mm)\n"
     lines = [f"Pre Shear;{i},5;{i},0;5,3E+001;50,0;;;;;;25,00;1,000" for i in range(1, 4)]
     for i, (w, g) in enumerate(zip(OMEGA, STIFFNESS, strict=True)):
@@ -192,7 +310,11 @@ def mat(compressed=True, **arrays):
     from scipy.io import savemat
 
     stream = io.BytesIO()
-    savemat(stream, arrays or {"t_s": TIME, "disp_mm": MOVED, "force_kN": PULLED}, do_compression=compressed)
+    savemat(
+        stream,
+        arrays or {"t_s": TIME, "disp_mm": MOVED, "force_kN": PULLED},
+        do_compression=compressed,
+    )
     return stream.getvalue()
 
 
@@ -220,7 +342,12 @@ def xlsx(sheets=None):
     book.remove(book.active)
     if sheets is None:
         cells = [
-            [TEMPERATURE, float(w / (2 * np.pi)), float(abs(g)) / 1e6, float(np.degrees(np.angle(g)))]
+            [
+                TEMPERATURE,
+                float(w / (2 * np.pi)),
+                float(abs(g)) / 1e6,
+                float(np.degrees(np.angle(g))),
+            ]
             for w, g in zip(OMEGA, STIFFNESS, strict=True)
         ]
         sheets = {"Data": [["T °C", "f Hz", "|E*| MPa", "φ deg"], *cells]}
@@ -235,9 +362,25 @@ def xlsx(sheets=None):
 
 def ta_thermal():
     """Two segments of a DMA, with the line that ends the first."""
-    names = ("Time (min)", "Temperature (°C)", "Storage Modulus (MPa)", "Loss Modulus (MPa)", "Frequency (Hz)")
-    lines = ["CLOSED", "", "Version\t1.0", "Instrument\tDMA Q800 V21.3", "Size\t12.5\t3.2\t17.5", "Nsig\t5"]
-    lines += [f"Sig{i}\t{name}" for i, name in enumerate(names, 1)] + ["OrgFile\tC:\\TA\\nbr.001", "StartOfData"]
+    names = (
+        "Time (min)",
+        "Temperature (°C)",
+        "Storage Modulus (MPa)",
+        "Loss Modulus (MPa)",
+        "Frequency (Hz)",
+    )
+    lines = [
+        "CLOSED",
+        "",
+        "Version\t1.0",
+        "Instrument\tDMA Q800 V21.3",
+        "Size\t12.5\t3.2\t17.5",
+        "Nsig\t5",
+    ]
+    lines += [f"Sig{i}\t{name}" for i, name in enumerate(names, 1)] + [
+        "OrgFile\tC:\\TA\\nbr.001",
+        "StartOfData",
+    ]
     points = zip(OMEGA / (2 * np.pi), STIFFNESS, strict=True)
     rows = [f"{i}\t30.5\t{k.real:.10g}\t{k.imag:.10g}\t{f:.10g}" for i, (f, k) in enumerate(points)]
     return "\r\n".join([*lines, *rows[:2], "-1\t2", *rows[2:], ""]).encode("utf-16")

@@ -1,4 +1,7 @@
-"""Words, codes and layouts of laboratories in many countries: recognised by structure and the words of the field."""
+"""Words, codes and layouts of laboratories in many countries.
+
+Recognised by structure and the words of the field.
+"""
 
 import numpy as np
 import pytest
@@ -16,33 +19,68 @@ G = (HERTZ, STIFFNESS.real, STIFFNESS.imag)
 def table(head, columns, separator=";", encoding="utf-8", decimal=","):
     """A sweep below its names, as bytes."""
     columns = [np.broadcast_to(column, OMEGA.shape) for column in columns]
-    rows = [separator.join(f"{v:.10g}".replace(".", decimal) for v in row) for row in zip(*columns, strict=True)]
+    rows = [
+        separator.join(f"{v:.10g}".replace(".", decimal) for v in row)
+        for row in zip(*columns, strict=True)
+    ]
     return "\r\n".join([head, *rows, ""]).encode(encoding)
 
 
 SHEETS = {
-    "japanese isolator": ("振動数(Hz);等価剛性(Pa);等価減衰定数(%)", (*G[:2], 50 * TANGENT), "cp932"),
+    "japanese isolator": (
+        "振動数(Hz);等価剛性(Pa);等価減衰定数(%)",
+        (*G[:2], 50 * TANGENT),
+        "cp932",
+    ),
     "japanese spring": ("周波数[Hz];動的ばね定数[Pa];損失係数", (HERTZ, SIZE, TANGENT), "cp932"),
     "chinese": ("频率(Hz);储能模量(Pa);损耗模量(Pa)", G, "gb18030"),
     "russian": ("Частота, Гц;Модуль накопления, Па;Модуль потерь, Па", G, "cp1251"),
     "polish": ("Częstotliwość [Hz];Moduł zachowawczy [Pa];Moduł stratności [Pa]", G, "cp1250"),
-    "german damping": ("f [Hz];Effektive Steifigkeit [N/m];Äquivalentes Dämpfungsmaß [-]", (*G[:2], TANGENT / 2),
-                       "latin-1"),
-    "german C_dyn": ("Frequenz [Hz];C_dyn [N/m];Verlustwinkel [°];Vorlast [N]", (HERTZ, SIZE, PHASE, 5), "latin-1"),
+    "german damping": (
+        "f [Hz];Effektive Steifigkeit [N/m];Äquivalentes Dämpfungsmaß [-]",
+        (*G[:2], TANGENT / 2),
+        "latin-1",
+    ),
+    "german C_dyn": (
+        "Frequenz [Hz];C_dyn [N/m];Verlustwinkel [°];Vorlast [N]",
+        (HERTZ, SIZE, PHASE, 5),
+        "latin-1",
+    ),
     "units in brackets behind a stroke": ("f / Hz;K' / (N/m);K'' / (N/m)", G, "utf-8"),
-    "set and actual": ("Temp. Kammer [°C];Frequenz Soll [Hz];Frequenz Ist [Hz];E' [Pa];E'' [Pa];Verlustf.",
-                       (23, 99, *G, TANGENT), "latin-1"),
+    "set and actual": (
+        "Temp. Kammer [°C];Frequenz Soll [Hz];Frequenz Ist [Hz];E' [Pa];E'' [Pa];Verlustf.",
+        (23, 99, *G, TANGENT),
+        "latin-1",
+    ),
     "symbols behind words": ("Frequency (Hz);Stiffness K' (N/m);Stiffness K\" (N/m)", G, "utf-8"),
     "primes of Windows": ("f [Hz];G\u2019 [Pa];G\u2019\u2019 [Pa];T [°C]", (*G, 20), "cp1252"),
-    "loss and tan delta": ("Frequency/Hz;Modulus/Pa;Tan Delta;Loss Modulus/Pa", (*G[:2], TANGENT, G[2]), "utf-8"),
-    "damping coefficient": ("Frequency (Hz);Kdyn (N/m);Damping C (N.s/m)", (HERTZ, SIZE, G[2] / OMEGA), "utf-8"),
+    "loss and tan delta": (
+        "Frequency/Hz;Modulus/Pa;Tan Delta;Loss Modulus/Pa",
+        (*G[:2], TANGENT, G[2]),
+        "utf-8",
+    ),
+    "damping coefficient": (
+        "Frequency (Hz);Kdyn (N/m);Damping C (N.s/m)",
+        (HERTZ, SIZE, G[2] / OMEGA),
+        "utf-8",
+    ),
     "letters": ("f (Hz);K' (N/m);d (Ns/m)", (*G[:2], G[2] / OMEGA), "utf-8"),
-    "effective modulus": ("f (Hz);gamma (%);Geff (Pa);heq (%)", (HERTZ, 100, G[1], 50 * TANGENT), "utf-8"),
-    "amplitudes": ("Frequency [Hz];Force amplitude [N];Displacement amplitude [m];Phase [deg]",
-                   (HERTZ, SIZE / 4, 0.25, PHASE), "utf-8"),
-    "work of a cycle": ("Frequency [Hz];Effective stiffness [N/m];Energy dissipated per cycle [N m];Amplitude [m]",
-                        (*G[:2], np.pi * G[2] / 16, 0.25), "utf-8"),
-}  # fmt: skip
+    "effective modulus": (
+        "f (Hz);gamma (%);Geff (Pa);heq (%)",
+        (HERTZ, 100, G[1], 50 * TANGENT),
+        "utf-8",
+    ),
+    "amplitudes": (
+        "Frequency [Hz];Force amplitude [N];Displacement amplitude [m];Phase [deg]",
+        (HERTZ, SIZE / 4, 0.25, PHASE),
+        "utf-8",
+    ),
+    "work of a cycle": (
+        "Frequency [Hz];Effective stiffness [N/m];Energy dissipated per cycle [N m];Amplitude [m]",
+        (*G[:2], np.pi * G[2] / 16, 0.25),
+        "utf-8",
+    ),
+}
 
 
 @pytest.mark.parametrize("name", SHEETS)
@@ -76,20 +114,30 @@ def test_an_amplitude_from_trough_to_crest_is_halved_and_told(folder, title, amp
 
 
 def test_a_modulus_that_may_be_the_whole_or_a_part_is_asked_for(folder):
-    content = table("Fréquence (Hz);Raideur (N/m);Tan delta", (HERTZ, SIZE, TANGENT), encoding="latin-1")
+    content = table(
+        "Fréquence (Hz);Raideur (N/m);Tan delta", (HERTZ, SIZE, TANGENT), encoding="latin-1"
+    )
     with pytest.raises(DataError, match=r"open '.*\?2=magnitude\[N/m\]'.*'.*\?2=storage\[N/m\]'"):
         folder.open(content)
-    np.testing.assert_allclose(folder.open(content, "?2=magnitude[N/m]").stiffness, STIFFNESS, rtol=1e-7)
+    np.testing.assert_allclose(
+        folder.open(content, "?2=magnitude[N/m]").stiffness, STIFFNESS, rtol=1e-7
+    )
 
 
 def test_a_clock_that_is_there_is_no_constant(folder):
-    with pytest.raises(DataError, match=r"if Frequenz Soll \[Hz\] is it, open '.*\?1=frequency\[Hz\]'"):
+    with pytest.raises(
+        DataError, match=r"if Frequenz Soll \[Hz\] is it, open '.*\?1=frequency\[Hz\]'"
+    ):
         folder.open(table("Frequenz Soll [Hz];E' [MPa];E'' [MPa]", G))
 
 
 def test_a_force_without_its_displacement_asks_for_that(folder):
-    content = table("Test No;Freq (Hz);Stroke (mm);Max Force (kN);Phase lag (deg)", (1, HERTZ, 2, SIZE, PHASE))
-    with pytest.raises(DataError, match=r"missing amplitude .* if Stroke \(mm\) is it.*\?3=amplitude\[mm\]'"):
+    content = table(
+        "Test No;Freq (Hz);Stroke (mm);Max Force (kN);Phase lag (deg)", (1, HERTZ, 2, SIZE, PHASE)
+    )
+    with pytest.raises(
+        DataError, match=r"missing amplitude .* if Stroke \(mm\) is it.*\?3=amplitude\[mm\]'"
+    ):
         folder.open(content)
 
 
@@ -103,15 +151,27 @@ def test_signals_that_are_listed_above_the_numbers_are_its_columns(folder):
     np.testing.assert_allclose(found.stiffness, STIFFNESS, rtol=1e-8)
     np.testing.assert_array_equal(found.conditions["temperature"], 30.5)
     assert found.units.stiffness == "MPa"
-    assert [(part.points, part.usable) for part in folder.parts(ta_thermal())] == [(2, True), (3, True)]
+    assert [(part.points, part.usable) for part in folder.parts(ta_thermal())] == [
+        (2, True),
+        (3, True),
+    ]
 
 
 def test_a_japanese_rheometer_is_no_other_table(folder):
     names = "ポイント番号\t角周波数\t貯蔵弾性率\t損失弾性率\t温度"
-    lines = ["プロジェクト:\tゲル", "試験:\tスイープ", "", "結果:\tスイープ 1", "", "区間とデータポイント:\t1\t5"]
+    lines = [
+        "プロジェクト:\tゲル",
+        "試験:\tスイープ",
+        "",
+        "結果:\tスイープ 1",
+        "",
+        "区間とデータポイント:\t1\t5",
+    ]
     lines += [f"区間データ:\t{names}", "\t\t\t\t\t", "\t\t[rad/s]\t[Pa]\t[Pa]\t[°C]"]
     points = zip(OMEGA, STIFFNESS, strict=True)
-    lines += [f"\t{i}\t{w:.10g}\t{k.real:.10g}\t{k.imag:.10g}\t23" for i, (w, k) in enumerate(points)]
+    lines += [
+        f"\t{i}\t{w:.10g}\t{k.real:.10g}\t{k.imag:.10g}\t23" for i, (w, k) in enumerate(points)
+    ]
     content = "\n".join(lines).encode("utf-16")
     assert folder.reader(content) == "rheocompass"
     found = folder.open(content)

@@ -1,4 +1,7 @@
-"""Every reader against broken, cut and mixed files: a measurement or a one-line DataError, nothing else."""
+"""Every reader against broken, cut and mixed files.
+
+A measurement or a one-line DataError, nothing else.
+"""
 
 import numpy as np
 import pytest
@@ -13,8 +16,10 @@ from .conftest import READERS
 
 SEEDS = {
     "springpot-csv": samples.table("frequency [Hz],storage [kN/m],loss [kN/m]").encode(),
-    "signals-csv": b"time [s],displacement [mm],force [N]\n"
-    + samples.laos("").split(b"\n", 1)[1].replace(b"\t", b","),
+    "signals-csv": (
+        b"time [s],displacement [mm],force [N]\n"
+        + samples.laos("").split(b"\n", 1)[1].replace(b"\t", b",")
+    ),
     "rheocompass": samples.rheocompass_full(),
     "trios": samples.trios(),
     "trios-lims": samples.trios_lims(),
@@ -39,13 +44,52 @@ SAID = st.sampled_from(
     ]
 )
 WORDS = (
-    *(b"Interval:", b"[step]", b"[Step]", b"Variables\t", b"Units\t", b"Data point\t", b"Mw=1;T=x;", b"omega=;"),
-    *(b"frequency", b"[Hz]", b"(MPa)", b"G'", b"G''", b'"', b";", b",", b"\t", b"\n", b"\r", b"\0", b"1e999", b"-1"),
-    *(b"nan", b"1,5", b"1.5", b"#", b"{", b"}", b"[", b"]", b":", b"TDSm", b"MATLAB ", b"PK\x03\x04", b"\xff\xfe"),
+    *(
+        b"Interval:",
+        b"[step]",
+        b"[Step]",
+        b"Variables\t",
+        b"Units\t",
+        b"Data point\t",
+        b"Mw=1;T=x;",
+        b"omega=;",
+    ),
+    *(
+        b"frequency",
+        b"[Hz]",
+        b"(MPa)",
+        b"G'",
+        b"G''",
+        b'"',
+        b";",
+        b",",
+        b"\t",
+        b"\n",
+        b"\r",
+        b"\0",
+        b"1e999",
+        b"-1",
+    ),
+    *(
+        b"nan",
+        b"1,5",
+        b"1.5",
+        b"#",
+        b"{",
+        b"}",
+        b"[",
+        b"]",
+        b":",
+        b"TDSm",
+        b"MATLAB ",
+        b"PK\x03\x04",
+        b"\xff\xfe",
+    ),
     *("²µ°ω′Δ".encode(), "ω".encode("utf-16"), b"\x92", b"e", b"_", b" / ", b" in "),
 )
 EDITS = st.lists(
-    st.tuples(st.floats(0, 1), st.integers(0, 30), st.sampled_from(WORDS) | st.binary(max_size=6)), max_size=6
+    st.tuples(st.floats(0, 1), st.integers(0, 30), st.sampled_from(WORDS) | st.binary(max_size=6)),
+    max_size=6,
 )
 
 
@@ -118,7 +162,10 @@ def test_recognition_is_certain(tmp_path):
 MAT = samples.mat(compressed=False)
 FOUND = {
     "a size of seven bytes": ("signals-mat", MAT[:156] + b"\x07" + MAT[157:]),
-    "a comment of numbers alone": ("reptate-laos", b"ome5?\n%.04400026\xb257\x0c\x0c\x0c3923\t2.13"),
+    "a comment of numbers alone": (
+        "reptate-laos",
+        b"ome5?\n%.04400026\xb257\x0c\x0c\x0c3923\t2.13",
+    ),
     "a name of two lines": ("signals-tdms", samples.tdms().replace(b"/'Time'", b"/'T\nme'")),
     "the same of a sweep": ("reptate", b"Mw=1;\n%1 2 3\n"),
 }

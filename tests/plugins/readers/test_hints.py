@@ -9,7 +9,10 @@ import pytest
 from springpot.errors import DataError
 from springpot.registry import open_in_time, open_measurement, signals_to_measurement
 
-UNSEEN = Path(os.environ.get("SPRINGPOT_DATA") or Path(__file__).parents[4] / "shared" / "data").parent / "unseen"
+UNSEEN = (
+    Path(os.environ.get("SPRINGPOT_DATA") or Path(__file__).parents[4] / "shared" / "data").parent
+    / "unseen"
+)
 CLOCK = np.linspace(0.0, 4.0, 801)
 MOVED = np.sin(2.0 * np.pi * CLOCK)
 PULLED = -3.0 * np.sin(2.0 * np.pi * CLOCK + 0.4)
@@ -33,7 +36,11 @@ def forces(path, hint):
 @pytest.mark.parametrize("key", ["force", "Force", "load", "F"])
 @pytest.mark.parametrize(
     "titles",
-    ["Force (V),Force (N),Displacement (mm)", "Load (V),Force (N),Displacement (mm)", "Force/V,F [N],x [mm]"],
+    [
+        "Force (V),Force (N),Displacement (mm)",
+        "Load (V),Force (N),Displacement (mm)",
+        "Force/V,F [N],x [mm]",
+    ],
 )
 def test_a_hint_of_a_force_means_the_column_that_is_taken_without_it(tmp_path, titles, key):
     path = rig(tmp_path, f"time [s],{titles}", CLOCK, VOLTS, PULLED, MOVED)
@@ -56,7 +63,9 @@ def test_a_hint_of_a_displacement_means_the_column_that_is_taken_without_it(tmp_
     )
 
 
-@pytest.mark.parametrize(("hint", "factor"), [("3=-N", -1.0), ("Force (N)=-N", -1.0), ("3=force[-N]", -1.0)])
+@pytest.mark.parametrize(
+    ("hint", "factor"), [("3=-N", -1.0), ("Force (N)=-N", -1.0), ("3=force[-N]", -1.0)]
+)
 def test_a_number_or_title_names_its_own_column(tmp_path, hint, factor):
     path = rig(tmp_path, "time [s],F1 [N],Force (N),Displacement (mm)", CLOCK, VOLTS, PULLED, MOVED)
     largest, _ = forces(path, hint)
@@ -78,7 +87,9 @@ def test_an_ambiguous_hint_asks_in_one_line(tmp_path):
 @pytest.mark.parametrize("role", ["storage", "loss"])
 def test_a_hint_of_a_modulus_means_the_calibrated_column(tmp_path, role):
     storage, loss = 100.0 + SWEEP, 20.0 * SWEEP**0.3
-    titles = "frequency [Hz],Storage modulus (V),Storage modulus (Pa),Loss modulus (V),Loss modulus (Pa)"
+    titles = (
+        "frequency [Hz],Storage modulus (V),Storage modulus (Pa),Loss modulus (V),Loss modulus (Pa)"
+    )
     path = rig(tmp_path, titles, SWEEP, 1e-3 * storage, storage, 1e-3 * loss, loss)
     plain, hinted = open_measurement(path), open_measurement(f"{path}?{role}=Pa")
     np.testing.assert_allclose(plain.storage, storage, rtol=1e-8)

@@ -1,4 +1,4 @@
-"""Files as instruments write them: every layout and language, its steps, and what its header says."""
+"""Files as instruments write them: every layout and language, steps, and the header's facts."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,10 @@ def same(found, times=1):
     np.testing.assert_allclose(found.stiffness, np.tile(STIFFNESS, times), rtol=1e-9)
 
 
-SHEET = [["ω [rad/s]", "G' [Pa]", "G'' [Pa]"], *np.stack([OMEGA, STIFFNESS.real, STIFFNESS.imag]).T.tolist()]
+SHEET = [
+    ["ω [rad/s]", "G' [Pa]", "G'' [Pa]"],
+    *np.stack([OMEGA, STIFFNESS.real, STIFFNESS.imag]).T.tolist(),
+]
 LAYOUTS = {
     "rheocompass": samples.rheocompass_short,
     "trios": samples.trios,
@@ -35,7 +38,9 @@ def test_each_layout_is_recognised_and_read_without_options(folder, name):
 
 
 @pytest.mark.parametrize("language", samples.WORDS)
-@pytest.mark.parametrize(("separator", "decimal"), [("\t", ","), ("\t", "."), (";", ","), (",", ".")])
+@pytest.mark.parametrize(
+    ("separator", "decimal"), [("\t", ","), ("\t", "."), (";", ","), (",", ".")]
+)
 def test_full_rheocompass_exports_in_five_languages(folder, language, separator, decimal):
     content = samples.rheocompass_full(language, separator, decimal)
     assert folder.reader(content) == "rheocompass"
@@ -75,7 +80,9 @@ def test_trios_lists_its_steps_and_reads_the_oscillatory_one(folder, separator):
     found = folder.open(content)
     same(found)
     assert found.conditions["amplitude"].tolist() == [STRAIN] * 5
-    with pytest.raises(DataError, match="part 'Peak hold - 1' is no dynamic test: found Stress, Shear rate"):
+    with pytest.raises(
+        DataError, match="part 'Peak hold - 1' is no dynamic test: found Stress, Shear rate"
+    ):
         folder.open(content, "#1")
 
 
@@ -140,7 +147,10 @@ def test_reptate_with_and_without_a_row_of_units(folder, units):
 def test_reptate_without_names_and_with_a_temperature_column(folder):
     same(folder.open("Mw=1;T=0;\n" + samples.moduli(" ")))
     columns = (OMEGA, STIFFNESS.real, STIFFNESS.imag, 0 * OMEGA + 21.5, 0 * OMEGA + 0.9)
-    text = "T=0;Mw=94.9;chem=PI;\nFreq\tG'\tG\"\tTemp\tStrain\nrad/s\tPa\tPa\t°C\t%\n" + samples.rows(columns, "\t")
+    text = (
+        "T=0;Mw=94.9;chem=PI;\nFreq\tG'\tG\"\tTemp\tStrain\nrad/s\tPa\tPa\t°C\t%\n"
+        + samples.rows(columns, "\t")
+    )
     found = folder.open(text.encode("latin-1"))
     assert found.conditions["temperature"].tolist() == [21.5] * 5
     assert found.conditions["amplitude"].tolist() == [0.9] * 5
@@ -154,7 +164,9 @@ def test_viscoanalysis_workbook(folder):
 
 
 def test_sheets_are_parts(folder):
-    content = samples.xlsx({"Notes": [["Sample", "a gel"]], "One": SHEET, "Two": [["a remark"], [], *SHEET]})
+    content = samples.xlsx(
+        {"Notes": [["Sample", "a gel"]], "One": SHEET, "Two": [["a remark"], [], *SHEET]}
+    )
     assert [part.name for part in folder.parts(content)] == ["One", "Two"]
     same(folder.open(content), times=2)
     same(folder.open(content, "#Two"))
@@ -191,7 +203,11 @@ def test_a_binary_file_is_refused_in_one_line(folder):
 @pytest.mark.parametrize("cut", [0.2, 0.5, 0.9, 0.99])
 @pytest.mark.parametrize("name", [*LAYOUTS, "lims", "json", "full"])
 def test_files_that_are_cut_off(folder, name, cut):
-    others = {"lims": samples.trios_lims, "json": samples.trios_json, "full": samples.rheocompass_full}
+    others = {
+        "lims": samples.trios_lims,
+        "json": samples.trios_json,
+        "full": samples.rheocompass_full,
+    }
     content = (LAYOUTS | others)[name]()
     assert "\n" not in folder.complaint(content[: int(len(content) * cut)])
 
@@ -200,9 +216,15 @@ def test_files_that_are_cut_off(folder, name, cut):
 def test_what_an_instrument_wrote_survives_writing_and_reading(folder, tmp_path, name):
     from springpot.registry import write_measurement
 
-    others = {"lims": samples.trios_lims, "json": samples.trios_json, "full": samples.rheocompass_full}
+    others = {
+        "lims": samples.trios_lims,
+        "json": samples.trios_json,
+        "full": samples.rheocompass_full,
+    }
     first = folder.open((LAYOUTS | others)[name]())
-    again = folder.open(write_measurement(first, tmp_path / "out.csv").read_bytes(), name="again.csv")
+    again = folder.open(
+        write_measurement(first, tmp_path / "out.csv").read_bytes(), name="again.csv"
+    )
     assert again.omega.tobytes() == first.omega.tobytes()
     assert again.stiffness.tobytes() == first.stiffness.tobytes()
     assert {key: column.tolist() for key, column in again.conditions.items()} == {

@@ -1,4 +1,7 @@
-"""Files as laboratories keep them: several tests in one job, flags, old workbooks, names that are told apart."""
+"""Files as laboratories keep them.
+
+Several tests in one job, flags, old workbooks, names that are told apart.
+"""
 
 import io
 
@@ -34,7 +37,9 @@ SWEEP = [
 
 
 def test_an_old_workbook_opens_with_what_its_first_sheet_says(folder):
-    found = folder.open(old_workbook({"Details": [["Sample name", "a gel"]], "Frequency - 1": SWEEP}), name="a.xls")
+    found = folder.open(
+        old_workbook({"Details": [["Sample name", "a gel"]], "Frequency - 1": SWEEP}), name="a.xls"
+    )
     np.testing.assert_allclose(found.stiffness, STIFFNESS, rtol=1e-12)
     np.testing.assert_array_equal(found.conditions["temperature"], 20.5)
     assert found.provenance["sample"] == "a gel"
@@ -44,7 +49,10 @@ def rheocompass(intervals):
     """A RheoCompass export of (titles, units, rows) for each interval."""
     lines = ["Project:\tgels", "Test:\tjob", "", "Result:\tjob 1", ""]
     for i, (titles, units, rows) in enumerate(intervals, 1):
-        lines += [f"Interval and data points:\t{i}\t{len(rows)}", "\t".join(["Interval data:", "Point No.", *titles])]
+        lines += [
+            f"Interval and data points:\t{i}\t{len(rows)}",
+            "\t".join(["Interval data:", "Point No.", *titles]),
+        ]
         lines += ["\t" * (len(titles) + 1), "\t".join(["", "", *units])]
         lines += ["\t".join(["", str(k), *map(str, row)]) for k, row in enumerate(rows, 1)] + [""]
     return "\n".join(lines).encode("utf-16")
@@ -121,7 +129,8 @@ def test_a_part_that_lacks_a_unit_does_not_keep_the_rest_from_opening(folder):
 
 def test_a_segment_without_moduli_in_the_same_columns(folder):
     sweep = "\n".join(
-        f"1|{i},{10 + i},{w},{k.real},{k.imag},37" for i, (w, k) in enumerate(zip(OMEGA, STIFFNESS, strict=True), 1)
+        f"1|{i},{10 + i},{w},{k.real},{k.imag},37"
+        for i, (w, k) in enumerate(zip(OMEGA, STIFFNESS, strict=True), 1)
     )
     creep = "\n".join(f"2|{i},{20 + i}, , , ,37" for i in range(1, 9))
     text = f',t in s,f in Hz,G\' in Pa,"G"" in Pa",T in °C\n{sweep}\n{creep}\n'
@@ -132,9 +141,21 @@ def test_a_segment_without_moduli_in_the_same_columns(folder):
 @pytest.mark.parametrize(
     ("header", "says", "typed"),
     [
-        ("strain [%],G' [Pa],G'' [Pa]", r"missing frequency .* open '[^']*\?frequency=1\[Hz\]'$", "?frequency=1[Hz]"),
-        ("Time [s],Relaxation modulus [Pa],Temperature [°C]", "a relaxation test in time, no dynamic test$", ""),
-        ("Time [s],Creep compliance [1/Pa],Temperature [°C]", "creep in time, no dynamic test$", ""),
+        (
+            "strain [%],G' [Pa],G'' [Pa]",
+            r"missing frequency .* open '[^']*\?frequency=1\[Hz\]'$",
+            "?frequency=1[Hz]",
+        ),
+        (
+            "Time [s],Relaxation modulus [Pa],Temperature [°C]",
+            "a relaxation test in time, no dynamic test$",
+            "",
+        ),
+        (
+            "Time [s],Creep compliance [1/Pa],Temperature [°C]",
+            "creep in time, no dynamic test$",
+            "",
+        ),
     ],
 )
 def test_a_hint_leads_to_right_data_or_is_not_given(folder, header, says, typed):
@@ -147,7 +168,10 @@ def test_a_hint_leads_to_right_data_or_is_not_given(folder, header, says, typed)
 
 @pytest.mark.parametrize("header", ["a,b,c", "f [Hz],one,two", "time [s],G' [Pa],something"])
 def test_a_hint_that_is_typed_as_it_stands_gives_no_numbers(folder, header):
-    """Which column is what only the user knows: an example with numbers of columns would be typed as it stands."""
+    """Which column is what only the user knows.
+
+    An example with numbers of columns would be typed as it stands.
+    """
     text = f"{header}\n1,2,3\n2,3,4\n"
     with pytest.raises(DataError) as caught:
         folder.open(text)
@@ -157,7 +181,9 @@ def test_a_hint_that_is_typed_as_it_stands_gives_no_numbers(folder, header):
 
 
 def stiffness_table(header, *columns):
-    rows = "\n".join(",".join(number(v) for v in row) for row in zip(OMEGA / (2 * np.pi), *columns, strict=True))
+    rows = "\n".join(
+        ",".join(number(v) for v in row) for row in zip(OMEGA / (2 * np.pi), *columns, strict=True)
+    )
     return f"{header}\n{rows}\n"
 
 
@@ -169,10 +195,19 @@ LOSS, STORAGE = STIFFNESS.imag, STIFFNESS.real
     [
         ("Frequency [Hz],Effective stiffness [kN/m],Loss factor", (STORAGE, LOSS / STORAGE)),
         ("Frequency [Hz],K_eff [kN/m],Damping ratio [%]", (STORAGE, 50 * LOSS / STORAGE)),
-        ("Frequenz [Hz],Effektive Steifigkeit [kN/m],Dämpfungsgrad [-]", (STORAGE, LOSS / STORAGE / 2)),
+        (
+            "Frequenz [Hz],Effektive Steifigkeit [kN/m],Dämpfungsgrad [-]",
+            (STORAGE, LOSS / STORAGE / 2),
+        ),
         ("Frequency [Hz],Effective stiffness [kN/m],h_eq", (STORAGE, LOSS / STORAGE / 2)),
-        ("Frequency [Hz],Dynamic stiffness [kN/m],Damping coefficient [kN s/m]", (abs(STIFFNESS), LOSS / OMEGA)),
-        ("Frequency [Hz],Storage stiffness [kN/m],Damping coefficient [N s/mm]", (STORAGE, LOSS / OMEGA)),
+        (
+            "Frequency [Hz],Dynamic stiffness [kN/m],Damping coefficient [kN s/m]",
+            (abs(STIFFNESS), LOSS / OMEGA),
+        ),
+        (
+            "Frequency [Hz],Storage stiffness [kN/m],Damping coefficient [N s/mm]",
+            (STORAGE, LOSS / OMEGA),
+        ),
         ("Frequency [Hz],Effective stiffness [kN/m],c_eq [kN*s/m]", (STORAGE, LOSS / OMEGA)),
     ],
 )
@@ -184,7 +219,9 @@ def test_the_words_of_bearings_and_dampers(folder, header, columns):
 
 def test_a_stiffness_that_may_be_either_is_asked_for(folder):
     text = stiffness_table("Frequency [Hz],Stiffness [kN/m],Loss factor", STORAGE, LOSS / STORAGE)
-    with pytest.raises(DataError, match=r"missing storage \[unit\] or magnitude \[unit\]; if Stiffness"):
+    with pytest.raises(
+        DataError, match=r"missing storage \[unit\] or magnitude \[unit\]; if Stiffness"
+    ):
         folder.open(text)
     found = folder.open(text, "?Stiffness=storage[kN/m]")
     np.testing.assert_allclose(found.stiffness, STIFFNESS, rtol=1e-9)
@@ -192,7 +229,9 @@ def test_a_stiffness_that_may_be_either_is_asked_for(folder):
 
 def test_a_damping_coefficient_beyond_the_whole_stiffness(folder):
     text = stiffness_table(
-        "Frequency [Hz],Dynamic stiffness [kN/m],Damping coefficient [kN s/m]", LOSS / 2, LOSS / OMEGA
+        "Frequency [Hz],Dynamic stiffness [kN/m],Damping coefficient [kN s/m]",
+        LOSS / 2,
+        LOSS / OMEGA,
     )
     with pytest.raises(DataError, match="more than the whole dynamic stiffness"):
         folder.open(text)
@@ -222,7 +261,9 @@ def test_a_temperature_in_the_name_is_offered_and_not_taken(folder, name, said):
     np.testing.assert_allclose(taken.conditions["temperature"], expected)
 
 
-@pytest.mark.parametrize("name", ["PS5K.csv", "frequency-sweep_BB_280524-1.csv", "v2.csv", "C20.csv", "gel_10Hz.csv"])
+@pytest.mark.parametrize(
+    "name", ["PS5K.csv", "frequency-sweep_BB_280524-1.csv", "v2.csv", "C20.csv", "gel_10Hz.csv"]
+)
 def test_other_numbers_in_a_name_are_no_temperatures(folder, name):
     assert "note temperature" not in folder.open(SWEEP_TEXT, name=name).provenance
 
@@ -238,7 +279,8 @@ def test_a_number_in_which_several_names_differ_is_offered(folder):
 
 
 @pytest.mark.parametrize(
-    ("stem", "said"), [("foam_-10", "-10"), ("foam_-25", "-25"), ("foam_20", "20"), ("ps-130", "130")]
+    ("stem", "said"),
+    [("foam_-10", "-10"), ("foam_-25", "-25"), ("foam_20", "20"), ("ps-130", "130")],
 )
 def test_a_minus_is_a_sign_unless_it_joins_two_words(folder, stem, said):
     for other in ("foam_-25", "foam_-10", "foam_5", "foam_20", "ps-130", "ps-145", "ps-160"):
@@ -283,6 +325,8 @@ def test_a_loss_that_is_negative_is_told(folder):
 
 
 def test_other_names_beside_springpots_own_are_known_too(folder):
-    found = folder.open("frequency [Hz],storage [Pa],loss [Pa],strain [%],T [°C]\n1,2,3,0.5,20\n2,3,4,0.5,20\n")
+    found = folder.open(
+        "frequency [Hz],storage [Pa],loss [Pa],strain [%],T [°C]\n1,2,3,0.5,20\n2,3,4,0.5,20\n"
+    )
     assert found.conditions["amplitude"].tolist() == [0.5, 0.5]
     assert found.conditions["temperature"].tolist() == [20.0, 20.0]

@@ -1,4 +1,7 @@
-"""Time signals of loggers, and jobs in which a sweep follows a rest: as signals and as tests in time."""
+"""Time signals of loggers, and jobs in which a sweep follows a rest.
+
+As signals and as tests in time.
+"""
 
 import datetime
 
@@ -23,10 +26,14 @@ LABVIEW = (
     "***End_of_Header***\t\t\t\nX_Value\tDisplacement\tForce\tComment"
 )
 FILES = {
-    "catman": signals("CATMAN 5.3\nWerte: 4000\n\nZeit\tMX840_CH_1 Weg\tMX840_CH_2 Kraft\ns\tmm\tkN").encode(
-        "latin-1"
+    "catman": (
+        signals(
+            "CATMAN 5.3\nWerte: 4000\n\nZeit\tMX840_CH_1 Weg\tMX840_CH_2 Kraft\ns\tmm\tkN"
+        ).encode("latin-1")
     ),
-    "catman with brackets": signals("Zeit  1 - Standardmessrate [s]\tWeg LVDT 2 [mm]\tKraft 50kN [kN]").encode(),
+    "catman with brackets": (
+        signals("Zeit  1 - Standardmessrate [s]\tWeg LVDT 2 [mm]\tKraft 50kN [kN]").encode()
+    ),
     "labview": signals(LABVIEW, decimal=".").encode(),
     "symbols": signals("t[s]\ts[mm]\tF[kN]").encode(),
     "french": signals("Temps;Dep1;Force1\nsec;mm;kN", ";").encode("latin-1"),
@@ -64,14 +71,19 @@ def test_of_two_sensors_the_one_taken_is_told(folder):
     assert "Soll" not in told
 
 
-@pytest.mark.parametrize("rest", ["\t1\t0.0\t0.01\n" * 3, "\t1\t0.0\t0.01\n" * 4000], ids=["short", "long"])
+@pytest.mark.parametrize(
+    "rest", ["\t1\t0.0\t0.01\n" * 3, "\t1\t0.0\t0.01\n" * 4000], ids=["short", "long"]
+)
 def test_a_sweep_below_a_rest_is_what_a_job_is_opened_for(folder, rest):
-    rows = "".join(f"\t{w:.9g}\t{k.real:.9g}\t{k.imag:.9g}\n" for w, k in zip(OMEGA, STIFFNESS, strict=True))
+    rows = "".join(
+        f"\t{w:.9g}\t{k.real:.9g}\t{k.imag:.9g}\n" for w, k in zip(OMEGA, STIFFNESS, strict=True)
+    )
     content = (
         "Projekt:\tGel\nTest:\tScherung, Sweep\n\nErgebnis:\tSweep 1\n\n"
         "Abschnitt und Datenpunkte:\t1\t3\nAbschnittsdaten:\tZeit\tScherrate\tSchubspannung\n"
-        f"\t[s]\t[1/s]\t[Pa]\n{rest}\n"
-        "\nAbschnitt und Datenpunkte:\t2\t5\nAbschnittsdaten:\tKreisfrequenz\tSpeichermodul\tVerlustmodul\n"
+        f"\t[s]\t[1/s]\t[Pa]\n{rest}\n\n"
+        "Abschnitt und Datenpunkte:\t2\t5\n"
+        "Abschnittsdaten:\tKreisfrequenz\tSpeichermodul\tVerlustmodul\n"
         f"\t[rad/s]\t[Pa]\t[Pa]\n{rows}"
     )
     path = folder.write(content)

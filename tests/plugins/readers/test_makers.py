@@ -37,7 +37,13 @@ def sine(size, phase, t):
 
 def netzsch(decimal="POINT", separator="SEMICOLON"):
     return [
-        *("#EXPORTTYPE:;DATA ALL", "#FILE:;rubber.ngb-dm2", "#FORMAT:;NETZSCH5", "#FTYPE:;ANSI", "#IDENTITY:;R1"),
+        *(
+            "#EXPORTTYPE:;DATA ALL",
+            "#FILE:;rubber.ngb-dm2",
+            "#FORMAT:;NETZSCH5",
+            "#FTYPE:;ANSI",
+            "#IDENTITY:;R1",
+        ),
         *(f"#DECIMAL:;{decimal}", f"#SEPARATOR:;{separator}", "#MTYPE:;DMA", "#SAMPLE:;rubber", ""),
     ]
 
@@ -76,9 +82,22 @@ def test_netzsch_that_does_not_say_its_frequency_asks_for_it(export):
 
 
 def test_perkin_elmer_with_a_header_of_facts(export):
-    names = ("Time (min)", "Temperature (°C)", "Frequency (Hz)", "Storage Modulus (Pa)", "Loss Modulus (Pa)",
-             "Tan Delta", "Displacement (mm)")  # fmt: skip
-    head = ["Filename:\tC:\\data\\run.dma", "Operator ID:\tme", "Sample Weight:\t1.000 mg", "", "\t".join(names)]
+    names = (
+        "Time (min)",
+        "Temperature (°C)",
+        "Frequency (Hz)",
+        "Storage Modulus (Pa)",
+        "Loss Modulus (Pa)",
+        "Tan Delta",
+        "Displacement (mm)",
+    )
+    head = [
+        "Filename:\tC:\\data\\run.dma",
+        "Operator ID:\tme",
+        "Sample Weight:\t1.000 mg",
+        "",
+        "\t".join(names),
+    ]
     rows = sweep(lambda i, f: f"{i}\t25.0\t{f}\t{1e8 + 1e6 * i:.4E}\t{1e7:.4E}\t0.1\t0.05")
     found = springpot.read(export("run.txt", [*head, *rows]))
     np.testing.assert_allclose(found.frequency, FREQUENCIES)
@@ -86,10 +105,24 @@ def test_perkin_elmer_with_a_header_of_facts(export):
 
 
 def test_perkin_elmer_with_units_in_a_row(export):
-    names = ("Index", "Time", "Program Temperature", "Sample Temperature", "Frequency", "Storage Modulus",
-             "Loss Modulus", "Tan Delta")  # fmt: skip
+    names = (
+        "Index",
+        "Time",
+        "Program Temperature",
+        "Sample Temperature",
+        "Frequency",
+        "Storage Modulus",
+        "Loss Modulus",
+        "Tan Delta",
+    )
     units = ("", "Minutes", "Deg C", "Deg C", "Hz", "Pa", "Pa", "")
-    head = ["Pyris Series - DMA 7e", "Data File: rubber.dmd", "", "\t".join(names), "\t".join(units)]
+    head = [
+        "Pyris Series - DMA 7e",
+        "Data File: rubber.dmd",
+        "",
+        "\t".join(names),
+        "\t".join(units),
+    ]
     rows = sweep(lambda i, f: f"{i}\t{i}.0\t25.0\t25.1\t{f}\t{1e8 + 1e6 * i:.4E}\t{1e7:.4E}\t0.1")
     found = springpot.read(export("run.txt", [*head, *rows]))
     assert set(found.conditions["temperature"]) == {25.1}  # of the sample, not of the program
@@ -97,9 +130,14 @@ def test_perkin_elmer_with_units_in_a_row(export):
 
 
 @pytest.mark.parametrize("counter", ["[]", ""])
-@pytest.mark.parametrize(("storage", "loss", "unit"), [("M'", "M''", "[MPa]"), ("G'", "G''", "[Pa]")])
+@pytest.mark.parametrize(
+    ("storage", "loss", "unit"), [("M'", "M''", "[MPa]"), ("G'", "G''", "[Pa]")]
+)
 def test_mettler_toledo_between_blanks(export, counter, storage, loss, unit):
-    """A column without a unit leaves no gap between blanks: the units still stand under their names."""
+    """A column without a unit leaves no gap between blanks.
+
+    The units still stand under their names.
+    """
     names = ("Index", "t", "Ts", "f", storage, loss)
     units = (counter, "[s]", "[°C]", "[Hz]", unit, unit)
     head = ["Curve Name:", "  !&rubber", "Performed 01.02.2024 10:00:00", "", "Curve Values:"]
@@ -114,7 +152,9 @@ def test_mettler_toledo_between_blanks(export, counter, storage, loss, unit):
 
 def test_a_unit_that_is_missing_at_the_end_is_missing_there(export):
     rows = sweep(lambda i, f: f"{f}   {100.0 + i}   10.0   0.1")
-    found = springpot.read(export("blanks.txt", ["f   G'   G''   tan_delta", "[Hz]   [Pa]   [Pa]", *rows]))
+    found = springpot.read(
+        export("blanks.txt", ["f   G'   G''   tan_delta", "[Hz]   [Pa]   [Pa]", *rows])
+    )
     assert found.units.stiffness == "Pa"
     np.testing.assert_allclose(found.frequency, FREQUENCIES)
 
@@ -122,7 +162,9 @@ def test_a_unit_that_is_missing_at_the_end_is_missing_there(export):
 def test_zwick_roell_in_german(export):
     """Time, travel and force of a test machine: a test in time, and a point of a sweep."""
     rows = [
-        f"{t / 100:.2f};{sine(2.0, 0.0, t / 100):.5f};{sine(300.0, 0.3, t / 100):.3f}".replace(".", ",")
+        f"{t / 100:.2f};{sine(2.0, 0.0, t / 100):.5f};{sine(300.0, 0.3, t / 100):.3f}".replace(
+            ".", ","
+        )
         for t in range(600)
     ]
     path = export("zwick.csv", ['"Prüfzeit";"Standardweg";"Standardkraft"', '"s";"mm";"N"', *rows])
@@ -138,7 +180,9 @@ def test_zwick_roell_below_a_report(export):
     head = ["Prüfprotokoll", '"Probe";"Gummi 1"', '"Prüfgeschwindigkeit";"10";"mm/min"', ""]
     names = '"Prüfzeit in s";"Dehnung in %";"Spannung in MPa";"Temperatur in °C"'
     rows = [
-        f"{t / 100:.2f};{sine(2.0, 0.0, t / 100):.5f};{sine(3.0, 0.3, t / 100):.5f};23,0".replace(".", ",")
+        f"{t / 100:.2f};{sine(2.0, 0.0, t / 100):.5f};{sine(3.0, 0.3, t / 100):.5f};23,0".replace(
+            ".", ","
+        )
         for t in range(600)
     ]
     [test] = open_in_time(export("zwick.tra", [*head, names, *rows]))
@@ -147,9 +191,14 @@ def test_zwick_roell_below_a_report(export):
 
 
 def test_zwick_roell_dynamic_stiffness(export):
-    names, units = '"Frequenz";"Dyn. Steifigkeit";"Verlustwinkel";"Wegamplitude"', '"Hz";"N/mm";"°";"mm"'
+    names, units = (
+        '"Frequenz";"Dyn. Steifigkeit";"Verlustwinkel";"Wegamplitude"',
+        '"Hz";"N/mm";"°";"mm"',
+    )
     found = springpot.read(
-        export("dyn.csv", [names, units, *sweep(lambda i, f: f"{f};{200 + i};8;0,1".replace(".", ","))])
+        export(
+            "dyn.csv", [names, units, *sweep(lambda i, f: f"{f};{200 + i};8;0,1".replace(".", ","))]
+        )
     )
     assert found.magnitude[0] == pytest.approx(200.0)
     assert np.degrees(np.angle(found.stiffness)) == pytest.approx(8.0)
@@ -158,14 +207,31 @@ def test_zwick_roell_dynamic_stiffness(export):
 @pytest.mark.parametrize("in_brackets", [True, False])
 def test_bohlin(export, in_brackets):
     """What others call storage and loss it calls elastic and viscous."""
-    names = ("Time", "Temperature", "Frequency", "Phase Angle", "Complex Modulus", "Elastic Modulus",
-             "Viscous Modulus", "Complex Viscosity", "Shear Stress", "Strain")  # fmt: skip
+    names = (
+        "Time",
+        "Temperature",
+        "Frequency",
+        "Phase Angle",
+        "Complex Modulus",
+        "Elastic Modulus",
+        "Viscous Modulus",
+        "Complex Viscosity",
+        "Shear Stress",
+        "Strain",
+    )
     units = ("s", "°C", "Hz", "°", "Pa", "Pa", "Pa", "Pas", "Pa", "")
-    rows = sweep(lambda i, f: f"{10 * i}\t25.0\t{f}\t30\t{120 + i}\t{100 + i}\t{60 + i}\t20\t1.0\t0.01")
+    rows = sweep(
+        lambda i, f: f"{10 * i}\t25.0\t{f}\t30\t{120 + i}\t{100 + i}\t{60 + i}\t20\t1.0\t0.01"
+    )
     if in_brackets:
         head = ["\t".join(f"{n}({u})" if u else n for n, u in zip(names, units, strict=True))]
     else:
-        facts = ["Bohlin Rheometer System", "Test type: Oscillation frequency sweep", "Measuring system: CP 4/40", ""]
+        facts = [
+            "Bohlin Rheometer System",
+            "Test type: Oscillation frequency sweep",
+            "Measuring system: CP 4/40",
+            "",
+        ]
         head = [*facts, "\t".join(names), "\t".join(units)]
     found = springpot.read(export("bohlin.txt", [*head, *rows]))
     np.testing.assert_allclose(found.frequency, FREQUENCIES)

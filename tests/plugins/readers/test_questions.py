@@ -1,4 +1,4 @@
-"""What a file leaves open comes as questions, each answer of which opens it when typed behind its name."""
+"""What a file leaves open comes as questions; an answer typed behind its name opens the file."""
 
 from __future__ import annotations
 
@@ -64,7 +64,10 @@ def test_a_column_without_a_known_name_is_left_out_until_somebody_says_what_it_i
     path.write_text("frequency [Hz],A,B\n" + ROWS, encoding="utf-8")
     asked = ask(path, [])
     assert asked is not None
-    assert [(question.about, question.kind) for question in asked.questions] == [("A", "meaning"), ("B", "meaning")]
+    assert [(question.about, question.kind) for question in asked.questions] == [
+        ("A", "meaning"),
+        ("B", "meaning"),
+    ]
     assert {next(iter(question.answers)) for question in asked.questions} == {"ignore"}
     said = [asked.questions[0].answers["storage[Pa]"], asked.questions[1].answers["loss[Pa]"]]
     assert ask(path, said) is None
@@ -73,4 +76,7 @@ def test_a_column_without_a_known_name_is_left_out_until_somebody_says_what_it_i
 def test_a_question_as_json_keeps_the_order_of_its_answers():
     told = Question.of_unit("loss", "MPa", ["Pa", "MPa"]).to_dict()
     assert told["kind"] == "unit"
-    assert told["answers"] == [{"answer": "MPa", "said": "loss=MPa"}, {"answer": "Pa", "said": "loss=Pa"}]
+    assert told["answers"] == [
+        {"answer": "MPa", "said": "loss=MPa"},
+        {"answer": "Pa", "said": "loss=Pa"},
+    ]

@@ -10,7 +10,10 @@ from springpot.measurement import open_measurement, parts_of
 
 from .conftest import READERS
 
-FOLDERS = [*os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep), Path(__file__).parents[4] / "shared" / "data"]
+FOLDERS = [
+    *os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep),
+    Path(__file__).parents[4] / "shared" / "data",
+]
 
 
 def found(name):
@@ -57,7 +60,9 @@ def test_the_export_and_the_table_made_of_it_agree():
     table = open_measurement(found("3m-468mp-acrylic-tts/normalized.csv"), (), READERS)
     np.testing.assert_allclose(export.omega, table.omega, rtol=1e-9)
     np.testing.assert_allclose(export.stiffness, table.stiffness, rtol=1e-6)
-    np.testing.assert_allclose(export.conditions["amplitude"] / 100, table.conditions["amplitude"], rtol=1e-6)
+    np.testing.assert_allclose(
+        export.conditions["amplitude"] / 100, table.conditions["amplitude"], rtol=1e-6
+    )
 
 
 def test_steps_and_header_of_the_exports():

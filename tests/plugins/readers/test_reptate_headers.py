@@ -5,7 +5,9 @@ import pytest
 from springpot_plugins.readers.reptate import HEADER
 
 
-@pytest.mark.parametrize("line", ["Mw=295000; Mn=64000; T=140;", "Mw=295000; Mn=64000; T=140", "T=25;"])
+@pytest.mark.parametrize(
+    "line", ["Mw=295000; Mn=64000; T=140;", "Mw=295000; Mn=64000; T=140", "T=25;"]
+)
 def test_the_last_semicolon_may_be_missing(line):
     assert HEADER.match(line)
 

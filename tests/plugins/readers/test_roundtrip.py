@@ -69,7 +69,10 @@ def test_reading_writing_and_reading_gives_the_same_bits(tmp_path_factory, measu
 
 
 def test_a_sweep_up_and_down_may_be_written_and_read(tmp_path):
-    """In a table of instruments a frequency may come twice; a slip in one's own table is still found."""
+    """In a table of instruments a frequency may come twice.
+
+    A slip in one's own table is still found.
+    """
     path = tmp_path / "up-and-down.txt"
     path.write_text("f in Hz;G' in Pa;G'' in Pa\n1;2;3\n2;3;4\n1;2,1;3\n")
     measured = open_measurement(path, (), READERS)
@@ -106,6 +109,8 @@ def test_every_unit_is_read_in_every_way_of_writing_it(tmp_path, style):
             assert found.units.stiffness == modulus, header
             assert found.omega[0] == FREQUENCY_UNITS[clock], header
     for amplitude in AMPLITUDE_UNITS:
-        header = "omega [rad/s];storage [Pa];loss [Pa];" + style.format(name="amplitude", unit=amplitude)
+        header = "omega [rad/s];storage [Pa];loss [Pa];" + style.format(
+            name="amplitude", unit=amplitude
+        )
         path.write_text(f"{header}\n1;2;3;4\n")
         assert generic.READER.read(path, Choice()).units.amplitude == amplitude

@@ -1,4 +1,7 @@
-"""Storage and loss that do not stand beside each other: in rows of their own, one below the other, in wide tables."""
+"""Storage and loss that do not stand beside each other.
+
+In rows of their own, one below the other, in wide tables.
+"""
 
 import io
 import re
@@ -13,7 +16,9 @@ OMEGA = np.logspace(-1.0, 2.0, 8)
 G = 1000.0 + 500.0 * np.sqrt(1j * OMEGA)
 DEG = 180.0 / np.pi
 FREQUENCIES, WARM = np.array([25.0, 10.0, 1.0, 0.1]), np.array([-10.0, 4.4, 21.1])
-E = (5000.0 + 100.0 * np.outer(1.0 / (WARM + 20.0), FREQUENCIES)) * np.exp(0.3j + 0.01j * WARM)[:, None]
+E = (5000.0 + 100.0 * np.outer(1.0 / (WARM + 20.0), FREQUENCIES)) * np.exp(0.3j + 0.01j * WARM)[
+    :, None
+]
 
 
 def in_rows(names=("G'", "G''"), parts=(G.real, G.imag), more="", of_name=("", "")):
@@ -53,8 +58,10 @@ def is_table(found):
         "omega [rad/s],variable,value [Pa]\n" + in_rows(("Storage modulus", "Loss modulus")),
         "omega [rad/s],type,modulus [Pa]\n" + in_rows(("storage", "loss")),
         "omega [rad/s],type,value\n" + in_rows(("G' [Pa]", "G'' [Pa]")),
-        "omega [rad/s],what,value,unit\n" + in_rows(("Storage modulus", "Loss modulus"), more=",Pa"),
-        "omega [rad/s],what,value [Pa]\n" + in_rows(("|G*|", "phase [deg]"), (abs(G), np.angle(G) * DEG)),
+        "omega [rad/s],what,value,unit\n"
+        + in_rows(("Storage modulus", "Loss modulus"), more=",Pa"),
+        "omega [rad/s],what,value [Pa]\n"
+        + in_rows(("|G*|", "phase [deg]"), (abs(G), np.angle(G) * DEG)),
         "omega [rad/s],what,value,unit\n"
         + in_rows(("|G*|", "phase angle"), (abs(G), np.angle(G) * DEG), of_name=(",Pa", ",deg")),
     ],
@@ -67,12 +74,22 @@ def test_a_value_in_each_row(folder, text):
 
 def test_a_row_of_storage_may_stand_far_from_its_loss(folder):
     lines = in_rows().splitlines()
-    is_sweep(folder.open("omega [rad/s],quantity,value [Pa]\n" + "\n".join(lines[::2] + lines[1::2]) + "\n"))
+    is_sweep(
+        folder.open(
+            "omega [rad/s],quantity,value [Pa]\n" + "\n".join(lines[::2] + lines[1::2]) + "\n"
+        )
+    )
 
 
 def test_conditions_of_rows_are_kept_and_what_differs_within_a_point_is_told(folder):
-    lines = [f"{i},{line},{t}" for t in (20, 40) for i, line in enumerate(in_rows().splitlines(), 100 * t)]
-    found = folder.open("id,omega [rad/s],quantity,value [Pa],temperature [degC]\n" + "\n".join(lines) + "\n")
+    lines = [
+        f"{i},{line},{t}"
+        for t in (20, 40)
+        for i, line in enumerate(in_rows().splitlines(), 100 * t)
+    ]
+    found = folder.open(
+        "id,omega [rad/s],quantity,value [Pa],temperature [degC]\n" + "\n".join(lines) + "\n"
+    )
     np.testing.assert_allclose(found.conditions["temperature"], np.repeat([20.0, 40.0], len(OMEGA)))
     np.testing.assert_allclose(found.stiffness, np.tile(G, 2), rtol=1e-10)
     assert ": 'id'" in found.provenance["note layout"]
@@ -95,7 +112,9 @@ def test_values_that_could_be_several_columns_are_not_guessed(folder):
 
 def test_words_that_are_no_quantities_do_not_turn_a_table(folder):
     lines = [
-        f"{w:.17g},{s},{g.real:.17g},{g.imag:.17g}" for s in ("soft", "stiff") for w, g in zip(OMEGA, G, strict=True)
+        f"{w:.17g},{s},{g.real:.17g},{g.imag:.17g}"
+        for s in ("soft", "stiff")
+        for w, g in zip(OMEGA, G, strict=True)
     ]
     found = folder.open("omega [rad/s],sample,G' [Pa],G'' [Pa]\n" + "\n".join(lines) + "\n")
     assert len(found) == 2 * len(OMEGA)
@@ -111,9 +130,14 @@ def column(values):
     [
         f"omega [rad/s],G' [Pa]\n{column(G.real)}\nomega [rad/s],G'' [Pa]\n{column(G.imag)}",
         f"omega,G'\nrad/s,Pa\n{column(G.real)}\nomega,G''\nrad/s,Pa\n{column(G.imag)}",
-        f"Storage modulus\nomega [rad/s],y [Pa]\n{column(G.real)}\n"
-        f"Loss modulus\nomega [rad/s],y [Pa]\n{column(G.imag)}",
-        f"omega [rad/s],|G*| [Pa]\n{column(abs(G))}\nomega [rad/s],tan delta\n{column(G.imag / G.real)}",
+        (
+            f"Storage modulus\nomega [rad/s],y [Pa]\n{column(G.real)}\n"
+            f"Loss modulus\nomega [rad/s],y [Pa]\n{column(G.imag)}"
+        ),
+        (
+            f"omega [rad/s],|G*| [Pa]\n{column(abs(G))}\n"
+            f"omega [rad/s],tan delta\n{column(G.imag / G.real)}"
+        ),
     ],
 )
 def test_a_block_of_storage_above_one_of_loss(folder, text):
@@ -124,7 +148,9 @@ def test_a_block_of_storage_above_one_of_loss(folder, text):
 def test_blocks_at_other_frequencies_are_not_put_together(folder):
     other = column(G.imag).replace(f"{OMEGA[0]:.17g}", "0.5")
     shifted = "\n".join(f"{1.01 * w:.17g},1" for w in OMEGA)
-    says = folder.complaint(f"omega [rad/s],G' [Pa]\n{column(G.real)}\nomega [rad/s],G'' [Pa]\n{shifted}\n")
+    says = folder.complaint(
+        f"omega [rad/s],G' [Pa]\n{column(G.real)}\nomega [rad/s],G'' [Pa]\n{shifted}\n"
+    )
     assert "different omega" in says
     assert "same values" in says
     found = folder.open(f"omega [rad/s],G' [Pa]\n{column(G.real)}\nomega [rad/s],G'' [Pa]\n{other}")
@@ -144,9 +170,15 @@ BESIDE = (
     "text",
     [
         BLOCKS,
-        BLOCKS.replace("|E*| [MPa]", "Dynamic modulus |E*| (MPa)").replace("phase angle [deg]", "Phase angle (°)"),
-        BLOCKS.replace("temperature [degC],25 Hz,10 Hz,1 Hz,0.1 Hz", "T [degC] \\ f [Hz],25,10,1,0.1"),
-        BLOCKS.replace("temperature [degC],25 Hz,10 Hz,1 Hz,0.1 Hz", "Temp (°C),Frequency (Hz)\n,25,10,1,0.1"),
+        BLOCKS.replace("|E*| [MPa]", "Dynamic modulus |E*| (MPa)").replace(
+            "phase angle [deg]", "Phase angle (°)"
+        ),
+        BLOCKS.replace(
+            "temperature [degC],25 Hz,10 Hz,1 Hz,0.1 Hz", "T [degC] \\ f [Hz],25,10,1,0.1"
+        ),
+        BLOCKS.replace(
+            "temperature [degC],25 Hz,10 Hz,1 Hz,0.1 Hz", "Temp (°C),Frequency (Hz)\n,25,10,1,0.1"
+        ),
         BESIDE,
         f"|E*| [MPa]\n{wide(abs(E))}\nloss factor\n{wide(np.tan(np.angle(E)))}",
     ],
@@ -158,12 +190,17 @@ def test_columns_that_go_by_frequency(folder, text):
 def test_columns_that_go_by_temperature(folder):
     def turned(values):
         return (
-            "\n".join(",".join(f"{x:.12g}" for x in [f, *row]) for f, row in zip(FREQUENCIES, values.T, strict=True))
+            "\n".join(
+                ",".join(f"{x:.12g}" for x in [f, *row])
+                for f, row in zip(FREQUENCIES, values.T, strict=True)
+            )
             + "\n"
         )
 
     names = "frequency [Hz],-10 °C,4.4 °C,21.1 °C\n"
-    is_table(folder.open(f"|E*| [MPa]\n{names}{turned(abs(E))}\nphase [deg]\n{names}{turned(ANGLE)}"))
+    is_table(
+        folder.open(f"|E*| [MPa]\n{names}{turned(abs(E))}\nphase [deg]\n{names}{turned(ANGLE)}")
+    )
 
 
 @pytest.mark.parametrize("text", [BLOCKS, BESIDE])
@@ -212,7 +249,10 @@ def test_a_word_among_the_values_is_named(folder):
 
 def test_curves_that_were_read_off_at_frequencies_of_their_own_are_refused(folder):
     def beside(factor):
-        rows = [f"{w:.9g},{g.real:.17g},{factor * w:.9g},{g.imag:.17g}" for w, g in zip(OMEGA, G, strict=True)]
+        rows = [
+            f"{w:.9g},{g.real:.17g},{factor * w:.9g},{g.imag:.17g}"
+            for w, g in zip(OMEGA, G, strict=True)
+        ]
         return "omega [rad/s],G' [Pa],omega [rad/s],G'' [Pa]\n" + "\n".join(rows) + "\n"
 
     says = folder.complaint(beside(1.05))
@@ -234,8 +274,8 @@ def test_frequencies_in_place_of_quantities_beside_named_ones(folder):
 
 
 def test_what_a_part_leaves_open_names_the_file(folder):
-    text = f"T [degC],{','.join(f'|E*| {f:g} Hz [MPa],phase {f:g} Hz' for f in FREQUENCIES)}\n4,1,2,3,4,5,6,7,8\n"
-    text += "20,1,2,3,4,5,6,7,8\n"
+    names = ",".join(f"|E*| {f:g} Hz [MPa],phase {f:g} Hz" for f in FREQUENCIES)
+    text = f"T [degC],{names}\n4,1,2,3,4,5,6,7,8\n20,1,2,3,4,5,6,7,8\n"
     for part in folder.parts(text):
         assert f"open '{folder.path / 'data.txt'}?phase=deg'" in part.says
 
@@ -252,7 +292,9 @@ def test_what_a_part_leaves_open_names_the_file(folder):
 )
 def test_one_quantity_alone_names_the_other_which_mends_it(folder, alone, values, lacks, others):
     text = f"{alone}\n{wide(values)}"
-    assert f"add below it a line '{lacks}', and a table with the same names" in folder.complaint(text)
+    assert f"add below it a line '{lacks}', and a table with the same names" in folder.complaint(
+        text
+    )
     is_table(folder.open(f"{text}{lacks}\n{wide(others)}"))
 
 
@@ -326,7 +368,7 @@ def test_a_size_without_phase_is_not_mended_by_the_loss(folder):
 
 
 def of_specimens(parts):
-    """Rows of storage and loss of several specimens, each a thousand and a hundred times its number; no loss of 1."""
+    """Storage and loss of specimens, 1000 and 100 times their numbers; no loss of the first."""
     lines = ["frequency [Hz],sample,quantity,value [Pa]"]
     for number, name in enumerate(parts, 1):
         for hertz in (1, 2, 4):
@@ -349,14 +391,21 @@ def test_rows_without_a_word_do_not_hide_the_specimens(folder):
 
 @pytest.mark.parametrize("more", ["", "2,tan(delta),0.1\n"])
 def test_values_that_nothing_tells_apart_are_not_paired_by_their_order(folder, more):
-    text = f"frequency [Hz],quantity,value [Pa]\n1,G',10\n1,G',20\n1,G'',2\n2,G',11\n2,G'',1\n{more}"
-    with pytest.raises(DataError, match=r"at frequency \[Hz\] 1 there are 2 values of G' \[Pa\] and 1 of G''"):
+    text = (
+        f"frequency [Hz],quantity,value [Pa]\n1,G',10\n1,G',20\n1,G'',2\n2,G',11\n2,G'',1\n{more}"
+    )
+    with pytest.raises(
+        DataError, match=r"at frequency \[Hz\] 1 there are 2 values of G' \[Pa\] and 1 of G''"
+    ):
         folder.open(text)
 
 
 @pytest.mark.parametrize("second", ["storage Modulus,30,Pa", "Storage modulus,0.03,kPa"])
 def test_a_quantity_by_two_names_or_in_two_units_is_told(folder, second):
-    text = f"frequency [Hz],what,value,unit\n1,Storage modulus,10,Pa\n1,Loss,1,Pa\n2,{second}\n2,Loss,2,Pa\n"
+    text = (
+        "frequency [Hz],what,value,unit\n"
+        f"1,Storage modulus,10,Pa\n1,Loss,1,Pa\n2,{second}\n2,Loss,2,Pa\n"
+    )
     with pytest.raises(DataError, match="are both storage; call it by one name, in one unit"):
         folder.open(text)
 

@@ -67,7 +67,8 @@ def test_a_missing_unit_is_asked_for(folder):
 def test_unknown_channels_are_asked_for(folder):
     path = folder.write(csv("time [s],ch1,ch2"))
     with pytest.raises(
-        DataError, match=r"no signals against time.*NAME=time\[s\],NAME=displacement\[mm\],NAME=force\[N\]"
+        DataError,
+        match=r"no signals against time.*NAME=time\[s\],NAME=displacement\[mm\],NAME=force\[N\]",
     ):
         signals_to_measurement([path])
     with pytest.raises(DataError, match="no column of displacement and force"):
@@ -111,7 +112,11 @@ def test_matlab_arrays_are_those_that_scipy_reads(kind, packed):
     values = np.arange(1, 25).reshape(2, 3, 4).astype(kind)
     stream = io.BytesIO()
     run = {"long_name_of_a_field": values[0], "b": values[0, 0, :2], "word": "text"}
-    savemat(stream, {"cube": values, "one": values[0, 0, :1], "run": run, "word": "text"}, do_compression=packed)
+    savemat(
+        stream,
+        {"cube": values, "one": values[0, 0, :1], "run": run, "word": "text"},
+        do_compression=packed,
+    )
     found = arrays_in(stream.getvalue(), 1 << 20)
     truth = loadmat(stream)
     assert set(found) == {"cube", "one", "run.long_name_of_a_field", "run.b"}
@@ -144,15 +149,24 @@ def test_laos_with_angle_and_torque_and_without_names(folder):
 
 def machine(titles, units, columns, separator="\t", decimal=","):
     """An export of a test machine: a report, names, units, numbers, and another table below."""
-    head = f"MTS793|MPT|DEU\n\nBediener\t\tZeit:\t33,8\ts\nPrüfer :\tKh\n\n{separator.join(titles)}\n"
-    body = samples.rows(columns, separator, decimal)
-    return f"{head}{separator.join(units)}\n{body}\n\nDatenerfassung\t\tZeit:\t99\ts\n{titles[0]}\n7\n".encode(
-        "latin-1"
+    head = (
+        f"MTS793|MPT|DEU\n\nBediener\t\tZeit:\t33,8\ts\nPrüfer :\tKh\n\n{separator.join(titles)}\n"
     )
+    body = samples.rows(columns, separator, decimal)
+    below = f"Datenerfassung\t\tZeit:\t99\ts\n{titles[0]}\n7\n"
+    return f"{head}{separator.join(units)}\n{body}\n\n{below}".encode("latin-1")
 
 
 def test_prefixes_of_channels_sensor_numbers_and_a_second_table(folder):
-    titles = ("Datum", "Laufzeit", "Ch 1 Kraft Sollwert", "Ch 1 Kraft", "Ch 1 Weg", "1944 B", "1281068")
+    titles = (
+        "Datum",
+        "Laufzeit",
+        "Ch 1 Kraft Sollwert",
+        "Ch 1 Kraft",
+        "Ch 1 Weg",
+        "1944 B",
+        "1281068",
+    )
     day = np.full_like(TIME, 41883.0)
     columns = (day, TIME, 9 * PULLED, PULLED, MOVED, 5 * MOVED, 7 * MOVED)
     path = folder.write(machine(titles, ("d", "s", "kN", "kN", "mm", "mm", "mm"), columns))
@@ -170,27 +184,40 @@ def test_volts_beside_calibrated_channels(folder):
         f"{line},{moved!r},{pulled!r}"
         for line, moved, pulled in zip(text[1:], MOVED.tolist(), PULLED.tolist(), strict=True)
     ]
-    content = "\n".join(["Time [s],Force [V],Displacement [V],Displacement [mm],Force [kN]", *rows]) + "\n"
+    content = (
+        "\n".join(["Time [s],Force [V],Displacement [V],Displacement [mm],Force [kN]", *rows])
+        + "\n"
+    )
     check(folder.write(content), "kN/mm")
     with pytest.raises(DataError, match=r"unknown unit \[V\] for displacement"):
         signals_to_measurement([folder.write(csv("Time [s],Displacement [V],Force [kN]"))])
 
 
 @pytest.mark.parametrize(
-    "style", ["%d.%m.%Y %H:%M:%S.%f", "%Y-%m-%dT%H:%M:%S.%fZ", "%H:%M:%S.%f", "%m/%d/%Y %I:%M:%S.%f %p"]
+    "style",
+    ["%d.%m.%Y %H:%M:%S.%f", "%Y-%m-%dT%H:%M:%S.%fZ", "%H:%M:%S.%f", "%m/%d/%Y %I:%M:%S.%f %p"],
 )
 def test_timestamps_with_and_without_a_date(folder, style):
     start = datetime.datetime(2014, 9, 1, 13, 25, 39)
-    stamps = [(start + datetime.timedelta(seconds=t)).strftime(style) for t in np.round(TIME, 6).tolist()]
-    rows = [f"{stamp};{q!r};{u!r}" for stamp, q, u in zip(stamps, MOVED.tolist(), PULLED.tolist(), strict=True)]
-    found = signals_to_measurement([folder.write("\n".join(["Timestamp;Disp [mm];Force [N]", *rows]) + "\n")])
+    stamps = [
+        (start + datetime.timedelta(seconds=t)).strftime(style) for t in np.round(TIME, 6).tolist()
+    ]
+    rows = [
+        f"{stamp};{q!r};{u!r}"
+        for stamp, q, u in zip(stamps, MOVED.tolist(), PULLED.tolist(), strict=True)
+    ]
+    found = signals_to_measurement(
+        [folder.write("\n".join(["Timestamp;Disp [mm];Force [N]", *rows]) + "\n")]
+    )
     np.testing.assert_allclose(found.omega, [2.0], rtol=1e-4)
     np.testing.assert_allclose(found.stiffness, [EXPECTED], rtol=1e-3)
 
 
 def test_a_force_that_counts_the_other_way(folder):
     path = folder.write(f"t [s],x [mm],F [N]\n{samples.rows((TIME, MOVED, -PULLED))}\n")
-    assert "storage and loss are negative" in " ".join(signals_to_measurement([path]).provenance.values())
+    assert "storage and loss are negative" in " ".join(
+        signals_to_measurement([path]).provenance.values()
+    )
     check(path, "N/mm", "?F=-N")
 
 

@@ -1,4 +1,7 @@
-"""Time signals as laboratories keep them: in workbooks, without a clock, with the clock of the wall."""
+"""Time signals as laboratories keep them.
+
+In workbooks, without a clock, with the clock of the wall.
+"""
 
 import datetime
 import io
@@ -79,14 +82,22 @@ class TestWithoutAClock:
         check(path, "N/mm", f"?rate={RATE / 1000!r} kHz")
 
     @pytest.mark.parametrize(
-        "line", ["Sample rate: {} Hz", "# sampling frequency = {} Hz", "Abtastrate [Hz]: {}", "Sample Rate,{},Hz"]
+        "line",
+        [
+            "Sample rate: {} Hz",
+            "# sampling frequency = {} Hz",
+            "Abtastrate [Hz]: {}",
+            "Sample Rate,{},Hz",
+        ],
     )
     def test_a_header_that_states_it(self, folder, line):
         check(folder.write(line.format(f"{RATE:.12f}") + "\n" + self.TEXT), "N/mm")
 
     def test_a_rate_is_no_frequency_of_the_test(self, folder):
         """A column of time goes before any rate that the header states."""
-        text = "Sample rate: 7 Hz\nTime [s],Displacement [mm],Force [N]\n" + samples.rows((TIME, MOVED, PULLED))
+        text = "Sample rate: 7 Hz\nTime [s],Displacement [mm],Force [N]\n" + samples.rows(
+            (TIME, MOVED, PULLED)
+        )
         check(folder.write(text), "N/mm")
 
     @pytest.mark.parametrize("said", ["fast", "0", "-5[Hz]", "400[s]"])
@@ -113,8 +124,10 @@ def test_the_clock_of_the_wall(folder, title, style):
 
 
 def test_the_hint_for_a_force_that_counts_the_other_way_has_its_unit(folder):
-    """Typed as it stands, a hint must give the right stiffness, not one a thousand times smaller."""
-    path = folder.write("time [s],displacement [mm],force [kN]\n" + samples.rows((TIME, MOVED, -PULLED)))
+    """A hint typed as it stands must give the right stiffness, not a thousandth of it."""
+    path = folder.write(
+        "time [s],displacement [mm],force [kN]\n" + samples.rows((TIME, MOVED, -PULLED))
+    )
     note = signals_to_measurement([path]).provenance["note data"]
     said = note[note.index("open '") :].removeprefix(f"open '{path}").rstrip("'")
     assert said == "?force=-kN"

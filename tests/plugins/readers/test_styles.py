@@ -1,4 +1,4 @@
-"""Styles in which people write numbers and tables, and what is asked where they leave something open."""
+"""Styles in which people write numbers and tables, and what is asked where they are unclear."""
 
 import numpy as np
 import pytest
@@ -25,12 +25,15 @@ def test_blanks_between_thousands(folder, blank):
 
 
 def test_two_numbers_in_one_cell_are_no_thousands(folder):
-    assert "'1 00' is no number" in folder.complaint("f [Hz];G' [Pa];G'' [Pa]\n0,5;1 00;900\n1;12;190\n")
+    assert "'1 00' is no number" in folder.complaint(
+        "f [Hz];G' [Pa];G'' [Pa]\n0,5;1 00;900\n1;12;190\n"
+    )
 
 
 def test_exponents_of_fortran(folder):
     text = "\n".join(
-        " ".join(f"{value:.12E}".replace("E", "D") for value in row) for row in zip(*COLUMNS, strict=True)
+        " ".join(f"{value:.12E}".replace("E", "D") for value in row)
+        for row in zip(*COLUMNS, strict=True)
     )
     same(folder.open(f"f[Hz] G'[Pa] G''[Pa]\n{text}\n"))
 
@@ -70,7 +73,9 @@ def test_columns_of_repeats(folder):
     text = f"f [Hz],G'_1 [Pa],G''_1 [Pa],G'_2 [Pa],G''_2 [Pa]\n{lines}\n"
     found = folder.open(text, "?curves=repeat")
     np.testing.assert_array_equal(found.repeat, np.repeat([1, 2], len(OMEGA)))
-    np.testing.assert_allclose(found.stiffness, np.concatenate([STIFFNESS, 1.01 * STIFFNESS]), rtol=1e-10)
+    np.testing.assert_allclose(
+        found.stiffness, np.concatenate([STIFFNESS, 1.01 * STIFFNESS]), rtol=1e-10
+    )
 
 
 def test_a_page_is_no_table(folder):

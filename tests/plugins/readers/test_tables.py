@@ -1,4 +1,7 @@
-"""Generic tables: names, symbols, units and signs of any kind; what is left open is asked for, never guessed."""
+"""Generic tables: names, symbols, units and signs of any kind.
+
+What is left open is asked for, never guessed.
+"""
 
 import re
 
@@ -65,10 +68,14 @@ def test_hertz_becomes_radians(folder, header):
     same(folder.open(table(header, omega=HERTZ)))
 
 
-@pytest.mark.parametrize(("separator", "decimal"), [(";", ","), ("\t", ","), (",", "."), (" ", "."), ("|", ",")])
+@pytest.mark.parametrize(
+    ("separator", "decimal"), [(";", ","), ("\t", ","), (",", "."), (" ", "."), ("|", ",")]
+)
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "latin-1"])
 def test_separators_decimals_and_encodings(folder, separator, decimal, encoding):
-    header = separator.join(("Fréquence_angulaire[rad/s]", "Module_de_Stockage[Pa]", "Module_de_Perte[Pa]"))
+    header = separator.join(
+        ("Fréquence_angulaire[rad/s]", "Module_de_Stockage[Pa]", "Module_de_Perte[Pa]")
+    )
     same(folder.open(table(header, separator, decimal).encode(encoding)))
 
 
@@ -105,16 +112,24 @@ def test_magnitude_and_phase_loss_factor_and_viscosity(folder):
     same(folder.open("ω (rad/s);|G*| (Pa);δ (°)\n" + rows((OMEGA, size, angle), ";")))
     same(
         folder.open(
-            "ω (rad/s);Complex modulus (Pa);Tan(delta)\n" + rows((OMEGA, size, np.tan(np.angle(STIFFNESS))), ";")
+            "ω (rad/s);Complex modulus (Pa);Tan(delta)\n"
+            + rows((OMEGA, size, np.tan(np.angle(STIFFNESS))), ";")
         )
     )
-    same(folder.open("ω (rad/s);|η*| (mPa·s);Phase angle (°)\n" + rows((OMEGA, 1e3 * size / OMEGA, angle), ";")))
+    same(
+        folder.open(
+            "ω (rad/s);|η*| (mPa·s);Phase angle (°)\n"
+            + rows((OMEGA, 1e3 * size / OMEGA, angle), ";")
+        )
+    )
 
 
 def test_storage_and_loss_go_before_what_follows_from_them(folder):
     size, angle = np.abs(STIFFNESS) * 7, np.degrees(np.angle(STIFFNESS)) / 3
     text = "f (Hz);ω (rad/s);|G*| (Pa);δ (°);G' (Pa);G'' (Pa)\n"
-    found = folder.open(text + rows((HERTZ, OMEGA, size, angle, STIFFNESS.real, STIFFNESS.imag), ";"))
+    found = folder.open(
+        text + rows((HERTZ, OMEGA, size, angle, STIFFNESS.real, STIFFNESS.imag), ";")
+    )
     same(found)
     assert not found.conditions
 
@@ -134,13 +149,13 @@ def test_temperature_strain_and_other_columns(folder):
 def test_a_sweep_with_time_angle_and_torque_is_no_time_signal(folder):
     head = "Time (s),Displacement (rad),Torque (N m),omega (rad/s),G' (Pa),G'' (Pa)\n1,1,1,"
     assert folder.open(head + "2,3,4\n").stiffness.tolist() == [3 + 4j]
-    text = "omega [rad/s],storage [Pa],loss [Pa],time [s],displacement [rad],torque [N m]\n1,2,3,4,5,6\n"
-    assert folder.reader(text) == "springpot-csv"
+    head = "omega [rad/s],storage [Pa],loss [Pa],time [s],displacement [rad],torque [N m]\n"
+    assert folder.reader(head + "1,2,3,4,5,6\n") == "springpot-csv"
 
 
 def test_standard_uncertainties(folder):
-    text = "omega_rad_s,storage_Pa,loss_Pa,storage_std_unc_Pa,loss_standard_uncertainty_pa\n1,2,3,0.1,0.2\n"
-    assert folder.open(text).sd[0] == 0.1 + 0.2j
+    head = "omega_rad_s,storage_Pa,loss_Pa,storage_std_unc_Pa,loss_standard_uncertainty_pa\n"
+    assert folder.open(head + "1,2,3,0.1,0.2\n").sd[0] == 0.1 + 0.2j
 
 
 def test_rows_without_a_value_are_left_out_and_counted(folder):
@@ -154,7 +169,9 @@ def test_the_header_of_a_numpy_text_file(folder):
 
 
 def test_lines_above_the_table_are_kept_where_they_are_known(folder):
-    found = folder.open("Sample name: a gel\nGap: 1 mm\n\n" + table("omega [rad/s];G' [Pa];G'' [Pa]", ";"))
+    found = folder.open(
+        "Sample name: a gel\nGap: 1 mm\n\n" + table("omega [rad/s];G' [Pa];G'' [Pa]", ";")
+    )
     assert found.provenance["sample"] == "a gel"
     assert found.provenance["geometry.gap"] == "1 mm"
 
@@ -166,7 +183,11 @@ QUESTIONS = {
         r"or omega \[rad/s\] in it",
     ),
     "moduli": ("omega,G',G''", "storage=Pa,loss=Pa", "have no unit"),
-    "everything": ("f,E_stor,E_loss", "frequency=Hz,storage=Pa,loss=Pa", "'f', 'E_stor', 'E_loss' have no unit"),
+    "everything": (
+        "f,E_stor,E_loss",
+        "frequency=Hz,storage=Pa,loss=Pa",
+        "'f', 'E_stor', 'E_loss' have no unit",
+    ),
 }
 
 
@@ -239,14 +260,23 @@ REFUSED = {
         "omega [rad/s];Speichermodul [Pa];Temperatur [°C]\n1;2;3\n",
         r"missing loss \[unit\], phase \[deg\] or loss_factor",
     ),
-    "unknown names": ("a,b,c\n1,2,3\n4,5,6\n", r"columns a, b, c; say which, .*NAME=frequency\[Hz\]"),
-    "ragged": ("omega (rad/s);G' (Pa);G'' (Pa)\n1;2;3\n1;2;3;4\n", "line 3: 4 cells where the header has 3"),
+    "unknown names": (
+        "a,b,c\n1,2,3\n4,5,6\n",
+        r"columns a, b, c; say which, .*NAME=frequency\[Hz\]",
+    ),
+    "ragged": (
+        "omega (rad/s);G' (Pa);G'' (Pa)\n1;2;3\n1;2;3;4\n",
+        "line 3: 4 cells where the header has 3",
+    ),
     "two signs": (
         "omega (rad/s);G' (Pa);G'' (Pa)\n1;2,5;3\n2;2.5;3\n",
         "have comma and point; write one decimal sign",
     ),
     "words": ("omega (rad/s);G' (Pa);G'' (Pa)\n1;2;3\n2;about 4;3\n", "'about 4' is no number"),
-    "footer": ("omega (rad/s);G' (Pa);G'' (Pa)\n1;2;3\nmean 7\n8\n", "below the table is no row of it"),
+    "footer": (
+        "omega (rad/s);G' (Pa);G'' (Pa)\n1;2;3\nmean 7\n8\n",
+        "below the table is no row of it",
+    ),
     "contradiction": ("omega (Hz);G' (Pa);G'' (Pa)\n1;2;3\n", "omega is in rad/s"),
 }
 
@@ -321,8 +351,13 @@ def test_what_was_not_measured_or_is_misspelt_is_told_with_its_place(tmp_path, r
 def test_two_tables_without_titles_one_below_the_other_are_told_what_they_lack(folder):
     """No column 3 is asked for where there are two."""
     blocks = "0.5\t3.07\n1\t7.02\n5\t42.9\n\t\n\t\n0.5\t9.78\n1\t20.7\n5\t20.7\n"
-    with pytest.raises(DataError, match=r"2 columns of numbers without names.*titles above each") as refused:
+    with pytest.raises(
+        DataError, match=r"2 columns of numbers without names.*titles above each"
+    ) as refused:
         folder.open(blocks)
     assert "3=loss" not in str(refused.value)
-    titled = "frequency [Hz]\tG' [Pa]\n0.5\t3.07\n1\t7.02\n\nfrequency [Hz]\tG\" [Pa]\n0.5\t9.78\n1\t20.7\n"
+    titled = (
+        "frequency [Hz]\tG' [Pa]\n0.5\t3.07\n1\t7.02\n\n"
+        'frequency [Hz]\tG" [Pa]\n0.5\t9.78\n1\t20.7\n'
+    )
     assert folder.open(titled).loss.tolist() == [9.78, 20.7]

@@ -1,4 +1,4 @@
-"""Which words a file uses for frequency and modulus is kept, also when the data are written again."""
+"""The words of a file for frequency and modulus are kept, also when it is written again."""
 
 import pytest
 
@@ -12,7 +12,11 @@ ROWS = "\n1,10,2\n2,11,3\n4,12,4\n"
     [
         ("frequency [Hz],storage [kN/m],loss [kN/m]", "Hz", ""),
         ("omega [rad/s],storage [Pa],loss [Pa]", "rad/s", ""),
-        ("Angular frequency [rad/s],Storage modulus (G') [Pa],Loss modulus (G'') [Pa]", "rad/s", "G"),
+        (
+            "Angular frequency [rad/s],Storage modulus (G') [Pa],Loss modulus (G'') [Pa]",
+            "rad/s",
+            "G",
+        ),
         ("Frequency [Hz],E' [MPa],E'' [MPa]", "Hz", "E"),
         ("f in Hz,G' in Pa,G'' in Pa", "Hz", "G"),
         ("f [mHz],K' [N/mm],K'' [N/mm]", "Hz", "K"),
@@ -28,9 +32,11 @@ def test_the_words_of_a_header(tmp_path, header, clock, letter):
     assert (units.clock, units.letter) == (clock, letter)
 
 
-@pytest.mark.parametrize("header", ["frequency [Hz],E' [MPa],E'' [MPa]", "omega [rad/s],storage [Pa],loss [Pa]"])
+@pytest.mark.parametrize(
+    "header", ["frequency [Hz],E' [MPa],E'' [MPa]", "omega [rad/s],storage [Pa],loss [Pa]"]
+)
 def test_data_written_again_keep_their_words(tmp_path, header):
-    """The file that springpot writes is in rad/s to the last bit; nobody is told so who gave hertz."""
+    """The file springpot writes is in rad/s to the last bit; nobody is told so who gave hertz."""
     path = tmp_path / "table.csv"
     path.write_text(header + ROWS)
     first = springpot.read(path)

@@ -1,4 +1,4 @@
-"""Which columns are amplitude and temperature, which are not, and what is asked of those that nobody knows."""
+"""Columns that are amplitude and temperature, those that are not, and questions about the rest."""
 
 import re
 
@@ -52,7 +52,9 @@ def commands_in(text):
         ("Amplitude Spitze-Spitze [mm]", 1.0),
     ],
 )
-def test_what_people_call_the_amplitude_is_one_and_from_peak_to_peak_half_of_it(folder, title, amplitude):
+def test_what_people_call_the_amplitude_is_one_and_from_peak_to_peak_half_of_it(
+    folder, title, amplitude
+):
     found = folder.open(sweep(f"{FIRST};{title}", 2.0))
     np.testing.assert_array_equal(found.conditions["amplitude"], amplitude)
     assert list(found.conditions) == ["amplitude"]
@@ -62,7 +64,13 @@ def test_what_people_call_the_amplitude_is_one_and_from_peak_to_peak_half_of_it(
 @pytest.mark.parametrize(
     "title",
     [
-        *("T sample [degC]", "T_sample [°C]", "Sample temperature [°C]", "Temp. sample [°C]", "Specimen temp. [°C]"),
+        *(
+            "T sample [degC]",
+            "T_sample [°C]",
+            "Sample temperature [°C]",
+            "Temp. sample [°C]",
+            "Specimen temp. [°C]",
+        ),
         *(
             "Probentemperatur [°C]",
             "T Probe [°C]",
@@ -79,7 +87,9 @@ def test_what_people_call_the_temperature_is_one(folder, title):
     assert list(found.conditions) == ["temperature"]
 
 
-@pytest.mark.parametrize("title", ["Ampl. [mm]", "Amplitude p-p [mm]", "T_sample [degC]", "T [degC]"])
+@pytest.mark.parametrize(
+    "title", ["Ampl. [mm]", "Amplitude p-p [mm]", "T_sample [degC]", "T [degC]"]
+)
 def test_such_a_column_is_known_beside_springpots_own_names(folder, title):
     found = folder.open(sweep(f"frequency [Hz];storage [N/mm];loss [N/mm];{title}", 2.0))
     assert list(found.conditions) in (["amplitude"], ["temperature"])
@@ -88,8 +98,20 @@ def test_such_a_column_is_known_beside_springpots_own_names(folder, title):
 @pytest.mark.parametrize(
     "title",
     [
-        *("oven temperature [degC]", "Ofentemperatur [°C]", "temperature rise [K]", "set temperature [degC]"),
-        *("t_sample [s]", "phase amplitude [deg]", "Amplitude rms [mm]", "gap [mm]", "peak strain [%]", "T set [°C]"),
+        *(
+            "oven temperature [degC]",
+            "Ofentemperatur [°C]",
+            "temperature rise [K]",
+            "set temperature [degC]",
+        ),
+        *(
+            "t_sample [s]",
+            "phase amplitude [deg]",
+            "Amplitude rms [mm]",
+            "gap [mm]",
+            "peak strain [%]",
+            "T set [°C]",
+        ),
         *("stress peak-to-peak [Pa]", "strain PP-GF30 [N]"),
     ],
 )
@@ -98,14 +120,20 @@ def test_what_is_something_else_stays_so(folder, title):
     assert not {"temperature", "amplitude"} & set(found.conditions)
 
 
-@pytest.mark.parametrize("other", ["set temperature", "oven temperature", "chamber temperature", "T set", "T (oven)"])
-@pytest.mark.parametrize("measured", ["temperature", "T", "sample temperature", "T_sample", "Temperature (sample)"])
+@pytest.mark.parametrize(
+    "other", ["set temperature", "oven temperature", "chamber temperature", "T set", "T (oven)"]
+)
+@pytest.mark.parametrize(
+    "measured", ["temperature", "T", "sample temperature", "T_sample", "Temperature (sample)"]
+)
 @pytest.mark.parametrize("order", [1, -1])
 def test_the_measured_temperature_wins_wherever_it_stands(folder, other, measured, order):
     titles, values = [f"{other} [°C]", f"{measured} [°C]"][::order], [50.0, 48.5][::order]
     found = folder.open(sweep(";".join([FIRST, *titles]), *values))
     np.testing.assert_array_equal(found.conditions["temperature"], 48.5)
-    assert 50.0 in [values[0] for values in found.conditions.values()], "the other one keeps a name of its own"
+    assert 50.0 in [values[0] for values in found.conditions.values()], (
+        "the other one keeps a name of its own"
+    )
 
 
 def test_a_second_amplitude_in_another_unit_does_not_take_the_place_of_the_first(folder):
@@ -130,7 +158,9 @@ def test_a_second_amplitude_in_another_unit_does_not_take_the_place_of_the_first
     ],
 )
 @pytest.mark.parametrize("first", [FIRST, "frequency [Hz];storage [N/mm];loss [N/mm]"])
-def test_a_column_that_nobody_knows_is_offered_and_the_offer_works(folder, first, title, role, value, unit):
+def test_a_column_that_nobody_knows_is_offered_and_the_offer_works(
+    folder, first, title, role, value, unit
+):
     content = sweep(f"{first};{title}", 2.0)
     note = folder.open(content).provenance[f"note column of {role}"]
     assert f"if '{title}' is the {role}" in note
@@ -144,7 +174,9 @@ def test_a_column_that_nobody_knows_is_offered_and_the_offer_works(folder, first
 
 def test_an_offer_says_again_what_was_said_before(folder):
     content = sweep("frequency;storage [N/mm];loss [N/mm];Foo [mm]", 2.0)
-    (typed,) = commands_in(folder.open(content, "?frequency=Hz").provenance["note column of amplitude"])
+    (typed,) = commands_in(
+        folder.open(content, "?frequency=Hz").provenance["note column of amplitude"]
+    )
     found = folder.open(content, typed)
     np.testing.assert_allclose(found.frequency, HERTZ)
     np.testing.assert_array_equal(found.conditions["amplitude"], 2.0)
@@ -170,12 +202,21 @@ def test_who_ignores_a_column_is_not_asked_again_and_does_not_keep_it(folder):
         ("Foo [°C]", (-300.0,)),
     ],
 )
-def test_nothing_is_asked_where_the_condition_is_known_or_the_column_cannot_be_it(folder, titles, values):
+def test_nothing_is_asked_where_the_condition_is_known_or_the_column_cannot_be_it(
+    folder, titles, values
+):
     assert not notes_of(folder.open(sweep(f"{FIRST};{titles}", *values)))
 
 
 def test_of_curves_side_by_side_none_is_offered_since_its_name_would_keep_them_together(folder):
-    titles = ["f [Hz]", "Foo [mm]", "G' 20 °C [Pa]", "G'' 20 °C [Pa]", "G' 40 °C [Pa]", "G'' 40 °C [Pa]"]
+    titles = [
+        "f [Hz]",
+        "Foo [mm]",
+        "G' 20 °C [Pa]",
+        "G'' 20 °C [Pa]",
+        "G' 40 °C [Pa]",
+        "G'' 40 °C [Pa]",
+    ]
     rows = [f"{f};2;{f + 9};{f};{f + 5};{f}" for f in HERTZ]
     found = folder.open("\n".join([";".join(titles), *rows, ""]))
     assert len(found) == 2 * len(HERTZ)
@@ -183,7 +224,9 @@ def test_of_curves_side_by_side_none_is_offered_since_its_name_would_keep_them_t
 
 
 def test_an_offer_is_not_written_into_a_file(folder, tmp_path):
-    springpot.write_measurement(folder.open(sweep(f"{FIRST};Foo [mm]", 2.0)), tmp_path / "written.csv")
+    springpot.write_measurement(
+        folder.open(sweep(f"{FIRST};Foo [mm]", 2.0)), tmp_path / "written.csv"
+    )
     assert "note" not in (tmp_path / "written.csv").read_text(encoding="utf-8")
     assert not notes_of(springpot.read(tmp_path / "written.csv"))
 
@@ -192,16 +235,25 @@ def test_an_offer_is_not_written_into_a_file(folder, tmp_path):
 def test_a_phase_in_the_words_of_german_test_benches(folder, unit):
     per_turn = {"gon": 400.0}.get(unit, 360.0)
     head = f"f [Hz];Dynamic stiffness [N/mm];Phase [{unit}]"
-    rows = [f"{f};{abs(k):.12g};{np.angle(k) / (2 * np.pi) * per_turn:.12g}" for f, k in zip(HERTZ, K, strict=True)]
+    rows = [
+        f"{f};{abs(k):.12g};{np.angle(k) / (2 * np.pi) * per_turn:.12g}"
+        for f, k in zip(HERTZ, K, strict=True)
+    ]
     np.testing.assert_allclose(folder.open("\n".join([head, *rows, ""])).stiffness, K, rtol=1e-9)
 
 
 @pytest.mark.parametrize(
     "titles",
     [
-        *("dyn. stiffness K' [N/mm];K'' [N/mm]", "Dyn. Steifigkeit K' [N/mm];Dyn. Steifigkeit K'' [N/mm]"),
+        *(
+            "dyn. stiffness K' [N/mm];K'' [N/mm]",
+            "Dyn. Steifigkeit K' [N/mm];Dyn. Steifigkeit K'' [N/mm]",
+        ),
         *("dyn. stiffness (K') [N/mm];dyn. stiffness (K'') [N/mm]", "c_dyn' [N/mm];c_dyn'' [N/mm]"),
-        *("Kdyn storage [N/mm];Kdyn loss [N/mm]", "Complex modulus E' [N/mm^2];Complex modulus E'' [N/mm^2]"),
+        *(
+            "Kdyn storage [N/mm];Kdyn loss [N/mm]",
+            "Complex modulus E' [N/mm^2];Complex modulus E'' [N/mm^2]",
+        ),
     ],
 )
 def test_a_symbol_with_primes_says_which_part_of_a_dynamic_stiffness(folder, titles):
@@ -239,14 +291,18 @@ def test_an_angle_beside_a_storage_is_proposed_as_the_phase(folder):
     with pytest.raises(DataError, match="is phase") as caught:
         folder.open(content)
     (typed,) = commands_in(str(caught.value))
-    np.testing.assert_allclose(folder.open(content, typed).loss, STORAGE * np.tan(np.radians(LOSS)), rtol=1e-9)
+    np.testing.assert_allclose(
+        folder.open(content, typed).loss, STORAGE * np.tan(np.radians(LOSS)), rtol=1e-9
+    )
 
 
 def negative(folder, head, part, rows):
     """The notes of a sweep in which one part is negative in these rows."""
     columns = [STORAGE.copy(), LOSS.copy()]
     columns[part][rows] *= -1
-    lines = [";".join(f"{value:.10g}" for value in row) for row in zip(HERTZ, *columns, strict=True)]
+    lines = [
+        ";".join(f"{value:.10g}" for value in row) for row in zip(HERTZ, *columns, strict=True)
+    ]
     return notes_of(folder.open("\n".join([head, *lines, ""])))
 
 
@@ -259,15 +315,23 @@ def negative(folder, head, part, rows):
     ],
 )
 def test_a_negative_loss_is_told_by_the_name_of_the_file(folder, head, name):
-    assert negative(folder, head, 1, [1])["note loss"].startswith(f"{name} negative in 1 of 6 rows: ")
+    assert negative(folder, head, 1, [1])["note loss"].startswith(
+        f"{name} negative in 1 of 6 rows: "
+    )
 
 
 @pytest.mark.parametrize(
     ("rows", "says"),
     [
-        ([4, 5], "storage stiffness negative in 2 of 6 rows, from 20 Hz on: the inertia of the rig"),
+        (
+            [4, 5],
+            "storage stiffness negative in 2 of 6 rows, from 20 Hz on: the inertia of the rig",
+        ),
         ([0], "storage stiffness negative in 1 of 6 rows, not at the highest frequencies"),
-        ([3, 5], "storage stiffness negative in 2 of 6 rows, with positive ones at higher frequencies"),
+        (
+            [3, 5],
+            "storage stiffness negative in 2 of 6 rows, with positive ones at higher frequencies",
+        ),
         ([0, 1, 2, 3], "storage stiffness negative in 4 of 6 rows; check the sign of the force"),
         (range(6), "storage stiffness negative in 6 of 6 rows: the inertia of the rig"),
     ],
@@ -287,7 +351,10 @@ def test_what_inertia_does_is_told_in_the_clock_of_the_file(folder):
     ("factor", "says"), [(1.0, "from 20 Hz on: the inertia"), (0.1, "from 2 Hz on: the inertia")]
 )
 def test_inertia_begins_at_each_temperature_where_the_specimen_is_soft_enough(folder, factor, says):
-    """A soft specimen is outweighed from a lower frequency on: signs alternate only where sweeps are mixed."""
+    """A soft specimen is outweighed from a lower frequency on.
+
+    Signs alternate only where sweeps are mixed.
+    """
     lines = ["f [Hz];G' [Pa];G'' [Pa];T [degC]"]
     for celsius, first in ((20.0, 20.0), (60.0, 20.0 * factor)):
         sign = np.where(first > HERTZ, 1.0, -1.0)

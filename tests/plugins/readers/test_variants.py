@@ -1,4 +1,7 @@
-"""Layouts that instruments and programs write, beside those of the other tests: made from what is known of them."""
+"""Layouts that instruments and programs write, beside those of the other tests.
+
+Made from what is known of them.
+"""
 
 import numpy as np
 import pytest
@@ -146,27 +149,52 @@ TABLES = {
     ),
     "a prime at the end of a quoted line": (
         written(
-            '"ω [rad/s]"\t"G\'"\tG"\n[rad/s]\t[kPa]\t[kPa]', OMEGA, STIFFNESS.real, STIFFNESS.imag, separator="\t"
+            '"ω [rad/s]"\t"G\'"\tG"\n[rad/s]\t[kPa]\t[kPa]',
+            OMEGA,
+            STIFFNESS.real,
+            STIFFNESS.imag,
+            separator="\t",
         ),
         1e3,
     ),
     "LaTeX": (
-        written(r"$\omega$ [rad/s],$G^{\prime}$ [Pa],$G^{\prime\prime}$ [Pa]", OMEGA, STIFFNESS.real, STIFFNESS.imag),
+        written(
+            r"$\omega$ [rad/s],$G^{\prime}$ [Pa],$G^{\prime\prime}$ [Pa]",
+            OMEGA,
+            STIFFNESS.real,
+            STIFFNESS.imag,
+        ),
         1,
     ),
-    "compliances": (written("ω [rad/s],J' [1/MPa],J'' [1/MPa]", OMEGA, J.real * 1e6, -J.imag * 1e6), 1),
+    "compliances": (
+        written("ω [rad/s],J' [1/MPa],J'' [1/MPa]", OMEGA, J.real * 1e6, -J.imag * 1e6),
+        1,
+    ),
     "parts of the viscosity": (
         written(
-            "ω [rad/s],η' [mPa s],η'' [mPa s]", OMEGA, STIFFNESS.imag / OMEGA * 1e3, STIFFNESS.real / OMEGA * 1e3
+            "ω [rad/s],η' [mPa s],η'' [mPa s]",
+            OMEGA,
+            STIFFNESS.imag / OMEGA * 1e3,
+            STIFFNESS.real / OMEGA * 1e3,
         ),
         1,
     ),
     "names in two lines": (
-        written('"ω\n[rad/s]","Storage modulus\n[Pa]","Loss modulus\n[Pa]"', OMEGA, STIFFNESS.real, STIFFNESS.imag),
+        written(
+            '"ω\n[rad/s]","Storage modulus\n[Pa]","Loss modulus\n[Pa]"',
+            OMEGA,
+            STIFFNESS.real,
+            STIFFNESS.imag,
+        ),
         1,
     ),
     "stiffness and damping": (
-        written("f [Hz],K' [N/mm],Damping coefficient [Ns/mm]", HERTZ, STIFFNESS.real, STIFFNESS.imag / OMEGA),
+        written(
+            "f [Hz],K' [N/mm],Damping coefficient [Ns/mm]",
+            HERTZ,
+            STIFFNESS.real,
+            STIFFNESS.imag / OMEGA,
+        ),
         1e3,
     ),
     "dynamic stiffness": (
@@ -232,7 +260,12 @@ def test_an_amplitude_sweep_at_a_stated_frequency(folder):
     found = folder.open("Frequency: 2 Hz\n\nStrain [%];G' [Pa];G'' [Pa]\n1;2;3\n2;3;4\n")
     np.testing.assert_allclose(found.frequency, 2.0)
     both = "T = {} °C\nf [Hz];G' [Pa];G'' [Pa]\n1;2;3\n2;3;4\n\n"
-    assert folder.open(both.format(25) + both.format(35)).conditions["temperature"].tolist() == [25, 25, 35, 35]
+    assert folder.open(both.format(25) + both.format(35)).conditions["temperature"].tolist() == [
+        25,
+        25,
+        35,
+        35,
+    ]
 
 
 def test_parts_in_other_units_are_converted_to_those_of_the_first(folder):
@@ -258,12 +291,16 @@ def test_thousands(folder):
     np.testing.assert_array_equal(found.stiffness, [1234.5 + 3.5j, 12345.5 + 2000j])
     found = folder.open("f [Hz];G' [Pa];G'' [Pa]\n1;1.234,5;3,5\n2;12.345,5;4,5\n")
     np.testing.assert_array_equal(found.storage, [1234.5, 12345.5])
-    assert "write one decimal sign" in folder.complaint("f [Hz];G' [Pa];G'' [Pa]\n1;1.23;3\n2;1,23;3\n")
+    assert "write one decimal sign" in folder.complaint(
+        "f [Hz];G' [Pa];G'' [Pa]\n1;1.23;3\n2;1,23;3\n"
+    )
 
 
 def test_a_strain_without_unit_beside_names_with_units_is_a_number(folder):
     columns = (HERTZ, STIFFNESS.real, STIFFNESS.imag, 0 * OMEGA + 0.01)
-    found = folder.open(written("Frequency (Hz),Elastic Modulus (Pa),Viscous Modulus (Pa),Strain", *columns))
+    found = folder.open(
+        written("Frequency (Hz),Elastic Modulus (Pa),Viscous Modulus (Pa),Strain", *columns)
+    )
     assert found.units.amplitude == "-"
     found = folder.open(written("Frequency (Hz),G' (Pa),G'' (Pa),% strain", *columns))
     assert found.units.amplitude == "%"
@@ -286,11 +323,17 @@ SIGNALS = {
         ",",
     ),
     "MTS": (
-        "MTS793|MPT|ENU|1|2\n\nData Header:\tx\n\nTime\tN\tAxial Displacement\tAxial Force\nSec\t\tmm\tkN\n",
+        (
+            "MTS793|MPT|ENU|1|2\n\nData Header:\tx\n\n"
+            "Time\tN\tAxial Displacement\tAxial Force\nSec\t\tmm\tkN\n"
+        ),
         "\t",
     ),
     "units in parentheses": ("Running Time,N,Crosshead,Load\n(s),(),(mm),(kN)\n", ","),
-    "a report above": ("Test report\nOperator: me\n\ntime [s];n;displacement [mm];force [kN]\n", ";"),
+    "a report above": (
+        "Test report\nOperator: me\n\ntime [s];n;displacement [mm];force [kN]\n",
+        ";",
+    ),
     "blanks": ("   time[s]  n  disp[mm]   force[kN]\n", "  "),
     "a comment": ("# time [s]  n  displacement [mm]  force [kN]\n", " "),
 }
@@ -304,7 +347,8 @@ def test_signals_as_test_machines_write_them(tmp_path, case):
     path.write_text(head + samples.rows(columns, separator) + "\n")
     plain = tmp_path / "plain.csv"
     plain.write_text(
-        "time [s],displacement [mm],force [kN]\n" + samples.rows((samples.TIME, samples.MOVED, samples.PULLED))
+        "time [s],displacement [mm],force [kN]\n"
+        + samples.rows((samples.TIME, samples.MOVED, samples.PULLED))
     )
     found, wanted = (signals_to_measurement([file], READERS) for file in (path, plain))
     assert found.units == wanted.units

@@ -24,7 +24,9 @@ def is_both(found, temperatures=None, unit="Pa"):
     if temperatures is None:
         assert "temperature" not in found.conditions
     else:
-        np.testing.assert_allclose(found.conditions["temperature"], np.repeat(temperatures, len(OMEGA)))
+        np.testing.assert_allclose(
+            found.conditions["temperature"], np.repeat(temperatures, len(OMEGA))
+        )
 
 
 TITLES = [
@@ -65,7 +67,9 @@ def test_numbers_above_curves_are_names_until_the_user_says_more(folder):
 def test_moduli_first_then_temperatures(folder):
     columns = (HERTZ, STIFFNESS.real, WARM.real, STIFFNESS.imag, WARM.imag)
     is_both(
-        folder.open(f",20 °C,40 °C,20 °C,40 °C\nf [Hz],G' [Pa],G' [Pa],G'' [Pa],G'' [Pa]\n{rows(columns)}\n"),
+        folder.open(
+            f",20 °C,40 °C,20 °C,40 °C\nf [Hz],G' [Pa],G' [Pa],G'' [Pa],G'' [Pa]\n{rows(columns)}\n"
+        ),
         (20, 40),
     )
 
@@ -73,7 +77,10 @@ def test_moduli_first_then_temperatures(folder):
 @pytest.mark.parametrize(
     ("titles", "names"),
     [
-        ("Sample A,,,Sample B,,\nf [Hz],G' [Pa],G'' [Pa],f [Hz],G' [Pa],G'' [Pa]", ["Sample A", "Sample B"]),
+        (
+            "Sample A,,,Sample B,,\nf [Hz],G' [Pa],G'' [Pa],f [Hz],G' [Pa],G'' [Pa]",
+            ["Sample A", "Sample B"],
+        ),
         ("f [Hz],G' [Pa],G'' [Pa],f [Hz],G' [Pa],G'' [Pa]", ["curve 1", "curve 2"]),
         ("f [Hz],G' [Pa],G'' [Pa],f [Hz].1,G' [Pa].1,G'' [Pa].1", ["curve 1", "curve 2"]),
         ("f_A [Hz],G'_A [Pa],G''_A [Pa],f_B [Hz],G'_B [Pa],G''_B [Pa]", ["A", "B"]),
@@ -86,8 +93,15 @@ def test_curves_with_frequencies_of_their_own(folder, titles, names):
 
 
 def test_an_empty_column_between_curves_and_curves_of_unlike_length(folder):
-    lines = [f"{a},,{b}" for a, b in zip(rows(TWICE[:3]).split("\n"), rows(TWICE[3:]).split("\n"), strict=True)]
-    text = "f [Hz],G' [Pa],G'' [Pa],,f [Hz],G' [Pa],G'' [Pa]\n" + "\n".join(lines) + "\n100,2000,300,,,,\n"
+    lines = [
+        f"{a},,{b}"
+        for a, b in zip(rows(TWICE[:3]).split("\n"), rows(TWICE[3:]).split("\n"), strict=True)
+    ]
+    text = (
+        "f [Hz],G' [Pa],G'' [Pa],,f [Hz],G' [Pa],G'' [Pa]\n"
+        + "\n".join(lines)
+        + "\n100,2000,300,,,,\n"
+    )
     found = folder.open(text)
     assert len(found) == 2 * len(OMEGA) + 1
     assert len(folder.open(text, "#2")) == len(OMEGA)
@@ -103,14 +117,20 @@ def test_names_of_samples_are_no_temperatures(folder):
 
 def test_one_temperature_in_the_titles_is_a_condition(folder):
     found = folder.open(
-        f"f [Hz],G' (-5,5 °C) [Pa],tan d (-5,5 °C)\n{rows(PAIR[:3])}\n".replace(",", ";").replace(";5 ", ",5 ")
+        f"f [Hz],G' (-5,5 °C) [Pa],tan d (-5,5 °C)\n{rows(PAIR[:3])}\n".replace(",", ";").replace(
+            ";5 ", ",5 "
+        )
     )
     assert set(found.conditions["temperature"]) == {-5.5}
 
 
 def test_a_temperature_sweep_at_several_frequencies(folder):
     temperature = 10.0 * np.arange(len(OMEGA))
-    text = "T [°C],E' 1 Hz [Pa],E'' 1 Hz [Pa],E' 10 Hz [Pa],E'' 10 Hz [Pa]\n" + rows((temperature, *PAIR[1:])) + "\n"
+    text = (
+        "T [°C],E' 1 Hz [Pa],E'' 1 Hz [Pa],E' 10 Hz [Pa],E'' 10 Hz [Pa]\n"
+        + rows((temperature, *PAIR[1:]))
+        + "\n"
+    )
     found = folder.open(text)
     np.testing.assert_allclose(found.omega, np.repeat([2 * np.pi, 20 * np.pi], len(OMEGA)))
     np.testing.assert_allclose(found.stiffness, BOTH, rtol=1e-10)
@@ -130,7 +150,9 @@ def test_a_model_beside_the_measurement_is_no_curve(folder, titles):
 
 
 def test_a_model_is_not_read_in_place_of_a_measurement(folder):
-    said = folder.complaint(f"f [Hz],G'_exp [Pa],G''_exp [Pa],G'_fit [Pa],G''_fit [Pa]\n{NUMBERS}\n")
+    said = folder.complaint(
+        f"f [Hz],G'_exp [Pa],G''_exp [Pa],G'_fit [Pa],G''_fit [Pa]\n{NUMBERS}\n"
+    )
     assert "if 'G'_exp [Pa]' is storage [Pa] and 'G''_exp [Pa]' is loss [Pa], open" in said
     assert "\n" not in said
 
@@ -178,7 +200,9 @@ def test_sweeps_one_below_the_other(folder, line, repeated):
 
 
 def test_rows_that_are_numbered_by_segment(folder):
-    lines = [f"{k}|{i},{row}" for k in (1, 2) for i, row in enumerate(rows(PAIR[:3]).split("\n"), 1)]
+    lines = [
+        f"{k}|{i},{row}" for k in (1, 2) for i, row in enumerate(rows(PAIR[:3]).split("\n"), 1)
+    ]
     text = 'SegIndex,f in Hz,G\' in Pa,"G"" in Pa"\n' + "\n".join(lines) + "\n"
     assert [part.name for part in folder.parts(text)] == ["segment 1", "segment 2"]
     np.testing.assert_allclose(folder.open(text, "#2").stiffness, STIFFNESS, rtol=1e-10)
@@ -191,9 +215,17 @@ def test_the_count_of_rows_without_a_name_above_it(folder):
 
 
 def test_names_behind_a_word_that_has_no_column(folder):
-    """Numbers that begin at the margin, below names that do not, must not be read one column off."""
-    head = "Project:\tp\nTest:\tt\nResult:\tr\nInterval and data points:\t1\t5\nTemperature:\t25.0 °C\n"
-    text = head + "Interval data:\tFrequency\tG'\tG''\n\t[Hz]\t[Pa]\t[Pa]\n" + rows(PAIR[:3], "\t") + "\n"
+    """Numbers at the margin, below names that are not, must not be read one column off."""
+    head = (
+        "Project:\tp\nTest:\tt\nResult:\tr\nInterval and data points:\t1\t5\n"
+        "Temperature:\t25.0 °C\n"
+    )
+    text = (
+        head
+        + "Interval data:\tFrequency\tG'\tG''\n\t[Hz]\t[Pa]\t[Pa]\n"
+        + rows(PAIR[:3], "\t")
+        + "\n"
+    )
     assert folder.reader(text) == "rheocompass"
     found = folder.open(text)
     np.testing.assert_allclose(found.omega, OMEGA, rtol=1e-10)

@@ -1,4 +1,7 @@
-"""Numbers, titles and units as laboratories write them otherwise: complex, in decibel, as a period, exchanged."""
+"""Numbers, titles and units as laboratories write them otherwise.
+
+Complex, in decibel, as a period, exchanged.
+"""
 
 import numpy as np
 import pytest
@@ -60,7 +63,9 @@ def test_complex_numbers_have_decimal_commas_and_other_columns_beside_them(folde
 )
 def test_what_opposes_the_modulus_has_its_own_sign(folder, title, values):
     """J* = J' - i J'' and eta* = eta' - i eta'': a positive loss from a negative imaginary part."""
-    lines = [f"{number(w)},{v.real:.12g}{v.imag:+.12g}j" for w, v in zip(OMEGA, values, strict=True)]
+    lines = [
+        f"{number(w)},{v.real:.12g}{v.imag:+.12g}j" for w, v in zip(OMEGA, values, strict=True)
+    ]
     assert_holds(folder.open("\n".join([f"omega [rad/s],{title}", *lines])))
 
 
@@ -82,7 +87,8 @@ def test_a_cell_that_is_no_complex_number_is_left_out_with_a_note_or_told(folder
 
 def test_values_with_deviations(folder):
     lines = [
-        f"{number(w)},{number(k.real)} ± {number(k.real / 50)},{number(k.imag)} +/- {number(k.imag / 20)}"
+        f"{number(w)},{number(k.real)} ± {number(k.real / 50)},"
+        f"{number(k.imag)} +/- {number(k.imag / 20)}"
         for w, k in zip(OMEGA, STIFFNESS, strict=True)
     ]
     found = folder.open("\n".join(["omega [rad/s],G' [Pa],G'' [Pa]", *lines]))
@@ -90,7 +96,9 @@ def test_values_with_deviations(folder):
     np.testing.assert_allclose(found.sd, STIFFNESS.real / 50 + 1j * STIFFNESS.imag / 20, rtol=1e-9)
 
 
-@pytest.mark.parametrize("words", [("±", "±"), ("SD", "SD.1"), ("Std. Dev. [Pa]", "Std. Dev. [Pa]")])
+@pytest.mark.parametrize(
+    "words", [("±", "±"), ("SD", "SD.1"), ("Std. Dev. [Pa]", "Std. Dev. [Pa]")]
+)
 def test_a_column_called_deviation_belongs_to_the_one_before(folder, words):
     columns = (OMEGA, STIFFNESS.real, STIFFNESS.real / 50, STIFFNESS.imag, STIFFNESS.imag / 20)
     found = folder.open(f"omega [rad/s],G' [Pa],{words[0]},G'' [Pa],{words[1]}\n{rows(columns)}\n")
@@ -108,10 +116,14 @@ def test_a_deviation_in_per_cent_is_no_deviation_in_pascal(folder):
 @pytest.mark.parametrize("unit", ["dB re 1 N/m", "dB re. 1 N/m", "dB (re 1 N/m)", "dB ref N/m"])
 def test_a_level_of_dynamic_stiffness(folder, unit):
     columns = (OMEGA / (2 * np.pi), 20 * np.log10(abs(STIFFNESS)), np.degrees(np.angle(STIFFNESS)))
-    assert_holds(folder.open(f"Frequency [Hz],Dynamic stiffness [{unit}],Phase [deg]\n{rows(columns)}\n"))
+    assert_holds(
+        folder.open(f"Frequency [Hz],Dynamic stiffness [{unit}],Phase [deg]\n{rows(columns)}\n")
+    )
 
 
-@pytest.mark.parametrize(("title", "per_second"), [("Period [s]", 1.0), ("Periodendauer [ms]", 1e3)])
+@pytest.mark.parametrize(
+    ("title", "per_second"), [("Period [s]", 1.0), ("Periodendauer [ms]", 1e3)]
+)
 def test_a_period_is_one_over_a_frequency(folder, title, per_second):
     columns = (per_second / HERTZ, STIFFNESS.real, STIFFNESS.imag)
     assert_holds(folder.open(f"{title},G' [Pa],G'' [Pa]\n{rows(columns)}\n"))
@@ -153,7 +165,10 @@ def test_real_and_imaginary_receptance_and_stiffness(folder):
 
 
 def test_springs_called_c_and_damping_ratios_called_beta(folder):
-    """German drawings call a stiffness c; codes for isolators call the equivalent damping ratio beta."""
+    """German drawings call a stiffness c.
+
+    Codes for isolators call the equivalent damping ratio beta.
+    """
     columns = (HERTZ, STIFFNESS.real / 1e3, STIFFNESS.imag / 1e3)
     assert_holds(folder.open(f"Frequenz [Hz],c' [N/mm],c'' [N/mm]\n{rows(columns)}\n"))
     columns = (HERTZ, STIFFNESS.real / 1e3, 50 * STIFFNESS.imag / STIFFNESS.real)
@@ -162,13 +177,17 @@ def test_springs_called_c_and_damping_ratios_called_beta(folder):
 
 def test_thousands_as_in_switzerland(folder):
     lines = [
-        f"{w:.10g};{k.real:_.9f};{k.imag:_.9f}".replace("_", "'") for w, k in zip(OMEGA, 1e4 * SOLID, strict=True)
+        f"{w:.10g};{k.real:_.9f};{k.imag:_.9f}".replace("_", "'")
+        for w, k in zip(OMEGA, 1e4 * SOLID, strict=True)
     ]
     assert_holds(folder.open("\n".join(["omega [rad/s];G' [Pa];G'' [Pa]", *lines])), 1e4 * SOLID)
 
 
 def test_units_in_the_cells_of_a_column(folder):
-    lines = [f"23 °C,{number(w)},{number(k.real)},{number(k.imag)}" for w, k in zip(OMEGA, STIFFNESS, strict=True)]
+    lines = [
+        f"23 °C,{number(w)},{number(k.real)},{number(k.imag)}"
+        for w, k in zip(OMEGA, STIFFNESS, strict=True)
+    ]
     found = folder.open("\n".join(["Temperature,omega [rad/s],G' [Pa],G'' [Pa]", *lines]))
     assert_holds(found)
     np.testing.assert_array_equal(found.conditions["temperature"], 23.0)
@@ -180,7 +199,9 @@ def test_a_name_in_the_row_of_units(folder):
 
 
 def test_a_temperature_in_two_cells_above_the_table(folder):
-    found = folder.open("Auftrag;4711\nTemperatur;23 °C\n\n" + table("omega [rad/s];G' [Pa];G'' [Pa]", ";"))
+    found = folder.open(
+        "Auftrag;4711\nTemperatur;23 °C\n\n" + table("omega [rad/s];G' [Pa];G'' [Pa]", ";")
+    )
     np.testing.assert_array_equal(found.conditions["temperature"], 23.0)
 
 
@@ -192,7 +213,7 @@ def test_marks_of_what_was_not_measured_in_an_own_table(folder, mark):
 
 
 def test_an_unknown_column_may_be_the_frequency_before_any_constant(folder):
-    """A hint that is typed as it stands must not give all rows of a frequency sweep one frequency."""
+    """A hint typed as it stands must not give all rows of a frequency sweep one frequency."""
     text = table("Speed [rpm],storage [Pa],loss [Pa]")
     assert folder.complaint(text).endswith(
         "if Speed [rpm] is it, open '" + str(folder.path / "data.txt") + "?1=frequency[1/min]'"
@@ -225,14 +246,20 @@ class TestExchange:
             assert exchange_note(exchanged), name
 
     @pytest.mark.parametrize("loss_over_storage", [1e-3, 1e3])
-    def test_a_fluid_is_not_told_for_its_large_loss_nor_a_spring_for_its_small_one(self, loss_over_storage):
+    def test_a_fluid_is_not_told_for_its_large_loss_nor_a_spring_for_its_small_one(
+        self, loss_over_storage
+    ):
         stiffness = 1.0 + 1j * loss_over_storage * self.WIDE
         assert not exchange_note(Measurement(self.WIDE, stiffness))
 
     def test_a_mass_or_a_delay_is_no_exchange(self):
-        """Both take a sweep far from every material, and exchanging its columns brings it no nearer."""
+        """Both take a sweep far from every material; exchanging its columns brings it no nearer."""
         solid = self.materials()["solid"]
-        for other in (solid - 0.001 * self.WIDE**2, solid * np.exp(-0.01j * self.WIDE), solid.conj()):
+        for other in (
+            solid - 0.001 * self.WIDE**2,
+            solid * np.exp(-0.01j * self.WIDE),
+            solid.conj(),
+        ):
             measured = Measurement(self.WIDE, other)
             assert material_misfit(measured.omega, measured.stiffness) > 0.05
             assert not exchange_note(measured)
@@ -246,7 +273,9 @@ class TestExchange:
 
     def test_the_note_leads_to_the_right_data(self, folder):
         solid = self.materials()["solid"]
-        text = f"omega [rad/s],storage [Pa],loss [Pa]\n{rows((self.WIDE, solid.imag, solid.real))}\n"
+        text = (
+            f"omega [rad/s],storage [Pa],loss [Pa]\n{rows((self.WIDE, solid.imag, solid.real))}\n"
+        )
         note = folder.open(text).provenance["note exchange"]
         path = folder.path / "data.txt"
         assert note.endswith(f"open '{path}?storage=loss,loss=storage'")
@@ -281,7 +310,12 @@ class TestRepeats:
         assert "note repeats" not in folder.open(self.text([level], f",{title}")).provenance
 
     def test_a_setting_in_time_at_one_frequency_is_none(self, folder):
-        columns = (np.arange(20.0), np.full(20, 6.28), np.geomspace(1, 500, 20), np.geomspace(5, 50, 20))
+        columns = (
+            np.arange(20.0),
+            np.full(20, 6.28),
+            np.geomspace(1, 500, 20),
+            np.geomspace(5, 50, 20),
+        )
         found = folder.open(f"time [s],omega [rad/s],G' [Pa],G'' [Pa]\n{rows(columns)}\n")
         assert "note repeats" not in found.provenance
 
@@ -301,5 +335,7 @@ def test_the_size_of_numbers_changes_nothing_of_what_was_exchanged(size):
     maxwell = 1j * omega / (10.0 + 1j * omega)
     swapped = size * (maxwell.imag + 1j * maxwell.real)
     assert (
-        exchange_note(Measurement(omega * size, swapped)) == exchange_note(Measurement(omega, swapped / size)) != {}
+        exchange_note(Measurement(omega * size, swapped))
+        == exchange_note(Measurement(omega, swapped / size))
+        != {}
     )

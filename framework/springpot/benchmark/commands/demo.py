@@ -21,7 +21,12 @@ SHOWN = ("data set", "optimiser", "success", "evaluations to target", "parameter
 
 @click.command("demo", epilog="Example: springpot demo --out results/demo")
 @click.option(
-    "--out", type=FILE, default=Path("results/demo"), show_default=True, metavar="DIR", help="Results go here."
+    "--out",
+    type=FILE,
+    default=Path("results/demo"),
+    show_default=True,
+    metavar="DIR",
+    help="Results go here.",
 )
 @json_option
 def command(out: Path, as_json: bool) -> int:
@@ -58,7 +63,9 @@ def command(out: Path, as_json: bool) -> int:
         worst = max(worst, code)
     write_text(out / "story.txt", "\n".join(story))
     files = sorted(str(path) for path in out.rglob("*") if path.is_file())
-    emit({"schema": "springpot.files/1", "files": files}, as_json, lambda: print(f"\nwritten: {out}"))
+    emit(
+        {"schema": "springpot.files/1", "files": files}, as_json, lambda: print(f"\nwritten: {out}")
+    )
     return worst
 
 
@@ -82,8 +89,10 @@ def _told(chapter: Chapter, out: Path) -> tuple[str, int]:
 
 def _run(race: Race, out: Path) -> str:
     """Run a race and give its summary as text."""
-    from springpot.benchmark import Store, Study, run_study
     from springpot.benchmark.findings import study_tables
+    from springpot.benchmark.runner import run_study
+    from springpot.benchmark.store import Store
+    from springpot.benchmark.study import Study
     from springpot.benchmark.tables import text
     from springpot.report.text import Table
 

@@ -16,19 +16,36 @@ FORMATS = ("ioh", "coco", "csv", "parquet")
 @click.command("export", epilog="Example: springpot export race --format ioh -o for-iohanalyzer")
 @click.argument("study", type=DATA, metavar="STUDY")
 @click.option("--format", "kind", type=click.Choice(FORMATS), required=True, help="For which tool.")
-@click.option("-o", "--output", "folder", type=FILE, metavar="DIR", help="Folder; by default beside the results.")
 @click.option(
-    "--out", type=FILE, default=Path("results"), show_default=True, metavar="DIR", help="Where results are."
+    "-o",
+    "--output",
+    "folder",
+    type=FILE,
+    metavar="DIR",
+    help="Folder; by default beside the results.",
+)
+@click.option(
+    "--out",
+    type=FILE,
+    default=Path("results"),
+    show_default=True,
+    metavar="DIR",
+    help="Where results are.",
 )
 @json_option
 def command(study: str, kind: str, folder: Path | None, out: Path, as_json: bool) -> None:
     """Write the results of STUDY (its name, script, folder or .sqlite file) for another tool.
 
-    ioh: IOHanalyzer and iohinspector; coco: cocopp; csv and parquet: every trial, and every point of its trace.
+    ioh: IOHanalyzer and iohinspector; coco: cocopp; csv and parquet: every trial, and every point
+    of its trace.
     """
     from springpot.benchmark.exporting import export
 
-    result = {"schema": "springpot.export/1", "format": kind, **asdict(export(study, kind, folder, out))}
+    result = {
+        "schema": "springpot.export/1",
+        "format": kind,
+        **asdict(export(study, kind, folder, out)),
+    }
     emit(result, as_json, lambda: _show(result))
 
 

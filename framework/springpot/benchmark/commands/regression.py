@@ -18,9 +18,13 @@ def _shared(command: F) -> F:
     """Add the arguments that both commands have."""
     out, text = Path("results"), "Where results and baselines are."
     for add in (
-        click.option("--workers", type=POSITIVE, metavar="N", help="Processes; one for each core by default."),
+        click.option(
+            "--workers", type=POSITIVE, metavar="N", help="Processes; one for each core by default."
+        ),
         click.option("--out", type=FILE, default=out, show_default=True, metavar="DIR", help=text),
-        click.option("--baseline", type=FILE, metavar="FILE", help="By default OUT/NAME/baseline.json."),
+        click.option(
+            "--baseline", type=FILE, metavar="FILE", help="By default OUT/NAME/baseline.json."
+        ),
         click.argument("studies", nargs=-1, type=INPUT, metavar="[STUDY.py|STORE]..."),
     ):
         command = add(command)
@@ -35,7 +39,9 @@ def command() -> None:
 @command.command("update", epilog="Example: springpot regression update studies/gate.py")
 @_shared
 @json_option
-def _update(studies: tuple[Path, ...], baseline: Path | None, out: Path, workers: int | None, as_json: bool) -> None:
+def _update(
+    studies: tuple[Path, ...], baseline: Path | None, out: Path, workers: int | None, as_json: bool
+) -> None:
     """Run each STUDY.py afresh, or take the trials of a STORE, and write its baseline: commit it.
 
     Without arguments, every study that has a baseline.
@@ -72,17 +78,23 @@ def _check(
 ) -> int:
     """Run each STUDY.py afresh, or take the trials of a STORE, and compare with its baseline.
 
-    Exit code 1 and a sentence for each optimiser and data set that got worse; 2 if there is no baseline. Without
-    arguments, every study that has a baseline.
+    Exit code 1 and a sentence for each optimiser and data set that got worse; 2 if there is no
+    baseline. Without arguments, every study that has a baseline.
     """
     from springpot.benchmark.gate.difference import LEVEL
     from springpot.benchmark.gate.regression import check, known_scripts
 
     _require_one(studies, baseline)
     level = level or LEVEL
-    gates = [check(study, baseline, out, workers, seed, level) for study in studies or known_scripts(out)]
+    gates = [
+        check(study, baseline, out, workers, seed, level) for study in studies or known_scripts(out)
+    ]
     passed = all(gate.passed for gate in gates)
-    result = {"schema": "springpot.regression/1", "passed": passed, "gates": [asdict(gate) for gate in gates]}
+    result = {
+        "schema": "springpot.regression/1",
+        "passed": passed,
+        "gates": [asdict(gate) for gate in gates],
+    }
     emit(result, as_json, lambda: _show(gates))
     # The exit code is what a pipeline of CI sees.
     return int(not passed)

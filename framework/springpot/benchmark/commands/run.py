@@ -13,11 +13,27 @@ from springpot.cli.common import FILE, INPUT, POSITIVE, emit, json_option, own_s
 
 @click.command("run", epilog="Example: springpot run race.py --workers 2")
 @click.argument("study", type=INPUT, metavar="STUDY.py")
-@click.option("--workers", type=POSITIVE, metavar="N", help="Processes; one for each core by default.")
+@click.option(
+    "--workers", type=POSITIVE, metavar="N", help="Processes; one for each core by default."
+)
 @click.option("--engine", metavar="NAME", help="local (default), serial or dask:ADDRESS.")
-@click.option("--budget", type=POSITIVE, metavar="N", help="Evaluations of each trial, instead of the study's.")
-@click.option("--repeats", type=POSITIVE, metavar="N", help="Trials of each cell, instead of the study's.")
-@click.option("--out", type=FILE, default=Path("results"), show_default=True, metavar="DIR", help="Results go here.")
+@click.option(
+    "--budget",
+    type=POSITIVE,
+    metavar="N",
+    help="Evaluations of each trial, instead of the study's.",
+)
+@click.option(
+    "--repeats", type=POSITIVE, metavar="N", help="Trials of each cell, instead of the study's."
+)
+@click.option(
+    "--out",
+    type=FILE,
+    default=Path("results"),
+    show_default=True,
+    metavar="DIR",
+    help="Results go here.",
+)
 @click.option("--retry-failed", is_flag=True, help="Run trials that failed before once more.")
 @click.option("--quiet", "-q", is_flag=True, help="Show no progress.")
 @json_option
@@ -32,19 +48,23 @@ def command(
     quiet: bool,
     as_json: bool,
 ) -> None:
-    """Run what is missing of the study that STUDY.py declares, then write its tables and its report.
+    """Run what is missing of the study that STUDY.py declares, and write its tables and report.
 
     Finished trials are kept: after an interruption, the same command goes on.
     """
-    from springpot.benchmark import run_study
     from springpot.benchmark.report.study import write_study_report
+    from springpot.benchmark.runner import run_study
 
     if workers is not None and engine not in (None, "local"):
         raise click.UsageError("give --workers or --engine, not both", click.get_current_context())
     # Optimisers of other makers print what they like.
     with own_stdout(quiet):
         outcome = run_study(study, workers, engine, budget, repeats, out, quiet, retry_failed)
-    result = {"schema": "springpot.run/1", **asdict(outcome), "report": write_study_report(outcome.store)}
+    result = {
+        "schema": "springpot.run/1",
+        **asdict(outcome),
+        "report": write_study_report(outcome.store),
+    }
     emit(result, as_json, lambda: _show(result))
 
 

@@ -1,4 +1,4 @@
-"""``springpot tables``: the tables of a study that has been run, to stdout or beside its results."""
+"""``springpot tables``: tables of a study that has been run, to stdout or beside its results."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import click
 from springpot.cli.common import DATA, FILE, emit, json_option
 
 if TYPE_CHECKING:
-    from springpot.benchmark import Table
+    from springpot.benchmark.tables import Table
 
 FORMATS = ("md", "csv", "latex", "html")
 
@@ -18,15 +18,40 @@ FORMATS = ("md", "csv", "latex", "html")
 @click.command("tables", epilog="Example: springpot tables race --format latex --table summary")
 @click.argument("study", type=DATA, metavar="STUDY")
 @click.option("--format", "kind", type=click.Choice(FORMATS), default="md", show_default=True)
-@click.option("--table", "wanted", metavar="NAME", help="Only this table, such as summary; all by default.")
-@click.option("--write", is_flag=True, help="Write files beside the study's results instead of printing.")
-@click.option("--report", is_flag=True, help="Write the report, one HTML file, instead of printing.")
 @click.option(
-    "--out", type=FILE, default=Path("results"), show_default=True, metavar="DIR", help="Where results are."
+    "--table", "wanted", metavar="NAME", help="Only this table, such as summary; all by default."
 )
-@click.option("--column", "columns", multiple=True, metavar="HEADING", help="Only these columns, in this order.")
-@click.option("--row", "rows", multiple=True, metavar="HEADING=VALUE", help="Only rows like this; may be repeated.")
-@click.option("--digits", type=click.IntRange(1, 4), metavar="N", help="Significant digits; 4 by default.")
+@click.option(
+    "--write", is_flag=True, help="Write files beside the study's results instead of printing."
+)
+@click.option(
+    "--report", is_flag=True, help="Write the report, one HTML file, instead of printing."
+)
+@click.option(
+    "--out",
+    type=FILE,
+    default=Path("results"),
+    show_default=True,
+    metavar="DIR",
+    help="Where results are.",
+)
+@click.option(
+    "--column",
+    "columns",
+    multiple=True,
+    metavar="HEADING",
+    help="Only these columns, in this order.",
+)
+@click.option(
+    "--row",
+    "rows",
+    multiple=True,
+    metavar="HEADING=VALUE",
+    help="Only rows like this; may be repeated.",
+)
+@click.option(
+    "--digits", type=click.IntRange(1, 4), metavar="N", help="Significant digits; 4 by default."
+)
 @click.option("--caption", metavar="TEXT", help="Of a floating table in LaTeX.")
 @click.option("--label", metavar="NAME", help="For \\ref in LaTeX.")
 @json_option
@@ -46,38 +71,54 @@ def command(
 ) -> None:
     """Print the tables of STUDY: its name, its script, its folder or its .sqlite file.
 
-    For a paper: springpot tables race --table summary --format latex --column optimiser --column success --digits 3
-    --row model=fractional-zener --caption "The race" --label tab:race
+    For a paper: springpot tables race --table summary --format latex --column optimiser --column
+    success --digits 3 --row model=fractional-zener --caption "The race" --label tab:race
     """
-    from springpot.benchmark import FORMATS as WRITERS
-    from springpot.benchmark import write_tables
     from springpot.benchmark.paper import captioned, for_paper
+    from springpot.benchmark.tables import FORMATS as WRITERS
 
     # Files are whole tables: columns and rows are chosen for what is printed into a paper.
     if write or report:
-        paths = []
-        if write:
-            paths += write_tables(study, [kind], out)
-        if report:
-            from springpot.benchmark.report.study import write_study_report
-
-            paths.append(write_study_report(study, out))
-        emit({"schema": "springpot.files/1", "files": paths}, as_json, lambda: print(*paths, sep="\n"))
+        paths = _written(study, out, [kind] if write else [], report)
+        files = {"schema": "springpot.files/1", "files": paths}
+        emit(files, as_json, lambda: print(*paths, sep="\n"))
         return
     if (columns or rows or caption or label) and wanted is None:
         raise click.UsageError("say which table with --table", click.get_current_context())
     if (caption or label) and kind != "latex":
-        raise click.UsageError("--caption and --label are for --format latex", click.get_current_context())
-    tables = {name: for_paper(table, columns, rows, digits) for name, table in _chosen(study, wanted, out).items()}
-    result = {"schema": "springpot.tables/1", "study": study, "tables": [_plain(*entry) for entry in tables.items()]}
+        raise click.UsageError(
+            "--caption and --label are for --format latex", click.get_current_context()
+        )
+    tables = {
+        name: for_paper(table, columns, rows, digits)
+        for name, table in _chosen(study, wanted, out).items()
+    }
+    result = {
+        "schema": "springpot.tables/1",
+        "study": study,
+        "tables": [_plain(*entry) for entry in tables.items()],
+    }
     to_text = WRITERS[kind][1]
     texts = [captioned(to_text(table), caption, label) for table in tables.values()]
     emit(result, as_json, lambda: print("\n".join(texts), end=""))
 
 
+def _written(study: str, out: Path, kinds: list[str], report: bool) -> list[Path]:
+    """Files of tables, of one kind or none, and of the report beside a study's results."""
+    from springpot.benchmark.findings import write_tables
+
+    paths = list(write_tables(study, kinds, out)) if kinds else []
+    if report:
+        from springpot.benchmark.report.study import write_study_report
+
+        paths.append(write_study_report(study, out))
+    return paths
+
+
 def _chosen(study: str, wanted: str | None, out: Path) -> dict[str, Table]:
-    from springpot.benchmark import Store, store_path
     from springpot.benchmark.findings import TABLES, study_tables
+    from springpot.benchmark.store import Store
+    from springpot.benchmark.summary import store_path
     from springpot.errors import StudyError
 
     if wanted is not None and wanted not in TABLES:
@@ -92,7 +133,13 @@ def _chosen(study: str, wanted: str | None, out: Path) -> dict[str, Table]:
 
 def _plain(name: str, table: Table) -> dict[str, Any]:
     rows = [[_cell(entry) for entry in row] for row in table.rows]
-    return {"name": name, "title": table.title, "columns": list(table.columns), "rows": rows, "note": table.note}
+    return {
+        "name": name,
+        "title": table.title,
+        "columns": list(table.columns),
+        "rows": rows,
+        "note": table.note,
+    }
 
 
 def _cell(entry: Any) -> Any:

@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from springpot.benchmark import Store
 from springpot.benchmark.rows import CellRow, ProblemRow, TrialRow
 from springpot.benchmark.statistics import hitting_time, target_value
+from springpot.benchmark.store import Store
 from springpot.errors import DataError, StudyError
 from springpot.files import write_text
 from springpot.inputs import json_of, text_in
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 from .difference import Successes
 
@@ -38,13 +38,13 @@ class Goal:
     best : float
         At the truth, or the best known; its error is zero.
     reference : float
-        At the centre of the box or without any response, whose error is one; it tells whether the problem is still
-        the same.
+        At the centre of the box or without any response, whose error is one; it tells whether the
+        problem is still the same.
     target : float
         What a trial must reach.
     parameters : mapping of str to float
-        Element parameters that are right: the true ones, or those of the best trial where no truth is known. Empty if
-        all trials failed.
+        Element parameters that are right: the true ones, or those of the best trial where no truth
+        is known. Empty if all trials failed.
     """
 
     best: float
@@ -105,14 +105,30 @@ class Baseline:
 
     def to_text(self) -> str:
         """JSON with sorted keys and a line for each cell."""
-        head = {"schema": SCHEMA, "study": self.study, "script": self.script, "settings": self.settings}
+        head = {
+            "schema": SCHEMA,
+            "study": self.study,
+            "script": self.script,
+            "settings": self.settings,
+        }
         goals = {key: vars(goal) for key, goal in self.goals.items()}
         cells = {}
         for key, sample in self.samples.items():
-            cells[key] = {sample.measure: [_plain(value) for value in sample.values], "reached": sample.reached}
-        # Put together here, for a line to each cell: a comparison of two versions shows which changed.
+            cells[key] = {
+                sample.measure: [_plain(value) for value in sample.values],
+                "reached": sample.reached,
+            }
+        # Put together here, for a line to each cell: a comparison of two versions shows which
+        # changed.
         lines = [f'  "{key}": {json.dumps(value, sort_keys=True)},' for key, value in head.items()]
-        lines += ['  "problems": {', *_entries(goals), "  },", '  "cells": {', *_entries(cells), "  }"]
+        lines += [
+            '  "problems": {',
+            *_entries(goals),
+            "  },",
+            '  "cells": {',
+            *_entries(cells),
+            "  }",
+        ]
         return "\n".join(["{", *lines, "}"]) + "\n"
 
     def write(self, path: Path) -> Path:
@@ -122,7 +138,10 @@ class Baseline:
 
 
 def _entries(entries: dict[str, Any]) -> list[str]:
-    lines = [f"    {json.dumps(key, ensure_ascii=False)}: {json.dumps(entries[key])}," for key in sorted(entries)]
+    lines = [
+        f"    {json.dumps(key, ensure_ascii=False)}: {json.dumps(entries[key])},"
+        for key in sorted(entries)
+    ]
     # JSON has no comma after the last one.
     if lines:
         lines[-1] = lines[-1].removesuffix(",")
@@ -151,19 +170,23 @@ def read_baseline(path: Path) -> Baseline:
         text = text_in(path)
     except DataError as error:
         raise StudyError(
-            f"there is no baseline {path} ({error}): make it with springpot regression update STUDY.py and commit it"
+            f"there is no baseline {path} ({error}): make it with springpot regression update"
+            " STUDY.py and commit it"
         ) from None
     try:
         content = json_of(text, finite=True)
         if content["schema"] != SCHEMA:
             raise StudyError(
-                f"{path} has schema {content['schema']}, not {SCHEMA}: make it again with regression update"
+                f"{path} has schema {content['schema']}, not {SCHEMA}: make it again with"
+                " regression update"
             )
         goals = {key: Goal(**goal) for key, goal in content["problems"].items()}
         samples = {key: _sample(cell) for key, cell in content["cells"].items()}
         return Baseline(content["study"], content["script"], content["settings"], goals, samples)
     except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise StudyError(f"{path} is no accuracy baseline ({error}): make it again with regression update") from None
+        raise StudyError(
+            f"{path} is no accuracy baseline ({error}): make it again with regression update"
+        ) from None
 
 
 def _sample(cell: dict[str, Any]) -> Sample:
@@ -188,7 +211,8 @@ def baseline_of(store: Store, script: str = "") -> Baseline:
     samples: dict[str, Sample] = {}
     for cell, rows in cells_of(store):
         problem = cell.problem
-        # Where the truth is known it is the measure: what the study's other optimisers find then does not matter.
+        # Where the truth is known it is the measure: what the study's other optimisers find then
+        # does not matter.
         best = problem.known
         if best is None:
             best = bests.get(problem.id, inf)
@@ -198,16 +222,22 @@ def baseline_of(store: Store, script: str = "") -> Baseline:
         known = right.get(problem.id, {})
         goal = goals.setdefault(problem_key(problem), Goal(best, problem.reference, target, known))
         measure = EVALUATIONS
-        # Where most trials miss the target its median is infinite, and no change of it could be seen.
+        # Where most trials miss the target its median is infinite, and no change of it could be
+        # seen.
         if 2 * reached(rows, goal) < len(rows):
             measure = ERROR
         samples[cell_key(cell)] = _sampled(rows, goal, measure)
-    settings = {key: _plain(float(facts[key])) for key in ("budget", "repetitions", "seed", "target")}
+    settings = {
+        key: _plain(float(facts[key])) for key in ("budget", "repetitions", "seed", "target")
+    }
     return Baseline(facts["name"], script, settings, goals, samples)
 
 
 def cells_of(store: Store) -> Iterator[tuple[CellRow, list[TrialRow]]]:
-    """Cells of a store's study with their trials; it may hold those of others that the study no longer has."""
+    """Cells of a store's study with their trials.
+
+    It may hold those of others that the study no longer has.
+    """
     cells = {cell.id: cell for cell in store.cells()}
     for number, rows in store.trials():
         if number in cells:
@@ -215,7 +245,7 @@ def cells_of(store: Store) -> Iterator[tuple[CellRow, list[TrialRow]]]:
 
 
 def _right_parameters(store: Store) -> dict[int, Mapping[str, float]]:
-    """By number of the problem, the true parameters, or those of the best trial where no truth is known."""
+    """True parameters by number of the problem, or the best trial's where no truth is known."""
     right: dict[int, Mapping[str, float]] = {}
     least: dict[int, float] = {}
     for cell, rows in cells_of(store):
@@ -230,7 +260,9 @@ def _right_parameters(store: Store) -> dict[int, Mapping[str, float]]:
 
 
 def samples_like(store: Store, baseline: Baseline) -> dict[str, Sample]:
-    """Samples of a store's cells, measured as the baseline measures them; cells unknown to it are left out.
+    """Samples of a store's cells, measured as the baseline measures them.
+
+    Cells unknown to it are left out.
 
     Raises
     ------
@@ -243,11 +275,12 @@ def samples_like(store: Store, baseline: Baseline) -> dict[str, Sample]:
         if key not in baseline.samples:
             continue
         goal = baseline.goals[problem_key(problem)]
-        # The objective at the reference hangs on data, objective and box alike: rounding apart, it tells all three.
+        # The objective at the reference hangs on data, objective and box alike: rounding apart, it
+        # tells all three.
         if abs(problem.reference - goal.reference) > 1e-6 * abs(goal.reference):
             raise StudyError(
-                f"the data, the objective or the box of {problem_key(problem)} changed since the baseline was made: "
-                "make it again with regression update"
+                f"the data, the objective or the box of {problem_key(problem)} changed since the"
+                " baseline was made: make it again with regression update"
             )
         samples[key] = _sampled(rows, goal, baseline.samples[key].measure)
     return samples

@@ -1,4 +1,4 @@
-"""What became of each cell and of each optimiser since the baseline was made, in numbers and in words."""
+"""What became of each cell and optimiser since the baseline was made, in numbers and in words."""
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ class Change:
     who : str
         Optimiser and problem.
     costs : tuple of (Sample, Sample, Verdict), or None
-        Before, after, and what is thought of it; none of several problems, whose costs have no common scale.
+        Before, after, and what is thought of it; none of several problems, whose costs have no
+        common scale.
     counts : tuple of (Successes, Successes, Verdict)
         The same of the trials that reached the target.
     """
@@ -61,7 +62,9 @@ class Change:
         return f"{self.who}: {self._fewer()}: fewer, but not for certain"
 
 
-def changes_since(before: Baseline, after: dict[str, Sample], level: float, factor: float) -> list[Change]:
+def changes_since(
+    before: Baseline, after: dict[str, Sample], level: float, factor: float
+) -> list[Change]:
     """Cells by name, then optimisers over all their problems, of which no single one may tell."""
     keys = sorted(after)
     pairs = [(before.samples[key].array(), after[key].array()) for key in keys]
@@ -71,13 +74,19 @@ def changes_since(before: Baseline, after: dict[str, Sample], level: float, fact
         counts.append((together(before.samples, cells), together(after, cells)))
     # Judged together: the level is the chance that any of them is reported, not each.
     found = verdicts(pairs, level, factor, counts)
-    of_counts = [(*count, verdict) for count, verdict in zip(counts, found[len(pairs) :], strict=True)]
+    of_counts = [
+        (*count, verdict) for count, verdict in zip(counts, found[len(pairs) :], strict=True)
+    ]
     changed = []
     for key, cost, count in zip(keys, found, of_counts, strict=False):
         changed.append(Change(who(key), (before.samples[key], after[key], cost), count))
     for (name, cells), count in zip(several.items(), of_counts[len(keys) :], strict=True):
         # Where a problem of it tells already, all of them together say nothing new.
-        if not any(change.counts[2].worse for key, change in zip(keys, changed, strict=False) if key in cells):
+        if not any(
+            change.counts[2].worse
+            for key, change in zip(keys, changed, strict=False)
+            if key in cells
+        ):
             changed.append(Change(f"{name} over {len(cells)} problems", None, count))
     return changed
 
@@ -92,7 +101,9 @@ def by_optimiser(samples: Iterable[str]) -> dict[str, list[str]]:
 
 def together(samples: Mapping[str, Sample], keys: Sequence[str]) -> Successes:
     """Successes of several cells."""
-    return Successes(sum(samples[key].reached for key in keys), sum(len(samples[key].values) for key in keys))
+    return Successes(
+        sum(samples[key].reached for key in keys), sum(len(samples[key].values) for key in keys)
+    )
 
 
 def _costs_in_words(before: Sample, after: Sample, verdict: Verdict) -> str:

@@ -1,8 +1,8 @@
 """Whether costs rose or successes became fewer, by tests that know when they could never tell.
 
-The rule for costs is that of airspeed velocity: Mann and Whitney's test where the samples are large enough to ever be
-significant, otherwise whether the intervals of the medians' stand-ins overlap. Successes are counted and compared by
-Boschloo's exact test.
+The rule for costs is that of airspeed velocity: Mann and Whitney's test where the samples are large
+enough to ever be significant, otherwise whether the intervals of the medians' stand-ins overlap.
+Successes are counted and compared by Boschloo's exact test.
 """
 
 from __future__ import annotations
@@ -15,15 +15,20 @@ from math import exp, inf, log, sqrt
 import numpy as np
 
 from springpot.benchmark.statistics import holm, least_mann_whitney
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 LEVEL = 0.01
-"""Chance of a false alarm anywhere in a study whose optimisers did not change, each time that their samples are drawn
-anew: by another seed, another order of random numbers, another rounding. The same code draws the same."""
+"""Chance of a false alarm anywhere in a study whose optimisers did not change.
+
+It holds each time that their samples are drawn anew: by another seed, another order of random
+numbers, another rounding. The same code draws the same.
+"""
 FACTOR = 1.1
 """Costs that grew by less are no regression, however certain."""
 TABLES = 250**2
-"""Outcomes of two groups up to which Boschloo's test takes less than half a second; where there are more, Fisher's,
+"""Outcomes of two groups up to which Boschloo's test takes less than half a second.
+
+Where there are more, Fisher's,
 which is never below it, hardly differs."""
 
 
@@ -50,11 +55,13 @@ class Verdict:
     Parameters
     ----------
     worse, better : bool
-        Whether costs rose beyond the factor, or successes became fewer, with certainty; and the reverse.
+        Whether costs rose beyond the factor, or successes became fewer, with certainty; and the
+        reverse.
     tested : bool
         Whether a test could ever have told; if not, intervals were compared, of costs.
     p : float
-        Chance of this rise or fall without a change, adjusted for all samples; 1 where nothing was tested.
+        Chance of this rise or fall without a change, adjusted for all samples; 1 where nothing was
+        tested.
     """
 
     worse: bool
@@ -97,24 +104,33 @@ def verdicts(
     rises += [drop(before, after) for before, after in counts]
     falls += [drop(after, before) for before, after in counts]
     # What no test could ever tell apart takes its place, but nothing of the level.
-    chances = zip(holm(np.where(tested, rises, 1.0)), holm(np.where(tested, falls, 1.0)), strict=True)
+    chances = zip(
+        holm(np.where(tested, rises, 1.0)), holm(np.where(tested, falls, 1.0)), strict=True
+    )
     judged = []
     for i, (rise, fall) in enumerate(chances):
         if tested[i] or i >= len(pairs):
-            judged.append(Verdict(bool(rise < level), bool(fall < level), bool(tested[i]), float(min(rise, fall))))
+            judged.append(
+                Verdict(
+                    bool(rise < level), bool(fall < level), bool(tested[i]), float(min(rise, fall))
+                )
+            )
         else:
             # Bonferroni's share: intervals have no p-values for Holm to order.
             (before, after), share = pairs[i], level / number
-            worse, better = apart(before * factor, after, share), apart(after * factor, before, share)
+            worse, better = (
+                apart(before * factor, after, share),
+                apart(after * factor, before, share),
+            )
             judged.append(Verdict(worse, better, False, 1.0))
     return judged
 
 
 def drop(before: Successes, after: Successes) -> float:
-    """One-sided p-value of Boschloo's exact test that trials `after` succeed less often than `before`.
+    """One-sided p-value of Boschloo's exact test that `after` succeeds less often than `before`.
 
-    Boschloo 1970, doi:10.1111/j.1467-9574.1970.tb00104.x. Exact without the margins that Fisher's test holds, which
-    are not held here, and never above it.
+    Boschloo 1970, doi:10.1111/j.1467-9574.1970.tb00104.x. Exact without the margins that Fisher's
+    test holds, which are not held here, and never above it.
     """
     # More than one half, and of no interest: there is no drop.
     if after.rate >= before.rate:
@@ -133,7 +149,7 @@ def _boschloo(low: int, of_low: int, high: int, of_high: int) -> float:
 
 
 def least_drop(n: int, m: int) -> float:
-    """Smallest p-value of Boschloo's test: all of n trials before succeeded, and none of m after."""
+    """Smallest p-value of Boschloo's test: all n trials before succeeded, and none of m after."""
     if not (n and m):
         return 1.0
     # Likeliest, without a change, where n of n + m succeed.
@@ -141,10 +157,10 @@ def least_drop(n: int, m: int) -> float:
 
 
 def chance(before: Real, after: Real) -> float:
-    """One-sided p-value of Mann and Whitney's test that values of `after` (m,) are larger than of `before` (n,).
+    """One-sided p-value of the Mann-Whitney test that `after` (m,) is larger than `before` (n,).
 
-    Infinite values tie with one another above all others. Never below what so few values can tell, which the normal
-    approximation of ties would be.
+    Infinite values tie with one another above all others. Never below what so few values can tell,
+    which the normal approximation of ties would be.
     """
     from scipy.stats import mannwhitneyu, rankdata
 
@@ -158,14 +174,20 @@ def chance(before: Real, after: Real) -> float:
 
 
 def apart(before: Real, after: Real, level: float) -> bool:
-    """Whether the interval of `after` lies above that of `before`, both missing the truth by chance `level`."""
+    """Whether the interval of `after` lies above that of `before`.
+
+    Each misses the truth by chance `level`.
+    """
     return interval(after, level)[0] > interval(before, level)[1]
 
 
 def interval(values: Real, level: float) -> tuple[float, float]:
-    """Student's interval of the mean logarithm of positive `values` (n,), as values; unbounded from one value.
+    """Student's interval of the mean logarithm of positive `values` (n,), as values.
 
-    With infinite values it is bounded below only, by the finite ones; if all are infinite it is infinity itself.
+    Unbounded from one value.
+
+    With infinite values it is bounded below only, by the finite ones; if all are infinite it is
+    infinity itself.
     """
     # Here and above: scipy.stats takes most of a second to import.
     from scipy.stats import t
@@ -178,7 +200,9 @@ def interval(values: Real, level: float) -> tuple[float, float]:
         return 0.0, inf
     if len(finite) < 2:
         return 0.0, inf
-    half = float(t.isf(level / 2, len(finite) - 1)) * float(np.std(finite, ddof=1)) / sqrt(len(finite))
+    half = (
+        float(t.isf(level / 2, len(finite) - 1)) * float(np.std(finite, ddof=1)) / sqrt(len(finite))
+    )
     centre = float(np.mean(finite))
     # A trial that missed costs more than any number, so that there is no upper end.
     if len(finite) < len(values):

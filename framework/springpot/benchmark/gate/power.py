@@ -7,16 +7,21 @@ from math import inf, sqrt
 
 import numpy as np
 
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 from .difference import FACTOR, Successes, drop
 
 POWER = 0.8
-"""Share of cases in which a change shall be seen: the usual one (Cohen 1988, Statistical Power Analysis)."""
+"""Share of cases in which a change shall be seen.
+
+The usual one (Cohen 1988, Statistical Power Analysis).
+"""
 
 
 def least_rise(before: Real, share: float, factor: float = FACTOR) -> float:
-    """Smallest factor of costs that so many trials after would show with the chance `POWER`; infinite if none.
+    """Smallest factor of costs that so many trials after would show with the chance `POWER`.
+
+    Infinite if none.
 
     Parameters
     ----------
@@ -30,18 +35,26 @@ def least_rise(before: Real, share: float, factor: float = FACTOR) -> float:
     from scipy.stats import norm
 
     n = len(before)
-    # How often a cost after must exceed one before (Noether 1987, doi:10.1080/01621459.1987.10478478).
+    # How often a cost after must exceed one before (Noether 1987,
+    # doi:10.1080/01621459.1987.10478478).
     often = 0.5 + float(norm.isf(share) + norm.ppf(POWER)) * sqrt((2 * n + 1) / (12 * n * n))
     if often >= 1.0:
         return inf
     ratios = np.ones((n, n))
     with np.errstate(invalid="ignore"):
-        np.divide(before[:, None], before, out=ratios, where=np.isfinite(before[:, None]) | np.isfinite(before))
+        np.divide(
+            before[:, None],
+            before,
+            out=ratios,
+            where=np.isfinite(before[:, None]) | np.isfinite(before),
+        )
     return factor * float(np.quantile(ratios, often, method="higher"))
 
 
 def least_drop_seen(before: Successes, share: float) -> float | None:
-    """Highest rate of success after that so many trials would show with the chance `POWER`; None if none.
+    """Highest rate of success after that so many trials would show with the chance `POWER`.
+
+    None if none.
 
     Parameters
     ----------
@@ -63,12 +76,17 @@ def least_drop_seen(before: Successes, share: float) -> float | None:
             high = middle
     if low < 0:
         return None
-    # The rate at which so few or fewer come with that chance (the binomial sum as an incomplete beta function).
+    # The rate at which so few or fewer come with that chance (the binomial sum as an incomplete
+    # beta function).
     return 1.0 - float(beta.ppf(POWER, n - low, low + 1))
 
 
 def smallest_seen(
-    costs: Sequence[Real], cells: Sequence[Successes], together: Successes, share: float, factor: float
+    costs: Sequence[Real],
+    cells: Sequence[Successes],
+    together: Successes,
+    share: float,
+    factor: float,
 ) -> str:
     """The smallest changes of one optimiser that a baseline shows, in words.
 

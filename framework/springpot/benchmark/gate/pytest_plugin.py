@@ -23,8 +23,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def accuracy_gate(request: pytest.FixtureRequest) -> Callable[..., Any]:
     """A function that fails the test if an optimiser became worse since the baseline was made.
 
-    ``accuracy_gate("studies/gate.py")`` or ``accuracy_gate(study, baseline=path)``: arguments and result are those of
-    `springpot.benchmark.gate.regression.check`. With ``--springpot-update`` it writes the baseline instead.
+    ``accuracy_gate("studies/gate.py")`` or ``accuracy_gate(study, baseline=path)``: arguments and
+    result are those of `springpot.benchmark.gate.regression.check`. With ``--springpot-update`` it
+    writes the baseline instead.
     """
 
     def gate(study: Any, baseline: Any = None, **options: Any) -> Any:

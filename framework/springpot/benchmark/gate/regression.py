@@ -1,4 +1,4 @@
-"""The accuracy gate: whether any optimiser became worse on any problem since its baseline was made."""
+"""The accuracy gate: whether any optimiser became worse on any problem since its baseline."""
 
 from __future__ import annotations
 
@@ -8,7 +8,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from springpot.benchmark import Store, Study, load_study, run_study, store_path
+from springpot.benchmark.runner import run_study
+from springpot.benchmark.script import load_study
+from springpot.benchmark.store import Store
+from springpot.benchmark.study import Study
+from springpot.benchmark.summary import store_path
 from springpot.errors import StudyError
 
 from .baseline import Baseline, baseline_of, read_baseline, samples_like
@@ -33,7 +37,8 @@ class Gate:
     regressions : tuple of str
         One sentence for each cell that got worse; the gate is passed if there is none.
     notes : tuple of str
-        What else is worth knowing: what got better, is new, succeeds less often, or can hardly be judged.
+        What else is worth knowing: what got better, is new, succeeds less often, or can hardly be
+        judged.
     seen : tuple of str
         For each optimiser, the smallest change that this baseline shows in 80 % of cases.
     """
@@ -51,14 +56,18 @@ class Gate:
 
 
 def update(
-    study: Study | str | Path, baseline: Path | None = None, out: Path = Path("results"), workers: int | None = None
+    study: Study | str | Path,
+    baseline: Path | None = None,
+    out: Path = Path("results"),
+    workers: int | None = None,
 ) -> Path:
     """Make or replace a study's baseline.
 
     Parameters
     ----------
     study : Study, str or Path
-        A study or its script, which is run afresh; or a store, folder or name, whose trials are taken.
+        A study or its script, which is run afresh; or a store, folder or name, whose trials are
+        taken.
     baseline : Path, optional
         The file; by default ``baseline.json`` in the study's folder of results.
     out : Path
@@ -90,7 +99,8 @@ def check(
     Parameters
     ----------
     study : Study, str or Path
-        A study or its script, which is run afresh; or a store, folder or name, whose trials are taken.
+        A study or its script, which is run afresh; or a store, folder or name, whose trials are
+        taken.
     baseline : Path, optional
         The file; by default ``baseline.json`` in the study's folder of results.
     out : Path
@@ -115,20 +125,25 @@ def check(
         return compare(before, store, path, level, factor)
 
 
-def compare(before: Baseline, store: Store, path: Path, level: float = LEVEL, factor: float = FACTOR) -> Gate:
+def compare(
+    before: Baseline, store: Store, path: Path, level: float = LEVEL, factor: float = FACTOR
+) -> Gate:
     """Compare a store's trials with a baseline; see `check`."""
     facts = store.facts()
     # With another budget or target the numbers mean something else, however alike they look.
     for key in ("budget", "target"):
         if float(facts[key]) != before.settings[key]:
             raise StudyError(
-                f"{path} was made with a {key} of {before.settings[key]:g}, the study has {float(facts[key]):g}: "
-                "make it again with springpot regression update"
+                f"{path} was made with a {key} of {before.settings[key]:g}, the study has"
+                f" {float(facts[key]):g}: make it again with springpot regression update"
             )
     after = samples_like(store, before)
     judged = changes_since(before, after, level, factor)
     # What is no longer run must not pass: a fault could hide by taking its cell along.
-    gone = [f"{who(key)} is in the baseline but was not run" for key in sorted(set(before.samples) - set(after))]
+    gone = [
+        f"{who(key)} is in the baseline but was not run"
+        for key in sorted(set(before.samples) - set(after))
+    ]
     required = [f"{who(key)} {words}" for key, words in broken(store, before)]
     return Gate(
         path,
@@ -163,12 +178,14 @@ def _notes(before: Baseline, judged: Sequence[Change], store: Store) -> list[str
     few = len(tested) - sum(tested)
     if few:
         notes.append(
-            f"{few} of {len(tested)} comparisons have too few trials for a test to ever tell: they fail only if the "
-            "intervals are apart; raise the study's repetitions"
+            f"{few} of {len(tested)} comparisons have too few trials for a test to ever tell: they"
+            " fail only if the intervals are apart; raise the study's repetitions"
         )
     # Told, not failed: a new optimiser has nothing that it could have become worse than.
     new = [key for key in baseline_of(store).samples if key not in before.samples]
-    return notes + [f"{who(key)} is not in the baseline: springpot regression update takes it up" for key in new]
+    return notes + [
+        f"{who(key)} is not in the baseline: springpot regression update takes it up" for key in new
+    ]
 
 
 def _is_script(study: Study | str | Path) -> bool:
@@ -187,8 +204,10 @@ def _script(study: Study | str | Path) -> str:
 
 
 @contextmanager
-def _fresh(study: Study | str | Path, out: Path, workers: int | None, seed: int | None = None) -> Iterator[Store]:
-    """Results of a study that is run afresh, because a kept trial would hide what became of the code since."""
+def _fresh(
+    study: Study | str | Path, out: Path, workers: int | None, seed: int | None = None
+) -> Iterator[Store]:
+    """Results of a study run afresh: kept trials would hide what became of the code since."""
     if not isinstance(study, Study) and not _is_script(study):
         with Store(store_path(study, out)) as store:
             yield store
@@ -231,5 +250,7 @@ def known_scripts(out: Path = Path("results")) -> list[Path]:
     # A baseline of a store knows no script, and cannot be run again from here.
     scripts = [Path(baseline.script) for baseline in baselines if baseline.script]
     if not scripts:
-        raise StudyError(f"there is no baseline under {out}: make one with springpot regression update STUDY.py")
+        raise StudyError(
+            f"there is no baseline under {out}: make one with springpot regression update STUDY.py"
+        )
     return scripts

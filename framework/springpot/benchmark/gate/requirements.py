@@ -8,11 +8,11 @@ from math import inf
 
 import numpy as np
 
-from springpot.benchmark import Store
 from springpot.benchmark.rows import TrialRow
 from springpot.benchmark.statistics import bands
+from springpot.benchmark.store import Store
 from springpot.benchmark.trial import relative_error
-from springpot.digits import number
+from springpot.format_numbers import number
 
 from .baseline import Baseline, Goal, cell_key, cells_of, problem_key, reached
 
@@ -51,7 +51,10 @@ def _broken(rows: Sequence[TrialRow], goal: Goal, required: Mapping[str, float])
         error = _at(share, [_error(row, goal.parameters) for row in rows])
         # Also what is no number is no success.
         if not error <= limit:
-            yield f"{_off(error, share)}: max_parameter_error is {limit:g}{_moved(rows, goal.parameters)}"
+            yield (
+                f"{_off(error, share)}: max_parameter_error is"
+                f" {limit:g}{_moved(rows, goal.parameters)}"
+            )
     if "max_seconds" in required:
         limit = required["max_seconds"]
         spent = _at(share, [_seconds(row) for row in rows])
@@ -69,7 +72,9 @@ def _error(row: TrialRow, right: Mapping[str, float]) -> float:
     """Largest relative error of a parameter; infinite of a trial that failed."""
     if row.theta.keys() != right.keys() or not right:
         return inf
-    return relative_error(np.array([row.theta[name] for name in right]), np.array(list(right.values())))
+    return relative_error(
+        np.array([row.theta[name] for name in right]), np.array(list(right.values()))
+    )
 
 
 def _seconds(row: TrialRow) -> float:
@@ -91,5 +96,7 @@ def _moved(rows: Sequence[TrialRow], right: Mapping[str, float]) -> str:
     if not sound:
         return ""
     best = min(sound, key=lambda row: row.best or 0.0)
-    moved = [f"{name} {number(best.theta[name])} for {number(value)}" for name, value in right.items()]
+    moved = [
+        f"{name} {number(best.theta[name])} for {number(value)}" for name, value in right.items()
+    ]
     return f" (its best trial: {', '.join(moved)})"

@@ -1,4 +1,7 @@
-"""Line plots as inline SVG: sharp at every width, searchable, with nothing to load and no library to install."""
+"""Line plots as inline SVG.
+
+Sharp at every width, searchable, with nothing to load and no library to install.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ import numpy as np
 
 from springpot.markup import Html, joined, tag
 from springpot.report.canvas import COLOURS, INK, QUIET
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 WIDTH, HEIGHT = 420.0, 290.0
 LEFT, RIGHT, TOP, BOTTOM = 56.0, 18.0, 10.0, 40.0
@@ -43,7 +46,12 @@ class Pen:
         width = "1.3"
         if self.number < len(COLOURS):
             width = "2"
-        return {"fill": "none", "stroke": self.colour, "stroke_width": width, "stroke_dasharray": self.dashes}
+        return {
+            "fill": "none",
+            "stroke": self.colour,
+            "stroke_width": width,
+            "stroke_dasharray": self.dashes,
+        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,7 +214,8 @@ def _dot(dot: Dot, x: Scale, y: Scale) -> Iterator[Html]:
         stroke_opacity=opacity,
     )
     if dot.name:
-        # In the right part of the frame a name stands to the left of its point, or it would leave the frame.
+        # In the right part of the frame a name stands to the left of its point, or it would leave
+        # the frame.
         beside, anchor = (8, "start")
         if across > 0.6 * WIDTH:
             beside, anchor = (-8, "end")
@@ -215,13 +224,23 @@ def _dot(dot: Dot, x: Scale, y: Scale) -> Iterator[Html]:
 
 def key(labels: Sequence[str], pens: Sequence[Pen]) -> Html:
     """What the lines mean."""
-    return tag("p", *(_sample(label, pen) for label, pen in zip(labels, pens, strict=True)), class_="keys")
+    return tag(
+        "p", *(_sample(label, pen) for label, pen in zip(labels, pens, strict=True)), class_="keys"
+    )
 
 
 def _sample(label: str, pen: Pen) -> Html:
     stroke = tag("line", x1="0", y1="6", x2="26", y2="6", **pen.look)
     return joined(
-        [tag("span", tag("svg", stroke, width="26", height="12", aria_hidden="true"), label, class_="key"), " "]
+        [
+            tag(
+                "span",
+                tag("svg", stroke, width="26", height="12", aria_hidden="true"),
+                label,
+                class_="key",
+            ),
+            " ",
+        ]
     )
 
 
@@ -251,18 +270,28 @@ def _frame(x: Scale, y: Scale) -> Iterator[Html]:
     # Every text by `tag`, which escapes it: names of optimisers come from plugins.
     yield _text(x.label, 0.5 * (LEFT + right), HEIGHT - 6, "middle")
     middle = 0.5 * (TOP + floor_)
-    yield tag(
-        "text", y.label, x="0", y="0", transform=f"translate(12 {middle:g}) rotate(-90)", text_anchor="middle",
-        fill=INK,
-    )  # fmt: skip
+    turned = f"translate(12 {middle:g}) rotate(-90)"
+    yield tag("text", y.label, x="0", y="0", transform=turned, text_anchor="middle", fill=INK)
 
 
 def _rule(x1: float, y1: float, x2: float, y2: float, colour: str = "#E6E6E6") -> Html:
-    return tag("line", x1=f"{x1:.1f}", y1=f"{y1:.1f}", x2=f"{x2:.1f}", y2=f"{y2:.1f}", stroke=colour)
+    return tag(
+        "line", x1=f"{x1:.1f}", y1=f"{y1:.1f}", x2=f"{x2:.1f}", y2=f"{y2:.1f}", stroke=colour
+    )
 
 
-def _text(text: str, x: float, y: float, anchor: str, colour: str = INK, weight: str = "normal") -> Html:
-    return tag("text", text, x=f"{x:.1f}", y=f"{y:.1f}", text_anchor=anchor, fill=colour, font_weight=weight)
+def _text(
+    text: str, x: float, y: float, anchor: str, colour: str = INK, weight: str = "normal"
+) -> Html:
+    return tag(
+        "text",
+        text,
+        x=f"{x:.1f}",
+        y=f"{y:.1f}",
+        text_anchor=anchor,
+        fill=colour,
+        font_weight=weight,
+    )
 
 
 def _line(line: Line, x: Scale, y: Scale) -> Iterator[Html]:
@@ -278,7 +307,10 @@ def _steps(across: Real, down: Real) -> str:
     # Less does not show in the one decimal that is written.
     turns = np.flatnonzero(np.abs(np.diff(down, prepend=np.inf)) > 0.05)
     first, *rest = turns.tolist()
-    corners = [f"{across[first]:.1f} {down[first]:.1f}", *(f"H{across[i]:.1f}V{down[i]:.1f}" for i in rest)]
+    corners = [
+        f"{across[first]:.1f} {down[first]:.1f}",
+        *(f"H{across[i]:.1f}V{down[i]:.1f}" for i in rest),
+    ]
     return "".join([*corners, f"H{across[-1]:.1f}"])
 
 
@@ -294,8 +326,16 @@ def _band(line: Line, x: Scale, y: Scale) -> Html:
     # Steps, as the line has them: the band must not cut their corners.
     ends = np.repeat(across, 2)[1:]
     there = [f"{a:.1f} {b:.1f}" for a, b in zip(ends, np.repeat(lower, 2)[:-1], strict=True)]
-    back = [f"{a:.1f} {b:.1f}" for a, b in zip(ends[::-1], np.repeat(upper, 2)[:-1][::-1], strict=True)]
-    return tag("path", d=f"M{'L'.join(there + back)}Z", fill=line.pen.colour, fill_opacity="0.15", stroke="none")
+    back = [
+        f"{a:.1f} {b:.1f}" for a, b in zip(ends[::-1], np.repeat(upper, 2)[:-1][::-1], strict=True)
+    ]
+    return tag(
+        "path",
+        d=f"M{'L'.join(there + back)}Z",
+        fill=line.pen.colour,
+        fill_opacity="0.15",
+        stroke="none",
+    )
 
 
 @dataclass(frozen=True)
@@ -311,8 +351,12 @@ class Ranked:
 ROW, NAMES = 19.0, 150.0
 
 
-def critical_differences(rows: Sequence[Ranked], cliques: Sequence[tuple[int, int]], title: str) -> Html:
-    """Mean ranks with their intervals, best first; a bar at the right joins those that cannot be told apart.
+def critical_differences(
+    rows: Sequence[Ranked], cliques: Sequence[tuple[int, int]], title: str
+) -> Html:
+    """Mean ranks with their intervals, best first.
+
+    A bar at the right joins those that cannot be told apart.
 
     Parameters
     ----------
@@ -343,12 +387,29 @@ def critical_differences(rows: Sequence[Ranked], cliques: Sequence[tuple[int, in
         parts.append(_text(row.label, NAMES - 10, level + 4, "end", weight=weight))
         parts.append(_rule(low, level, high, level, QUIET))
         words = f"{row.label}: mean rank {row.rank:.2f} [{row.low:.2f}, {row.high:.2f}]"
-        parts.append(tag("circle", tag("title", words), cx=f"{at:.1f}", cy=f"{level:.1f}", r="4", fill=COLOURS[0]))
+        parts.append(
+            tag(
+                "circle",
+                tag("title", words),
+                cx=f"{at:.1f}",
+                cy=f"{level:.1f}",
+                r="4",
+                fill=COLOURS[0],
+            )
+        )
     for i, (first, last) in enumerate(cliques):
         place = WIDTH - bars + 7.0 * i
-        ends = (4.0 + ROW * (first + 0.2), 4.0 + ROW * (last + 0.8))
-        bar = tag("line", x1=f"{place:.1f}", y1=f"{ends[0]:.1f}", x2=f"{place:.1f}", y2=f"{ends[1]:.1f}", stroke=INK,
-                  stroke_width="3", stroke_linecap="round")  # fmt: skip
+        top, bottom = 4.0 + ROW * (first + 0.2), 4.0 + ROW * (last + 0.8)
+        ends = {"x1": place, "y1": top, "x2": place, "y2": bottom}
+        shown = {name: f"{at:.1f}" for name, at in ends.items()}
+        bar = tag("line", **shown, stroke=INK, stroke_width="3", stroke_linecap="round")
         parts.append(bar)
     parts.append(_text(axis.label, NAMES + 0.5 * inner, height - 3, "middle"))
-    return tag("svg", tag("title", title), *parts, viewBox=f"0 0 {WIDTH:g} {height:g}", role="img", class_="plot")
+    return tag(
+        "svg",
+        tag("title", title),
+        *parts,
+        viewBox=f"0 0 {WIDTH:g} {height:g}",
+        role="img",
+        class_="plot",
+    )

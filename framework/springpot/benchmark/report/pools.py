@@ -1,4 +1,7 @@
-"""Which optimiser to use if nothing is known of the problem: one sentence over all problems of a study."""
+"""Which optimiser to use if nothing is known of the problem.
+
+One sentence over all problems of a study.
+"""
 
 from __future__ import annotations
 
@@ -11,13 +14,16 @@ import numpy as np
 from springpot.benchmark.comparison import OVER_ALL, Ranking
 from springpot.benchmark.findings import Findings
 from springpot.benchmark.statistics import Interval, expected_running_time, wilson
-from springpot.digits import number
+from springpot.format_numbers import number
 from springpot.markup import Html, joined, tag
 
 
 @dataclass(frozen=True)
 class Pool:
-    """Which optimiser to use if nothing is known of the problem: as a `Choice`, but over all of them."""
+    """Which optimiser to use if nothing is known of the problem.
+
+    As a `Choice`, but over all of them.
+    """
 
     ranking: Ranking
     label: str
@@ -65,13 +71,20 @@ def verdict(findings: Findings, pool: Pool) -> Iterator[Html]:
     yield tag("b", pool.label)
     yield joined([f": it reached the target in {share_text(pool.success)} of its trials here"])
     if np.isfinite(pool.running_time):
-        yield joined([f", after {number(pool.running_time, 3)} evaluations on average, restarts included"])
+        yield joined(
+            [f", after {number(pool.running_time, 3)} evaluations on average, restarts included"]
+        )
     if pool.alike:
         yield joined([f". Not told from it, and dearer: {_and(pool.alike)}."])
     else:
         chance = max(float(ranking.p[ranking.labels.index(pool.label), j]) for j in _others(pool))
         over = f"{ranking.blocks} {ranking.unit}"
-        yield joined([f". All others rank lower (p up to {number(chance, 2)} over {over}, adjusted by Holm)."])
+        yield joined(
+            [
+                f". All others rank lower (p up to {number(chance, 2)} over {over}, adjusted by"
+                " Holm)."
+            ]
+        )
 
 
 def _others(pool: Pool) -> list[int]:
@@ -81,8 +94,8 @@ def _others(pool: Pool) -> list[int]:
 def _too_few(ranking: Ranking) -> str:
     """What a ranking of too few blocks can say: that it can say nothing, and by how much."""
     text = (
-        f"{ranking.doubt} {len(ranking.labels)} optimisers apart: the least p-value that they can give, adjusted for "
-        f"all pairs, is {number(ranking.least, 2)}."
+        f"{ranking.doubt} {len(ranking.labels)} optimisers apart: the least p-value that they can"
+        f" give, adjusted for all pairs, is {number(ranking.least, 2)}."
     )
     # One problem says nothing of the next, but much of itself.
     if len(ranking.reached) > 1:

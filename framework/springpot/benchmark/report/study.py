@@ -8,22 +8,31 @@ from pathlib import Path
 
 import numpy as np
 
-from springpot.benchmark import Store, store_path
 from springpot.benchmark.comparison import OVER_ALL, Choice, Ranking, scopes
 from springpot.benchmark.findings import COMPARING, PLAIN, Findings
 from springpot.benchmark.rows import ProblemRow
 from springpot.benchmark.standings import CHOICE_NOTE
 from springpot.benchmark.statistics import Interval
-from springpot.benchmark.summary import CellSummary
+from springpot.benchmark.store import Store
+from springpot.benchmark.summary import CellSummary, store_path
 from springpot.benchmark.tables import Table, text
-from springpot.digits import counted, number
 from springpot.files import write_text
+from springpot.format_numbers import counted, number
 from springpot.markup import Html, joined, table, tag
 from springpot.report.numbers import seconds
 from springpot.report.page import page
 
 from .pools import pools, share_text, verdict
-from .study_plots import Pens, accuracy_against_time, attained, diagram, distribution, pair, profile_figures, progress
+from .study_plots import (
+    Pens,
+    accuracy_against_time,
+    attained,
+    diagram,
+    distribution,
+    pair,
+    profile_figures,
+    progress,
+)
 
 NAMED = 3
 """Optimisers named in one cell as being as good."""
@@ -79,7 +88,8 @@ def write_study_report(study: str | Path, out: Path = Path("results")) -> Path:
 
 def study_html(findings: Findings) -> Html:
     """The report as text."""
-    # Before one problem is done by all optimisers there is nothing to compare, but failures show already.
+    # Before one problem is done by all optimisers there is nothing to compare, but failures show
+    # already.
     body = [*_head(findings), *_failures(findings)]
     if findings.races:
         # By what they reach: the best get the lines that are told apart most easily.
@@ -94,7 +104,13 @@ def study_html(findings: Findings) -> Html:
             *_cost(findings, pens),
             *_failures(findings),
         ]
-    return page(f"{findings.name}: which optimiser?", *body, *_tables(findings), *_repeat(findings), style=STYLE)
+    return page(
+        f"{findings.name}: which optimiser?",
+        *body,
+        *_tables(findings),
+        *_repeat(findings),
+        style=STYLE,
+    )
 
 
 def _head(findings: Findings) -> Iterator[Html]:
@@ -112,7 +128,11 @@ def _head(findings: Findings) -> Iterator[Html]:
         f"{failed} failed",
     )
     yield tag("h1", f"{findings.name}: which optimiser?")
-    yield tag("p", f"{', '.join(counts)}. Run on {findings.facts.get('started', '')[:10]}.", class_="quiet")
+    yield tag(
+        "p",
+        f"{', '.join(counts)}. Run on {findings.facts.get('started', '')[:10]}.",
+        class_="quiet",
+    )
     by_budget = pools(findings)
     if by_budget:
         # The last is that of the whole budget.
@@ -133,12 +153,19 @@ def _choices(findings: Findings) -> Iterator[Html]:
     graded = _graded(findings)
     for choices in sorted(by_problem.values(), key=lambda choices: choices[0].race.problem.model):
         problem = choices[0].race.problem
-        rows.append((problem.model, _data(findings, problem), *(_chosen(choice, graded) for choice in choices)))
+        rows.append(
+            (
+                problem.model,
+                _data(findings, problem),
+                *(_chosen(choice, graded) for choice in choices),
+            )
+        )
     yield tag("h2", "Which optimiser should I use?")
     yield tag(
         "p",
-        "For your model, your data and the evaluations you can afford. Shown are the share of trials that reached "
-        "the target, with its 95 % interval, and the expected evaluations to it. ∇: uses gradients.",
+        "For your model, your data and the evaluations you can afford. Shown are the share of"
+        " trials that reached the target, with its 95 % interval, and the expected evaluations to"
+        " it. ∇: uses gradients.",
         class_="quiet",
     )
     yield tag("div", table(headers, rows), class_="scroll choice")
@@ -164,7 +191,9 @@ def _all_problems(findings: Findings) -> tuple[str, ...]:
     cells = []
     for pool in pools(findings):
         certainty = pool.ranking.doubt or _alike(pool.alike)
-        cells.append(_cell(pool.label, _reached(pool.success, pool.running_time), certainty, graded))
+        cells.append(
+            _cell(pool.label, _reached(pool.success, pool.running_time), certainty, graded)
+        )
     return ("all", f"all {len(findings.races)} problems", *cells)
 
 
@@ -202,7 +231,12 @@ def _alike(alike: Sequence[str]) -> str:
 def _cell(label: str, share: str, certainty: str, graded: set[str]) -> Html:
     if label in graded:
         label += " ∇"
-    return tag("div", tag("b", label), tag("span", share, class_="share"), tag("span", certainty, class_="quiet"))
+    return tag(
+        "div",
+        tag("b", label),
+        tag("span", share, class_="share"),
+        tag("span", certainty, class_="quiet"),
+    )
 
 
 def _rankings(findings: Findings) -> Iterator[Html]:
@@ -212,7 +246,10 @@ def _rankings(findings: Findings) -> Iterator[Html]:
     yield tag("h2", "Who ranks where, and how sure is it?")
     largest = rankings[-1]
     if not np.isnan(largest.p_all):
-        line = f"Friedman's test that all are alike at {largest.budget} evaluations: p = {number(largest.p_all, 2)}."
+        line = (
+            f"Friedman's test that all are alike at {largest.budget} evaluations: p ="
+            f" {number(largest.p_all, 2)}."
+        )
         yield tag("p", line, class_="quiet")
     # What the whole budget says comes first.
     yield pair([diagram(ranking) for ranking in reversed(rankings)])
@@ -233,9 +270,15 @@ def _over_all(findings: Findings) -> list[Ranking]:
 def _profiles(findings: Findings, pens: Pens) -> Iterator[Html]:
     yield tag("h2", "How fast do they get there?")
     yield pens.key()
-    everything = distribution(findings, findings.races, pens, "All problems: share of trials and targets reached")
+    everything = distribution(
+        findings, findings.races, pens, "All problems: share of trials and targets reached"
+    )
     yield pair([everything, *profile_figures(findings, pens)])
-    parts = [distribution(findings, races, pens, name) for name, races in scopes(findings.races) if name != OVER_ALL]
+    parts = [
+        distribution(findings, races, pens, name)
+        for name, races in scopes(findings.races)
+        if name != OVER_ALL
+    ]
     if parts:
         yield tag("details", tag("summary", "By model and by data set"), pair(parts))
 
@@ -244,10 +287,10 @@ def _progress(findings: Findings, pens: Pens) -> Iterator[Html]:
     yield tag("h2", "Progress on each problem")
     yield tag(
         "p",
-        "Excess: (f - f_best) / (g - f_best), g at the centre of the box or of no response at all; below the target "
-        "it no longer counts. Median of all trials; quartiles for the three that fall earliest; where half of the "
-        "trials failed there is no line. On noisy data also what the same points are worth against the data without "
-        "their noise.",
+        "Excess: (f - f_best) / (g - f_best), g at the centre of the box or of no response at all;"
+        " below the target it no longer counts. Median of all trials; quartiles for the three that"
+        " fall earliest; where half of the trials failed there is no line. On noisy data also what"
+        " the same points are worth against the data without their noise.",
         class_="quiet",
     )
     yield pens.key()
@@ -264,13 +307,16 @@ def _pairs(findings: Findings) -> Iterator[Html]:
     # Best first in rows and columns, so that what beats what lies above the diagonal.
     order = [int(i) for i in np.argsort(ranking.means, kind="stable")]
     head = tag("tr", tag("th", ""), *(tag("th", ranking.labels[j]) for j in order))
-    rows = [tag("tr", tag("th", ranking.labels[i]), *(_heat(ranking, i, j) for j in order)) for i in order]
+    rows = [
+        tag("tr", tag("th", ranking.labels[i]), *(_heat(ranking, i, j) for j in order))
+        for i in order
+    ]
     yield tag("h2", "Who beats whom?")
     yield tag(
         "p",
-        f"Chance in per cent that a trial of the row's optimiser ends below one of the column's on the same problem "
-        f"at {ranking.budget} evaluations, ties by half (A12); bold where the two are told apart, as in the "
-        "diagrams above.",
+        "Chance in per cent that a trial of the row's optimiser ends below one of the column's on"
+        f" the same problem at {ranking.budget} evaluations, ties by half (A12); bold where the two"
+        " are told apart, as in the diagrams above.",
         class_="quiet",
     )
     yield tag("div", tag("table", tag("thead", head), tag("tbody", *rows)), class_="scroll heat")
@@ -299,12 +345,18 @@ def _cost(findings: Findings, pens: Pens) -> Iterator[Html]:
     rows = [_cost_row(label, summaries) for label, summaries in by_label.items()]
     # By the time itself, which stands first in each row and is not shown.
     rows.sort(key=lambda row: row[0])
-    headers = ("optimiser", "trial, median", "an evaluation", "with gradient", "evaluations, median")
+    headers = (
+        "optimiser",
+        "trial, median",
+        "an evaluation",
+        "with gradient",
+        "evaluations, median",
+    )
     yield tag("h2", "What do they cost?")
     yield tag(
         "p",
-        "Processor time of the optimiser with the model's, for one trial run alone on this machine; medians over "
-        "problems.",
+        "Processor time of the optimiser with the model's, for one trial run alone on this machine;"
+        " medians over problems.",
         class_="quiet",
     )
     if any(summary.processor for summary in findings.summaries):
@@ -313,7 +365,9 @@ def _cost(findings: Findings, pens: Pens) -> Iterator[Html]:
     yield tag("div", table(headers, [row[1:] for row in rows], headers[1:]), class_="scroll")
 
 
-def _cost_row(label: str, summaries: Sequence[CellSummary]) -> tuple[float, str, str, str, str, str]:
+def _cost_row(
+    label: str, summaries: Sequence[CellSummary]
+) -> tuple[float, str, str, str, str, str]:
     known = [
         (s.processor, s.each, s.evaluations, s.gradients or 0.0)
         for s in summaries
@@ -325,7 +379,14 @@ def _cost_row(label: str, summaries: Sequence[CellSummary]) -> tuple[float, str,
     spent, rates, evaluations, gradients = np.array(known).T
     middle, each = float(np.median(spent)), float(np.median(rates))
     share = f"{100 * float(np.median(gradients / evaluations)):.0f} %"
-    return middle, label, seconds(middle), seconds(each), share, number(float(np.median(evaluations)), 3)
+    return (
+        middle,
+        label,
+        seconds(middle),
+        seconds(each),
+        share,
+        number(float(np.median(evaluations)), 3),
+    )
 
 
 def _failures(findings: Findings) -> Iterator[Html]:
@@ -338,7 +399,9 @@ def _failures(findings: Findings) -> Iterator[Html]:
     if not counted:
         yield tag("p", "No trial failed.")
         return
-    yield tag("p", "A trial that failed counts as one that never reached any target.", class_="quiet")
+    yield tag(
+        "p", "A trial that failed counts as one that never reached any target.", class_="quiet"
+    )
     rows = [(*key, str(count)) for key, count in counted.most_common()]
     headers = ("optimiser", "status", "reason", "trials")
     yield tag("div", table(headers, rows, headers[3:]), class_="scroll")
@@ -354,7 +417,9 @@ def _tables(findings: Findings) -> Iterator[Html]:
         # Folded, at the end: for who wants the numbers behind the pictures.
         made = (PLAIN | COMPARING)[name](findings)
         if made.rows:
-            yield tag("details", tag("summary", name), tag("p", made.note, class_="quiet"), _whole(made))
+            yield tag(
+                "details", tag("summary", name), tag("p", made.note, class_="quiet"), _whole(made)
+            )
 
 
 def _whole(made: Table) -> Html:
@@ -376,7 +441,7 @@ def _repeat(findings: Findings) -> Iterator[Html]:
     yield tag("div", table(("what", "value"), rows), class_="scroll")
     yield tag(
         "p",
-        "Random numbers come from the seed, the names of data set, model and objective, and the repetition: the "
-        "same for every optimiser. Made by springpot.",
+        "Random numbers come from the seed, the names of data set, model and objective, and the"
+        " repetition: the same for every optimiser. Made by springpot.",
         class_="quiet",
     )

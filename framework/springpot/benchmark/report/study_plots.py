@@ -1,4 +1,4 @@
-"""Pictures of a study: profiles, distributions over targets, anytime curves, critical differences."""
+"""Pictures of a study: profiles, shares of targets, anytime curves, critical differences."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from springpot.benchmark.findings import Findings
 from springpot.benchmark.scores import CellScores, Race
 from springpot.benchmark.statistics import cliques
 from springpot.markup import Html, joined, tag
-from springpot.rheology import Real
+from springpot.rheology.points import Real
 
 from .plot import Dot, Line, Pen, Ranked, Scale, critical_differences, key, plot, scatter
 
@@ -37,14 +37,19 @@ def diagram(ranking: Ranking) -> Html:
     if not ranking.decided:
         width = f"their range ({ranking.doubt})"
     return figure(
-        critical_differences(rows, cliques(ranking.means, ranking.p), f"mean ranks at {ranking.budget} evaluations"),
-        f"{ranking.budget} evaluations: mean rank over {ranking.blocks} {ranking.unit}, {width}; a bar at the right "
-        "joins those that cannot be told apart",
+        critical_differences(
+            rows, cliques(ranking.means, ranking.p), f"mean ranks at {ranking.budget} evaluations"
+        ),
+        f"{ranking.budget} evaluations: mean rank over {ranking.blocks} {ranking.unit}, {width}; a"
+        " bar at the right joins those that cannot be told apart",
     )
 
 
 def attained(findings: Findings, races: Sequence[Race]) -> list[tuple[str, Real]]:
-    """Share of trials and targets reached along the grid, over some races, by optimiser; best first."""
+    """Share of trials and targets reached along the grid, over some races, by optimiser.
+
+    Best first.
+    """
     labels = races[0].labels
     mean = [np.mean([race.cells[i].attained for race in races], axis=0) for i in range(len(labels))]
     rows = sorted(zip(labels, mean, strict=True), key=lambda row: -float(row[1].mean()))
@@ -91,7 +96,10 @@ def profile_figures(findings: Findings, pens: Pens) -> Iterator[Html]:
     target = f"{findings.scale.target:g}"
     yield figure(
         plot(
-            [Line(profile.labels[i], budgets, profile.data[i], pens[profile.labels[i]]) for i in order],
+            [
+                Line(profile.labels[i], budgets, profile.data[i], pens[profile.labels[i]])
+                for i in order
+            ],
             Scale("evaluations / (d + 1)", 1.0, float(budgets[-1]), logarithmic=True),
             SHARE,
             "data profile",
@@ -100,17 +108,21 @@ def profile_figures(findings: Findings, pens: Pens) -> Iterator[Html]:
     )
     yield figure(
         plot(
-            [Line(profile.labels[i], ratios, profile.performance[i], pens[profile.labels[i]]) for i in order],
+            [
+                Line(profile.labels[i], ratios, profile.performance[i], pens[profile.labels[i]])
+                for i in order
+            ],
             Scale("evaluations / those of the best", 1.0, 1000.0, logarithmic=True),
             SHARE,
             "performance profile",
         ),
-        "Performance profile: share of trials at the target within this multiple of the best optimiser's evaluations",
+        "Performance profile: share of trials at the target within this multiple of the best"
+        " optimiser's evaluations",
     )
 
 
 def progress(findings: Findings, race: Race, pens: Pens) -> Iterator[Html]:
-    """Anytime curves on one problem: the excess, and on noisy data what is off without the noise."""
+    """Anytime curves on one problem: the excess, and on noisy data the noise-free error too."""
     target = findings.scale.target
     # The axis reaches the highest median, and one at least: that is where every search begins.
     top = 1.0
@@ -124,18 +136,28 @@ def progress(findings: Findings, race: Race, pens: Pens) -> Iterator[Html]:
     if known:
         values = np.concatenate([curve[1] for curve in known])
         values = values[np.isfinite(values) & (values > 0)]
-        y = Scale("noise-free objective, median", float(values.min()), float(values.max()), logarithmic=True)
-        # Curves go by the place of their optimiser: one that has none keeps its place, and no line is drawn.
+        y = Scale(
+            "noise-free objective, median",
+            float(values.min()),
+            float(values.max()),
+            logarithmic=True,
+        )
+        # Curves go by the place of their optimiser: one that has none keeps its place, and no line
+        # is drawn.
         empty = np.full((3, len(findings.scale.grid)), np.inf)
         filled = []
         for curve in clean:
             if curve is None:
                 curve = empty
             filled.append(curve)
-        yield _curves(findings, race, pens, filled, y, "The same points against the data without their noise")
+        yield _curves(
+            findings, race, pens, filled, y, "The same points against the data without their noise"
+        )
 
 
-def _curves(findings: Findings, race: Race, pens: Pens, curves: Sequence[Real], y: Scale, caption: str) -> Html:
+def _curves(
+    findings: Findings, race: Race, pens: Pens, curves: Sequence[Real], y: Scale, caption: str
+) -> Html:
     x = Scale("evaluations", 1.0, float(findings.scale.budget), logarithmic=True)
     grid = findings.scale.grid.astype(float)
     best = sorted(range(len(curves)), key=lambda i: _area(race.cells[i], findings.scale.target))
@@ -145,17 +167,22 @@ def _curves(findings: Findings, race: Race, pens: Pens, curves: Sequence[Real], 
         if n < BANDS:
             band = curves[i][[0, 2]]
         lines.append(Line(label, grid, curves[i][1], pens[label], band))
-    return figure(plot(lines, x, y, f"{caption}, {race.problem.model} on {race.problem.dataset}"), f"{caption}")
+    return figure(
+        plot(lines, x, y, f"{caption}, {race.problem.model} on {race.problem.dataset}"),
+        f"{caption}",
+    )
 
 
 def _area(scores: CellScores, target: float) -> float:
-    """Mean of the logarithm of the median excess along the grid: small where a curve falls early."""
+    """Mean logarithm of the median excess along the grid: small where a curve falls early."""
     # Below the target the excess no longer counts; 1e9 stands for an endless one.
     return float(np.mean(np.log(np.clip(scores.curve[1], target, 1e9))))
 
 
 def accuracy_against_time(findings: Findings, pens: Pens) -> Html:
-    """How near each optimiser comes, and what its time is: a small point for each problem, a large one for all.
+    """How near each optimiser comes, and what its time is.
+
+    A small point for each problem, a large one for all.
 
     Named are those that no other beats in both: the choice is among them.
     """
@@ -182,16 +209,24 @@ def accuracy_against_time(findings: Findings, pens: Pens) -> Html:
         written = ""
         if not beaten:
             written = label
-        dots.append(Dot(f"{label}, median of {len(places[label])}", x, y, pens[label], True, written))
+        dots.append(
+            Dot(f"{label}, median of {len(places[label])}", x, y, pens[label], True, written)
+        )
     times = np.array([dot.x for dot in dots])
     across = Scale(
-        "processor time of a trial alone, median [s]", 0.8 * float(times.min()), 1.25 * float(times.max()), True
+        "processor time of a trial alone, median [s]",
+        0.8 * float(times.min()),
+        1.25 * float(times.max()),
+        True,
     )
     caption = (
-        f"Excess at {findings.scale.budget} evaluations against time: down is nearer, left is faster; the large "
-        "points are medians over the problems, and those with a name are beaten by none in both"
+        f"Excess at {findings.scale.budget} evaluations against time: down is nearer, left is"
+        " faster; the large points are medians over the problems, and those with a name are beaten"
+        " by none in both"
     )
-    picture = scatter(dots, across, Scale("excess, median", target, 1.0, True), "accuracy against time")
+    picture = scatter(
+        dots, across, Scale("excess, median", target, 1.0, True), "accuracy against time"
+    )
     return figure(picture, caption)
 
 

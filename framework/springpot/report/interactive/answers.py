@@ -1,4 +1,7 @@
-"""What is drawn of an answer: K of the model and of every candidate, parameters, noise, the rivals' next points."""
+"""What is drawn of an answer.
+
+K of the model and of every candidate, parameters, noise, the rivals' next points.
+"""
 
 from __future__ import annotations
 
@@ -7,10 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from springpot.diagnosis import Case, Ladder
-from springpot.measurement import KELVIN, Measurement
+from springpot.diagnosis.examination import Case
+from springpot.diagnosis.ladder import Ladder
+from springpot.measurement.measurement import Measurement
 from springpot.report.reference import reference_note
-from springpot.rheology import Model, Points, Real
+from springpot.rheology.model import Model
+from springpot.rheology.points import KELVIN, Points, Real
 
 from .previews import Grown, grown_by_each
 from .scene import PageScene, relative_error, rounded
@@ -35,12 +40,13 @@ def drawn(ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
     -------
     dict
         ``discovery`` (schema ``springpot.discovery/1``); ``parameters`` of the last rung;
-        ``noise``: standard deviations of storage and loss at the drawn points; ``reference``: to which temperature
-        or amplitude the parameters belong;
-        ``model``: K of the last rung, ``{"points", "curves", "slope"}``, each with ``storage`` and ``loss``, at the
-        drawn points and on one smooth curve for each sweep, in the order and unit of the data;
-        ``previews``: for each candidate the same for the model grown by it alone, with its ``error``, ``model`` and
-        whether it was ``refitted`` or comes from the scan; ``next``: the rivals at the proposed points.
+        ``noise``: standard deviations of storage and loss at the drawn points; ``reference``: to
+        which temperature or amplitude the parameters belong; ``model``: K of the last rung,
+        ``{"points", "curves", "slope"}``, each with ``storage`` and ``loss``, at the drawn points
+        and on one smooth curve for each sweep, in the order and unit of the data; ``previews``: for
+        each candidate the same for the model grown by it alone, with its ``error``, ``model`` and
+        whether it was ``refitted`` or comes from the scan; ``next``: the rivals at the proposed
+        points.
     """
     scene, case = PageScene(measurement), ladder.steps[-1].case
     base = case.search.base
@@ -96,7 +102,10 @@ def parameters_of(ladder: Ladder) -> list[dict[str, Any]]:
 
 
 def _noise(scene: PageScene, case: Case) -> dict[str, Any]:
-    """Standard deviations at the drawn points: those of the fitted point of nearest |K|, as a share of it."""
+    """Standard deviations at the drawn points.
+
+    Those of the fitted point of nearest |K|, as a share of it.
+    """
     base = case.search.base
     fitted, drawn = base.fit.measurement.magnitude, scene.measurement.magnitude[scene.rows]
     # Points that are drawn need not be those that were fitted: repeats are fitted as their mean.
@@ -115,7 +124,10 @@ def _preview(scene: PageScene, used: Measurement, one: Grown) -> dict[str, Any]:
 
 
 def _next(case: Case, grown: dict[str, Grown], measurement: Measurement) -> dict[str, Any] | None:
-    """The proposed experiment, and what the two rivals predict along it; None where nothing is proposed."""
+    """The proposed experiment, and what the two rivals predict along it.
+
+    None where nothing is proposed.
+    """
     proposed = case.diagnosis.next_experiment
     if proposed is None or not proposed.action.get("omega"):
         return None
@@ -125,13 +137,18 @@ def _next(case: Case, grown: dict[str, Grown], measurement: Measurement) -> dict
     for name in proposed.separates:
         # Of another specimen or a known mass the rivals would have to be computed anew.
         if name in grown and set(proposed.action) <= DRAWABLE:
-            rivals.append({"effect": name, **_band(grown[name].model, grown[name].theta, points, floor)})
+            rivals.append(
+                {"effect": name, **_band(grown[name].model, grown[name].theta, points, floor)}
+            )
     action = {key: list(values) for key, values in proposed.action.items()}
     return {"action": action, "frequency": rounded(points.omega / (2 * np.pi)), "rivals": rivals}
 
 
 def _along(points: Points, action: dict[str, list[float]]) -> Points:
-    """Where only the frequency moves: points close enough for a curve, on which a resonance is seen as one."""
+    """Where only the frequency moves.
+
+    Points close enough for a curve, on which a resonance is seen as one.
+    """
     if set(action) != {"omega"}:
         return points
     rows = np.zeros(ON_A_RIVAL, dtype=int)
@@ -141,7 +158,10 @@ def _along(points: Points, action: dict[str, list[float]]) -> Points:
 
 
 def proposed_points(action: dict[str, list[float]], measurement: Measurement) -> Points:
-    """Where a proposed experiment measures; conditions that it leaves open are as they were on the median."""
+    """Where a proposed experiment measures.
+
+    Conditions that it leaves open are as they were on the median.
+    """
     omega = np.asarray(action["omega"], dtype=float)
     points = measurement.points
 
@@ -170,4 +190,8 @@ def _band(model: Model, theta: Real, points: Points, floor: float) -> dict[str, 
     stiffness = model.stiffness(theta, points)
     # 95 % of what would be measured.
     width = 2.0 * floor * np.abs(stiffness)
-    return {"storage": rounded(stiffness.real), "loss": rounded(stiffness.imag), "width": rounded(width)}
+    return {
+        "storage": rounded(stiffness.real),
+        "loss": rounded(stiffness.imag),
+        "width": rounded(width),
+    }

@@ -8,7 +8,11 @@ from importlib.resources import files
 
 def assets_in(package: str, folder: str) -> dict[str, bytes]:
     """Content of each file in a folder of a package, by name."""
-    return {item.name: item.read_bytes() for item in (files(package) / folder).iterdir() if item.is_file()}
+    return {
+        item.name: item.read_bytes()
+        for item in (files(package) / folder).iterdir()
+        if item.is_file()
+    }
 
 
 @cache

@@ -1,4 +1,7 @@
-"""The panels of the workbench inside a page that has no server: every rung of a ladder with all its previews."""
+"""The panels of the workbench inside a page that has no server.
+
+Every rung of a ladder with all its previews.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,16 @@ from springpot.report.jsontext import to_json
 
 from .assets import modules
 
-ORDER = ("dom.js", "numbers.js", "plot.js", "views.js", "compare.js", "ladder.js", "missing.js", "report.js")
+ORDER = (
+    "dom.js",
+    "numbers.js",
+    "plot.js",
+    "views.js",
+    "compare.js",
+    "ladder.js",
+    "missing.js",
+    "report.js",
+)
 """Each imports only from those before it."""
 STYLES = ("panels.css", "report.css")
 IMPORT = re.compile(r'^import (\{[^}]*\}) from "\./([\w.]+)";$', re.M)
@@ -45,20 +57,26 @@ def bench_of(given: dict[str, Any]) -> Bench:
     Parameters
     ----------
     given : dict
-        ``scene``, see `PageScene.to_dict`; ``rungs``, see `rungs`; ``excluded``: rows that no model was fitted to.
+        ``scene``, see `PageScene.to_dict`; ``rungs``, see `rungs`; ``excluded``: rows that no model
+        was fitted to.
     """
     program = "\n".join(['"use strict";', "const modules = {};", *map(_as_function, ORDER)])
     style = "\n".join(modules()[name].decode() for name in STYLES)
-    # In a script only its own end tag means anything; within JSON every < may be written by its number.
+    # In a script only its own end tag means anything; within JSON every < may be written by its
+    # number.
     escaped = to_json(given, None).replace("<", "\\u003c")
     data = tag("script", Html(escaped), type="application/json", id="given")
     body = Html(f"{tag('div', id='bench')}{data}{tag('script', Html(program))}")
-    # By its digest: a script that slipped in with the data would have another, and no browser would run it.
+    # By its digest: a script that slipped in with the data would have another, and no browser would
+    # run it.
     return Bench(body, style, f"'{_digest(program)}'")
 
 
 def _as_function(name: str) -> str:
-    """A module as a function whose result is what it exports: one inline script cannot hold several modules."""
+    """A module as a function whose result is what it exports.
+
+    One inline script cannot hold several modules.
+    """
     source = modules()[name].decode()
     names = [name for _, name in EXPORT.findall(source)]
     # Imports become look-ups in what the modules before it have left, exports what is returned.

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from springpot.diagnosis import Case
+from springpot.diagnosis.examination import Case
 from springpot.errors import SpringpotError
-from springpot.rheology import Model, Real
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +34,7 @@ class Grown:
 
 
 def grown_by_each(case: Case) -> Iterator[Grown]:
-    """For each candidate of a diagnosis, the model as accepting it alone would make it, as far as it is known."""
+    """For each candidate of a diagnosis, the model that has accepted it alone, as far as known."""
     for candidate in case.diagnosis.candidates:
         try:
             grown = case.grown_with(candidate.physics)

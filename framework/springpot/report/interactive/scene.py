@@ -1,4 +1,7 @@
-"""What is drawn of data, and K of fitted models there: at the measured points and on smooth curves between them."""
+"""What is drawn of data, and K of fitted models there.
+
+At the measured points and on smooth curves between them.
+"""
 
 from __future__ import annotations
 
@@ -9,16 +12,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.measurement import Measurement
+from springpot.measurement.measurement import Measurement
 from springpot.report.curves import Axis, axis_of, smooth, sweeps_of
 from springpot.report.sweeps import Sweep, chosen
-from springpot.rheology import Complex, Model, Points, Real
+from springpot.rheology.model import Model
 from springpot.rheology.nodes import FULL
+from springpot.rheology.points import Complex, Points, Real
 
 MOST_POINTS = 1500
-"""Measured points that are drawn: as SVG, each is an element of the page, and a screen has hardly more columns."""
+"""Measured points that are drawn.
+
+As SVG, each is an element of the page, and a screen has hardly more columns.
+"""
 MOST_ON_CURVES = 480
-"""Points on all smooth curves of one model together: with thirty previews this keeps an answer below half a MB."""
+"""Points on all smooth curves of one model together.
+
+With thirty previews this keeps an answer below half a MB.
+"""
 DIGITS = 6
 """Significant digits of what is drawn; a screen shows three."""
 
@@ -51,7 +61,8 @@ class PageScene:
         rows = np.concatenate([sweep.rows for sweep in self.sweeps])
         if len(rows) <= MOST_POINTS:
             return rows
-        # Evenly along each sweep, its ends among them: a browser draws some thousand marks without a pause.
+        # Evenly along each sweep, its ends among them: a browser draws some thousand marks without
+        # a pause.
         return np.asarray(rows[np.linspace(0, len(rows) - 1, MOST_POINTS).round().astype(int)])
 
     @cached_property
@@ -61,9 +72,10 @@ class PageScene:
 
     @cached_property
     def grids(self) -> list[tuple[Real, Points]]:
-        """For each sweep the places of its smooth curve along the axis, and the conditions there."""
+        """For each sweep the places of its smooth curve along the axis, and their conditions."""
         whole = [smooth(self.measurement, self.axis, sweep) for sweep in self.sweeps]
-        # Each preview carries such a curve for each sweep: the page would otherwise grow by megabytes.
+        # Each preview carries such a curve for each sweep: the page would otherwise grow by
+        # megabytes.
         count = sum(len(x) for x, _ in whole)
         step = max(2, int(np.ceil(count / MOST_ON_CURVES)))
         thin = []
@@ -79,7 +91,9 @@ class PageScene:
         sweep_of = np.zeros(len(measurement), dtype=int)
         for number, sweep in enumerate(self.sweeps):
             sweep_of[sweep.rows] = number
-        conditions = {name: rounded(column[rows]) for name, column in measurement.conditions.items()}
+        conditions = {
+            name: rounded(column[rows]) for name, column in measurement.conditions.items()
+        }
         # Places of a diagnosis and planned frequencies are in Hz, whatever the data are told in.
         per_hertz = 1.0
         if self.axis.column == "frequency":
@@ -87,14 +101,20 @@ class PageScene:
         return {
             "name": measurement.name,
             "count": len(measurement),
-            "units": {"stiffness": measurement.units.stiffness, "amplitude": measurement.units.amplitude},
+            "units": {
+                "stiffness": measurement.units.stiffness,
+                "amplitude": measurement.units.amplitude,
+            },
             "axis": {
                 "column": self.axis.column,
                 "label": self.axis.label,
                 "logarithmic": self.axis.logarithmic,
                 "per_hertz": per_hertz,
             },
-            "words": {"clock": measurement.units.clock, "per_hertz": measurement.units.on_clock(1.0)},
+            "words": {
+                "clock": measurement.units.clock,
+                "per_hertz": measurement.units.on_clock(1.0),
+            },
             "rows": rows.tolist(),
             "x": rounded(self.axis.values[rows]),
             "omega": rounded(measurement.omega[rows]),
@@ -110,7 +130,10 @@ class PageScene:
         }
 
     def curve(self, model: Model, theta: Real, slope: bool = False) -> dict[str, Any]:
-        """K of a model at the drawn points and on the smooth curves; with dK / d ln omega at the points if wanted."""
+        """K of a model at the drawn points and on the smooth curves.
+
+        With dK / d ln omega at the points if wanted.
+        """
         response = model.network.respond(theta, self.points, FULL)
         drawn = {
             "points": _parts(response.value),

@@ -14,27 +14,59 @@ EXAMPLE = "Example: springpot export-model fit.json --to opensees --band 1Hz:48H
 
 @click.command("export-model", epilog=EXAMPLE)
 @click.argument("source", type=DATA, metavar="FIT.json|MODEL")
-@click.option("--to", "format_name", metavar="FORMAT", required=True, help="See 'springpot list writers'.")
-@click.option("--band", metavar="LOW:HIGH", required=True, help="Frequencies such as 1Hz:48Hz or 6rad/s:300rad/s.")
+@click.option(
+    "--to", "format_name", metavar="FORMAT", required=True, help="See 'springpot list writers'."
+)
+@click.option(
+    "--band",
+    metavar="LOW:HIGH",
+    required=True,
+    help="Frequencies such as 1Hz:48Hz or 6rad/s:300rad/s.",
+)
 @click.option("--tolerance", metavar="X%", help="Largest error of K on the band; 0.5% by default.")
 @click.option("--terms", type=POSITIVE, metavar="N", help="That many terms instead of a tolerance.")
 @click.option("--dashpot", is_flag=True, help="Let a dashpot stand beside the terms.")
-@click.option("--set", "values", multiple=True, metavar="NAME=VALUE", help="A parameter of MODEL; repeat for each.")
+@click.option(
+    "--set",
+    "values",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="A parameter of MODEL; repeat for each.",
+)
 @click.option("--unit", metavar="UNIT", help="Of the stiffness of MODEL, such as kN/m or MPa.")
-@click.option("--without", multiple=True, metavar="EFFECT", help="Leave out an effect of the rig; may be repeated.")
-@click.option("--temperature", type=float, metavar="DEGC", help="For models with a temperature effect.")
-@click.option("--poisson", type=float, metavar="NU", help="Poisson's ratio, for formats of solid materials.")
+@click.option(
+    "--without",
+    multiple=True,
+    metavar="EFFECT",
+    help="Leave out an effect of the rig; may be repeated.",
+)
+@click.option(
+    "--temperature", type=float, metavar="DEGC", help="For models with a temperature effect."
+)
+@click.option(
+    "--poisson", type=float, metavar="NU", help="Poisson's ratio, for formats of solid materials."
+)
 @click.option("--modulus", metavar="KIND", help="shear, young or bulk, where the data do not say.")
-@click.option("--bulk", metavar="WAY", help="Bulk modulus constant or relaxing; constant above NU = 0.45.")
-@click.option("-o", "--output", type=FILE, metavar="FILE", help="Where to write; by default to the screen.")
+@click.option(
+    "--bulk", metavar="WAY", help="Bulk modulus constant or relaxing; constant above NU = 0.45."
+)
+@click.option(
+    "-o", "--output", type=FILE, metavar="FILE", help="Where to write; by default to the screen."
+)
 @json_option
 def command(
-    source: str, format_name: str, output: Path | None, as_json: bool, tolerance: str | None, **options: Any
+    source: str,
+    format_name: str,
+    output: Path | None,
+    as_json: bool,
+    tolerance: str | None,
+    **options: Any,
 ) -> None:
-    """Write a model, identified (the JSON of 'springpot identify --json') or given by its parameters, for a solver.
+    """Write a model for a solver: identified, or given by its parameters.
 
-    It becomes a Prony series of as few terms as the tolerance on the band needs. Effects of rig and signals are
-    refused, for they do not belong to the specimen: leave them out with --without.
+    An identified one is the JSON of 'springpot identify --json'. It becomes a Prony series of as
+    few terms as the tolerance on the band needs. Effects of rig and signals are refused, for they
+    do not belong to the specimen: leave them out with --without.
     """
     from springpot.errors import OptionError
     from springpot.files import require_writable, write_text, write_with
@@ -48,7 +80,9 @@ def command(
     if data is not None:
         # Bytes on a terminal are unreadable, and may command it.
         if output is None:
-            raise OptionError(f"{handed.writer.name} is no text: name its file, -o damper{handed.writer.suffix}")
+            raise OptionError(
+                f"{handed.writer.name} is no text: name its file, -o damper{handed.writer.suffix}"
+            )
         write_with(output, lambda file: file.write(data))
     elif output is not None:
         write_text(output, handed.text)
@@ -68,4 +102,7 @@ def _show(text: str, result: dict[str, Any], output: Path | None) -> None:
         print(text, end="")
         return
     error = f"{100 * result['error']:.2g} %"
-    print(f"{result['terms']} terms, within {error} of |K| of the model on the band, written to {output}")
+    print(
+        f"{result['terms']} terms, within {error} of |K| of the model on the band, written to"
+        f" {output}"
+    )

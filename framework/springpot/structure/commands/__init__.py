@@ -1,5 +1,8 @@
 """Commands of structures."""
 
 COMMANDS = {
-    "simulate": ("springpot.structure.commands.simulate", "A structure with identified dampers under a record."),
+    "simulate": (
+        "springpot.structure.commands.simulate",
+        "A structure with identified dampers under a record.",
+    ),
 }

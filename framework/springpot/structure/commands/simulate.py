@@ -11,16 +11,41 @@ from springpot.cli.common import DATA, FILE, INPUT, emit, json_option
 from springpot.cli.predict import numbers
 
 if TYPE_CHECKING:
-    from springpot.structure import Simulation, Steady
+    from springpot.structure.modes import Steady
+    from springpot.structure.motion import Simulation
 
 
-@click.command("simulate", epilog="Example: springpot simulate frame.toml --record artificial:3.0 --figure drift.png")
+@click.command(
+    "simulate",
+    epilog="Example: springpot simulate frame.toml --record artificial:3.0 --figure drift.png",
+)
 @click.argument("structure", type=INPUT, metavar="STRUCTURE.toml")
-@click.option("--record", type=DATA, metavar="FILE", help="CSV of time and acceleration, or artificial:PEAK.")
-@click.option("--frequency", "-f", metavar="HZ", help="Steady state instead: numbers with commas, or 0.5..10.")
-@click.option("--draws", type=click.IntRange(min=0), default=40, show_default=True, help="Of uncertain parameters.")
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of all random numbers.")
-@click.option("--figure", type=FILE, metavar="FILE", help="Draw drifts, loops and energy (.png, .svg or .pdf).")
+@click.option(
+    "--record", type=DATA, metavar="FILE", help="CSV of time and acceleration, or artificial:PEAK."
+)
+@click.option(
+    "--frequency", "-f", metavar="HZ", help="Steady state instead: numbers with commas, or 0.5..10."
+)
+@click.option(
+    "--draws",
+    type=click.IntRange(min=0),
+    default=40,
+    show_default=True,
+    help="Of uncertain parameters.",
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(min=0),
+    default=0,
+    show_default=True,
+    help="Of all random numbers.",
+)
+@click.option(
+    "--figure",
+    type=FILE,
+    metavar="FILE",
+    help="Draw drifts, loops and energy (.png, .svg or .pdf).",
+)
 @json_option
 def command(
     structure: Path,
@@ -33,14 +58,15 @@ def command(
 ) -> None:
     """Drift, force, energy and damping of a frame or oscillator whose dampers were identified.
 
-    STRUCTURE.toml has [structure] with mass [kg], stiffness [N/m] and damping, and a [[damper]] for each kind with
-    fit = 'FIT.json' (of 'springpot identify --json') or a model with parameters. The band of the drift carries what
-    is not known of the dampers. With --frequency the ground shakes with 1 m/s^2 at each frequency instead.
+    STRUCTURE.toml has [structure] with mass [kg], stiffness [N/m] and damping, and a [[damper]] for
+    each kind with fit = 'FIT.json' (of 'springpot identify --json') or a model with parameters. The
+    band of the drift carries what is not known of the dampers. With --frequency the ground shakes
+    with 1 m/s^2 at each frequency instead.
     """
     import numpy as np
 
     from springpot.report.canvas import check_figure_path
-    from springpot.structure import simulate
+    from springpot.structure.motion import simulate
     from springpot.structure.reading import read_record, read_structure
 
     # A path that cannot be written is told before time is spent on the motion.
@@ -65,7 +91,7 @@ def _steady(structure: Path, frequency: str, figure: Path | None, as_json: bool)
     """The steady state at each frequency in Hz."""
     import numpy as np
 
-    from springpot.structure import steady_of
+    from springpot.structure.modes import steady_of
     from springpot.structure.reading import read_structure
 
     steady = steady_of(read_structure(structure), 2.0 * np.pi * np.array(numbers(frequency)))
@@ -77,10 +103,13 @@ def _steady(structure: Path, frequency: str, figure: Path | None, as_json: bool)
 
 
 def described_steady(steady: Steady) -> dict[str, Any]:
-    """As plain data, schema ``springpot.steady-state/2``: amplitudes at 1 m/s^2 of the ground, energies a cycle.
+    """As plain data, schema ``springpot.steady-state/2``.
 
-    Of each storey the drift in m and the force of its dampers along the floor in N; of each entry of dampers the
-    force and stroke of one along its axis, and the energy in J that all of them take.
+    Amplitudes at 1 m/s^2 of the ground, energies a cycle.
+
+    Of each storey the drift in m and the force of its dampers along the floor in N; of each entry
+    of dampers the force and stroke of one along its axis, and the energy in J that all of them
+    take.
     """
     import numpy as np
 
@@ -94,11 +123,14 @@ def described_steady(steady: Steady) -> dict[str, Any]:
         "energy": steady.energy,
     }
     rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-    return {"schema": "springpot.steady-state/2", "points": [dict(zip(columns, row, strict=True)) for row in rows]}
+    return {
+        "schema": "springpot.steady-state/2",
+        "points": [dict(zip(columns, row, strict=True)) for row in rows],
+    }
 
 
 def _show_steady(steady: Steady, figure: Path | None) -> None:
-    from springpot.digits import number
+    from springpot.format_numbers import number
     from springpot.report.text import Table
 
     storeys, dampers = range(1, len(steady.frame) + 1), range(1, len(steady.frame.dampers) + 1)
@@ -118,7 +150,10 @@ def _show_steady(steady: Steady, figure: Path | None) -> None:
         for name, (_, factor, _) in shown.items():
             cells += [factor * value for value in point[name]]
         rows.append([number(cell) for cell in cells])
-    print("amplitudes at 1 m/s^2 of the ground: axial force and stroke of one damper of each kind, the force of")
+    print(
+        "amplitudes at 1 m/s^2 of the ground: axial force and stroke of one damper of each kind,"
+        " the force of"
+    )
     print("all of a storey along the floor, and the energy that each kind takes in a cycle\n")
     Table(tuple(headers), rows, frozenset(headers)).show()
     if figure is not None:
@@ -128,8 +163,8 @@ def _show_steady(steady: Steady, figure: Path | None) -> None:
 def described(simulation: Simulation) -> dict[str, Any]:
     """As plain data, schema ``springpot.simulation/2``; lengths in m, forces in N, energies in J.
 
-    Force and stroke of a damper are those of one along its axis; ``damper_force`` of a storey is that of all its
-    dampers along the floor, at one instant.
+    Force and stroke of a damper are those of one along its axis; ``damper_force`` of a storey is
+    that of all its dampers along the floor, at one instant.
     """
     import numpy as np
 
@@ -143,7 +178,9 @@ def described(simulation: Simulation) -> dict[str, Any]:
             "samples": len(motion.record.acceleration),
             "peak": float(np.abs(motion.record.acceleration).max()),
         },
-        "modes": [{"frequency": mode.frequency, "damping": mode.damping} for mode in simulation.modes],
+        "modes": [
+            {"frequency": mode.frequency, "damping": mode.damping} for mode in simulation.modes
+        ],
         "storeys": [
             {"drift": drift, "low": below, "high": above, "damper_force": force}
             for drift, below, above, force in zip(
@@ -164,7 +201,10 @@ def described(simulation: Simulation) -> dict[str, Any]:
                 "stroke": stroke,
             }
             for damper, force, stroke in zip(
-                motion.frame.dampers, motion.peak_axial_force.tolist(), motion.peak_stroke.tolist(), strict=True
+                motion.frame.dampers,
+                motion.peak_axial_force.tolist(),
+                motion.peak_stroke.tolist(),
+                strict=True,
             )
         ],
         "energy": {name: float(each[-1]) for name, each in motion.energy.items()},
@@ -174,7 +214,7 @@ def described(simulation: Simulation) -> dict[str, Any]:
 
 def _show_dampers(result: dict[str, Any]) -> None:
     """What one damper of each kind must bear and move, and what all of a storey pull together."""
-    from springpot.digits import number
+    from springpot.format_numbers import number
     from springpot.report.text import Table
 
     rows = [
@@ -193,23 +233,33 @@ def _show_dampers(result: dict[str, Any]) -> None:
     print("each: one damper along its axis; all of a storey together along the floor:\n")
     braced = sorted({damper["storey"] for damper in result["dampers"]})
     sums = [[str(i), number(1e-3 * result["storeys"][i - 1]["damper_force"])] for i in braced]
-    Table(("storey", "force of its dampers [kN]"), sums, frozenset({"force of its dampers [kN]"})).show()
+    Table(
+        ("storey", "force of its dampers [kN]"), sums, frozenset({"force of its dampers [kN]"})
+    ).show()
     print()
 
 
 def _show(simulation: Simulation, figure: Path | None) -> None:
-    from springpot.digits import number
+    from springpot.format_numbers import number
     from springpot.report.text import Table
 
     result = described(simulation)
     record = result["record"]
-    print(f"{record['name']}: {record['samples']} samples, {number(record['peak'], 3)} m/s^2 at most\n")
+    print(
+        f"{record['name']}: {record['samples']} samples, {number(record['peak'], 3)} m/s^2 at"
+        " most\n"
+    )
     rows = [
-        [str(i), number(1e3 * row["drift"]), f"[{number(1e3 * row['low'])}, {number(1e3 * row['high'])}]"]
+        [
+            str(i),
+            number(1e3 * row["drift"]),
+            f"[{number(1e3 * row['low'])}, {number(1e3 * row['high'])}]",
+        ]
         for i, row in enumerate(result["storeys"], 1)
     ]
     drifts = Table(("storey", "drift [mm]", "95 % band"), rows, frozenset({"drift [mm]"}))
-    # Parameters that were stated have no uncertainty: a band of no width would claim that they are known.
+    # Parameters that were stated have no uncertainty: a band of no width would claim that they are
+    # known.
     if not result["draws"]:
         drifts = drifts.lacking("95 % band")
     drifts.show()
@@ -224,6 +274,9 @@ def _show(simulation: Simulation, figure: Path | None) -> None:
         _show_dampers(result)
     energy = result["energy"]
     share = 100.0 * energy["dampers"] / energy["input"]
-    print(f"energy      {number(energy['input'] / 1e3)} kJ put in, {share:.3g} % of it taken by the dampers")
+    print(
+        f"energy      {number(energy['input'] / 1e3)} kJ put in, {share:.3g} % of it taken by the"
+        " dampers"
+    )
     if figure is not None:
         print(f"figure      {figure}")

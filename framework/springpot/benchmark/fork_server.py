@@ -1,0 +1,254 @@
+"""The nursery: a process with the imports and the study, which forks a clean one per optimiser.
+
+It runs no optimiser itself. It is started as a program, in a session of its own: Ctrl-C does not
+reach it, no socket needs a path, and it serves the command, a thread of an executor and a worker of
+a cluster alike. Once its coordinator is gone, it ends whatever it has forked, and itself.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import socket
+import subprocess
+import sys
+from contextlib import suppress
+from importlib import import_module
+from multiprocessing import spawn
+from multiprocessing.connection import Connection, wait
+from typing import Any, NoReturn
+
+from springpot.errors import SpringpotError, StudyError
+from springpot.processes import adopt_orphans, cause_of, end_children, end_group
+
+from .trial import Workshop
+from .worker import Parcel, serve
+
+READY, BROKEN, BORN, ENDED = "ready", "broken", "born", "ended"
+"""What a nursery tells its coordinator."""
+FORK, KILL = "fork", "kill"
+"""What it is told."""
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""One thread of a matrix library in each process.
+
+There are as many processes as processors already.
+"""
+PATIENCE = 5.0
+"""Seconds in which it ends after it was told to, before it is killed."""
+INSIDE = "SPRINGPOT_NURSERY"
+"""Environment variable that keeps a script, loaded again in a nursery, from starting its study."""
+
+
+class Nursery:
+    """The coordinator's view of it.
+
+    Parameters
+    ----------
+    parcel : Parcel
+        The study.
+    """
+
+    def __init__(self, parcel: Parcel) -> None:
+        if os.environ.get(INSIDE):
+            raise StudyError(
+                "a study that is started by its own script needs: if __name__ == '__main__':"
+                " around it"
+            )
+        # What an optimiser prints is no part of the command's own output.
+        printed = 2
+        complaints: int | None = None
+        if parcel.quiet:
+            printed = complaints = subprocess.DEVNULL
+        ours, theirs = socket.socketpair()
+        with theirs:
+            self._process = subprocess.Popen(
+                [sys.executable, *_flags(), "-c", _program(theirs.fileno())],
+                pass_fds=[theirs.fileno()],
+                stdin=subprocess.DEVNULL,
+                stdout=printed,
+                stderr=complaints,
+                env=os.environ | dict.fromkeys(THREADS, "1") | {INSIDE: "1"},
+                start_new_session=True,
+            )
+        # Two ways over one socket: messages, and the ends of pipes, which no message can hold.
+        self._socket = ours
+        self.channel = Connection(os.dup(ours.fileno()))
+        self.ready = False
+        with suppress(OSError):  # its end is noticed by whoever listens
+            self.channel.send((_preparation(parcel), parcel))
+
+    def fork(self, number: int) -> Connection:
+        """A new process, known by its number, and the line to it.
+
+        A dead nursery is noticed by whoever listens.
+        """
+        ours, theirs = socket.socketpair()
+        with theirs, suppress(OSError):
+            self.channel.send((FORK, number))
+            socket.send_fds(self._socket, [b"f"], [theirs.fileno()])
+        return Connection(ours.detach())
+
+    def kill(self, number: int) -> None:
+        """End a process and all that it started."""
+        with suppress(OSError):
+            self.channel.send((KILL, number))
+
+    def cause(self) -> str:
+        """How it ended."""
+        code = self._process.wait()
+        # A wait status: the signal in its low byte, the exit code in the one above.
+        status = code << 8
+        if code < 0:
+            status = -code
+        return cause_of(status)
+
+    def close(self) -> None:
+        """End it and all that it has forked."""
+        self.channel.close()
+        self._socket.close()
+        # One that still imports does not listen yet; it has forked nothing.
+        if not self.ready:
+            self._process.kill()
+        try:
+            self._process.wait(PATIENCE)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+
+
+def _flags() -> list[str]:
+    """The interpreter's own options, such as ``-W``."""
+    flags: list[str] = subprocess._args_from_interpreter_flags()  # type: ignore[attr-defined]
+    return flags
+
+
+def _program(fd: int) -> str:
+    return (
+        f"import sys; sys.path[:] = {sys.path!r}; from springpot.benchmark.fork_server import main;"
+        f" main({fd})"
+    )
+
+
+def _preparation(parcel: Parcel) -> dict[str, Any]:
+    """What lets the nursery find what the program that runs the study defines, for `spawn`."""
+    data: dict[str, Any] = spawn.get_preparation_data("springpot-nursery")
+    unwanted = ["authkey", "start_method", "log_to_stderr", "log_level"]
+    if parcel.script or not parcel.own_program:
+        unwanted += ["init_main_from_name", "init_main_from_path"]
+    for key in unwanted:
+        data.pop(key, None)
+    return data
+
+
+def main(fd: int) -> None:
+    """Life of the nursery; `fd` is its line to the coordinator."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    adopt_orphans()
+    line = socket.socket(fileno=fd)
+    # Messages by one end and file descriptors by the other, of one socket.
+    channel = Connection(os.dup(fd))
+    try:
+        preparation, parcel = channel.recv()
+        spawn.prepare(preparation)
+        import_module("scipy.optimize")  # what most optimisers need, once for all
+        shop = parcel.open()
+    except (EOFError, OSError, pickle.UnpicklingError):
+        return
+    except (Exception, SystemExit) as error:
+        reason = f"{type(error).__name__}: {error}"
+        if isinstance(error, SpringpotError):
+            reason = str(error)
+        with suppress(OSError):
+            channel.send((BROKEN, 0, reason))
+        return
+    with suppress(OSError):
+        channel.send((READY, 0, ""))
+        _Family(line, channel, shop).live()
+
+
+class _Family:
+    """The processes that a nursery has forked."""
+
+    def __init__(self, line: socket.socket, channel: Connection, shop: Workshop) -> None:
+        self._line, self._channel, self._shop = line, channel, shop
+        self._children: dict[int, int] = {}
+        # A signal may come at any line: it only rings, and the children are looked after where
+        # nothing is half done.
+        self._bell, self._ring = os.pipe()
+        os.set_blocking(self._ring, False)
+        os.set_blocking(self._bell, False)
+        signal.signal(signal.SIGCHLD, lambda *_: None)
+        signal.set_wakeup_fd(self._ring, warn_on_full_buffer=False)
+
+    def live(self) -> None:
+        """Fork, end and report until the coordinator is gone."""
+        try:
+            while True:
+                heard = wait([self._channel, self._bell])
+                if self._bell in heard:
+                    os.read(self._bell, 4096)
+                    self._report()
+                if self._channel in heard:
+                    self._obey(*self._channel.recv())
+        except (EOFError, OSError):
+            return
+        finally:
+            for pid in self._children:
+                end_group(pid)
+                os.waitpid(pid, 0)
+            self._end_strays()
+
+    def _obey(self, word: str, number: int) -> None:
+        if word == FORK:
+            self._fork(number)
+            return
+        for pid, known in self._children.items():
+            if known == number:
+                end_group(pid)
+
+    def _fork(self, number: int) -> None:
+        fds = socket.recv_fds(self._line, 1, 1)[1]
+        pid = os.fork()
+        if pid == 0:
+            self._be_born(fds[0])
+        os.close(fds[0])
+        self._children[pid] = number
+        self._channel.send((BORN, number, pid))
+
+    def _be_born(self, fd: int) -> NoReturn:
+        """In the child: leave everything of the nursery behind and work."""
+        try:
+            # A session of its own, so that whatever an optimiser starts is ended with it.
+            os.setsid()
+            adopt_orphans()
+            signal.set_wakeup_fd(-1)
+            signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+            self._line.close()
+            self._channel.close()
+            os.close(self._bell)
+            os.close(self._ring)
+            serve(Connection(fd), self._shop)
+        except BaseException as error:
+            print(f"springpot: a worker ends: {type(error).__name__}: {error}", file=sys.stderr)
+            os._exit(1)
+        os._exit(0)
+
+    def _report(self) -> None:
+        """Tell of the children that have ended, and end what they left in their groups."""
+        while self._children:
+            # Until there is none left: several ends may ring only once.
+            pid, status = os.waitpid(-1, os.WNOHANG)
+            if pid == 0:
+                return
+            number = self._children.pop(pid, None)
+            end_group(pid)
+            self._end_strays()
+            if number is not None:
+                self._channel.send((ENDED, number, cause_of(status)))
+
+    def _end_strays(self) -> None:
+        """End what came here because the worker that started it is gone."""
+        # Each that ends may leave children of its own here.
+        while end_children(known=self._children):
+            continue

@@ -1,0 +1,207 @@
+"""How a store is laid out in SQLite.
+
+Its tables, what asks for their rows, and what a row of them means.
+"""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+from collections.abc import Iterable
+from contextlib import closing
+from dataclasses import fields
+from functools import cache
+from typing import Any
+
+from .plan import Case, Cell, Plan
+from .rows import ProblemRow, TrialRow
+from .store_repair import columns
+from .trial import Status, TrialResult
+
+SCHEMA = 4
+"""Number of the layout below, kept in the file as ``user_version``."""
+
+TABLES = """
+CREATE TABLE fact (name TEXT PRIMARY KEY, value TEXT NOT NULL, seal BLOB) WITHOUT ROWID;
+CREATE TABLE problem (
+    id INTEGER PRIMARY KEY, digest TEXT NOT NULL UNIQUE, dataset TEXT NOT NULL, kind TEXT NOT NULL,
+    points INTEGER NOT NULL, stiffness_unit TEXT NOT NULL, model TEXT NOT NULL,
+    objective TEXT NOT NULL, reference REAL, known REAL, truth TEXT, seal BLOB);
+CREATE TABLE cell (
+    id INTEGER PRIMARY KEY, digest TEXT NOT NULL UNIQUE,
+    problem INTEGER NOT NULL REFERENCES problem (id), optimiser TEXT NOT NULL,
+    options TEXT NOT NULL, budget INTEGER NOT NULL, seed TEXT NOT NULL, seal BLOB);
+CREATE TABLE trial (
+    cell INTEGER NOT NULL REFERENCES cell (id), repetition INTEGER NOT NULL, status TEXT NOT NULL,
+    reason TEXT NOT NULL, best REAL, theta TEXT, parameter_error REAL, oracle REAL,
+    evaluations INTEGER NOT NULL, gradients INTEGER NOT NULL, seconds REAL NOT NULL,
+    batched INTEGER NOT NULL DEFAULT 0, seal BLOB, processor REAL, processor_batched REAL,
+    PRIMARY KEY (cell, repetition)) WITHOUT ROWID;
+CREATE TABLE trace (
+    cell INTEGER NOT NULL, repetition INTEGER NOT NULL, points BLOB NOT NULL,
+    recommended BLOB, seen BLOB, PRIMARY KEY (cell, repetition));
+"""
+UPGRADES = {
+    1: (
+        """ALTER TABLE trial ADD COLUMN batched INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE trace ADD COLUMN recommended BLOB;
+ALTER TABLE trace ADD COLUMN seen BLOB"""
+    ),
+    2: (
+        """ALTER TABLE fact ADD COLUMN seal BLOB;
+ALTER TABLE problem ADD COLUMN seal BLOB;
+ALTER TABLE cell ADD COLUMN seal BLOB;
+ALTER TABLE trial ADD COLUMN seal BLOB"""
+    ),
+    3: (
+        """ALTER TABLE trial ADD COLUMN processor REAL;
+ALTER TABLE trial ADD COLUMN processor_batched REAL"""
+    ),
+}
+"""What turns each older layout into the next."""
+SEALED = 3
+"""The layout from which on every row has a seal."""
+
+FACTS = "SELECT name, value, seal FROM fact ORDER BY name"
+PROBLEMS = """SELECT id, digest, dataset, kind, points, stiffness_unit, model, objective,
+reference, known, truth, seal FROM problem"""
+CELLS = "SELECT id, digest, problem, optimiser, options, budget, seed, seal FROM cell"
+DROP_STRAY = """DELETE FROM trace WHERE cell = ?1 AND repetition = ?2
+AND NOT EXISTS (SELECT 1 FROM trial WHERE cell = ?1 AND repetition = ?2)"""
+
+_TRACE = {"points": "trace", "recommended": "recommended", "seen": "seen"}
+"""Columns of a trace, and what they hold of a trial."""
+
+
+@cache
+def expected() -> dict[str, list[str]]:
+    """Names of the columns of each table."""
+    # From the statements themselves: a list of columns kept beside them would drift from it.
+    with closing(sqlite3.connect(":memory:")) as db:
+        create(db)
+        return columns(db)
+
+
+@cache
+def _names(table: str) -> list[str]:
+    """Columns of a table that hold what is kept, in the order in which they are sealed."""
+    # Read off the layout, so that a column added there needs no second place here.
+    return [name for name in expected()[table] if name != "seal"]
+
+
+@cache
+def _kinds(table: str) -> dict[str, type]:
+    """What the numbers in its columns are."""
+    with closing(sqlite3.connect(":memory:")) as db:
+        create(db)
+        declared = db.execute(f"PRAGMA table_info({table})").fetchall()
+    numbers = {"REAL": float, "INTEGER": int}
+    return {row[1]: numbers[row[2]] for row in declared if row[2] in numbers}
+
+
+def _as_kept(table: str, values: dict[str, Any]) -> dict[str, Any]:
+    """The values as SQLite gives them back.
+
+    A seal of 6 is none of the 6.0 that a column of real numbers has.
+    """
+    kinds = _kinds(table)
+    return {
+        name: kinds[name](value) if name in kinds and value is not None else value
+        for name, value in values.items()
+    }
+
+
+def insertion(table: str) -> str:
+    """The statement that enters a row of all columns unless there is one."""
+    # The seal comes behind what it seals, wherever its column stands.
+    names = sorted(expected()[table], key="seal".__eq__)
+    return (
+        f"INSERT OR IGNORE INTO {table} ({', '.join(names)}) VALUES ({', '.join('?' * len(names))})"
+    )
+
+
+def create(db: sqlite3.Connection) -> None:
+    """The tables of an empty store."""
+    for statement in TABLES.split(";"):
+        db.execute(statement)
+    db.execute(f"PRAGMA user_version = {SCHEMA}")
+
+
+def trials_of(columns: Iterable[str]) -> str:
+    """The query for trials of these columns with their traces, in the order of the seal."""
+    names = [name for name in columns if name != "seal"]
+    return f"""SELECT {", ".join([*names, *_TRACE])}, seal
+FROM trial LEFT JOIN trace USING (cell, repetition) ORDER BY cell, repetition"""
+
+
+ALL_TRIALS = trials_of(expected()["trial"])
+
+
+def problem_columns(case: Case) -> dict[str, Any]:
+    """A problem under the names of the columns."""
+    source = case.source
+    # What tables say of a problem is kept, not its data: these may be large, and their digest tells
+    # them apart.
+    values = {
+        "digest": case.digest,
+        "dataset": source.name,
+        "kind": source.kind,
+        "points": len(source.measurement),
+        "stiffness_unit": source.measurement.units.stiffness,
+        "model": case.model,
+        "objective": case.objective.name,
+        "reference": case.reference,
+        "known": case.known,
+        "truth": json.dumps(dict(source.truth)),
+    }
+    return _as_kept("problem", values)
+
+
+def cell_columns(plan: Plan, cell: Cell, problems: list[int]) -> dict[str, Any]:
+    """A cell likewise; `problems` are the store's numbers of the plan's problems."""
+    entrant = plan.entrants[cell.entrant]
+    values = {
+        "digest": cell.digest,
+        "problem": problems[cell.case],
+        "optimiser": entrant.optimiser.name,
+        "options": entrant.options,
+        "budget": plan.budget,
+        "seed": str(plan.seed),
+    }
+    return _as_kept("cell", values)
+
+
+def trial_columns(result: TrialResult, cell: int) -> dict[str, Any]:
+    """What is kept of a trial in a cell of the store, under the names of the columns."""
+    theta = None
+    if result.theta is not None:
+        theta = json.dumps(result.theta)
+    # These are kept in another form than a trial has them.
+    own = {"cell": cell, "status": str(result.status), "theta": theta}
+    return _as_kept("trial", {name: getattr(result, name) for name in _names("trial")} | own)
+
+
+def trace_columns(result: TrialResult) -> dict[str, bytes | None]:
+    """Its trace, likewise."""
+    # A trial without a trace has no row for one: a join gives nothing for each of these, and that
+    # is what is sealed.
+    if not result.trace:
+        return dict.fromkeys(_TRACE)
+    return {name: getattr(result, own) for name, own in _TRACE.items()}
+
+
+def trial_of(row: sqlite3.Row) -> TrialRow:
+    """The trial of a row of `ALL_TRIALS`."""
+    kept = {name: row[name] for name in _names("trial")}
+    kept |= {own: row[name] for name, own in _TRACE.items()}
+    kept |= {"status": Status(row["status"]), "trace": row["points"] or b""}
+    kept["theta"] = {}
+    if row["theta"]:
+        kept["theta"] = json.loads(row["theta"])
+    return TrialRow(**kept)
+
+
+def problem_of(row: sqlite3.Row) -> ProblemRow:
+    """The problem of a row of `PROBLEMS`."""
+    kept = {column.name: row[column.name] for column in fields(ProblemRow)}
+    return ProblemRow(**kept | {"truth": json.loads(row["truth"])})

@@ -1,0 +1,408 @@
+"""Models against one set of data and one noise floor: which fails, where, and how sure that is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from springpot.diagnosis.examination import Progress, silent
+from springpot.diagnosis.notes import judged, overtones
+from springpot.drawing import draw, html_of, text_of
+from springpot.errors import DataError, OptionError
+from springpot.identification.space import require_conditions
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.replicates import thinned
+from springpot.misfit.error import Error
+from springpot.misfit.floor import beyond_floor, fitted_to_floor, is_arithmetic, is_hardly_known
+from springpot.misfit.material import MaterialFloor, error_of, material_floor
+from springpot.misfit.refit import Refit, refit
+from springpot.misfit.residual_battery import Battery, Finding, battery
+from springpot.misfit.residual_causes import column_behind, one_test_of
+from springpot.misfit.values import Value, printed
+from springpot.misfit.where import Where, where
+from springpot.misfit.words import over_floor, percent, times
+from springpot.rheology.model import Model
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Effects: TypeAlias = tuple[str, ...]
+
+
+SCHEMA = "springpot.comparison/1"
+STARTS = 4
+"""Starts of each of a few models that a user compares, from the fit that found its own noise."""
+MOST_PLACES = 3
+"""Places named in the sentence on a model; all are in `where`."""
+
+ONLY_NOISE = "nothing is left but noise"
+"""What is said of a model beside which no pattern is left."""
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """One model against the data.
+
+    Attributes
+    ----------
+    refit : Refit
+        Its fit, in units of the noise.
+    error : Error
+        Its error, the noise floor and the material floor, relative to |K|.
+    delta_bic : float
+        Bayesian information criterion above that of the best model compared.
+    rng : numpy.random.Generator
+        For the simulated noise of its tests, which are made when they are asked for.
+    """
+
+    refit: Refit
+    error: Error
+    delta_bic: float
+    rng: np.random.Generator
+
+    @cached_property
+    def battery(self) -> Battery:
+        """Tests on its residual."""
+        return battery(self.refit.frame(), self.rng)
+
+    @cached_property
+    def where(self) -> tuple[Where, ...]:
+        """Where it fails; nowhere where noise explains all."""
+        # Places are sought by thresholds of their own: beside noise one in hundreds would be an
+        # invention.
+        if not self.fails:
+            return ()
+        return tuple(where(self.refit.frame()))
+
+    def __repr__(self) -> str:
+        return f"<Judgement {self.model.name}: {self.says}>"
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """Each test in a sentence."""
+        return self.battery.findings
+
+    @property
+    def model(self) -> Model:
+        """The model."""
+        return self.refit.model
+
+    @cached_property
+    def parameters(self) -> dict[str, Value]:
+        """Its parameters with their intervals, in printed units."""
+        return printed(self.refit)
+
+    @property
+    def fails(self) -> bool:
+        """Whether it leaves more than noise, by the tests that `diagnose` makes too."""
+        # What rounding leaves of computed data is full of patterns, and nothing is missing.
+        if is_arithmetic(self.refit):
+            return False
+        return self.battery.alarm
+
+    @property
+    def unclear(self) -> bool:
+        """Whether it is far from the noise, and no test says how.
+
+        Or the noise is larger than one may believe.
+        """
+        return not self.fails and not self.at_noise
+
+    @property
+    def at_noise(self) -> bool:
+        """Whether its error is as large as noise makes it.
+
+        What pattern it has, is another question.
+        """
+        return at_noise(self.refit, self.error)
+
+    @property
+    def adequate(self) -> bool:
+        """Whether its error is that of noise in size and in pattern, by the rules of `diagnose`."""
+        # By size first, which costs nothing: the tests draw thousands of simulated residuals.
+        return self.at_noise and not self.fails
+
+    @property
+    def says(self) -> str:
+        """The judgement in one sentence."""
+        if is_arithmetic(self.refit):
+            return (
+                f"error {percent(self.error.relative_rms)}: that of arithmetic,"
+                " and nothing is missing"
+            )
+        ratio = f"error {percent(self.error.relative_rms)}, without a noise floor"
+        if self.error.noise_floor > 0.0:
+            ratio = (
+                f"error {times(self.error.relative_rms / self.error.noise_floor)} the noise floor"
+            )
+        if self.unclear and self.error.is_hardly_noise and not beyond_floor(self.refit):
+            return f"{ratio}; nothing is left but noise, but {self.error.advice}"
+        # Before "nothing is left but noise", which no error beyond the floor may be called.
+        if self.unclear:
+            return (
+                f"{ratio}; what is left has no pattern:"
+                " these data cannot tell whether something is missing"
+            )
+        if not self.fails:
+            return f"{ratio}; {ONLY_NOISE}"
+        # What fails without a place, such as too much scatter everywhere, is told by its surest
+        # test.
+        if not self.where:
+            return f"{ratio}; {next(finding.says for finding in self.findings if finding.found)}"
+        return f"{ratio}; {'; '.join(place.says for place in self.where[:MOST_PLACES])}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data."""
+        return {
+            "model": self.model.name,
+            "error": asdict(self.error),
+            "chi_square": self.refit.rss,
+            "degrees_of_freedom": self.refit.fit.dof,
+            "delta_bic": self.delta_bic,
+            "fails": self.fails,
+            "says": self.says,
+            "parameters": {name: asdict(value) for name, value in self.parameters.items()},
+            "where": [place.to_dict() for place in self.where],
+            "tests": [finding.to_dict() for finding in self.findings],
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Several models against the same data.
+
+    Attributes
+    ----------
+    data : str
+        Name of the data.
+    judgements : tuple of Judgement
+        One for each model, in the order in which they were given.
+    harmonics : tuple of Finding
+        What the force harmonics say, whatever the model.
+    notes : tuple of str
+        What else the user should know.
+    one_test : str
+        How to choose the rows of one test, ``current=0.5``, where rows of several stand together
+        and the best model leaves more than noise; else empty.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> names = ["fractional-maxwell", "fractional-maxwell + inertia"]
+    >>> both = springpot.compare("artificial-hidden", names)
+    >>> both.best.model.name
+    'fractional-maxwell + inertia'
+    >>> [judged.fails for judged in both.judgements]
+    [True, True]
+    """
+
+    data: str
+    judgements: tuple[Judgement, ...]
+    harmonics: tuple[Finding, ...]
+    notes: tuple[str, ...]
+    one_test: str
+
+    @property
+    def best(self) -> Judgement:
+        """The model with the least information criterion."""
+        return best_of(self.judgements)
+
+    @property
+    def shown(self) -> tuple[Judgement, ...]:
+        """Those that a picture shows."""
+        return self.judgements
+
+    @property
+    def says(self) -> str:
+        """What there is to say of all of them; nothing where they were chosen by hand."""
+        return ""
+
+    @cached_property
+    def measurement(self) -> Measurement:
+        """The data, repeats averaged, with the standard deviations of the noise floor."""
+        found = self.judgements[0].refit
+        return replace(found.data.mean, sd=found.noise.sd)
+
+    def __str__(self) -> str:
+        return text_of(self)
+
+    def __repr__(self) -> str:
+        errors = ", ".join(
+            f"{one.model.name} {over_floor(one.error.relative_rms, one.error.noise_floor)} x floor"
+            for one in self.shown
+        )
+        return f"<Comparison of {self.data}: {errors}>"
+
+    def plot(
+        self, path: str | Path | None = None, *, ax: Axes | None = None
+    ) -> Figure | Axes | Path:
+        """Data and models in the views that rheologists use, and what is left.
+
+        See `springpot.drawing.draw`.
+
+        Of a ranking those models are drawn that `shown` names.
+        """
+        return draw(self, path, ax)
+
+    def _repr_html_(self) -> str:
+        return html_of(self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Schema ``springpot.comparison/1``."""
+        return {
+            "schema": SCHEMA,
+            "data": self.data,
+            "best": self.best.model.name,
+            "models": [judgement.to_dict() for judgement in self.judgements],
+            "harmonics": [finding.to_dict() for finding in self.harmonics],
+            "one_test": self.one_test,
+            "notes": list(self.notes),
+        }
+
+
+def compare(
+    measurement: Measurement,
+    models: Sequence[Model],
+    rng: np.random.Generator,
+    progress: Progress = silent,
+) -> Comparison:
+    """Fit models and judge each against the noise floor that they share.
+
+    The floor is the lowest that any of the models finds: a model that fails takes part of its
+    failure for noise.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+    models : sequence of Model
+        At least one.
+    rng : numpy.random.Generator
+        For the simulated noise against which the residual of any material is held.
+    progress : callable
+        Told in a few words what is being done.
+
+    Raises
+    ------
+    OptionError
+        If there is no model.
+    ModelError
+        If the data lack a column that a model needs.
+    DataError
+        If there are too few data to judge a model.
+    """
+    if not models:
+        raise OptionError("nothing to compare: give at least one model")
+    measured, measurement = len(measurement), thinned(measurement)
+    fits = _fits(measurement, models, progress)
+    quiet = fits[0]
+    notes = []
+    if quiet.noise.doubt:
+        notes.append(quiet.noise.doubt)
+    if measured > len(measurement):
+        notes.append(f"compared on {len(measurement)} of the {measured} points")
+    progress("looking how near any material comes")
+    each = tuple(judgements(fits, material_floors(fits, rng), rng))
+    best, one_test = best_of(each), ""
+    # Rows of several tests that one model follows to the noise need no parting.
+    if best.fails or best.unclear:
+        one_test, why = one_test_of(best.refit.data.raw, column_behind(best.refit.frame()))
+        notes += filter(None, [why])
+    return Comparison(measurement.name, each, harmonics_of(quiet), tuple(notes), one_test)
+
+
+def best_of(compared: Sequence[Judgement]) -> Judgement:
+    """The model with the least information criterion."""
+    return min(compared, key=lambda one: one.delta_bic)
+
+
+def at_noise(found: Refit, error: Error) -> bool:
+    """Whether an error is as large as noise makes it, by the rules of `diagnose`.
+
+    Parameters
+    ----------
+    found : Refit
+        The model.
+    error : Error
+        Its error.
+    """
+    # Computed data have no scatter: their error is beyond any floor, and nothing is missing.
+    if is_arithmetic(found):
+        return True
+    # Of so few numbers neither the error nor the floor is known.
+    if is_hardly_known(found):
+        return False
+    return not beyond_floor(found) and not error.is_hardly_noise
+
+
+def harmonics_of(found: Refit) -> tuple[Finding, ...]:
+    """What the force harmonics of the data say, whatever the model."""
+    return tuple(judged(overtones(found.data.mean, found.noise.sd)))
+
+
+def judgements(
+    fits: Sequence[Refit], floors: Mapping[Effects, MaterialFloor], rng: np.random.Generator
+) -> Iterator[Judgement]:
+    """Fits in units of one noise, each beside the material floor with the same effects."""
+    least = min(-2.0 * found.log_evidence for found in fits)
+    # A generator for each: its tests may be asked for in any order, or not at all, and hang on no
+    # other's draws.
+    for found, own_rng in zip(fits, rng.spawn(len(fits)), strict=True):
+        error = error_of(found, floors[effects_of(found)])
+        yield Judgement(found, error, -2.0 * found.log_evidence - least, own_rng)
+
+
+def material_floors(
+    fits: Iterable[Refit], rng: np.random.Generator
+) -> dict[Effects, MaterialFloor]:
+    """The material floor for each set of effects, sought from the best of the fits with them."""
+    alike: dict[Effects, list[Refit]] = {}
+    for found in fits:
+        alike.setdefault(effects_of(found), []).append(found)
+    floors = {}
+    for effects, group in alike.items():
+        # The floor does not depend on the model, but the values of its effects begin where the best
+        # fit ended.
+        floors[effects] = material_floor(min(group, key=lambda one: one.rss), rng).beside(group)
+    return floors
+
+
+def effects_of(found: Refit) -> Effects:
+    """Names of the effects of a fitted model."""
+    return tuple(effect.name for effect in found.model.effects)
+
+
+def _fits(measurement: Measurement, models: Sequence[Model], progress: Progress) -> list[Refit]:
+    """Fits of all models in units of one noise."""
+    # All of them before the first fit: what cannot be compared is told at once.
+    for model in models:
+        require_conditions(model, measurement)
+    first = []
+    for model in models:
+        progress(f"fitting {model.name}")
+        first.append(fitted_to_floor(model, measurement))
+    # After averaging: repeats are no further points, however many rows the file has.
+    for fitted in first:
+        if fitted.fit.dof < 1:
+            raise DataError(
+                f"{measurement.name}: {len(fitted.fit.measurement)} points cannot judge"
+                f" {fitted.model.name}, which has {len(fitted.theta)} parameters; measure at more"
+                " frequencies"
+            )
+    # One noise for all, that of the model which leaves the least scatter: errors are then compared,
+    # not noises.
+    quiet = min(first, key=lambda fitted: fitted.floor)
+    in_its_noise = []
+    for fitted in first:
+        # From where it ended: in another noise the minimum moves a little, and another one may be
+        # the least.
+        if fitted is not quiet:
+            fitted = refit(fitted.model, quiet.data, quiet.noise, [fitted.theta], starts=STARTS)
+        in_its_noise.append(fitted)
+    return in_its_noise

@@ -1,0 +1,373 @@
+"""Step two of the paper for a user who wants the answer.
+
+Parameters, their intervals, and what to know about them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from time import perf_counter
+
+import numpy as np
+
+from springpot.errors import DataError, ModelError, OptionError
+from springpot.measurement.measurement import Measurement
+from springpot.rheology.levels import Levels
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
+
+from .guard import guarded
+from .held_material import intervals_beside_material
+from .material import is_material
+from .native import Fit, fit, require_enough
+from .notes import notes_on
+from .objective import Objective, default_objective
+from .optimiser import Optimiser
+from .problem import Problem, Searched
+from .result import Identification
+from .runs import Run
+from .simulated import bootstrap
+from .space import require_conditions, require_size
+from .uncertainty import Uncertainty, profile
+
+NATIVE = "native"
+BUDGET = 8000
+"""Evaluations of a restart: 20 particles and 400 time instances, as in section 5.1 of the paper."""
+STARTS = 8
+"""Starts of a native fit, for each restart."""
+MORE_STARTS = 32
+"""Starts of a fit that has not been confirmed, or that a simpler model beats."""
+RESAMPLES = 400
+"""Of a bootstrap: ten of them lie beyond each end of a 95 % interval."""
+NESTING = 1e-6
+"""A richer model may be worse than one it contains by this fraction, from rounding."""
+
+
+def identify(
+    measurement: Measurement,
+    model: Model,
+    *,
+    optimiser: Optimiser | None = None,
+    objective: Objective | None = None,
+    budget: int | None = None,
+    restarts: int | None = None,
+    seed: int | None = None,
+    intervals: str = "jacobian",
+    simpler: Sequence[Model] = (),
+    start: Mapping[str, float] | None = None,
+) -> Identification:
+    """Identify the parameters of a model.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+    model : Model
+        What is fitted.
+    optimiser : Optimiser, optional
+        Who searches; the native solver by default.
+    objective : Objective, optional
+        How the misfit is measured; by default weighted by given standard deviations, else relative.
+    budget : int, optional
+        Evaluations of each restart of an optimiser; 8000 by default. The native solver ends by
+        itself.
+    restarts : int, optional
+        Independent restarts of which the best counts, 1 by default; the native solver takes as many
+        times its starts.
+    seed : int, optional
+        Seed of all randomness; without it the native solver's starts are its fixed ones.
+    intervals : {"jacobian", "profile", "bootstrap"}
+        Where the intervals come from.
+    simpler : sequence of Model
+        Models that this one contains: if one fits better, the search has failed and is repeated.
+    start : mapping of str to float, optional
+        Where the native solver begins too, in the units of the measurement; parameters that are
+        left out start where they fit best beside these.
+
+    Returns
+    -------
+    Identification
+        Parameters, intervals and notes.
+
+    Raises
+    ------
+    ModelError
+        If the data lack a column that the model needs, or an optimiser is to search a material,
+        whose spectrum is no search.
+    DataError
+        If there is one point only, or if there are more unknowns than data.
+    OptionError
+        If the optimiser fails: it raises, crashes, hangs, or no value was finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import springpot
+    >>> from springpot.identification import identify
+    >>> model, omega = springpot.parse_model("kelvin"), np.geomspace(1.0, 10.0, 8)
+    >>> data = springpot.Measurement(omega, model.stiffness([2.0, 0.5], omega))
+    >>> round(identify(data, model)["c"].value, 6)
+    0.5
+    """
+    began = perf_counter()
+    require_conditions(model, measurement)
+    require_size(measurement)
+    # Factors of levels are as many as the data have levels: only from here on are all parameters
+    # known.
+    model = model.bound_to(measurement.points)
+    if len(measurement) < 2:
+        raise DataError(
+            f"{measurement.name}: one point identifies no model; measure at two frequencies or more"
+        )
+    require_enough(model, measurement)
+    objective = objective or default_objective(measurement)
+    if optimiser is None or optimiser.name == NATIVE:
+        name, status = NATIVE, "not converged"
+        best, notes = _by_native(
+            model, measurement, objective, restarts or 1, seed, simpler, start or {}
+        )
+        if best.converged:
+            status = "converged"
+    else:
+        # Before the problem is made: what cannot be searched is told at once.
+        _refuse_search(model, optimiser, start)
+        name, problem = optimiser.name, Problem.of(model, measurement, objective)
+        best, status, notes = _by_optimiser(problem, optimiser, budget, restarts, seed)
+    # Whoever has searched: intervals are told in one way.
+    known = Uncertainty.of(best)
+    low, high = _interval(known, intervals, seed or 0)
+    notes = [*notes, *_references(model), *notes_on(known, low, high)]
+    spent = perf_counter() - began
+    return Identification(
+        best, low, high, known, name, status, best.evaluations, spent, tuple(notes), seed or 0
+    )
+
+
+def _refuse_search(model: Model, optimiser: Optimiser, start: Mapping[str, float] | None) -> None:
+    """Refuse what only the native solver can do."""
+    if is_material(model):
+        raise ModelError(
+            f"{model.name}: the spectrum of a material is no search; leave out the optimiser"
+        )
+    if start:
+        raise OptionError(
+            f"the optimiser {optimiser.name} draws its own starts:"
+            " leave out the start values, or it"
+        )
+
+
+def _start(
+    model: Model, measurement: Measurement, objective: Objective, start: Mapping[str, float]
+) -> Real:
+    """A start (p,) of which some values are given; the others are fitted beside them."""
+    known = dict(start)
+    if set(known) != set(model.names):
+        # The given values are held meanwhile, so that the others suit them.
+        rest = fit(model.holding(known), measurement, objective, starts=STARTS)
+        known |= dict(zip(rest.model.names, rest.theta.tolist(), strict=True))
+    return model.vector(known)
+
+
+def _references(model: Model) -> list[str]:
+    """Where the factors of levels are one."""
+    elements = [
+        (effect.name, effect.element)
+        for effect in model.effects
+        if isinstance(effect.element, Levels)
+    ]
+    return [
+        f"{name}: the factor is 1 at {each.column} {each.shown[each.reference]:.6g}"
+        for name, each in elements
+    ]
+
+
+def _by_native(
+    model: Model,
+    measurement: Measurement,
+    objective: Objective,
+    restarts: int,
+    seed: int | None,
+    simpler: Sequence[Model],
+    start: Mapping[str, float],
+) -> tuple[Fit, list[str]]:
+    """The native fit, checked against the simpler models that it contains, and notes on that."""
+    seeds = []
+    if start:
+        seeds = [_start(model, measurement, objective, start)]
+    # Without a seed the scan stays where it is: the same data give the same answer.
+    rng = None
+    if seed is not None:
+        rng = np.random.default_rng(seed)
+    best = fit(model, measurement, objective, starts=STARTS * restarts, rng=rng, seeds_theta=seeds)
+    if is_material(model):
+        # A spectrum has a solver of its own (`fit_spectrum`), which takes no further starts.
+        return best, []
+    # Begun where the first has ended too, so that it cannot become worse.
+    if not (best.converged and best.confirmed):
+        best = _better(
+            best, fit(model, measurement, objective, starts=MORE_STARTS, seeds_theta=[best.theta])
+        )
+    best, notes = _no_worse_than_simpler(best, simpler)
+    if not best.converged:
+        notes.append(
+            "the search did not come to rest: the parameters may be improved by more restarts"
+        )
+    return best, notes
+
+
+def _no_worse_than_simpler(whole: Fit, simpler: Sequence[Model]) -> tuple[Fit, list[str]]:
+    """A fit, repeated from the best simpler one if that is better, and a note where it stays so.
+
+    A model contains what it is without one of its effects, so its least objective cannot be the
+    larger one.
+    """
+    model, measurement, objective = whole.model, whole.measurement, whole.objective
+    # A failed search shows where a part of the model fits better than the whole.
+    inner = [
+        fit(part, measurement, objective, starts=STARTS)
+        for part in (*_without_effects(model), *simpler)
+    ]
+    best = min(inner, key=lambda other: other.cost, default=None)
+    if best is None or not _beats(best, whole):
+        return whole, []
+    seeds = [*_grown(best, model), whole.theta]
+    whole = _better(
+        whole, fit(model, measurement, objective, starts=MORE_STARTS, seeds_theta=seeds)
+    )
+    if _beats(best, whole):
+        return whole, [
+            f"the simpler {best.model.name} fits better than {model.name}: the search has failed"
+        ]
+    return whole, []
+
+
+def _beats(simpler: Fit, whole: Fit) -> bool:
+    """Whether a simpler model fits better by more than rounding."""
+    # Below the floor a cost is rounding: of two exact fits neither beats the other.
+    return bool(simpler.cost < whole.cost * (1.0 - NESTING) - whole.task.floor[0])
+
+
+def _better(one: Fit, other: Fit) -> Fit:
+    if other.cost <= one.cost:
+        return other
+    return one
+
+
+def _without_effects(model: Model) -> list[Model]:
+    """The models that lack one of the effects and have something left to be fitted."""
+    # Of two effects of one kind it does not matter which is left out: each name counts once.
+    names = dict.fromkeys(effect.name for effect in model.effects)
+    lacking = [model - name for name in names]
+    # Where all else is held.
+    return [each for each in lacking if each.parameters]
+
+
+def _grown(part: Fit, model: Model) -> list[Real]:
+    """Starts of `model` at the fit of a model that it contains.
+
+    What is new is small, middling or large.
+    """
+    known = dict(zip(part.model.names, part.theta.tolist(), strict=True))
+    # Sizes as the data suggest them: a share of one is then an effect of the size of the rest.
+    coordinates = part.task.coordinates
+    sizes = coordinates.of(
+        model.parameters, coordinates.log_omega, part.task.scale, coordinates.amplitude
+    ).size[0]
+    starts = []
+    # Nearly absent, of the size that the data suggest, or ruling all: which of them it is, is not
+    # known.
+    for share in (1e-4, 1.0, 1e4):
+        values = [
+            known.get(p.name, share * size) for p, size in zip(model.parameters, sizes, strict=True)
+        ]
+        starts.append(
+            np.clip(
+                values, [p.lower for p in model.parameters], [p.upper for p in model.parameters]
+            )
+        )
+    return starts
+
+
+def _by_optimiser(
+    problem: Problem,
+    optimiser: Optimiser,
+    budget: int | None,
+    restarts: int | None,
+    seed: int | None,
+) -> tuple[Fit, str, list[str]]:
+    """The best of several supervised runs, as a fit."""
+    best, notes = best_run(problem, optimiser, budget, restarts, seed)
+    as_fit = Fit(
+        problem.model,
+        problem.measurement,
+        problem.objective,
+        best.theta,
+        best.best,
+        best.evaluations,
+        # A run that its budget has ended may have been on its way still.
+        best.status != "budget",
+        best.seconds,
+    )
+    return as_fit, best.status, notes
+
+
+def best_run(
+    problem: Searched,
+    optimiser: Optimiser,
+    budget: int | None,
+    restarts: int | None,
+    seed: int | None,
+) -> tuple[Run, list[str]]:
+    """The best of several supervised runs, with evaluations and seconds of all, and what failed.
+
+    Parameters
+    ----------
+    problem : Problem, or whatever else can be searched
+        What is minimised.
+    optimiser : Optimiser
+        With its options.
+    budget : int or None
+        Evaluations of each run; `BUDGET` by default.
+    restarts, seed : int or None
+        Number of runs, and of the generator from which each gets its own; one and 0 by default.
+
+    Raises
+    ------
+    OptionError
+        If all of them failed.
+    """
+    # Optimisers draw at random: even without a seed their answer must come again.
+    rngs = np.random.default_rng(seed or 0).spawn(restarts or 1)
+    # Every run has a generator of its own: a restart more changes none of the others.
+    runs = [guarded(optimiser, problem, budget or BUDGET, rng) for rng in rngs]
+    # A run that failed may hold a smaller number, which nobody vouches for.
+    best = min(runs, key=lambda one: (one.failed, one.best))
+    failed = [one.status.removeprefix("failed: ") for one in runs if one.failed]
+    if best.failed:
+        raise OptionError(
+            f"the optimiser {optimiser.name} found nothing: {failed[0]}; try another one"
+        )
+    notes = []
+    if failed:
+        notes = [f"{len(failed)} of {len(rngs)} restarts failed, the first: {failed[0]}"]
+    evaluations, seconds = sum(one.evaluations for one in runs), sum(one.seconds for one in runs)
+    return replace(best, evaluations=evaluations, seconds=seconds), notes
+
+
+def _interval(known: Uncertainty, kind: str, seed: int) -> tuple[Real, Real]:
+    if kind == "profile":
+        pairs = [profile(known.fit, name, known.level) for name in known.fit.model.names]
+        return np.array([pair[0] for pair in pairs]), np.array([pair[1] for pair in pairs])
+    if kind == "bootstrap":
+        # A stream apart from the restarts, which draw from the seed alone.
+        drawn = bootstrap(known.fit, RESAMPLES, np.random.default_rng([seed, 1]))
+        tail = 50.0 * (1.0 - known.level)
+        low, high = np.percentile(drawn, [tail, 100.0 - tail], axis=0)
+        # Of a parameter as good as zero no two fits stop at the same tiny number: its interval
+        # begins at the bound.
+        bounds = np.array([[p.lower, p.upper] for p in known.fit.model.parameters]).T
+        low = np.where(known.at_bound < 0, bounds[0], np.minimum(low, known.fit.theta))
+        high = np.where(known.at_bound > 0, bounds[1], np.maximum(high, known.fit.theta))
+        return low, high
+    return intervals_beside_material(known)

@@ -1,0 +1,338 @@
+"""Whether a misfit goes with the time at which points were measured.
+
+A specimen that cures, dries or breaks down.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.distributions import f_sf
+from springpot.measurement.measurement import CONDITIONS, Measurement
+from springpot.measurement.mixed_tests import TIME, settings_of
+from springpot.measurement.one_frequency import at_one_frequency, frequency_numbers
+from springpot.measurement.units import TIME_UNITS
+from springpot.rheology.points import Real
+from springpot.thresholds import COURSE, VERDICT
+
+from .drift_in_time import Course
+from .frame import LEAST_SEEN, Frame
+from .shapes import orthonormal
+
+CLOCKS = frozenset({"s", "min", "h"})
+"""Units in which another column is one of times; shorter ones are of delays."""
+DEGREE = 8
+"""Highest degree of the slow curves in time: they follow what happens within an eighth of the test.
+"""
+STEADY_DEGREE = 4
+"""Degree of the curve whose slope tells how fast the modulus moves.
+
+A higher one swings at its ends.
+"""
+ROWS_OF_A_DEGREE = 3
+"""Times that a degree needs: with fewer a curve would follow the noise."""
+END = 0.1
+"""Share of the rows of one frequency whose mean stands for the start, and for the end."""
+
+
+def course_behind(frame: Frame) -> Course | None:
+    """How the specimen changed with time, where that is what the misfit goes with; else None.
+
+    A time that only rose with the frequency, as in one sweep, or with a temperature, tells nothing:
+    then None too.
+
+    Parameters
+    ----------
+    frame : Frame
+        The fit of a model.
+    """
+    data = frame.measurement
+    time = _time_of(data)
+    if time is None:
+        return None
+    nothing = np.zeros(len(data), dtype=bool)
+    seen = _seen(frame, time, nothing)
+    if seen is None:
+        return None
+    begun = _first_period(data, time)
+    # Without the beginning: what only its rows differ by is no course.
+    if begun.any() and _seen(frame, time, begun) is None:
+        rows = int(np.count_nonzero(begun))
+        return replace(_told(data, time, *seen), begun=rows, last_round=_later(data, time, begun))
+    return _told(data, time, *seen)
+
+
+def _seen(frame: Frame, time: Real, aside: NDArray[np.bool_]) -> tuple[float, float] | None:
+    """Share and gain of slow curves in time, some rows (n,) set aside.
+
+    None where they are not what it goes with.
+    """
+    data = frame.measurement
+    lost = frame.beyond(frame.relative(np.eye(len(data))[aside]), LEAST_SEEN)
+    others = _beyond(frame.beyond(frame.relative(_of_others(data)), LEAST_SEEN), lost)
+    curves = _beyond(frame.beyond(frame.relative(_slow(time, _slopes(data))), LEAST_SEEN), lost)
+    basis = _beyond(curves, others)
+    spent = int(basis.shape[1])
+    spare = frame.size - sum(int(each.shape[1]) for each in (frame.absorbed, lost, others, basis))
+    if spent == 0 or spare <= 0:
+        return None
+    judged = frame.rest - lost @ (lost.T @ frame.rest)
+    misfit = float(judged @ judged)
+    taken, beside = (float(np.sum((each.T @ judged) ** 2)) for each in (basis, others))
+    rest = max(misfit - taken - beside, 1e-300)
+    chance = f_sf((taken / spent) / (rest / spare), spent, spare)
+    # Of both without their noise: of a small misfit most is noise.
+    excess = max(misfit - spare - float(others.shape[1]) - spent, taken - spent)
+    share = (taken - spent) / max(excess, 1e-300)
+    if share <= VERDICT.takes_most or chance >= VERDICT.sentence_alarm:
+        return None
+    return share, taken - spent * float(np.log(frame.size))
+
+
+def _beyond(columns: Real, known: Real) -> Real:
+    """An orthonormal basis (m, q) of what some columns have beyond an orthonormal basis."""
+    left = columns - known @ (known.T @ columns)
+    return orthonormal(left[:, np.linalg.norm(left, axis=0) > LEAST_SEEN], LEAST_SEEN)
+
+
+def _first_period(data: Measurement, time: Real) -> NDArray[np.bool_]:
+    """Rows (n,) of a test at one frequency that were taken within one period of its first.
+
+    None where that is alone.
+
+    Where the frequency moves each begins anew, and an instrument waits.
+    """
+    seconds = TIME_UNITS.get(data.provenance.get(f"unit {_name_of_time(data)}", ""))
+    if seconds is None or not at_one_frequency(data):
+        return np.zeros(len(data), dtype=bool)
+    early = seconds * (time - np.min(time)) < 1.0 / np.min(data.frequency)
+    return np.asarray(early & (np.count_nonzero(early) > 1), dtype=bool)
+
+
+def _later(data: Measurement, time: Real, begun: NDArray[np.bool_]) -> str:
+    """How to choose the rows after the beginning; empty without any."""
+    if begun.all():
+        return ""
+    return f"{_name_of_time(data)}={np.min(time[~begun]):.10g}..{np.max(time):.10g}"
+
+
+def moves_with_frequency(measurement: Measurement) -> bool:
+    """Whether the time of rows only rises or only falls with frequency, as in a single sweep.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+
+    Examples
+    --------
+    >>> from springpot import Measurement
+    >>> from .drift_search import moves_with_frequency
+    >>> omega, time = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0], [0.0, 9.0, 15.0, 19.0, 22.0, 24.0]
+    >>> moves_with_frequency(Measurement(omega, [1j] * 6, conditions={"time": time}))
+    True
+    """
+    time = _time_of(measurement)
+    if time is None or at_one_frequency(measurement):
+        return False
+    steps = np.diff(measurement.omega[np.argsort(time, kind="stable")])
+    return bool(np.all(steps >= 0.0) or np.all(steps <= 0.0))
+
+
+def change_in_order(measurement: Measurement, column: str) -> str:
+    """What changed, where the values of a column, or the repeats, follow one another in time.
+
+    Else empty.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data, repeats and all.
+    column : str
+        One of its conditions or labels, or ``repeat``.
+    """
+    time = _time_of(measurement)
+    values = {**measurement.conditions, **measurement.labels, "repeat": measurement.repeat}.get(
+        column
+    )
+    if time is None or values is None:
+        return ""
+    each = [time[values == value] for value in np.unique(values)]
+    # A cell that was left empty is equal to none.
+    spans = sorted((times.min(), times.max()) for times in each if len(times))
+    course = _told(measurement, time, 0.0, 0.0)
+    if not course.has_ends or any(earlier[1] >= later[0] for earlier, later in pairwise(spans)):
+        return ""
+    return f"in the order of time, as which {column} stands, {course.ends}"
+
+
+def _name_of_time(data: Measurement) -> str:
+    """The column that holds when a point was measured: by its name, else by its unit.
+
+    Empty without one.
+    """
+    if TIME in data.conditions:
+        return TIME
+    settings = settings_of(data)
+    for name in data.conditions:
+        # An age that was set, such as of three batches, is a setting and told of as one.
+        if data.provenance.get(f"unit {name}") in CLOCKS and name not in settings:
+            return name
+    return ""
+
+
+def _time_of(data: Measurement) -> Real | None:
+    """The times (n,), where they are there and are enough."""
+    time = data.conditions.get(_name_of_time(data))
+    if time is None or not np.all(np.isfinite(time)) or len(np.unique(time)) < COURSE.fewest_times:
+        return None
+    return time
+
+
+def _slopes(data: Measurement) -> Real:
+    """Ln omega (n,) over its range, about its middle; zero at one frequency."""
+    along = np.log(data.omega)
+    # Its rounding would be made a slope.
+    if at_one_frequency(data):
+        return np.zeros_like(along)
+    return np.asarray((along - np.mean(along)) / np.ptp(along), dtype=np.float64)
+
+
+def _slow(values: Real, slopes: Real) -> Real:
+    """Slow curves (m, n) in the order of some values, each also sloping along the frequency."""
+    # By order, not by size: a reaction that is followed at ever longer times is as smooth.
+    levels, rank = np.unique(values, return_inverse=True)
+    degree = min(DEGREE, len(levels) // ROWS_OF_A_DEGREE)
+    x = 2.0 * rank.ravel() / max(len(levels) - 1, 1) - 1.0
+    curves = np.polynomial.legendre.legvander(x, degree).T
+    return np.asarray(np.concatenate([curves, curves * slopes]), dtype=np.float64)
+
+
+def _of_others(data: Measurement) -> Real:
+    """Shapes (m, n) of what each frequency, level and setting may have of its own.
+
+    The levels are those of a condition.
+    """
+    slopes = _slopes(data)
+    shapes = [_at_each(frequency_numbers(data))]
+    for name in CONDITIONS:
+        if name not in data.conditions or (name == "amplitude" and _force_was_held(data)):
+            continue
+        level = data.levels(name)
+        # What was swept row by row has no levels, only a course.
+        if int(level.max()) + 1 > len(level) // ROWS_OF_A_DEGREE:
+            shapes.append(_slow(data.conditions[name], slopes))
+        else:
+            shapes += [_at_each(level), _at_each(level) * slopes]
+    for number in settings_of(data).values():
+        shapes += [_at_each(number), _at_each(number) * slopes]
+    return np.concatenate(shapes)
+
+
+def _at_each(number: NDArray[np.int64]) -> Real:
+    """Shapes (m, n) that are one at one value and zero elsewhere."""
+    return np.asarray(number == np.arange(int(number.max()) + 1)[:, None], dtype=np.float64)
+
+
+def _force_was_held(data: Measurement) -> bool:
+    """Whether the amplitude is what a held force made of it.
+
+    Then it follows the specimen, and is no cause.
+
+    A dry slider's force is the same at all amplitudes too; but amplitudes that were chosen know
+    nothing of the noise.
+    """
+    time, reach = _time_of(data), data.conditions.get("amplitude")
+    if time is None or reach is None:
+        return False
+    order = np.argsort(time, kind="stable")
+    moved = np.log(np.maximum(np.abs(reach[order]), 1e-300))
+    force = moved + np.log(data.magnitude[order])
+    steadier = np.std(force) < COURSE.held_force * np.std(moved)
+    smoother = _roughness(force) < COURSE.held_force * _roughness(moved)
+    return bool(steadier and smoother)
+
+
+def _roughness(values: Real) -> float:
+    """How far a value lies off the line through its neighbours, mostly."""
+    return float(np.median(np.abs(np.diff(values, 2))))
+
+
+def _told(data: Measurement, time: Real, share: float, gain: float) -> Course:
+    """What is told of a course, with the share of the misfit it takes and what that is worth."""
+    rows = _most_alike(data)
+    rows = rows[np.argsort(time[rows], kind="stable")]
+    count = max(1, round(END * len(rows)))
+    first, last = (np.mean(data.stiffness[part]) for part in (rows[:count], rows[-count:]))
+    unit = data.provenance.get(f"unit {_name_of_time(data)}", "")
+    last_round = ""
+    # Where no point comes again there are no rounds.
+    if time[rows[-1]] > time[rows[0]]:
+        last_round = _last_round(data, time)
+    return Course(
+        start=float(time[rows[0]]),
+        end=float(time[rows[-1]]),
+        unit=unit,
+        at=data.units.at(float(data.frequency[rows[0]])),
+        storage=(float(first.real), float(last.real)),
+        loss=(float(first.imag), float(last.imag)),
+        modulus=data.units.stiffness,
+        mutation=_mutation(data, time, rows, unit),
+        share=share,
+        gain=gain,
+        force_held=_force_was_held(data),
+        last_round=last_round,
+    )
+
+
+def _most_alike(data: Measurement) -> NDArray[np.int64]:
+    """The rows of the frequency, temperature and amplitude that were measured most often."""
+    columns = [frequency_numbers(data)]
+    columns += [data.levels(name) for name in CONDITIONS if name in data.conditions]
+    if "amplitude" in data.conditions and _force_was_held(data):
+        columns = columns[:-1]
+    _, number, count = np.unique(
+        np.column_stack(columns), axis=0, return_inverse=True, return_counts=True
+    )
+    most = np.flatnonzero(count == count.max())
+    # Of many alike the middle one: the ends of a sweep are measured worst.
+    return np.flatnonzero(number.ravel() == most[len(most) // 2])
+
+
+def _mutation(data: Measurement, time: Real, rows: NDArray[np.int64], unit: str) -> float | None:
+    """Largest relative change of |K| in one of the longest periods."""
+    if unit not in TIME_UNITS or len(np.unique(time[rows])) < 2:
+        return None
+    seconds, size = TIME_UNITS[unit] * time[rows], np.log(data.magnitude[rows])
+    degree = max(1, min(STEADY_DEGREE, len(rows) // ROWS_OF_A_DEGREE))
+    x = np.linspace(-1.0, 1.0, len(rows))
+    curve = np.polynomial.Legendre.fit(x, size, degree)(x)
+    # Over some rows: the curve goes by order, and points that came in pairs lie much nearer in time
+    # than the next.
+    apart = max(1, len(rows) // (2 * degree))
+    steps, moved = seconds[apart:] - seconds[:-apart], curve[apart:] - curve[:-apart]
+    rate = np.max(np.abs(moved[steps > 0.0] / steps[steps > 0.0]))
+    return float(rate / np.min(data.frequency))
+
+
+def _last_round(data: Measurement, time: Real) -> str:
+    """How to choose the last rows that hold every frequency.
+
+    Empty where these are too few, or most of the rows.
+    """
+    number, order = frequency_numbers(data), np.argsort(time, kind="stable")[::-1]
+    count = int(number.max()) + 1
+    if count < COURSE.fewest_of_a_round:
+        return ""
+    needed = max(int(np.flatnonzero(number[order] == each)[0]) for each in range(count)) + 1
+    if 2 * needed > len(order):
+        return ""
+    chosen = order[:needed]
+    # A round at two temperatures is no sweep of one material.
+    if any(np.ptp(data.levels(name)[chosen]) > 0 for name in CONDITIONS if name in data.conditions):
+        return ""
+    return f"{_name_of_time(data)}={time[order[needed - 1]]:.10g}..{time[order[0]]:.10g}"

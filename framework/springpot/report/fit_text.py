@@ -1,0 +1,386 @@
+"""Fits as text for people: one in full, or many as a table of one row each."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Collection, Mapping, Sequence
+from io import StringIO
+from math import log
+from typing import TYPE_CHECKING, Any
+
+from springpot.format_numbers import number
+from springpot.identification.result import Identification
+from springpot.identification.value import Value, kept_interval
+from springpot.measurement.timed import material_of
+from springpot.rheology.drawing import drawing_of
+
+from .floors import beside_floors
+from .numbers import percent, seconds, told_range
+from .reference import reference_note
+from .spectrum import in_words
+from .text import Table, cut, indented, paragraphs, wrapped
+from .values import OPEN, shown
+
+if TYPE_CHECKING:
+    from springpot.timetests.answer import TimeDiagnosis
+    from springpot.timetests.comparing import TimeComparison
+    from springpot.timetests.discovery import TimeLadder
+    from springpot.timetests.result import TimeIdentification
+
+FAR = log(1e6)
+"""Log of the ratio to the data's natural size from which a parameter's size leaves no trace."""
+
+NAME = 12
+"""Letters that are left of a test's name."""
+
+
+def identification_text(identified: Identification, width: int = 120, verbose: bool = False) -> str:
+    """Parameters with intervals, the error beside its floors, and whether the model is good enough.
+
+    Parameters
+    ----------
+    identified : Identification
+        The fit.
+    width : int
+        Columns of the window.
+    verbose : bool
+        Whether to tell the search form, the objective and the optimiser too.
+    """
+    data = identified.measurement
+    search = ""
+    # The search form is how the model was searched, not what it is: most need it never.
+    if verbose and identified.search_parameters:
+        search = parameters_text("search form", dict(identified.search_parameters))
+    parts = [
+        wrapped(
+            f"{identified.model.name} fitted to {data.name} ({len(data)} points,"
+            f" {told_range(data)})",
+            width,
+        ),
+        indented(drawing_of(identified.model)),
+        parameters_text("parameter", dict(identified.parameters), gone(identified)),
+        search,
+        reference_note(data, [identified.model.network]),
+        _spectrum(identified),
+        "\n".join(wrapped(line, width, " " * 12) for line in _lines(identified, verbose)),
+    ]
+    return "\n\n".join(part for part in parts if part)
+
+
+def fitted_in_time_text(identified: TimeIdentification, width: int = 120) -> str:
+    """Parameters identified from tests in time, and each test beside its noise floor.
+
+    Parameters
+    ----------
+    identified : TimeIdentification
+        The fit.
+    width : int
+        Columns of the window.
+    """
+    count = f"{sum(test.points for test in identified.tests)} points"
+    # A count of one says nothing.
+    if len(identified.tests) > 1:
+        count = f"{len(identified.tests)} tests, {count}"
+    names = " + ".join(test.name for test in identified.tests)
+    values = {name: _measured(entry) for name, entry in identified.parameters.items()}
+    spent = f"{identified.evaluations} evaluations in {seconds(identified.seconds)}"
+    lines = [f"search      {identified.optimiser}: {identified.ended}, {spent}"]
+    lines += [f"note        {note}" for note in identified.notes]
+    parts = [
+        wrapped(f"{identified.model.name} fitted to {names} ({count})", width),
+        indented(drawing_of(material_of(identified.model))),
+        parameters_text("parameter", values),
+        _tests(identified, width),
+        "\n".join(wrapped(line, width, " " * 12) for line in lines),
+    ]
+    return "\n\n".join(parts)
+
+
+def compared_in_time_text(comparison: TimeComparison) -> str:
+    """Models against tests in time, best first, and those that these tests cannot judge."""
+    over_floors = ["x floor"]
+    # The name of a single test stands in the first line.
+    if len(comparison.best.tests) > 1:
+        over_floors = [f"x floor of {test.name}" for test in comparison.best.tests]
+    headers = ("model", "error", *over_floors, "delta BIC", "parameters")
+    rows = []
+    for fit, delta in zip(comparison.fits, comparison.delta_bic, strict=True):
+        ratios = [number(test.ratio, 2) for test in fit.tests]
+        rows.append(
+            [
+                fit.model.name,
+                percent(fit.relative_rms),
+                *ratios,
+                number(delta, 3),
+                str(len(fit.theta)),
+            ]
+        )
+    names = " + ".join(test.name for test in comparison.best.tests)
+    parts = [
+        f"{names}: {comparison.best.model.name} is best",
+        Table(headers, rows, frozenset(headers[1:])).plain(),
+    ]
+    if comparison.left_out:
+        parts.append("\n".join(f"left out    {reason}" for reason in comparison.left_out.values()))
+    return "\n\n".join(parts)
+
+
+def climbed_in_time_text(ladder: TimeLadder, width: int = 120) -> str:
+    """Rungs of a discovery from tests in time, the last one's parameters and what is said of it."""
+    headers = ("step", "model", "error", "x floor")
+    rows = [
+        [str(i), step.fit.model.name, percent(step.fit.relative_rms), number(step.over_floor, 2)]
+        for i, step in enumerate(ladder.steps)
+    ]
+    last = ladder.steps[-1].fit
+    parts = [
+        Table(headers, rows, frozenset(headers[2:])).plain(),
+        parameters_text(
+            "parameter", {name: _measured(entry) for name, entry in last.parameters.items()}
+        ),
+        wrapped(ladder.diagnosis.says, width),
+    ]
+    # Below the parameters: whoever takes these must know that the effect may be another.
+    for step in ladder.steps:
+        if step.alike:
+            rivals = " or ".join(step.alike)
+            parts.append(
+                f"+ {step.accepted} may as well be {rivals}: these tests cannot tell them apart"
+            )
+    parts += _left_out(ladder.diagnosis.left_out | ladder.left_out)
+    return "\n\n".join(parts)
+
+
+def diagnosed_in_time_text(diagnosis: TimeDiagnosis, width: int = 120) -> str:
+    """What a model of tests in time lacks, where it fails, and what the tests cannot tell apart."""
+    headers = ("effect", "verdict", "delta BIC", "x floor after", "parameters")
+    rows = [
+        [
+            each.effect,
+            each.verdict,
+            number(each.delta_bic, 3),
+            number(each.over_floor, 2),
+            _briefly(each.parameters),
+        ]
+        for each in diagnosis.candidates
+    ]
+    ranked = ""
+    if rows:
+        ranked = (
+            Table(headers, rows, frozenset(headers[2:4])).without(("delta BIC",), width).plain()
+        )
+    parts = [
+        f"{diagnosis.base.model.name}: {diagnosis.verdict}\n{diagnosis.says}",
+        "\n".join(f"where: {place.says}" for place in diagnosis.where),
+    ]
+    physics = [
+        f"{each.effect}: {each.says}"
+        for each in diagnosis.candidates
+        if each.effect in diagnosis.missing
+    ]
+    # Which of several absent effects is absent is no news.
+    absent = {each.effect for each in diagnosis.candidates if each.verdict == "absent"}
+    open_classes = [names for names in diagnosis.classes if names[0] not in absent]
+    physics += [f"these tests cannot tell apart: {', '.join(names)}" for names in open_classes]
+    return paragraphs([*parts, ranked, *physics, *_left_out(diagnosis.left_out)], width)
+
+
+def _left_out(reasons: Mapping[str, str]) -> list[str]:
+    return [f"left out: {name}: {reason}" for name, reason in reasons.items()]
+
+
+def _briefly(parameters: Mapping[str, Mapping[str, Any]]) -> str:
+    """Values without their intervals, by the last part of their names."""
+    return ", ".join(
+        f"{name.partition('.')[2]} {row['value']:.3g} {row['unit']}"
+        for name, row in parameters.items()
+    )
+
+
+def _measured(entry: dict[str, Any]) -> Value:
+    return Value(entry["value"], *kept_interval(entry), entry["unit"])
+
+
+def _tests(identified: TimeIdentification, width: int) -> str:
+    """A row for each test; in a narrow window the last columns go, and long names are cut."""
+    headers = ("test", "kind", "points", "error", "noise floor", "x floor", "alone")
+    rows = []
+    for test in identified.tests:
+        errors = [
+            percent(test.error),
+            percent(test.floor, 2),
+            number(test.ratio, 2),
+            number(test.alone, 2),
+        ]
+        rows.append([test.name, test.kind, str(test.points), *errors])
+    table = Table(headers, rows, frozenset(headers[2:]))
+    # A single test is fitted alone in any case.
+    if len(identified.tests) == 1:
+        table = table.lacking("alone")
+    table = table.without(("alone", "points"), width)
+    excess = table.width - width
+    # The last resort: a table that is broken by the window cannot be read, a name that is cut can.
+    if excess > 0:
+        longest = max(len(row[0]) for row in table.rows)
+        most = max(longest - excess, NAME)
+        shortened = [[cut(row[0], most), *row[1:]] for row in table.rows]
+        table = Table(table.headers, shortened, table.right)
+    text = table.plain()
+    # Only then has a narrow window not dropped the column.
+    if "alone" in table.headers:
+        text += "\nalone: x floor where the test has parameters of its own"
+    return text
+
+
+def parameters_text(
+    heading: str, parameters: dict[str, Value], open_ones: Collection[str] = ()
+) -> str:
+    """A table of values with their intervals; one that the data leave open is called so."""
+    rows = []
+    for name, value in parameters.items():
+        size, interval = shown(value)
+        # Out of all proportion to the data, it leaves no trace of its size in them.
+        if name in open_ones:
+            size, interval = "-", OPEN
+        rows.append([name, size, interval, value.unit])
+    return Table((heading, "value", "95 % interval", "unit"), rows, frozenset({"value"})).plain()
+
+
+def gone(identified: Identification) -> set[str]:
+    """Parameters that grew out of all proportion to the data, whatever their interval says."""
+    far = identified.fit.task.coordinates.log & (identified.fit.u > FAR)
+    return {name for name, one in zip(identified.model.names, far, strict=True) if one}
+
+
+def _spectrum(identified: Identification) -> str:
+    if identified.spectrum is None:
+        return ""
+    return f"spectrum    {in_words(identified.spectrum, identified.measurement.units.stiffness)}"
+
+
+def _lines(identified: Identification, verbose: bool) -> list[str]:
+    """What is told of a fit, a line for each thing."""
+    size = identified.measurement.units.magnitude
+    lines = [
+        f"error       {percent(identified.relative_rms)} of {size} (relative"
+        f" rms){beside_floors(identified)}"
+    ]
+    if identified.standing is not None:
+        verdict = "not good enough"
+        if identified.standing.good_enough:
+            verdict = "good enough"
+        lines.append(f"verdict     {verdict}: {_reason(identified)}")
+    spent = f"{identified.evaluations} evaluations in {seconds(identified.seconds)}"
+    # The usual way to the usual end is worth no line; whatever was chosen or went otherwise is.
+    if verbose or identified.optimiser != "native" or identified.status != "converged":
+        lines.append(f"objective   {identified.fit.objective.name}, {number(identified.fit.cost)}")
+        lines.append(f"optimiser   {identified.optimiser}, {identified.status}, {spent}")
+    notes = (*identified.notes, *unused(identified), *_of_floor(identified))
+    return lines + [f"note        {note}" for note in notes]
+
+
+def _reason(identified: Identification) -> str:
+    assert identified.standing is not None
+    # The first half is the error and its floor, which the line above has told.
+    return identified.standing.says.partition("; ")[2] or identified.standing.says
+
+
+def _of_floor(identified: Identification) -> list[str]:
+    """What `diagnose` may say otherwise.
+
+    It knows better models than this one, about which the data scatter less.
+    """
+    standing = identified.standing
+    if standing is None or standing.good_enough or standing.noise_source != "estimated":
+        return []
+    return [
+        "the noise floor is estimated from the scatter about this model:"
+        " diagnose may find a lower one"
+    ]
+
+
+def unused(identified: Identification) -> list[str]:
+    """Conditions that vary in the data and that the model does not know."""
+    notes = []
+    for name in ("temperature", "amplitude"):
+        if name not in identified.measurement.conditions or name in identified.model.needs:
+            continue
+        # A temperature that was noted once for all rows is no condition that a model misses.
+        levels = int(identified.measurement.levels(name).max()) + 1
+        if levels > 1:
+            notes.append(
+                f"{name} was not used: the data have {levels} levels of it,"
+                " the model has no effect of it"
+            )
+    return notes
+
+
+def many_text(fits: Sequence[Identification]) -> str:
+    """One row for each file: error, floor, verdict and the parameters."""
+    names, rows = _columns(fits), []
+    for fit in fits:
+        cells = [_cell(fit, name) for name in names]
+        rows.append([fit.measurement.name, percent(fit.relative_rms), *_verdict(fit), *cells])
+    headers = [
+        "data",
+        "error",
+        "noise floor",
+        "good enough",
+        *(_header(fits[0], name) for name in names),
+    ]
+    return Table(headers, rows, frozenset(headers[1:3] + headers[4:])).plain()
+
+
+def many_csv(fits: Sequence[Identification]) -> str:
+    """The same as CSV, with both ends of each interval; units stand in the header."""
+    names, stream = _columns(fits), StringIO()
+    write = csv.writer(stream, lineterminator="\n").writerow
+    headers = []
+    for name in names:
+        unit = fits[0].parameters[name].unit
+        headers += [f"{name} [{unit}]", f"{name}_low [{unit}]", f"{name}_high [{unit}]"]
+    write(["data", "model", "relative_rms [-]", "noise_floor [-]", "good_enough", *headers])
+    for fit in fits:
+        cells = []
+        for name in names:
+            if name in fit.parameters:
+                value = fit.parameters[name]
+                # `repr` keeps every digit: another program reads them.
+                cells += [repr(value.value), repr(value.low), repr(value.high)]
+        floor, good = "", ""
+        # Left empty where the data are too few to tell: any word would be taken for a verdict.
+        if fit.standing is not None:
+            floor, good = repr(fit.standing.noise_floor), str(fit.standing.good_enough).lower()
+        write([fit.measurement.name, fit.model.name, repr(fit.relative_rms), floor, good, *cells])
+    return stream.getvalue()
+
+
+def _columns(fits: Sequence[Identification]) -> list[str]:
+    # Of all files: a model of levels may have more parameters in one than in another.
+    return list(dict.fromkeys(name for fit in fits for name in fit.parameters))
+
+
+def _header(fit: Identification, name: str) -> str:
+    if name not in fit.parameters or fit.parameters[name].unit == "-":
+        return name
+    return f"{name} [{fit.parameters[name].unit}]"
+
+
+def _cell(fit: Identification, name: str) -> str:
+    value = fit.parameters.get(name)
+    if value is None:
+        return "-"
+    size, interval = shown(value)
+    # The sentence of an open value is too long for a cell.
+    if interval.startswith(OPEN):
+        return "open"
+    return size
+
+
+def _verdict(fit: Identification) -> tuple[str, str]:
+    if fit.standing is None:
+        return "-", "-"
+    verdict = "no"
+    if fit.standing.good_enough:
+        verdict = "yes"
+    return percent(fit.standing.noise_floor, 2), verdict

@@ -1,0 +1,166 @@
+"""What ``plot()`` of each result draws: whole figures, or one pair of axes of the caller's."""
+
+from __future__ import annotations
+
+from functools import singledispatch
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from springpot.comparison.comparing import Comparison
+from springpot.diagnosis.ladder import Ladder
+from springpot.diagnosis.result import Diagnosis
+from springpot.errors import OutputError
+from springpot.identification.material import is_material
+from springpot.identification.prediction import Prediction
+from springpot.identification.result import Identification
+from springpot.loading import KeptLadder
+from springpot.measurement.measurement import Measurement
+from springpot.report import views
+from springpot.superposition.curve import MasterCurve
+
+from .candidates_figure import draw_diagnosis, figure_diagnosis
+from .canvas import COLOURS, blank, finished, logarithmic
+from .curves import Fit
+from .figures import figure_identification, marks_of, sweep_marks
+from .floors import beside_floors
+from .ladder import draw_ladder, figure_ladder
+from .mastercurve import figure_mastercurve
+from .residuals import figure_compared, fits_of
+from .scene import Scene
+from .spectrum import figure_material
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+def drawn(
+    result: object, path: str | Path | None = None, axes: Axes | None = None
+) -> Axes | Figure | Path:
+    """Draw a result; see `springpot.drawing.draw`.
+
+    Raises
+    ------
+    OutputError
+        If there is no picture of such a thing, matplotlib is missing, or a path and axes are given.
+    """
+    # Axes are the caller's, with a figure around them that nobody else may save.
+    if axes is None:
+        return whole(result, path)
+    if path is not None:
+        raise OutputError("give ax= or a file to plot into, not both: save the figure of the axes")
+    onto(result, axes)
+    return axes
+
+
+@singledispatch
+def whole(result: object, path: str | Path | None) -> Figure | Path:
+    """The figure of a result, written to `path` if there is one."""
+    raise OutputError(f"there is no picture of a {type(result).__name__}")
+
+
+@singledispatch
+def onto(result: object, axes: Axes) -> None:
+    """Draw a result on one pair of axes."""
+    raise OutputError(f"there is no picture of a {type(result).__name__} on one pair of axes")
+
+
+@whole.register
+def _measured(result: Measurement, path: Any) -> Any:
+    return figure_identification(result, [], path)
+
+
+@onto.register
+def _measured_onto(result: Measurement, axes: Any) -> None:
+    _scene(axes, Scene(result))
+
+
+@whole.register
+def _fitted(result: Identification, path: Any) -> Any:
+    # The spectrum is what such a fit is made for.
+    if is_material(result.model):
+        return figure_material(result, path)
+    fitted = [Fit(result.model, result.theta)]
+    return figure_identification(result.measurement, fitted, path, beside=beside_floors(result))
+
+
+@onto.register
+def _fitted_onto(result: Identification, axes: Any) -> None:
+    _scene(axes, Scene(result.measurement, [Fit(result.model, result.theta)]))
+
+
+@whole.register
+def _predicted(result: Prediction, path: Any) -> Any:
+    with blank() as figure:
+        _predicted_onto(result, figure.subplots())
+        return finished(figure, path)
+
+
+@onto.register
+def _predicted_onto(result: Prediction, axes: Any) -> None:
+    # A line follows its points in their order, and one may ask for frequencies in any.
+    order = result.frequency.argsort(kind="stable")
+    x = result.frequency[order]
+    parts = (
+        (result.storage, result.low.real, result.high.real),
+        (result.loss, result.low.imag, result.high.imag),
+    )
+    # Of one or two points a line alone is not seen.
+    marker = ""
+    if len(result) < 3:
+        marker = "o"
+    for colour, label, (value, low, high) in zip(COLOURS, ("storage", "loss"), parts, strict=False):
+        axes.plot(x, value[order], color=colour, label=label, marker=marker)
+        axes.fill_between(x, low[order], high[order], color=colour, alpha=0.2, linewidth=0.0)
+    # The limit at rest, frequency zero, has no place on a logarithmic axis.
+    if x[0] > 0.0 and len(x) > 1:
+        logarithmic(axes, "x")
+    axes.set(xlabel="frequency f [Hz]", ylabel=f"storage, loss [{result.units.stiffness}]")
+    axes.legend(title=f"{result.model}, {100 * result.level:.0f} % bands")
+
+
+@whole.register
+def _diagnosed(result: Diagnosis, path: Any) -> Any:
+    return figure_diagnosis(result, path)
+
+
+@onto.register
+def _diagnosed_onto(result: Diagnosis, axes: Any) -> None:
+    draw_diagnosis(axes, result)
+
+
+# A ladder that was loaded draws as the one that was saved.
+@whole.register(KeptLadder)
+@whole.register(Ladder)
+def _found(result: Any, path: Any) -> Any:
+    return figure_ladder(result, path)
+
+
+@onto.register(KeptLadder)
+@onto.register(Ladder)
+def _found_onto(result: Any, axes: Any) -> None:
+    draw_ladder(axes, result)
+
+
+@whole.register
+def _compared(result: Comparison, path: Any) -> Any:
+    return figure_compared(result, path)
+
+
+@onto.register
+def _compared_onto(result: Comparison, axes: Any) -> None:
+    _scene(axes, Scene(result.measurement, fits_of(result)))
+
+
+@whole.register
+def _superposed(result: MasterCurve, path: Any) -> Any:
+    return figure_mastercurve(result, path)
+
+
+def _scene(axes: Axes, scene: Scene) -> None:
+    """Storage and loss with what the marks mean."""
+    views.storage_and_loss(axes, scene)
+    sweeps = []
+    if scene.by_sweep:
+        sweeps = sweep_marks(scene)
+    axes.legend(handles=[*marks_of(scene), *sweeps])

@@ -1,0 +1,369 @@
+"""A test in time through the eyes of a fixed set of exponentials.
+
+What a search needs a thousand times.
+
+The exact response reads the spectrum of the network anew for each parameter vector. Here the
+exponentials stay where they are; what each answers to the loading is worked out once, and a model
+is the amounts of them that follow its K at some frequencies: two products of small matrices, with
+the derivatives. That is good to a part in a thousand or better, so that a search which ends here is
+finished by a few exact steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.errors import ModelError
+from springpot.measurement.imposed import Loading
+from springpot.measurement.timed import Timed, material_of
+from springpot.measurement.timeeffect import Record, Stage, TimeEffect
+from springpot.rheology.history import network_of, sorted_out, with_laws
+from springpot.rheology.intime import Traced
+from springpot.rheology.model import Model
+from springpot.rheology.nodes import GRADIENT, Response
+from springpot.rheology.points import Complex, Points, Real
+
+from .recording import Clock, at_stage, indices, reached, shown
+from .residuals_of_tests import InTimePart, Part, Residual, SweepPart
+from .start import answers_of
+
+PER_DECADE = 4
+"""Exponentials a decade: a part in a thousand of a springpot's response, or better."""
+FREQUENCIES = 8
+"""Frequencies a decade at which K is followed."""
+BEYOND = 10.0
+"""Factor by which the times of the exponentials reach beyond those of the test."""
+NEAR = 3.0
+"""The same of the frequencies: what happens further out is not in the record."""
+SHARP = 30.0
+"""By how much further both reach up where a displacement is imposed.
+
+Its steps are sharper than its samples near.
+"""
+FOLLOWED = 0.1
+"""Share of K that the exponentials may miss.
+
+What they cannot follow, such as a loss that is not causal or the swing
+of a mass, is left to the exact response."""
+SAMPLES = 2000
+"""Samples of a test that are looked at: more take longer and show no more than is plain already."""
+FAR = 1e30
+"""Factor beyond the test's frequencies where dashpot and mass are all that is left.
+
+There they are read off.
+"""
+CLOSE = 0.05
+"""How nearly K must go there as omega or omega squared."""
+ROUNDING = 1e-9
+"""Share of a change of K that is rounding."""
+STEP = 1e-5
+"""Relative step of the derivative by a clock's parameters, which a search needs to three digits."""
+
+
+KEPT = ("sd", "rows", "t", "seen", "times", "omega", "share", "answers", "solver", "record")
+"""What does not depend on how a part is weighed."""
+
+
+class UnfollowedError(ModelError):
+    """The exponentials cannot follow a model."""
+
+
+def points_at(omega: Real, kelvin: float | None, reference: float) -> Points:
+    """Points at one temperature in kelvin."""
+    temperature = None
+    if kelvin is not None:
+        temperature = np.full(len(omega), kelvin)
+    return Points(np.log(omega), None, temperature, reference)
+
+
+@dataclass(frozen=True, eq=False)
+class QuickPart(InTimePart):
+    """A test in time, followed by fixed exponentials; see `InTimePart`.
+
+    Parameters
+    ----------
+    size : tuple of ndarray
+        Angular frequencies (w,) and |K| (w,) near them, by which K is weighed.
+    """
+
+    size: tuple[Real, Real] = (np.ones(1), np.ones(1))
+
+    @cached_property
+    def rows(self) -> NDArray[np.intp]:
+        """Numbers of the samples that are looked at."""
+        n = len(self.test)
+        return np.unique(np.linspace(0, n - 1, min(n, SAMPLES)).astype(int))
+
+    @cached_property
+    def t(self) -> Real:
+        """Their times."""
+        times: Real = self.test.time[self.rows]
+        return times
+
+    @cached_property
+    def seen(self) -> NDArray[np.bool_]:
+        """Which of them are no instant of a step."""
+        return ~np.isin(self.t, self.test.loading.jumps[0])
+
+    @cached_property
+    def weight(self) -> Real:
+        """One over the noise; as many samples as are left out count with the others."""
+        # So that a test of a million samples outweighs one of a thousand as much as it would with
+        # all of them.
+        more = np.sqrt(len(self.test) / len(self.rows))
+        weight: Real = np.where(self.seen, more, 0.0) / (self.scale * self.sd[self.rows])
+        return weight
+
+    @cached_property
+    def times(self) -> Real:
+        """Of the exponentials, in s."""
+        slow, fast = self.reach
+        decades = np.log10(fast / slow) + 2.0 * np.log10(BEYOND)
+        return np.geomspace(1.0 / (BEYOND * fast), BEYOND / slow, int(PER_DECADE * decades) + 2)
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """Angular frequencies between which the record tells something."""
+        slow, fast = self.test.seen
+        if self.test.control == "displacement":
+            fast *= SHARP
+        return slow, fast
+
+    @cached_property
+    def omega(self) -> Real:
+        """Angular frequencies at which K is followed, and two far beyond."""
+        slow, fast = self.reach
+        decades = np.log10(fast / slow) + 2.0 * np.log10(NEAR)
+        band = np.geomspace(slow / NEAR, fast * NEAR, int(FREQUENCIES * decades) + 4)
+        return np.append(band, [FAR * fast, 10.0 * FAR * fast])
+
+    @cached_property
+    def share(self) -> Real:
+        """By which K, or 1/K under a force, is weighed at each frequency."""
+        size = np.exp(
+            np.interp(np.log(self.omega[:-2]), np.log(self.size[0]), np.log(self.size[1]))
+        )
+        # Each frequency counts by its relative miss: of K here, of 1/K under a force.
+        if self.test.control == "displacement":
+            return 1.0 / size
+        return size
+
+    @cached_property
+    def answers(self) -> Real:
+        """What a spring, dashpot, mass and each exponential answer to the loading: (n, 3 + m)."""
+        return self.answers_to(self.test.loading, self.t)
+
+    def answers_to(self, loading: Loading, t: Real, mix: Real | None = None) -> Real:
+        """The same for another loading, or by another clock.
+
+        With a mix of amounts (3 + m, c), those of mixtures.
+        """
+        return np.nan_to_num(answers_of(loading, self.test.control, self.times, t, mix))
+
+    @cached_property
+    def solver(self) -> tuple[Real, Real]:
+        """What the exponentials are at the frequencies (2 w, b), and its inverse (b, 2 w)."""
+        s = 1j * self.omega[:-2, None]
+        turned = s * self.times
+        one, nothing = np.ones_like(s), np.zeros_like(s)
+        if self.test.control == "displacement":
+            # A spring, no dashpot and no mass, then Maxwell elements: in the order of `answers_of`.
+            columns = np.hstack([one, nothing, nothing, turned / (1.0 + turned)])
+        else:
+            # Under a force the compliances: spring, dashpot, no mass, then Kelvin elements.
+            columns = np.hstack([one, 1.0 / s, nothing, 1.0 / (1.0 + turned)])
+        columns = columns * self.share[:, None]
+        basis = np.concatenate([columns.real, columns.imag])
+        size = np.linalg.norm(basis, axis=0)
+        # Dashpot and mass have no column here: they are taken off before.
+        size[size == 0.0] = 1.0
+        # Neighbouring exponentials are alike: without a limit their amounts would grow against one
+        # another.
+        return basis, np.linalg.pinv(basis / size, rcond=1e-7) / size[:, None]
+
+    def followed(self, change: Complex) -> Real:
+        """Amounts (b, g) of the exponentials that follow K or 1/K (g, w).
+
+        Numbers that are none where they cannot.
+        """
+        asked, ends = self._asked(change)
+        basis, inverse = self.solver
+        amounts: Real = inverse @ asked
+        missed = np.linalg.norm(basis @ amounts - asked, axis=0)
+        # Of a mass alone nothing but rounding is left to be followed.
+        whole = np.linalg.norm(change[:, :-2] * self.share, axis=1)
+        good = missed <= FOLLOWED * np.linalg.norm(asked, axis=0) + ROUNDING * whole
+        # What was taken off K comes back as amounts of dashpot and mass.
+        amounts[1:3] += ends
+        return np.where(good, amounts, np.nan)
+
+    def _asked(self, change: Complex) -> tuple[Real, Real]:
+        """What exponentials should follow (2 w, g), dashpots and masses (2, g) being taken off K.
+
+        These feel velocity and acceleration, which exponentials would have to be infinitely fast
+        for.
+        """
+        ends = np.zeros((2, len(change)))
+        here = change[:, :-2]
+        if self.test.control == "displacement":
+            far, omega = change[:, -2:], self.omega[-2:]
+            with np.errstate(all="ignore"):
+                # At ten times the frequency the force of a dashpot is ten times as large, that of a
+                # mass a hundred times.
+                pace = np.stack(
+                    [
+                        far[:, 1].imag / far[:, 0].imag / 10.0,
+                        far[:, 1].real / far[:, 0].real / 100.0,
+                    ]
+                )
+            dashpot_and_mass = np.stack(
+                [far[:, 0].imag / omega[0], -far[:, 0].real / omega[0] ** 2]
+            )
+            ends = np.where(np.abs(pace - 1.0) < CLOSE, dashpot_and_mass, 0.0)
+            s = 1j * self.omega[:-2]
+            here = here - ends[0][:, None] * s - ends[1][:, None] * s**2
+        wanted = here * self.share
+        return np.concatenate([wanted.real, wanted.imag], axis=1).T, ends
+
+    @cached_property
+    def record(self) -> Record:
+        """What laws are told."""
+        return Record.of(self.test, self.t)
+
+    @classmethod
+    def of(cls, part: InTimePart) -> QuickPart:
+        """A part, weighed by the stiffness that its record amounts to."""
+        # Relative misses need a size of K before any model is known: the record itself gives it,
+        # roughly.
+        made = part.apparent
+        if made is None:
+            return cls(part.test, part.scale, part.noise)
+        return cls(part.test, part.scale, part.noise, (made.omega, made.magnitude))
+
+    @property
+    def exact(self) -> InTimePart:
+        """The part with its exact response."""
+        return InTimePart(self.test, self.scale, self.noise)
+
+    def with_scale(self, scale: float) -> QuickPart:
+        """The same with larger noise; what is known already is kept."""
+        if scale == self.scale:
+            return self
+        # The exponentials' answers are most of the work, and do not hang on the weight.
+        other = replace(self, scale=scale)
+        for name in KEPT:
+            if name in self.__dict__:
+                other.__dict__[name] = self.__dict__[name]
+        return other
+
+    def count(self, coarse: bool = False) -> int:
+        """How many numbers it gives."""
+        return len(self.rows)
+
+    def residual(
+        self, model: Model | Timed, theta: Real, reference: float, coarse: bool = False
+    ) -> Residual:
+        """Predicted less measured, over the noise."""
+        answer = self.recorded(model, theta, reference)
+        missed = np.where(self.seen, answer.value - self.test.response[self.rows], 0.0)
+        return Residual(missed * self.weight, answer.by_theta * self.weight[:, None])
+
+    def recorded(self, model: Model | Timed, theta: Real, reference: float) -> Traced:
+        """What the test records of a model, nearly.
+
+        Raises
+        ------
+        UnfollowedError
+            If these exponentials cannot follow the model.
+        """
+        if self.test.warmth is not None and "temperature" in model.needs:
+            raise UnfollowedError("the temperature moves")
+        material = material_of(model)
+        own: Real = theta
+        placed: list[tuple[TimeEffect, slice]] = []
+        if isinstance(model, Timed):
+            own, placed = model.parts(theta)
+        # An effect that this test cannot have, such as a limit of force in creep, leaves it as it
+        # is.
+        mine = [(effect, place) for effect, place in placed if effect.is_for(self.test)]
+        inside, beside, signals = sorted_out(material)
+        network, places = network_of(material, inside)
+        # Value and derivatives go through the same two matrices, side by side.
+        amounts, slopes = self._amounts(
+            network.respond(own[places], self._points(reference), GRADIENT)
+        )
+        by_theta = np.zeros((len(self.t), len(theta)))
+        both, columns = self._course(mine, theta, np.column_stack([amounts, slopes]))
+        value = both[:, 0]
+        by_theta[:, places] = both[:, 1:]
+        moved = indices(mine, Stage.LOADING) + indices(mine, Stage.CLOCK)
+        if moved:
+            by_theta[:, moved] = columns
+        if beside or signals:
+            # Steps have no speed, and laws of a force ask for displacements.
+            if self.test.control != "displacement" or len(self.test.loading.jumps[0]):
+                raise ModelError(f"{material.name} has no answer to a step or a force")
+            value, by_theta = with_laws(
+                Traced(value, by_theta), beside, signals, own, self.t, self.record.imposed
+            )
+        return shown(mine, theta, self.record, value, by_theta)
+
+    def _points(self, reference: float) -> Points:
+        return points_at(self.omega, self.test.kelvin, reference)
+
+    def _amounts(self, response: Response) -> tuple[Real, Real]:
+        """Amounts of the exponentials (b,) and their derivatives (b, p)."""
+        value, by_theta = response.value, response.by_theta
+        if self.test.control == "force":
+            # Under a force the exponentials add up to 1/K, and d(1/K) = -dK / K^2.
+            by_theta = -by_theta / value**2
+            value = 1.0 / value
+        amounts = self.followed(value[None])[:, 0]
+        if not np.all(np.isfinite(amounts)):
+            raise UnfollowedError("no sum of exponentials follows the model")
+        asked, ends = self._asked(by_theta)
+        slopes: Real = self.solver[1] @ asked
+        slopes[1:3] += ends
+        return amounts, slopes
+
+    def _course(
+        self, mine: Sequence[tuple[TimeEffect, slice]], theta: Real, mix: Real
+    ) -> tuple[Real, Real]:
+        """Answers (n, c) to what reached the specimen by its clock, and slopes (n, q) by these."""
+        loads, clocks = at_stage(mine, Stage.LOADING), at_stage(mine, Stage.CLOCK)
+        if not loads and not clocks:
+            # Nothing was moved: what was worked out once will do.
+            return self.answers @ mix, np.zeros((len(self.t), 0))
+        loading, slopes = reached(mine, theta, self.test, self.t)
+
+        def by(load: Loading, values: Real, amounts: Real) -> Real:
+            if not clocks:
+                return self.answers_to(load, self.t, amounts)
+            clock = Clock(clocks, values, self.test.start)
+            return self.answers_to(clock.turned(load, self.t), clock.at(self.t), amounts)
+
+        alone = mix[:, :1]
+        columns = [by(slope, theta, alone)[:, 0] for slope in slopes]
+        for index in indices(mine, Stage.CLOCK):
+            # A clock bends time for all exponentials at once, which has no closed derivative here.
+            step = STEP * max(abs(float(theta[index])), STEP)
+            ends = [theta + sign * step * (np.arange(len(theta)) == index) for sign in (1.0, -1.0)]
+            more, less = (by(loading, end, alone)[:, 0] for end in ends)
+            columns.append((more - less) / (2.0 * step))
+        return by(loading, theta, mix), np.column_stack(columns)
+
+
+def quick_parts(parts: Sequence[Part]) -> list[QuickPart | SweepPart]:
+    """All tests as a search sees them; at frequencies the exact answer is a formula already."""
+    quick: list[QuickPart | SweepPart] = []
+    for part in parts:
+        if isinstance(part, SweepPart):
+            quick.append(part)
+        else:
+            quick.append(QuickPart.of(part))
+    return quick

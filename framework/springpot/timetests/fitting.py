@@ -1,0 +1,316 @@
+"""Identification from tests in time, alone or with frequency sweeps of the same specimen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from time import perf_counter
+
+import numpy as np
+
+from springpot.errors import ModelError, SpringpotError
+from springpot.identification.coordinates import Coordinates
+from springpot.identification.fitting import best_run
+from springpot.identification.material import is_material
+from springpot.identification.optimiser import Optimiser
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.timed import Timed, material_of
+from springpot.measurement.timetest import TimeTest
+from springpot.rheology.effect import Effect
+from springpot.rheology.history import sorted_out
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
+
+from .exponentials import quick_parts
+from .material import spectral
+from .native import DOUBTFUL, Minimum, Search
+from .residuals_of_tests import (
+    Part,
+    Test,
+    at_rigs,
+    parts_of_specimen,
+    reference_of,
+    require_tests,
+    rig_of_sweeps,
+)
+from .result import TimeIdentification
+from .score import Scan
+from .searched import InTimeProblem
+
+NATIVE = "native"
+BUDGET = 2000
+"""Evaluations of an optimiser.
+
+Each takes some milliseconds, so that this is a matter of ten seconds.
+"""
+STARTS = 2
+"""Places of a force that is not linear, of those that a scan finds, from which a search begins."""
+
+
+def identify(
+    tests: Sequence[Test] | Test,
+    model: Model | Timed,
+    *,
+    seeds: Sequence[Real] = (),
+    thorough: bool = True,
+    optimiser: Optimiser | None = None,
+    budget: int | None = None,
+    restarts: int | None = None,
+    seed: int | None = None,
+    noise: Sequence[Real | None] | None = None,
+    near: bool = False,
+) -> TimeIdentification:
+    """Identify the parameters of a model from tests of one specimen, each weighed by its own noise.
+
+    Parameters
+    ----------
+    tests : TimeTest, Measurement, or a sequence of them
+        At least one in time.
+    model : Model or Timed
+        Any model whose parts have a meaning in time, with effects of the tests themselves or
+        without.
+    seeds : sequence of ndarray, shape (p,)
+        Further starts, in the units of the first test in time.
+    thorough : bool
+        Whether other starts are looked for too; else the search begins at the seeds and nowhere
+        else.
+    optimiser : Optimiser, optional
+        Another way to the same minimum, in the box of the native solver's problem; each test weighs
+        as there.
+    budget, restarts, seed : int, optional
+        Of the optimiser: evaluations of each run, number of runs, and of the generator.
+    noise : sequence of ndarray, shape (n,), or None, optional
+        Standard deviation of each sample of each test, where it is known better than the signal
+        itself tells.
+    near : bool
+        Whether the only seed is so near that a few exact steps end the search.
+
+    Returns
+    -------
+    TimeIdentification
+        Parameters with intervals, and each test's error beside its noise floor, together and alone.
+
+    Raises
+    ------
+    SpringpotError
+        If model and tests do not fit each other.
+
+    Notes
+    -----
+    A test that the model misses by more than noise, when fitted alone, weighs as if its noise were
+    that large, and samples whose misses are alike count once: so no test outvotes another by a
+    precision that the model cannot use.
+
+    Examples
+    --------
+    >>> import numpy as np, springpot
+    >>> from springpot.measurement import TimeTest
+    >>> model, t = springpot.parse_model("fractional-maxwell"), np.geomspace(0.01, 100.0, 60)
+    >>> exact = model.relaxation(model.theta(k=400.0, c=60.0, alpha=0.5), t)
+    >>> identify(TimeTest.of_relaxation(t, exact, "kPa"), model).theta.round(3)
+    array([400. ,  60. ,   0.5])
+    """
+    if isinstance(tests, TimeTest | Measurement):
+        tests = [tests]
+    given = list(tests)
+    if not given:
+        raise ModelError("there is no test to identify a model from")
+    model = at_rigs(model, given)
+    effort = (budget or BUDGET, restarts, seed)
+
+    def fitted(model: Model | Timed) -> TimeIdentification:
+        return _fitted(given, model, seeds, thorough, optimiser, effort, noise, near)
+
+    if thorough:
+        return _at_best_rig(fitted, model, given)
+    return fitted(model)
+
+
+def _at_best_rig(
+    fitted: Callable[[Model | Timed], TimeIdentification],
+    model: Model | Timed,
+    tests: Sequence[Test],
+) -> TimeIdentification:
+    """The fit with one rig for all tests; where that fails, with one that only the sweeps have."""
+    apart = rig_of_sweeps(model, tests)
+    if apart is None:
+        return fitted(model)
+    try:
+        one = fitted(model)
+    except ModelError:
+        # No test in time can have such an effect: what is left is that the sweeps alone do.
+        return fitted(apart)
+    if max(test.ratio for test in one.tests) <= DOUBTFUL:
+        return one
+    other = fitted(apart)
+    if one.power < DOUBTFUL * other.power:
+        return one
+    return other
+
+
+def _fitted(
+    given: Sequence[Test],
+    model: Model | Timed,
+    seeds: Sequence[Real],
+    thorough: bool,
+    optimiser: Optimiser | None,
+    effort: tuple[int, int | None, int | None],
+    noise: Sequence[Real | None] | None,
+    near: bool,
+) -> TimeIdentification:
+    """The fit of a model whose effects act where they are marked to."""
+    began = perf_counter()
+    # Before any work: what cannot be fitted is told in one line.
+    require_tests(model, given)
+    parts = parts_of_specimen(given, noise)
+    reference = reference_of(given)
+    if thorough or not len(seeds):
+        seeds = [*seeds, *_scanned(given, model, parts, noise)]
+    # Of any material the spectrum itself is sought, which is a problem of another kind.
+    if is_material(material_of(model)):
+        search, found = _of_material(model, parts, reference, seeds)
+        return search.result(found, perf_counter() - began)
+    # Without a seed there is no other place to begin at.
+    search = Search(model, parts, reference, seeds, thorough or not len(seeds))
+    found = _native(search, near)
+    if optimiser is None or optimiser.name == NATIVE:
+        return search.result(found, perf_counter() - began)
+    return _by_optimiser(search, found, optimiser, effort, began)
+
+
+def _native(search: Search, near: bool) -> Minimum:
+    """All tests together; where there are several, each weighs as it is missed alone."""
+    parts, starts = search.parts, search.starts()
+    if near:
+        u, evaluations, converged = search.ended(parts, starts[0], 0)
+    else:
+        u, evaluations, converged = search.solved(parts, starts)
+    together = [search.ratio(part, u) for part in parts]
+    # A test by itself outvotes no other.
+    if len(parts) == 1:
+        return Minimum(u, parts, together, evaluations, converged)
+    # Each begins where all together ended, so that alone it can only do better.
+    parts, alone, spent = _weighed(
+        parts, together, lambda part: (search, *search.solved([part], [u])[:2])
+    )
+    # Once more with the new weights, from where the first ones led.
+    u, more, converged = search.solved(parts, [u])
+    return Minimum(u, parts, alone, evaluations + spent + more, converged)
+
+
+def _by_optimiser(
+    search: Search,
+    native: Minimum,
+    optimiser: Optimiser,
+    effort: tuple[int, int | None, int | None],
+    began: float,
+) -> TimeIdentification:
+    """The minimum that another optimiser finds; `effort`: its budget, restarts and seed."""
+    model, parts = search.model, native.parts
+    if isinstance(model, Timed):
+        raise ModelError(
+            f"{model.name}: effects of a test are fitted by the native solver;"
+            " leave the optimiser out"
+        )
+    # Weighed as in the native search, so that both look for the same minimum.
+    problem = InTimeProblem(model, parts, search.reference, *search.sizes)
+    best, notes = best_run(problem, optimiser, *effort)
+    u = search.coordinates.u(best.theta.copy(), search.size)
+    found = replace(native, u=u, evaluations=best.evaluations, converged=best.status != "budget")
+    result = search.result(found, perf_counter() - began)
+    # The theta that was found, not one that went to search coordinates and back.
+    return replace(
+        result,
+        theta=best.theta,
+        optimiser=optimiser.name,
+        status=best.status,
+        said=(*result.said, *notes),
+    )
+
+
+def _weighed(
+    parts: Sequence[Part],
+    together: Sequence[float],
+    fitted: Callable[[Part], tuple[Search, Real, int]],
+) -> tuple[list[Part], list[float], int]:
+    """Parts that weigh as each is missed even when fitted alone.
+
+    Also the errors over the noise that they have alone, which are none larger than those together,
+    and evaluations spent.
+    """
+    weighed, alone, evaluations = [], [], 0
+    for part, ratio in zip(parts, together, strict=True):
+        search, u, spent = fitted(part)
+        evaluations += spent
+        alone.append(min(ratio, search.ratio(part, u)))
+        weighed.append(part.with_scale(search.scale(part, u)))
+    return weighed, alone, evaluations
+
+
+def _scanned(
+    given: Sequence[Test],
+    model: Model | Timed,
+    parts: Sequence[Part],
+    noise: Sequence[Real | None] | None,
+) -> list[Real]:
+    """Starts (p,) with the last nonlinear force where a scan of the model without it puts it.
+
+    A threshold has a minimum for each way to share the force between it and the rest: natural sizes
+    find any of them.
+    """
+    beside = sorted_out(material_of(model))[1]
+    if not beside:
+        return []
+    last = beside[-1].effect
+    try:
+        base = identify(given, _less(model, last), noise=noise)
+        promises = Scan(base, quick_parts(parts)).promises([last])
+    except SpringpotError:
+        # It has no law in such a test, or nothing is left to fit: the search begins at natural
+        # sizes.
+        return []
+    best = promises.get(last.name, [])[:STARTS]
+    starts = []
+    for promise in best:
+        # With the model's own parameters made way for the force, and as they were: the linear step
+        # may lead astray.
+        starts += [promise.start(base, model, moved=True), promise.start(base, model, moved=False)]
+    return starts
+
+
+def _less(model: Model | Timed, effect: Effect) -> Model | Timed:
+    if isinstance(model, Timed):
+        return replace(model, material=model.material - effect)
+    return model - effect
+
+
+def _of_material(
+    model: Model | Timed, parts: Sequence[Part], reference: float, seeds: Sequence[Real]
+) -> tuple[Search, Minimum]:
+    """Any linear passive material, whose spectrum the tests choose."""
+    # For its sizes only: the spectrum has a way of its own to its minimum.
+    typical = Search(model, parts, reference)
+    around = len(material_of(model).material.parameters)
+    coordinates = Coordinates.of(
+        model.parameters[around:],
+        typical.middle,
+        np.array(typical.sizes[:1]),
+        typical.sizes[1],
+    )
+
+    own = [seed[len(seed) - len(model.parameters) + around :] for seed in seeds]
+
+    def fitted(some: Sequence[Part]) -> tuple[Search, Real, int]:
+        with_lines, theta, spent = spectral(model, some, reference, coordinates, own)
+        search = Search(with_lines, parts, reference, thorough=False)
+        return search, search.coordinates.u(theta, search.size), spent
+
+    # The lines are chosen anew by each fit: every one has a search of its own, in other
+    # coordinates.
+    search, u, evaluations = fitted(parts)
+    alone = [search.ratio(part, u) for part in parts]
+    if len(parts) > 1:
+        parts, alone, spent = _weighed(parts, alone, lambda part: fitted([part]))
+        search, u, more = fitted(parts)
+        evaluations += spent + more
+    return search, Minimum(u, parts, alone, evaluations, True)

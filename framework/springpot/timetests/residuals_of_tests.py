@@ -1,0 +1,348 @@
+"""Tests of one specimen as residuals: each over its own noise, all with the same parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.errors import DataError
+from springpot.identification.space import require_conditions
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.timed import Timed, material_of
+from springpot.measurement.timeeffect import TimeEffect
+from springpot.measurement.timenoise import noise_of, relative_scatter
+from springpot.measurement.timetest import TimeTest
+from springpot.measurement.units import (
+    AMPLITUDE_UNITS,
+    MODULUS_UNITS,
+    PRESSURE_UNITS,
+    Units,
+    one_modulus,
+)
+from springpot.rheology.effect import Effect, Layer
+from springpot.rheology.model import Model
+from springpot.rheology.points import KELVIN, ROOM, Complex, Real
+
+from .recording import recorded
+from .response import TOLERANCE
+from .start import apparent
+
+Test: TypeAlias = TimeTest | Measurement
+AnyEffect: TypeAlias = Effect | TimeEffect
+COARSE = 60
+"""Samples of a test with which the search begins; all of them end it."""
+
+
+class Residual(NamedTuple):
+    """Differences over their noise (m,), and their derivatives by the parameters (m, p)."""
+
+    value: Real
+    by_theta: Real
+
+
+@dataclass(frozen=True, eq=False)
+class InTimePart:
+    """A test in time.
+
+    Parameters
+    ----------
+    test : TimeTest
+        The test.
+    scale : float
+        By how much its noise is taken to be larger than its scatter says.
+    noise : ndarray, shape (n,), optional
+        Standard deviation of each sample, where it is known better than the signal itself tells.
+    """
+
+    test: TimeTest
+    scale: float = 1.0
+    noise: Real | None = None
+
+    @cached_property
+    def sd(self) -> Real:
+        """Standard deviation of each sample."""
+        if self.noise is not None:
+            return self.noise
+        return noise_of(self.test).sd
+
+    @cached_property
+    def apparent(self) -> Measurement | None:
+        """The sweep that the test amounts to; None where no sum of exponentials follows it."""
+        return apparent(self.test, self.sd)
+
+    def count(self, coarse: bool = False) -> int:
+        """How many numbers it gives."""
+        if coarse:
+            return len(self._thin())
+        return len(self.test)
+
+    @property
+    def log_omega(self) -> float:
+        """Logarithm of the angular frequency in the middle of what it saw."""
+        return float(np.mean(np.log(self.test.seen)))
+
+    def residual(
+        self, model: Model | Timed, theta: Real, reference: float, coarse: bool = False
+    ) -> Residual:
+        """Predicted less measured, over the noise; of some samples only if `coarse`."""
+        rows = np.arange(len(self.test))
+        if coarse:
+            rows = self._thin()
+        answer = recorded(model, theta, self.test, reference, self.test.time[rows], TOLERANCE)
+        weight = 1.0 / (self.scale * self.sd[rows])
+        # At the very instant of a step the answer may be endless, and no instrument reads it.
+        seen = ~np.isin(self.test.time[rows], self.test.loading.jumps[0])
+        missed = np.where(seen, answer.value - self.test.response[rows], 0.0)
+        by_theta = np.where(seen[:, None], answer.by_theta, 0.0)
+        return Residual(missed * weight, by_theta * weight[:, None])
+
+    def _thin(self) -> NDArray[np.intp]:
+        """Samples spread evenly over the logarithm of time for steps, over time else."""
+        n = len(self.test)
+        if n <= COARSE:
+            return np.arange(n)
+        if self.test.kind not in ("relaxation", "creep"):
+            return np.unique(np.linspace(0, n - 1, COARSE).astype(int))
+        clock = np.maximum(self.test.time - self.test.start, 1e-300)
+        # Samples at or before the step have no place on a logarithmic clock.
+        positive = clock > 1e-300
+        # What follows a step happens decade by decade: evenly in time its beginning would be left
+        # out.
+        wanted = np.geomspace(clock[positive][0], clock[-1], COARSE)
+        return np.unique(np.minimum(np.searchsorted(clock, wanted), n - 1))
+
+    def with_scale(self, scale: float) -> InTimePart:
+        """The same with larger noise."""
+        # The same object keeps what it has worked out, such as its noise.
+        if scale == self.scale:
+            return self
+        return replace(self, scale=scale)
+
+
+@dataclass(frozen=True, eq=False)
+class SweepPart:
+    """A test at frequencies; see `InTimePart`."""
+
+    test: Measurement
+    scale: float = 1.0
+
+    @cached_property
+    def sd(self) -> Complex:
+        """Standard deviation of K' and K'' of each point.
+
+        Given ones, or the scatter between neighbours.
+        """
+        if self.test.sd is not None:
+            return self.test.sd
+        # Without given deviations the scatter between neighbours is the best that is known of the
+        # noise.
+        share = relative_scatter(self.test)
+        return np.asarray(share * self.test.magnitude * (1.0 + 1.0j), dtype=np.complex128)
+
+    def count(self, coarse: bool = False) -> int:
+        """How many numbers it gives."""
+        return 2 * len(self.test)
+
+    @property
+    def log_omega(self) -> float:
+        """Mean logarithm of the angular frequencies."""
+        return float(np.mean(np.log(self.test.omega)))
+
+    def residual(
+        self, model: Model | Timed, theta: Real, reference: float, coarse: bool = False
+    ) -> Residual:
+        """Predicted less measured, over the noise: first K', then K''."""
+        at = replace(self.test, reference=reference).points
+        own = material_of(model)
+        count = len(own.parameters)
+        missed = own.stiffness(theta[:count], at) - self.test.stiffness
+        slopes = own.jacobian(theta[:count], at)
+        weight = 1.0 / (self.scale * np.concatenate([self.sd.real, self.sd.imag]))
+        value = np.concatenate([missed.real, missed.imag]) * weight
+        # Effects of the tests in time, whose parameters follow the material's, leave a sweep as it
+        # is.
+        by_theta = np.zeros((len(value), len(theta)))
+        by_theta[:, :count] = np.concatenate([slopes.real, slopes.imag]) * weight[:, None]
+        return Residual(value, by_theta)
+
+    def with_scale(self, scale: float) -> SweepPart:
+        """The same with larger noise."""
+        if scale == self.scale:
+            return self
+        return replace(self, scale=scale)
+
+
+Part: TypeAlias = InTimePart | SweepPart
+
+
+def parts_of_specimen(
+    tests: Sequence[Test], noise: Sequence[Real | None] | None = None
+) -> list[Part]:
+    """Tests in common units, as parts.
+
+    With the noise (n,) of each in these units, where it is known.
+
+    Raises
+    ------
+    DataError
+        If some are of a stiffness and others of a modulus, or of different moduli.
+    """
+    if noise is None:
+        noise = [None] * len(tests)
+    # Those of the first test in time, in which the parameters are printed.
+    units = tests[0].units
+    for test in tests:
+        if isinstance(test, TimeTest):
+            units = test.units
+            break
+    units = replace(
+        units, letter=one_modulus((test.name, test.units) for test in tests) or units.letter
+    )
+    parts: list[Part] = []
+    for test, own_noise in zip(tests, noise, strict=True):
+        if isinstance(test, TimeTest):
+            parts.append(InTimePart(test.in_units(units), noise=own_noise))
+        else:
+            parts.append(SweepPart(_in_units(test, units)))
+    return parts
+
+
+def at_rig(effect: Effect, tests: Sequence[Test]) -> Effect:
+    """An effect as tests of one specimen can have it.
+
+    What a measuring chain does to its signals is a fault of one rig. Where sweeps stand beside
+    tests in time it is that of the sweeps: a step has no phase that a delay could turn.
+    """
+    if effect.layer is not Layer.SIGNAL:
+        return effect
+    return replace(effect, only_sweeps=any(isinstance(test, Measurement) for test in tests))
+
+
+def at_rigs(model: Model | Timed, tests: Sequence[Test]) -> Model | Timed:
+    """A model of tests of one specimen, each of its effects where `at_rig` puts it."""
+    return _with_effects(model, [at_rig(effect, tests) for effect in material_of(model).effects])
+
+
+def rig_of_sweeps(model: Model | Timed, tests: Sequence[Test]) -> Model | Timed | None:
+    """The model where sweeps were made on a rig of their own; None where that changes nothing."""
+    if not any(isinstance(test, Measurement) for test in tests):
+        return None
+    effects = material_of(model).effects
+    apart = [replace(each, only_sweeps=True) if _is_rig(each) else each for each in effects]
+    if tuple(apart) == effects:
+        return None
+    return _with_effects(model, apart)
+
+
+def _is_rig(effect: Effect) -> bool:
+    """Whether an effect joins the specimen from outside."""
+    return effect.layer > Layer.SPECIMEN
+
+
+def _with_effects(model: Model | Timed, effects: Sequence[Effect]) -> Model | Timed:
+    """The model with other effects beside its material; itself where they are its own."""
+    material = material_of(model)
+    if tuple(effects) == material.effects:
+        return model
+    material = replace(material, effects=tuple(effects))
+    if isinstance(model, Timed):
+        return replace(model, material=material)
+    return material
+
+
+def runs_against(test: TimeTest) -> bool:
+    """Whether force and displacement have opposite signs all along, as if one column were reversed.
+
+    A mass pushes back too, but gives no work from one turn of its motion to another: so both are
+    asked for.
+    """
+    imposed = np.interp(test.time, test.loading.time, test.loading.value)
+    moved, pulled = imposed, test.response
+    if test.control == "force":
+        moved, pulled = pulled, moved
+    # After a step one of the two does not move at all: there the signs themselves are looked at.
+    if len(test.loading.jumps[0]):
+        return bool(np.sum(moved * pulled) < 0.0)
+    # Work over whole cycles: what a spring gives and takes cancels there.
+    steps = np.diff(moved)
+    turns = np.flatnonzero(np.diff(np.sign(steps)) != 0.0) + 1
+    # What moves when the record begins brings work of its own.
+    if len(turns) > 1:
+        steps[: turns[0]] = 0.0
+        steps[turns[-1] :] = 0.0
+    work = np.sum(0.5 * (pulled[1:] + pulled[:-1]) * steps)
+    together = np.sum((moved - moved.mean()) * (pulled - pulled.mean()))
+    return bool(work < 0.0 and together < 0.0)
+
+
+def reference_of(tests: Sequence[Test]) -> float:
+    """Temperature in kelvin at which shifts are one.
+
+    The measured one nearest to the median of all tests.
+    """
+    known = []
+    for test in tests:
+        if isinstance(test, TimeTest):
+            if test.temperature is not None:
+                known.append(test.temperature + KELVIN)
+        elif "temperature" in test.conditions:
+            known.append(test.reference_temperature)
+    if not known:
+        return ROOM
+    return float(np.sort(known)[(len(known) - 1) // 2])
+
+
+def require_tests(model: Model | Timed, tests: Sequence[Test]) -> None:
+    """Check that a model has what it needs of every test.
+
+    Raises
+    ------
+    SpringpotError
+        If a condition lacks, or there are fewer numbers than parameters.
+    """
+    for test in tests:
+        if isinstance(test, Measurement):
+            require_conditions(material_of(model), test)
+        elif "temperature" in model.needs and test.temperature is None:
+            raise DataError(
+                f"{test.name}: {model.name} needs a temperature: open it as"
+                f" '{test.name}?temperature=25[degC]'"
+            )
+    numbers = 0
+    for test in tests:
+        numbers += len(test)
+        # A point at a frequency is two numbers, K' and K''.
+        if isinstance(test, Measurement):
+            numbers += len(test)
+    if numbers < len(model.parameters):
+        raise DataError(
+            f"{tests[0].name}: {model.name} has {len(model.parameters)} parameters but there are"
+            f" only {numbers} samples; choose a simpler model"
+        )
+
+
+def _in_units(sweep: Measurement, units: Units) -> Measurement:
+    """A sweep in the units of a test in time."""
+    if (sweep.units.stiffness in PRESSURE_UNITS) != (units.stiffness in PRESSURE_UNITS):
+        raise DataError(
+            f"{sweep.name} is in {sweep.units.stiffness} and the other test in {units.stiffness}: "
+            "a stiffness is no modulus; convert one of them by --geometry"
+        )
+    stiffer = MODULUS_UNITS[sweep.units.stiffness] / MODULUS_UNITS[units.stiffness]
+    conditions = dict(sweep.conditions)
+    if "amplitude" in conditions:
+        longer = AMPLITUDE_UNITS[sweep.units.amplitude] / AMPLITUDE_UNITS[units.amplitude]
+        conditions["amplitude"] = conditions["amplitude"] * longer
+    sd = sweep.sd
+    if sd is not None:
+        sd = sd * stiffer
+    # Frequencies are told as the sweep's own file tells them.
+    told = replace(units, clock=sweep.units.clock, letter=sweep.units.letter)
+    return replace(
+        sweep, stiffness=sweep.stiffness * stiffer, sd=sd, conditions=conditions, units=told
+    )
