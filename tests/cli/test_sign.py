@@ -1,5 +1,6 @@
 """A force of opposite sign is told by every command that opens it, with the one that turns it."""
 
+import json
 import re
 import shlex
 
@@ -27,6 +28,10 @@ def test_a_record_of_a_force_that_counts_the_other_way_is_diagnosed_the_other_wa
     assert "the specimen gives work away, as if the force had the wrong sign" in answer.err
     command = shlex.split(re.search(r"^next: springpot (.*)$", answer.out, re.MULTILINE)[1])
     assert command == ["diagnose", f"{path}?force=-N", "--model", "kelvin"]
+    assert (
+        "wrong sign"
+        in json.loads(springpot("diagnose", path, "--model", "kelvin", "--json").out)["notes"][0]
+    )
     turned = springpot(*command)
     assert turned.code == 0
     assert "wrong sign" not in turned.err
@@ -68,3 +73,6 @@ def test_a_sweep_of_a_force_that_counts_the_other_way_is_diagnosed_the_other_way
     command = shlex.split(re.search(r"^next: springpot (.*)$", answer.out, re.MULTILINE)[1])
     assert command[:2] == ["diagnose", f"{damper}?storage=-kN/m,loss=-kN/m"]
     assert "wrong sign" not in springpot("inspect", command[1]).out
+    assert answer.out.count("wrong sign") == 0
+    kept = json.loads(springpot("diagnose", damper, "--model", "maxwell", "--json").out)
+    assert any("wrong sign" in note for note in kept["notes"])

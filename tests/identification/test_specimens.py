@@ -48,6 +48,19 @@ def test_intervals_hold_the_mean_specimen_as_often_as_they_say(count):
     assert coverage(count, 60, np.random.default_rng(count)) > 0.91
 
 
+@pytest.mark.parametrize("count", [3, 6])
+@pytest.mark.parametrize("kind", ["profile", "bootstrap"])
+def test_every_kind_of_interval_follows_the_specimens(kind, count):
+    ratios = []
+    for seed in range(4):
+        data = specimens(count, np.random.default_rng([count, seed]))
+        known, other = identify(data, MODEL), identify(data, MODEL, intervals=kind)
+        assert any("intervals follow the scatter" in note for note in other.notes)
+        ratios.append((other.high - other.low) / (known.high - known.low))
+    # Those of the points are two to eight times narrower.
+    assert 0.7 < np.median(ratios) < 1.4
+
+
 def test_specimens_that_differ_are_told_in_place_of_noise():
     fit = springpot.identify(specimens(5, np.random.default_rng(1)), "fractional-maxwell")
     assert any(

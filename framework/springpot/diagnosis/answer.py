@@ -199,14 +199,14 @@ def _with_factors(
     if diagnosis.verdict != "unexplained" or evidence.search is not search:
         return diagnosis
     named = [grown.refit for grown in search.grown if grown.names[0] in diagnosis.leading]
-    least = min((fitted.relative_rms for fitted in named), default=np.inf)
+    least = min((fitted.error for fitted in named), default=np.inf)
     # What is named leaves no more than noise: more freedom is no answer to that.
     if least < VERDICT.noisy * search.base.floor:
         return diagnosis
     factors = with_factors(search, library)
-    if factors is None or factors.refit.relative_rms > VERDICT.takes_most * least:
+    if factors is None or factors.refit.error > VERDICT.takes_most * least:
         return diagnosis
-    left = times(factors.refit.relative_rms / factors.refit.floor)
+    left = times(factors.refit.error / factors.refit.floor)
     (effect,) = factors.effects
     (column,) = effect.needs
     # Named all the same, and first: so a user can go on, and knows that it is no law.
@@ -231,7 +231,7 @@ def _says(
 ) -> str:
     """The verdict in words, with what was seen beside any material and in the force's harmonics."""
     if isinstance(cause, Course):
-        ratio = search.base.relative_rms / search.base.floor
+        ratio = search.base.error / search.base.floor
         return f"the error is {times(ratio)} the noise floor; {cause.headline}"
     says = sentence(search, evidence, verdict, outliers, cause)
     if evidence.search is not search:

@@ -74,7 +74,7 @@ def _candidate(before: Refit, score: Score, grown: Grown | None, believed: bool)
         score=score.score,
         verdict="cannot-tell",
         predicted_error=_predicted(before, score.predicted),
-        error_after=before.relative_rms,
+        error_after=np.nan,
         bound=score.bound,
         parameters={},
         says=effect.summary,
@@ -85,7 +85,7 @@ def _candidate(before: Refit, score: Score, grown: Grown | None, believed: bool)
         row,
         delta_bic=2.0 * (grown.refit.log_evidence - before.log_evidence),
         predicted_error=_predicted(before, grown.predicted),
-        error_after=grown.refit.relative_rms,
+        error_after=grown.refit.error,
         parameters=_parameters(grown.refit, effect, believed),
     )
 
@@ -98,13 +98,13 @@ def _beside(row: Candidate, leader: str, pair: Grown, alone: dict[str, Grown]) -
     gain = row.delta_bic
     if leader in alone:
         gain = 2.0 * (pair.refit.log_evidence - alone[leader].refit.log_evidence)
-    left = f"{100.0 * pair.refit.relative_rms:.3g} % is left with both"
+    left = f"{100.0 * pair.refit.error:.3g} % is left with both"
     return replace(row, delta_bic=gain, says=f"beside {leader}: {row.says}; {left}")
 
 
 def _predicted(before: Refit, left: float) -> float:
     """Relative error that is foretold, from the sum of squares that is."""
-    return before.relative_rms * float(np.sqrt(max(left, 0.0) / max(before.rss, 1e-300)))
+    return before.error * float(np.sqrt(max(left, 0.0) / max(before.rss, 1e-300)))
 
 
 def _effect_verdict(

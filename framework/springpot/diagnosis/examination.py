@@ -128,7 +128,7 @@ class Case:
         # A fit that was made is better than what the scan foretells of it.
         for grown in self.search.grown:
             if grown.names == (effect.name,):
-                return GrownBy(grown.refit.model, grown.refit.theta, True)
+                return GrownBy(grown.refit.identified.model, grown.refit.identified.theta, True)
         if effect.by_levels:
             raise ModelError(
                 f"{effect.name} has a factor for each level, which only a fit can tell"

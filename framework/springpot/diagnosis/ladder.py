@@ -254,7 +254,7 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
     first = _first_named(case.diagnosis)
     # Where the evidence prefers what has no name, an effect goes in unasked only if it takes most
     # of the error.
-    little = first.error_after > VERDICT.takes_most * case.diagnosis.error.relative_rms
+    little = not first.error_after <= VERDICT.takes_most * case.diagnosis.error.relative_rms
     if verdicts[-1] == "unexplained" and little:
         return None
     # An effect that shows only beside another may head the table without a fit of its own.

@@ -15,6 +15,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import TIME
 from springpot.measurement.one_frequency import at_one_frequency
 from springpot.measurement.replicates import Averaged
+from springpot.measurement.sign import said_of_sign
 from springpot.measurement.units import PRESSURE_UNITS
 from springpot.misfit.amplitudes import notes_on_amplitudes
 from springpot.misfit.cross_validation import validation
@@ -207,6 +208,7 @@ def _of_one_frequency(search: Search) -> Iterator[str]:
 
 def _of_data(search: Search, outliers: Sequence[Outlier], measured: int) -> Iterator[str]:
     """What was set aside, doubted or left out of the data, and how repeats differ."""
+    yield from said_of_sign(search.base.data.raw.provenance)
     if outliers:
         places = ", ".join(map(str, outliers))
         kind = "single points stand out and were"
@@ -303,7 +305,7 @@ def _of_rest(search: Search) -> Iterator[str]:
     """What the best model leaves, without a name for it."""
     best = search.best
     if best is not search.base:
-        ratio = best.relative_rms / best.floor
+        ratio = best.error / best.floor
         yield (
             f"the best model found, {best.model},"
             f" still leaves structure ({times(ratio)} the noise floor)"

@@ -42,7 +42,8 @@ class Candidate:
     verdict : {"missing", "absent", "cannot-tell"}
         In one word.
     predicted_error, error_after : float
-        Relative error foretold by the scan and reached by the refit.
+        Relative error foretold by the scan, and left by `identify` of the model with this effect
+        alone; NaN where that was not fitted.
     bound : float
         Relative change of K above which the effect would have been seen.
     parameters : dict of str to Value

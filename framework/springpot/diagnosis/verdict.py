@@ -328,10 +328,10 @@ def sentence(
     behind : Column or EqualRows or None
         With what the misfit goes that no effect knows.
     """
-    ratio = own.base.relative_rms / own.base.floor
+    ratio = own.base.error / own.base.floor
     error = f"the error is {times(ratio)} the noise floor"
     if verdict == "adequate" and is_arithmetic(own.base):
-        size = percent(own.base.relative_rms)
+        size = percent(own.base.error)
         return f"nothing is missing: the error, {size}, is that of arithmetic"
     if verdict == "adequate":
         return f"nothing is missing down to the noise floor: {error}"
@@ -379,22 +379,22 @@ def _taken_by(most: Sequence[Grown], own: Search, evidence: Evidence) -> str:
     """How far effects take the error, one of which takes most of it by itself, and what is left."""
     names = " or ".join(grown.names[0] for grown in most)
     best = most[0].refit
-    taken = f"{names} takes it to {times(best.relative_rms / best.floor)}"
+    taken = f"{names} takes it to {times(best.error / best.floor)}"
     instead = ""
     # Only of an effect by itself, in the user's own model, was it asked if a drift does as well.
     if evidence.drift is not None and evidence.search is own and own.grown[0].names == (names,):
         instead = f", and so does {evidence.drift.says}"
     # "to 1 x, and something is missing beside it" would be a riddle.
-    if best.relative_rms >= VERDICT.noisy * best.floor:
+    if best.error >= VERDICT.noisy * best.floor:
         return f"{taken}{instead}, and something is missing beside it that no effect explains"
     return taken + (instead or ", but what has no name in the library explains it better")
 
 
 def _if_little(base: Refit) -> str:
     """The size of what is missing, where its pattern is certain but perhaps too small to matter."""
-    if base.relative_rms >= VERDICT.certified:
+    if base.error >= VERDICT.certified:
         return ""
-    little = f"{percent(base.relative_rms)} of {base.fit.measurement.units.magnitude}"
+    little = f"{percent(base.error)} of {base.fit.measurement.units.magnitude}"
     # In brackets: the headline may go on, and what follows is not of the fluid.
     return (
         f" (it is little, {little}: a reference fluid is certified to {percent(VERDICT.certified)})"
@@ -420,7 +420,7 @@ def _by_confounded(search: Search) -> str:
         shown = f"{', '.join(names[:-1])} or {shown}"
     both = better[0].effects[0].needs & moved_along(search.base.fit.measurement)
     moved = " and ".join(sorted(both))
-    left = times(better[0].refit.relative_rms / better[0].refit.floor)
+    left = times(better[0].refit.error / better[0].refit.floor)
     alone = f"the {moved} was not varied by itself"
     return f"{shown} would take it to {left}, but {alone}, and no fit can tell"
 

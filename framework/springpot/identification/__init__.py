@@ -9,7 +9,7 @@ from springpot.lazy import offered
 if TYPE_CHECKING:
     from .batch import fit_batch
     from .bounded import BoundedDescent, minima_in_box
-    from .fitting import best_run, identify
+    from .fitting import best_run, identify, searched
     from .held_material import intervals_beside_material
     from .leastsquares import Solution, levenberg_marquardt
     from .ledger import BudgetSpent, all_points
@@ -80,6 +80,7 @@ __all__ = [
     "run",
     "run_batch",
     "scanned_starts",
+    "searched",
     "settings",
     "shown",
     "weighted",
@@ -135,6 +136,7 @@ _WHERE = {
     "run": "springpot.identification.runs",
     "run_batch": "springpot.identification.runs",
     "scanned_starts": "springpot.identification.native",
+    "searched": "springpot.identification.fitting",
     "settings": "springpot.identification.ranges",
     "shown": "springpot.identification.ranges",
     "weighted": "springpot.identification.objective",

@@ -16,10 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.measurement.measurement import Measurement
+from springpot.rheology.effect import Effect
 from springpot.rheology.levels import Levels, levels_of
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Real
+
+from .ranges import Window, settings
 
 NEAR = 0.02
 """Error of a prediction between measured points, in ln|K| and in radian.
@@ -37,6 +40,13 @@ STEP = 0.1
 """Grid of shifts in ln omega, beside which the best is found by a parabola."""
 GAP = float(np.log(10.0))
 """Sweeps may lie up to a decade apart."""
+LAWS = 4096
+"""Settings of a law that are held against the factors: each costs no fit."""
+NEAREST = 12
+"""Of these so many go on.
+
+The factors are first guesses, and the data tell which law is the nearest.
+"""
 LIFT = 0.3
 """Standard deviation of ln b that is expected between neighbours.
 
@@ -180,6 +190,79 @@ def superposed(
             sd = sd / value
     rest = replace(model, effects=tuple(effect for effect in model.effects if not effect.by_levels))
     return rest, replace(measurement, omega=omega, stiffness=stiffness, sd=sd), guesses
+
+
+def laid_over(model: Model, measurement: Measurement, own: Real) -> list[Real]:
+    """Starts for laws of shifts and of vertical factors.
+
+    Those nearest to the factors of overlapping sweeps.
+
+    Parameters
+    ----------
+    model : Model
+        With its effects.
+    measurement : Measurement
+        The data.
+    own : ndarray, shape (q,)
+        Parameters of the effects, of which those that are no law's are kept.
+
+    Returns
+    -------
+    list of ndarray, shape (q,)
+        Starts; none where no effect is such a law.
+    """
+    laws = [effect for effect in model.effects if _is_law(effect)]
+    columns = {column for effect in laws for column in effect.needs if effect.plane == "shift"}
+    if len(columns) != 1:
+        return []
+    (column,) = columns
+    free = tuple(
+        Effect(
+            effect.plane,
+            effect.composition,
+            Levels(column, "f", effect.plane == "shift"),
+            "",
+            effect.layer,
+        )
+        for effect in laws
+        if effect.needs == columns
+    )
+    points, starts, place = measurement.points, np.tile(own, (NEAREST, 1)), 0
+    levels = replace(model, effects=free).bound_to(points)
+    guesses = aligned(levels, measurement)
+    targets = {}
+    for prefix, element in _level_effects(levels):
+        at = np.array([guesses[f"{prefix}.{parameter.name}"] for parameter in element.parameters])
+        targets[element.logarithmic] = element.respond(at, points).value.real
+    for effect in model.effects:
+        parameters = effect.element.parameters
+        if _is_law(effect) and effect.needs == columns:
+            grid = settings(parameters, Window.of(measurement), LAWS)
+            with np.errstate(all="ignore"):
+                value = effect.element.respond(grid, points).value.real
+                target = targets[effect.plane == "shift"]
+                if effect.plane != "shift":
+                    value, target = np.log(value), np.log(target)
+                # Each is one at a level of its own choice: that is no difference.
+                apart = np.std(value - target, axis=-1)
+            # What is no number is sorted to the end.
+            best = grid[np.argsort(apart)[:NEAREST]]
+            starts[:, place : place + len(parameters)] = best
+        place += len(parameters)
+    return list(starts)
+
+
+def _is_law(effect: Effect) -> bool:
+    """Whether it is a law of shifts, or of real factors, of one condition."""
+    scales = effect.plane == "shift" or (
+        effect.plane == "log-complex" and "temperature" in effect.needs
+    )
+    return (
+        scales
+        and not effect.by_levels
+        and len(effect.needs) == 1
+        and bool(effect.element.parameters)
+    )
 
 
 def _level_effects(model: Model) -> Iterator[tuple[str, Levels]]:

@@ -27,7 +27,7 @@ from .optimiser import Optimiser
 from .problem import Problem, Searched
 from .result import Identification
 from .runs import Run
-from .simulated import bootstrap
+from .simulated import bootstrap, over_specimens
 from .space import require_conditions, require_size
 from .uncertainty import Uncertainty, profile
 
@@ -144,6 +144,43 @@ def identify(
     )
 
 
+def searched(
+    model: Model,
+    measurement: Measurement,
+    objective: Objective | None = None,
+    seeds_theta: Sequence[Real] = (),
+    restarts: int = 1,
+    rng: np.random.Generator | None = None,
+) -> Fit:
+    """The native search by which `identify` finds a model's parameters, and a diagnosis the errors that it prints.
+
+    Parameters
+    ----------
+    model : Model
+        What is fitted.
+    measurement : Measurement
+        To what.
+    objective : Objective, optional
+        How the misfit is measured; by default weighted by given standard deviations, else relative.
+    seeds_theta : sequence of ndarray, shape (p,)
+        Starts worth trying beside those read off the data.
+    restarts : int
+        As many times the usual starts.
+    rng : numpy.random.Generator, optional
+        Moves the scanned shapes; without it they are always the same.
+    """
+    best = fit(
+        model, measurement, objective, starts=STARTS * restarts, rng=rng, seeds_theta=seeds_theta
+    )
+    # A spectrum has a solver of its own (`fit_spectrum`), which takes no further starts.
+    if is_material(model) or (best.converged and best.confirmed):
+        return best
+    # Begun where the first has ended too, so that it cannot become worse.
+    return _better(
+        best, fit(model, measurement, objective, starts=MORE_STARTS, seeds_theta=[best.theta])
+    )
+
+
 def _refuse_search(model: Model, optimiser: Optimiser, start: Mapping[str, float] | None) -> None:
     """Refuse what only the native solver can do."""
     if is_material(model):
@@ -199,15 +236,9 @@ def _by_native(
     rng = None
     if seed is not None:
         rng = np.random.default_rng(seed)
-    best = fit(model, measurement, objective, starts=STARTS * restarts, rng=rng, seeds_theta=seeds)
+    best = searched(model, measurement, objective, seeds, restarts, rng)
     if is_material(model):
-        # A spectrum has a solver of its own (`fit_spectrum`), which takes no further starts.
         return best, []
-    # Begun where the first has ended too, so that it cannot become worse.
-    if not (best.converged and best.confirmed):
-        best = _better(
-            best, fit(model, measurement, objective, starts=MORE_STARTS, seeds_theta=[best.theta])
-        )
     best, notes = _no_worse_than_simpler(best, simpler)
     if not best.converged:
         notes.append(
@@ -361,7 +392,11 @@ def _interval(known: Uncertainty, kind: str, seed: int) -> tuple[Real, Real]:
         return np.array([pair[0] for pair in pairs]), np.array([pair[1] for pair in pairs])
     if kind == "bootstrap":
         # A stream apart from the restarts, which draw from the seed alone.
-        drawn = bootstrap(known.fit, RESAMPLES, np.random.default_rng([seed, 1]))
+        rng = np.random.default_rng([seed, 1])
+        if known.specimens is None:
+            drawn = bootstrap(known.fit, RESAMPLES, rng)
+        else:
+            drawn = over_specimens(known, RESAMPLES, rng)
         tail = 50.0 * (1.0 - known.level)
         low, high = np.percentile(drawn, [tail, 100.0 - tail], axis=0)
         # Of a parameter as good as zero no two fits stop at the same tiny number: its interval

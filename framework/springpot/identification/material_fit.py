@@ -11,7 +11,7 @@ from springpot.measurement.replicates import thinned as thinned_rows
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
-from .alignment import aligned
+from .alignment import aligned, laid_over
 from .material import ITERATIONS, STILL, Spectral, SpectrumSearch, Trial
 from .objective import Objective, relative_objective
 from .ranges import Window, settings
@@ -91,7 +91,8 @@ def fit_spectrum(
         settings_of_each = SETTINGS * min(starts, STARTS)
     places = [seeds]
     if settings_of_each:
-        places.append(list(_settings(search, measurement, settings_of_each)))
+        tried = list(_settings(search, measurement, settings_of_each))
+        places += [tried, laid_over(model, measurement, tried[0])]
     ends = []
     for some in places:
         # A setting costs one convex problem; descents are begun only from the best of them.

@@ -7,8 +7,8 @@ import numpy as np
 from springpot.rheology.points import Complex, Real
 
 from .batch import fit_batch
-from .native import Fit
-from .uncertainty import Uncertainty
+from .native import Fit, within_bounds
+from .uncertainty import Uncertainty, student
 
 NUMBERS = 4_000_000
 """Simulated numbers held at once."""
@@ -52,6 +52,45 @@ def bootstrap(fit: Fit, n: int, rng: np.random.Generator, *, parametric: bool = 
         errors = _errors(fit, min(block, n - first), rng, parametric)
         refitted.append(_refitted(fit, errors))
     return np.concatenate(refitted)
+
+
+def over_specimens(known: Uncertainty, n: int, rng: np.random.Generator) -> Real:
+    """Refit files that are drawn anew, with replacement.
+
+    How parameters scatter when other specimens are tested.
+
+    Parameters
+    ----------
+    known : Uncertainty
+        Of a fit of several specimens.
+    n : int
+        Number of draws.
+    rng : numpy.random.Generator
+        The only source of randomness.
+
+    Returns
+    -------
+    ndarray, shape (n, p)
+        Their parameters, spread about the fit as Student's t asks of so few specimens: among G of
+        them a draw scatters too little by (G - 1) / G, and no draw lies beyond the most extreme of
+        them (T. C. Hesterberg, 2015, doi:10.1080/00031305.2015.1089789).
+    """
+    fit, specimens = known.fit, known.specimens
+    assert specimens is not None, "of a fit of several specimens"
+    count = specimens.count
+    drawn = rng.multinomial(count, np.full(count, 1.0 / count), size=n)[:, specimens.number]
+    # A file that was drawn twice counts twice; one that was not, not at all.
+    weights = np.sqrt(drawn) * fit.task.weights[0]
+    measured = np.broadcast_to(fit.measurement.stiffness, weights.shape)
+    seeds = np.broadcast_to(fit.theta, (n, 1, len(fit.theta)))
+    points, logarithmic = fit.measurement.points, fit.objective.logarithmic
+    theta = fit_batch(fit.model, points, measured, weights, 2, seeds, logarithmic)[0]
+    wider = known.quantile / student(known.level, np.inf) * np.sqrt(count / (count - 1))
+    log = fit.task.coordinates.log & (fit.theta > 0.0) & np.all(theta > 0.0, axis=0)
+    at = np.where(log, fit.theta, 1.0)
+    factors = at * np.exp(wider * np.log(np.where(log, theta, 1.0) / at))
+    spread = np.where(log, factors, fit.theta + wider * (theta - fit.theta))
+    return within_bounds(fit.model, spread)
 
 
 def _errors(fit: Fit, n: int, rng: np.random.Generator, parametric: bool) -> Complex:

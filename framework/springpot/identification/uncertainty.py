@@ -171,6 +171,22 @@ class Uncertainty:
 
         Infinite variance where the data say nothing, 0 at a bound.
         """
+        return self._covariance(self.specimens)
+
+    def widening(self, i: int) -> float:
+        """Variance of parameter i by the scatter of the specimens, over that by the scatter of the points."""
+        if self.specimens is None:
+            return 1.0
+        turn = _printed_slopes(self.fit)[i : i + 1]
+        points, specimens = (
+            float(spread_of(turn, covariance)[0])
+            for covariance in (self._covariance(None), self.covariance)
+        )
+        if not (np.isfinite(specimens) and np.isfinite(points) and points > 0.0):
+            return 1.0
+        return (specimens / points) ** 2
+
+    def _covariance(self, specimens: Specimens | None) -> Real:
         # What rests on a bound does not move with the data: it takes no part, and the others are
         # the surer for it.
         free = np.flatnonzero(self.at_bound == 0)
@@ -188,8 +204,8 @@ class Uncertainty:
         with np.errstate(invalid="ignore"):
             inverse_square = spread.T @ spread
             whole = self.scale**2 * inverse_square
-            if self.specimens is not None:
-                whole = self.specimens.sandwich(inner, self.fit.residual, inverse_square)
+            if specimens is not None:
+                whole = specimens.sandwich(inner, self.fit.residual, inverse_square)
             covariance[np.ix_(free, free)] = whole
         # A direction without a trace in the data takes all parameters along that have a part in it.
         lost = free[np.any(np.abs(directions[~known]) > PART, axis=0)]
@@ -377,7 +393,9 @@ def profile(fit: Fit, parameter: str, level: float = INTERVAL) -> tuple[float, f
 
     Notes
     -----
-    D. J. Venzon and S. H. Moolgavkar, 1988, doi:10.2307/2347496.
+    D. J. Venzon and S. H. Moolgavkar, 1988, doi:10.2307/2347496. Of specimens that were fitted
+    together the rise is that of a parameter that scatters as they do (A. Rotnitzky and N. P.
+    Jewell, 1990, doi:10.1093/biomet/77.3.485).
 
     Examples
     --------
@@ -391,7 +409,7 @@ def profile(fit: Fit, parameter: str, level: float = INTERVAL) -> tuple[float, f
     """
     known = Uncertainty.of(fit, level)
     i = fit.model.names.index(parameter)
-    allowed = allowed_cost(known)
+    allowed = fit.cost + known.widening(i) * (allowed_cost(known) - fit.cost)
     path = _Path.of(fit, i)
     step = _first_step(known, i, path.coordinates)
     low, high = (path.crossing(sign, step, allowed) for sign in (-1.0, 1.0))
@@ -411,7 +429,7 @@ def allowed_cost(known: Uncertainty) -> float:
     if not np.isfinite(known.scale):
         return float("inf")
     # t^2 is F with one degree of freedom: the rise that a single parameter is allowed.
-    return fit.cost + (student(known.level, known.freedom) * known.scale) ** 2
+    return fit.cost + (known.quantile * known.scale) ** 2
 
 
 def held_costs(fit: Fit, parameter: str, values: Real) -> Real:

@@ -5,6 +5,8 @@ A specimen that gives work away, or pulls when pushed.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from springpot.rheology.points import Real
@@ -19,6 +21,11 @@ _LIKENESS = 0.98
 
 Beyond, a record would be worth no sample.
 """
+
+
+def said_of_sign(provenance: Mapping[str, str]) -> list[str]:
+    """What was noted of the sign when data were opened, as a list of one or none."""
+    return [said for key, said in provenance.items() if key == NOTE]
 
 
 def sign_note(test: TimeTest, hint: str) -> dict[str, str]:

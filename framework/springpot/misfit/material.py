@@ -72,10 +72,10 @@ class MaterialFloor:
         """The same, lowered by fits with the same effects that any material comes near to."""
         lowest = self.relative_rms
         for found in fits:
-            if found.relative_rms < lowest:
+            if found.error < lowest:
+                best = found.identified
                 lowest = min(
-                    lowest,
-                    lowest_error(found.model, found.data.raw, found.theta, found.relative_rms),
+                    lowest, lowest_error(best.model, found.data.raw, best.theta, found.error)
                 )
         return replace(self, relative_rms=lowest)
 
@@ -155,7 +155,7 @@ def error_of(base: Refit, floor: MaterialFloor) -> Error:
     """The three lines: a model's error, the noise floor, the material floor."""
     noise = base.noise
     return Error(
-        base.relative_rms, base.floor, noise.source, noise.doubt, floor.relative_rms, floor.chance
+        base.error, base.floor, noise.source, noise.doubt, floor.relative_rms, floor.chance
     )
 
 

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.identification.fitting import searched
 from springpot.identification.material import is_material, own_parameters
 from springpot.identification.native import Effort, Fit, fit
 from springpot.identification.objective import Objective, weighted
@@ -132,8 +133,22 @@ class Refit:
 
     @cached_property
     def relative_rms(self) -> float:
-        """Root mean square of |K_model - K| / |K| over all measured rows."""
+        """Root mean square of |K_model - K| / |K| over all measured rows, of the fit in units of the noise."""
         return self.data.relative_rms(self.model, self.theta)
+
+    @cached_property
+    def identified(self) -> Fit:
+        """The same model as `identify` fits it to the same rows, begun where this fit has ended too.
+
+        Quick fits end in other minima, and what a noise weighs little may be far off: an error is
+        told of this one alone, whichever way a model was reached.
+        """
+        return searched(self.model, self.data.raw, seeds_theta=[self.theta])
+
+    @cached_property
+    def error(self) -> float:
+        """Root mean square of |K_model - K| / |K| that `identify` leaves, as it is printed."""
+        return self.data.relative_rms(self.identified.model, self.identified.theta)
 
     @property
     def floor(self) -> float:

@@ -58,6 +58,9 @@ def diagnosis_text(
         Everything that was found, not only what leads.
     """
     notes = diagnosis.notes
+    if measurement is not None:
+        # What was noted of the data has been told when they were opened.
+        notes = tuple(note for note in notes if note not in measurement.provenance.values())
     most, places = NOTES, PLACES
     if verbose:
         most, places = len(notes), len(diagnosis.where)

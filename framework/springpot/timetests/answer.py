@@ -177,6 +177,8 @@ class TimeDiagnosis:
         Effects that these tests cannot tell apart.
     best_fit : TimeIdentification
         The model with the best effect, where one is missing; else the base.
+    notes : tuple of str
+        What is doubted of the tests themselves: a channel that seems to count the other way.
     left_out : dict of str to str
         Effects that could not be fitted, and why.
     """
@@ -188,6 +190,7 @@ class TimeDiagnosis:
     error: TimeError
     classes: tuple[tuple[str, ...], ...]
     best_fit: TimeIdentification
+    notes: tuple[str, ...] = ()
     left_out: dict[str, str] = field(default_factory=dict)
 
     @property
@@ -252,6 +255,7 @@ class TimeDiagnosis:
             "candidates": [candidate.to_dict() for candidate in self.candidates],
             "classes": [list(names) for names in self.classes],
             "says": self.says,
+            "notes": list(self.notes),
             "left_out": self.left_out,
         }
 

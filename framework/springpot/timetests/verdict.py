@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from springpot.measurement.sign import said_of_sign
 from springpot.measurement.timed import Timed
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
@@ -83,9 +84,9 @@ def answer_of(
         if each.fit is not None and each.effect.name in alike[:1]:
             best_fit = each.fit
             break
-    return TimeDiagnosis(
-        base, verdict, tuple(candidates), where, error, _classes(promises, tried, alike), best_fit
-    )
+    classes = _classes(promises, tried, alike)
+    notes = tuple(note for part in parts for note in said_of_sign(part.test.provenance))
+    return TimeDiagnosis(base, verdict, tuple(candidates), where, error, classes, best_fit, notes)
 
 
 def _is_plain(tried: Sequence[Tried]) -> bool:

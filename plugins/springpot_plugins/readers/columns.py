@@ -29,6 +29,7 @@ from springpot.measurement import (
 from springpot.measurement.exchange import NOTE as EXCHANGED
 from springpot.measurement.exchange import exchange_note
 from springpot.measurement.mixed_tests import runs_together
+from springpot.measurement.sign import NOTE as SIGN
 from springpot.measurement.unnumbered_repeats import NOTE as AGAIN
 from springpot.measurement.unnumbered_repeats import again_note
 from springpot.rheology import Complex, Real
@@ -246,7 +247,6 @@ def _in_si(unit: str) -> float:
     return MODULUS_UNITS[known_unit(unit, MODULUS_UNITS, "")]
 
 
-SIGN = "note sign"
 NOTES_OF_VALUES = frozenset(
     {"note storage", "note loss", "note together", "note temperature", AGAIN, EXCHANGED, SIGN}
     | {COLUMN_OF_AMPLITUDE, COLUMN_OF_TEMPERATURE}

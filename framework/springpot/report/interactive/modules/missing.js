@@ -45,7 +45,7 @@ export class Missing {
     const before = this.candidates[i - 1]?.class.includes(candidate.effect);
     const after = this.candidates[i + 1]?.class.includes(candidate.effect);
     const bracket = group ? `bracket${before ? "" : " first"}${after ? "" : " last"}` : "";
-    const after_ = candidate.error_after ?? candidate.predicted_error;
+    const after_ = candidate.error_after;
     return h("li", {
       id: `effect-${candidate.effect}`, role: "option", "aria-selected": "false", class: bracket,
       "data-effect": candidate.effect,
@@ -55,7 +55,7 @@ export class Missing {
     h("span", { class: "name" }, candidate.effect),
     h("span", { class: `word ${candidate.verdict}`, title: "what the evidence makes of it" }, WORDS[candidate.verdict]),
     h("span", { class: "chance", title: `probability ${number(candidate.probability)} that it is among what is missing` }, probability(candidate.probability)),
-    h("span", { class: "fall", title: `error with it: ${percent(after_)} of |K|, ${times(after_, floor)}` }, `→ ${percent(after_, 2)}`));
+    h("span", { class: "fall", title: after_ === null ? "not fitted by itself" : `error with it: ${percent(after_)} of |K|, ${times(after_, floor)}` }, `→ ${percent(after_, 2)}`));
   }
 
   // A mouse has seen the preview before it clicks; a finger has not, so its first tap only shows it.
