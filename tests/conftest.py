@@ -15,7 +15,11 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
 
+from command_line import damper, springpot, write
 from remembered import remember
+
+__all__ = ["damper", "springpot", "write"]
+"""Fixtures that are made elsewhere."""
 
 # A busy machine draws slowly: that says nothing of what is tested.
 for name, examples in (("any machine", 30), ("soak", 300)):

@@ -177,7 +177,7 @@ def test_rows_that_were_copied_are_no_repeats():
     )
     error = springpot.diagnose(data, "fractional-kelvin").error
     assert error.noise_source == "estimated"
-    assert error.noise_floor == pytest.approx(0.014, rel=0.5)
+    assert error.noise_floor == pytest.approx(0.014, rel=0.3)
 
 
 def test_patterns_of_rounding_are_not_told_of():

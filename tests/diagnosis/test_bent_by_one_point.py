@@ -1,7 +1,6 @@
 """A bad point at the end of a sweep bends every model, and hides the physics of all others."""
 
 import numpy as np
-import pytest
 from hidden_data import KELVIN, design, exact, measured
 
 import springpot
@@ -10,11 +9,12 @@ from springpot.rheology import Model, parallel, spring
 
 AT = design(30, 0.05, 50.0)
 NOISE = 0.003
+PHASE = 0.04
 
 
 def with_an_end_that_is_off(shift, seed=0):
     """A phase error on all points, and at the highest frequency whatever `shift` adds beside it."""
-    k = exact(KELVIN, AT) * np.exp(0.04j)
+    k = exact(KELVIN, AT) * np.exp(1j * PHASE)
     k[-1] *= 1.0 + shift
     return measured(AT, k, seed, NOISE, known=True)
 
@@ -23,7 +23,10 @@ def test_a_bad_point_at_the_end_is_set_aside_and_the_effect_of_all_others_is_nam
     diagnosis = springpot.diagnose(with_an_end_that_is_off(0.08 - 0.15j), "material")
     assert any("50 Hz" in note and "outlier" in note for note in diagnosis.notes)
     assert "phase-error" in diagnosis.classes[0]
-    assert diagnosis.error.relative_rms == pytest.approx(NOISE, rel=12.0)
+    # A material follows a good part of a constant phase. With the bad point the error would be that
+    # of it alone, 0.17 / sqrt(30), and more.
+    assert 0.5 * PHASE < diagnosis.error.relative_rms < 0.7 * PHASE
+    assert diagnosis.best.error_after < 1.1 * diagnosis.error.noise_floor
 
 
 def test_a_mass_that_begins_at_the_end_is_no_outlier():

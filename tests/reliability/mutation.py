@@ -1,29 +1,46 @@
 """Single-line changes of the framework, drawn at random: a test of the tests.
 
 A change is one that a tired hand could make: a comparison turned, an operator exchanged, a number
-doubled, a condition negated. Text for people, type annotations and docstrings are left alone, for
-no test should hang on them.
+doubled, a condition negated. Left alone is what no test should hang on: text for people,
+annotations, docstrings, assertions that two lists are of one length, guards against a division by
+zero, and settings: numbers with a name of their own, of which studies say what is best. A setting
+of none, or of yes or no, is a rule.
+
+A room's tests that enter the changed function run first, the shortest of them before all others;
+the rest of the room's tests follow, as what another process enters was not seen.
 """
 
 from __future__ import annotations
 
 import ast
+import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
+from time import perf_counter
+from typing import Any
 
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = Path("framework/springpot")
-COPIED = ("framework", "plugins", "studies", "tests", "results", "docs")
-PATIENCE = 300.0
-"""Seconds for the tests of a room; a change that lets them run on without end is noticed too."""
+SMALLEST = 1e-100
+"""No quantity is that small: it stands where nothing must be divided by zero."""
+LEFT_OUT = shutil.ignore_patterns(
+    ".git", ".venv", "*_cache", "__pycache__", ".hypothesis", "build", "*.sqlite*"
+)
+PATIENCE = 3.0
+"""A change that lets the tests of a room run that many times as long as without it is noticed too.
+"""
+START = 60.0
+"""Seconds that an interpreter may need beside them on a busy machine."""
 
 TURNED: dict[type, type] = {
     ast.Lt: ast.LtE,
@@ -78,7 +95,7 @@ class Mutant:
 def drawn(rng: np.random.Generator, count: int) -> Iterator[Mutant]:
     """Changes spread over the rooms: a room at random, then a place in it at random."""
     places = _places()
-    rooms = [room for room in sorted(places) if places[room] and tests_of(room)]
+    rooms = [room for room in sorted(places) if places[room] and own_tests(room)]
     for index in range(count):
         choices = places[rooms[index % len(rooms)]]
         path, change = choices[rng.integers(len(choices))]
@@ -104,7 +121,7 @@ def room_of(path: Path) -> str:
     return parts[0]
 
 
-def tests_of(room: str) -> list[str]:
+def own_tests(room: str) -> list[str]:
     """What of `tests` belongs to a room."""
     if not room:
         return sorted(str(path.relative_to(ROOT)) for path in (ROOT / "tests").glob("test_*.py"))
@@ -136,10 +153,24 @@ def _executed(tree: ast.AST) -> Iterator[ast.expr]:
         for child in value if isinstance(value, list) else [value]:
             if isinstance(child, ast.JoinedStr | ast.Raise | ast.ImportFrom | ast.Import):
                 continue
-            if isinstance(child, ast.expr):
+            if isinstance(child, ast.keyword) and child.arg == "strict":
+                continue
+            if isinstance(child, ast.expr) and not _is_setting(tree, child):
                 yield child
             if isinstance(child, ast.AST):
                 yield from _executed(child)
+
+
+def _is_setting(parent: ast.AST, node: ast.expr) -> bool:
+    """Whether a number other than 0 stands for a name, an argument or a field, or is next to nothing."""
+    if not isinstance(node, ast.Constant) or type(node.value) not in (int, float) or not node.value:
+        return False
+    if isinstance(parent, ast.Assign):
+        first = parent.targets[0]
+        named = isinstance(first, ast.Name) and first.id.isupper()
+    else:
+        named = isinstance(parent, ast.AnnAssign | ast.arguments)
+    return named or abs(node.value) < SMALLEST
 
 
 def _changed(node: ast.expr) -> str | None:
@@ -168,54 +199,124 @@ def _textual(node: ast.BinOp) -> bool:
     )
 
 
+@dataclass(frozen=True)
+class Room:
+    """What the tests of a room do without any change."""
+
+    folder: Path
+    seconds: float
+    entered: dict[str, Any]
+    failed: list[str] = field(default_factory=list)
+
+    def first(self, mutant: Mutant) -> list[str]:
+        """The tests that enter the changed function, the shortest first.
+
+        Of a module itself, any part of it.
+        """
+        file = str(self.folder / mutant.path)
+        line = _function(mutant)
+        seen = {
+            name: each["seconds"]
+            for name, each in self.entered.items()
+            if any(path == file and line in (None, start) for path, start in each["entered"])
+        }
+        return sorted(seen, key=lambda name: seen[name])
+
+
+def _function(mutant: Mutant) -> int | None:
+    """First line of the innermost function with the change.
+
+    None for what runs as the module is loaded.
+    """
+    tree = ast.parse((ROOT / mutant.path).read_text(encoding="utf-8"))
+    line = mutant.change.line
+    around = [
+        min(part.lineno for part in (node, *node.decorator_list))
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef)
+        and node.body[0].lineno <= line <= (node.end_lineno or 0)
+    ]
+    return max(around, default=None)
+
+
 class Copy:
     """A copy of the repository in which files are changed and tests run."""
 
     def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        for name in COPIED:
-            shutil.copytree(
-                ROOT / name,
-                folder / name,
-                ignore=shutil.ignore_patterns("__pycache__", "*.sqlite*"),
-            )
-        for path in ROOT.glob("*.*"):
-            if path.is_file():
-                shutil.copy(path, folder)
+        self.folder = folder / "copy"
+        self._order, self._notes = folder / "order.json", folder / "notes.json"
+        self._rooms: dict[str, Room] = {}
+        shutil.copytree(ROOT, self.folder, ignore=LEFT_OUT)
 
-    def notices(self, mutant: Mutant) -> bool:
-        """Whether the tests of the room fail with the change."""
+    def notices(self, mutant: Mutant) -> str:
+        """The test of the room that fails with the change; empty where all pass."""
+        name = room_of(mutant.path)
+        room = self.room(name)
+        order = {"first": room.first(mutant), "left out": room.failed}
+        self._order.write_text(json.dumps(order), encoding="utf-8")
         path = self.folder / mutant.path
         kept = path.read_text(encoding="utf-8")
         path.write_text(mutant.change.made(kept), encoding="utf-8")
         try:
-            return not self.passes(room_of(mutant.path))
+            self._run(name, PATIENCE * room.seconds + START, "-x", SPRINGPOT_ORDER=str(self._order))
+        except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as fault:
+            return next(iter(self._noted()["failed"]), str(fault))
         finally:
             path.write_text(kept, encoding="utf-8")
+        return ""
 
-    def passes(self, room: str) -> bool:
-        """Whether the tests of a room pass."""
-        own = os.pathsep.join(str(self.folder / name) for name in ("framework", "plugins"))
-        command = [
-            sys.executable,
-            "-m",
-            "pytest",
-            "-x",
-            "-q",
-            "-p",
-            "no:cacheprovider",
-            *tests_of(room),
-        ]
-        environment = {**os.environ, "PYTHONPATH": own, "PYTHONDONTWRITEBYTECODE": "1"}
-        try:
-            done = subprocess.run(
-                command,
-                cwd=self.folder,
-                env=environment,
-                capture_output=True,
-                timeout=PATIENCE,
-                check=False,
+    def room(self, name: str) -> Room:
+        """The room as it is.
+
+        A test that fails on this machine would notice whatever is done: it is left out.
+        """
+        if name not in self._rooms:
+            start = perf_counter()
+            with suppress(subprocess.CalledProcessError):
+                self._run(name, None)
+            noted = self._noted()
+            self._rooms[name] = Room(
+                self.folder, perf_counter() - start, noted["tests"], noted["failed"]
             )
-        except subprocess.TimeoutExpired:
-            return False
-        return done.returncode == 0
+        return self._rooms[name]
+
+    def _noted(self) -> dict[str, Any]:
+        """What the tests left in writing; nothing where they ended before their time."""
+        if not self._notes.exists():
+            return {"tests": {}, "failed": []}
+        noted: dict[str, Any] = json.loads(self._notes.read_text(encoding="utf-8"))
+        return noted
+
+    def _run(self, room: str, patience: float | None, *options: str, **told: str) -> None:
+        """Run the tests of a room; what they started ends with them."""
+        self._notes.unlink(missing_ok=True)
+        own = os.pathsep.join(
+            str(self.folder / name) for name in ("framework", "plugins", "tests/reliability")
+        )
+        environment = {**os.environ, "PYTHONPATH": own, "PYTHONDONTWRITEBYTECODE": "1", **told}
+        running = subprocess.Popen(
+            [
+                sys.executable,
+                "-m",
+                "pytest",
+                "-q",
+                "-p",
+                "no:cacheprovider",
+                "-p",
+                "entered",
+                *options,
+                *own_tests(room),
+            ],
+            cwd=self.folder,
+            env={**environment, "SPRINGPOT_NOTES": str(self._notes)},
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+        try:
+            if code := running.wait(patience):
+                raise subprocess.CalledProcessError(code, "pytest")
+        finally:
+            with suppress(ProcessLookupError):
+                os.killpg(running.pid, signal.SIGKILL)
+            running.wait()

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from mutation import Copy, drawn
+from mutation import Copy, drawn, room_of
 from soak import Row
 
 COUNT = 100
@@ -21,7 +21,7 @@ Some change nothing that anybody could see.
 def rows(rng: np.random.Generator, scale: float) -> Iterator[Row]:
     """One promise: enough of the changes are noticed; those that were not are named."""
     count = max(1, round(scale * COUNT))
-    unnoticed = []
+    unnoticed, failing = [], set()
     with tempfile.TemporaryDirectory() as folder:
         copy = Copy(Path(folder))
         for mutant in drawn(rng, count):
@@ -29,8 +29,11 @@ def rows(rng: np.random.Generator, scale: float) -> Iterator[Row]:
                 place = mutant.path.relative_to("framework/springpot")
                 change = mutant.change
                 unnoticed.append(f"{place}:{change.line} `{change.before}` to `{change.after}`")
+            failing |= set(copy.room(room_of(mutant.path)).failed)
     noticed = count - len(unnoticed)
-    named = "; ".join(unnoticed).replace("|", "\\|")
+    told = f"{noticed} of {count}; not noticed: {'; '.join(unnoticed) or 'none'}"
+    if failing:
+        told += f"; left out, as they fail without any change: {', '.join(sorted(failing))}"
     kept = noticed >= LEAST * count
     what = f"{100 * LEAST:.0f} % of single-line changes are noticed by the tests of their room"
-    yield Row(what, 1, int(kept), f"{noticed} of {count}; not noticed: {named or 'none'}")
+    yield Row(what, 1, int(kept), told.replace("|", "\\|"))

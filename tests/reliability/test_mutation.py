@@ -4,7 +4,7 @@ import ast
 
 import numpy as np
 import pytest
-from mutation import ROOT, changes_of, drawn, room_of
+from mutation import PACKAGE, ROOT, Change, Mutant, Room, changes_of, drawn, own_tests, room_of
 
 
 @pytest.mark.parametrize(
@@ -17,6 +17,7 @@ from mutation import ROOT, changes_of, drawn, room_of
         ("x = 3", "6"),
         ("x = 0", "1"),
         ("x = True", "False"),
+        ("def f(damping: float = 0.0): ...", "1.0"),
     ],
 )
 def test_a_change_is_one_that_a_tired_hand_could_make(line, after):
@@ -30,9 +31,13 @@ def test_a_change_is_one_that_a_tired_hand_could_make(line, after):
         "def f(a: int | None = None) -> int | str: ...",
         'raise ValueError(f"{3 < 4}")',
         '"a" + "b"',
+        "LEVEL = 0.05",
+        "def f(draws: int = 1000): ...",
+        "x = max(y, 1e-300)",
+        "for a, b in zip(x, y, strict=True): ...",
     ],
 )
-def test_texts_and_annotations_are_left_alone(text):
+def test_texts_annotations_and_settings_are_left_alone(text):
     assert changes_of(text + "\n") == []
 
 
@@ -54,3 +59,29 @@ def test_changes_are_spread_over_the_rooms():
 def test_the_same_seed_draws_the_same_changes():
     first, second = (list(drawn(np.random.default_rng(5), 5)) for _ in range(2))
     assert first == second
+
+
+def test_every_room_has_tests_of_its_own():
+    rooms = {room_of(path.relative_to(ROOT)) for path in (ROOT / PACKAGE).rglob("*.py")}
+    assert [room for room in sorted(rooms) if not own_tests(room)] == []
+
+
+def test_the_tests_that_enter_the_changed_function_run_first_and_the_shortest_of_them_before_all():
+    (path,) = (path for path in (ROOT / PACKAGE).rglob("points.py"))
+    path = path.relative_to(ROOT)
+    tree = ast.parse((ROOT / path).read_text())
+    function = next(
+        node
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef) and not node.decorator_list
+    )
+    here, beside = [str(ROOT / path), function.lineno], [str(ROOT / path), 1]
+    entered = {
+        "long": {"seconds": 2.0, "entered": [beside, here]},
+        "beside": {"seconds": 0.1, "entered": [beside]},
+        "short": {"seconds": 1.0, "entered": [here]},
+    }
+    room = Room(ROOT, 3.1, entered)
+    inside = Mutant(path, Change(function.body[-1].lineno, 0, 0, "", ""))
+    assert room.first(inside) == ["short", "long"]
+    assert room.first(Mutant(path, Change(1, 0, 0, "", ""))) == ["beside", "short", "long"]

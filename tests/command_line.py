@@ -1,4 +1,7 @@
-"""What tests of the command line share."""
+"""What tests of the command line share, wherever the command is.
+
+Those of a guest lie in its own room.
+"""
 
 import json
 from dataclasses import dataclass

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
 from dataclasses import dataclass, replace
 from html.parser import HTMLParser
 from pathlib import Path
@@ -11,9 +10,6 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmark"))
-
 from benchmark_fakes import Moody, Walk, artificial, small_study
 
 from springpot.benchmark import Findings, Store, run_study

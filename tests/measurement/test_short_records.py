@@ -1,0 +1,22 @@
+"""The frequency of a record that holds few cycles, where the peak of a spectrum is not where its line is."""
+
+import numpy as np
+import pytest
+
+from springpot.measurement.record import Record
+from springpot.measurement.steady import coarse_frequency
+
+DURATION = 8.0
+LINE = 2.0 * np.pi / DURATION
+"""What one cycle in all is, in rad/s."""
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.8, 1.6, 2.4])
+@pytest.mark.parametrize("cycles", [1.3, 1.71, 2.37, 3.1, 5.53])
+def test_of_few_cycles_the_frequency_is_good_to_an_eightieth_of_a_cycle(cycles, phase):
+    time = np.linspace(0.0, DURATION, 600)
+    moved = np.sin(cycles * LINE * time + phase) + 0.4 * time + 2.0
+    found = coarse_frequency(Record(time, moved, moved, "short"))
+    # Half of what lies between two of the frequencies that are tried, one and a half lines to
+    # either side.
+    assert abs(found / LINE - cycles) < 1.0 / 79.0

@@ -1,0 +1,29 @@
+"""What is left out to be predicted.
+
+Inner levels of what was set, and nothing of what merely drifted.
+"""
+
+import numpy as np
+
+from springpot import Measurement
+from springpot.misfit.cross_validation import folds_of
+
+
+def measured(**conditions):
+    omega = np.tile(np.geomspace(1.0, 100.0, 8), 5)
+    return Measurement(omega, 10.0 + 1j * omega, conditions=conditions)
+
+
+def test_inner_levels_are_left_out_one_at_a_time_and_the_outer_ones_never():
+    level = np.repeat(np.arange(5.0), 8)
+    for name, values in (("temperature", 10.0 * level), ("amplitude", 1e-3 * (1.0 + level))):
+        folds = folds_of(measured(**{name: values}), name)
+        assert [np.flatnonzero(fold).tolist() for fold in folds] == [
+            list(range(8 * number, 8 * number + 8)) for number in (1, 2, 3)
+        ]
+
+
+def test_a_temperature_that_drifts_about_one_that_was_set_is_not_left_out():
+    drift = 20.0 + np.repeat([0.0, 0.11, 0.22, 0.33, 0.44], 8)
+    assert folds_of(measured(temperature=drift), "temperature") == []
+    assert folds_of(measured(), "temperature") == []

@@ -1,0 +1,69 @@
+"""A plugin of pytest for `mutation`: what each test enters, which tests go first, and which fail.
+
+``SPRINGPOT_NOTES`` names the file that is written at the end. ``SPRINGPOT_ORDER`` names one with
+the tests that run before all others, in their order, and those that do not run; without it, notes
+are made of the seconds that each test took and of the functions of the framework that it entered,
+as file and first line.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from time import perf_counter
+from types import CodeType, FrameType
+from typing import Any
+
+import pytest
+
+TESTS: dict[str, dict[str, Any]] = {}
+FAILED: list[str] = []
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """The named tests first; the others keep their order."""
+    if "SPRINGPOT_ORDER" in os.environ:
+        order = json.loads(Path(os.environ["SPRINGPOT_ORDER"]).read_text(encoding="utf-8"))
+        place = {name: index for index, name in enumerate(order["first"])}
+        items[:] = [item for item in items if item.nodeid not in order["left out"]]
+        items.sort(key=lambda item: place.get(item.nodeid, len(place)))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
+    """Note what the test and its fixtures enter, up to where a test traces for itself."""
+    if "SPRINGPOT_ORDER" in os.environ:
+        return (yield)
+    seen: set[CodeType] = set()
+
+    def enter(frame: FrameType, event: str, argument: object) -> None:
+        seen.add(frame.f_code)
+
+    start = perf_counter()
+    sys.settrace(enter)
+    try:
+        return (yield)
+    finally:
+        sys.settrace(None)
+        places = sorted({(code.co_filename, code.co_firstlineno) for code in seen if _ours(code)})
+        TESTS[item.nodeid] = {"seconds": perf_counter() - start, "entered": places}
+
+
+def _ours(code: CodeType) -> bool:
+    return f"{os.sep}framework{os.sep}" in code.co_filename
+
+
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    """Note what failed."""
+    if report.failed:
+        FAILED.append(report.nodeid)
+
+
+def pytest_sessionfinish() -> None:
+    """Write the notes."""
+    text = json.dumps({"tests": TESTS, "failed": FAILED})
+    Path(os.environ["SPRINGPOT_NOTES"]).write_text(text, encoding="utf-8")

@@ -1,0 +1,34 @@
+"""The modes of a network of springs and dashpots are the network, also where it is shifted or multiplied."""
+
+import numpy as np
+import pytest
+
+from springpot.registry import parse_model
+from springpot.rheology import Points
+from springpot.rheology.rational import rational_of
+
+OMEGA = np.geomspace(0.1, 100.0, 12)
+
+
+def points(celsius):
+    return Points.at(OMEGA, temperature=np.full(12, celsius), reference=20.0)
+
+
+@pytest.mark.parametrize("effect", ["gain-error", "arrhenius-shift"])
+def test_what_shifts_or_multiplies_all_frequencies_alike_keeps_the_modes(effect):
+    model = parse_model(f"zener + {effect}")
+    size = {"k1": 40.0, "k2": 30.0, "c": 6.0, "gain-error.g": 0.1, "arrhenius-shift.Ea": 8e4}
+    theta = np.array([size.get(name, 1.0) for name in model.names])
+    at = points(35.0)
+    found = rational_of(model.network, theta, np.eye(len(theta)), at)
+    s = 1j * OMEGA
+    modes = found.weights[:, None] * s / (s + found.rates[:, None])
+    np.testing.assert_allclose(
+        found.ends[0] + found.ends[1] * s + modes.sum(axis=0), model.stiffness(theta, at), rtol=1e-9
+    )
+
+
+def test_a_delay_is_not_alike_at_all_frequencies_and_leaves_no_modes():
+    model = parse_model("zener + time-delay")
+    theta = np.array([40.0, 30.0, 6.0, 1e-3])
+    assert rational_of(model.network, theta, np.eye(4), points(20.0)) is None

@@ -1,0 +1,37 @@
+"""The figure of a simulation.
+
+Peaks and their bands where they are, and a damper's temperature in kelvin.
+"""
+
+import numpy as np
+import pytest
+
+from springpot.registry import parse_model
+from springpot.structure import Damper, Frame, artificial, simulate
+
+MODEL = parse_model("fractional-maxwell")
+THETA = MODEL.theta(k=4e7, c=6e6, alpha=0.55)
+
+
+def test_a_temperature_is_told_in_celsius_and_used_in_kelvin():
+    assert Damper(MODEL, THETA, 1, temperature=20.0).kelvin == pytest.approx(293.15)
+    assert Damper(MODEL, THETA, 1).kelvin is None
+
+
+def test_the_bands_of_the_peaks_are_drawn_in_millimetres(undrawn, tmp_path):
+    from springpot.structure.figures import figure_motion
+
+    dampers = tuple(
+        Damper(MODEL, THETA, storey, 0.5, np.diag((0.05 * THETA) ** 2)) for storey in (1, 2)
+    )
+    frame = Frame(np.full(2, 1e5), np.array([8e7, 7e7]), 0.02, dampers)
+    record = artificial(np.random.default_rng(1), duration=4.0, step=0.02)
+    found = simulate(frame, record, np.random.default_rng(2), draws=6)
+    figure_motion(found, tmp_path / "response.svg")
+    (figure,) = undrawn
+    peaks = figure.axes[2]
+    (bands,) = peaks.collections
+    ends = np.array([segment[:, 0] for segment in bands.get_segments()])
+    np.testing.assert_allclose(ends.T, 1e3 * np.array(found.band()), rtol=1e-9)
+    (dots,) = peaks.get_lines()
+    np.testing.assert_allclose(dots.get_xdata(), 1e3 * found.motion.peak_drift, rtol=1e-9)
