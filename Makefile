@@ -13,7 +13,7 @@ unexport PYTHONDONTWRITEBYTECODE
 export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: help test lint demo bench soak solvers site clean
+.PHONY: help test lint demo bench soak lowest solvers site clean
 
 help:  ## show this
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 8
@@ -36,12 +36,22 @@ soak: $(READY)  ## all tests, also the long ones, with more examples, and all th
 	$(BIN)/python -m pytest -m '' --hypothesis-profile=soak
 	$(BIN)/python tests/reliability/soak.py
 
+LOWEST := build/lowest
+USED := figures,instruments,download,data,workbench
+TESTERS := pytest pytest-benchmark hypothesis jsonschema xlwt
+LOWEST_TESTS := rheology measurement identification structure report plugins cli test_api.py
+
+lowest:  ## the lowest versions that pyproject.toml declares, in an environment of their own, and tests on them
+	$(PYTHON) -m venv $(LOWEST)
+	$(LOWEST)/bin/python -m pip install $(PIP) --editable '.[$(USED)]' $(TESTERS) --constraint constraints-lowest.txt
+	$(LOWEST)/bin/python -m pytest $(addprefix tests/,$(LOWEST_TESTS))
+
 solvers: $(READY)  ## the solvers that the tests hand models to; without them these tests are skipped
 	$(BIN)/python -m pip install $(PIP) --editable '.[solvers]' --constraint constraints.txt
 
 site: $(READY)  ## the documentation as a site with its gallery, in build/site/
 	$(BIN)/python docs/make_gallery.py
-	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
 
 clean:  ## remove the environment and whatever tools left behind
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .benchmarks

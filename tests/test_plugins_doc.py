@@ -20,8 +20,8 @@ def quoted(language: str) -> list[str]:
 
 
 def test_every_piece_of_code_is_that_of_the_example():
-    sources = MODULE.read_text(), (EXAMPLE / "test_springpot_example.py").read_text()
-    assert len(quoted("python")) == 7
+    sources = [path.read_text() for path in EXAMPLE.glob("*.py")]
+    assert len(quoted("python")) == 8
     for text in quoted("python"):
         assert any(text in source for source in sources), text
     assert quoted("toml") == [(EXAMPLE / "pyproject.toml").read_text()]
