@@ -1,4 +1,4 @@
-"""The search for laws of temperature begins where overlapping sweeps lie over one another, not only at guesses."""
+"""The search for laws of temperature begins where overlapping sweeps lie over one another."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ MODEL = springpot.parse_model("material + wlf-shift + vertical-shift")
 
 
 def sweeps(seed, c1, c2):
-    """A broad spectrum at six temperatures, its times by WLF from 20 degC on, its moduli by the temperature."""
+    """A broad spectrum at six temperatures: times by WLF, moduli by the temperature."""
     celsius = np.repeat([0.0, 10.0, 20.0, 40.0, 60.0, 80.0], 12)
     omega = np.tile(2.0 * np.pi * np.geomspace(0.1, 30.0, 12), 6)
     away = celsius - 20.0

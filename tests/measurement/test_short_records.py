@@ -1,4 +1,4 @@
-"""The frequency of a record that holds few cycles, where the peak of a spectrum is not where its line is."""
+"""The frequency of a record of few cycles, whose peak is not where its line is."""
 
 import numpy as np
 import pytest

@@ -162,7 +162,7 @@ def _executed(tree: ast.AST) -> Iterator[ast.expr]:
 
 
 def _is_setting(parent: ast.AST, node: ast.expr) -> bool:
-    """Whether a number other than 0 stands for a name, an argument or a field, or is next to nothing."""
+    """Whether a number other than 0 stands for a name or a field, or is next to nothing."""
     if not isinstance(node, ast.Constant) or type(node.value) not in (int, float) or not node.value:
         return False
     if isinstance(parent, ast.Assign):

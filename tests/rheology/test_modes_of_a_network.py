@@ -1,4 +1,4 @@
-"""The modes of a network of springs and dashpots are the network, also where it is shifted or multiplied."""
+"""The modes of springs and dashpots are the network, also where it is shifted."""
 
 import numpy as np
 import pytest

@@ -23,7 +23,7 @@ def result_of(sd, stiffness):
 
 
 def test_error_and_floor_of_a_sweep_are_the_differences_over_the_magnitude():
-    """Of noise of one share of |K| in each part, the error of both together is that times the root of two."""
+    """Of equal noise in each part, the error of both is that times the root of two."""
     noise = np.array([1.0, -1.0])[np.arange(40) % 2] * (1.0 + 1.0j)
     size = np.abs(EXACT)
     found = result_of(0.02 * size * (1.0 + 1.0j), EXACT + 0.03 * size * noise)

@@ -152,7 +152,7 @@ def searched(
     restarts: int = 1,
     rng: np.random.Generator | None = None,
 ) -> Fit:
-    """The native search by which `identify` finds a model's parameters, and a diagnosis the errors that it prints.
+    """The search by which `identify` finds parameters, and a diagnosis the errors it prints.
 
     Parameters
     ----------

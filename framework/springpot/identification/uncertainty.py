@@ -174,7 +174,7 @@ class Uncertainty:
         return self._covariance(self.specimens)
 
     def widening(self, i: int) -> float:
-        """Variance of parameter i by the scatter of the specimens, over that by the scatter of the points."""
+        """Variance of parameter i by the scatter of specimens, over that by the points."""
         if self.specimens is None:
             return 1.0
         turn = _printed_slopes(self.fit)[i : i + 1]

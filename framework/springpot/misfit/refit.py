@@ -133,12 +133,12 @@ class Refit:
 
     @cached_property
     def relative_rms(self) -> float:
-        """Root mean square of |K_model - K| / |K| over all measured rows, of the fit in units of the noise."""
+        """Root mean square of |K_model - K| / |K| over all rows, of the fit by the noise."""
         return self.data.relative_rms(self.model, self.theta)
 
     @cached_property
     def identified(self) -> Fit:
-        """The same model as `identify` fits it to the same rows, begun where this fit has ended too.
+        """The model as `identify` fits it to the same rows, begun where this fit ended too.
 
         Quick fits end in other minima, and what a noise weighs little may be far off: an error is
         told of this one alone, whichever way a model was reached.
