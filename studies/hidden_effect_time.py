@@ -2,14 +2,16 @@
 
     python studies/hidden_effect_time.py [--cases 2000] [--seed 20261122]
         [-o results/hidden_effect_time]
+    python studies/hidden_effect_time.py --joint [--cases 200]
 
 Cases with a hidden effect are drawn, diagnosed and counted.
 
 Each case is a relaxation, creep, recovery, startup or cyclic test of one of seven materials,
 computed by numerical inversion of Laplace transforms (nothing of springpot is used), with one
 hidden effect, none, or one that the library does not have, and with noise that in a quarter of the
-cases has a memory. What springpot says is counted against what is true. Cases are kept as they are
-done: an interrupted run goes on where it stopped.
+cases has a memory. What springpot says is counted against what is true. With --joint each case is
+two or three tests of one specimen, of which a sweep may be one. Cases are kept as they are done: an
+interrupted run goes on where it stopped.
 """
 
 from __future__ import annotations
@@ -18,21 +20,43 @@ import argparse
 import json
 import sys
 import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from hidden_effects_time.cases import drawn_case
+from hidden_effects_time import cases, joint, joint_report
 from hidden_effects_time.judge import Verdict, judged, library
 from hidden_effects_time.tables import write_tables
 
 
-def done_before(path: Path) -> list[Verdict]:
-    """Cases of an earlier run."""
-    if not path.exists():
-        return []
-    rows = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
-    return [Verdict(**{**row, "missing": tuple(row["missing"])}) for row in rows]
+@dataclass(frozen=True)
+class Kind:
+    """A kind of cases: how one is drawn and judged, how it is taken up again, and how all are counted."""
+
+    judged: Callable[[int, int, Sequence[Any]], Any]
+    again: Callable[[dict[str, Any]], Any]
+    write: Callable[[Sequence[Any], Path, int], None]
+    count: int
+    output: Path
+
+
+SINGLE = Kind(
+    lambda seed, index, effects: judged(cases.drawn_case(seed, index), index, effects),
+    lambda row: Verdict(**{**row, "missing": tuple(row["missing"])}),
+    write_tables,
+    2000,
+    Path("results/hidden_effect_time"),
+)
+JOINT = Kind(
+    lambda seed, index, effects: joint_report.judged(joint.drawn_case(seed, index), index, effects),
+    joint_report.JointVerdict.from_dict,
+    joint_report.write_joint,
+    200,
+    Path("results/hidden_effect_joint"),
+)
 
 
 def main() -> None:
@@ -40,22 +64,29 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--cases", type=int, default=2000)
+    parser.add_argument("--joint", action="store_true", help="several tests of one specimen")
+    parser.add_argument("--cases", type=int)
     parser.add_argument("--seed", type=int, default=20261122)
-    parser.add_argument("-o", "--output", type=Path, default=Path("results/hidden_effect_time"))
+    parser.add_argument("-o", "--output", type=Path)
     options = parser.parse_args()
-    options.output.mkdir(parents=True, exist_ok=True)
+    kind = JOINT if options.joint else SINGLE
+    count, output = options.cases or kind.count, options.output or kind.output
+    output.mkdir(parents=True, exist_ok=True)
     # Effects are tried at places where some make no sense: what overflows there is passed over.
     warnings.simplefilter("ignore", RuntimeWarning)
-    kept = options.output / f"cases-{options.seed}.jsonl"
-    verdicts, effects = done_before(kept), library()
+    kept, effects = output / f"cases-{options.seed}.jsonl", library()
+    verdicts = []
+    if kept.exists():
+        verdicts = [
+            kind.again(json.loads(line)) for line in kept.read_text(encoding="utf-8").splitlines()
+        ]
     with kept.open("a", encoding="utf-8") as lines:
-        for index in range(len(verdicts), options.cases):
-            verdicts.append(judged(drawn_case(options.seed, index), index, effects))
+        for index in range(len(verdicts), count):
+            verdicts.append(kind.judged(options.seed, index, effects))
             lines.write(json.dumps(verdicts[-1].to_dict()) + "\n")
             lines.flush()
-    write_tables(verdicts[: options.cases], options.output, options.seed)
-    print((options.output / "README.md").read_text(encoding="utf-8"))
+    kind.write(verdicts[:count], output, options.seed)
+    print((output / "README.md").read_text(encoding="utf-8"))
 
 
 if __name__ == "__main__":

@@ -382,17 +382,34 @@ def parse_timed(expression: str) -> Model | Timed:
     # Effects of tests in time stand among others in any order: they are taken out, and added last.
     first, *names = [part.strip() for part in expression.split("+")]
     shelf = plugins().shelves["time effect"]
-    in_time = [name for name in names if name and shelf.find(name) is not None]
-    ordinary = [name for name in names if name not in in_time]
+    found = [(name, _of_tests(name)) for name in names]
+    in_time = [effect for _, effect in found if effect is not None]
+    ordinary = [name for name, effect in found if effect is None]
     try:
         model: Model | Timed = parse_model(" + ".join([first, *ordinary]))
     except ModelError:
         if shelf.find(first) is not None:
             raise ModelError(f"'{first}' is an effect: write MODEL + {first}") from None
         raise
-    for name in in_time:
-        model = grown(model, plugins().find("time effect", name))
+    for effect in in_time:
+        model = grown(model, effect)
     return model
+
+
+def _of_tests(name: str) -> TimeEffect | None:
+    """The effect of tests in time called `name`, or ``NAME:TEST`` of one test alone.
+
+    None where there is none.
+    """
+    kind, _, test = name.partition(":")
+    found: TimeEffect | None = plugins().shelves["time effect"].find(kind.strip())
+    if found is None or not test.strip():
+        return found
+    if not found.of_one:
+        raise ModelError(
+            f"'{name}': '{found.name}' is no effect of one test among others: leave ':{test}' out"
+        )
+    return found.of_test(test.strip())
 
 
 def for_sweeps(model: Model | Timed) -> Model:
@@ -419,7 +436,7 @@ def effect_in_time(name: str) -> Effect | TimeEffect:
     ModelError
         If there is none.
     """
-    in_time: TimeEffect | None = plugins().shelves["time effect"].find(name)
+    in_time = _of_tests(name)
     # The other kind comes last, as it raises where there is none.
     if in_time is None:
         return plugins().effect(name)

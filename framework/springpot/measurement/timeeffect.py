@@ -10,8 +10,9 @@ what it cannot be told from) follows from that.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias
@@ -140,6 +141,11 @@ class TimeEffect:
     prior : float
         How common it is beside the others: 1 for what every laboratory meets, less for rarer
         things.
+    of_one : bool
+        Whether it tells one of several tests from the others, so that it must be said of which:
+        ``NAME:TEST``.
+    test : str
+        The only test that has it; empty where all can.
     """
 
     name: str
@@ -155,10 +161,19 @@ class TimeEffect:
     aliases: tuple[str, ...] = ()
     absent_at: float = 0.0
     prior: float = 1.0
+    of_one: bool = False
+    test: str = ""
 
     def is_for(self, test: TimeTest) -> bool:
         """Whether a test can have it, and show it."""
+        if self.test and self.test != in_expression(test.name):
+            return False
         return test.control in self.controls and bool(self.suits(test))
+
+    def of_test(self, name: str) -> TimeEffect:
+        """The same effect of one test alone, called ``NAME:TEST``."""
+        test = in_expression(name)
+        return replace(self, name=f"{self.name}:{test}", test=test, aliases=())
 
     @cached_property
     def own(self) -> tuple[Parameter, ...]:
@@ -166,6 +181,17 @@ class TimeEffect:
         return tuple(
             parameter.renamed(f"{self.name}.{parameter.name}") for parameter in self.parameters
         )
+
+
+def in_expression(name: str) -> str:
+    """The name of a test as it stands in a model expression, which blanks and signs would take apart.
+
+    Examples
+    --------
+    >>> in_expression("creep 25 C + glue.csv")
+    'creep-25-C-glue.csv'
+    """
+    return re.sub(r"[^\w.]+", "-", name).strip("-")
 
 
 def followed(loading: Loading, t: Real) -> tuple[Real, Real]:

@@ -6,13 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from springpot.measurement.timeeffect import TimeEffect
 from springpot.rheology.effect import Effect
 
 from .information_criterion import PLAINLY, Left
-from .residuals_of_tests import InTimePart, Part
+from .residuals_of_tests import Part
 from .result import TimeIdentification
 from .scatter import Scatter, times_noise
 from .sizes import rms
@@ -53,13 +51,7 @@ class TimeError:
         """That of a fit."""
         errors = []
         for part, residual, scatter in zip(parts, left.residuals, noise, strict=True):
-            # A sweep is judged in units of its own standard deviations: it has no one size of a
-            # signal.
-            sd, size = np.ones(len(residual)), 1.0
-            if isinstance(part, InTimePart):
-                sd = np.asarray(part.sd, dtype=float)
-                size = rms(part.test.response)
-            error = rms(residual * sd) / size
+            error = rms(residual * part.relative_sd)
             ratio = times_noise(residual, scatter.size)
             floor = 0.0
             # A fit that leaves nothing at all says nothing of the noise.

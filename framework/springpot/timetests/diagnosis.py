@@ -35,8 +35,8 @@ from .residuals_of_tests import (
     InTimePart,
     Part,
     Test,
-    at_rig,
     at_rigs,
+    at_tests,
     parts_of_specimen,
 )
 from .result import TimeIdentification
@@ -130,9 +130,7 @@ def diagnose(
         model = parse_timed(model)
     if effects is None:
         effects = library_in_time()
-    library = [
-        at_rig(effect, given) if isinstance(effect, Effect) else effect for effect in effects
-    ]
+    library = [there for effect in effects for there in at_tests(effect, given)]
     model = at_rigs(model, given)
     # The noise is needed to judge and a good model to know the noise: so a second round, where it
     # matters.
@@ -196,11 +194,7 @@ def _judged(
     # exponentials, exact fits.
     before = Left.by(base.model, base.theta, base.reference, parts)
     material = material_of(base.model)
-    beside = [
-        effect
-        for effect in effects
-        if not (isinstance(effect, Effect) and within_material(material, effect))
-    ]
+    beside = [effect for effect in effects if not _within(material, effect)]
     promises = Scan(base, quick).promises(beside)
     leading = _leading(promises, before)
     left_out: dict[str, str] = {}
@@ -211,12 +205,14 @@ def _judged(
         tried = _exactly(given, parts, base, nearly, before, known, left_out)
     # A model with one more effect can always do as well as the one without: worse is a search that
     # failed.
-    tried = [_no_worse(each, before) for each in tried]
+    tried = _one_of_each([_no_worse(each, before) for each in tried])
     # By a criterion that needs no noise, which is only read from what the best one leaves.
     best = min((each.left for each in tried), key=_plain_bic, default=before)
     noise = _noise(before, best)
     judged = [replace(each, delta=_delta(before, each, noise, base)) for each in tried]
-    ranked = sorted(judged, key=lambda each: -each.delta)
+    # By their chances, so that what is rare stands behind what is common and explains the tests as
+    # well.
+    ranked = sorted(judged, key=lambda each: -each.evidence)
     return replace(answer_of(parts, base, before, ranked, noise, promises), left_out=left_out)
 
 
@@ -228,6 +224,26 @@ def _no_worse(each: Tried, before: Left) -> Tried:
     if _power(each.left) < (1.0 - NOTHING) * _power(before):
         return each
     return replace(each, left=replace(before, count=each.left.count), fit=None)
+
+
+def _within(material: Model, effect: AnyEffect) -> bool:
+    """Whether a free spectrum has an effect already.
+
+    That of one rig alone the other tests are free of.
+    """
+    return (
+        isinstance(effect, Effect) and not effect.only_sweeps and within_material(material, effect)
+    )
+
+
+def _one_of_each(tried: Sequence[Tried]) -> list[Tried]:
+    """Of an effect that all rigs or one alone may have, where it explains more."""
+    best: dict[str, Tried] = {}
+    for each in tried:
+        name = each.effect.name
+        if name not in best or _plain_bic(each.left) < _plain_bic(best[name].left):
+            best[name] = each
+    return list(best.values())
 
 
 def _leading(promises: dict[str, list[Promise]], before: Left) -> list[list[Promise]]:
@@ -242,11 +258,21 @@ def _leading(promises: dict[str, list[Promise]], before: Left) -> list[list[Prom
 
     # Hope is the drop less what its parameters cost: else the effect with most parameters would
     # lead.
-    ranked = sorted(promises.values(), key=hope, reverse=True)
+    ranked = sorted(_by_rig(promises), key=hope, reverse=True)
     worth = [of_effect for of_effect in ranked[:LEADING] if of_effect[0].drop / unit > HOPE]
     if len(worth) < FEWEST:
         return ranked[:FEWEST]
     return worth
+
+
+def _by_rig(promises: dict[str, list[Promise]]) -> list[list[Promise]]:
+    """The promises of each effect at one place: of all rigs, or of one alone."""
+    apart: dict[tuple[str, bool], list[Promise]] = {}
+    for name, of_effect in promises.items():
+        for promise in of_effect:
+            alone = isinstance(promise.effect, Effect) and promise.effect.only_sweeps
+            apart.setdefault((name, alone), []).append(promise)
+    return list(apart.values())
 
 
 def _of_material(

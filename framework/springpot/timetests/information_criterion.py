@@ -7,13 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from springpot.measurement.measurement import Measurement
 from springpot.measurement.timed import Timed
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
 from .residuals_of_tests import InTimePart, Part
-from .scatter import Scatter, scatter_of, times_noise
+from .scatter import Scatter, scatter_of, scatter_of_sweep, times_noise
 
 PLAINLY = 10.0
 """Difference of the Bayesian information criterion that is very strong evidence
@@ -53,7 +52,7 @@ class Left:
             if isinstance(part, InTimePart):
                 scatters.append(scatter_of(value))
             else:
-                scatters.append(_of_sweep(value, part.test))
+                scatters.append(scatter_of_sweep(value, part.test.sd is not None))
         return cls(len(theta), tuple(residuals), tuple(scatters))
 
     @property
@@ -70,15 +69,6 @@ class Left:
         """Error over that noise, of the worst test."""
         pairs = zip(self.residuals, noise, strict=True)
         return max(times_noise(value, scatter.size) for value, scatter in pairs)
-
-
-def _of_sweep(residual: Real, sweep: Measurement) -> Scatter:
-    """A sweep is too short for a spectrum: its standard deviations are believed."""
-    return Scatter(1.0, 0.0, 0.0, scatter_of(residual[: len(sweep)][:FEW]).local)
-
-
-FEW = 39
-"""Points of a sweep that are judged as a short record is."""
 
 
 def independent(residuals: Sequence[Real], noise: Sequence[Scatter]) -> float:

@@ -30,6 +30,7 @@ from springpot.rheology.points import KELVIN, ROOM, Complex, Real
 
 from .recording import recorded
 from .response import TOLERANCE
+from .sizes import rms
 from .start import apparent
 
 Test: TypeAlias = TimeTest | Measurement
@@ -69,6 +70,11 @@ class InTimePart:
         if self.noise is not None:
             return self.noise
         return noise_of(self.test).sd
+
+    @property
+    def relative_sd(self) -> Real:
+        """The same over the size of the signal (n,)."""
+        return np.asarray(self.sd, dtype=float) / rms(self.test.response)
 
     @cached_property
     def apparent(self) -> Measurement | None:
@@ -143,6 +149,12 @@ class SweepPart:
         # noise.
         share = relative_scatter(self.test)
         return np.asarray(share * self.test.magnitude * (1.0 + 1.0j), dtype=np.complex128)
+
+    @property
+    def relative_sd(self) -> Real:
+        """The same over |K|, K' before K'' (2 n,): its mean square is that of |dK|^2 / |K|^2."""
+        sd = np.concatenate([self.sd.real, self.sd.imag])
+        return np.asarray(np.sqrt(2.0) * sd / np.tile(self.test.magnitude, 2), dtype=float)
 
     def count(self, coarse: bool = False) -> int:
         """How many numbers it gives."""
@@ -221,6 +233,21 @@ def at_rig(effect: Effect, tests: Sequence[Test]) -> Effect:
     if effect.layer is not Layer.SIGNAL:
         return effect
     return replace(effect, only_sweeps=any(isinstance(test, Measurement) for test in tests))
+
+
+def at_tests(effect: AnyEffect, tests: Sequence[Test]) -> list[AnyEffect]:
+    """The forms in which tests of one specimen can have an effect: all of them, or one rig alone."""
+    if isinstance(effect, TimeEffect):
+        if not effect.of_one:
+            return [effect]
+        # One test by itself has nothing to be told from.
+        names = dict.fromkeys(test.name for test in tests if isinstance(test, TimeTest))
+        return [effect.of_test(name) for name in names if len(tests) > 1]
+    there = at_rig(effect, tests)
+    kinds = {isinstance(test, Measurement) for test in tests}
+    if there.only_sweeps or not _is_rig(there) or len(kinds) == 1:
+        return [there]
+    return [there, replace(there, only_sweeps=True)]
 
 
 def at_rigs(model: Model | Timed, tests: Sequence[Test]) -> Model | Timed:

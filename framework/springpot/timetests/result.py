@@ -96,19 +96,9 @@ class PartResult:
         plain = part.with_scale(1.0)
         weighted = plain.residual(model, theta, reference).value
         ratio = rms(weighted)
-        test = part.test
-        if isinstance(test, TimeTest):
-            size = rms(test.response)
-            sd = np.asarray(part.sd, dtype=float)
-            error = rms(weighted * sd) / size
-            floor = rms(sd) / size
-            return cls(test.name, test.kind, len(test), error, floor, ratio, alone)
-        sd = np.concatenate([part.sd.real, part.sd.imag])
-        size_of_each = np.tile(test.magnitude, 2)
-        # Twice the mean over both parts is the mean of |dK|^2 / |K|^2.
-        error = float(np.sqrt(2.0 * np.mean((weighted * sd / size_of_each) ** 2)))
-        floor = float(np.sqrt(2.0 * np.mean((sd / size_of_each) ** 2)))
-        return cls(test.name, "sweep", len(test), error, floor, ratio, alone)
+        kind = part.test.kind if isinstance(part.test, TimeTest) else "sweep"
+        error, floor = rms(weighted * part.relative_sd), rms(part.relative_sd)
+        return cls(part.test.name, kind, len(part.test), error, floor, ratio, alone)
 
     @property
     def agrees(self) -> bool:

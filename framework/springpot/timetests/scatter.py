@@ -134,6 +134,36 @@ def scatter_of(residual: Real) -> Scatter:
     return Scatter(size, memory, float(excess), local)
 
 
+def scatter_of_sweep(residual: Real, known: bool) -> Scatter:
+    """The noise in the residual (2 n,) of a sweep, first K', then K'', over its standard deviations.
+
+    A sweep is too short for a spectrum. Its standard deviations are believed where they are
+    `known`, or where there are too few points; else the noise is what neighbours differ by, of
+    which the model has taken their bend. A misfit is told by its size, and by neighbours that are
+    missed alike, whatever the size of the noise is (Durbin & Watson 1950,
+    doi:10.1093/biomet/37.3-4.409).
+    """
+    from scipy.special import ndtr
+
+    halves, count = residual.reshape(2, -1), len(residual)
+    power = float(residual @ residual) / count
+    apart, worth = 1.0, 0.5 * CLIP * count
+    told = not known and count >= FEWEST
+    if told:
+        apart = max(float(np.sqrt(np.mean(np.diff(halves, 2) ** 2) / 6.0)), 1e-300)
+        worth = EFFICIENT * count
+    if known:
+        worth = np.inf
+    alike = float(np.sum(halves[:, 1:] * halves[:, :-1])) / max(count * power, 1e-300)
+    smooth = float(ndtr(-alike * np.sqrt(count)))
+    # Two chances to be missed, of which the worse one is told.
+    local = min(1.0, 2.0 * min(_chance(power / apart**2, count, worth), smooth))
+    # Where nothing is missed all that is left is noise.
+    if told and local >= LOCAL:
+        apart = max(float(np.sqrt(power)), 1e-300)
+    return Scatter(apart, 0.0, 0.0, local)
+
+
 def times_noise(residual: Real, size: float) -> float:
     """Root mean square of a residual over noise of that size, where there is noise."""
     power = float(np.sum(residual**2)) / np.count_nonzero(_scattered(residual))
@@ -219,6 +249,9 @@ def _worst(values: Real, memory: float, worth: float) -> float:
 
 def _chance(ratio: float, above: float, below: float) -> float:
     """Chance that a ratio of two mean squares of so many samples each is larger (F test)."""
-    from scipy.special import fdtrc
+    from scipy.special import chdtrc, fdtrc
 
+    # Of a noise that is known the size alone is uncertain.
+    if np.isinf(below):
+        return float(chdtrc(above, above * ratio))
     return float(fdtrc(above, max(below, 1.0), ratio))

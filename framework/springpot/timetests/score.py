@@ -41,6 +41,11 @@ It is then never small: dashpots have 1, Basset's layer 1.5, a mass 2.
 """
 NEXT_TO_NOTHING = 1e-6
 """Of the natural size of an effect, where its share of K is linear."""
+GIVING = (0.3, 1.0, 3.0, 10.0)
+"""Of the natural size of what gives way in series: sizes at which it is tried as it is.
+
+K saturates there, which no
+small step foretells."""
 RESONANCES = 12
 """Sizes at which an effect that makes the specimen swing is tried."""
 KNOWN = 1e-8
@@ -193,9 +198,26 @@ class Scan:
         start = values.copy()
         start[:, 0] = 1.0
         signed = size.lower < 0.0
-        return [
+        atoms = [
             Atom(effect, each, powers, column, signed)
             for each, column in zip(start, whole.T, strict=True)
+        ]
+        # The other tests hold the model, so that it cannot make way for what gives in one rig
+        # alone.
+        if effect.only_sweeps and effect.plane == "compliance":
+            atoms += self._giving(effect, places)
+        return atoms
+
+    def _giving(self, effect: Effect, places: Sequence[tuple[float, ...]]) -> list[Atom]:
+        """What gives way in the rig of the sweeps, at sizes at which no small step leads there."""
+        typical = self.scales.typical(effect.element.parameters[0])
+        values = np.array([[typical * share, *place] for share in GIVING for place in places])
+        change = _Change(material_of(self.model), self.theta, effect, values)
+        whole = np.concatenate([view.of_step(change) for view in self.views])
+        still = np.zeros(values.shape[1])
+        return [
+            Atom(effect, each, still, column, False)
+            for each, column in zip(values, whole.T, strict=True)
         ]
 
     def _swinging(self, effect: Effect, places: Sequence[tuple[float, ...]]) -> list[Atom]:
@@ -404,6 +426,10 @@ class View:
             by_size = -by_size / self.stiffness**2
         return (self.quick.answers @ self.quick.followed(by_size)) * self.weight[:, None]
 
+    def of_step(self, change: _Change) -> Real:
+        """Columns (n, g) of what gives way in the rig of the sweeps: none."""
+        return np.zeros((len(self.t), len(change.theta)))
+
     def of_course(self, effect: TimeEffect, values: Real) -> Real:
         """The change of the residuals when the specimen's loading or its clock is another."""
         test = self.part.test
@@ -471,6 +497,15 @@ class SweepView:
         at = replace(self.part.test, reference=self.base.reference).points
         by_size = change(at) * scale
         return np.concatenate([by_size.real, by_size.imag], axis=1).T * self.weight[:, None]
+
+    def of_step(self, change: _Change) -> Real:
+        """Columns (2 n, g) for a K that is another altogether."""
+        at = replace(self.part.test, reference=self.base.reference).points
+        own = material_of(self.base.model).stiffness(
+            self.base.theta[: len(material_of(self.base.model).names)], at
+        )
+        by_place = change.whole.network.respond(change.theta, at).value - own
+        return np.concatenate([by_place.real, by_place.imag], axis=1).T * self.weight[:, None]
 
     def swings(self, change: _Change) -> bool:
         """At frequencies nothing does."""

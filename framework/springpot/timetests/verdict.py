@@ -52,6 +52,11 @@ class Tried:
     delta: float
     fit: TimeIdentification | None = None
 
+    @property
+    def evidence(self) -> float:
+        """The same with how common the effect is before any test: twice the logarithm of its odds."""
+        return self.delta + 2.0 * float(np.log(self.effect.prior))
+
 
 def answer_of(
     parts: Sequence[Part],
@@ -121,12 +126,16 @@ def _class(
     tried: Sequence[Tried], promises: dict[str, list[Promise]], noise: Sequence[Scatter]
 ) -> list[str]:
     """The best effect and those that these tests cannot tell from it."""
-    best = tried[0]
+    # By what the tests say alone: how common an effect is makes it no worse an explanation of them.
+    best = max(tried, key=lambda each: each.delta)
     # Two roads to a class: effects that fit as well, and such that add the same shape but were
     # never fitted.
-    names = [
-        each.effect.name for each in tried if each.delta > PLAINLY and _as_well(each, best, noise)
+    alike = [
+        each
+        for each in tried
+        if each is tried[0] or (each.delta > PLAINLY and _as_well(each, best, noise))
     ]
+    names = [each.effect.name for each in alike]
     fitted = {each.effect.name for each in tried}
     return names + [name for name in _twins(best.effect.name, promises) if name not in fitted]
 
@@ -180,7 +189,7 @@ def _chances(tried: Sequence[Tried]) -> list[float]:
     if not tried:
         return []
     # Nought is the model as it is: nothing missing is a candidate too.
-    logs = np.array([0.0, *(0.5 * each.delta + np.log(each.effect.prior) for each in tried)])
+    logs = np.array([0.0, *(0.5 * each.evidence for each in tried)])
     # Less the largest, or evidence of some thousand would overflow.
     weights = np.exp(logs - logs.max())
     return [float(weight) for weight in weights[1:] / weights.sum()]

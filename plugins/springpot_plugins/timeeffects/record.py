@@ -31,6 +31,11 @@ def offset(record: Record, response: Any, size: Any) -> Answered:
     return Answered(response + size, (np.ones_like(response),), np.ones_like(response))
 
 
+def scaled(record: Record, response: Any, gain: Any) -> Answered:
+    """The response, larger by a share of itself."""
+    return Answered((1.0 + gain) * response, (response,), np.full_like(response, 1.0 + gain))
+
+
 def grown(record: Record, response: Any, size: Any, tau: Any) -> Answered:
     """The response and a fixture that grows by `size` while it comes to its temperature."""
     time = np.maximum(record.time, 0.0)
@@ -103,6 +108,18 @@ AMPLITUDE_RATE = Dimension(amplitude=1, time=-1)
 ELEMENTARY = "elementary"
 
 EFFECTS = (
+    TimeEffect(
+        "test-gain",
+        Stage.RESPONSE,
+        (Parameter("g", "g", PURE, -0.99, scale="linear", typical=0.5),),
+        scaled,
+        "this test is too large against the others of the specimen: a calibration, an area or a gap"
+        " is wrong",
+        "the whole record by one factor; a test by itself cannot show it, as its material takes it"
+        " over",
+        ELEMENTARY,
+        of_one=True,
+    ),
     TimeEffect(
         "force-offset",
         Stage.RESPONSE,
