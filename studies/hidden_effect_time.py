@@ -34,7 +34,7 @@ from hidden_effects_time.tables import write_tables
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of cases: how one is drawn and judged, how it is taken up again, and how all are counted."""
+    """A kind of cases: how one is drawn, judged and taken up again, and how all are counted."""
 
     judged: Callable[[int, int, Sequence[Any]], Any]
     again: Callable[[dict[str, Any]], Any]

@@ -1,4 +1,4 @@
-"""Several tests of one specimen with something hidden in one or in all, drawn and computed outside springpot."""
+"""Tests of one specimen with something hidden in one or in all, computed outside springpot."""
 
 from __future__ import annotations
 

@@ -141,7 +141,7 @@ def drawn_specimen(rng: np.random.Generator) -> Specimen:
 
 
 # --- what is hidden
-# -------------------------------------------------------------------------------------------------
+# ---------------------------------------------------------------------------------------
 
 
 def of_material(specimen: Specimen, rng: np.random.Generator) -> Found:
@@ -251,7 +251,7 @@ HIDDEN: dict[str, Callable[[Specimen, np.random.Generator], Found]] = {
 
 
 # --- a case
-# ---------------------------------------------------------------------------------------------------------
+# ---------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
@@ -319,7 +319,7 @@ def drawn_case(seed: int, index: int) -> JointCase:
 
 
 def _visible(specimen: Specimen, found: Found, sd: dict[str, Real]) -> float:
-    """The least chi-square of the base model with any parameters, over what is measured without noise."""
+    """The least chi-square of the base model, over what is measured without noise."""
     names = list(specimen.theta)
 
     def turned(values: dict[str, float]) -> Real:

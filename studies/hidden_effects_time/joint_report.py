@@ -1,4 +1,4 @@
-"""What the diagnosis of several tests says, beside what is true, counted for each kind of hidden thing."""
+"""What the diagnosis of several tests says, beside what is true, for each hidden thing."""
 
 from __future__ import annotations
 

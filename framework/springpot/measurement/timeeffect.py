@@ -184,7 +184,7 @@ class TimeEffect:
 
 
 def in_expression(name: str) -> str:
-    """The name of a test as it stands in a model expression, which blanks and signs would take apart.
+    """The name of a test as it stands in a model expression, without blanks and signs.
 
     Examples
     --------

@@ -236,7 +236,7 @@ def at_rig(effect: Effect, tests: Sequence[Test]) -> Effect:
 
 
 def at_tests(effect: AnyEffect, tests: Sequence[Test]) -> list[AnyEffect]:
-    """The forms in which tests of one specimen can have an effect: all of them, or one rig alone."""
+    """The forms in which tests of a specimen have an effect: all of them, or one rig alone."""
     if isinstance(effect, TimeEffect):
         if not effect.of_one:
             return [effect]

@@ -135,7 +135,7 @@ def scatter_of(residual: Real) -> Scatter:
 
 
 def scatter_of_sweep(residual: Real, known: bool) -> Scatter:
-    """The noise in the residual (2 n,) of a sweep, first K', then K'', over its standard deviations.
+    """The noise in the residual (2 n,) of a sweep, K' then K'', over its standard deviations.
 
     A sweep is too short for a spectrum. Its standard deviations are believed where they are
     `known`, or where there are too few points; else the noise is what neighbours differ by, of

@@ -54,7 +54,7 @@ class Tried:
 
     @property
     def evidence(self) -> float:
-        """The same with how common the effect is before any test: twice the logarithm of its odds."""
+        """The same with how common the effect is: twice the logarithm of its odds."""
         return self.delta + 2.0 * float(np.log(self.effect.prior))
 
 
