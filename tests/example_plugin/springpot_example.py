@@ -199,14 +199,11 @@ def springpot_datasets() -> Iterable[DataSet]:
 def read(path: Path, choice: Choice) -> Measurement:
     """The measurement in a file; whatever is wrong with it is told in one line."""
     if choice:
-        raise DataError(
-            "an example-json file holds one sweep with its unit, there is nothing to choose"
-        )
+        raise DataError("an example-json file holds one sweep: there is nothing to choose")
     try:
         table = json.loads(path.read_text(encoding="utf-8"))
-        omega, storage, loss = (
-            np.array([float(v) for v in table[key]]) for key in ("omega", "storage", "loss")
-        )
+        columns = ([float(v) for v in table[key]] for key in ("omega", "storage", "loss"))
+        omega, storage, loss = map(np.array, columns)
         units = Units(known_unit(table["unit"], MODULUS_UNITS, "storage and loss"))
         return Measurement(omega, storage + 1j * loss, units=units, name=path.stem)
     except Exception as error:
@@ -215,16 +212,12 @@ def read(path: Path, choice: Choice) -> Measurement:
 
 def text(data: Measurement) -> str:
     """The text of a file; what the format has no place for is refused, not lost."""
-    if (
-        data.conditions
-        or data.labels
-        or any(column is not None for column in (data.sd, data.repeat, data.harmonics))
-    ):
+    more = (data.conditions, data.labels, data.sd, data.repeat, data.harmonics)
+    if any(column is not None and len(column) for column in more):
         raise DataError(f"{data.name}: example-json holds frequency, storage and loss only")
     columns = {"omega": data.omega, "storage": data.storage, "loss": data.loss}
-    return json.dumps(
-        {"unit": data.units.stiffness} | {key: column.tolist() for key, column in columns.items()}
-    )
+    lists = {key: column.tolist() for key, column in columns.items()}
+    return json.dumps({"unit": data.units.stiffness} | lists)
 
 
 def recognises(head: bytes) -> float:
@@ -235,12 +228,5 @@ def recognises(head: bytes) -> float:
 @hookimpl
 def springpot_readers() -> Iterable[Reader]:
     """One reader."""
-    return [
-        Reader(
-            "example-json",
-            "JSON with unit, omega in rad/s, storage and loss",
-            recognises,
-            read,
-            text=text,
-        )
-    ]
+    summary = "JSON with unit, omega in rad/s, storage and loss"
+    return [Reader("example-json", summary, recognises, read, text=text)]

@@ -187,7 +187,8 @@ def test_results_survive_pickle_and_copy(fit: Identification):
     for again in (pickle.loads(pickle.dumps(fit)), copy.deepcopy(fit), copy.copy(fit)):
         assert again.to_dict() == fit.to_dict()
         assert np.array_equal(again.predict(3.0).low, fit.predict(3.0).low)
-    assert pickle.loads(pickle.dumps(diagnosis)).to_dict() == diagnosis.to_dict()
+    # As text: an error that is not known is nan, which equals nothing.
+    assert repr(pickle.loads(pickle.dumps(diagnosis)).to_dict()) == repr(diagnosis.to_dict())
     for model in plugins().items("model"):
         if not isinstance(model, Family):
             assert pickle.loads(pickle.dumps(model)).names == model.names

@@ -101,6 +101,7 @@ def test_the_answer_keeps_to_its_keys(found):
         "classes",
         "says",
         "left_out",
+        "notes",
     }
     assert set(answer["where"][0]) == {"plane", "condition", "from", "to", "size", "says"}
     assert answer["candidates"][0]["class"] == ["force-clipping"]

@@ -227,6 +227,9 @@ def laid_over(model: Model, measurement: Measurement, own: Real) -> list[Real]:
         for effect in laws
         if effect.needs == columns
     )
+    # One level has nothing to be shifted to.
+    if len(np.unique(measurement.levels(column))) < 2:
+        return []
     points, starts, place = measurement.points, np.tile(own, (NEAREST, 1)), 0
     levels = replace(model, effects=free).bound_to(points)
     guesses = aligned(levels, measurement)
