@@ -407,3 +407,10 @@ def test_the_longest_records_have_a_threshold():
     assert highest_of_noise(20.0, 30.0) == pytest.approx(
         stats.f.ppf(1.0 - (1.0 - SIGNALS.motion) / 30.0, 2, 20.0), rel=1e-9
     )
+
+
+def test_a_force_that_is_zero_throughout_is_told():
+    time = np.linspace(0.0, 10.0, 1000)
+    silent = Signals(time, np.sin(2.0 * np.pi * time), np.zeros(1000), "mm", "N", name="silent")
+    with pytest.raises(DataError, match="silent: the force is zero throughout"):
+        measurement_from_signals([silent])

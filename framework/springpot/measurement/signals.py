@@ -299,6 +299,8 @@ def _summary(
     moved, force = fit.amplitude
     if not abs(moved[0]) > 0:
         raise DataError(f"{record.name}: the displacement does not move")
+    if not abs(force[0]) > 0:
+        raise DataError(f"{record.name}: the force is zero throughout")
     stiffness = complex(force[0] / moved[0])
     by_residual = _propagated(complex(moved[0]), fit)
     by_cycles = _scatter(fit.groups)
