@@ -18,7 +18,7 @@ from springpot.inputs import LARGEST, json_of, toml_in, toml_of
 from springpot.web.sessions import session_of
 from springpot.web.tasks import perform
 
-CASES = 50
+CASES = 25
 """Of each kind of document."""
 SEED = 7
 FRAME = {

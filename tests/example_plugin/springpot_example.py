@@ -126,9 +126,7 @@ def springpot_time_effects() -> Iterable[TimeEffect]:
 
 @dataclass(frozen=True)
 class OneFifth(Optimiser):
-    """The (1+1) evolution strategy.
-
-    One point, and a random step that grows with success and shrinks without.
+    """The (1+1) evolution strategy: a random step that grows with success.
 
     Parameters
     ----------

@@ -12,8 +12,8 @@ sys.path.insert(0, str(Path(__file__).parent))
 from answers import asked, cases_of, gist, kept, moved, same
 from cases import CASES
 
-ONE_IN = 4
-"""The suite asks each fourth question, the soak all of them."""
+ONE_IN = 8
+"""The suite asks each eighth question, the soak all of them."""
 WITHIN = 0.02
 """Relative difference that another machine's rounding may make of a fit's error or a noise floor.
 """
