@@ -6,8 +6,8 @@ from native_problems import OMEGA, noisy, setup
 from scipy.optimize import least_squares
 
 from soaked import soaked
+from springpot.distributions import student
 from springpot.identification import Uncertainty, bootstrap, fit, profile
-from springpot.identification.uncertainty import student
 from springpot.measurement import Measurement
 from springpot.registry import parse_model
 

@@ -8,8 +8,8 @@ import pytest
 from sweeps import TEMPERATURES, material, measured, simple
 
 import springpot
+from springpot.identification.known_factors import FURTHEST
 from springpot.report.mastercurve import mastercurve_text
-from springpot.superposition.known import FURTHEST
 
 
 def apart(i, omega):

@@ -11,11 +11,10 @@ from sweeps import C1, C2, LOG_A, REFERENCE, TEMPERATURES, material, measured, s
 
 import springpot
 from springpot.identification import fit
-from springpot.identification.lack_of_fit import beyond_its_pole
+from springpot.identification.allowed_shifts import allowed_shifts, refused_in_words
+from springpot.identification.free_factors import Rows, factors_of
+from springpot.identification.levels_alone import each_alone
 from springpot.superposition import laws
-from springpot.superposition.factors import Rows, factors_of
-from springpot.superposition.known import allowed_shifts
-from springpot.superposition.simplicity import each_alone
 
 
 def wlf_of(curve):
@@ -104,7 +103,7 @@ def test_a_law_that_shifts_sweeps_apart_which_have_moduli_in_common_is_refused()
     curve = springpot.mastercurve(data)
     rows = Rows.of(curve.fit)
     own = each_alone(data, rows.number, curve.fit.objective)
-    allowed = allowed_shifts(rows, factors_of(rows), own)
+    allowed = allowed_shifts(data, rows.elements[0], factors_of(rows).log_b[rows.number], own)
     assert allowed.broken_by(curve.factors.log_a) == ""
     steep = curve.factors.log_a.copy()
     steep[0] += np.log(10.0) * 108.0
@@ -117,10 +116,10 @@ def test_a_law_beyond_its_pole_is_told_with_the_model():
     """C2 = 31 K from 30 degC: a kelvin below the coldest level, where it shifts by 735 decades."""
     data = measured(simple)
     best = fit(springpot.parse_model("material + wlf-shift"), data)
-    assert list(beyond_its_pole(best)) == []
+    assert list(refused_in_words(best)) == []
     frozen = best.theta.copy()
     frozen[-2:] = 24.5, 31.0
-    (note,) = beyond_its_pole(replace(best, theta=frozen))
+    (note,) = refused_in_words(replace(best, theta=frozen))
     assert "0 to 0 degC" in note
     assert "none of a material" in note
 
@@ -133,3 +132,83 @@ def test_the_reference_of_the_laws_is_that_of_the_curve():
     assert moved.values.prod() == pytest.approx(at_30.values.prod(), rel=0.01)
     assert TEMPERATURES[REFERENCE] == 30.0
     assert {law.name for law in laws.LAWS} >= {"WLF", "VFT", "Arrhenius"}
+
+
+def factors(parameters):
+    found = [value for name, value in parameters.items() if name.startswith("free-shift.")]
+    return np.array([[each.value, each.low, each.high] for each in found])
+
+
+def test_free_factors_have_one_answer_in_all_commands():
+    """One level scatters more than twice as much: its interval is wider, and no other's."""
+    calm = measured(without_lift, noise=0.004, seed=4)
+    rough = measured(without_lift, noise=0.01, seed=4)
+    there = calm.conditions["temperature"] == 60.0
+    data = replace(calm, stiffness=np.where(there, rough.stiffness, calm.stiffness))
+    levels = [one for one in springpot.mastercurve(data, vertical=False).levels if one.value != 30]
+    ours = np.array([[one.a, one.a_low, one.a_high] for one in levels])
+    found = springpot.identify(data, "material + free-shift").parameters
+    np.testing.assert_allclose(factors(found), ours, rtol=1e-6)
+    by_name = factors(springpot.identify(data, "fractional-zener + free-shift").parameters)
+    width = np.log(by_name[:, 2] / by_name[:, 1])
+    assert width[3] > 1.5 * width[:3].max()
+
+
+def frozen(i, omega):
+    """Below the glass transition nothing moves any more; above, faster than sweeps overlap."""
+    return material(omega * np.exp([9.0, 9.0, 8.9, 5.0, -4.0][i]))
+
+
+def test_a_law_that_no_material_could_follow_is_refused_in_all_commands():
+    data = measured(frozen, seed=1)
+    curve = springpot.mastercurve(data, vertical=False)
+    assert not [law for law in curve.laws if law.law.name == "WLF"]
+    found = springpot.identify(data, "material + wlf-shift")
+    assert [note for note in found.notes if note.startswith("wlf-shift is refused: it ")]
+    (c1,) = [value for name, value in found.parameters.items() if name.endswith("C1")]
+    assert (c1.low, c1.high) == (0.0, 200.0)
+
+
+@pytest.mark.soak
+def test_a_law_that_no_material_could_follow_is_not_named_as_missing():
+    data = measured(frozen, seed=1)
+    named = [one.effect for one in springpot.diagnose(data, "material").candidates]
+    assert named[0] != "wlf-shift"
+
+
+def of_one_time(i, omega):
+    """A single Maxwell element beside a spring: its line lies between those of any lattice."""
+    celsius = TEMPERATURES[i] - 30.0
+    x = omega * np.exp(-np.log(10.0) * 17.44 * celsius / (81.6 + celsius))
+    return springpot.parse_model("zener").stiffness(np.array([1.0, 20.0, 3.0]), x)
+
+
+def cost(data, expression):
+    return fit(springpot.parse_model(expression), data).cost
+
+
+@pytest.mark.parametrize("lift", ["", " + free-vertical-shift"])
+@pytest.mark.parametrize("law", ["wlf-shift", "arrhenius-shift"])
+def test_free_factors_end_no_higher_than_the_laws_that_they_contain(law, lift):
+    """Within the twelve decades in which factors are searched."""
+    data = measured(of_one_time, seed=3, points=9)
+    free = cost(data, f"material + free-shift{lift}")
+    assert free <= cost(data, f"material + {law}{lift}") * (1.0 + 1e-9)
+
+
+def test_lines_and_factors_come_to_rest_together():
+    """Line after factor and factor after line, the error stayed at 1.5 x that of the noise."""
+    temperatures, omega = np.linspace(0.0, 100.0, 11), np.geomspace(0.1, 10.0, 9)
+    log_a = -np.log(10.0) * 12.0 * (temperatures - 30.0) / (50.0 + temperatures)
+    model, theta = springpot.parse_model("zener"), np.array([1.0, 20.0, 3.0])
+    clean = np.concatenate([model.stiffness(theta, omega * np.exp(a)) for a in log_a])
+    random = np.random.default_rng(3)
+    error = 0.005 * (random.normal(size=len(clean)) + 1j * random.normal(size=len(clean)))
+    data = springpot.Measurement(
+        np.tile(omega, 11),
+        clean * (1.0 + error),
+        conditions={"temperature": np.repeat(temperatures, 9)},
+    )
+    least = float(np.sum(np.abs(error) ** 2))
+    for expression in ("wlf-shift", "free-shift", "free-shift + free-vertical-shift"):
+        assert cost(data, f"material + {expression}") < 1.1 * least

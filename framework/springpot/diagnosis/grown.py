@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
+from springpot.identification.allowed_shifts import refused_laws
 from springpot.misfit.frame import Frame
 from springpot.misfit.refit import Refit
 from springpot.misfit.residual_battery import Battery
@@ -35,7 +37,7 @@ class Grown:
 
     @property
     def beyond_physics(self) -> list[Effect]:
-        """Effects that are larger than any specimen makes them, or at the end of their range."""
+        """Effects larger than any specimen makes them, at the end of their range, or no law."""
         units, beyond = self.refit.fit.measurement.units, []
         for effect in self.effects:
             factor, _ = units.of(effect.element.parameters[0].unit)
@@ -45,9 +47,15 @@ class Grown:
             )
             # Constants of a shift trade with each other, and one at its end says nothing of the
             # law.
-            if too_large or (effect.plane != "shift" and at_its_limit(self.refit, effect)):
+            ended = effect.plane != "shift" and at_its_limit(self.refit, effect)
+            if too_large or ended or effect.name in self.refused:
                 beyond.append(effect)
         return beyond
+
+    @cached_property
+    def refused(self) -> dict[str, str]:
+        """What laws do that are none of a material, by their name."""
+        return {effect.name: does for effect, does in refused_laws(self.refit.fit)}
 
     @property
     def same_at_all_amplitudes(self) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import chi2_sf
-from springpot.identification.lack_of_fit import beyond_its_pole
+from springpot.identification.allowed_shifts import refused_in_words
 from springpot.measurement.independence import moved_along
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import TIME
@@ -81,7 +81,7 @@ def notes(
     """
     search = evidence.search
     yield from _of_one_frequency(search)
-    yield from beyond_its_pole(search.base.fit)
+    yield from refused_in_words(search.base.fit)
     yield from _of_data(search, outliers, measured)
     for finding in unexplained_harmonics(search, verdict):
         yield (
@@ -180,9 +180,16 @@ def _by_rounds(library: Sequence[Effect]) -> str:
 def _beyond_physics(search: Search) -> Iterator[str]:
     """That an effect which fits best would have to be larger than any specimen makes it."""
     units = search.base.fit.measurement.units
-    too_large = [effect for grown in search.grown[:LEADING] for effect in grown.beyond_physics]
+    refused: dict[str, str] = {}
+    too_large: dict[Effect, None] = {}
     # Each once, in the order of the models.
-    for effect in dict.fromkeys(too_large):
+    for grown in search.grown[:LEADING]:
+        refused.update(grown.refused)
+        too_large.update(dict.fromkeys(grown.beyond_physics))
+    for effect in too_large:
+        if effect.name in refused:
+            yield f"{effect.name} would explain much, but it {refused[effect.name]}: no law does so"
+            continue
         end, reached = "the end of its range", "physics knows nothing of it there"
         if np.isfinite(effect.largest_of_modulus):
             _, unit = units.of(effect.element.parameters[0].unit)

@@ -12,6 +12,8 @@ from collections.abc import Callable
 
 from springpot.rheology.points import Real
 
+from .allowed_shifts import refused_laws
+from .known_factors import ends_of_factors
 from .lack_of_fit import widened
 from .material import SpectrumSearch, is_material, own_parameters
 from .native import Fit
@@ -45,6 +47,18 @@ def intervals_beside_material(known: Uncertainty) -> tuple[Real, Real]:
     known : Uncertainty
         Of a fit; of a model with a name its own intervals are given.
     """
+    low, high = _ends_by_slopes_or_profile(known)
+    for places, (least, most) in ends_of_factors(known):
+        low[places], high[places] = least, most
+    for effect, _ in refused_laws(known.fit):
+        # What is no law has no constants, however sharply the objective tells them.
+        for i, parameter in enumerate(known.fit.model.parameters):
+            if parameter.name.startswith(f"{effect.name}."):
+                low[i], high[i] = parameter.lower, parameter.upper
+    return low, high
+
+
+def _ends_by_slopes_or_profile(known: Uncertainty) -> tuple[Real, Real]:
     fit = known.fit
     low, high = known.interval()
     # The parameters of the material itself are known by each sweep.

@@ -8,37 +8,22 @@ more than the points scatter, more points at a level tell no more of its constan
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from springpot.distributions import f_sf
-from springpot.rheology.effect import Effect
+from springpot.distributions import f_sf, student
 from springpot.rheology.levels import levels_of
-from springpot.rheology.model import Model
 from springpot.rheology.points import Real
-from springpot.rheology.thermal import LARGEST_SHIFT
 from springpot.thresholds import SUPERPOSITION
 
-from .native import Fit
+from .allowed_shifts import laws_of_shift
+from .levels_alone import alike
 from .objective import weighted
-from .uncertainty import RANK, Uncertainty, student
-
-AT_BOUND = 1e-9
-"""Share of the largest shift within which one is at it."""
+from .uncertainty import RANK, Uncertainty
 
 ROUNDING = 1e-20
 """Share of the sum of squares that is no more than rounding."""
-
-
-def laws_of_shift(model: Model) -> Iterator[Effect]:
-    """Effects that shift the frequency by a law of one condition, such as the temperature."""
-    for effect in model.effects:
-        by_law = not effect.by_levels and effect.element.parameters
-        if effect.plane == "shift" and by_law and len(effect.needs) == 1:
-            yield effect
 
 
 def lack_of_fit(known: Uncertainty, column: str) -> tuple[float, float] | None:
@@ -111,65 +96,9 @@ def widened(known: Uncertainty) -> Uncertainty:
     return known
 
 
-def beyond_its_pole(fit: Fit) -> Iterator[str]:
-    """A sentence for each law that is without end at levels that were measured.
-
-    There it tells nothing.
-    """
-    points = fit.measurement.points
-    for effect in laws_of_shift(fit.model):
-        own = [i for i, name in enumerate(fit.model.names) if name.startswith(f"{effect.name}.")]
-        # One that was held is nobody's estimate.
-        if len(own) != len(effect.element.parameters):
-            continue
-        log_a = np.abs(effect.element.respond(fit.theta[own], points).value.real)
-        there = log_a >= (1.0 - AT_BOUND) * LARGEST_SHIFT
-        if not np.any(there):
-            continue
-        (column,) = effect.needs
-        values = fit.measurement.conditions[column][there]
-        unit = ""
-        if column == "temperature":
-            unit = " degC"
-        where = f"{column} {values.min():.3g} to {values.max():.3g}{unit}"
-        yield (
-            f"{effect.name} is no law of these data: at {where} it is beyond its pole, or shifts by"
-            f" more than {LARGEST_SHIFT / np.log(10.0):.2g} decades;"
-            " its constants are none of a material"
-        )
-
-
 def _alike(known: Uncertainty, column: str) -> float:
     data = known.fit.measurement
     return alike(known.fit.residual, data.omega, levels_of(column, data.points.need(column)))
-
-
-def alike(residual: Real, omega: Real, number: NDArray[np.int64]) -> float:
-    """Factor on variances because neighbouring residuals are alike.
-
-    (1 + r) / (1 - r) for their correlation r.
-
-    Parameters
-    ----------
-    residual : ndarray, shape (2n,)
-        In units of its own scatter: the real parts, then the imaginary ones.
-    omega : ndarray, shape (n,)
-        Angular frequencies.
-    number : ndarray of int, shape (n,)
-        Level of each point.
-    """
-    # Level by level, rising in frequency: only so are neighbours neighbours.
-    order = np.lexsort((omega, number))
-    pairs = residual.reshape(2, -1).T[order]
-    same = np.diff(number[order]) == 0
-    product = 0.0
-    # Neighbours of different levels are no neighbours.
-    if np.any(same):
-        product = float(np.mean((pairs[1:] * pairs[:-1])[same]))
-    # A negative correlation would narrow the intervals, on no more than a guess.
-    variance = max(float(np.mean(pairs**2)), 1e-300)
-    r = float(np.clip(product / variance, 0.0, SUPERPOSITION.most_alike))
-    return (1.0 + r) / (1.0 - r)
 
 
 def _spanned(columns: Real, whole: Real | None = None) -> Real:

@@ -82,6 +82,8 @@ FINE = STEP / 8
 """Between the places at which it is asked whether a further line would explain more."""
 FINEST = STEP / 2048
 """Between the closest lines: what lies between them differs by 1e-8 of K."""
+NEIGHBOURS = (-1 / 4, -1 / 16, -1 / 64, 0.0, 1 / 64, 1 / 16, 1 / 4)
+"""Places about a line to which it may move, in steps of the first lattice: far, or a little."""
 EXCHANGES = 20
 """Times that lines are added and others given up; most spectra take five."""
 SETTLED = 1e-6
@@ -404,6 +406,12 @@ class SpectrumSearch:
                 break
             trial = finer
         return self.nearest(trial)
+
+    def about(self, trial: Trial) -> Real:
+        """Logarithms of rates near those that carry weight, so that these may move a little."""
+        carrying = trial.log_rates[trial.weights[2:] > 0.0]
+        near = carrying[:, None] + STEP * np.array(NEIGHBOURS)
+        return np.asarray(FINEST * np.unique(np.round(near.ravel() / FINEST)), dtype=np.float64)
 
     def nearest(self, trial: Trial) -> Trial:
         """The same with a line wherever a further one would explain more, until none would.

@@ -9,7 +9,7 @@ import numpy as np
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import Real
 
-from .lack_of_fit import beyond_its_pole
+from .allowed_shifts import refused_in_words
 from .native import Fit
 from .specimens import told
 from .uncertainty import Uncertainty
@@ -58,7 +58,7 @@ def notes_on(known: Uncertainty, low: Real, high: Real) -> list[str]:
     """
     return [
         *_undetermined(known.fit),
-        *beyond_its_pole(known.fit),
+        *refused_in_words(known.fit),
         *told(known.fit),
         *_bounds(known),
         *_orders(known, low, high),

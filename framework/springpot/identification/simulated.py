@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from springpot.distributions import student
 from springpot.rheology.points import Complex, Real
 
 from .batch import fit_batch
 from .native import Fit, within_bounds
-from .uncertainty import Uncertainty, student
+from .uncertainty import Uncertainty
 
 NUMBERS = 4_000_000
 """Simulated numbers held at once."""

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.distributions import student
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
@@ -36,32 +36,6 @@ No instrument sees it.
 """
 PROFILED = 1e-4
 """Relative error of the ends of a profile's interval: below the four digits that are printed."""
-
-
-def student(level: float, dof: float) -> float:
-    """Two-sided quantile of Student's t.
-
-    ``level`` of the distribution lies within plus and minus this value.
-
-    Exact for one and two degrees of freedom, else by the expansion of Abramowitz and Stegun 26.7.5
-    (0.3 % at three).
-    """
-    # By hand: to import `scipy.stats` takes longer than most fits.
-    tail = 0.5 * (1.0 + level)
-    if dof <= 0:
-        return float("inf")
-    if dof < 2:
-        return float(np.tan(np.pi * (tail - 0.5)))
-    if dof < 3:
-        return float((2 * tail - 1) * np.sqrt(2 / (4 * tail * (1 - tail))))
-    z = NormalDist().inv_cdf(tail)
-    terms = (
-        (z**3 + z) / 4,
-        (5 * z**5 + 16 * z**3 + 3 * z) / 96,
-        (3 * z**7 + 19 * z**5 + 17 * z**3 - 15 * z) / 384,
-        (79 * z**9 + 776 * z**7 + 1482 * z**5 - 1920 * z**3 - 945 * z) / 92160,
-    )
-    return z + sum(term / dof ** (i + 1) for i, term in enumerate(terms))
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from springpot.format_numbers import number
+from springpot.rheology.levels import level_text
 from springpot.rheology.points import KELVIN, Points, Real
 from springpot.superposition.curve import MasterCurve
 from springpot.superposition.laws import LawFit
-from springpot.superposition.words import level_text
 
 from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic
 from .numbers import percent, seconds, with_interval

@@ -82,6 +82,20 @@ def level_word(value: float) -> str:
     return f"{value:.6g}".replace("-", "m").replace("+", "").replace(".", "p")
 
 
+def level_text(column: str, value: float) -> str:
+    """A level as people say it: what was set, not what a sensor printed.
+
+    Examples
+    --------
+    >>> from springpot.rheology.levels import level_text
+    >>> level_text("temperature", 24.98)
+    '25 degC'
+    """
+    if column == "temperature":
+        return f"{round(value, 1) + 0.0:g} degC"
+    return f"{column} {value:.4g}"
+
+
 @dataclass(frozen=True)
 class Levels(Node):
     """A positive factor for each level of a condition, one at the reference level.

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
+    from springpot.identification.free_factors import Factors
+    from springpot.rheology.levels import level_text
+
     from .curve import Level, MasterCurve, mastercurve
-    from .factors import Factors
     from .laws import LawFit
     from .simplicity import Failure, Simplicity
-    from .words import level_of, level_text
+    from .words import level_of
 
 __all__ = [
     "Factors",
@@ -26,14 +28,14 @@ __all__ = [
 ]
 
 _WHERE = {
-    "Factors": "springpot.superposition.factors",
+    "Factors": "springpot.identification.free_factors",
     "Failure": "springpot.superposition.simplicity",
     "LawFit": "springpot.superposition.laws",
     "Level": "springpot.superposition.curve",
     "MasterCurve": "springpot.superposition.curve",
     "Simplicity": "springpot.superposition.simplicity",
     "level_of": "springpot.superposition.words",
-    "level_text": "springpot.superposition.words",
+    "level_text": "springpot.rheology.levels",
     "mastercurve": "springpot.superposition.curve",
 }
 

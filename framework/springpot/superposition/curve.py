@@ -13,6 +13,10 @@ from numpy.typing import NDArray
 from springpot.drawing import draw
 from springpot.errors import DataError
 from springpot.format_numbers import number
+from springpot.identification.allowed_shifts import Allowed, allowed_shifts
+from springpot.identification.free_factors import Factors, Rows, factors_of, told_by_data
+from springpot.identification.known_factors import Known, interval_of, known_factors
+from springpot.identification.levels_alone import Alone, each_alone
 from springpot.identification.native import Fit, fit
 from springpot.identification.objective import Objective, default_objective, relative_objective
 from springpot.markup import Html, table, tag
@@ -20,20 +24,17 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.one_frequency import at_one_frequency
 from springpot.rheology.continuum import Continuum
 from springpot.rheology.effect import Effect, Layer
-from springpot.rheology.levels import HELD, Levels, levels_of
+from springpot.rheology.levels import HELD, Levels, level_text, levels_of
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import shift
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import SUPERPOSITION
 
-from .allowed import Allowed
 from .direct import Direct
-from .factors import Factors, Rows, factors_of, told_by_data
-from .known import FURTHEST, Known, allowed_shifts, known_factors
 from .laws import LawFit, judged_laws, slower_when_hot
-from .simplicity import Simplicity, each_alone, simplicity
+from .simplicity import Simplicity, simplicity
 from .vertical import lifted
-from .words import level_text, unit_of
+from .words import unit_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -144,10 +145,11 @@ class MasterCurve:
         """The levels in ascending order."""
         counts = np.bincount(Rows.of(self.fit).number)
         factors, rest, known = self.factors, self.simplicity, self.known
+        lowest, highest = interval_of(factors.log_b, factors.reach_b)
         rows = []
         for i in range(len(factors)):
             of_a = np.exp([factors.log_a[i], known.low[i], known.high[i]]).tolist()
-            ends = (*of_a, *_ends(factors.log_b[i], factors.reach_b[i]))
+            ends = (*of_a, *np.exp([factors.log_b[i], lowest[i], highest[i]]).tolist())
             head = (float(factors.levels[i]), int(counts[i]))
             errors = (float(rest.level_error[i]), float(rest.level_alone[i]))
             told = (bool(known.determined[i]), known.reason[i])
@@ -282,7 +284,7 @@ def mastercurve(
         *vertical_range(factors, told),
         *repeats_in_words(rows, own),
     ]
-    laws, said = _laws(rows, factors, known, told & vertical, allowed_shifts(rows, fitted, own))
+    laws, said = _laws(rows, factors, known, told & vertical, _allowed(rows, fitted, own))
     notes += said
     return MasterCurve(
         rows.fit,
@@ -310,6 +312,10 @@ def _fits(
     if not vertical:
         return alone, Rows.of(alone)
     return alone, lifted(alone, column)
+
+
+def _allowed(rows: Rows, fitted: Factors, own: Alone) -> Allowed:
+    return allowed_shifts(rows.fit.measurement, rows.elements[0], fitted.log_b[rows.number], own)
 
 
 def _laws(
@@ -347,14 +353,6 @@ def _without_vertical(laws: list[LawFit], alone: Direct) -> list[str]:
             " shift does what b does here"
         ]
     return []
-
-
-def _ends(log_factor: float, reach: float) -> tuple[float, float, float]:
-    """A factor and its interval; those of the logarithm, so that a factor is never below zero."""
-    # What the data leave open ends where no factor is searched: beyond, it would be no number.
-    low = max(log_factor - reach, min(log_factor, -FURTHEST))
-    high = min(log_factor + reach, max(log_factor, FURTHEST))
-    return float(np.exp(log_factor)), float(np.exp(low)), float(np.exp(high))
 
 
 def _check(measurement: Measurement, column: str) -> None:

@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from springpot.identification.expected_factors import whitening
+from springpot.identification.free_factors import Factors
 from springpot.identification.held_material import intervals_beside_material
 from springpot.identification.native import fit
 from springpot.identification.objective import Objective
@@ -21,9 +23,6 @@ from springpot.rheology.levels import Levels
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import chain, shift
 from springpot.rheology.points import KELVIN, Real
-
-from .factors import Factors
-from .vertical import whitening
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,16 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from springpot.distributions import chi2_sf, normal_sf
-from springpot.identification.uncertainty import student
+from springpot.distributions import chi2_sf, normal_sf, student
+from springpot.identification.allowed_shifts import Allowed
+from springpot.identification.free_factors import Factors
 from springpot.rheology.formula import Formula
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import KELVIN, Points, Real
 from springpot.rheology.thermal import arrhenius, temperature_power, vogel, wlf
 from springpot.thresholds import INTERVAL, SUPERPOSITION
-
-from .allowed import Allowed
-from .factors import Factors
 
 Verdict = Literal["holds", "departs", "cannot-tell"]
 TRIES = 12

@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.identification.free_factors import Factors, Rows
+from springpot.identification.known_factors import Known
+from springpot.identification.levels_alone import FEW, Alone
+from springpot.rheology.levels import level_text
 from springpot.thresholds import SUPERPOSITION
-
-from .factors import Factors, Rows
-from .known import Known
-from .simplicity import FEW, Alone
-from .words import level_text
 
 WHY = {
     "no overlap": (

@@ -7,31 +7,23 @@ is the failure of superposition.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import f_sf, normal_sf
-from springpot.identification.native import fit
-from springpot.identification.objective import Objective, weighted
-from springpot.measurement.measurement import Measurement
-from springpot.measurement.one_frequency import frequency_numbers
+from springpot.identification.free_factors import Rows, without
+from springpot.identification.levels_alone import TINY, Alone
+from springpot.identification.objective import weighted
 from springpot.rheology.continuum import Continuum
-from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import SUPERPOSITION
-
-from .factors import Rows, without
 
 Verdict = Literal["simple", "nearly-simple", "not-simple", "not-judged"]
 BAND = float(np.log(10.0))
 """Width of a branch of relaxation times: a decade."""
-TINY = 1e-24
-"""Least variance: exact data leave rounding."""
-FEW = 4
-"""Points of a level from which it can be fitted by itself."""
 ROUNDING = 1e-8
 """Share of a direction's power left by rounding where spectrum and factors can do all of it."""
 
@@ -114,75 +106,6 @@ class Simplicity:
         }
 
 
-@dataclass(frozen=True, eq=False)
-class Alone:
-    """Each level with a material of its own.
-
-    Attributes
-    ----------
-    cost, dof : ndarray, shape (m,)
-        Sum of squared weighted residuals and its degrees of freedom; nan and 0 where there are too
-        few points.
-    error : ndarray, shape (m,)
-        Relative error.
-    repeats : ndarray, shape (m,)
-        Relative scatter of repeated points; zero where none is.
-    """
-
-    cost: Real
-    dof: Real
-    error: Real
-    repeats: Real
-
-    @property
-    def share(self) -> Real:
-        """Factors (m,) on the weights.
-
-        Below one at levels that no material follows as nearly as elsewhere: their error would bend
-        the curve at the neighbours, where there is none. It is the root of the ratio of errors: by
-        the ratio itself such a level is all but left out and ends anywhere (the tape at -40 degC
-        5.1 % off, not 3.9 %).
-        """
-        strange = self.strange
-        if not np.any(strange):
-            return np.ones(len(self.error))
-        ratio = np.median(self.error[self.judged]) / np.maximum(self.error, TINY)
-        return np.where(strange, np.sqrt(np.where(strange, ratio, 1.0)), 1.0)
-
-    @property
-    def strange(self) -> NDArray[np.bool_]:
-        """Levels that no material follows as nearly as elsewhere, though repeats differ less."""
-        judged = self.judged
-        if not np.any(judged):
-            return judged
-        error = np.where(judged, self.error, 0.0)
-        far_off = error > SUPERPOSITION.stands_out * np.median(error[judged])
-        return np.asarray(far_off & (error > SUPERPOSITION.nearly * self.repeats))
-
-    def weighted_by(self, share: Real) -> Alone:
-        """The same at other weights of the levels."""
-        return replace(self, cost=self.cost * share**2)
-
-    @property
-    def judged(self) -> NDArray[np.bool_]:
-        """Levels with points enough."""
-        return np.asarray(np.isfinite(self.cost) & (self.dof > 0))
-
-    def variance(self, rows: Rows) -> Real:
-        """Variance (m,) of a weighted residual at each level.
-
-        That of its own material, else of the common one.
-        """
-        common = np.bincount(rows.level_of_row, rows.scale**2) / np.bincount(rows.level_of_row)
-        own = self.cost / np.maximum(self.dof, 1.0)
-        return np.maximum(np.where(self.judged, own, common), TINY)
-
-    def excess(self, rows: Rows) -> Real:
-        """Chi-square (m,) that the common material leaves at each level beyond that level's own."""
-        left = np.bincount(rows.level_of_row, rows.residual**2) / self.variance(rows)
-        return np.where(self.judged, left - self.dof, 0.0)
-
-
 def simplicity(rows: Rows, alone: Alone) -> Simplicity:
     """Test superposition.
 
@@ -236,6 +159,22 @@ def simplicity(rows: Rows, alone: Alone) -> Simplicity:
     )
 
 
+def _variance(alone: Alone, rows: Rows) -> Real:
+    """Variance (m,) of a weighted residual at each level.
+
+    That of its own material, else of the common one.
+    """
+    common = np.bincount(rows.level_of_row, rows.scale**2) / np.bincount(rows.level_of_row)
+    own = alone.cost / np.maximum(alone.dof, 1.0)
+    return np.maximum(np.where(alone.judged, own, common), TINY)
+
+
+def _excess(alone: Alone, rows: Rows) -> Real:
+    """Chi-square (m,) that the common material leaves at each level beyond that level's own."""
+    left = np.bincount(rows.level_of_row, rows.residual**2) / _variance(alone, rows)
+    return np.where(alone.judged, left - alone.dof, 0.0)
+
+
 def _mean(rows: Rows, error: Real, which: NDArray[np.bool_]) -> float:
     """Root mean square of errors (m,) over the points of some levels."""
     counts = np.bincount(rows.number)[which]
@@ -254,47 +193,6 @@ def _level_errors(rows: Rows) -> Real:
     return np.sqrt(np.bincount(rows.number, _relative(rows) ** 2) / np.bincount(rows.number))
 
 
-def each_alone(measurement: Measurement, number: NDArray[np.int64], objective: Objective) -> Alone:
-    """A fit of any material to each level by itself.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        All sweeps.
-    number : ndarray of int, shape (n,)
-        Level of each point.
-    objective : Objective
-        How the misfit is measured.
-    """
-    material = Model("material", Continuum())
-    m = int(number.max()) + 1
-    cost, dof, error = np.full(m, np.nan), np.zeros(m), np.full(m, np.nan)
-    for level in range(m):
-        part = measurement.subset(number == level, f"level {level}")
-        # So few points a material follows nearly whatever they are.
-        if len(np.unique(part.omega)) < FEW:
-            continue
-        own = fit(material, part, objective)
-        off = np.abs(own.model.stiffness(own.theta, part.points) / part.stiffness - 1.0)
-        cost[level], dof[level] = own.cost, own.dof
-        error[level] = float(np.sqrt(np.mean(off**2)))
-    return Alone(cost, dof, error, repeat_scatter(measurement, number))
-
-
-def repeat_scatter(data: Measurement, number: NDArray[np.int64]) -> Real:
-    """Relative scatter (m,) of points repeated at one level and frequency; zero where none is."""
-    rows = np.column_stack([number, frequency_numbers(data)])
-    _, group = np.unique(rows, axis=0, return_inverse=True)
-    group = group.ravel()
-    count = np.bincount(group)
-    mean = (np.bincount(group, data.storage) + 1j * np.bincount(group, data.loss)) / count
-    square = np.abs(data.stiffness / mean[group] - 1.0) ** 2
-    spare = np.bincount(number, 1.0 - 1.0 / count[group])
-    summed = np.bincount(number, square)
-    # One pair of repeats leaves one degree of freedom: less than half of one is rounding.
-    return np.sqrt(np.where(spare > 0.5, summed / np.maximum(spare, 0.5), 0.0))
-
-
 def _chance(rows: Rows, alone: Alone) -> float:
     """That one material for all levels leaves so much more than one for each, by Fisher's test.
 
@@ -305,7 +203,7 @@ def _chance(rows: Rows, alone: Alone) -> float:
     spare = float(rows.fit.dof * counts[alone.judged].sum() / counts.sum())
     inner = float(alone.dof[alone.judged].sum())
     # In units of each level's own variance: what is left beyond its degrees of freedom.
-    extra = float(np.sum(alone.excess(rows)))
+    extra = float(np.sum(_excess(alone, rows)))
     # Nothing is saved by one material for all: there is nothing to be tested.
     if spare <= inner:
         return 1.0
@@ -375,7 +273,7 @@ def _missed_parts(rows: Rows, alone: Alone) -> list[Failure]:
 
 def _levels(rows: Rows, alone: Alone, error: Real) -> list[Failure]:
     """Levels that a material of their own follows and the common one does not."""
-    excess, judged = alone.excess(rows), alone.judged
+    excess, judged = _excess(alone, rows), alone.judged
     whole = _total(excess)
     values, failures = rows.elements[0].shown, []
     for level in np.flatnonzero(judged & (error > SUPERPOSITION.nearly * alone.error)).tolist():
@@ -479,8 +377,8 @@ def _one_step(rows: Rows, alone: Alone, columns: NDArray[np.complex128]) -> tupl
     All that spectrum and factors can do is taken out; each row is weighted by the scatter of its
     level about a material of its own. The chance counts all directions that are tried.
     """
-    excess = alone.excess(rows)
-    scale = np.sqrt(alone.variance(rows))[rows.level_of_row, None]
+    excess = _excess(alone, rows)
+    scale = np.sqrt(_variance(alone, rows))[rows.level_of_row, None]
     # What spectrum and factors can do in its place is no failure of superposition.
     spectrum = rows.by_theta[:, : len(rows.fit.model.material.parameters)]
     asked = weighted(columns, rows.weights).T / scale

@@ -1,10 +1,8 @@
-"""What is known of vertical factors before the data speak, and those that depart least from it.
+"""Vertical factors that depart least from what is known of them before the data speak.
 
 Where sweeps are straight (a power law) a factor of the stiffness and a shift of the frequency are
 one, and the data leave both open along a ridge. Of all factors on it those are taken that physics
 expects: a stiffness that goes with a power of temperature, and sweeps that repeat to some per cent.
-Tikhonov's regularisation with a width that has a meaning, which is Bayes' theorem with a normal
-prior of ln b; data that contradict it have their way.
 """
 
 from __future__ import annotations
@@ -12,79 +10,18 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from springpot.distributions import f_sf
 from springpot.identification.alignment import aligned
+from springpot.identification.expected_factors import Expected, expectation
+from springpot.identification.free_factors import Rows, told_by_data
 from springpot.identification.native import Fit, fit
 from springpot.rheology.continuum import Continuum
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.levels import Levels
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import chain
-from springpot.rheology.points import Real
 from springpot.thresholds import SUPERPOSITION
-
-from .factors import Expected, Rows, told_by_data
-
-POWER = 1.0
-"""Standard deviation of n in b = (T / Tr)^n.
-
-1 for an ideal rubber (Flory), below 0 for a glass, whose modulus falls
-by tenths of a per cent for each kelvin."""
-REPEATED = 0.03
-"""Standard deviation of ln b of one sweep by itself.
-
-The gap and the grip of a specimen give and slip by some per
-cent when the temperature changes."""
-ELSEWHERE = float(np.log(2.0))
-"""Standard deviation of ln b along other columns: only its order of magnitude is known."""
-
-
-def expectation(rows: Rows) -> Real:
-    """Rows (r, q) that whiten the logarithms of all free factors by what is expected of them.
-
-    Zero where nothing is.
-
-    Every level, that of reference too, has an error of its own, so that no level is trusted before
-    the others.
-    """
-    blocks = np.zeros((0, 0))
-    for element in rows.elements:
-        own = np.zeros((0, len(element.parameters)))
-        if not element.logarithmic:
-            own = whitening(element)
-        blocks = block_diag(blocks, own)
-    return np.asarray(blocks, dtype=np.float64)
-
-
-def whitening(element: Levels) -> Real:
-    """Rows (q, q) that whiten logarithms of free vertical factors by what is expected of them."""
-    return np.asarray(np.linalg.inv(np.linalg.cholesky(_covariance(element))), dtype=np.float64)
-
-
-def _covariance(element: Levels) -> Real:
-    """Of the logarithms of the free vertical factors, one at the reference."""
-    free = list(element.free)
-    size, along = ELSEWHERE, np.zeros(len(free))
-    if element.column == "temperature":
-        size = REPEATED
-        kelvin = np.array(element.values)
-        along = POWER * np.log(kelvin[free] / kelvin[element.reference])
-    shared = np.ones((len(free), len(free)))
-    return np.asarray(
-        np.outer(along, along) + size**2 * (np.eye(len(free)) + shared), dtype=np.float64
-    )
-
-
-def spread_between(element: Levels) -> Real:
-    """Expected standard deviation (m, m) of ln b from each level to each other."""
-    size, along = ELSEWHERE, np.zeros(len(element.values))
-    if element.column == "temperature":
-        size, along = REPEATED, POWER * np.log(np.array(element.values))
-    return np.asarray(
-        np.sqrt(np.subtract.outer(along, along) ** 2 + 2.0 * size**2), dtype=np.float64
-    )
 
 
 def lifted(alone: Fit, column: str) -> Rows:
@@ -110,7 +47,7 @@ def lifted(alone: Fit, column: str) -> Rows:
     # What the freest factors leave is the scatter that departures from the expected are weighed
     # against.
     rows = Rows.of(free)
-    expected = Expected(expectation(rows), rows.unit)
+    expected = Expected(expectation(rows.elements), rows.unit)
     seeds = [unlifted, read_off, free.theta]
     best = Rows.of(
         fit(model, data, alone.objective, seeds_theta=seeds, expected=expected.weighted), expected

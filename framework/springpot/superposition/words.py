@@ -18,20 +18,6 @@ def unit_of(column: str) -> str:
     return "degC"
 
 
-def level_text(column: str, value: float) -> str:
-    """A level as people say it: what was set, not what a sensor printed.
-
-    Examples
-    --------
-    >>> from springpot.superposition import level_text
-    >>> level_text("temperature", 24.98)
-    '25 degC'
-    """
-    if column == "temperature":
-        return f"{round(value, 1) + 0.0:g} degC"
-    return f"{column} {value:.4g}"
-
-
 def level_of(text: str, column: str = "temperature") -> float:
     """The level that a text such as ``25degC``, ``298.15K`` or ``0.5`` names; temperatures in degC.
 

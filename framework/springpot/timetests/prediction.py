@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from springpot.distributions import student
 from springpot.errors import DataError
 from springpot.identification.prediction import Prediction, require_known
 from springpot.identification.result import Identification
 from springpot.identification.space import require_conditions
-from springpot.identification.uncertainty import student
 from springpot.measurement.covered import Covered
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timed import material_of

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from springpot.distributions import student
 from springpot.identification.coordinates import Coordinates
-from springpot.identification.uncertainty import ends, spread_of, student
+from springpot.identification.uncertainty import ends, spread_of
 from springpot.measurement.covered import Covered
 from springpot.measurement.timed import Timed, material_of
 from springpot.measurement.timetest import TimeTest

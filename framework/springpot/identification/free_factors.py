@@ -8,16 +8,18 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.identification.lack_of_fit import alike
-from springpot.identification.native import Fit
-from springpot.identification.objective import weighted
-from springpot.identification.uncertainty import student
-from springpot.rheology.continuum import Continuum
-from springpot.rheology.levels import Levels, levels_of
+from springpot.distributions import student
+from springpot.rheology.effect import Effect
+from springpot.rheology.levels import Levels, level_text, levels_of
+from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
-from .words import level_text
+from .expected_factors import Expected
+from .levels_alone import alike
+from .material import is_material
+from .native import Fit
+from .objective import weighted
 
 LOST = 1e-5
 """Singular value over the largest below which a direction of the factors is not determined."""
@@ -99,46 +101,17 @@ class Factors:
 
 
 @dataclass(frozen=True, eq=False)
-class Expected:
-    """What is known of the free factors before the data speak.
-
-    Attributes
-    ----------
-    rows : ndarray, shape (r, q)
-        The logarithms of the factors times these are expected to be normal, of unit variance about
-        zero.
-    unit : float
-        Variance of a weighted residual of the data, by which departures are weighed against these.
-    """
-
-    rows: Real
-    unit: float
-
-    @property
-    def weighted(self) -> Real:
-        """Rows (r, q) whose squares stand beside those of the residuals."""
-        return np.asarray(np.sqrt(self.unit) * self.rows, dtype=np.float64)
-
-    @property
-    def covariance(self) -> Real:
-        """Covariance (q, q) of logarithms of which something is expected; zero for others."""
-        precision = self.rows.T @ self.rows
-        known = np.flatnonzero(np.diag(precision) > 0.0)
-        covariance = np.zeros_like(precision)
-        covariance[np.ix_(known, known)] = np.linalg.inv(precision[np.ix_(known, known)])
-        return covariance
-
-
-@dataclass(frozen=True, eq=False)
 class Rows:
-    """What the factors of a fitted material are judged by: rows of the weighted residual (2n,).
+    """What the factors of a fitted model are judged by: rows of the weighted residual (2n,).
 
     Attributes
     ----------
     fit : Fit
-        The material with its factors.
+        The model with its factors.
     elements : tuple of Levels
         One for each effect with factors, in the order of theta.
+    own : tuple of int
+        Numbers of their parameters in theta.
     number : ndarray of int, shape (n,)
         Level of each measured point.
     expected : Expected, optional
@@ -147,17 +120,23 @@ class Rows:
 
     fit: Fit
     elements: tuple[Levels, ...]
+    own: tuple[int, ...]
     number: NDArray[np.int64]
     expected: Expected | None = None
 
     @classmethod
-    def of(cls, fit: Fit, expected: Expected | None = None) -> Rows:
-        """Of a fit of a material with free factors of one column."""
-        elements = tuple(
-            effect.element for effect in fit.model.effects if isinstance(effect.element, Levels)
-        )
-        number = levels_of(elements[0].column, fit.measurement.points.need(elements[0].column))
-        return cls(fit, elements, number, expected)
+    def of(cls, fit: Fit, expected: Expected | None = None, column: str = "") -> Rows:
+        """Of a fit of a model with free factors of a column, the first one's by default."""
+        column = column or columns_of_factors(fit.model)[0]
+        elements: list[Levels] = []
+        own: list[int] = []
+        for effect in _with_factors(fit.model):
+            element = effect.element
+            if isinstance(element, Levels) and element.column == column:
+                elements.append(element)
+                own += [fit.model.names.index(name) for name in _names_of(effect)]
+        number = levels_of(column, fit.measurement.points.need(column))
+        return cls(fit, tuple(elements), tuple(own), number, expected)
 
     def named(self, level: int) -> str:
         """A level with its unit."""
@@ -171,9 +150,8 @@ class Rows:
 
     @cached_property
     def residual(self) -> Real:
-        """Weighted residual (2n,)."""
-        model, data = self.fit.model, self.fit.measurement
-        return weighted(data.stiffness - model.stiffness(self.fit.theta, data.points), self.weights)
+        """Weighted residual (2n,), measured minus modelled."""
+        return -self.fit.residual
 
     @cached_property
     def weights(self) -> NDArray[np.complex128]:
@@ -181,72 +159,90 @@ class Rows:
         return np.asarray(self.fit.task.weights[0], dtype=np.complex128)
 
     @cached_property
+    def _complex_slopes(self) -> NDArray[np.complex128]:
+        """Slopes (p, n) of what is compared, K or its logarithm, by the parameters."""
+        model, points = self.fit.model, self.fit.measurement.points
+        slopes = model.jacobian(self.fit.theta, points).T
+        if self.fit.task.logarithmic:
+            slopes = slopes / model.stiffness(self.fit.theta, points)
+        return np.asarray(slopes, dtype=np.complex128)
+
+    @cached_property
     def by_theta(self) -> Real:
-        """Slopes (2n, p) of the weighted K by the parameters."""
-        model, data = self.fit.model, self.fit.measurement
-        return weighted(model.jacobian(self.fit.theta, data.points).T, self.weights).T
+        """Slopes (2n, p) of what is compared, weighted, by the parameters."""
+        return weighted(self._complex_slopes, self.weights).T
 
     @cached_property
     def spectrum(self) -> Real:
-        """Slopes (2n, s) by all that the spectrum can do.
+        """Slopes (2n, s) by all that may follow in a factor's place.
 
-        Weights that are not zero, and the places of its lines.
+        Of a spectrum the weights that are not zero, and the places of its lines; of other models
+        and effects the parameters.
         """
-        count = len(self.fit.model.material.parameters)
-        weights = self.fit.theta[:count]
-        return np.column_stack([self.by_theta[:, :count][:, weights > 0.0], self.by_places])
-
-    @cached_property
-    def by_places(self) -> Real:
-        """Slopes (2n, lines) by the logarithm of each line's rate, the factors applied."""
-        # The lines lie on a lattice; between its places the true ones may be anywhere, and that
-        # makes factors less sure.
-        turn = self._turn
-        moved = -self.fit.theta[2 : 2 + len(turn), None] * turn * (1.0 - turn) * self.reduced[0]
-        return weighted(moved, self.weights).T
+        return weighted(np.concatenate([self._others, self._by_places]), self.weights).T
 
     @cached_property
     def bent(self) -> Real:
         """Derivative (2n, s) of the slopes by the spectrum with the logarithm of the frequency."""
-        factor, x = self.reduced
+        bent = np.zeros_like(self._others)
         turn = self._turn
-        weights = self.fit.theta[: 2 + len(turn)]
-        by_weights = np.concatenate([[np.zeros_like(x), 1j * np.exp(x)], turn * (1.0 - turn)])
-        by_places = -weights[2:, None] * turn * (1.0 - turn) * (1.0 - 2.0 * turn)
-        both = np.concatenate([by_weights[weights > 0.0], by_places]) * factor
-        return weighted(both.astype(np.complex128), self.weights).T
+        lines = len(turn)
+        bent[1 : 2 + lines] = self._others[1 : 2 + lines]
+        bent[2 : 2 + lines] *= 1.0 - turn
+        by_places = self._by_places * (1.0 - 2.0 * turn)
+        return weighted(np.concatenate([bent, by_places]), self.weights).T
+
+    @cached_property
+    def _others(self) -> NDArray[np.complex128]:
+        """Slopes (s, n) by all parameters but the factors; zero by weights that are zero."""
+        slopes = self._complex_slopes.copy()
+        if is_material(self.fit.model):
+            slopes[: len(self.fit.model.material.parameters)][self._unused] = 0.0
+        return np.delete(slopes, self.own, axis=0)
+
+    @property
+    def _unused(self) -> NDArray[np.bool_]:
+        return np.asarray(self.fit.theta[: len(self.fit.model.material.parameters)] == 0.0)
+
+    @cached_property
+    def _by_places(self) -> NDArray[np.complex128]:
+        """Slopes (lines, n) by the logarithm of each line's rate."""
+        # The lines lie on a lattice; between its places the true ones may be anywhere, and that
+        # makes factors less sure.
+        weights = self.fit.theta[2 : 2 + len(self._turn), None]
+        return -weights * self._complex_slopes[2 : 2 + len(weights)] * (1.0 - self._turn)
 
     @cached_property
     def _turn(self) -> NDArray[np.complex128]:
-        """K (lines, n) of each line over its weight, at the reduced frequencies."""
-        material = self.fit.model.material
-        assert isinstance(material, Continuum)
-        return np.asarray(
-            1.0 / (1.0 - 1j * np.exp(np.log(material.rates)[:, None] - self.reduced[1]))
-        )
+        """K (lines, n) of each line over its weight, as the factors move it."""
+        if not is_material(self.fit.model):
+            return np.zeros((0, len(self.number)), dtype=np.complex128)
+        # A spring adds one where a line adds this: whatever acts on both cancels.
+        lines = self._complex_slopes[2 : len(self.fit.model.material.parameters)]
+        return np.asarray(lines / self._complex_slopes[0])
 
     @cached_property
     def reduced(self) -> tuple[Real, Real]:
         """Vertical factor, and ln of the reduced angular frequency, of each point (n,)."""
         points = self.fit.measurement.points
         factor, x = np.ones(len(self.number)), points.log_omega
-        theta, start = self.fit.theta, len(self.fit.model.material.parameters)
+        start = 0
         for element in self.elements:
-            own = theta[start : start + len(element.parameters)]
-            value = element.respond(own, points).value.real
+            stop = start + len(element.parameters)
+            value = element.respond(self.fit.theta[list(self.own[start:stop])], points).value.real
             # Shifts move the logarithm of the frequency, vertical factors multiply the stiffness.
             if element.logarithmic:
                 x = x + value
             else:
                 factor = factor * value
-            start += len(own)
+            start = stop
         return factor, x
 
     @cached_property
     def factors(self) -> Real:
         """Slopes (2n, q) by the logarithms of the free factors."""
-        count = len(self.fit.model.material.parameters)
-        return self.by_theta[:, count:] * self.fit.theta[count:]
+        own = list(self.own)
+        return self.by_theta[:, own] * self.fit.theta[own]
 
     @cached_property
     def scale(self) -> Real:
@@ -281,9 +277,25 @@ class Rows:
         """
         if self.expected is None:
             return self.fit.cost
-        own = self.fit.theta[len(self.fit.model.material.parameters) :]
-        surprise = self.expected.weighted @ np.log(own)
+        surprise = self.expected.weighted @ np.log(self.fit.theta[list(self.own)])
         return self.fit.cost + float(surprise @ surprise)
+
+
+def columns_of_factors(model: Model) -> list[str]:
+    """Columns of which the model has free factors, none of them held."""
+    return list(dict.fromkeys(column for e in _with_factors(model) for column in e.needs))
+
+
+def _with_factors(model: Model) -> list[Effect]:
+    return [
+        effect
+        for effect in model.effects
+        if effect.by_levels and set(_names_of(effect)) <= set(model.names)
+    ]
+
+
+def _names_of(effect: Effect) -> list[str]:
+    return [f"{effect.name}.{parameter.name}" for parameter in effect.element.parameters]
 
 
 def factors_of(rows: Rows) -> Factors:
@@ -321,7 +333,10 @@ def _covariance(rows: Rows, expected: Expected | None) -> Real:
     """Covariance (q, q) of the logarithms of the free factors."""
     # What the spectrum could do in a factor's place tells nothing of the factor.
     sd = np.sqrt(rows.alike) * rows.scale
-    slopes = _beyond_noise(without(rows.spectrum, rows.factors), _noise_of_slopes(rows, sd))
+    slopes = without(rows.spectrum, rows.factors)
+    # The few parameters of a model with a name follow next to nothing of the noise.
+    if is_material(rows.fit.model):
+        slopes = _beyond_noise(slopes, _noise_of_slopes(rows, sd))
     if expected is not None:
         slopes = np.concatenate([slopes, expected.weighted])
         sd = np.concatenate([sd, np.full(len(expected.rows), np.sqrt(expected.unit))])
@@ -423,7 +438,7 @@ def _spread(rows: Rows, covariance: Real) -> Factors:
         if element.logarithmic:
             first_place = 0
         place += [first_place + i for i in element.free]
-    values[place] = np.log(rows.fit.theta[len(rows.fit.model.material.parameters) :])
+    values[place] = np.log(rows.fit.theta[list(rows.own)])
     whole = np.zeros((2 * m, 2 * m))
     whole[np.ix_(place, place)] = covariance
     quantile = student(INTERVAL, rows.fit.dof)

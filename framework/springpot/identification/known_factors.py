@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.identification.coordinates import WIDEST
+from springpot.distributions import student
 from springpot.rheology.points import Real
 from springpot.thresholds import SUPERPOSITION
 
-from .allowed import Allowed
-from .factors import Factors, Rows
-from .flatness import flat_levels
-from .simplicity import FEW, Alone
-from .vertical import spread_between
+from .allowed_shifts import ROOM, meeting, ranges, scatter_between
+from .coordinates import WIDEST
+from .expected_factors import spread_between
+from .flat_sweeps import flat_levels
+from .free_factors import Factors, Rows, columns_of_factors, factors_of
+from .levels_alone import FEW, Alone, each_alone
+from .material import is_material
+from .objective import relative_objective
+from .uncertainty import Uncertainty
 
 FURTHEST = 2.0 * WIDEST
 """Logarithm beyond which no factor lies.
@@ -24,10 +29,6 @@ Two levels may be at the opposite ends of what is searched.
 """
 ROUNDING = 1e-9
 """Share of a logarithm by which one at the end of the search may lie within it."""
-
-
-ROOM = 2.0
-"""Standard deviations within which moduli meet."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +64,35 @@ class Known:
         return np.array([reason in {"", "wide", "too few points"} for reason in self.reason])
 
 
+def ends_of_factors(known: Uncertainty) -> Iterator[tuple[list[int], tuple[Real, Real]]]:
+    """Numbers of the free factors in theta, and the ends of their intervals.
+
+    Those of a master curve, whatever command asks.
+    """
+    fit = known.fit
+    # What specimens differ by, their own scatter says.
+    if fit.dof <= 0 or known.specimens is not None:
+        return
+    for column in columns_of_factors(fit.model):
+        rows = Rows.of(fit, column=column)
+        factors = replace(factors_of(rows), quantile=student(known.level, fit.dof))
+        of_a = interval_of(factors.log_a, factors.reach_a)
+        of_b = interval_of(factors.log_b, factors.reach_b)
+        if len(rows.elements) == len(fit.model.effects) and is_material(fit.model):
+            # Relative, whatever the fit was weighed by: its weights may be those of all points.
+            own = each_alone(fit.measurement, rows.number, relative_objective())
+            found = known_factors(rows, factors, factors, own)
+            of_a = found.low, found.high
+        start = 0
+        for element in rows.elements:
+            places = list(rows.own[start : start + len(element.free)])
+            low, high = of_b
+            if element.logarithmic:
+                low, high = of_a
+            yield places, (np.exp(low[list(element.free)]), np.exp(high[list(element.free)]))
+            start += len(element.free)
+
+
 def known_factors(rows: Rows, fitted: Factors, factors: Factors, own: Alone) -> Known:
     """Which factors are determined.
 
@@ -79,7 +109,7 @@ def known_factors(rows: Rows, fitted: Factors, factors: Factors, own: Alone) -> 
     others = np.arange(len(factors)) != at
     joined = reached_from(at, overlaps(rows, own))
     # Both: flat sweeps are laid over the others wherever the search ended.
-    connected = joined & reached_from(at, _touching(*_ranges(rows, rows.reduced[1])))
+    connected = joined & reached_from(at, meeting(*ranges(rows.number, rows.reduced[1])))
     # The spectrum follows the noise of a flat sweep, by which its place would seem to be known.
     # What overlaps with nothing could be shifted, flat or not, if there were anything to be laid
     # upon.
@@ -109,48 +139,17 @@ def overlaps(rows: Rows, own: Alone) -> NDArray[np.bool_]:
     2012, theorem 6.17). So sweeps share reduced frequencies only where they share moduli, wherever
     they are shifted.
     """
-    low, high = _ranges(rows, np.log(rows.fit.measurement.magnitude))
-    variance = _scatter_between(rows, own)
+    low, high = ranges(rows.number, np.log(rows.fit.measurement.magnitude))
+    variance = scatter_between(own)
     if len(rows.elements) > 1:
         variance = variance + spread_between(rows.elements[-1]) ** 2
-    return _touching(low, high, ROOM * np.sqrt(variance))
-
-
-def allowed_shifts(rows: Rows, fitted: Factors, own: Alone) -> Allowed:
-    """How far neighbouring levels can be shifted, moduli divided by the vertical factors found."""
-    low, high = _ranges(rows, np.log(rows.fit.measurement.magnitude) - fitted.log_b[rows.number])
-    # Beyond their scatter: where two ends only just meet, nobody knows that they do.
-    surely = _touching(low, high, -ROOM * np.sqrt(_scatter_between(rows, own)))
-    return Allowed(
-        fitted.column, fitted.levels, *_ranges(rows, rows.fit.measurement.points.log_omega), surely
-    )
-
-
-def _scatter_between(rows: Rows, own: Alone) -> Real:
-    """Variance (m, m) of the difference of ln|K| of two levels by their scatter."""
-    usual = 0.0
-    if np.any(own.judged):
-        usual = float(np.median(own.error[own.judged]))
-    scatter = np.where(own.judged, own.error, usual)
-    return np.asarray(np.add.outer(scatter**2, scatter**2), dtype=np.float64)
+    return meeting(low, high, ROOM * np.sqrt(variance))
 
 
 def _frequencies(rows: Rows) -> NDArray[np.int64]:
     """Distinct frequencies (m,) of each level."""
     omega = rows.fit.measurement.omega
     return np.array([len(np.unique(omega[rows.number == i])) for i in range(rows.number.max() + 1)])
-
-
-def _ranges(rows: Rows, values: Real) -> tuple[Real, Real]:
-    """Least and largest value (m,) of each level."""
-    parts = [values[rows.number == i] for i in range(rows.number.max() + 1)]
-    return np.array([part.min() for part in parts]), np.array([part.max() for part in parts])
-
-
-def _touching(low: Real, high: Real, room: Real | float = 0.0) -> NDArray[np.bool_]:
-    return np.asarray(
-        (low[:, None] <= high[None, :] + room) & (low[None, :] <= high[:, None] + room)
-    )
 
 
 def reached_from(reference: int, touching: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -171,10 +170,8 @@ def _ends(
     than it would overlap: so far its interval goes, and on the other side there is no end.
     """
     log_a, reach = factors.log_a, np.minimum(factors.reach_a, 2.0 * FURTHEST)
-    # What the data leave open ends where no factor is searched: beyond, it would be no number.
-    low = np.maximum(log_a - reach, np.minimum(log_a, -FURTHEST))
-    high = np.minimum(log_a + reach, np.maximum(log_a, FURTHEST))
-    first, last = _ranges(rows, rows.reduced[1])
+    low, high = interval_of(log_a, reach)
+    first, last = ranges(rows.number, rows.reduced[1])
     top = int(np.argmax(np.where(connected, last, -np.inf)))
     bottom = int(np.argmin(np.where(connected, first, np.inf)))
     for i in np.flatnonzero(~connected).tolist():
@@ -187,6 +184,14 @@ def _ends(
             )
     others = np.arange(len(factors)) != factors.reference
     low[open_ & others], high[open_ & others] = -FURTHEST, FURTHEST
+    return low, high
+
+
+def interval_of(log_factor: Real, reach: Real) -> tuple[Real, Real]:
+    """Ends of the interval of a logarithm."""
+    # What the data leave open ends where no factor is searched: beyond, it would be no number.
+    low = np.maximum(log_factor - reach, np.minimum(log_factor, -FURTHEST))
+    high = np.minimum(log_factor + reach, np.maximum(log_factor, FURTHEST))
     return low, high
 
 

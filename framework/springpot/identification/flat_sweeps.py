@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.identification.uncertainty import student
+from springpot.distributions import student
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL, SUPERPOSITION
 
-from .factors import Rows
+if TYPE_CHECKING:
+    from .free_factors import Rows
 
 FEWEST = 3
 """Points of a sweep that a slope and its scatter take up."""
