@@ -60,6 +60,7 @@ def test_the_truth_comes_first_with_what_no_material_can_do_without(heavy):
     assert min(one.delta_bic for one in heavy.judgements) == 0.0
 
 
+@pytest.mark.soak
 def test_a_ranking_is_kept_drawn_and_told(heavy, tmp_path):
     again = pickle.loads(pickle.dumps(heavy))
     assert jsonable(again) == jsonable(heavy)
@@ -133,6 +134,7 @@ def test_the_members_of_a_family_end_where_one_more_says_nothing():
     assert "prony-4" not in {one.model.name for one in ranking.judgements}
 
 
+@pytest.mark.soak
 def test_the_answer_is_plain_data_and_the_same_for_the_same_seed(heavy):
     row = jsonable(heavy)
     assert row["schema"] == "springpot.comparison/1"
@@ -249,6 +251,7 @@ GEL = """
 """Omega in rad/s, G' and G'' in Pa: a power law with 1.5 % of artificial noise."""
 
 
+@pytest.mark.soak
 def test_few_numbers_are_not_followed_by_as_many_parameters():
     """It read: the simplest model is kelvin-6, with 13 parameters on 24 numbers."""
     omega, storage, loss = np.array([row.split() for row in GEL.split(";")], dtype=float).T
