@@ -31,9 +31,11 @@ def ladder_of(state: State, measurement: Measurement, told: Told = silent) -> La
     """
     used = kept(measurement, state.excluded)
     # A list, though it may be empty: without one the evidence would accept effects by itself.
-    return discover(
+    ladder = discover(
         used, state.model or None, accept=list(state.accepted), seed=state.seed, progress=told
     )
+    assert isinstance(ladder, Ladder)
+    return ladder
 
 
 def answer(state: State, ladder: Ladder, measurement: Measurement) -> dict[str, Any]:

@@ -307,7 +307,7 @@ def held(
     used = kept(measurement, asked.excluded)
     # What is fixed is no parameter of the model any more.
     start = {name: value for name, value in hand.values.items() if name not in hand.fix}
-    fit = identify(used, model, fix=hand.fix, bounds=hand.bounds, start=start)
+    fit: Any = identify(used, model, fix=hand.fix, bounds=hand.bounds, start=start)
     values = hand.fix | {
         parameter.name: float(value * used.units.of(parameter.unit)[0])
         for parameter, value in zip(fit.model.parameters, fit.theta, strict=True)
