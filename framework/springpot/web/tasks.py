@@ -70,9 +70,11 @@ def ladder_of(state: State, measurement: Measurement, told: Told = silent) -> La
     """
     used = kept(measurement, state.excluded)
     # A list, though it may be empty: without one the evidence would accept effects by itself.
-    return discover(
+    ladder = discover(
         used, state.model or None, accept=list(state.accepted), seed=state.seed, progress=told
     )
+    assert isinstance(ladder, Ladder)
+    return ladder
 
 
 def answer(state: State, ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
@@ -366,7 +368,7 @@ def held(
     used = kept(measurement, asked.excluded)
     # What is fixed is no parameter of the model any more.
     start = {name: value for name, value in hand.values.items() if name not in hand.fix}
-    fit = identify(used, model, fix=hand.fix, bounds=hand.bounds, start=start)
+    fit: Any = identify(used, model, fix=hand.fix, bounds=hand.bounds, start=start)
     values = hand.fix | {
         parameter.name: float(value * used.units.of(parameter.unit)[0])
         for parameter, value in zip(fit.model.parameters, fit.theta, strict=True)
