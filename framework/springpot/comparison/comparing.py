@@ -88,7 +88,7 @@ class Judgement:
     @property
     def refit(self) -> Refit:
         """Its fit, in units of the noise."""
-        return alive(self.fitted, f"the judgement on {self.model.name}")
+        return alive(self.fitted, "a judgement")
 
     @cached_property
     def battery(self) -> Battery:
@@ -115,7 +115,7 @@ class Judgement:
     @cached_property
     def model(self) -> Model:
         """The model."""
-        return alive(self.fitted, "a judgement").model
+        return self.refit.model
 
     @cached_property
     def by_test(self) -> tuple[PartResult, ...]:
