@@ -68,14 +68,13 @@ def command(
     expression = None
     if model is not None:
         expression = parse_timed(model)
+    arguments = {"model": expression, "seed": seed or 0, **known_from(options)}
     tests = timetests.named_tests(data, geometry)
     if tests is not None:
-        timetests.diagnose(tests, expression, data, model, as_json)
+        timetests.diagnose(tests, data, model, as_json, arguments)
         return 0
-    judged = None
     if expression is not None:
-        judged = for_sweeps(expression)
-    arguments = {"model": judged, "seed": seed or 0, **known_from(options)}
+        arguments["model"] = for_sweeps(expression)
 
     def answer(name: str) -> None:
         if name != data[0] and not as_json:
@@ -97,7 +96,7 @@ def _answer(measurement: Measurement, arguments: dict[str, Any], shown: Shown) -
     from springpot.diagnosis.examination import within
 
     with Waiting() as waiting:
-        diagnosis = diagnose(
+        diagnosis: Any = diagnose(
             measurement, **arguments, progress=within(measurement.name, waiting.told)
         )
     shown(diagnosis, measurement)

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from springpot.errors import OptionError
+
 from . import completion, timetests
 from .common import (
     FILE,
@@ -104,25 +106,25 @@ def command(
     expression = judged = None
     if model is not None:
         expression = parse_timed(model)
+    # Before `known_from`, which takes the options out.
+    again = again_with(data, model, accept, auto, seed, geometry, options)
+    arguments = {"seed": seed or 0, **known_from(options)}
     # Whether the data are tests in time is not known yet: names of either kind are understood.
     effects = _accepted(accept, auto, effect_in_time)
     tests = timetests.named_tests([data], geometry)
     if tests is not None:
-        refused = _for_sweeps_only(options, report)
-        timetests.discover(tests, expression, effects, figure, as_json, refused)
+        if report is not None:
+            raise OptionError("--report is for sweeps: leave it out for tests in time")
+        timetests.discover(
+            tests, figure, as_json, {"model": expression, "accept": effects, **arguments}
+        )
         return 0
     measurement = opened(data, geometry)
     if expression is not None:
         # Only now: effects of time alone are refused for a sweep.
         judged = for_sweeps(expression)
-    # Before `known_from`, which takes the options out.
-    again = again_with(data, model, accept, auto, seed, geometry, options)
     ladder, code = _climbed(
-        measurement,
-        judged,
-        accept=_accepted(accept, auto, plugins().effect),
-        seed=seed or 0,
-        **known_from(options),
+        measurement, judged, accept=_accepted(accept, auto, plugins().effect), **arguments
     )
     _write(ladder, measurement, figure, report, again)
     emit(ladder, as_json, lambda: print(ladder_text(ladder, window(), verbose)))
@@ -131,14 +133,6 @@ def command(
         _tell_written(figure, report)
         print(f"\nnext: {_next(ladder, data, model)}")
     return code
-
-
-def _for_sweeps_only(options: dict[str, Any], report: Path | None) -> list[str]:
-    """The options that were given and that tests in time cannot take."""
-    given = [name for name in ("fix", "bounds", "exclude") if options[name]]
-    if report is not None:
-        given.append("report")
-    return given
 
 
 def _write(
@@ -232,12 +226,9 @@ def _climbed(measurement: Measurement, model: Model | None, **arguments: Any) ->
     with Waiting() as waiting:
         progress = within(measurement.name, waiting.told)
         try:
-            return (
-                discover(
-                    measurement, model, **arguments, progress=progress, reached=reached.append
-                ),
-                0,
-            )
+            arguments |= {"progress": progress, "reached": reached.append}
+            ladder: Any = discover(measurement, model, **arguments)
+            return ladder, 0
         except KeyboardInterrupt:
             if not reached:
                 raise

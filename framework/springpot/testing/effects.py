@@ -12,9 +12,16 @@ from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.model import Model
 from springpot.rheology.points import Points
 
-from .aspects import SEED, cited, complaints, name_and_summary
-from .derivatives import sample
-from .networks import POINTS, SAMPLE, network_aspects
+from .networks import (
+    POINTS,
+    SAMPLE,
+    SEED,
+    cited,
+    complaints,
+    name_and_summary,
+    network_aspects,
+    sample,
+)
 
 COLUMNS = frozenset({"amplitude", "temperature"})
 NEARLY = 1e-12
