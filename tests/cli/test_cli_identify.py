@@ -22,7 +22,7 @@ TRUTH = {"k": 400.0, "c": 60.0, "alpha": 0.5}
 def test_json_has_the_agreed_keys_and_the_right_answer(springpot, damper):
     answer = springpot("identify", damper, "--model", "fractional-maxwell", "--json").json
     assert set(answer) >= KEYS
-    assert answer["schema"] == "springpot.identification/1"
+    assert answer["schema"] == "springpot.identification/2"
     assert answer["model"] == "fractional-maxwell"
     assert set(answer["objective"]) == {"name", "value"}
     for name, value in TRUTH.items():

@@ -57,7 +57,7 @@ def sound(write):
 @pytest.mark.soak
 def test_json_is_as_agreed(springpot, heavy):
     answer = springpot("diagnose", heavy, "--model", "fractional-maxwell", "--json").json
-    assert answer["schema"] == "springpot.diagnosis/1"
+    assert answer["schema"] == "springpot.diagnosis/2"
     assert (answer["data"], answer["model"]) == ("heavy", "fractional-maxwell")
     assert set(answer["error"]) >= {"relative_rms", "noise_floor", "noise_source"}
     assert answer["error"]["noise_source"] == "estimated"
@@ -134,7 +134,7 @@ def test_the_same_seed_gives_the_same_bits(springpot, heavy, monkeypatch):
 @pytest.mark.parametrize("way", [("--accept", "inertia"), ("--auto",)])
 def test_the_error_falls_to_the_floor(springpot, heavy, way):
     answer = springpot("discover", heavy, "--model", "fractional-maxwell", *way, "--json").json
-    assert answer["schema"] == "springpot.discovery/1"
+    assert answer["schema"] == "springpot.discovery/2"
     first, last = answer["steps"]
     assert set(first) >= {"model", "accepted", "relative_rms", "noise_floor", "predicted_error"}
     assert first["material_floor"] > 3.0 * last["material_floor"]

@@ -1,5 +1,6 @@
 """Models ranked without being named: the simplest that does what any material can comes first."""
 
+import json
 import pickle
 
 import numpy as np
@@ -65,6 +66,11 @@ def test_a_ranking_is_kept_drawn_and_told(heavy, tmp_path):
     again = pickle.loads(pickle.dumps(heavy))
     assert jsonable(again) == jsonable(heavy)
     assert str(again) == ranked_text(heavy)
+    path = tmp_path / "ranking.json"
+    path.write_text(json.dumps(heavy.to_dict(), allow_nan=False), encoding="utf-8")
+    loaded = springpot.load(path)
+    assert loaded.to_dict() == heavy.to_dict()
+    assert (repr(loaded), str(loaded)) == (repr(heavy), str(heavy))
     pytest.importorskip("matplotlib")
     assert heavy.plot(tmp_path / "ranking.svg").stat().st_size > 1000
 
@@ -137,7 +143,7 @@ def test_the_members_of_a_family_end_where_one_more_says_nothing():
 @pytest.mark.soak
 def test_the_answer_is_plain_data_and_the_same_for_the_same_seed(heavy):
     row = jsonable(heavy)
-    assert row["schema"] == "springpot.comparison/1"
+    assert row["schema"] == "springpot.comparison/2"
     assert row["best"] == "fractional-maxwell + inertia"
     ranking = row["ranking"]
     assert ranking["accepted"] == ["inertia"]

@@ -144,7 +144,7 @@ def test_a_ladder_begins_with_the_diagnosis_of_its_model():
 def test_results_are_strict_json_of_the_agreed_form():
     diagnosis = diagnosed(data("inertia"))
     found = json.loads(strict(diagnosis))
-    assert found["schema"] == "springpot.diagnosis/1"
+    assert found["schema"] == "springpot.diagnosis/2"
     assert {
         "data",
         "model",
@@ -171,7 +171,7 @@ def test_results_are_strict_json_of_the_agreed_form():
 
 def test_a_ladder_is_strict_json_of_the_agreed_form():
     found = json.loads(strict(discovered("inertia")))
-    assert found["schema"] == "springpot.discovery/1"
+    assert found["schema"] == "springpot.discovery/2"
     assert {"steps", "verdict", "diagnosis"} <= set(found)
     for step in found["steps"]:
         assert {"model", "accepted", "relative_rms", "noise_floor", "predicted_error"} <= set(step)

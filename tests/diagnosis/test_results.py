@@ -133,8 +133,3 @@ def test_a_diagnosis_tells_the_parameters_of_the_model_that_it_judges(ladder, tm
     path = tmp_path / "diagnosis.json"
     path.write_text(to_json(diagnosis), encoding="utf-8")
     assert springpot.load(path).parameters == diagnosis.parameters
-    path.write_text(
-        to_json({k: v for k, v in diagnosis.to_dict().items() if k != "parameters"}),
-        encoding="utf-8",
-    )
-    assert springpot.load(path).parameters == {}

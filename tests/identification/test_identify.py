@@ -30,7 +30,7 @@ def said(found, *words):
 @pytest.mark.parametrize("name", TRUTHS)
 def test_the_dictionary_follows_the_schema(name):
     found = springpot.identify(noisy_data(name, 0.01, 0), name).to_dict()
-    assert found["schema"] == "springpot.identification/1"
+    assert found["schema"] == "springpot.identification/2"
     assert set(found["parameters"]) == set(TRUTHS[name])
     for parameter, truth in TRUTHS[name].items():
         entry = found["parameters"][parameter]

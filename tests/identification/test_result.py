@@ -307,7 +307,7 @@ def test_every_answer_is_loaded_as_it_was_written(fit: Identification, tmp_path)
         ("[1, 2]", "no schema"),
         ('{"schema": "springpot.run/1"}', "springpot.run/1"),
         (
-            '{"schema": "springpot.identification/1", "model": "zener"}',
+            '{"schema": "springpot.identification/2", "model": "zener"}',
             "damaged or of an older version",
         ),
         ("[" * 100_000, "is no JSON"),

@@ -122,7 +122,7 @@ def test_a_faulty_optimiser_is_one_line_and_no_result(done, deed, told):
 def test_what_an_optimiser_prints_is_not_in_the_json(done):
     found = done["shout"]
     assert found.returncode == 0
-    assert json.loads(found.stdout)["schema"] == "springpot.identification/1"
+    assert json.loads(found.stdout)["schema"] == "springpot.identification/2"
     assert "{}{}" in found.stderr
 
 

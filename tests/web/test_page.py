@@ -147,7 +147,7 @@ def leave_with_everything(here: Page, error: float) -> bytes:
     assert here.violations() == []
     name, content = here.download("json")
     answer = json.loads(content)
-    assert answer["schema"] == "springpot.discovery/1"
+    assert answer["schema"] == "springpot.discovery/2"
     last = answer["steps"][-1]
     assert last["relative_rms"] == pytest.approx(error, rel=0.01)
 
