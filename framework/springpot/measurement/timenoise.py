@@ -80,9 +80,7 @@ class SignalNoise:
         return float(np.sqrt(np.mean(self.sd**2)))
 
 
-def noise_of(
-    test: TimeTest, misfit: Real | None = None, *, all_noise: bool = False
-) -> SignalNoise:
+def noise_of(test: TimeTest, misfit: Real | None = None, *, all_noise: bool = False) -> SignalNoise:
     """The noise of a test's response.
 
     Parameters

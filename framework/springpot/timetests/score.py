@@ -320,10 +320,11 @@ def _rating(promise: Promise) -> tuple[float, float]:
 
 
 def _different(promises: list[Promise]) -> list[Promise]:
-    """The best first, without those that are another once more."""
+    """The best first, without those that are another of the same rigs once more."""
     kept: list[Promise] = []
     for promise in sorted(promises, key=_rating):
-        if all(abs(float(promise.direction @ other.direction)) < THE_SAME for other in kept):
+        alike = [other.direction for other in kept if other.effect is promise.effect]
+        if all(abs(float(promise.direction @ direction)) < THE_SAME for direction in alike):
             kept.append(promise)
     return kept
 
