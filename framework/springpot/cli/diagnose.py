@@ -63,19 +63,16 @@ def command(
     prints one line of JSON for each. One that cannot be used is named on stderr, and the others are
     still answered. Tests in time are judged together, on their raw signals.
     """
-    from springpot.registry import for_sweeps, parse_timed
+    from springpot.registry import parse_model
 
     expression = None
     if model is not None:
-        expression = parse_timed(model)
+        expression = parse_model(model)
     tests = timetests.named_tests(data, geometry)
     if tests is not None:
         timetests.diagnose(tests, expression, data, model, as_json)
         return 0
-    judged = None
-    if expression is not None:
-        judged = for_sweeps(expression)
-    arguments = {"model": judged, "seed": seed or 0, **known_from(options)}
+    arguments = {"model": expression, "seed": seed or 0, **known_from(options)}
 
     def answer(name: str) -> None:
         if name != data[0] and not as_json:

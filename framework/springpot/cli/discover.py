@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -95,32 +94,30 @@ def command(
 
     Ctrl-C ends with the answer of the last step that was reached.
     """
-    from springpot.registry import effect_in_time, for_sweeps, parse_timed, plugins
+    from springpot.registry import parse_model, plugins
     from springpot.report.ladder_text import ladder_text
 
     accept = (*accept, *more)  # as in: --accept inertia time-delay
     _require_one_choice(auto, accept)
     _check_paths(report, figure)
-    expression = judged = None
+    expression = None
     if model is not None:
-        expression = parse_timed(model)
-    # Whether the data are tests in time is not known yet: names of either kind are understood.
-    effects = _accepted(accept, auto, effect_in_time)
+        expression = parse_model(model)
+    effects = None
+    if not auto:
+        effects = [plugins().effect(name) for name in accept]
     tests = timetests.named_tests([data], geometry)
     if tests is not None:
         refused = _for_sweeps_only(options, report)
         timetests.discover(tests, expression, effects, figure, as_json, refused)
         return 0
     measurement = opened(data, geometry)
-    if expression is not None:
-        # Only now: effects of time alone are refused for a sweep.
-        judged = for_sweeps(expression)
     # Before `known_from`, which takes the options out.
     again = again_with(data, model, accept, auto, seed, geometry, options)
     ladder, code = _climbed(
         measurement,
-        judged,
-        accept=_accepted(accept, auto, plugins().effect),
+        expression,
+        accept=effects,
         seed=seed or 0,
         **known_from(options),
     )
@@ -175,13 +172,6 @@ def _check_paths(report: Path | None, figure: Path | None) -> None:
         check_report_path(report)
     if figure is not None:
         check_figure_path(figure)
-
-
-def _accepted(names: Sequence[str], auto: bool, find: Callable[[str], E]) -> list[E] | None:
-    """The effects of these names; None leaves the choice to the evidence."""
-    if auto:
-        return None
-    return [find(name) for name in names]
 
 
 def _require_one_choice(auto: bool, accept: tuple[str, ...]) -> None:

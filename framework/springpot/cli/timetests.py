@@ -10,8 +10,6 @@ from .common import emit, note_to_stderr, opened, quoted, turned, window
 
 if TYPE_CHECKING:
     from springpot.identification.result import Identification
-    from springpot.measurement.timed import Timed
-    from springpot.measurement.timeeffect import TimeEffect
     from springpot.measurement.timetest import TimeTest
     from springpot.rheology.effect import Effect
     from springpot.rheology.model import Model
@@ -84,7 +82,7 @@ def identify(
     """``springpot identify`` of the tests in time that DATA name, alone or beside sweeps."""
     from springpot.constraints import optimiser_of
     from springpot.errors import OptionError
-    from springpot.registry import parse_timed
+    from springpot.registry import parse_model
     from springpot.timetests.fitting import identify as identify_in_time
 
     for name, usual in (("objective", None), ("intervals", "jacobian")):
@@ -96,7 +94,7 @@ def identify(
     if options["optimiser"]:
         optimiser = optimiser_of(options["optimiser"])
     search = {name: options[name] for name in ("budget", "restarts", "seed")}
-    fit = identify_in_time(tests, parse_timed(expression), optimiser=optimiser, **search)
+    fit = identify_in_time(tests, parse_model(expression), optimiser=optimiser, **search)
     if figure is not None:
         from springpot.report.timetests import figure_tests
 
@@ -120,7 +118,7 @@ def _show(
 
 
 def compare(
-    tests: Sequence[Test], models: Sequence[Model | Timed], figure: Path | None, as_json: bool
+    tests: Sequence[Test], models: Sequence[Model], figure: Path | None, as_json: bool
 ) -> None:
     """``springpot compare`` of models of tests in time.
 
@@ -148,7 +146,7 @@ def compare(
 
 def diagnose(
     tests: Sequence[Test],
-    model: Model | Timed | None,
+    model: Model | None,
     data: Sequence[str],
     named: str | None,
     as_json: bool,
@@ -158,17 +156,16 @@ def diagnose(
     What is missing, from the raw signals.
     """
     from springpot.misfit.material import any_material
-    from springpot.registry import library_in_time
     from springpot.timetests.diagnosis import diagnose as diagnose_in_time
 
-    diagnosis = diagnose_in_time(tests, model or any_material(), library_in_time())
+    diagnosis = diagnose_in_time(tests, model or any_material())
     emit(diagnosis, as_json, lambda: _show_diagnosis(diagnosis, tests, data, named))
 
 
 def discover(
     tests: Sequence[Test],
-    model: Model | Timed | None,
-    accept: Sequence[Effect | TimeEffect] | None,
+    model: Model | None,
+    accept: Sequence[Effect] | None,
     figure: Path | None,
     as_json: bool,
     given: Sequence[str],
@@ -176,7 +173,6 @@ def discover(
     """``springpot discover`` from tests in time."""
     from springpot.errors import OptionError
     from springpot.misfit.material import any_material
-    from springpot.registry import library_in_time
     from springpot.report.fit_text import climbed_in_time_text
     from springpot.timetests.discovery import discover as discover_in_time
 
@@ -186,7 +182,7 @@ def discover(
         raise OptionError(f"--{given[0]} is for sweeps: leave it out for tests in time")
     with Waiting() as waiting:
         ladder = discover_in_time(
-            tests, model or any_material(), library_in_time(), accept, waiting.told
+            tests, model or any_material(), accept=accept, progress=waiting.told
         )
     if figure is not None:
         from springpot.report.timetests import figure_tests

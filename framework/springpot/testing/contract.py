@@ -20,7 +20,6 @@ from .models import check_model
 from .objectives import check_objective
 from .optimisers import check_optimiser
 from .readers import check_reader
-from .timeeffects import check_time_effect
 
 Samples = Mapping[str, Sequence[Path | bytes]]
 Skips = Mapping[str, Collection[str]]
@@ -28,7 +27,6 @@ Skips = Mapping[str, Collection[str]]
 CONTRACTS: dict[str, Callable[..., list[str]]] = {
     "model": check_model,
     "effect": check_effect,
-    "time effect": check_time_effect,
     "optimiser": check_optimiser,
     "objective": check_objective,
     "data set": check_dataset,
