@@ -118,7 +118,7 @@ class AppliesTo:
         if self.test:
             return f"the test {self.test}"
         words = {CONTROLS: "all tests", ("frequency",): "sweeps", IN_TIME: "tests in time"}
-        told = words.get(self.controls, f"tests in time under a {' or '.join(self.controls)}")
+        told = words.get(self.controls, f"tests under a {' or '.join(self.controls)}")
         if self.one:
             return f"one of several {told}"
         return told
