@@ -14,12 +14,14 @@ from typing import Any, TypeVar
 import pluggy
 
 import springpot.hooks as hooks  # not from the package, whose table of names leads back here
-from springpot.errors import ModelError, OutputError, PluginError, SpringpotError
+from springpot.errors import DataError, ModelError, OutputError, PluginError, SpringpotError
 from springpot.files import write_text
 from springpot.identification.optimiser import Optimiser
 from springpot.measurement.from_signals import OneTest
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.question import OpenQuestion
 from springpot.measurement.reader import Part
+from springpot.measurement.selection import Test
 from springpot.measurement.timereader import open_in_time as in_time_by
 from springpot.measurement.timetest import TimeTest
 from springpot.owners import use_owners
@@ -413,6 +415,26 @@ def open_in_time(spec: str | Path) -> tuple[TimeTest, ...]:
     (<TimeTest pad: relaxation, 18 samples, 0.1 to 98.5 s>,)
     """
     return in_time_by(spec, plugins().items("time reader"))
+
+
+def open_tests(spec: str | Path) -> tuple[Test, ...]:
+    """All tests of whatever a user names: those in time in a file, or a sweep.
+
+    Raises
+    ------
+    DataError
+        If there is no such thing or it cannot be read.
+    """
+    try:
+        return open_in_time(spec) or (open_measurement(spec),)
+    except DataError as error:
+        # The question of a sweep's reader can be answered; what stops the other one would hide it.
+        try:
+            return (open_measurement(spec),)
+        except OpenQuestion:
+            raise
+        except DataError:
+            raise error from None
 
 
 def parts_of(spec: str | Path) -> tuple[Part, ...]:

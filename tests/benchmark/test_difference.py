@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import boschloo_exact, fisher_exact, mannwhitneyu, t
 
-from springpot.benchmark.gate.difference import (
+from springpot.benchmark.gate.baseline import (
     LEVEL,
     Successes,
     apart,

@@ -23,8 +23,8 @@ from springpot.benchmark.report.plot import (
     plot,
     scatter,
 )
-from springpot.benchmark.report.pools import share_text
 from springpot.benchmark.report.study import write_study_report
+from springpot.benchmark.report.study_plots import share_text
 from springpot.benchmark.statistics import wilson
 from springpot.identification import Optimiser
 

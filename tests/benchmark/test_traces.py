@@ -9,11 +9,9 @@ from benchmark_fakes import TRUTH, Walk, artificial, measurement, small_study
 
 from springpot import parse_model, plugins
 from springpot.benchmark import Status, Store, run_study
-from springpot.benchmark.row_checksum import seal
-from springpot.benchmark.schema import SCHEMA, trials_of
-from springpot.benchmark.store_repair import columns
-from springpot.benchmark.trace import at, geometric_grid, improvements
-from springpot.benchmark.trial import Bench
+from springpot.benchmark.schema import SCHEMA, columns, trials_of
+from springpot.benchmark.store import seal
+from springpot.benchmark.trial import Bench, at, geometric_grid, improvements
 from springpot.errors import StudyError
 from springpot.identification import Problem, Recorder, all_points, run, run_batch
 

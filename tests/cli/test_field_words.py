@@ -145,21 +145,6 @@ def test_a_master_curve_speaks_of_a_T(springpot, monkeypatch):
     assert max(map(len, lines)) <= 80
 
 
-def test_python_is_told_how_tests_in_time_are_opened(write):
-    import springpot as package
-
-    path = write(
-        "time [s],relaxation [Pa]\n" + "".join(f"{t},{100 / t}\n" for t in range(1, 30)),
-        "relaxation.csv",
-    )
-    with pytest.raises(
-        package.errors.DataError, match=r"no sweep: open it by springpot\.open_in_time"
-    ):
-        package.identify(path, "zener")
-    with pytest.raises(package.errors.DataError, match=r"springpot\.timetests\.identify"):
-        package.read(path)
-
-
 def test_an_answer_in_time_fits_the_window():
     from types import SimpleNamespace as Some
 

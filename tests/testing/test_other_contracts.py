@@ -23,7 +23,7 @@ from springpot.testing import (
     check_plugin,
     check_reader,
 )
-from springpot.testing.aspects import kept_random_state
+from springpot.testing.networks import kept_random_state
 
 pytest_plugins = ["pytester"]
 

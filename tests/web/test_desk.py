@@ -14,7 +14,7 @@ import pytest
 from client import ask, head, raw, token_of
 
 from springpot.web import Workbench
-from springpot.web.state import State
+from springpot.web.sessions import State
 from springpot.web.tasks import perform
 
 PATIENCE = 300.0

@@ -21,8 +21,8 @@ from test_state import a_session
 
 from springpot.errors import OptionError
 from springpot.web import Workbench, serve
-from springpot.web.datatext import measured_in, text_of
-from springpot.web.pagefiles import page_files
+from springpot.web.server import page_files
+from springpot.web.sessions import measured_in, text_of
 from springpot.web.tasks import begin, perform, understand
 
 STARTS = [sys.executable, "-c"]

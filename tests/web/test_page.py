@@ -18,7 +18,7 @@ from browsing import IN_A_BROWSER, PATIENCE, Open, Page, playwright, tab_to, vio
 from test_state import a_session
 
 from springpot.web import Workbench
-from springpot.web.datatext import measured_in
+from springpot.web.sessions import measured_in
 
 pytestmark = IN_A_BROWSER
 

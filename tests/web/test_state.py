@@ -24,11 +24,19 @@ from springpot.report.interactive.answers import proposed_points
 from springpot.report.interactive.scene import MOST_POINTS, PageScene, relative_error, rounded
 from springpot.report.jsontext import to_json
 from springpot.web import leaving, tasks
-from springpot.web.answers import answer, ladder_of
-from springpot.web.datatext import joined, kept, measured_in, measurement_of, safe_name, text_of
-from springpot.web.sessions import is_session, session_of
-from springpot.web.state import State, digest_of
-from springpot.web.tasks import curve, held
+from springpot.web.sessions import (
+    State,
+    digest_of,
+    is_session,
+    joined,
+    kept,
+    measured_in,
+    measurement_of,
+    safe_name,
+    session_of,
+    text_of,
+)
+from springpot.web.tasks import answer, curve, held, ladder_of
 
 MODEL = "fractional-maxwell"
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -125,9 +125,10 @@ def _next_command(comparison: Comparison, data: str, models: Sequence[str]) -> s
     return f"{command} {quoted(data)} --model {quoted(best.model.name)}"
 
 
-def _compared(measurement: Measurement, models: list[Model], seed: int) -> Comparison:
+def _compared(measurement: Measurement, models: list[Model], seed: int) -> Any:
     """The given models, or all that are installed."""
     from springpot.api import compare
 
     with Waiting() as waiting:
-        return compare(measurement, models or None, seed=seed, progress=waiting.told)
+        compared: Any = compare(measurement, models or None, seed=seed, progress=waiting.told)
+    return compared

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from springpot.errors import OptionError
+
 from . import completion, timetests
 from .common import (
     FILE,
@@ -103,24 +105,20 @@ def command(
     expression = None
     if model is not None:
         expression = parse_model(model)
+    # Before `known_from`, which takes the options out.
+    again = again_with(data, model, accept, auto, seed, geometry, options)
     effects = None
     if not auto:
         effects = [plugins().effect(name) for name in accept]
+    arguments = {"accept": effects, "seed": seed or 0, **known_from(options)}
     tests = timetests.named_tests([data], geometry)
     if tests is not None:
-        refused = _for_sweeps_only(options, report)
-        timetests.discover(tests, expression, effects, figure, as_json, refused)
+        if report is not None:
+            raise OptionError("--report is for sweeps: leave it out for tests in time")
+        timetests.discover(tests, figure, as_json, {"model": expression, **arguments})
         return 0
     measurement = opened(data, geometry)
-    # Before `known_from`, which takes the options out.
-    again = again_with(data, model, accept, auto, seed, geometry, options)
-    ladder, code = _climbed(
-        measurement,
-        expression,
-        accept=effects,
-        seed=seed or 0,
-        **known_from(options),
-    )
+    ladder, code = _climbed(measurement, expression, **arguments)
     _write(ladder, measurement, figure, report, again)
     emit(ladder, as_json, lambda: print(ladder_text(ladder, window(), verbose)))
     # A program that reads the JSON reads nothing else.
@@ -128,14 +126,6 @@ def command(
         _tell_written(figure, report)
         print(f"\nnext: {_next(ladder, data, model)}")
     return code
-
-
-def _for_sweeps_only(options: dict[str, Any], report: Path | None) -> list[str]:
-    """The options that were given and that tests in time cannot take."""
-    given = [name for name in ("fix", "bounds", "exclude") if options[name]]
-    if report is not None:
-        given.append("report")
-    return given
 
 
 def _write(
@@ -222,12 +212,9 @@ def _climbed(measurement: Measurement, model: Model | None, **arguments: Any) ->
     with Waiting() as waiting:
         progress = within(measurement.name, waiting.told)
         try:
-            return (
-                discover(
-                    measurement, model, **arguments, progress=progress, reached=reached.append
-                ),
-                0,
-            )
+            arguments |= {"progress": progress, "reached": reached.append}
+            ladder: Any = discover(measurement, model, **arguments)
+            return ladder, 0
         except KeyboardInterrupt:
             if not reached:
                 raise

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.errors import OptionError
 from springpot.thresholds import INTERVALS
 
 from . import completion, timetests
@@ -33,6 +32,7 @@ from .waiting import Waiting
 
 if TYPE_CHECKING:
     from springpot.identification.result import Identification
+    from springpot.measurement.measurement import Measurement
     from springpot.rheology.model import Model
 
 OBJECTIVE = "See 'springpot list objectives'; suited to the data by default."
@@ -112,12 +112,11 @@ def command(
     if as_csv and as_json:
         raise click.UsageError("give --csv or --json, not both", click.get_current_context())
     expression = parse_model(model)
+    arguments = {**options, **known_from(options), "start": values_of(options["start"])}
     tests = timetests.named_tests(data, geometry)
     if tests is not None:
-        _refuse_for_tests(options)
-        timetests.identify(tests, data, model, figure, as_json, options)
+        timetests.identify(tests, data, expression, figure, as_json, arguments)
         return 0
-    arguments = {**options, **known_from(options), "start": values_of(options["start"])}
     if len(data) > 1 and not joint:
         if figure is not None:
             advice = "--figure draws one fit: name one DATA, or give --joint"
@@ -140,20 +139,10 @@ def command(
     return 0
 
 
-def _refuse_for_tests(options: dict[str, Any]) -> None:
-    """Take out the options that tests in time do not know, none of which may have been given."""
-    for name in ("fix", "bounds", "exclude", "start"):
-        # Refused, not passed over: a fit that ignores what was held would look as if it had heeded
-        # it.
-        if options.pop(name):
-            raise OptionError(
-                f"--{name} is for sweeps: tests in time are identified with all parameters free"
-            )
-
-
-def _fitted(measured: Any, model: Model, arguments: dict[str, Any]) -> Identification:
+def _fitted(measured: Measurement, model: Model, arguments: dict[str, Any]) -> Identification:
     """The fit, with the floors that its text tells; those who wait are told what is being done."""
     from springpot.api import identify
+    from springpot.identification.result import Identification
 
     if arguments.get("optimiser") is None:
         with Waiting() as waiting:
@@ -163,6 +152,8 @@ def _fitted(measured: Any, model: Model, arguments: dict[str, Any]) -> Identific
         # Its run takes place in a copy of this process, which is safe only where no thread runs
         # beside.
         fit = identify(measured, model, **arguments)
+    # Of a sweep, as all that this command opens by itself.
+    assert isinstance(fit, Identification)
     with Waiting() as waiting:
         waiting.told(f"judging {model.name} of {measured.name}")
         # Asked for here, while somebody says what is waited for: the text asks again at no cost.

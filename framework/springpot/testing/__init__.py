@@ -19,10 +19,10 @@ from springpot.lazy import offered
 
 _WHERE = {
     "PluginContract": "springpot.testing.contract",
-    "check_dataset": "springpot.testing.datasets",
+    "check_dataset": "springpot.testing.contract",
     "check_effect": "springpot.testing.effects",
     "check_model": "springpot.testing.models",
-    "check_objective": "springpot.testing.objectives",
+    "check_objective": "springpot.testing.contract",
     "check_optimiser": "springpot.testing.optimisers",
     "check_plugin": "springpot.testing.contract",
     "check_reader": "springpot.testing.readers",

@@ -12,10 +12,18 @@ from springpot.rheology.effect import CONTROLS, Effect, Layer
 from springpot.rheology.model import Model
 from springpot.rheology.points import Points
 
-from .aspects import SEED, Aspect, cited, complaints, name_and_summary
-from .derivatives import sample
 from .laws import law_aspects
-from .networks import POINTS, SAMPLE, network_aspects
+from .networks import (
+    POINTS,
+    SAMPLE,
+    SEED,
+    Aspect,
+    cited,
+    complaints,
+    name_and_summary,
+    network_aspects,
+    sample,
+)
 
 COLUMNS = frozenset({"amplitude", "temperature"})
 NEARLY = 1e-12

@@ -18,7 +18,7 @@ from springpot.timetests.recording import recorded
 from springpot.timetests.residuals_of_tests import InTimePart
 from springpot.timetests.trial_values import Scales, tries_of
 
-from .aspects import SEED, Aspect
+from .networks import SEED, Aspect
 
 MODEL = Model("sample", parallel(spring("k0"), series(spring("k"), springpot("c", "alpha"))))
 THETA = np.array([50.0, 400.0, 60.0, 0.5])

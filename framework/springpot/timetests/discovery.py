@@ -104,6 +104,7 @@ def discover(
     effects: Sequence[Effect] | None = None,
     accept: Sequence[Effect] | None = None,
     progress: Callable[[str], None] | None = None,
+    reached: Callable[[TimeLadder], None] | None = None,
 ) -> TimeLadder:
     """Add missing effects one by one.
 
@@ -119,6 +120,8 @@ def discover(
         Effects to add, in this order; without it the evidence decides.
     progress : callable, optional
         Told in a few words what is being done.
+    reached : callable, optional
+        Given the ladder as it stands after each step on which the evidence decides.
 
     Returns
     -------
@@ -141,7 +144,7 @@ def discover(
 
     if accept is not None:
         return _given(tests, model, effects, accept, told)
-    return _climbed(tests, model, effects, told)
+    return _climbed(tests, model, effects, told, reached)
 
 
 def _given(
@@ -167,6 +170,7 @@ def _climbed(
     model: Model,
     effects: Sequence[Effect],
     told: Callable[[str], None],
+    reached: Callable[[TimeLadder], None] | None,
 ) -> TimeLadder:
     """The rungs that the evidence decides on."""
     known = {effect.name: effect for effect in effects}
@@ -178,6 +182,8 @@ def _climbed(
     # Also where the verdict is unexplained: an effect that helps beyond doubt may be one of
     # several.
     while len(steps) <= MOST:
+        if reached is not None:
+            reached(TimeLadder(tuple(steps), diagnosis, left_out))
         # The first of a class stands for it: the others would fit as well, and are told beside it.
         alike = [name for name in diagnosis.missing if name not in left_out]
         if not alike:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from time import perf_counter
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
 from springpot.identification.coordinates import Coordinates
-from springpot.identification.fitting import best_run
+from springpot.identification.fitting import NATIVE, best_run, refuse_search, start_at
 from springpot.identification.material import is_material
 from springpot.identification.optimiser import Optimiser
 from springpot.measurement.measurement import Measurement
@@ -35,7 +35,6 @@ from .result import TimeIdentification
 from .score import Scan
 from .searched import InTimeProblem
 
-NATIVE = "native"
 BUDGET = 2000
 """Evaluations of an optimiser.
 
@@ -57,6 +56,7 @@ def identify(
     seed: int | None = None,
     noise: Sequence[Real | None] | None = None,
     near: bool = False,
+    start: Mapping[str, float] | None = None,
 ) -> TimeIdentification:
     """Identify the parameters of a model from tests of one specimen, each weighed by its own noise.
 
@@ -82,6 +82,9 @@ def identify(
         itself tells.
     near : bool
         Whether the only seed is so near that a few exact steps end the search.
+    start : mapping of str to float, optional
+        Where the native solver begins too, in the units of the first test in time; parameters that
+        are left out start where they fit best beside these.
 
     Returns
     -------
@@ -114,6 +117,13 @@ def identify(
     if not given:
         raise ModelError("there is no test to identify a model from")
     model = at_rigs(model, given)
+    if optimiser is not None and optimiser.name != NATIVE:
+        refuse_search(model, optimiser, start)
+    if start:
+        seeds = [
+            *seeds,
+            start_at(model, start, lambda rest: identify(given, rest, noise=noise).theta),
+        ]
     effort = (budget or BUDGET, restarts, seed)
 
     def fitted(model: Model) -> TimeIdentification:

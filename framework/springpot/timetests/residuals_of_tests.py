@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from springpot.errors import DataError
 from springpot.identification.space import require_columns, require_effects
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.selection import Test as Test  # those that take parts ask for it here
 from springpot.measurement.timenoise import noise_of, relative_scatter
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import (
@@ -31,7 +32,6 @@ from .response import TOLERANCE
 from .sizes import rms
 from .start import apparent
 
-Test: TypeAlias = TimeTest | Measurement
 COARSE = 60
 """Samples of a test with which the search begins; all of them end it."""
 
@@ -201,15 +201,7 @@ def parts_of_specimen(
     """
     if noise is None:
         noise = [None] * len(tests)
-    # Those of the first test in time, in which the parameters are printed.
-    units = tests[0].units
-    for test in tests:
-        if isinstance(test, TimeTest):
-            units = test.units
-            break
-    units = replace(
-        units, letter=one_modulus((test.name, test.units) for test in tests) or units.letter
-    )
+    units = units_of(tests)
     parts: list[Part] = []
     for test, own_noise in zip(tests, noise, strict=True):
         if isinstance(test, TimeTest):
@@ -217,6 +209,20 @@ def parts_of_specimen(
         else:
             parts.append(SweepPart(_in_units(test, units)))
     return parts
+
+
+def units_of(tests: Sequence[Test]) -> Units:
+    """Those in which parameters are printed: of the first test in time, or of the only sweep.
+
+    Raises
+    ------
+    DataError
+        If the tests are of different moduli.
+    """
+    in_time = [test for test in tests if isinstance(test, TimeTest)]
+    units = (in_time or tests)[0].units
+    letter = one_modulus((test.name, test.units) for test in tests)
+    return replace(units, letter=letter or units.letter)
 
 
 def at_rig(effect: Effect, tests: Sequence[Test]) -> Effect:
