@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from springpot.format_numbers import number
 from springpot.identification.result import Identification
-from springpot.identification.value import Value, kept_interval
+from springpot.identification.value import Value
 from springpot.rheology.drawing import drawing_of
 
 from .floors import beside_floors
@@ -197,7 +197,7 @@ def _briefly(parameters: Mapping[str, Mapping[str, Any]]) -> str:
 
 
 def _measured(entry: dict[str, Any]) -> Value:
-    return Value(entry["value"], *kept_interval(entry), entry["unit"])
+    return Value.from_dict(entry)
 
 
 def _tests(identified: TimeIdentification, width: int) -> str:
