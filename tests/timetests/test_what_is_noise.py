@@ -9,6 +9,7 @@ from scipy.signal import lfilter
 from springpot import parse_model
 from springpot.measurement import TimeTest, noise_of
 from springpot.registry import plugins
+from springpot.rheology.effect import SWEEPS
 from springpot.timetests import diagnose, identify
 from springpot.timetests.exponentials import quick_parts
 from springpot.timetests.residuals_of_tests import parts_of_specimen
@@ -104,14 +105,14 @@ def test_what_gives_in_series_promises_something_in_tests_in_time():
     ]
     fit = identify(tests, parse_model("springpot"))
     scan = Scan(fit, quick_parts(parts_of_specimen(tests)))
-    [promise, *_] = scan.promises([plugins().find("effect", "series-spring")])["series-spring"]
+    [promise, *_] = scan.promises([plugins().effect("series-spring")])["series-spring"]
     assert promise.drop > 0.2 * float(scan.residual @ scan.residual)
 
 
 def test_of_two_places_of_one_effect_each_rig_keeps_its_own():
     """That of all rigs may promise as much as that of the sweeps, and cannot be fitted then."""
-    effect = plugins().find("effect", "inertia")
-    sweeps, direction = replace(effect, only_sweeps=True), np.array([1.0, 0.0])
+    effect = plugins().effect("inertia")
+    sweeps, direction = replace(effect, applies_to=SWEEPS), np.array([1.0, 0.0])
     promises = [
         Promise(effect, (3.8,), np.ones(3), 354.0, 1.0, direction),
         Promise(sweeps, (0.0017,), np.ones(3), 353.0, 1.0, direction),
@@ -126,7 +127,7 @@ def test_an_effect_that_lowers_next_to_nothing_does_not_help():
     exact = model.relaxation(model.theta(k=400.0, c=60.0, alpha=0.5), TIME)
     waves = np.sin(2.0 * np.pi * 3.0 * np.arange(120) / 120)
     record = exact + exact.max() * (0.1 * waves + 0.003 * noise(1))
-    drifts = [plugins().find("time effect", name) for name in ("force-drift", "finite-ramp")]
+    drifts = [plugins().effect(name) for name in ("force-drift", "finite-ramp")]
     found = diagnose(TimeTest.of_relaxation(TIME, record, "kPa"), model, drifts)
     assert found.verdict == "unexplained"
     helped = found.candidates[0].over_floor < 0.9 * found.error.over_floor
