@@ -11,6 +11,7 @@ from springpot.errors import SpringpotError
 DATA, MODEL = "artificial-hidden", "fractional-maxwell"
 
 
+@pytest.mark.soak
 def test_data_by_name_and_as_an_object_are_the_same():
     measured = springpot.read(DATA)
     assert (
@@ -86,6 +87,7 @@ def test_results_show_themselves_in_one_line_and_as_a_table():
     assert found._repr_html_().count("<tr>") == 5
 
 
+@pytest.mark.soak
 @pytest.mark.usefixtures("asked_once")
 def test_no_model_need_be_named():
     assert springpot.diagnose("nist-srm2491@temperature=20").model.name == "material"

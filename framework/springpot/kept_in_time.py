@@ -10,15 +10,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any
 
+from springpot.identification.value import Value, values_of
 from springpot.measurement.timed import Timed, material_of
-from springpot.misfit.values import Value
+from springpot.plain_data import number
 from springpot.registry import effect_in_time, parse_timed
 from springpot.rheology.model import Model
 from springpot.timetests.answer import TimeCandidate, TimeError, best_of, missing_of
 from springpot.timetests.prediction import Known
 from springpot.timetests.where import Place
 
-from .kept_values import number, place, values
+from .kept_values import place
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +34,7 @@ class KeptTimeFit(Known):
     @property
     def parameters(self) -> dict[str, Value]:
         """Values and 95 % intervals as printed."""
-        return values(self.kept["parameters"])
+        return values_of(self.kept["parameters"])
 
     def __getitem__(self, name: str) -> Value:
         """The parameter of that name."""
@@ -229,7 +230,7 @@ def _step(row: Mapping[str, Any]) -> KeptTimeStep:
         relative_rms=number(row["relative_rms"]),
         over_floor=number(row["over_floor"]),
         tests=tuple(row["tests"]),
-        parameters=values(row["parameters"]),
+        parameters=values_of(row["parameters"]),
     )
 
 
@@ -239,7 +240,7 @@ def _judgement(row: Mapping[str, Any]) -> KeptTimeJudgement:
         delta_bic=number(row["delta_bic"]),
         relative_rms=number(row["relative_rms"]),
         tests=tuple(row["tests"]),
-        parameters=values(row["parameters"]),
+        parameters=values_of(row["parameters"]),
         notes=tuple(row["notes"]),
     )
 

@@ -185,6 +185,7 @@ def test_profiles_count_each_repetition_and_no_miss():
     assert found.performance.tolist() == [[0.5, 0.5], [0.5, 1.0]]
 
 
+@pytest.mark.soak
 def test_scores_are_what_the_traces_say(tmp_path):
     outcome = run_study(small_study(target=1e-3), engine="serial", out=tmp_path, quiet=True)
     with Store(outcome.store) as store:

@@ -271,6 +271,7 @@ def test_cocopp_writes_its_report(results, tmp_path, algorithms):
     assert len(list((tmp_path / "report").rglob("*.svg"))) > 5
 
 
+@pytest.mark.soak
 def test_a_report_of_no_export_is_one_line(tmp_path):
     command = [sys.executable, "-m", "springpot.benchmark.coco_suite", str(tmp_path)]
     done = subprocess.run(command, capture_output=True, text=True)

@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 
+import pytest
 from benchmark_fakes import small_study
 
 from springpot.benchmark import run_study
@@ -37,6 +38,7 @@ def test_a_run_that_resumes_starts_from_what_is_there(tmp_path, capsys):
     ]
 
 
+@pytest.mark.soak
 def test_a_terminal_gets_a_bar():
     ours, theirs = pty.openpty()
     code = (

@@ -98,6 +98,7 @@ def test_noisy_data_have_a_recommendation_and_an_oracle_trace(tmp_path):
         )
 
 
+@pytest.mark.soak
 def test_luck_with_the_noise_is_not_scored(tmp_path):
     """On noisy data the best value seen is not what the recommended point is worth."""
     study = small_study(

@@ -54,6 +54,7 @@ def seconds(path: Path, names: tuple[str, ...]) -> float:
         return process_time() - start
 
 
+@pytest.mark.soak_cases("1000-10000")
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("small", "large"),

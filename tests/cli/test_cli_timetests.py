@@ -70,6 +70,7 @@ def test_identify_from_one_test(springpot, relaxed):
     assert np.array(answer["covariance"]).shape == (3, 3)
 
 
+@pytest.mark.soak
 def test_identify_from_all_tests_of_a_specimen(springpot, relaxed, crept, swept, tmp_path):
     figure = tmp_path / "tests.png"
     answer = springpot(
@@ -88,6 +89,7 @@ def fit(springpot, relaxed, tmp_path):
     return path
 
 
+@pytest.mark.soak
 def test_predict_says_whether_it_holds(springpot, fit, crept, swept, tmp_path):
     table, picture = tmp_path / "predicted.csv", tmp_path / "predicted.png"
     told = springpot("predict", fit, "--history", crept, "-o", table, "--figure", picture)
@@ -132,6 +134,7 @@ def test_export_from_a_fit_to_tests_in_time(springpot, fit):
     )
 
 
+@pytest.mark.soak
 def test_diagnose_judges_the_raw_signal(springpot, relaxed):
     answer = springpot("diagnose", relaxed, "-m", "fractional-maxwell", "--json").json
     assert answer["schema"] == "springpot.diagnosis-in-time/1"
@@ -139,6 +142,7 @@ def test_diagnose_judges_the_raw_signal(springpot, relaxed):
     assert springpot("diagnose", relaxed, "--json").json["model"] == "material"
 
 
+@pytest.mark.soak
 def test_any_optimiser_may_search(springpot, relaxed, fit):
     found = springpot(
         "identify",
@@ -209,6 +213,7 @@ def test_bad_input_is_one_line(springpot, write, swept):
     assert "sweep  " in springpot("identify", swept, swept, "-m", "fractional-maxwell").out
 
 
+@pytest.mark.soak
 def test_compare_ranks_models_of_tests_in_time(springpot, relaxed, crept, tmp_path):
     picture = tmp_path / "views.png"
     told = springpot(
@@ -233,6 +238,7 @@ def test_compare_ranks_models_of_tests_in_time(springpot, relaxed, crept, tmp_pa
     assert [one["delta_bic"] > 10 for one in answer["models"]] == [False, True]
 
 
+@pytest.mark.soak
 def test_discover_is_for_tests_in_time_too(springpot, relaxed):
     told = springpot("discover", relaxed, "-m", "fractional-kelvin", "--accept", "series-spring")
     assert told.code == 0, told.err
@@ -253,6 +259,7 @@ def test_of_several_tests_the_one_that_lacks_a_unit_is_named(springpot, relaxed,
     springpot("identify", relaxed, bare, "-m", "fractional-maxwell").is_one_line("write time [s]")
 
 
+@pytest.mark.soak
 def test_an_effect_of_the_test_itself_is_found_named_and_added(springpot, write):
     drifting = write(
         table("time [s],relaxation [kPa]", MODEL.relaxation(THETA, T) + 0.5 * T, 3), "drifting.csv"
@@ -291,6 +298,7 @@ def test_inspect_of_a_record_tells_both_ways_on(springpot, write):
     assert "steadily: springpot signals " in shown
 
 
+@pytest.mark.soak
 def test_which_of_several_absent_effects_is_absent_is_no_news(springpot, relaxed):
     answer = springpot("diagnose", relaxed, "--model", "fractional-maxwell", "--json").json
     absent = {each["effect"] for each in answer["candidates"] if each["verdict"] == "absent"}

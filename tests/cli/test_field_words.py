@@ -28,6 +28,7 @@ def rheometer(write):
     return write(table(OMEGA, "Angular frequency [rad/s],G' [Pa],G'' [Pa]"), "rheometer.csv")
 
 
+@pytest.mark.soak
 def test_a_rheologist_reads_omega_and_the_letters_of_the_file(springpot, rheometer):
     for command in (["inspect"], ["identify", *MODEL], ["compare", *MODEL], ["diagnose", *MODEL]):
         said = springpot(command[0], rheometer, *command[1:])
@@ -93,6 +94,7 @@ def test_far_from_the_noise_without_a_pattern_is_no_noise(springpot, write, rng)
     assert near.says.endswith("nothing is left but noise")
 
 
+@pytest.mark.soak
 def test_where_the_floor_moves_a_line_says_why(springpot):
     """Amplitudes that differ from point to point leave no smooth curve to take scatter from."""
     import springpot as package

@@ -152,6 +152,7 @@ def both_ends() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return u, rest, 0.05 * np.pi * np.cosh(x) * u * rest
 
 
+@pytest.mark.soak_cases("power-law-plateau")
 @pytest.mark.parametrize("name", MODELS)
 def test_creep_convolved_with_relaxation_is_time(name: str):
     """s^2 G J = 1: the integral of G(t - u) J(u) and the instant impulse of a dashpot are t."""
@@ -257,6 +258,7 @@ def test_a_held_displacement_goes_on_as_it_was():
     )
 
 
+@pytest.mark.soak
 def test_an_oscillator_with_a_springpot_against_its_inverse_fourier_transform():
     m, c, alpha, k = 1.0, 0.6, 0.5, 4.0
     network = parallel(spring(), springpot(), mass())
@@ -346,6 +348,9 @@ def check_slopes(model: Model, theta: list[float], ask) -> None:
     assert np.max(np.abs(found.by_theta - numeric) / natural) < 3e-8
 
 
+@pytest.mark.soak_cases(
+    "fractional-zener + inertia-theta4", "havriliak-negami-theta5", "zener + relaxation-mode-theta6"
+)
 @pytest.mark.parametrize(("name", "theta"), DERIVATIVES)
 def test_derivatives_by_all_parameters(name: str, theta: list[float]):
     model = parse_model(name)
@@ -446,6 +451,7 @@ def test_a_history_of_temperatures_is_reduced_time(name: str):
     np.testing.assert_allclose(softer[:3], cold[:3], rtol=1e-3, atol=1e-6)
 
 
+@pytest.mark.soak_cases("fractional-zener-own0")
 @pytest.mark.parametrize(
     ("name", "own"),
     [

@@ -36,6 +36,7 @@ def test_nothing_is_missing_where_nothing_is():
     assert "phase-error" not in {each.effect for each in found.candidates}
 
 
+@pytest.mark.soak_cases("cubic-stiffness-values3", "inertia-values1")
 @pytest.mark.parametrize(
     ("effect", "values"),
     [

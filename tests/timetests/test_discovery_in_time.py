@@ -17,6 +17,7 @@ EFFECTS = [plugins().effect(name) for name in ("friction", "inertia", "time-dela
 MODEL = parse_model("fractional-maxwell")
 
 
+@pytest.mark.soak
 def test_a_record_with_a_mass_and_friction_names_both():
     model = parse_model("fractional-maxwell + friction + inertia")
     values = {"k": 400.0, "c": 60.0, "alpha": 0.5, "friction.F": 20.0, "inertia.m": 8.0}

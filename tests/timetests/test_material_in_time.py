@@ -80,6 +80,7 @@ def relaxed_with(effect, values, noise=0.3):
     )
 
 
+@pytest.mark.soak_cases("finite-ramp-0.05-0.002")
 @pytest.mark.parametrize(
     ("effect", "size", "width"),
     [("force-drift", 0.5, 0.1), ("force-drift", -0.5, 0.1), ("finite-ramp", 0.05, 0.002)],
@@ -92,6 +93,7 @@ def test_what_no_material_does_is_told_beside_any_material(effect, size, width):
     assert 0.7 < found.tests[0].ratio < 1.2
 
 
+@pytest.mark.soak
 def test_what_another_material_would_do_too_is_refused_with_what_helps():
     """A warming as slow as the material relaxes, and a clock that slows as a spectrum does."""
     for effect, values in (("thermal-force", [20.0, 30.0]), ("ageing", [0.5, 10.0])):
@@ -102,6 +104,7 @@ def test_what_another_material_would_do_too_is_refused_with_what_helps():
         assert "\n" not in str(told.value)
 
 
+@pytest.mark.soak
 def test_a_drift_is_named_beside_any_material():
     effects = [
         each

@@ -51,6 +51,7 @@ def found():
     }
 
 
+@pytest.mark.soak_cases("asymmetric-stop", "backlash-in-time")
 @pytest.mark.parametrize("name", HIDDEN)
 def test_what_harmonics_hide_is_named_with_its_size(found, name):
     answer, (values, _) = found[name], HIDDEN[name]
@@ -107,6 +108,7 @@ def test_the_answer_keeps_to_its_keys(found):
     assert answer["candidates"][0]["class"] == ["force-clipping"]
 
 
+@pytest.mark.soak
 def test_two_effects_are_found_one_after_the_other():
     test = record("force-clipping", [90.0])
     drifting = TimeTest.of_history(T, X, test.response + 1.5 * T, "mm", "N", control="displacement")

@@ -86,6 +86,7 @@ def test_an_activation_energy_is_found_from_one_record(tmp_path):
     assert found.tests[0].ratio < 1.15
 
 
+@pytest.mark.soak
 def test_what_the_test_did_is_followed_while_it_warms():
     """A drift and a slow ramp, each where it acts.
 

@@ -147,6 +147,7 @@ def test_new_data_join_in_the_units_that_are_there(data: Measurement):
         joined(in_mm, in_percent)
 
 
+@pytest.mark.soak
 def test_an_answer_is_that_of_discover(first: dict, state: State, data: Measurement):
     same = springpot.discover(data, MODEL, accept=[], seed=0)
     assert first["discovery"] == json.loads(to_json(same))
@@ -197,6 +198,7 @@ def test_rounding_keeps_six_digits_and_tells_what_is_no_number(values: list[floa
             assert shown == pytest.approx(value, rel=1e-5)
 
 
+@pytest.mark.soak
 def test_the_exported_script_gives_the_numbers_of_the_page(
     damper: bytes,
     data: Measurement,
@@ -432,6 +434,7 @@ def test_the_error_is_relative_to_what_was_measured_as_the_page_says(data: Measu
     assert "|K_model - K| / |K|" in words
 
 
+@pytest.mark.soak
 def test_the_ladder_that_was_asked_for_last_is_remembered_longest(monkeypatch):
     climbed = []
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from springpot.format_numbers import number
 from springpot.identification.result import Identification
-from springpot.identification.value import Value, kept_interval
+from springpot.identification.value import Value
 from springpot.measurement.timed import material_of
 from springpot.rheology.drawing import drawing_of
 
@@ -198,7 +198,7 @@ def _briefly(parameters: Mapping[str, Mapping[str, Any]]) -> str:
 
 
 def _measured(entry: dict[str, Any]) -> Value:
-    return Value(entry["value"], *kept_interval(entry), entry["unit"])
+    return Value.from_dict(entry)
 
 
 def _tests(identified: TimeIdentification, width: int) -> str:

@@ -386,7 +386,7 @@ def _drawn(state: State, measurement: Measurement, model: Model, theta: Any) -> 
 
 
 def ranking(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
-    """All installed models against what any material reaches; schema ``springpot.comparison/1``."""
+    """All installed models against what any material reaches; schema ``springpot.comparison/2``."""
     asked = State.of(state)
     return compare(kept(_measured(text), asked.excluded), seed=asked.seed, progress=told).to_dict()
 
