@@ -30,6 +30,8 @@ BAND = float(np.log(10.0))
 """Width of a branch of relaxation times: a decade."""
 TINY = 1e-24
 """Least variance: exact data leave rounding."""
+ANY = Continuum()
+"""Any material, as sweeps show it."""
 FEW = 4
 """Points of a level from which it can be fitted by itself."""
 ROUNDING = 1e-8
@@ -258,7 +260,7 @@ def each_alone(
     measurement: Measurement,
     number: NDArray[np.int64],
     objective: Objective,
-    unfitted: Continuum,
+    unfitted: Continuum = ANY,
 ) -> Alone:
     """A fit of any material to each level by itself.
 
