@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from springpot.measurement.timeeffect import TimeEffect
 from springpot.rheology.effect import Effect
 
 from .information_criterion import PLAINLY, Left
@@ -17,7 +16,6 @@ from .sizes import rms
 from .where import Place
 
 if TYPE_CHECKING:
-    from springpot.measurement.timed import Timed
     from springpot.rheology.model import Model
 
 SCHEMA = "springpot.diagnosis-in-time/1"
@@ -100,7 +98,7 @@ class TimeCandidate:
         speaks for it; ``cannot-tell``: anything else, also because a rival explains more.
     says : str
         Its physics.
-    physics : Effect or TimeEffect
+    physics : Effect
         The effect itself.
     """
 
@@ -112,7 +110,7 @@ class TimeCandidate:
     parameters: dict[str, dict[str, Any]]
     verdict: str
     says: str
-    physics: Effect | TimeEffect = field(repr=False, compare=False)
+    physics: Effect = field(repr=False, compare=False)
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data."""
@@ -186,7 +184,7 @@ class TimeDiagnosis:
     left_out: dict[str, str] = field(default_factory=dict)
 
     @property
-    def model(self) -> Model | Timed:
+    def model(self) -> Model:
         """The model that was judged."""
         return self.base.model
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from springpot.measurement.timed import Timed
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
@@ -42,7 +41,7 @@ class Left:
     scatters: tuple[Scatter, ...]
 
     @classmethod
-    def by(cls, model: Model | Timed, theta: Real, reference: float, parts: Sequence[Part]) -> Left:
+    def by(cls, model: Model, theta: Real, reference: float, parts: Sequence[Part]) -> Left:
         """What a model with these parameters leaves of these tests."""
         # By its noise alone, whatever the test weighed in a fit.
         plain = [part.with_scale(1.0) for part in parts]
