@@ -27,17 +27,9 @@ from springpot.identification.space import require_conditions
 from springpot.measurement.joining import joined
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.selection import Test
-from springpot.measurement.timed import Timed
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.material import any_material
-from springpot.registry import (
-    effect_in_time,
-    for_sweeps,
-    library_in_time,
-    open_tests,
-    parse_timed,
-    plugins,
-)
+from springpot.registry import open_tests, parse_model, plugins
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.superposition.curve import MasterCurve
@@ -50,7 +42,7 @@ from springpot.timetests.diagnosis import diagnose as diagnose_in_time
 from springpot.timetests.discovery import TimeLadder
 from springpot.timetests.discovery import discover as discover_in_time
 from springpot.timetests.fitting import identify as identify_in_time
-from springpot.timetests.residuals_of_tests import AnyEffect, units_of
+from springpot.timetests.residuals_of_tests import units_of
 from springpot.timetests.result import TimeIdentification
 
 from .judgement import standing_of
@@ -93,7 +85,7 @@ def read(spec: str | Path) -> Test | tuple[Test, ...]:
 
 def identify(
     measurement: Data,
-    model: Model | Timed | str,
+    model: Model | str,
     *,
     optimiser: Optimiser | str | None = None,
     objective: Objective | str | None = None,
@@ -171,8 +163,8 @@ def identify(
                     f"{name} is for sweeps: residuals of tests in time are counted in their noise"
                 )
         return identify_in_time(tests, judged, **search)
-    parts = [for_sweeps(_model(part)) for part in simpler]
-    fit = identify_objects(data, for_sweeps(judged), simpler=parts, **search)
+    parts = [_model(part) for part in simpler]
+    fit = identify_objects(data, judged, simpler=parts, **search)
     # Floors are judged by a room above identification, which must not know it: so its judge is
     # handed down.
     return replace(fit, judge=standing_of)
@@ -180,9 +172,9 @@ def identify(
 
 def diagnose(
     measurement: Data,
-    model: Model | Timed | str | None = None,
+    model: Model | str | None = None,
     *,
-    effects: Sequence[AnyEffect | str] | None = None,
+    effects: Sequence[Effect | str] | None = None,
     seed: int = 0,
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
@@ -229,17 +221,17 @@ def diagnose(
     data = sweep_of(tests)
     if data is None:
         progress(f"judging {judged.name}")
-        return diagnose_in_time(tests, judged, _library_in_time(effects))
+        return diagnose_in_time(tests, judged, library(effects))
     rng = np.random.default_rng(seed)
-    return diagnose_objects(data, for_sweeps(judged), library(effects), rng, progress)
+    return diagnose_objects(data, judged, library(effects), rng, progress)
 
 
 def discover(
     measurement: Data,
-    model: Model | Timed | str | None = None,
+    model: Model | str | None = None,
     *,
-    accept: AnyEffect | str | Sequence[AnyEffect | str] | None = None,
-    effects: Sequence[AnyEffect | str] | None = None,
+    accept: Effect | str | Sequence[Effect | str] | None = None,
+    effects: Sequence[Effect | str] | None = None,
     seed: int = 0,
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
@@ -284,31 +276,27 @@ def discover(
     tests = excluded(_tests(measurement), exclude)
     begin = constrained(_judged(model), units_of(tests), fix, bounds)
     data = sweep_of(tests)
-    if data is None:
-        beside = _library_in_time(effects)
-        in_time = None
-        if accept is not None:
-            in_time = [_effect_in_time(effect, beside) for effect in _listed(accept)]
-        return discover_in_time(tests, begin, beside, in_time, progress, reached)
-    known, start = library(effects), for_sweeps(begin)
+    known = library(effects)
     # None lets the evidence decide; an empty list accepts nothing.
     wanted = None
     if accept is not None:
         wanted = [_effect(effect, known) for effect in _listed(accept)]
-    grown = start
+    if data is None:
+        return discover_in_time(tests, begin, known, wanted, progress, reached)
+    grown = begin
     # Grown as it will be: an effect may be refused because of one accepted before it.
     for effect in wanted or ():
         grown = grown.taking(effect)
     # What cannot be accepted is told before the first fit, not after it.
     require_conditions(grown, data)
     return discover_objects(
-        data, start, known, np.random.default_rng(seed), wanted, progress, reached=reached
+        data, begin, known, np.random.default_rng(seed), wanted, progress, reached=reached
     )
 
 
 def compare(
     measurement: Data,
-    models: Model | Timed | str | Sequence[Model | Timed | str] | None = None,
+    models: Model | str | Sequence[Model | str] | None = None,
     *,
     seed: int = 0,
     progress: Progress = silent,
@@ -358,25 +346,25 @@ def compare(
         return compare_in_time(tests, judged or sized, progress)
     if judged is None:
         return rank(data, list(plugins().items("model")), library(), rng, progress)
-    return compare_objects(data, [for_sweeps(model) for model in judged], rng, progress)
+    return compare_objects(data, judged, rng, progress)
 
 
 def mastercurve(
-    measurement: Measurement | str | Path,
+    measurement: Data,
     *,
     column: str = "temperature",
     reference: float | str | None = None,
     vertical: bool = True,
     objective: Objective | str | None = None,
 ) -> MasterCurve:
-    """Bring sweeps onto one curve without a model.
+    """Bring sweeps, or relaxations, onto one curve without a model.
 
     The laws of temperature are judged by the free factors.
 
     Parameters
     ----------
-    measurement : Measurement, str or Path
-        The data, or their name as for `read`.
+    measurement : Measurement, TimeTest, str, Path, or a sequence of them
+        The data, or their name as for `read`: sweeps, or relaxations each at one temperature.
     column : str
         The condition whose levels are shifted: ``"temperature"``, ``"amplitude"`` or any column of
         the data.
@@ -403,14 +391,19 @@ def mastercurve(
     if isinstance(reference, str):
         reference = level_of(reference, column)
     how = _objective(objective)
-    data = sweep_of(_tests(measurement))
-    assert data is not None
+    tests = _tests(measurement)
+    sweep = sweep_of(tests)
+    data: Measurement | list[TimeTest] = [test for test in tests if isinstance(test, TimeTest)]
+    if sweep is not None:
+        data = sweep
+    elif len(data) < len(tests):
+        raise DataError("a master curve is made of sweeps or of relaxations, not of both together")
     return mastercurve_of(
         data, column=column, reference=reference, vertical=vertical, objective=how
     )
 
 
-def library(effects: Sequence[AnyEffect | str] | None = None) -> list[Effect]:
+def library(effects: Sequence[Effect | str] | None = None) -> list[Effect]:
     """The installed effects, and `effects` beside them or in their places.
 
     Parameters
@@ -438,23 +431,7 @@ def library(effects: Sequence[AnyEffect | str] | None = None) -> list[Effect]:
     return list(by_name.values())
 
 
-def _library_in_time(effects: Sequence[AnyEffect | str] | None) -> list[AnyEffect]:
-    """The effects of `library`, and those of tests in time."""
-    known = {effect.name: effect for effect in library_in_time()}
-    for own in _listed(effects or ()):
-        effect = _effect_in_time(own, ())
-        known[effect.name] = effect
-    return list(known.values())
-
-
-def _effect_in_time(effect: AnyEffect | str, among: Sequence[AnyEffect]) -> AnyEffect:
-    if not isinstance(effect, str):
-        return effect
-    named = [known for known in among if known.name == effect]
-    return (named or [effect_in_time(effect)])[0]
-
-
-def _effect(effect: AnyEffect | str, among: Sequence[Effect]) -> Effect:
+def _effect(effect: Effect | str, among: Sequence[Effect]) -> Effect:
     if isinstance(effect, Effect):
         return effect
     if not isinstance(effect, str):
@@ -504,17 +481,17 @@ def _listed(given: Any) -> Sequence[Any]:
     return given
 
 
-def _model(model: Model | Timed | str) -> Model | Timed:
-    if not isinstance(model, str | Model | Timed):
+def _model(model: Model | str) -> Model:
+    if not isinstance(model, str | Model):
         raise ModelError(
             f"a model is a Model or an expression like 'fractional-maxwell', not {_shown(model)}"
         )
     if isinstance(model, str):
-        return parse_timed(model)
+        return parse_model(model)
     return model
 
 
-def _judged(model: Model | Timed | str | None) -> Model | Timed:
+def _judged(model: Model | str | None) -> Model:
     """A model, or any material where none is given."""
     if model is None:
         return any_material()

@@ -13,7 +13,6 @@ from typing import Any, TypeVar
 from springpot.errors import ModelError, OptionError
 from springpot.identification.optimiser import Optimiser
 from springpot.measurement.selection import Test, conditions, tests_without
-from springpot.measurement.timed import Timed
 from springpot.measurement.units import Units
 from springpot.registry import plugins
 from springpot.rheology.model import Model
@@ -24,16 +23,16 @@ V = TypeVar("V")
 
 
 def constrained(
-    model: Model | Timed,
+    model: Model,
     units: Units,
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
-) -> Model | Timed:
+) -> Model:
     """The model with parameters held or bounded, of values in printed units.
 
     Parameters
     ----------
-    model : Model or Timed
+    model : Model
         The model.
     units : Units
         Those of the tests.
@@ -49,10 +48,6 @@ def constrained(
     OptionError
         If these are no mappings, or what they hold are no numbers.
     """
-    if isinstance(model, Timed):
-        if fix or bounds:
-            raise ModelError(f"{model.name}: only parameters of a model of sweeps are held as yet")
-        return model
     fixed = own_values(model, units, fix, "fix")
     own_bounds: dict[str, Bounds] = {}
     for name, ends in by_name(bounds, "bounds", '{"k": (0, 200)}').items():

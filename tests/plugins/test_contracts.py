@@ -53,9 +53,9 @@ class TestModels(PluginContract):
     "effect hardening-mount",
     "effect power-law-slip",
     "effect smooth-hysteresis",
-    "time effect ageing",
-    "time effect finite-ramp",
-    "time effect thermal-transient",
+    "effect ageing",
+    "effect finite-ramp",
+    "effect thermal-transient",
 )
 class TestEffects(PluginContract):
     plugin = "springpot_plugins.effects"

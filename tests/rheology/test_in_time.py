@@ -30,6 +30,8 @@ from springpot.rheology import (
 )
 from springpot.rheology.family import Family
 
+OF_THE_NETWORK = [each.name for each in plugins().items("effect") if not each.of_test]
+
 REGISTERED = [
     item.build(3) if isinstance(item, Family) else item for item in plugins().items("model")
 ]
@@ -501,7 +503,7 @@ def test_a_ramp_of_temperature_has_the_reduced_time_of_its_integral():
     assert model.name == "test"
 
 
-@pytest.mark.parametrize("effect", plugins().names("effect"))
+@pytest.mark.parametrize("effect", OF_THE_NETWORK)
 def test_every_effect_answers_in_time_or_is_refused_by_name(effect: str):
     model = parse_model(f"fractional-zener + {effect}")
     theta = np.array([1.3, 2.0, 1.5, 0.6, *(p.typical for p in model.parameters[4:])])

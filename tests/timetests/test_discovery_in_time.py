@@ -66,7 +66,7 @@ def loaded(tmp_path):
 
 
 def test_a_discovery_in_time_and_its_diagnosis_are_loaded_again(drifting, loaded):
-    effects = [plugins().find("time effect", "force-drift")]
+    effects = [plugins().effect("force-drift")]
     ladder = discover([drifting], MODEL, effects)
     again = loaded(ladder)
     assert [step.accepted for step in again.steps] == [None, "force-drift"]
@@ -77,7 +77,7 @@ def test_a_discovery_in_time_and_its_diagnosis_are_loaded_again(drifting, loaded
 
 
 def test_a_diagnosis_in_time_is_loaded_again_with_the_effect_itself(drifting, loaded):
-    effects = [plugins().find("time effect", "force-drift")]
+    effects = [plugins().effect("force-drift")]
     diagnosis = diagnose(drifting, MODEL, effects)
     again = loaded(diagnosis)
     assert again.missing == diagnosis.missing == ("force-drift",)

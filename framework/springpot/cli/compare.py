@@ -65,21 +65,19 @@ def command(
     do without: the simplest that follows the data as well as any material does comes first. Tests
     in time serve as well as sweeps.
     """
-    from springpot.registry import for_sweeps, parse_timed
+    from springpot.registry import parse_model
     from springpot.report.canvas import check_figure_path
 
     if figure is not None:
         # A path that cannot be written is told before minutes are spent on the picture.
         check_figure_path(figure)
     # A model that was named twice is judged once.
-    expressions = [parse_timed(model) for model in dict.fromkeys(models)]
+    expressions = [parse_model(model) for model in dict.fromkeys(models)]
     tests = timetests.named_tests([data], geometry)
     if tests is not None:
         timetests.compare(tests, expressions, figure, as_json)
         return
-    comparison = _compared(
-        opened(data, geometry), [for_sweeps(each) for each in expressions], seed or 0
-    )
+    comparison = _compared(opened(data, geometry), expressions, seed or 0)
     if figure is not None:
         # Only where a picture is wanted: text needs none of its modules.
         from springpot.report.residuals import figure_compared

@@ -63,18 +63,16 @@ def command(
     prints one line of JSON for each. One that cannot be used is named on stderr, and the others are
     still answered. Tests in time are judged together, on their raw signals.
     """
-    from springpot.registry import for_sweeps, parse_timed
+    from springpot.registry import parse_model
 
     expression = None
     if model is not None:
-        expression = parse_timed(model)
+        expression = parse_model(model)
     arguments = {"model": expression, "seed": seed or 0, **known_from(options)}
     tests = timetests.named_tests(data, geometry)
     if tests is not None:
         timetests.diagnose(tests, data, model, as_json, arguments)
         return 0
-    if expression is not None:
-        arguments["model"] = for_sweeps(expression)
 
     def answer(name: str) -> None:
         if name != data[0] and not as_json:

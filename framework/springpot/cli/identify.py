@@ -103,7 +103,7 @@ def command(
     """
     from springpot.constraints import values_of
     from springpot.measurement.joining import joined
-    from springpot.registry import for_sweeps, parse_timed
+    from springpot.registry import parse_model
     from springpot.report.canvas import check_figure_path
 
     # A path that cannot be written is told before time is spent on the fit.
@@ -111,23 +111,22 @@ def command(
         check_figure_path(figure)
     if as_csv and as_json:
         raise click.UsageError("give --csv or --json, not both", click.get_current_context())
-    expression = parse_timed(model)
+    expression = parse_model(model)
     arguments = {**options, **known_from(options), "start": values_of(options["start"])}
     tests = timetests.named_tests(data, geometry)
     if tests is not None:
         timetests.identify(tests, data, expression, figure, as_json, arguments)
         return 0
-    judged = for_sweeps(expression)
     if len(data) > 1 and not joint:
         if figure is not None:
             advice = "--figure draws one fit: name one DATA, or give --joint"
             raise click.UsageError(advice, click.get_current_context())
-        return _each(data, judged, geometry, arguments, as_csv, as_json)
+        return _each(data, expression, geometry, arguments, as_csv, as_json)
     measured = [opened(name, geometry) for name in data]
     together = measured[0]
     if len(measured) > 1:
         together = joined(measured)
-    fit = _fitted(together, judged, arguments)
+    fit = _fitted(together, expression, arguments)
     if figure is not None:
         fit.plot(figure)
     if as_csv:

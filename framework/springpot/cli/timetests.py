@@ -11,7 +11,6 @@ from .common import emit, note_to_stderr, opened, quoted, seen_through, turned, 
 
 if TYPE_CHECKING:
     from springpot.identification.result import Identification
-    from springpot.measurement.timed import Timed
     from springpot.measurement.timetest import TimeTest
     from springpot.rheology.model import Model
     from springpot.timetests.answer import TimeDiagnosis
@@ -73,7 +72,7 @@ def named_tests(data: Sequence[str], geometry: str | None) -> list[Test] | None:
 def identify(
     tests: Sequence[Test],
     data: Sequence[str],
-    model: Model | Timed,
+    model: Model,
     figure: Path | None,
     as_json: bool,
     options: Any,
@@ -111,7 +110,7 @@ def _show(
 
 
 def compare(
-    tests: Sequence[Test], models: Sequence[Model | Timed], figure: Path | None, as_json: bool
+    tests: Sequence[Test], models: Sequence[Model], figure: Path | None, as_json: bool
 ) -> None:
     """``springpot compare`` of models of tests in time.
 

@@ -13,7 +13,6 @@ import numpy as np
 
 from springpot.errors import DataError, ModelError, OptionError
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.timed import Timed
 from springpot.rheology.levels import Levels
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
@@ -195,14 +194,11 @@ def refuse_search(model: Model, optimiser: Optimiser, start: Mapping[str, float]
         )
 
 
-def start_at(
-    model: Model | Timed, start: Mapping[str, float], fitted: Callable[[Model], Real]
-) -> Real:
+def start_at(model: Model, start: Mapping[str, float], fitted: Callable[[Model], Real]) -> Real:
     """A start (p,) of which some values are given; the others are fitted beside them."""
     known = dict(start)
     if set(known) != set(model.names):
         # The given values are held meanwhile, so that the others suit them.
-        assert isinstance(model, Model)
         rest = model.holding(known)
         known |= dict(zip(rest.names, fitted(rest).tolist(), strict=True))
     return model.vector(known)

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from springpot.errors import ModelError
 from springpot.rheology.effect import Effect, Layer
-from springpot.rheology.history import Placed, sorted_out
+from springpot.rheology.history import sorted_out
 from springpot.rheology.model import Model
+from springpot.rheology.named import Placed
 from springpot.rheology.nodes import FULL
 from springpot.rheology.points import KELVIN, ROOM, Complex, Points, Real
 

@@ -26,7 +26,6 @@ _WHERE = {
     "check_optimiser": "springpot.testing.optimisers",
     "check_plugin": "springpot.testing.contract",
     "check_reader": "springpot.testing.readers",
-    "check_time_effect": "springpot.testing.timeeffects",
 }
 
 __all__ = list(_WHERE)

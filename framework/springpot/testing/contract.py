@@ -42,7 +42,6 @@ from .networks import (
 )
 from .optimisers import check_optimiser
 from .readers import check_reader
-from .timeeffects import check_time_effect
 
 KINDS = ("measured", "artificial", "reconstruction")
 LONGEST = 240
@@ -251,7 +250,6 @@ Skips = Mapping[str, Collection[str]]
 CONTRACTS: dict[str, Callable[..., list[str]]] = {
     "model": check_model,
     "effect": check_effect,
-    "time effect": check_time_effect,
     "optimiser": check_optimiser,
     "objective": check_objective,
     "data set": check_dataset,

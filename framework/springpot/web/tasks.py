@@ -139,7 +139,8 @@ def library(told: Told) -> dict[str, Any]:
     installed = plugins()
     return {
         "models": [_model(item) for item in installed.items("model")],
-        "effects": [_effect(item) for item in installed.items("effect")],
+        # The page is of sweeps: what a test in time did is in none of them.
+        "effects": [_effect(item) for item in installed.items("effect") if not item.of_test],
         "datasets": [
             {
                 "name": item.name,
