@@ -19,9 +19,15 @@ from pathlib import Path
 import numpy as np
 
 from springpot.benchmark import Interval, Table, save_table
-from springpot.benchmark.gate.baseline import EVALUATIONS, SEPARATOR, Baseline, Sample
+from springpot.benchmark.gate.baseline import (
+    EVALUATIONS,
+    FACTOR,
+    LEVEL,
+    SEPARATOR,
+    Baseline,
+    Sample,
+)
 from springpot.benchmark.gate.changes import changes_since
-from springpot.benchmark.gate.difference import FACTOR, LEVEL
 from springpot.benchmark.plan import stream_of
 from springpot.benchmark.statistics import wilson
 from springpot.benchmark.tables import Entry

@@ -58,14 +58,14 @@ def seen(case: Case | Drawn) -> Any:
 
 
 def answer(case: Case | Drawn, model: str | None = None) -> dict[str, Any]:
-    """Return the diagnosis of a case as the dictionary of schema springpot.diagnosis/1."""
+    """Return the diagnosis of a case as the dictionary of schema springpot.diagnosis/2."""
     import springpot
 
     return dict(springpot.diagnose(seen(case), model or case.model).to_dict())
 
 
 def ladder(case: Case | Drawn) -> dict[str, Any]:
-    """Return automatic discovery of a case as the dictionary of schema springpot.discovery/1."""
+    """Return automatic discovery of a case as the dictionary of schema springpot.discovery/2."""
     import springpot
 
     return dict(springpot.discover(seen(case), case.model).to_dict())

@@ -18,8 +18,7 @@ import numpy as np
 from paper.draw import COLOURS, INK, can_draw, legend_above, logarithmic, sheet
 from paper.published import MODELS
 from springpot.benchmark import Findings, Store, Study, Table, save_table
-from springpot.benchmark.comparison import Ranking, rank
-from springpot.benchmark.scores import races_of
+from springpot.benchmark.comparison import Ranking, races_of, rank
 from springpot.benchmark.statistics import Interval, wilson
 from springpot.benchmark.tables import Entry
 from springpot_plugins.optimisers.swarm import PaperSwarm

@@ -8,7 +8,6 @@ from __future__ import annotations
 import signal
 from collections.abc import Iterator
 from io import BytesIO
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -28,25 +27,14 @@ for name, examples in (("any machine", 30), ("soak", 300)):
     )
 settings.load_profile("any machine")
 
-LEFT_TO_SOAK = Path(__file__).parent / "left_to_soak.txt"
-
 
 @pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Mark what `left_to_soak.txt` lists, so that the suite keeps within its processor time."""
-    listed = {line for line in LEFT_TO_SOAK.read_text().splitlines() if not line.startswith("#")}
-    functions = set()
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Leave the cases that `soak_cases` names to the soak, the others in the suite."""
     for item in items:
-        name = item.nodeid.removeprefix("tests/")
-        functions.add(name.partition("[")[0])
-        if name in listed:
-            item.add_marker(pytest.mark.soak)
-    # Cases may depend on data that are not on every machine, functions do not.
-    gone = sorted(line for line in listed if line.partition("[")[0] not in functions)
-    if gone and config.args == config.getini("testpaths"):
-        raise pytest.UsageError(
-            f"{LEFT_TO_SOAK.name} lists what is no test any more: {', '.join(gone)}"
-        )
+        for mark in item.iter_markers("soak_cases"):
+            if item.name.partition("[")[2].removesuffix("]") in mark.args:
+                item.add_marker(pytest.mark.soak)
 
 
 @pytest.fixture

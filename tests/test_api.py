@@ -11,6 +11,7 @@ from springpot.errors import SpringpotError
 DATA, MODEL = "artificial-hidden", "fractional-maxwell"
 
 
+@pytest.mark.soak
 def test_data_by_name_and_as_an_object_are_the_same():
     measured = springpot.read(DATA)
     assert (
@@ -86,9 +87,36 @@ def test_results_show_themselves_in_one_line_and_as_a_table():
     assert found._repr_html_().count("<tr>") == 5
 
 
+@pytest.mark.soak
 @pytest.mark.usefixtures("asked_once")
 def test_no_model_need_be_named():
     assert springpot.diagnose("nist-srm2491@temperature=20").model.name == "material"
     ladder = springpot.discover(DATA, accept="inertia")
     assert ladder.steps[0].case.diagnosis.best.effect == "inertia"
     assert ladder.model.name == "material + inertia"
+
+
+def test_a_test_in_time_is_read_fitted_judged_and_compared_as_a_sweep_is(tmp_path):
+    model, t = springpot.parse_model("fractional-maxwell"), np.geomspace(0.02, 50.0, 60)
+    exact = model.relaxation(model.theta(k=400.0, c=60.0, alpha=0.5), t)
+    noisy = exact * (1.0 + 0.01 * np.random.default_rng(1).normal(size=len(t)))
+    path = tmp_path / "relax.csv"
+    np.savetxt(
+        path, np.column_stack([t, noisy]), delimiter=",", header="time [s],relaxation [kPa]",
+        comments="",
+    )  # fmt: skip
+    test = springpot.read(path)
+    assert isinstance(test, springpot.TimeTest)
+    fit = springpot.identify(path, "fractional-maxwell", fix={"alpha": 0.5}, exclude="time=..0.03")
+    assert fit.model.held == {"alpha": 0.5}
+    omega = np.geomspace(0.1, 30.0, 20)
+    sweep = springpot.Measurement(
+        omega, model.stiffness([400.0, 60.0, 0.5], omega), units=springpot.Units("kPa")
+    )
+    both = springpot.identify([sweep, test], "fractional-maxwell")
+    assert [one.kind for one in both.tests] == ["sweep", "relaxation"]
+    assert springpot.diagnose(test, "fractional-maxwell").verdict == "adequate"
+    ladder = springpot.discover(test, "fractional-kelvin", accept="series-spring")
+    assert ladder.model.name == "fractional-kelvin + series-spring"
+    compared = springpot.compare(test, ["maxwell", "fractional-maxwell"])
+    assert compared.best.model.name == "fractional-maxwell"

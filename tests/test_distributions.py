@@ -37,6 +37,7 @@ def test_gamma_and_normal():
     np.testing.assert_allclose(own.normal_sf(X[:4]), stats.norm.sf(X[:4]), rtol=1e-12)
 
 
+@pytest.mark.soak
 def test_a_diagnosis_does_without_the_slow_import():
     script = (
         "import sys, springpot; springpot.diagnose('artificial-hidden', 'fractional-maxwell'); "

@@ -19,6 +19,7 @@ def gallery():
     return module
 
 
+@pytest.mark.soak
 def test_the_page_shows_what_is_made(gallery):
     page = (DOCS / "gallery.md").read_text(encoding="utf-8")
     rows = dict(re.findall(r"\]\(gallery/([\w.]+)\)[^|]*\| `springpot ([^`]*)` \|", page))
@@ -26,6 +27,7 @@ def test_the_page_shows_what_is_made(gallery):
     assert rows == {name: f"{command} {name}" for name, command in gallery.MADE.items()}
 
 
+@pytest.mark.soak
 def test_a_report_is_made_as_a_user_makes_it(gallery, tmp_path):
     made = gallery.make(["mastercurve.svg"], tmp_path)
     assert [path.name for path in made] == ["mastercurve.svg", "race.html"]

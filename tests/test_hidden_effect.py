@@ -41,6 +41,7 @@ def test_a_case_is_the_same_each_time_and_another_for_another_seed(tmp_path):
     assert one.read_bytes() == again.read_bytes() != other.read_bytes()
 
 
+@pytest.mark.soak
 def test_the_shares_of_the_kinds_are_those_of_the_plan():
     kinds = [draw_case(seed).kind for seed in range(100)]
     shares = {kind: kinds.count(kind) / len(kinds) for kind in set(kinds)}
@@ -55,6 +56,7 @@ def test_intervals_are_those_of_wilson(k, n, low, high):
     np.testing.assert_allclose(wilson(k, n), (low, high), atol=1e-4)
 
 
+@pytest.mark.soak
 @pytest.mark.slow
 def test_a_run_resumes_and_its_report_is_a_function_of_the_answers(tmp_path, monkeypatch, capfd):
     import hidden_effect

@@ -31,6 +31,7 @@ def verdicts():
         return [judged(drawn_case(SEED, index), index, effects) for index in CASES]
 
 
+@pytest.mark.soak
 def test_what_is_plainly_missing_is_seen_and_named(verdicts):
     inside = [each for each in verdicts if each.hidden and not each.outside]
     seen = [each for each in inside if each.visible >= DETECTED]
@@ -40,18 +41,21 @@ def test_what_is_plainly_missing_is_seen_and_named(verdicts):
     assert sum(each.right for each in plain) >= len(plain) - 1
 
 
+@pytest.mark.soak
 def test_nothing_is_flagged_where_nothing_is_missing(verdicts):
     clean = [each for each in verdicts if not each.hidden]
     assert clean
     assert not any(each.flagged for each in clean)
 
 
+@pytest.mark.soak
 def test_what_no_library_has_is_not_given_a_name(verdicts):
     unknown = [each for each in verdicts if each.outside and each.visible >= NAMED]
     assert unknown
     assert all(each.verdict == "unexplained" for each in unknown)
 
 
+@pytest.mark.soak
 def test_the_tables_count_all_cases(verdicts, tmp_path):
     write_tables(verdicts, tmp_path, SEED)
     text = (tmp_path / "README.md").read_text(encoding="utf-8")
@@ -59,6 +63,9 @@ def test_the_tables_count_all_cases(verdicts, tmp_path):
     assert all(name in text for name, _, _ in figures(verdicts))
 
 
+@pytest.mark.soak_cases(
+    "fractional-kelvin", "fractional-maxwell", "fractional-zener", "maxwell", "zener"
+)
 @pytest.mark.parametrize(
     "name", ["maxwell", "zener", "fractional-maxwell", "fractional-zener", "fractional-kelvin"]
 )
@@ -80,6 +87,7 @@ def test_the_inversion_agrees_with_the_exact_response(name):
     )
 
 
+@pytest.mark.soak
 def test_a_case_is_the_same_every_time():
     first, again = drawn_case(5, 7), drawn_case(5, 7)
     assert np.array_equal(first.test.response, again.test.response)

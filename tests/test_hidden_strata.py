@@ -49,6 +49,7 @@ def test_a_linear_solid_in_time_is_its_complex_stiffness():
     np.testing.assert_allclose(stiffness(in_time.solid_force(SOLID, MOTION)), K, rtol=1e-6)
 
 
+@pytest.mark.soak
 def test_a_load_cell_in_time_is_its_transfer_function():
     seen = stiffness(
         in_time.load_cell_force(in_time.solid_force(SOLID, MOTION), MOTION, 150.0, 0.05)
@@ -64,6 +65,7 @@ def test_a_mount_and_a_slip_that_are_linear_add_their_compliance():
     np.testing.assert_allclose(1.0 / slip, 1.0 / K + 0.05 / S, rtol=1e-6)
 
 
+@pytest.mark.soak
 def test_a_hardening_mount_stiffens_and_makes_odd_harmonics_only():
     soft = in_time.mount_force(SOLID, MOTION, 200.0, 0.0)
     hard = in_time.mount_force(SOLID, MOTION, 200.0, 3000.0)
@@ -107,6 +109,7 @@ def test_any_material_follows_a_relaxation_and_not_a_mass():
 
 
 # --- what is drawn --------------------------------------------------------------------------------
+@pytest.mark.soak_cases("time", "wrong-base")
 @pytest.mark.parametrize("stratum", STRATA)
 def test_a_case_is_the_same_each_time_and_another_for_another_seed(stratum, tmp_path):
     one, again, other = (
@@ -157,6 +160,7 @@ def test_replicates_differ_by_a_gain_and_a_drift_is_hidden_by_the_order_of_rows(
     assert np.any(np.diff(draw("noise", 5).sweep.omega) > 0.0)
 
 
+@pytest.mark.soak
 def test_names_that_count_as_right_are_those_of_effects():
     for stratum, seed in (
         ("time", 1),
@@ -240,6 +244,7 @@ def test_the_question_without_a_model_has_its_own_figures():
     assert len(by_detail([alone, beside])) == 2 + 4
 
 
+@pytest.mark.soak
 @pytest.mark.slow
 def test_strata_run_by_themselves_with_their_seeds(tmp_path, monkeypatch, capfd):
     import hidden_effect

@@ -31,6 +31,7 @@ FLOORS = {
     "drawing": 0,
     "markup": 0,
     "surroundings": 0,
+    "plain_data": 1,
     "processes": 1,
     "files": 1,
     "inputs": 1,

@@ -169,6 +169,7 @@ def test_identify_works_outside_the_checkout(installed: Environment):
     assert embedded["relative_rms"] < 0.2
 
 
+@pytest.mark.soak
 def test_whatever_the_example_offers_is_listed_beside_what_is_built_in(installed: Environment):
     ours = {
         "models": ("example-model", "kelvin"),
@@ -186,6 +187,7 @@ def test_whatever_the_example_offers_is_listed_beside_what_is_built_in(installed
     assert "example-model" in listings[-1]
 
 
+@pytest.mark.soak
 def test_the_model_is_identified_from_the_data_set(installed: Environment):
     answer = json.loads(
         installed.springpot("identify", "example-data", "--model", "example-model", "--json")
@@ -197,6 +199,7 @@ def test_the_model_is_identified_from_the_data_set(installed: Environment):
     assert values["c"][1] == "kN s^alpha/m"
 
 
+@pytest.mark.soak
 def test_the_reader_opens_its_files(installed: Environment):
     path = installed.home / "damper.json"
     columns = {"omega": OMEGA, "storage": MAXWELL.real, "loss": MAXWELL.imag}
@@ -229,6 +232,7 @@ def test_the_effect_takes_part_in_diagnosis_and_is_found(installed: Environment)
     assert mine["parameters"]["omega_c"]["value"] == pytest.approx(2.0, rel=0.1)
 
 
+@pytest.mark.soak
 def test_the_optimiser_runs_in_a_study(installed: Environment):
     script = installed.home / "tiny.py"
     script.write_text(STUDY)
@@ -245,6 +249,7 @@ def test_the_optimiser_runs_in_a_study(installed: Environment):
     assert "native" in table
 
 
+@pytest.mark.soak
 def test_the_optimiser_identifies_too(installed: Environment):
     arguments = ["--optimiser", "example-optimiser", "--budget", "500", "--seed", "1", "--json"]
     answers = [

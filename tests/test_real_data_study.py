@@ -56,6 +56,7 @@ def test_the_table_changes_with_an_answer():
     assert "inconclusive" in table([changed]).rows[0]
 
 
+@pytest.mark.soak
 def test_an_embedded_set_goes_through_from_data_to_tables(nowhere, monkeypatch, tmp_path):
     monkeypatch.setattr(real_data, "SETS", (SMALL,))
     real_data.main(["pdms", "--out", str(tmp_path)])

@@ -11,9 +11,9 @@ import pytest
 
 import springpot
 from springpot import timetests
+from springpot.errors import DataError
 from springpot.measurement import TimeTest
 from springpot.registry import plugins
-from springpot.report.jsontext import jsonable
 
 jsonschema = pytest.importorskip("jsonschema")
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "schemas"
@@ -61,16 +61,40 @@ def schema(name: str) -> dict[str, Any]:
     return found
 
 
-def test_answers_are_as_their_schemas_say():
+def test_answers_are_as_their_schemas_say_and_come_back_as_they_were(tmp_path: Path):
     found = answers() | answers_in_time()
     assert {path.stem for path in FOLDER.glob("*.json")} == set(found)
     for name, answer in found.items():
-        document = jsonable(answer)
         jsonschema.Draft202012Validator.check_schema(schema(name))
-        jsonschema.validate(document, schema(name))
-        assert document["schema"] == schema(name)["properties"]["schema"]["const"]
-    material = jsonable(springpot.identify(DATA, "material"))
-    jsonschema.validate(material, schema("identification"))
+        document = told(answer, name)
+        if not name.startswith("prediction") and "in-time" not in name:
+            again = back(document, tmp_path / "answer.json")
+            assert type(again) is type(answer)
+            assert told(again, name) == document
+            assert repr(again) == repr(answer)
+            assert str(again) == str(answer)
+    told(springpot.identify(DATA, "material"), "identification")
+
+
+def told(answer: Any, name: str) -> dict[str, Any]:
+    """Its plain data, which are strict JSON and as the schema says."""
+    document: dict[str, Any] = answer.to_dict()
+    json.dumps(document, allow_nan=False)
+    jsonschema.validate(document, schema(name))
+    assert document["schema"] == schema(name)["properties"]["schema"]["const"]
+    return document
+
+
+def back(document: dict[str, Any], path: Path) -> Any:
+    path.write_text(json.dumps(document), encoding="utf-8")
+    return springpot.load(path)
+
+
+def test_a_file_holds_what_was_said_and_not_the_fits_behind_it(tmp_path: Path):
+    ladder = springpot.discover(DATA, MODEL, accept=[])
+    again = back(ladder.to_dict(), tmp_path / "ladder.json")
+    with pytest.raises(DataError, match="without the fits behind it"):
+        again.steps[0].case  # noqa: B018
 
 
 @pytest.mark.parametrize("name", [path.stem for path in sorted(FOLDER.glob("*.json"))])

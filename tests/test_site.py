@@ -194,6 +194,7 @@ def test_the_way_of_the_data_is_drawn_from_modules_that_exist():
     assert absent == []
 
 
+@pytest.mark.soak
 def test_the_map_of_the_house_is_true():
     """What the page for contributors calls a file or a folder is one."""
     page = (DOCS / "contributing.md").read_text(encoding="utf-8")

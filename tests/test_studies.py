@@ -81,6 +81,9 @@ def test_a_study_is_named_like_its_script_and_says_what_it_shows(path):
     assert f"[{path.stem}" in (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
 
 
+@pytest.mark.soak_cases(
+    "model_error", "nist_fluid", "swarm_claim", "table2", "table3", "table4", "table5", "table6"
+)
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
 def test_a_study_runs_with_a_tiny_budget(path, tmp_path):
     outcome = run_study(
@@ -102,6 +105,7 @@ def test_a_study_runs_with_a_tiny_budget(path, tmp_path):
     assert tables(folder) == before
 
 
+@pytest.mark.soak_cases("table3")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["table3", *map(soaked, ("nist_fluid", "table1", "table6"))])
 def test_one_worker_and_two_give_the_same_bytes(name, tmp_path):

@@ -36,6 +36,7 @@ def write(folder, name, header, columns):
     (folder / name).write_text("\n".join(lines) + "\n")
 
 
+@pytest.mark.soak
 def test_three_tests_of_one_model_predict_each_other(study, tmp_path, monkeypatch, capsys):
     folder = tmp_path / "data" / "polystyrene-three-tests"
     folder.mkdir(parents=True)

@@ -29,6 +29,7 @@ springpot.identify(data)
 """
 
 
+@pytest.mark.soak
 def test_results_have_types_and_slips_are_seen(tmp_path: Path):
     pytest.importorskip("mypy")
     script = tmp_path / "script.py"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path, PurePath
-from typing import TypeVar
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -24,30 +24,47 @@ from springpot.identification.objective import Objective
 from springpot.identification.optimiser import Optimiser
 from springpot.identification.result import Identification
 from springpot.identification.space import require_conditions
+from springpot.measurement.joining import joined
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.question import OpenQuestion
+from springpot.measurement.selection import Test
+from springpot.measurement.timetest import TimeTest
 from springpot.misfit.material import any_material
-from springpot.registry import open_in_time, open_measurement, parse_model, plugins
+from springpot.registry import open_tests, parse_model, plugins
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.superposition.curve import MasterCurve
 from springpot.superposition.curve import mastercurve as mastercurve_of
 from springpot.superposition.words import level_of
+from springpot.timetests.answer import TimeDiagnosis
+from springpot.timetests.comparing import TimeComparison
+from springpot.timetests.comparing import compare as compare_in_time
+from springpot.timetests.diagnosis import diagnose as diagnose_in_time
+from springpot.timetests.discovery import TimeLadder
+from springpot.timetests.discovery import discover as discover_in_time
+from springpot.timetests.fitting import identify as identify_in_time
+from springpot.timetests.residuals_of_tests import units_of
+from springpot.timetests.result import TimeIdentification
 
 from .judgement import standing_of
 from .thresholds import INTERVALS
 
-T = TypeVar("T", Model, Effect)
+Data: TypeAlias = Test | str | Path | Sequence[Test | str | Path]
+"""What users give: a test, its file or name, or several of one specimen."""
 
 
-def read(spec: str | Path) -> Measurement:
-    """The measurement that `spec` names, as on the command line.
+def read(spec: str | Path) -> Test | tuple[Test, ...]:
+    """The test that `spec` names, as on the command line: a sweep, or a test in time.
 
     Parameters
     ----------
     spec : str or Path
         A file or the name of a registered data set, either with conditions:
         ``nist-srm2491@temperature=20``.
+
+    Returns
+    -------
+    Measurement or TimeTest
+        All tests of a file that holds several in time.
 
     Raises
     ------
@@ -60,11 +77,14 @@ def read(spec: str | Path) -> Measurement:
     >>> springpot.read("artificial-hidden@frequency=1..10")
     <Measurement artificial-hidden@frequency=1..10: 17 points, 1.13 to 9.93 Hz>
     """
-    return _opened(spec)
+    tests = open_tests(spec)
+    if len(tests) > 1:
+        return tests
+    return tests[0]
 
 
 def identify(
-    measurement: Measurement | str | Path,
+    measurement: Data,
     model: Model | str,
     *,
     optimiser: Optimiser | str | None = None,
@@ -78,15 +98,16 @@ def identify(
     bounds: Mapping[str, Bounds] | None = None,
     start: Mapping[str, float] | None = None,
     exclude: str | Sequence[str] = (),
-) -> Identification:
+) -> Identification | TimeIdentification:
     """Identify the parameters of a model.
 
     Data, model, optimiser and objective may be given by name.
 
     Parameters
     ----------
-    measurement : Measurement, str or Path
-        The data, or their name as for `read`.
+    measurement : Measurement, TimeTest, str, Path, or a sequence of them
+        The data, or their name as for `read`. Tests in time, alone or beside sweeps, are those of
+        one specimen, each weighed by its own noise; sweeps alone are fitted as one.
     model : Model or str
         The model, or an expression such as ``"fractional-maxwell + inertia"``.
     optimiser : Optimiser or str, optional
@@ -127,28 +148,30 @@ def identify(
     # Before the data are opened: a mistyped word is told at once.
     if intervals not in INTERVALS:
         raise OptionError(f"intervals are {', '.join(INTERVALS)}, not '{intervals}'")
-    data = excluded(_measurement(measurement), exclude)
+    tests = excluded(_tests(measurement), exclude)
     # Values come as they are printed: the units of the data must be known to read them.
-    judged = constrained(_model(model), data.units, fix, bounds)
-    fit = identify_objects(
-        data,
-        judged,
-        optimiser=_optimiser(optimiser),
-        objective=_objective(objective),
-        budget=budget,
-        restarts=restarts,
-        seed=seed,
-        intervals=intervals,
-        simpler=[_model(part) for part in simpler],
-        start=own_values(judged, data.units, start, "start"),
-    )
+    units = units_of(tests)
+    judged = constrained(_model(model), units, fix, bounds)
+    search: dict[str, Any] = {"budget": budget, "restarts": restarts, "seed": seed}
+    search |= {"optimiser": _optimiser(optimiser), "objective": _objective(objective)}
+    search |= {"intervals": intervals, "start": own_values(judged, units, start, "start")}
+    data = sweep_of(tests)
+    if data is None:
+        for name, usual in (("objective", None), ("intervals", "jacobian")):
+            if search.pop(name) != usual:
+                raise OptionError(
+                    f"{name} is for sweeps: residuals of tests in time are counted in their noise"
+                )
+        return identify_in_time(tests, judged, **search)
+    parts = [_model(part) for part in simpler]
+    fit = identify_objects(data, judged, simpler=parts, **search)
     # Floors are judged by a room above identification, which must not know it: so its judge is
     # handed down.
     return replace(fit, judge=standing_of)
 
 
 def diagnose(
-    measurement: Measurement | str | Path,
+    measurement: Data,
     model: Model | str | None = None,
     *,
     effects: Sequence[Effect | str] | None = None,
@@ -157,13 +180,13 @@ def diagnose(
     bounds: Mapping[str, Bounds] | None = None,
     exclude: str | Sequence[str] = (),
     progress: Progress = silent,
-) -> Diagnosis:
+) -> Diagnosis | TimeDiagnosis:
     """Find which physical effect is missing from a model.
 
     Parameters
     ----------
-    measurement : Measurement, str or Path
-        The data, or their name as for `read`.
+    measurement : Measurement, TimeTest, str, Path, or a sequence of them
+        The data, or their name as for `read`; see `identify`.
     model : Model or str, optional
         The model to be judged; without it any linear passive material, so that only what is no part
         of the material can be missing.
@@ -193,13 +216,18 @@ def diagnose(
     >>> springpot.diagnose(data, "fractional-maxwell").best.effect
     'inertia'
     """
-    data = excluded(_measurement(measurement), exclude)
-    judged = constrained(_judged(model), data.units, fix, bounds)
-    return diagnose_objects(data, judged, library(effects), np.random.default_rng(seed), progress)
+    tests = excluded(_tests(measurement), exclude)
+    judged = constrained(_judged(model), units_of(tests), fix, bounds)
+    data = sweep_of(tests)
+    if data is None:
+        progress(f"judging {judged.name}")
+        return diagnose_in_time(tests, judged, library(effects))
+    rng = np.random.default_rng(seed)
+    return diagnose_objects(data, judged, library(effects), rng, progress)
 
 
 def discover(
-    measurement: Measurement | str | Path,
+    measurement: Data,
     model: Model | str | None = None,
     *,
     accept: Effect | str | Sequence[Effect | str] | None = None,
@@ -209,14 +237,14 @@ def discover(
     bounds: Mapping[str, Bounds] | None = None,
     exclude: str | Sequence[str] = (),
     progress: Progress = silent,
-    reached: Callable[[Ladder], None] | None = None,
-) -> Ladder:
+    reached: Callable[[Any], None] | None = None,
+) -> Ladder | TimeLadder:
     """Add missing effects one by one and watch the error fall.
 
     Parameters
     ----------
-    measurement : Measurement, str or Path
-        The data, or their name as for `read`.
+    measurement : Measurement, TimeTest, str, Path, or a sequence of them
+        The data, or their name as for `read`; see `identify`.
     model : Model or str, optional
         Where to begin; without it any linear passive material.
     accept : Effect, str or sequence of them, optional
@@ -245,38 +273,42 @@ def discover(
     >>> [f"{step.relative_rms:.1%}" for step in ladder.steps]
     ['24.1%', '4.4%']
     """
-    data = excluded(_measurement(measurement), exclude)
-    known, start = library(effects), constrained(_judged(model), data.units, fix, bounds)
+    tests = excluded(_tests(measurement), exclude)
+    begin = constrained(_judged(model), units_of(tests), fix, bounds)
+    data = sweep_of(tests)
+    known = library(effects)
     # None lets the evidence decide; an empty list accepts nothing.
     wanted = None
     if accept is not None:
         wanted = [_effect(effect, known) for effect in _listed(accept)]
-    grown = start
+    if data is None:
+        return discover_in_time(tests, begin, known, wanted, progress, reached)
+    grown = begin
     # Grown as it will be: an effect may be refused because of one accepted before it.
     for effect in wanted or ():
         grown = grown.taking(effect)
     # What cannot be accepted is told before the first fit, not after it.
     require_conditions(grown, data)
     return discover_objects(
-        data, start, known, np.random.default_rng(seed), wanted, progress, reached=reached
+        data, begin, known, np.random.default_rng(seed), wanted, progress, reached=reached
     )
 
 
 def compare(
-    measurement: Measurement | str | Path,
+    measurement: Data,
     models: Model | str | Sequence[Model | str] | None = None,
     *,
     seed: int = 0,
     progress: Progress = silent,
-) -> Comparison:
+) -> Comparison | TimeComparison:
     """Judge models against the same noise floor.
 
     Their errors, where they fail, and how sure that is.
 
     Parameters
     ----------
-    measurement : Measurement, str or Path
-        The data, or their name as for `read`.
+    measurement : Measurement, TimeTest, str, Path, or a sequence of them
+        The data, or their name as for `read`; see `identify`.
     models : Model, str or sequence of them, optional
         At least one; without it all installed models are ranked against what any linear passive
         material reaches.
@@ -303,28 +335,36 @@ def compare(
     >>> [f"{judged.model.name}: {judged.error.relative_rms:.1%}" for judged in compared.judgements]
     ['fractional-maxwell: 24.1%', 'fractional-maxwell + inertia: 4.4%']
     """
-    data, rng = _measurement(measurement), np.random.default_rng(seed)
-    if models is None:
+    tests, rng = _tests(measurement), np.random.default_rng(seed)
+    judged = None
+    if models is not None:
+        judged = [_model(model) for model in _listed(models)]
+    data = sweep_of(tests)
+    if data is None:
+        # A family such as prony-N has no size of its own, and cannot be fitted before it is chosen.
+        sized = [item for item in plugins().items("model") if isinstance(item, Model)]
+        return compare_in_time(tests, judged or sized, progress)
+    if judged is None:
         return rank(data, list(plugins().items("model")), library(), rng, progress)
-    return compare_objects(data, [_model(model) for model in _listed(models)], rng, progress)
+    return compare_objects(data, judged, rng, progress)
 
 
 def mastercurve(
-    measurement: Measurement | str | Path,
+    measurement: Data,
     *,
     column: str = "temperature",
     reference: float | str | None = None,
     vertical: bool = True,
     objective: Objective | str | None = None,
 ) -> MasterCurve:
-    """Bring sweeps onto one curve without a model.
+    """Bring sweeps, or relaxations, onto one curve without a model.
 
     The laws of temperature are judged by the free factors.
 
     Parameters
     ----------
-    measurement : Measurement, str or Path
-        The data, or their name as for `read`.
+    measurement : Measurement, TimeTest, str, Path, or a sequence of them
+        The data, or their name as for `read`: sweeps, or relaxations each at one temperature.
     column : str
         The condition whose levels are shifted: ``"temperature"``, ``"amplitude"`` or any column of
         the data.
@@ -351,7 +391,13 @@ def mastercurve(
     if isinstance(reference, str):
         reference = level_of(reference, column)
     how = _objective(objective)
-    data = _measurement(measurement)
+    tests = _tests(measurement)
+    sweep = sweep_of(tests)
+    data: Measurement | list[TimeTest] = [test for test in tests if isinstance(test, TimeTest)]
+    if sweep is not None:
+        data = sweep
+    elif len(data) < len(tests):
+        raise DataError("a master curve is made of sweeps or of relaxations, not of both together")
     return mastercurve_of(
         data, column=column, reference=reference, vertical=vertical, objective=how
     )
@@ -397,42 +443,37 @@ def _effect(effect: Effect | str, among: Sequence[Effect]) -> Effect:
     return plugins().effect(effect)
 
 
-def _measurement(measurement: Measurement | str | Path) -> Measurement:
-    if isinstance(measurement, Measurement):
-        return measurement
-    if not isinstance(measurement, str | PurePath):
-        raise DataError(f"data are a Measurement, a path or a name, not {_shown(measurement)}")
-    return _opened(measurement)
+def _tests(data: Data) -> list[Test]:
+    """The tests that a user gives or names: a single sweep, or several with one in time."""
+    given = [data]
+    # Text is a sequence too, of letters.
+    if isinstance(data, Sequence) and not isinstance(data, str):
+        given = list(data)
+    tests: list[Test] = []
+    for each in given:
+        if isinstance(each, Measurement | TimeTest):
+            tests.append(each)
+        elif isinstance(each, str | PurePath):
+            tests += open_tests(each)
+        else:
+            raise DataError(f"data are a test, a path or a name, not {_shown(each)}")
+    if not tests:
+        raise DataError("there are no data: give a test, a path or a name")
+    sweeps = [test for test in tests if isinstance(test, Measurement)]
+    # Sweeps alone are one measurement; beside tests in time each weighs by its own noise.
+    if len(tests) == len(sweeps) > 1:
+        return [joined(sweeps)]
+    return tests
 
 
-def _opened(spec: str | Path) -> Measurement:
-    """The measurement in a file; if it holds tests in time, the error tells how to open these."""
-    try:
-        return open_measurement(spec)
-    except DataError as error:
-        # Asked only now: most files are sweeps, and need not be read a second time.
-        if not _holds_tests_in_time(spec, isinstance(error, OpenQuestion)):
-            raise
-        how = "open it by springpot.open_in_time, fit it by springpot.timetests.identify"
-        raise DataError(f"{spec} holds a test in time, no sweep: {how}") from None
+def sweep_of(tests: Sequence[Test]) -> Measurement | None:
+    """The sweep that stands alone; None where a test in time is among the tests."""
+    if isinstance(tests[0], Measurement) and len(tests) == 1:
+        return tests[0]
+    return None
 
 
-def _holds_tests_in_time(spec: str | Path, asked: bool) -> bool:
-    """Whether a file opens as tests in time.
-
-    What keeps it from that is told, unless its reader asked already.
-    """
-    try:
-        return bool(open_in_time(spec))
-    except DataError:
-        # The question of the sweep's reader can be answered; what stops the other reader would hide
-        # it.
-        if asked:
-            return False
-        raise
-
-
-def _listed(given: T | str | Sequence[T | str]) -> Sequence[T | str]:
+def _listed(given: Any) -> Sequence[Any]:
     """One thing is a list of one."""
     # A string is a sequence too, of letters.
     if isinstance(given, str) or not isinstance(given, Sequence):

@@ -16,7 +16,6 @@ from springpot.identification.objective import Objective
 from springpot.identification.optimiser import Optimiser, OptimiserFamily
 from springpot.measurement.catalogue import DataSet
 from springpot.measurement.reader import Reader
-from springpot.measurement.timeeffect import TimeEffect
 from springpot.measurement.timereader import TimeReader
 from springpot.rheology.effect import Effect
 from springpot.rheology.family import Family
@@ -220,7 +219,6 @@ KINDS: dict[str, Kind[Any]] = {
             "model", "springpot_models", lambda x: isinstance(x, Model | Family), _model_name
         ),
         Kind[Any]("effect", "springpot_effects", lambda x: isinstance(x, Effect)),
-        Kind[Any]("time effect", "springpot_time_effects", lambda x: isinstance(x, TimeEffect)),
         Kind[Any]("optimiser", "springpot_optimisers", _is_optimiser),
         Kind[Any](
             "optimiser family",

@@ -12,11 +12,11 @@ from typing import Any, TypeVar
 
 from springpot.errors import ModelError, OptionError
 from springpot.identification.optimiser import Optimiser
-from springpot.measurement.measurement import Measurement
-from springpot.measurement.selection import conditions, without
+from springpot.measurement.selection import Test, conditions, tests_without
 from springpot.measurement.units import Units
 from springpot.registry import plugins
 from springpot.rheology.model import Model
+from springpot.rheology.parameters import HasParameters
 
 Bounds = tuple[float, float]
 V = TypeVar("V")
@@ -35,7 +35,7 @@ def constrained(
     model : Model
         The model.
     units : Units
-        Those of the measurement.
+        Those of the tests.
     fix : mapping of str to float, optional
         Parameters to hold: ``{"alpha": 0.5, "inertia.m": 0.6}``.
     bounds : mapping of str to (float, float), optional
@@ -62,7 +62,7 @@ def constrained(
 
 
 def own_values(
-    model: Model, units: Units, given: Mapping[str, float] | None, option: str
+    model: HasParameters, units: Units, given: Mapping[str, float] | None, option: str
 ) -> dict[str, float]:
     """Printed values by name, such as start values, in the units of theta.
 
@@ -94,7 +94,7 @@ def by_name(given: Mapping[str, V] | None, option: str, example: str) -> Mapping
     return given
 
 
-def own_value(model: Model, units: Units, name: str, value: float) -> float:
+def own_value(model: HasParameters, units: Units, name: str, value: float) -> float:
     """A printed value in the unit of theta.
 
     Raises
@@ -118,8 +118,8 @@ def own_value(model: Model, units: Units, name: str, value: float) -> float:
     )
 
 
-def excluded(measurement: Measurement, exclude: str | Sequence[str]) -> Measurement:
-    """The measurement without rows, chosen by texts such as ``frequency=40..60`` or ``row=3``.
+def excluded(tests: Sequence[Test], exclude: str | Sequence[str]) -> list[Test]:
+    """Tests without rows, chosen by texts such as ``frequency=40..60``, ``time=..0.1``, ``row=3``.
 
     Raises
     ------
@@ -130,8 +130,8 @@ def excluded(measurement: Measurement, exclude: str | Sequence[str]) -> Measurem
     if isinstance(exclude, str):
         exclude = [exclude]
     for text in exclude:
-        measurement = without(measurement, conditions(text, text))
-    return measurement
+        tests = tests_without(tests, conditions(text, text))
+    return list(tests)
 
 
 def values_of(texts: Iterable[str]) -> dict[str, float]:

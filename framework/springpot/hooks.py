@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from springpot.identification.optimiser import Optimiser, OptimiserFamily
     from springpot.measurement.catalogue import DataSet
     from springpot.measurement.reader import Reader
-    from springpot.measurement.timeeffect import TimeEffect
     from springpot.measurement.timereader import TimeReader
     from springpot.rheology.effect import Effect
     from springpot.rheology.family import Family
@@ -98,12 +97,7 @@ def springpot_models() -> Iterable[Model | Family]:  # type: ignore[empty-body]
 
 @hookspec
 def springpot_effects() -> Iterable[Effect]:  # type: ignore[empty-body]
-    """Physical effects that may be missing from a model; each takes part in every diagnosis."""
-
-
-@hookspec
-def springpot_time_effects() -> Iterable[TimeEffect]:  # type: ignore[empty-body]
-    """What a test in time may have done; each takes part in every diagnosis of such tests."""
+    """Physical effects that may be missing; each takes part in the diagnosis of its tests."""
 
 
 @hookspec

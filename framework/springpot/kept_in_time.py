@@ -10,15 +10,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any
 
-from springpot.measurement.timed import Timed, material_of
-from springpot.misfit.values import Value
-from springpot.registry import effect_in_time, parse_timed
+from springpot.identification.value import Value, values_of
+from springpot.plain_data import number
+from springpot.registry import parse_model, plugins
 from springpot.rheology.model import Model
 from springpot.timetests.answer import TimeCandidate, TimeError, best_of, missing_of
 from springpot.timetests.prediction import Known
 from springpot.timetests.where import Place
 
-from .kept_values import number, place, values
+from .kept_values import place
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +33,7 @@ class KeptTimeFit(Known):
     @property
     def parameters(self) -> dict[str, Value]:
         """Values and 95 % intervals as printed."""
-        return values(self.kept["parameters"])
+        return values_of(self.kept["parameters"])
 
     def __getitem__(self, name: str) -> Value:
         """The parameter of that name."""
@@ -75,7 +75,7 @@ class KeptTimeDiagnosis:
     """
 
     data: str
-    model: Model | Timed
+    model: Model
     error: TimeError
     tests: tuple[Mapping[str, Any], ...]
     verdict: str
@@ -110,7 +110,7 @@ class KeptTimeDiagnosis:
 class KeptTimeStep:
     """One rung of a discovery from tests in time; names as in `TimeStep`, and those of its fit."""
 
-    model: Model | Timed
+    model: Model
     accepted: str | None
     alike: tuple[str, ...]
     relative_rms: float
@@ -130,7 +130,7 @@ class KeptTimeLadder:
     kept: Mapping[str, Any] = field(repr=False)
 
     @property
-    def model(self) -> Model | Timed:
+    def model(self) -> Model:
         """The model of the last rung."""
         return self.steps[-1].model
 
@@ -150,7 +150,7 @@ class KeptTimeLadder:
 class KeptTimeJudgement:
     """One model against tests in time, as the file tells it."""
 
-    model: Model | Timed
+    model: Model
     delta_bic: float
     relative_rms: float
     tests: tuple[Mapping[str, Any], ...]
@@ -183,9 +183,9 @@ class KeptTimeComparison:
 
 def fit_in_time(answer: dict[str, Any]) -> KeptTimeFit:
     """A fit, from what it wrote."""
-    model = parse_timed(str(answer["model"]))
+    model = parse_model(str(answer["model"]))
     # What the test itself did is no part of what another test is predicted from.
-    known = Known.read(answer, material_of(model))
+    known = Known.read(answer, model.of_specimen)
     # Not by `asdict`, which would make dictionaries of model and units too.
     own = {each.name: getattr(known, each.name) for each in fields(known)}
     return KeptTimeFit(**own, kept=answer)
@@ -195,7 +195,7 @@ def diagnosis_in_time(answer: Mapping[str, Any]) -> KeptTimeDiagnosis:
     """A diagnosis, from what it wrote."""
     return KeptTimeDiagnosis(
         data=answer["data"],
-        model=parse_timed(answer["model"]),
+        model=parse_model(answer["model"]),
         error=_error(answer["error"]),
         tests=tuple(answer["tests"]),
         verdict=answer["verdict"],
@@ -223,23 +223,23 @@ def comparison_in_time(answer: Mapping[str, Any]) -> KeptTimeComparison:
 
 def _step(row: Mapping[str, Any]) -> KeptTimeStep:
     return KeptTimeStep(
-        model=parse_timed(row["model"]),
+        model=parse_model(row["model"]),
         accepted=row["accepted"],
         alike=tuple(row["class"]),
         relative_rms=number(row["relative_rms"]),
         over_floor=number(row["over_floor"]),
         tests=tuple(row["tests"]),
-        parameters=values(row["parameters"]),
+        parameters=values_of(row["parameters"]),
     )
 
 
 def _judgement(row: Mapping[str, Any]) -> KeptTimeJudgement:
     return KeptTimeJudgement(
-        model=parse_timed(row["model"]),
+        model=parse_model(row["model"]),
         delta_bic=number(row["delta_bic"]),
         relative_rms=number(row["relative_rms"]),
         tests=tuple(row["tests"]),
-        parameters=values(row["parameters"]),
+        parameters=values_of(row["parameters"]),
         notes=tuple(row["notes"]),
     )
 
@@ -270,5 +270,5 @@ def _candidate(row: Mapping[str, Any]) -> TimeCandidate:
         parameters=row["parameters"],
         verdict=row["verdict"],
         says=row["says"],
-        physics=effect_in_time(name),
+        physics=plugins().effect(name),
     )

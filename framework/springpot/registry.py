@@ -14,14 +14,14 @@ from typing import Any, TypeVar
 import pluggy
 
 import springpot.hooks as hooks  # not from the package, whose table of names leads back here
-from springpot.errors import ModelError, OutputError, PluginError, SpringpotError
+from springpot.errors import DataError, ModelError, OutputError, PluginError, SpringpotError
 from springpot.files import write_text
 from springpot.identification.optimiser import Optimiser
 from springpot.measurement.from_signals import OneTest
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.question import OpenQuestion
 from springpot.measurement.reader import Part
-from springpot.measurement.timed import Timed, grown
-from springpot.measurement.timeeffect import TimeEffect
+from springpot.measurement.selection import Test
 from springpot.measurement.timereader import open_in_time as in_time_by
 from springpot.measurement.timetest import TimeTest
 from springpot.owners import use_owners
@@ -241,16 +241,22 @@ class Registry:
         return None
 
     def effect(self, name: str) -> Effect:
-        """The effect called `name`; ``NAME:COLUMN`` is the one for the levels of that column."""
-        kind, colon, column = name.partition(":")
+        """The effect called `name`, or ``NAME:TEST``, which one test alone has.
+
+        Of effects with a factor for each level, ``NAME:COLUMN`` is that of another column.
+        """
+        kind, colon, where = name.partition(":")
         effect: Effect = self.find("effect", kind.strip())
         if not colon:
             return effect
-        if not column.strip():
-            raise ModelError(
-                f"'{name}': name a column after the colon, such as {effect.name}:water"
-            )
-        return effect.of_column(column.strip())
+        if not where.strip():
+            what = "a test"
+            if effect.by_levels:
+                what = "a column"
+            raise ModelError(f"'{name}': name {what} after the colon, such as {effect.name}:water")
+        if effect.by_levels:
+            return effect.of_column(where.strip())
+        return effect.of_one(where.strip())
 
 
 def _foreign(owner: Owner | None) -> str:
@@ -361,91 +367,12 @@ def parse_model(expression: str) -> Model:
         model = registry.model(parts[0])
     except ModelError:
         # That an effect is no known model would be true, and help nobody.
-        if parts[0] not in {effect.name for effect in registry.items("effect")}:
+        if registry.shelves["effect"].find(parts[0]) is None:
             raise
         raise ModelError(f"'{parts[0]}' is an effect: write MODEL + {parts[0]}") from None
     for name in parts[1:]:
         model = model.taking(registry.effect(name))
     return model
-
-
-def parse_timed(expression: str) -> Model | Timed:
-    """The model of tests in time that an expression names.
-
-    Such as ``fractional-zener + force-drift``.
-
-    Raises
-    ------
-    ModelError
-        As `parse_model`; a name is that of an effect of either kind.
-    """
-    # Effects of tests in time stand among others in any order: they are taken out, and added last.
-    first, *names = [part.strip() for part in expression.split("+")]
-    shelf = plugins().shelves["time effect"]
-    found = [(name, _of_tests(name)) for name in names]
-    in_time = [effect for _, effect in found if effect is not None]
-    ordinary = [name for name, effect in found if effect is None]
-    try:
-        model: Model | Timed = parse_model(" + ".join([first, *ordinary]))
-    except ModelError:
-        if shelf.find(first) is not None:
-            raise ModelError(f"'{first}' is an effect: write MODEL + {first}") from None
-        raise
-    for effect in in_time:
-        model = grown(model, effect)
-    return model
-
-
-def _of_tests(name: str) -> TimeEffect | None:
-    """The effect of tests in time called `name`, or ``NAME:TEST`` of one test alone.
-
-    None where there is none.
-    """
-    kind, _, test = name.partition(":")
-    found: TimeEffect | None = plugins().shelves["time effect"].find(kind.strip())
-    if found is None or not test.strip():
-        return found
-    if not found.of_one:
-        raise ModelError(
-            f"'{name}': '{found.name}' is no effect of one test among others: leave ':{test}' out"
-        )
-    return found.of_test(test.strip())
-
-
-def for_sweeps(model: Model | Timed) -> Model:
-    """A model for tests at frequencies.
-
-    Raises
-    ------
-    ModelError
-        If it has an effect of tests in time, which no sweep can have.
-    """
-    if isinstance(model, Timed):
-        name = model.time_effects[0].name
-        raise ModelError(
-            f"'{name}' is an effect of tests in time: these data are a sweep; leave it out"
-        )
-    return model
-
-
-def effect_in_time(name: str) -> Effect | TimeEffect:
-    """The effect called `name`, of either kind.
-
-    Raises
-    ------
-    ModelError
-        If there is none.
-    """
-    in_time = _of_tests(name)
-    # The other kind comes last, as it raises where there is none.
-    if in_time is None:
-        return plugins().effect(name)
-    return in_time
-
-
-def library_in_time() -> list[Effect | TimeEffect]:
-    """All installed effects of either kind."""
-    return [*plugins().items("effect"), *plugins().items("time effect")]
 
 
 def open_measurement(spec: str | Path) -> Measurement:
@@ -488,6 +415,26 @@ def open_in_time(spec: str | Path) -> tuple[TimeTest, ...]:
     (<TimeTest pad: relaxation, 18 samples, 0.1 to 98.5 s>,)
     """
     return in_time_by(spec, plugins().items("time reader"))
+
+
+def open_tests(spec: str | Path) -> tuple[Test, ...]:
+    """All tests of whatever a user names: those in time in a file, or a sweep.
+
+    Raises
+    ------
+    DataError
+        If there is no such thing or it cannot be read.
+    """
+    try:
+        return open_in_time(spec) or (open_measurement(spec),)
+    except DataError as error:
+        # The question of a sweep's reader can be answered; what stops the other one would hide it.
+        try:
+            return (open_measurement(spec),)
+        except OpenQuestion:
+            raise
+        except DataError:
+            raise error from None
 
 
 def parts_of(spec: str | Path) -> tuple[Part, ...]:

@@ -32,7 +32,7 @@ def true_ratio(case: Case) -> float:
 
 
 def oracle(case: Case) -> dict[str, Any]:
-    """Return the verdict and ranking of the reference in the form of springpot.diagnosis/1."""
+    """Return the verdict and ranking of the reference in the form of springpot.diagnosis/2."""
     seen = replace(case, K_true=case.K)
     base, start = fitted_base(seen)
     alone = refit(base, start, seen.sweep, seen.K_true, seen.sigma, 200)[1]

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from springpot.errors import SpringpotError
-from springpot.measurement import grown
 from springpot.registry import parse_model, plugins
 from springpot.timetests import diagnose, identify, recorded
 
@@ -74,7 +73,7 @@ class Verdict:
 
 def library() -> list[Any]:
     """All that is installed."""
-    return [*plugins().items("effect"), *plugins().items("time effect")]
+    return list(plugins().items("effect"))
 
 
 def judged(case: Case, index: int, effects: Sequence[Any]) -> Verdict:
@@ -136,13 +135,7 @@ def _oracle(case: Case, theta: Any) -> Any:
     """What the true model leaves, fitted from the truth."""
     if not case.hidden or case.outside:
         return None
-    words = ("effect", "time effect")
-    effect = next(
-        plugins().find(w, case.hidden)
-        for w in words
-        if plugins().shelves[w].find(case.hidden) is not None
-    )
-    model = grown(parse_model(case.setting.base), effect)
+    model = parse_model(case.setting.base) + case.hidden
     values = dict(case.setting.theta) | {
         f"{case.hidden}.{name}": value for name, value in case.setting.truth.items()
     }

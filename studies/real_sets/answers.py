@@ -34,7 +34,7 @@ NOTE = (
 def answer(one: RealSet, data: Measurement, ladder: Ladder, given: bool = False) -> dict[str, Any]:
     """What the tool says of a set from one model.
 
-    `springpot.discovery/1`, its tests and harmonics, without the rest.
+    `springpot.discovery/2`, its tests and harmonics, without the rest.
 
     Parameters
     ----------

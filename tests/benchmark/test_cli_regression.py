@@ -62,6 +62,7 @@ def test_update_check_and_a_regression(springpot, study):
     )
 
 
+@pytest.mark.soak
 def test_export(springpot, study):
     springpot("run", study(), "--engine", "serial", "--quiet", "--repeats", 2)
     answer = springpot("export", "tiny", "--format", "ioh", "--json").json

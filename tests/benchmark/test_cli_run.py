@@ -148,6 +148,7 @@ def test_more_repetitions_of_that_race_run_the_new_ones_only(springpot, race):
     assert springpot("tables", "race", "--table", "summary", "--json").json == kept
 
 
+@pytest.mark.soak
 def test_a_script_run_by_python_tells_the_command_as_it_was_written(springpot, race):
     """The report is handed on: a path of one machine repeats nothing on another."""
     done = subprocess.run(

@@ -11,18 +11,22 @@ from benchmark_fakes import moody_study, small_study
 from springpot.benchmark import Findings, Store, run_study
 from springpot.benchmark.comparison import (
     OVER_ALL,
+    CellScores,
+    Race,
+    Scale,
     choose,
     profiles,
     quality,
+    races_of,
     rank,
     rankings,
     scopes,
+    score_cell,
 )
-from springpot.benchmark.rows import CellRow, ProblemRow
-from springpot.benchmark.scores import CellScores, Race, Scale, races_of, score_cell
 from springpot.benchmark.standings import rank_table
 from springpot.benchmark.statistics import expected_running_time
-from springpot.benchmark.trace import at
+from springpot.benchmark.summary import CellRow, ProblemRow
+from springpot.benchmark.trial import at
 
 INF = np.inf
 SCALE = Scale(1e-6, 2000)
@@ -181,6 +185,7 @@ def test_profiles_count_each_repetition_and_no_miss():
     assert found.performance.tolist() == [[0.5, 0.5], [0.5, 1.0]]
 
 
+@pytest.mark.soak
 def test_scores_are_what_the_traces_say(tmp_path):
     outcome = run_study(small_study(target=1e-3), engine="serial", out=tmp_path, quiet=True)
     with Store(outcome.store) as store:

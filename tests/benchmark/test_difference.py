@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import boschloo_exact, fisher_exact, mannwhitneyu, t
 
-from springpot.benchmark.gate.difference import (
+from springpot.benchmark.gate.baseline import (
     LEVEL,
     Successes,
     apart,
@@ -28,6 +28,7 @@ def lognormal(rng, n=20, factor=1.0, spread=0.5):
     return factor * np.exp(spread * rng.standard_normal(n))
 
 
+@pytest.mark.soak
 def test_noise_alone_is_hardly_ever_reported(rng):
     """Twelve cells, 50 studies without a change.
 
@@ -40,6 +41,7 @@ def test_noise_alone_is_hardly_ever_reported(rng):
     assert alarms == 0
 
 
+@pytest.mark.soak
 def test_without_the_factor_the_level_is_kept(rng):
     level = 0.05
 

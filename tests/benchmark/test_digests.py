@@ -36,6 +36,7 @@ def fresh():
     return json.loads(said.stdout)
 
 
+@pytest.mark.soak
 def test_a_digest_knows_nothing_of_what_ran_before(fresh):
     """Fits, a diagnosis, other studies and what libraries keep for the whole process."""
     import numpy as np

@@ -45,6 +45,7 @@ def serial(tmp_path_factory):
     return tables(folder)
 
 
+@pytest.mark.soak_cases("2")
 @pytest.mark.parametrize("workers", [soaked(1), 2])
 def test_local_workers_give_the_bytes_of_a_serial_run(serial, tmp_path, workers):
     outcome = run_study(small_study(), workers=workers, out=tmp_path, quiet=True)
@@ -79,6 +80,7 @@ def faulty(tmp_path_factory):
     return run_study(study, workers=2, out=tmp_path_factory.mktemp("faulty"), quiet=True)
 
 
+@pytest.mark.soak_cases("segfault", "vanish")
 @pytest.mark.parametrize("mood", FAULTS)
 def test_a_fault_becomes_a_status_and_the_study_goes_on(faulty, mood):
     status, reason = FAULTS[mood]
@@ -90,6 +92,7 @@ def test_a_fault_becomes_a_status_and_the_study_goes_on(faulty, mood):
     assert mood == "eat" or reason in (faulty.store.parent / "failures.md").read_text()
 
 
+@pytest.mark.soak
 def test_a_hang_ends_at_its_deadline_also_where_that_is_an_integer(tmp_path, capfd):
     outcome = run_study(moody_study("hang", deadline=1), workers=2, out=tmp_path, quiet=True)
     rows = trials(outcome.store)
@@ -147,6 +150,7 @@ def test_times_are_those_of_the_processor_and_of_one_trial_alone(tmp_path):
     assert len(lines) == 2
 
 
+@pytest.mark.soak
 def test_a_library_that_swallows_the_end_stays_within_the_budget(tmp_path):
     outcome = run_study(moody_study("swallow"), workers=1, out=tmp_path, quiet=True)
     rows = trials(outcome.store)["moody(mood=swallow)"]
@@ -181,6 +185,7 @@ def test_an_executor_whose_tasks_fail_reports_each(tmp_path):
     assert {row.status for rows in trials(outcome.store).values() for row in rows} == {Status.CRASH}
 
 
+@pytest.mark.soak
 def test_workers_that_cannot_find_an_optimiser_say_so(tmp_path, monkeypatch):
     module = ModuleType("only_here")
     module.Hidden = type("Hidden", (Walk,), {"__module__": "only_here"})

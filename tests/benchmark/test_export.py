@@ -11,7 +11,7 @@ import pytest
 from benchmark_fakes import Moody, Walk, artificial, measurement, small_study
 
 from springpot.benchmark import Store, export, frame, run_study
-from springpot.benchmark.trace import at
+from springpot.benchmark.trial import at
 from springpot.errors import OutputError, SpringpotError, StudyError
 
 
@@ -271,6 +271,7 @@ def test_cocopp_writes_its_report(results, tmp_path, algorithms):
     assert len(list((tmp_path / "report").rglob("*.svg"))) > 5
 
 
+@pytest.mark.soak
 def test_a_report_of_no_export_is_one_line(tmp_path):
     command = [sys.executable, "-m", "springpot.benchmark.coco_suite", str(tmp_path)]
     done = subprocess.run(command, capture_output=True, text=True)

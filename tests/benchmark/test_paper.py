@@ -3,8 +3,7 @@
 import pytest
 
 from springpot.benchmark import Interval, Table
-from springpot.benchmark.paper import captioned, for_paper
-from springpot.benchmark.tables import to_latex
+from springpot.benchmark.tables import captioned, for_paper, to_latex
 from springpot.errors import StudyError
 
 TABLE = Table(

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from springpot.benchmark.gate.difference import LEVEL, Successes, chance, drop
-from springpot.benchmark.gate.power import POWER, least_drop_seen, least_rise, smallest_seen
+from springpot.benchmark.gate.baseline import LEVEL, Successes, chance, drop
+from springpot.benchmark.gate.regression import POWER, least_drop_seen, least_rise, smallest_seen
 
 ROOT = Path(__file__).resolve().parents[2]
 SHARE = 0.002

@@ -7,10 +7,11 @@ import re
 import subprocess
 import sys
 
+import pytest
 from benchmark_fakes import small_study
 
 from springpot.benchmark import run_study
-from springpot.benchmark.progress import Lines
+from springpot.benchmark.runner import Lines
 
 
 def test_lines_are_few_and_the_last_one_is_complete():
@@ -37,10 +38,11 @@ def test_a_run_that_resumes_starts_from_what_is_there(tmp_path, capsys):
     ]
 
 
+@pytest.mark.soak
 def test_a_terminal_gets_a_bar():
     ours, theirs = pty.openpty()
     code = (
-        "from springpot.benchmark.progress import *; p = make_progress('small', 40); "
+        "from springpot.benchmark.runner import *; p = make_progress('small', 40); "
         "p.update(40, 3); p.close()"
     )
     environment = {**os.environ, "TERM": "xterm-256color"}

@@ -145,6 +145,7 @@ def test_too_few_trials_are_said(tmp_path):
     assert any("4 of 4 comparisons have too few trials" in note for note in gate.notes)
 
 
+@pytest.mark.soak
 def test_what_came_and_what_went_is_said(baseline):
     gate = check(quick(optimisers=["pso-paper", "nlopt-crs"]), baseline)
     assert [line.partition(" (")[0] for line in gate.regressions] == [
@@ -157,6 +158,7 @@ def test_what_came_and_what_went_is_said(baseline):
     )
 
 
+@pytest.mark.soak
 def test_what_cannot_be_compared_is_one_line(baseline, tmp_path, monkeypatch):
     other = update(quick(budget=700), tmp_path / "other.json")
     text = baseline.read_text()
@@ -183,6 +185,7 @@ def test_what_cannot_be_compared_is_one_line(baseline, tmp_path, monkeypatch):
         known_scripts(tmp_path)
 
 
+@pytest.mark.soak
 def test_a_store_is_compared_as_it_is(baseline, tmp_path):
     outcome = run_study(quick(), engine="serial", out=tmp_path, quiet=True)
     assert check(outcome.store, baseline).passed
@@ -333,6 +336,7 @@ def test_accuracy(accuracy_gate):
 """
 
 
+@pytest.mark.soak
 def test_the_fixture_updates_passes_and_fails_with_a_sentence(pytester):
     def run(optimisers, *options):
         (pytester.path / "test_mine.py").write_text(

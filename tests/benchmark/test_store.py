@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from springpot.benchmark import Status, Store
 from springpot.benchmark.schema import SCHEMA
-from springpot.benchmark.trace import pack, unpack
-from springpot.benchmark.trial import TrialResult
+from springpot.benchmark.trial import TrialResult, pack, unpack
 from springpot.errors import StudyError
 
 
@@ -192,6 +191,7 @@ def opens(path, barrier, told):
         told.put(str(error))
 
 
+@pytest.mark.soak_cases("4")
 @pytest.mark.parametrize("attempts", [4, pytest.param(25, marks=pytest.mark.soak)])
 def test_programs_that_create_one_store_at_the_same_moment_all_succeed(tmp_path, attempts):
     context, several = get_context("fork"), 4

@@ -23,8 +23,8 @@ from springpot.benchmark.report.plot import (
     plot,
     scatter,
 )
-from springpot.benchmark.report.pools import share_text
 from springpot.benchmark.report.study import write_study_report
+from springpot.benchmark.report.study_plots import share_text
 from springpot.benchmark.statistics import wilson
 from springpot.identification import Optimiser
 
@@ -86,6 +86,7 @@ def page(tmp_path_factory):
     return report_of(tmp_path_factory.mktemp("report"), entrants, repetitions=8)
 
 
+@pytest.mark.soak
 def test_nothing_is_loaded_and_nothing_runs(page):
     reader = read(page)
     assert not {"script", "iframe", "link", "object", "img"} & set(reader.tags)
@@ -210,6 +211,7 @@ def test_a_share_is_whole_only_where_it_is():
     assert share_text(None) == "-"
 
 
+@pytest.mark.soak
 def test_accuracy_stands_against_time(tmp_path):
     """A small point a problem, a large one an optimiser, and the names of those that none beats."""
     text = report_of(tmp_path, [("quick", Walk()), ("slow", Walk(shrink=0.99))])

@@ -107,6 +107,7 @@ def test_killed_at_any_moment_it_goes_on_and_ends_with_the_same_bytes(tmp_path, 
     assert summary(tmp_path) == undisturbed
 
 
+@pytest.mark.soak
 def test_two_runs_at_once_do_no_harm(tmp_path):
     path, alone = script(tmp_path, repetitions=4), tmp_path / "alone"
     twins = [start(path, tmp_path) for _ in range(2)]
@@ -133,6 +134,7 @@ def test_ctrl_c_ends_at_once_and_keeps_what_is_finished(tmp_path):
     assert 3 <= count(tmp_path) < 400
 
 
+@pytest.mark.soak
 def test_workers_end_with_their_coordinator(tmp_path):
     process = start(script(tmp_path, pause=30.0), tmp_path)
 
@@ -187,6 +189,7 @@ def test_a_missing_script_is_one_line(tmp_path):
         load_study(tmp_path / "none.py")
 
 
+@pytest.mark.soak
 def test_a_program_says_what_is_wrong_in_one_line(tmp_path):
     path = tmp_path / "wrong.py"
     path.write_text(script(tmp_path).read_text().replace("budget=60", "datasets=['nothing']"))
@@ -196,6 +199,7 @@ def test_a_program_says_what_is_wrong_in_one_line(tmp_path):
     assert done.stderr.count("\n") == 1
 
 
+@pytest.mark.soak
 def test_a_disk_that_fills_up_ends_in_one_line_and_the_study_goes_on_later(
     tmp_path, undisturbed, monkeypatch
 ):
@@ -231,6 +235,7 @@ def whole(tmp_path_factory):
     return outcome.store.read_bytes()
 
 
+@pytest.mark.soak_cases("0.02")
 @pytest.mark.parametrize("part", [0.02, 0.3, 0.6, 0.9])
 def test_a_study_whose_store_was_cut_off_says_so_in_one_line(tmp_path, whole, part):
     path, store = script(tmp_path, pause=0), tmp_path / "small" / "small.sqlite"
@@ -242,6 +247,7 @@ def test_a_study_whose_store_was_cut_off_says_so_in_one_line(tmp_path, whole, pa
     assert "move it away and run again" in str(caught.value)
 
 
+@pytest.mark.soak
 def test_a_store_of_a_newer_version_is_left_alone(tmp_path):
     path = script(tmp_path, pause=0)
     store = run_study(path, engine="serial", out=tmp_path, quiet=True, repeats=1).store

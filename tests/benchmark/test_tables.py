@@ -111,6 +111,7 @@ def test_html_escapes_everything():
     assert "<b>&\\|" in found
 
 
+@pytest.mark.soak
 def test_all_formats_are_written_after_a_run(tmp_path):
     outcome = run_study(small_study(), engine="serial", out=tmp_path, quiet=True)
     stems = ("choice", "summary", "ranks", "pairs", "profiles", "progress", "timing", "failures")
@@ -125,6 +126,7 @@ def test_all_formats_are_written_after_a_run(tmp_path):
     assert {path: path.read_bytes() for path in outcome.tables} == before
 
 
+@pytest.mark.soak
 def test_the_summary_says_what_the_trials_say(tmp_path):
     study = small_study(target=1e-3, accuracy=0.2, budget=800)
     outcome = run_study(study, engine="serial", out=tmp_path, quiet=True)
@@ -211,6 +213,7 @@ def tight():
     return replace(artificial(), truth={}, stiffness_scale=1.0)
 
 
+@pytest.mark.soak
 def test_where_the_optimum_is_outside_of_the_box_trials_race_for_the_best_inside(tight, tmp_path):
     """The swarm may leave the box and find better.
 

@@ -9,11 +9,9 @@ from benchmark_fakes import TRUTH, Walk, artificial, measurement, small_study
 
 from springpot import parse_model, plugins
 from springpot.benchmark import Status, Store, run_study
-from springpot.benchmark.row_checksum import seal
-from springpot.benchmark.schema import SCHEMA, trials_of
-from springpot.benchmark.store_repair import columns
-from springpot.benchmark.trace import at, geometric_grid, improvements
-from springpot.benchmark.trial import Bench
+from springpot.benchmark.schema import SCHEMA, columns, trials_of
+from springpot.benchmark.store import seal
+from springpot.benchmark.trial import Bench, at, geometric_grid, improvements
 from springpot.errors import StudyError
 from springpot.identification import Problem, Recorder, all_points, run, run_batch
 
@@ -100,6 +98,7 @@ def test_noisy_data_have_a_recommendation_and_an_oracle_trace(tmp_path):
         )
 
 
+@pytest.mark.soak
 def test_luck_with_the_noise_is_not_scored(tmp_path):
     """On noisy data the best value seen is not what the recommended point is worth."""
     study = small_study(

@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmark"))
 from synthetic import synthetic_store
 
 from springpot.benchmark import Store
-from springpot.benchmark.findings import TABLES, study_tables
+from springpot.benchmark.standings import TABLES, study_tables
 
 ENTRANTS, REPETITIONS = 20, 50
 SIZES = (1000, 10_000, 100_000)

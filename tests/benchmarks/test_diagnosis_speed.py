@@ -65,6 +65,7 @@ def test_a_material_floor_costs_some_bare_solutions():
     assert floor < 50 * one
 
 
+@pytest.mark.soak
 @pytest.mark.slow
 @patient
 def test_a_master_curve_costs_some_thousand_bare_solutions():
@@ -75,6 +76,7 @@ def test_a_master_curve_costs_some_thousand_bare_solutions():
     assert curve < 5000 * one
 
 
+@pytest.mark.soak_cases("temperatures1-60-27000")
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("temperatures", "points", "most"),

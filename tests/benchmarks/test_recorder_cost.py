@@ -147,6 +147,7 @@ def made(name):
     return found() if isinstance(found, type) else found
 
 
+@pytest.mark.soak_cases("nlopt", "pycma", "scipy")
 @pytest.mark.parametrize("library", LIBRARIES)
 @patient
 def test_a_library_takes_at_most_ten_percent_more_than_bare(library, capsys):

@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmark"))
 from synthetic import synthetic_store
 
 from springpot.benchmark import Store
-from springpot.benchmark.findings import TABLES, study_tables
+from springpot.benchmark.standings import TABLES, study_tables
 
 SHAPES = {
     1000: (2, 10, 50),
@@ -54,6 +54,7 @@ def seconds(path: Path, names: tuple[str, ...]) -> float:
         return process_time() - start
 
 
+@pytest.mark.soak_cases("1000-10000")
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("small", "large"),

@@ -18,7 +18,7 @@ import springpot
 pytest.importorskip("starlette", reason="the extra 'workbench' is not installed")
 pytest.importorskip("uvicorn", reason="the extra 'workbench' is not installed")
 
-from springpot.web.datatext import measured_in
+from springpot.web.sessions import measured_in
 from springpot.web.tasks import curve
 
 MODEL = "fractional-maxwell"

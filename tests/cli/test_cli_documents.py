@@ -43,7 +43,7 @@ RECORD = [
 def folder(tmp_path_factory):
     """A fit of a sweep and one of a test in time, and what they were fitted to."""
     from springpot import identify, open_in_time
-    from springpot.registry import parse_timed
+    from springpot.registry import parse_model
     from springpot.report.jsontext import to_json
     from springpot.timetests import identify as identify_in_time
 
@@ -59,7 +59,7 @@ def folder(tmp_path_factory):
     (folder / "fit.json").write_text(to_json(fit), encoding="utf-8")
     pad = "".join(f"{0.1 * 1.5**i!r},{400.0 * 1.5 ** (-0.3 * i)!r}\n" for i in range(18))
     (folder / "pad.csv").write_text(f"time [s],relaxation [kPa]\n{pad}", encoding="utf-8")
-    in_time = identify_in_time(open_in_time(folder / "pad.csv"), parse_timed("springpot"))
+    in_time = identify_in_time(open_in_time(folder / "pad.csv"), parse_model("springpot"))
     (folder / "pad.json").write_text(to_json(in_time), encoding="utf-8")
     return folder
 

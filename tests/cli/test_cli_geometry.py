@@ -1,5 +1,7 @@
 """``--geometry``: the same data as a damper or as its material."""
 
+import pytest
+
 PADS = "shear-pads area=200cm^2 gap=10mm"
 
 
@@ -15,6 +17,7 @@ def test_a_damper_as_its_material(springpot, damper):
     )
 
 
+@pytest.mark.soak
 def test_every_command_that_opens_data_takes_it(springpot, damper):
     shown = springpot("inspect", damper, "--geometry", PADS)
     assert "Pa" in shown.out

@@ -22,7 +22,7 @@ TRUTH = {"k": 400.0, "c": 60.0, "alpha": 0.5}
 def test_json_has_the_agreed_keys_and_the_right_answer(springpot, damper):
     answer = springpot("identify", damper, "--model", "fractional-maxwell", "--json").json
     assert set(answer) >= KEYS
-    assert answer["schema"] == "springpot.identification/1"
+    assert answer["schema"] == "springpot.identification/2"
     assert answer["model"] == "fractional-maxwell"
     assert set(answer["objective"]) == {"name", "value"}
     for name, value in TRUTH.items():
@@ -58,6 +58,7 @@ def test_effects_are_found_in_their_own_units(springpot, write):
     assert answer["parameters"]["inertia.m"]["value"] == pytest.approx(2.5, rel=1e-6)
 
 
+@pytest.mark.soak
 def test_the_figure_is_written_whole(springpot, damper, tmp_path):
     pytest.importorskip("matplotlib")
     path = tmp_path / "fit.svg"
@@ -67,6 +68,7 @@ def test_the_figure_is_written_whole(springpot, damper, tmp_path):
     assert path.read_bytes().endswith(b"</svg>\n")
 
 
+@pytest.mark.soak
 def test_of_a_material_the_spectrum_is_told_in_words_json_and_picture(springpot, damper, tmp_path):
     pytest.importorskip("matplotlib")
     path = tmp_path / "spectrum.png"
@@ -117,6 +119,7 @@ def test_no_optimiser_searches_a_spectrum(springpot, damper):
     )
 
 
+@pytest.mark.soak_cases("least-squares")
 @pytest.mark.parametrize("optimiser", ["pso-paper", "least-squares", "native"])
 def test_an_optimiser_can_be_chosen_and_keeps_its_budget(springpot, damper, optimiser):
     options = ("--optimiser", optimiser, "--objective", "paper", "--budget", "300", "--seed", "4")
@@ -148,6 +151,7 @@ def test_intervals_hold_the_value(springpot, write, intervals):
         assert abs(entry["value"] - truth) < 2 * (entry["high"] - entry["low"])
 
 
+@pytest.mark.soak
 def test_shift_constants_come_with_their_reference_temperature(springpot, write):
     frequency, celsius = np.tile(np.geomspace(0.5, 50.0, 12), 3), np.repeat([5.0, 25.0, 45.0], 12)
     s = 2j * np.pi * frequency * np.exp(50.0 / 8.314e-3 * (1.0 / (celsius + 273.15) - 1.0 / 298.15))

@@ -7,8 +7,10 @@ from springpot.registry import Fault, plugins
 
 KEY_NAMES = {
     "models": "name aliases summary citation parameters search_parameters needs drawing",
-    "effects": "name aliases summary equation plane layer needs parameters citation approximate",
-    "time-effects": "name aliases summary signature stage imposed parameters citation",
+    "effects": (
+        "name aliases summary equation plane layer tests needs parameters citation approximate "
+        "signature"
+    ),
     "optimisers": "name summary citation global gradient batched stochastic options",
     "datasets": (
         "name kind points licence where summary citation doi origin test columns model fit truth "

@@ -110,6 +110,7 @@ def test_joint_files_need_not_share_what_no_effect_knows():
     assert both.provenance["note columns"] == "point: known of some of the files only, and left out"
 
 
+@pytest.mark.soak
 def test_what_is_known_beforehand_is_an_option(springpot, dampers):
     options = (
         "--fix",
@@ -159,6 +160,7 @@ def test_options_of_an_optimiser_count(springpot, dampers):
     assert few["objective"]["value"] != many["objective"]["value"]
 
 
+@pytest.mark.soak_cases("72")
 @pytest.mark.parametrize("columns", [72])
 def test_no_line_is_wider_than_the_window_but_for_rows_of_tables(springpot, monkeypatch, columns):
     monkeypatch.setenv("COLUMNS", str(columns))

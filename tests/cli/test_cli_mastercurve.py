@@ -1,5 +1,7 @@
 """``springpot mastercurve``."""
 
+import pytest
+
 import springpot as package
 
 
@@ -23,6 +25,7 @@ def test_json_is_the_same_as_in_python(springpot):
     assert [level["a"] for level in told["levels"]] == [level.a for level in found.levels]
 
 
+@pytest.mark.soak
 def test_the_reduced_data_open_again(springpot, tmp_path):
     path = tmp_path / "curve.csv"
     assert springpot("mastercurve", "nist-srm2491", "-o", str(path)).code == 0
@@ -31,6 +34,7 @@ def test_the_reduced_data_open_again(springpot, tmp_path):
     assert springpot("identify", str(path), "--model", "maxwell-3").code == 0
 
 
+@pytest.mark.soak
 def test_a_picture(springpot, tmp_path):
     path = tmp_path / "curve.png"
     answer = springpot("mastercurve", "nist-srm2491", "--no-vertical", "--figure", str(path))

@@ -19,7 +19,7 @@ def test_files_are_written_once_and_never_replaced(springpot, tmp_path, kind):
 
 
 def test_the_study_to_start_from_is_one(springpot, tmp_path):
-    from springpot.benchmark.script import load_study
+    from springpot.benchmark.summary import load_study
 
     springpot("init", "study", "--folder", tmp_path)
     study = load_study(tmp_path / "race.py")

@@ -70,6 +70,7 @@ def test_identify_from_one_test(springpot, relaxed):
     assert np.array(answer["covariance"]).shape == (3, 3)
 
 
+@pytest.mark.soak
 def test_identify_from_all_tests_of_a_specimen(springpot, relaxed, crept, swept, tmp_path):
     figure = tmp_path / "tests.png"
     answer = springpot(
@@ -88,6 +89,7 @@ def fit(springpot, relaxed, tmp_path):
     return path
 
 
+@pytest.mark.soak
 def test_predict_says_whether_it_holds(springpot, fit, crept, swept, tmp_path):
     table, picture = tmp_path / "predicted.csv", tmp_path / "predicted.png"
     told = springpot("predict", fit, "--history", crept, "-o", table, "--figure", picture)
@@ -132,6 +134,7 @@ def test_export_from_a_fit_to_tests_in_time(springpot, fit):
     )
 
 
+@pytest.mark.soak
 def test_diagnose_judges_the_raw_signal(springpot, relaxed):
     answer = springpot("diagnose", relaxed, "-m", "fractional-maxwell", "--json").json
     assert answer["schema"] == "springpot.diagnosis-in-time/1"
@@ -139,6 +142,7 @@ def test_diagnose_judges_the_raw_signal(springpot, relaxed):
     assert springpot("diagnose", relaxed, "--json").json["model"] == "material"
 
 
+@pytest.mark.soak
 def test_any_optimiser_may_search(springpot, relaxed, fit):
     found = springpot(
         "identify",
@@ -161,21 +165,44 @@ def test_any_optimiser_may_search(springpot, relaxed, fit):
     assert "cma-es: budget, 20 evaluations" in told.out
 
 
-def test_what_is_for_sweeps_is_refused(springpot, relaxed):
-    springpot("identify", relaxed, "-m", "fractional-maxwell", "--objective", "paper").is_one_line(
-        "for sweeps"
-    )
-    springpot("identify", relaxed, "-m", "fractional-maxwell", "--fix", "k=1").is_one_line(
-        "--fix is for sweeps"
-    )
-    springpot(
-        "identify",
-        relaxed,
-        "-m",
-        "fractional-maxwell",
-        "--geometry",
-        "shear-pads area=1cm^2 gap=1mm",
-    ).is_one_line("geometry")
+def test_parameters_are_held_bounded_and_begun_at_as_in_sweeps(springpot, relaxed, crept):
+    words = ["-m", "fractional-maxwell", "--fix", "alpha=0.5", "--bounds", "k=0:300"]
+    told = springpot("identify", relaxed, crept, *words, "--start", "c=50", "--json").json
+    assert set(told["parameters"]) >= {"k", "c"}
+    assert told["parameters"]["k"]["value"] <= 300.0
+    missing = springpot("diagnose", relaxed, *words, "--json").json
+    assert missing["verdict"] != "adequate"
+    refused = ["identify", relaxed, "-m", "fractional-maxwell", "--fix"]
+    springpot(*refused, "m=1").is_one_line("no free parameter 'm'")
+
+
+def test_samples_are_left_out_by_time_number_and_name(springpot, relaxed, crept):
+    def points(*words):
+        told = springpot("identify", relaxed, crept, "-m", "fractional-maxwell", *words, "--json")
+        return {test["data"]: test["points"] for test in told.json["tests"]}
+
+    whole = points()
+    names = list(whole)
+    early = points("--exclude", "time=..1")
+    assert all(early[name] < whole[name] for name in names)
+    assert points("--exclude", f"test={names[1]},row=1..3") == {
+        names[0]: whole[names[0]],
+        names[1]: whole[names[1]] - 3,
+    }
+    assert list(points("--exclude", f"test={names[1]}")) == names[:1]
+    words = ["identify", relaxed, "-m", "fractional-maxwell", "--exclude"]
+    springpot(*words, "frequency=1..2").is_one_line("no condition 'frequency'", "time")
+    springpot(*words, "time=..1e9").is_one_line("nothing would be left")
+
+
+def test_a_geometry_turns_a_test_in_time_as_it_does_a_sweep(springpot, relaxed):
+    pads = ["--geometry", "shear-pads area=1cm^2 gap=1mm"]
+    words = ["identify", relaxed, "-m", "fractional-maxwell", "--json"]
+    material, damper = springpot(*words).json, springpot(*words, *pads).json
+    before, after = material["parameters"]["k"], damper["parameters"]["k"]
+    assert (before["unit"], after["unit"]) == ("kPa", "N/m")
+    # K = G A / h: 1 kPa over 1 cm^2 and 1 mm is 100 N/m.
+    assert after["value"] == pytest.approx(100.0 * before["value"], rel=1e-6)
 
 
 def test_bad_input_is_one_line(springpot, write, swept):
@@ -186,6 +213,7 @@ def test_bad_input_is_one_line(springpot, write, swept):
     assert "sweep  " in springpot("identify", swept, swept, "-m", "fractional-maxwell").out
 
 
+@pytest.mark.soak
 def test_compare_ranks_models_of_tests_in_time(springpot, relaxed, crept, tmp_path):
     picture = tmp_path / "views.png"
     told = springpot(
@@ -210,14 +238,14 @@ def test_compare_ranks_models_of_tests_in_time(springpot, relaxed, crept, tmp_pa
     assert [one["delta_bic"] > 10 for one in answer["models"]] == [False, True]
 
 
+@pytest.mark.soak
 def test_discover_is_for_tests_in_time_too(springpot, relaxed):
     told = springpot("discover", relaxed, "-m", "fractional-kelvin", "--accept", "series-spring")
     assert told.code == 0, told.err
     assert "fractional-kelvin + series-spring" in told.out
     assert "x floor" in told.out
-    springpot("discover", relaxed, "-m", "maxwell", "--auto", "--fix", "k=1").is_one_line(
-        "for sweeps"
-    )
+    held = ["-m", "fractional-kelvin", "--fix", "alpha=0.5", "--accept", "series-spring"]
+    assert "k, c, series" not in springpot("discover", relaxed, *held).out
 
 
 def test_without_a_model_any_material_is_judged(springpot, relaxed):
@@ -231,6 +259,7 @@ def test_of_several_tests_the_one_that_lacks_a_unit_is_named(springpot, relaxed,
     springpot("identify", relaxed, bare, "-m", "fractional-maxwell").is_one_line("write time [s]")
 
 
+@pytest.mark.soak
 def test_an_effect_of_the_test_itself_is_found_named_and_added(springpot, write):
     drifting = write(
         table("time [s],relaxation [kPa]", MODEL.relaxation(THETA, T) + 0.5 * T, 3), "drifting.csv"
@@ -269,6 +298,7 @@ def test_inspect_of_a_record_tells_both_ways_on(springpot, write):
     assert "steadily: springpot signals " in shown
 
 
+@pytest.mark.soak
 def test_which_of_several_absent_effects_is_absent_is_no_news(springpot, relaxed):
     answer = springpot("diagnose", relaxed, "--model", "fractional-maxwell", "--json").json
     absent = {each["effect"] for each in answer["candidates"] if each["verdict"] == "absent"}

@@ -54,9 +54,10 @@ def sound(write):
     return write(table(damper()), "sound.csv")
 
 
+@pytest.mark.soak
 def test_json_is_as_agreed(springpot, heavy):
     answer = springpot("diagnose", heavy, "--model", "fractional-maxwell", "--json").json
-    assert answer["schema"] == "springpot.diagnosis/1"
+    assert answer["schema"] == "springpot.diagnosis/2"
     assert (answer["data"], answer["model"]) == ("heavy", "fractional-maxwell")
     assert set(answer["error"]) >= {"relative_rms", "noise_floor", "noise_source"}
     assert answer["error"]["noise_source"] == "estimated"
@@ -99,6 +100,7 @@ def test_text_begins_with_the_verdict_and_ends_with_advice(springpot, heavy):
     assert " kg" in row
 
 
+@pytest.mark.soak
 def test_nothing_missing_is_said_plainly(springpot, sound):
     answer = springpot("diagnose", sound, "--model", "fractional-maxwell")
     assert "nothing is missing down to the noise floor" in answer.out
@@ -132,7 +134,7 @@ def test_the_same_seed_gives_the_same_bits(springpot, heavy, monkeypatch):
 @pytest.mark.parametrize("way", [("--accept", "inertia"), ("--auto",)])
 def test_the_error_falls_to_the_floor(springpot, heavy, way):
     answer = springpot("discover", heavy, "--model", "fractional-maxwell", *way, "--json").json
-    assert answer["schema"] == "springpot.discovery/1"
+    assert answer["schema"] == "springpot.discovery/2"
     first, last = answer["steps"]
     assert set(first) >= {"model", "accepted", "relative_rms", "noise_floor", "predicted_error"}
     assert first["material_floor"] > 3.0 * last["material_floor"]
@@ -144,6 +146,7 @@ def test_the_error_falls_to_the_floor(springpot, heavy, way):
     assert answer["diagnosis"]["model"] == last["model"]
 
 
+@pytest.mark.soak_cases("effects0", "effects1")
 @pytest.mark.parametrize(
     "effects",
     [("--accept", "inertia", "--accept", "time-delay"), ("--accept", "inertia", "time-delay")],
@@ -156,6 +159,7 @@ def test_effects_are_accepted_in_the_given_order(springpot, write, effects):
     assert "time-delay.tau" in answer.out
 
 
+@pytest.mark.soak
 def test_report_and_figure_are_written(springpot, heavy, tmp_path):
     pytest.importorskip("matplotlib")
     report, figure = tmp_path / "a.html", tmp_path / "a.png"
@@ -201,6 +205,7 @@ def test_too_few_points_is_one_line(springpot, write, command):
     )
 
 
+@pytest.mark.soak
 def test_models_are_compared_in_text_json_and_figure(springpot, heavy, tmp_path):
     pytest.importorskip("matplotlib")
     models = ("-m", "fractional-maxwell", "-m", "fractional-maxwell + inertia")
@@ -227,6 +232,7 @@ def test_without_a_model_any_material_is_judged(springpot, heavy):
     assert text.splitlines()[2].split("  ")[-1] == "material floor"
 
 
+@pytest.mark.soak
 def test_a_report_without_a_model_tells_how_to_get_it_again(springpot, heavy, tmp_path):
     pytest.importorskip("matplotlib")
     report = tmp_path / "a.html"
@@ -238,6 +244,7 @@ def test_a_report_without_a_model_tells_how_to_get_it_again(springpot, heavy, tm
     assert "material floor" in page
 
 
+@pytest.mark.soak
 def test_without_models_the_installed_ones_are_ranked(springpot, heavy, undrawn, tmp_path):
     answer = springpot("compare", heavy, "--json")
     row = answer.json
@@ -261,6 +268,7 @@ def test_without_models_the_installed_ones_are_ranked(springpot, heavy, undrawn,
     assert all(axes.lines for axes in figure.axes[:2])
 
 
+@pytest.mark.soak
 def test_rows_of_several_tests_are_compared_one_by_one(springpot, write):
     omega, current = np.tile(OMEGA[::4], 3), np.repeat([0.0, 1.0, 2.0], 10)
     loss = 0.5 * omega * (1.0 + 4.0 * current)
@@ -314,6 +322,7 @@ def test_the_demonstration_tells_its_whole_story(springpot, undrawn, tmp_path, m
     assert "race of 5" in (tmp_path / "story" / "story.txt").read_text(encoding="utf-8")
 
 
+@pytest.mark.soak
 def test_the_race_of_the_demonstration_runs(tmp_path):
     from springpot.benchmark.commands.demo import _run
     from springpot.hooks import Race
@@ -328,6 +337,7 @@ def test_the_race_of_the_demonstration_runs(tmp_path):
     assert (tmp_path / "small" / "small.sqlite").exists()
 
 
+@pytest.mark.soak
 def test_in_python_names_are_enough(heavy):
     import springpot
 
@@ -340,6 +350,7 @@ def test_in_python_names_are_enough(heavy):
     assert "adequate" in ladder._repr_html_()
 
 
+@pytest.mark.soak
 def test_an_effect_of_the_users_own_takes_part(heavy):
     import springpot
     from springpot.rheology import Effect, Layer, mass, parallel

@@ -28,6 +28,7 @@ def rheometer(write):
     return write(table(OMEGA, "Angular frequency [rad/s],G' [Pa],G'' [Pa]"), "rheometer.csv")
 
 
+@pytest.mark.soak
 def test_a_rheologist_reads_omega_and_the_letters_of_the_file(springpot, rheometer):
     for command in (["inspect"], ["identify", *MODEL], ["compare", *MODEL], ["diagnose", *MODEL]):
         said = springpot(command[0], rheometer, *command[1:])
@@ -93,6 +94,7 @@ def test_far_from_the_noise_without_a_pattern_is_no_noise(springpot, write, rng)
     assert near.says.endswith("nothing is left but noise")
 
 
+@pytest.mark.soak
 def test_where_the_floor_moves_a_line_says_why(springpot):
     """Amplitudes that differ from point to point leave no smooth curve to take scatter from."""
     import springpot as package
@@ -143,21 +145,6 @@ def test_a_master_curve_speaks_of_a_T(springpot, monkeypatch):
     lines = springpot("mastercurve", "nist-srm2491").out.splitlines()
     assert any("a_T" in line and "b_T" in line for line in lines)
     assert max(map(len, lines)) <= 80
-
-
-def test_python_is_told_how_tests_in_time_are_opened(write):
-    import springpot as package
-
-    path = write(
-        "time [s],relaxation [Pa]\n" + "".join(f"{t},{100 / t}\n" for t in range(1, 30)),
-        "relaxation.csv",
-    )
-    with pytest.raises(
-        package.errors.DataError, match=r"no sweep: open it by springpot\.open_in_time"
-    ):
-        package.identify(path, "zener")
-    with pytest.raises(package.errors.DataError, match=r"springpot\.timetests\.identify"):
-        package.read(path)
 
 
 def test_an_answer_in_time_fits_the_window():

@@ -22,6 +22,7 @@ def test_a_slip_is_answered_with_how_to_mend_it(springpot, damper, arguments, wo
     assert answer.is_one_line(*words)
 
 
+@pytest.mark.soak
 def test_discovery_says_what_an_accepted_effect_may_be_as_well(springpot):
     answer = springpot("discover", "artificial-hidden", *MAXWELL, "--auto")
     assert answer.code == 0, answer.err

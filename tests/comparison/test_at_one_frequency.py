@@ -4,6 +4,7 @@ Models with more parameters need a shift to be told.
 """
 
 import numpy as np
+import pytest
 
 import springpot
 
@@ -20,6 +21,7 @@ def strain_sweep():
     )
 
 
+@pytest.mark.soak
 def test_only_models_that_can_be_told_are_fitted():
     ranking = springpot.compare(strain_sweep())
     sizes = {
@@ -33,6 +35,7 @@ def test_only_models_that_can_be_told_are_fitted():
     assert any("at one frequency" in reason for reason in reasons)
 
 
+@pytest.mark.soak
 def test_a_ramp_of_temperature_reads_the_curve_of_a_model_at_many_places():
     """A time shift makes one frequency at forty temperatures a sweep that tells five parameters."""
     rng = np.random.default_rng(1)

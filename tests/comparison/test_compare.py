@@ -43,6 +43,7 @@ def test_the_right_model_holds_and_the_wrong_one_fails():
     assert right.says.endswith("nothing is left but noise")
 
 
+@pytest.mark.soak_cases("24-2-False")
 @pytest.mark.parametrize("known", [False, True])
 @pytest.mark.parametrize(("draws", "few"), [(24, 2), pytest.param(60, 3, marks=pytest.mark.soak)])
 def test_noise_alone_rarely_alarms(known, draws, few):
@@ -156,9 +157,16 @@ def test_a_gain_of_ten_changes_nothing_but_the_moduli():
 
 def test_the_dictionary_is_plain_data():
     result = jsonable(springpot.compare(noisy(known=True), ["fractional-kelvin"]))
-    assert result["schema"] == "springpot.comparison/1"
+    assert result["schema"] == "springpot.comparison/2"
     [model] = result["models"]
-    floors = {"noise_floor", "noise_source", "doubt", "material_floor", "material_chance"}
+    floors = {
+        "noise_floor",
+        "over_floor",
+        "noise_source",
+        "doubt",
+        "material_floor",
+        "material_chance",
+    }
     assert set(model["error"]) == {"relative_rms", *floors}
     assert model["parameters"]["k"]["unit"] == "kN/m"
     assert all(

@@ -37,6 +37,7 @@ WHY = (
 )
 
 
+@pytest.mark.soak
 def test_a_small_noise_is_not_called_a_bad_measurement(monkeypatch):
     assert first(monkeypatch, 0.005, WHY).endswith(f"is as near as any linear material: {WHY}")
 

@@ -1,5 +1,6 @@
 """Models ranked without being named: the simplest that does what any material can comes first."""
 
+import json
 import pickle
 
 import numpy as np
@@ -60,10 +61,16 @@ def test_the_truth_comes_first_with_what_no_material_can_do_without(heavy):
     assert min(one.delta_bic for one in heavy.judgements) == 0.0
 
 
+@pytest.mark.soak
 def test_a_ranking_is_kept_drawn_and_told(heavy, tmp_path):
     again = pickle.loads(pickle.dumps(heavy))
     assert jsonable(again) == jsonable(heavy)
     assert str(again) == ranked_text(heavy)
+    path = tmp_path / "ranking.json"
+    path.write_text(json.dumps(heavy.to_dict(), allow_nan=False), encoding="utf-8")
+    loaded = springpot.load(path)
+    assert loaded.to_dict() == heavy.to_dict()
+    assert (repr(loaded), str(loaded)) == (repr(heavy), str(heavy))
     pytest.importorskip("matplotlib")
     assert heavy.plot(tmp_path / "ranking.svg").stat().st_size > 1000
 
@@ -133,9 +140,10 @@ def test_the_members_of_a_family_end_where_one_more_says_nothing():
     assert "prony-4" not in {one.model.name for one in ranking.judgements}
 
 
+@pytest.mark.soak
 def test_the_answer_is_plain_data_and_the_same_for_the_same_seed(heavy):
     row = jsonable(heavy)
-    assert row["schema"] == "springpot.comparison/1"
+    assert row["schema"] == "springpot.comparison/2"
     assert row["best"] == "fractional-maxwell + inertia"
     ranking = row["ranking"]
     assert ranking["accepted"] == ["inertia"]
@@ -249,6 +257,7 @@ GEL = """
 """Omega in rad/s, G' and G'' in Pa: a power law with 1.5 % of artificial noise."""
 
 
+@pytest.mark.soak
 def test_few_numbers_are_not_followed_by_as_many_parameters():
     """It read: the simplest model is kelvin-6, with 13 parameters on 24 numbers."""
     omega, storage, loss = np.array([row.split() for row in GEL.split(";")], dtype=float).T

@@ -21,6 +21,7 @@ def quiet(diagnosis):
     json.dumps(jsonable(diagnosis.to_dict()), allow_nan=False)
 
 
+@pytest.mark.soak_cases("3-sigma-known", "3-sigma-unknown", "4-sigma-known", "4-sigma-unknown")
 @pytest.mark.parametrize("known", [True, False], ids=["sigma-known", "sigma-unknown"])
 @pytest.mark.parametrize("points", [3, 4])
 def test_three_points_prove_nothing(points, known):
@@ -30,6 +31,7 @@ def test_three_points_prove_nothing(points, known):
     assert len(springpot.discover(data, KELVIN.name).steps) == 1
 
 
+@pytest.mark.soak_cases("2")
 @pytest.mark.parametrize("points", [1, 2])
 def test_fewer_points_are_an_answer_or_one_line(points):
     at = design(points)
@@ -43,6 +45,7 @@ def test_fewer_points_are_an_answer_or_one_line(points):
     assert "\n" not in message
 
 
+@pytest.mark.soak_cases("sigma-known", "sigma-unknown")
 @pytest.mark.parametrize("known", [True, False], ids=["sigma-known", "sigma-unknown"])
 def test_all_points_at_one_frequency(known):
     at = design(1, low=2.0, high=2.0)
@@ -52,6 +55,7 @@ def test_all_points_at_one_frequency(known):
     assert len(springpot.discover(data, KELVIN.name).steps) == 1
 
 
+@pytest.mark.soak
 def test_friction_shows_at_one_frequency_over_amplitudes():
     at = design(1, low=2.0, high=2.0, amplitudes=tuple(np.geomspace(0.1, 3.0, 20)))
     diagnosis = springpot.diagnose(measured(at, exact(KELVIN, at, "friction", 5.0)), KELVIN.name)
@@ -77,11 +81,13 @@ def test_noise_that_makes_some_losses_negative_is_still_noise():
     quiet(springpot.diagnose(data, "kelvin"))
 
 
+@pytest.mark.soak
 def test_exact_data_need_nothing():
     stiffness = exact(KELVIN, SWEEP)
     quiet(springpot.diagnose(springpot.Measurement(SWEEP.omega, stiffness), KELVIN.name))
 
 
+@pytest.mark.soak
 def test_exact_data_with_something_hidden_name_it():
     stiffness = exact(KELVIN, SWEEP, "inertia", 2e-4)
     diagnosis = springpot.diagnose(springpot.Measurement(SWEEP.omega, stiffness), KELVIN.name)
@@ -138,12 +144,14 @@ def test_effects_whose_columns_are_missing_are_not_proposed():
     assert not needing & {name for group in diagnosis.classes for name in group}
 
 
+@pytest.mark.soak
 def test_a_grown_model_with_more_parameters_than_numbers_is_not_tried():
     """Two points are four numbers: enough for a model of three, not for one more with two."""
     data = springpot.Measurement(np.array([1.0, 10.0]), np.array([10.0 + 4.0j, 20.0 + 9.0j]))
     quiet(springpot.diagnose(data, "fractional-maxwell"))
 
 
+@pytest.mark.soak
 def test_a_trial_whose_square_is_no_number_ends_nothing():
     """A wave in a specimen, driven at its resonance on the way to a fit, makes a K of 1e192."""
     omega = 2.0 * np.pi * np.geomspace(0.5, 100.0, 40)
@@ -156,6 +164,9 @@ def test_a_trial_whose_square_is_no_number_ends_nothing():
     assert (found.verdict, found.best.effect) == ("effect-missing", "inertia")
 
 
+@pytest.mark.soak_cases(
+    "fractional-kelvin-20", "fractional-kelvin-40", "material-20", "material-40"
+)
 @pytest.mark.parametrize("points", [12, 20, 40])
 @pytest.mark.parametrize("model", ["material", "fractional-kelvin"])
 def test_computed_data_lack_nothing(points, model):
@@ -180,6 +191,7 @@ def test_rows_that_were_copied_are_no_repeats():
     assert error.noise_floor == pytest.approx(0.014, rel=0.3)
 
 
+@pytest.mark.soak
 def test_patterns_of_rounding_are_not_told_of():
     hertz = np.geomspace(0.1, 10.0, 12)
     found = springpot.diagnose(

@@ -47,11 +47,13 @@ def test_the_next_step_leaves_it_out(found):
     assert springpot.diagnose(later).verdict == "adequate"
 
 
+@pytest.mark.soak
 def test_a_specimen_that_goes_on_changing_is_told_of_all_the_same():
     found = springpot.diagnose(record(transient=0.0, drift=2.0))
     assert "the specimen changes with time" in found.says
 
 
+@pytest.mark.soak
 def test_points_that_are_periods_apart_have_no_such_start():
     found = springpot.diagnose(record(transient=0.9, hertz=1.0, spacing=1.1))
     assert "within one period" not in found.says

@@ -1,6 +1,7 @@
 """A bad point at the end of a sweep bends every model, and hides the physics of all others."""
 
 import numpy as np
+import pytest
 from hidden_data import KELVIN, design, exact, measured
 
 import springpot
@@ -19,6 +20,7 @@ def with_an_end_that_is_off(shift, seed=0):
     return measured(AT, k, seed, NOISE, known=True)
 
 
+@pytest.mark.soak
 def test_a_bad_point_at_the_end_is_set_aside_and_the_effect_of_all_others_is_named():
     diagnosis = springpot.diagnose(with_an_end_that_is_off(0.08 - 0.15j), "material")
     assert any("50 Hz" in note and "outlier" in note for note in diagnosis.notes)

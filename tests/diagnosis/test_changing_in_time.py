@@ -51,6 +51,7 @@ def said(found):
     return f"{found.says} {' '.join(found.notes)}"
 
 
+@pytest.mark.soak_cases("broken_down-falls-breaks down", "cured-rises-cures")
 @pytest.mark.parametrize(
     ("course", "verb", "meaning"),
     [
@@ -75,6 +76,7 @@ def test_a_modulus_that_moves_with_time_at_one_frequency_is_told_of_from_start_t
     assert "stand still" in found.next_experiment.says
 
 
+@pytest.mark.soak
 def test_the_first_and_the_last_moduli_are_those_of_the_data():
     found = springpot.diagnose(
         measured(np.ones(60), 1000.0 * cured(LONG) * (1.0 + 0.2j), LONG, noise=1e-4)
@@ -86,6 +88,7 @@ def test_the_first_and_the_last_moduli_are_those_of_the_data():
     )
 
 
+@pytest.mark.soak
 def test_a_round_of_frequencies_that_is_measured_again_and_again_is_judged_by_its_last():
     found = springpot.diagnose(measured(HERTZ, network(HERTZ) * cured(TIMES), TIMES))
     assert "the specimen changes with time" in found.says
@@ -93,6 +96,7 @@ def test_a_round_of_frequencies_that_is_measured_again_and_again_is_judged_by_it
     assert "free-vertical-shift" in said(found)
 
 
+@pytest.mark.soak_cases("0.001", "1.0")
 @pytest.mark.parametrize("hertz", [1.0, 1e-3])
 def test_the_change_within_one_period_is_told(hertz):
     """At a rate of 1/2000 s a period of 1 s sees 0.05 %, one of 1000 s half of the modulus."""
@@ -105,6 +109,7 @@ def test_the_change_within_one_period_is_told(hertz):
     assert "10.1007/BF00369354" in said(found)
 
 
+@pytest.mark.soak
 def test_points_that_came_in_pairs_make_no_change_quicker():
     time = np.repeat(60.0 + 100.0 * np.arange(30), 2) + np.tile([0.0, 0.1], 30)
     found = springpot.diagnose(measured(np.ones(60), (1000.0 + 200.0j) * broken_down(time), time))
@@ -112,6 +117,7 @@ def test_points_that_came_in_pairs_make_no_change_quicker():
     assert float(told[1]) == pytest.approx(100.0 / 2000.0, rel=0.3)
 
 
+@pytest.mark.soak
 def test_a_phase_that_moves_while_the_size_stays_is_no_cure():
     found = springpot.diagnose(
         measured(np.ones(60), 1000.0 * np.exp(1j * (0.1 + LONG / 3600.0)), LONG, noise=0.003)
@@ -119,6 +125,7 @@ def test_a_phase_that_moves_while_the_size_stays_is_no_cure():
     assert "the specimen changes (its phase, while |K| stays)" in said(found)
 
 
+@pytest.mark.soak_cases("1")
 @pytest.mark.parametrize("seed", [1, *map(soaked, range(2, 6))])
 def test_where_nothing_changes_with_time_nothing_is_said_of_it(seed):
     for data in (
@@ -130,6 +137,7 @@ def test_where_nothing_changes_with_time_nothing_is_said_of_it(seed):
         assert "time" not in said(found)
 
 
+@pytest.mark.soak
 def test_where_no_point_was_measured_twice_no_start_and_no_end_are_made_up():
     hertz, celsius = (
         each.ravel() for each in np.meshgrid(np.geomspace(0.1, 10.0, 8), np.linspace(20.0, 60.0, 5))
@@ -155,6 +163,7 @@ def test_what_was_left_empty_in_a_column_has_no_place_in_the_order_of_time():
     assert "storage rises from" in change_in_order(data, "batch")
 
 
+@pytest.mark.soak_cases("True")
 @pytest.mark.parametrize("upwards", [True, soaked(False)])
 def test_one_sweep_cannot_tell_time_from_frequency(upwards):
     hertz = np.geomspace(0.1, 10.0, 25)[:: 1 if upwards else -1]
@@ -167,6 +176,7 @@ def test_one_sweep_cannot_tell_time_from_frequency(upwards):
     assert "the time was not varied by itself but goes with the frequency" in said(found)
 
 
+@pytest.mark.soak
 def test_sweeps_at_several_temperatures_one_after_another_are_no_course_in_time():
     hertz, celsius = (
         np.tile(np.geomspace(0.1, 10.0, 10), 6),
@@ -208,6 +218,7 @@ def test_strains_that_were_set_one_after_another_are_the_cause():
         assert found.best.effect == name
 
 
+@pytest.mark.soak
 def test_an_effect_that_is_there_at_all_times_is_named():
     hertz = np.tile(np.geomspace(0.1, 30.0, 13), 4)
     stiffness = network(hertz) - 0.05 * (2.0 * np.pi * hertz) ** 2
@@ -228,6 +239,7 @@ def test_sweeps_that_are_numbered_as_repeats_are_no_noise_where_they_go_with_tim
     assert "the specimen changes with time" in springpot.diagnose(repeats).says
 
 
+@pytest.mark.soak
 def test_a_column_whose_values_follow_one_another_in_time_is_told_as_such():
     hertz, time = np.tile(np.geomspace(0.1, 10.0, 13), 6), 20.0 * np.arange(78.0)
     cycle = np.repeat(np.arange(1.0, 7.0), 13)
@@ -243,6 +255,7 @@ def test_discovery_accepts_no_effect_in_its_place():
     assert [step.accepted for step in ladder.steps] == [None]
 
 
+@pytest.mark.soak
 def test_a_time_of_another_name_is_known_by_its_unit(tmp_path):
     stiffness = (1000.0 + 200.0j) * dried(LONG)
     scatter = np.random.default_rng(1).standard_normal((2, 60))
@@ -254,6 +267,7 @@ def test_a_time_of_another_name_is_known_by_its_unit(tmp_path):
     assert "between 1 and 60 min" in springpot.diagnose(springpot.read(path)).says
 
 
+@pytest.mark.soak
 def test_factors_at_each_time_can_be_diagnosed():
     """The next experiment has a time of its own.
 

@@ -42,6 +42,7 @@ def test_stages_come_in_the_order_of_the_work_and_change_no_bit(data):
     assert told[-1] == "weighing what was found"
 
 
+@pytest.mark.soak
 def test_every_rung_is_handed_out_when_it_is_reached(data):
     story = []
     ladder = springpot.discover(
@@ -73,6 +74,7 @@ def interrupted_at(monkeypatch, stage):
     monkeypatch.setattr(command, "Waiting", Pressed)
 
 
+@pytest.mark.soak
 def test_ctrl_c_keeps_the_steps_that_were_reached(data, tmp_path, monkeypatch, capsys):
     pytest.importorskip("matplotlib")
     interrupted_at(monkeypatch, "step 1: weighing")

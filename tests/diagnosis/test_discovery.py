@@ -97,6 +97,9 @@ def found(pair):
 
 # An impossible start (a wave in a specimen that a wave drives) overflows on the way; it is not
 # chosen.
+@pytest.mark.soak_cases(
+    "friction+cubic-stiffness", "friction+vertical-shift", "hysteretic-loss+inertia"
+)
 @pytest.mark.filterwarnings("ignore:invalid value encountered")
 @pytest.mark.parametrize("pair", [pytest.param(p, marks=marks(p), id="+".join(p)) for p in PAIRS])
 def test_two_hidden_effects_are_both_found(pair):
@@ -109,6 +112,7 @@ def test_two_hidden_effects_are_both_found(pair):
     assert ladder.steps[-1].relative_rms / ladder.steps[-1].noise_floor < 1.3
 
 
+@pytest.mark.soak_cases("hysteretic-loss+inertia")
 @pytest.mark.parametrize(
     "pair", [("hysteretic-loss", "inertia"), ("friction", "cubic-stiffness")], ids="+".join
 )
@@ -117,6 +121,7 @@ def test_errors_fall_from_step_to_step(pair):
     assert all(later < earlier for earlier, later in pairwise(errors))
 
 
+@pytest.mark.soak
 def test_what_a_later_effect_makes_idle_is_dropped():
     """A wrong effect accepted by hand is the best neither alone nor with others.
 
@@ -129,6 +134,7 @@ def test_what_a_later_effect_makes_idle_is_dropped():
     assert last.verdict == "adequate"
 
 
+@pytest.mark.soak_cases("hysteretic-loss+inertia")
 @pytest.mark.filterwarnings("ignore:invalid value encountered")
 @pytest.mark.parametrize(
     "pair", [("hysteretic-loss", "inertia"), soaked(("inertia", "series-spring"))], ids="+".join
@@ -147,6 +153,7 @@ def test_every_effect_of_the_last_model_is_needed(pair):
         assert rows * (without**2 - full**2) / floor**2 > 15.0
 
 
+@pytest.mark.soak
 def test_accepting_by_hand_follows_the_order_given():
     data = hidden(KELVIN, FINE, "inertia", 1000.0, seed=2)
     ladder = springpot.discover(data, KELVIN.name, accept=["time-delay", "inertia"])
@@ -163,6 +170,7 @@ def test_an_empty_list_accepts_nothing_and_still_judges():
     assert ladder.diagnosis.verdict == "effect-missing"
 
 
+@pytest.mark.soak
 def test_an_alias_is_accepted_as_the_effect_it_means():
     data = hidden(MAXWELL, SWEEP, "parallel-spring", 1000.0)
     ladders = [
@@ -173,6 +181,7 @@ def test_an_alias_is_accepted_as_the_effect_it_means():
     assert accepted(ladders[0]) == accepted(ladders[1])
 
 
+@pytest.mark.soak
 def test_an_accepted_effect_that_is_not_there_is_not_called_missing():
     data = measured(SWEEP, exact(KELVIN, SWEEP))
     ladder = springpot.discover(data, KELVIN.name, accept=["inertia"])
@@ -184,6 +193,7 @@ def test_an_accepted_effect_that_is_not_there_is_not_called_missing():
     assert -1e-3 <= gain / ladder.steps[0].noise_floor ** 2 < 12.0
 
 
+@pytest.mark.soak
 def test_steps_tell_parameters_with_intervals():
     ladder = springpot.discover(hidden(KELVIN, SWEEP, "inertia", 1000.0), KELVIN.name)
     values = ladder.to_dict()["steps"][-1]["parameters"]

@@ -68,6 +68,15 @@ def test_what_a_material_or_a_rig_can_do_is_causal(name, temperatures):
     assert "consistent with causality" in says(CAUSAL[name], temperatures)
 
 
+@pytest.mark.soak_cases(
+    "gain drift over the sweep-temperatures0",
+    "gain drift over the sweep-temperatures1",
+    "gain step between ranges-temperatures0",
+    "gain step between ranges-temperatures1",
+    "phase error-temperatures1",
+    "ripple of the gain-temperatures0",
+    "ripple of the gain-temperatures1",
+)
 @pytest.mark.parametrize("temperatures", [(), CELSIUS])
 @pytest.mark.parametrize("name", NOT_CAUSAL)
 def test_what_no_linear_material_can_do_is_not(name, temperatures):
@@ -80,6 +89,7 @@ def test_a_resonance_too_narrow_for_the_points_is_not_called_a_breach():
     assert "not causal" not in said
 
 
+@pytest.mark.soak_cases("0.5", "2.0")
 @pytest.mark.parametrize("sd", [0.5, 1.0, 2.0])
 def test_noise_is_no_breach_even_where_its_size_is_misstated(sd):
     said = [says(lambda s, r: 0 * s, seed=seed, sd=sd) for seed in range(20)]
@@ -88,6 +98,11 @@ def test_noise_is_no_breach_even_where_its_size_is_misstated(sd):
         assert not any(said)
 
 
+@pytest.mark.soak_cases(
+    "<lambda>-moves along the frequency with temperature0",
+    "<lambda>-moves along the frequency with temperature1",
+    "<lambda>-same frequencies at all temperatures0",
+)
 @pytest.mark.parametrize(
     ("off", "word"),
     [
@@ -108,6 +123,7 @@ def test_fixed_and_moving_are_told_apart(off, word):
     assert word not in says(off)
 
 
+@pytest.mark.soak
 def test_what_is_the_same_either_way_is_not_told():
     """A constant neither moves nor stays; a pattern at one temperature only does neither."""
     for off in (

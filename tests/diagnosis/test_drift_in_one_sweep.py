@@ -34,6 +34,7 @@ def drifted(request):
     return request.param, diagnosed(drift=request.param)
 
 
+@pytest.mark.soak_cases("-3%")
 def test_the_headline_names_the_drift_beside_the_phase(drifted):
     drift, found = drifted
     assert found.verdict == "effect-missing"
@@ -47,6 +48,7 @@ def test_the_next_experiment_is_the_opposite_order(drifted):
     assert OPPOSITE in found.next_experiment.says
 
 
+@pytest.mark.soak_cases("+2%", "+5%", "-3%")
 def test_no_machine_accepts_the_phase_unasked(drifted):
     drift, _ = drifted
     measured = sweep(np.random.default_rng(2), drift=drift)

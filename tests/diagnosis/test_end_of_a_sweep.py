@@ -35,10 +35,12 @@ def lowered_at_its_last_row(request):
     return judged(omega, stiffness, 0.005, np.random.default_rng(0))
 
 
+@pytest.mark.soak_cases("10 points a decade", "7 points a decade")
 def test_the_row_before_the_one_that_carries_all_is_not_set_aside(lowered_at_its_last_row):
     assert set_aside(lowered_at_its_last_row) == []
 
 
+@pytest.mark.soak
 def test_a_bad_last_point_beside_a_clear_mass_is_set_aside():
     """The mass is seen at ten rows, with the last and without it."""
     s = 2j * np.pi * np.geomspace(0.1, 55.0, 24)

@@ -52,6 +52,7 @@ def one_class(diagnosis, *names):
         assert of(diagnosis, name).probability <= 0.95
 
 
+@pytest.mark.soak_cases("friction")
 @pytest.mark.parametrize("effect", ["friction", soaked("hysteretic-loss")])
 def test_friction_at_one_amplitude_is_a_hysteretic_loss(effect):
     diagnosis = springpot.diagnose(hidden(KELVIN, ONE_AMPLITUDE, effect, 1000.0), KELVIN.name)
@@ -78,6 +79,7 @@ def test_crosstalk_in_quadrature_at_one_amplitude_is_friction():
     )
 
 
+@pytest.mark.soak_cases("relaxation-mode-kelvin")
 @pytest.mark.parametrize(
     "base", [CLASSICAL_KELVIN, soaked(CLASSICAL_MAXWELL)], ids=lambda b: b.name
 )
@@ -94,6 +96,7 @@ def test_relaxation_and_retardation_modes_are_one(base, effect):
     )
 
 
+@pytest.mark.soak
 def test_modes_on_a_fractional_kelvin_are_one_class_where_they_are_small():
     diagnosis = springpot.diagnose(
         hidden(KELVIN, SWEEP, "retardation-mode", 60.0, seed=3, just=True), KELVIN.name
@@ -101,6 +104,7 @@ def test_modes_on_a_fractional_kelvin_are_one_class_where_they_are_small():
     one_class(diagnosis, "relaxation-mode", "retardation-mode")
 
 
+@pytest.mark.soak_cases("1.0")
 @pytest.mark.parametrize("alpha", [1.0, soaked(0.43)])
 def test_a_spring_in_series_with_kelvin_is_the_zener_form(alpha):
     """k0 = ke + k1, k2 = ke (ke + k1) / k1, c2 = c ((ke + k1) / k1)^2."""
@@ -124,6 +128,7 @@ def test_a_spring_in_series_with_kelvin_is_the_zener_form(alpha):
     )
 
 
+@pytest.mark.soak
 def test_a_solvent_beside_and_a_dashpot_in_series_are_one_fluid():
     """c0 in series with (c1 || V s^a) is cS beside (cP in series with VP s^a)."""
     c0, c1, v, a = 30.0, 1.0, 12.0, 0.4
@@ -184,6 +189,7 @@ def test_two_words_for_one_effect(alias, name):
     assert [p.name for p in one.parameters] == [p.name for p in other.parameters]
 
 
+@pytest.mark.soak_cases("arrhenius-shift-300.0-1", "arrhenius-shift-30000.0-2", "wlf-shift-300.0-1")
 @pytest.mark.parametrize(
     ("chi2", "seed"),
     [(300.0, 1), (30000.0, 2)]
@@ -214,12 +220,14 @@ def test_two_amplitudes_cannot_tell_a_cubic_spring_from_a_gap():
     one_class(diagnosis, "cubic-stiffness", "dead-zone")
 
 
+@pytest.mark.soak
 def test_friction_at_two_amplitudes_stays_apart_from_a_hysteretic_loss():
     diagnosis = springpot.diagnose(hidden(KELVIN, TWO_AMPLITUDES, "friction", 1000.0), KELVIN.name)
     assert diagnosis.best.effect == "friction"
     assert "hysteretic-loss" not in diagnosis.best.alike
 
 
+@pytest.mark.soak_cases("rig-drag-parallel-dashpot-base0")
 @pytest.mark.parametrize(
     ("effect", "partner", "base"),
     [("rig-drag", "parallel-dashpot", KELVIN), ("entropic-spring", "parallel-spring", MAXWELL)],
@@ -248,6 +256,7 @@ def test_a_small_delay_and_a_small_filter_are_one_class():
     )
 
 
+@pytest.mark.soak
 def test_a_slider_that_always_slips_at_one_amplitude_is_no_friction_alone():
     """A slider with a spring changes storage too.
 

@@ -106,6 +106,7 @@ def absorbed(diagnosis, *names):
 # E1 and E2: springs, and dashpots, inside and outside
 
 
+@pytest.mark.soak_cases("dashpot-0.02", "spring-0.002")
 @crossed("base", [SPRING, DASHPOT])
 def test_a_mode_beside_a_spring_is_a_mode_in_series(base, level, seed):
     """Zener is Poynting-Thomson, and Jeffreys is a dashpot in series with Kelvin.
@@ -116,6 +117,7 @@ def test_a_mode_beside_a_spring_is_a_mode_in_series(base, level, seed):
     one_class(springpot.diagnose(data, base.name), "relaxation-mode", "retardation-mode")
 
 
+@pytest.mark.soak_cases("dashpot-0.02", "kelvin-0.002")
 @crossed("base", [SOFT_KELVIN, DASHPOT])
 def test_a_spring_in_series_is_a_filter(base, level, seed):
     """(k + c s) / (1 + s tau) is Zener and c s / (1 + s tau) is Maxwell.
@@ -126,6 +128,7 @@ def test_a_spring_in_series_is_a_filter(base, level, seed):
     one_class(springpot.diagnose(data, base.name), "series-spring", "filter-mismatch")
 
 
+@pytest.mark.soak_cases("zener alpha=0.43")
 @pytest.mark.parametrize(
     ("kind", "law", "inside", "outside", "level", "seed"),
     [
@@ -175,6 +178,7 @@ def test_zener_and_jeffreys_forms_are_reached_from_both_sides(
 # E3: mounting compliance and an instantaneous spring
 
 
+@pytest.mark.soak_cases("0.003-1-burgers", "0.003-1-zener")
 @pytest.mark.parametrize(
     ("law", "names"),
     [
@@ -195,6 +199,7 @@ def test_compliance_hides_in_every_form_that_has_a_spring_in_series(law, names, 
         assert diagnosis.error.relative_rms == pytest.approx(found[0].error.relative_rms, rel=1e-4)
 
 
+@pytest.mark.soak_cases("dashpot-0.002", "kelvin-0.002")
 @crossed("base", [SOFT_KELVIN, SPRINGPOT, DASHPOT], rare=[SPRINGPOT])
 def test_compliance_shows_where_no_spring_is_in_series(base, level, seed):
     data = measured(SWEEP, in_series(exact(base, SWEEP), 900.0), seed, level)
@@ -217,6 +222,7 @@ def spectrum(n, s=SWEEP_S):
     return 40.0 + sum(mode(s, 120.0, 0.6 * 0.08**i) for i in range(n))
 
 
+@pytest.mark.soak_cases("3-0.01-2")
 @pytest.mark.parametrize(("n", "level", "seed"), [(2, 0.003, 1), (3, 0.01, 2)])
 def test_modes_side_by_side_in_series_and_in_a_ladder_fit_alike(n, level, seed):
     data = measured(SWEEP, spectrum(n), seed, level)
@@ -226,6 +232,7 @@ def test_modes_side_by_side_in_series_and_in_a_ladder_fit_alike(n, level, seed):
     assert errors[0] == pytest.approx(level * np.sqrt(2.0), rel=0.3)
 
 
+@pytest.mark.soak_cases("1-0.01-2-2")
 @pytest.mark.parametrize(
     ("n", "level", "seed", "forms"),
     [(1, 0.01, 2, 2), soaked(1, 0.01, 2, 3), soaked(2, 0.003, 1, 3)],
@@ -244,6 +251,7 @@ def test_one_more_mode_is_told_the_same_on_every_form(n, level, seed, forms):
 # E6: gauges
 
 
+@pytest.mark.soak_cases("base2-0.5-2")
 @pytest.mark.parametrize(
     ("base", "gain", "seed"), [(SPRINGPOT, 0.5, 1), soaked(KELVIN, 1.2, 2), (MAXWELL, 0.5, 2)]
 )
@@ -271,6 +279,7 @@ def test_a_gain_at_one_of_two_temperatures_is_a_vertical_shift(seed):
     assert of(diagnosis, "gain-error").verdict == "cannot-tell"
 
 
+@pytest.mark.soak_cases("base1-1.3-2")
 @pytest.mark.parametrize(
     ("base", "faster", "seed"), [soaked(SPRINGPOT, 0.7, 1), (KELVIN, 1.3, 2), (MAXWELL, 0.7, 2)]
 )
@@ -322,6 +331,7 @@ def test_a_constant_loss_at_one_amplitude_has_three_names(base, level, seed):
     one_class(springpot.diagnose(data, base.name), "friction", "hysteretic-loss", "crosstalk")
 
 
+@pytest.mark.soak_cases("1.5707963267948966-0.02")
 @crossed("phase", [0.8, np.pi / 2.0], rare=[0.8])
 def test_crosstalk_at_one_amplitude_is_friction(phase, level, seed):
     data = measured(
@@ -330,6 +340,7 @@ def test_crosstalk_at_one_amplitude_is_friction(phase, level, seed):
     one_class(springpot.diagnose(data, KELVIN.name), "friction", "hysteretic-loss", "crosstalk")
 
 
+@pytest.mark.soak_cases("phase-error-spring-0.01")
 @crossed("base", [SPRING, STIFF_KELVIN], noises=[(0.01, 1), (0.02, 3)], rare=[STIFF_KELVIN])
 @pytest.mark.parametrize("turned", [True, False], ids=["phase-error", "friction"])
 def test_a_phase_error_on_a_dominant_spring_is_friction(base, turned, level, seed):
@@ -347,6 +358,7 @@ def test_a_phase_error_on_a_dominant_spring_is_friction(base, turned, level, see
 # E9: two amplitudes
 
 
+@pytest.mark.soak_cases("spring-cubic-stiffness-0.001")
 @crossed(
     "effect", ["cubic-stiffness", "dead-zone"], noises=[(0.001, 1), (0.01, 3)], rare=["dead-zone"]
 )
@@ -371,6 +383,7 @@ def test_storage_that_rises_between_two_amplitudes_has_two_names_or_three(
     one_class(diagnosis, *names)
 
 
+@pytest.mark.soak_cases("0.01-2")
 @pytest.mark.parametrize(("level", "seed"), [soaked(0.003, 1), (0.01, 2)])
 def test_storage_that_falls_between_two_amplitudes_is_nested_in_payne(level, seed):
     """A gap only stiffens, so a cubic spring is left.
@@ -385,6 +398,7 @@ def test_storage_that_falls_between_two_amplitudes_is_nested_in_payne(level, see
     assert payne.verdict == "cannot-tell"
 
 
+@pytest.mark.soak_cases("0.003-1")
 @pytest.mark.parametrize(("level", "seed"), [(0.003, 1), soaked(0.01, 2)])
 def test_a_slider_at_two_amplitudes_is_nested_in_payne(level, seed):
     """Its two numbers fit three facts, the fall of K' and two losses.
@@ -402,6 +416,7 @@ def test_a_slider_at_two_amplitudes_is_nested_in_payne(level, seed):
 # E10: one springpot
 
 
+@pytest.mark.soak_cases("0.06-2")
 @pytest.mark.parametrize(("phi", "seed"), [(-0.06, 1), (0.06, 2)])
 def test_a_turned_and_tilted_springpot_is_a_springpot_of_another_order(phi, seed):
     """c s^alpha e^(i phi) omega^(2 phi / pi) is of order alpha + 2 phi / pi."""

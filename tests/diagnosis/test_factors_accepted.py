@@ -22,6 +22,7 @@ def gelling():
     )
 
 
+@pytest.mark.soak
 def test_a_factor_at_each_level_can_be_accepted(gelling):
     ladder = springpot.discover(gelling, accept=["free-shift"])
     assert [step.accepted for step in ladder.steps] == [None, "free-shift"]

@@ -28,6 +28,7 @@ def examined(data, model=KELVIN.name):
     return examine(data, springpot.parse_model(model), library, np.random.default_rng(0))
 
 
+@pytest.mark.soak_cases("wlf-shift")
 @pytest.mark.parametrize("effect", ["arrhenius-shift", "wlf-shift"])
 def test_a_parameter_that_the_data_do_not_determine_costs_next_to_nothing(effect):
     """Over 20 K the free volume's second constant is anyone's guess.
@@ -95,6 +96,7 @@ def rungs():
     return springpot.discover(data, KELVIN.name, accept=["frame-resonance"]).steps
 
 
+@pytest.mark.soak
 def test_what_looks_like_a_resonance_may_be_another_narrow_feature(rungs):
     case = rungs[0].case
     for each in (Evidence.of(case.search), case.evidence):
@@ -113,6 +115,7 @@ def test_the_doubt_about_a_narrow_effect_is_not_its_partners():
     assert chances.narrow == pytest.approx(0.3)
 
 
+@pytest.mark.soak
 def test_a_mass_beside_a_resonance_is_as_sure_as_without():
     truth = resonant(NARROW) - 0.02 * NARROW.omega**2
     diagnosis = springpot.diagnose(measured(NARROW, truth, level=0.003), KELVIN.name)
@@ -122,10 +125,12 @@ def test_a_mass_beside_a_resonance_is_as_sure_as_without():
     assert diagnosis.says.endswith("or another narrow feature")
 
 
+@pytest.mark.soak
 def test_a_rung_of_a_resonance_says_that_it_may_be_something_else(rungs):
     assert "another narrow feature" in doubt_text(rungs[-1])
 
 
+@pytest.mark.soak_cases("20")
 @pytest.mark.parametrize("row", [20, soaked(35)])
 def test_one_wrong_point_is_no_resonance(row):
     data = measured(NARROW, exact(KELVIN, NARROW), seed=2)

@@ -29,6 +29,7 @@ def whole(request):
     return springpot.diagnose(sweep(np.random.default_rng(request.param)))
 
 
+@pytest.mark.soak_cases("seed 0", "seed 12", "seed 3", "seed 5")
 def test_without_an_alarm_nothing_is_called_missing_or_unexplained(whole):
     assert min(whole.evidence["p_library"], whole.evidence["p_structure"]) > VERDICT.structure_alarm
     assert whole.verdict == "adequate"
@@ -42,6 +43,7 @@ def test_nor_is_something_unknown_likelier_than_nothing(whole):
     assert whole.evidence["unknown"] < 0.5
 
 
+@pytest.mark.soak
 def test_what_an_effect_takes_to_the_noise_has_nothing_missing_beside_it():
     found = springpot.diagnose(sweep(np.random.default_rng(8), 12, bend=0.003))
     assert found.verdict == "unexplained"

@@ -41,6 +41,7 @@ def found():
     return diagnose(data, springpot.parse_model(MODEL), effects, np.random.default_rng(0))
 
 
+@pytest.mark.soak
 def test_no_law_explains_it_and_a_factor_at_each_takes_it_to_the_noise(found):
     assert found.verdict == "unexplained"
     assert found.leading == ("free-vertical-shift",)

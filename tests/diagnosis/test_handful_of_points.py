@@ -20,6 +20,7 @@ def few(points, seed):
     return springpot.Measurement(omega, data, units=springpot.Units("kN/m", "mm"))
 
 
+@pytest.mark.soak_cases("3", "4", "5")
 @pytest.mark.parametrize("points", [3, 4, 5])
 def test_a_handful_of_points_is_never_missing_an_effect(points):
     for seed in range(3):

@@ -45,6 +45,7 @@ def test_friction_makes_a_third_of_its_force_at_three_times_the_frequency():
     )
 
 
+@pytest.mark.soak_cases("without")
 @pytest.mark.parametrize(
     ("third", "effect", "other"),
     [
@@ -60,6 +61,7 @@ def test_friction_and_a_hysteretic_loss_are_told_apart_at_one_amplitude(third, e
     assert other not in diagnosis.best.alike
 
 
+@pytest.mark.soak
 def test_without_harmonics_they_are_one_class():
     data = measured(0.0)
     data = springpot.Measurement(data.omega, data.stiffness, conditions=data.conditions)

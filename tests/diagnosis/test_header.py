@@ -37,6 +37,7 @@ def test_an_inertia_that_agrees(measured):
     assert "agrees with it" in note
 
 
+@pytest.mark.soak_cases("0.0001-times as much")
 @pytest.mark.parametrize(
     ("said", "words"), [(0.02, "of it: what a correction left"), (1e-4, "times as much")]
 )
@@ -51,6 +52,7 @@ def test_the_unit_of_the_data_is_converted(measured):
     assert "agrees with it" in note
 
 
+@pytest.mark.soak
 def test_nothing_is_said_without_a_header_or_of_a_damper(measured):
     assert notes(measured, None) == []
     assert notes(measured, INERTIA, "N/m") == []

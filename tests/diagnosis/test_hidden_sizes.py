@@ -91,6 +91,7 @@ def some(*effects):
     return [name if name in effects else soaked(name) for name in WHERE]
 
 
+@pytest.mark.soak_cases("friction", "inertia", "rig-drag", "self-heating")
 @pytest.mark.parametrize("effect", some(*BARELY, *FEW_POINTS))
 def test_a_barely_visible_effect_is_noticed_and_not_ruled_out(effect):
     diagnosis = diagnosed(effect, 30.0)
@@ -98,6 +99,7 @@ def test_a_barely_visible_effect_is_noticed_and_not_ruled_out(effect):
     assert effect not in [c.effect for c in diagnosis.candidates if c.verdict == "absent"]
 
 
+@pytest.mark.soak_cases("arrhenius-shift", "friction")
 @pytest.mark.parametrize("effect", some("series-spring", "friction", "arrhenius-shift"))
 def test_a_plain_effect_is_in_the_first_class(effect):
     diagnosis = diagnosed(effect, 120.0)
@@ -106,6 +108,19 @@ def test_a_plain_effect_is_in_the_first_class(effect):
     assert diagnosis.best.effect == effect or diagnosis.best.probability < 0.95
 
 
+@pytest.mark.soak_cases(
+    "arrhenius-shift",
+    "backlash",
+    "cubic-stiffness",
+    "friction",
+    "inertia",
+    "parallel-springpot",
+    "retardation-mode",
+    "rig-drag",
+    "self-heating",
+    "series-spring",
+    "time-delay",
+)
 @pytest.mark.parametrize("effect", some(*PLAIN, *FEW_POINTS, *KINDS))
 def test_a_large_effect_is_in_the_first_class(effect):
     diagnosis = diagnosed(effect, 1000.0)
@@ -114,6 +129,16 @@ def test_a_large_effect_is_in_the_first_class(effect):
     assert diagnosis.best.effect == effect or diagnosis.best.probability < 0.95
 
 
+@pytest.mark.soak_cases(
+    "arrhenius-shift",
+    "backlash",
+    "cubic-stiffness",
+    "parallel-springpot",
+    "retardation-mode",
+    "rig-drag",
+    "specimen-inertia",
+    "time-delay",
+)
 @pytest.mark.parametrize("effect", some(*PLAIN, *FEW_POINTS, *KINDS))
 def test_a_large_effect_brings_the_error_to_the_floor(effect):
     diagnosis = diagnosed(effect, 1000.0)
@@ -132,6 +157,7 @@ MISSED_SIZE = {
 }
 
 
+@pytest.mark.soak_cases("friction", "series-spring")
 @pytest.mark.parametrize(
     "effect",
     [
@@ -156,6 +182,7 @@ def test_predicted_and_realised_error_agree(effect):
     assert candidate.predicted_error == pytest.approx(candidate.error_after, rel=0.2)
 
 
+@pytest.mark.soak_cases("friction", "rig-drag", "series-spring")
 @pytest.mark.parametrize(
     "effect",
     ["inertia", "friction", "series-spring", *FEW_POINTS, *map(soaked, MORE_OF_FEW_POINTS)],
@@ -168,6 +195,7 @@ def test_truthful_standard_deviations_are_believed(effect):
         assert not error.doubt
 
 
+@pytest.mark.soak_cases("4-3-inertia-m-0.00022")
 @pytest.mark.parametrize(("effect", "parameter", "truth"), [("inertia", "m", 2.2e-4)])
 @pytest.mark.parametrize(("draws", "least"), [(4, 3), soaked(12, 9)])
 def test_intervals_cover_the_truth(effect, parameter, truth, draws, least):

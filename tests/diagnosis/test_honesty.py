@@ -23,6 +23,7 @@ def text(diagnosis):
     ).lower()
 
 
+@pytest.mark.soak_cases("8-1-sigma-unknown")
 @pytest.mark.parametrize("known", [True, False], ids=["sigma-known", "sigma-unknown"])
 @pytest.mark.parametrize(("draws", "flags"), [(8, 1), pytest.param(24, 2, marks=pytest.mark.soak)])
 def test_noise_alone_is_seldom_flagged_and_never_accepted(draws, flags, known):
@@ -39,12 +40,14 @@ def test_noise_alone_is_seldom_flagged_and_never_accepted(draws, flags, known):
     assert sum(flagged) <= flags
 
 
+@pytest.mark.soak_cases("54")
 @pytest.mark.parametrize("seed", [54, 164])
 def test_an_unlucky_draw_of_unknown_noise_is_not_accepted_as_an_effect(seed):
     data = measured(SWEEP, exact(KELVIN, SWEEP), seed=seed, known=False)
     assert len(springpot.discover(data, KELVIN.name).steps) == 1
 
 
+@pytest.mark.soak_cases("fractional-kelvin")
 @pytest.mark.parametrize("base", [KELVIN, soaked(ZENER)], ids=lambda b: b.name)
 def test_noise_alone_over_amplitudes_is_left_alone(base):
     for seed in range(2):
@@ -55,6 +58,7 @@ def test_noise_alone_over_amplitudes_is_left_alone(base):
         assert ladder.verdict in ("adequate", "inconclusive")
 
 
+@pytest.mark.soak_cases("1-0.5", "1-2.0")
 @pytest.mark.parametrize("factor", [0.5, 2.0])
 @pytest.mark.parametrize(
     "seed", [1, *(pytest.param(seed, marks=pytest.mark.soak) for seed in (2, 3))]
@@ -69,6 +73,7 @@ def test_a_misstated_sigma_is_doubted_and_invents_nothing(factor, seed):
     assert [c.effect for c in diagnosis.candidates if c.verdict == "missing"] == []
 
 
+@pytest.mark.soak_cases("2.0")
 @pytest.mark.parametrize("factor", [2.0, soaked(0.5)])
 def test_a_misstated_sigma_hides_no_real_effect(factor):
     data = hidden(KELVIN, FINE, "inertia", 2000.0, seed=2)
@@ -98,6 +103,7 @@ def ladder_of_spoilt(known, rows):
     return springpot.discover(spoilt(known, rows), KELVIN.name)
 
 
+@pytest.mark.soak_cases("rows0-True", "rows1-False")
 @pytest.mark.parametrize(
     ("rows", "known"),
     [(OUTLIERS[0], True), (OUTLIERS[1], False)]
@@ -111,6 +117,7 @@ def test_two_outliers_are_no_missing_effect_and_nothing_is_accepted_for_them(kno
     assert ladder.diagnosis.verdict != "effect-missing"
 
 
+@pytest.mark.soak_cases("rows0")
 @pytest.mark.parametrize("rows", [OUTLIERS[0], *map(soaked, OUTLIERS[1:])])
 def test_two_outliers_are_named_as_such(rows):
     diagnosis = ladder_of_spoilt(True, rows).diagnosis
@@ -136,6 +143,7 @@ def is_shown_and_not_named(diagnosis):
 # Here is what nothing else tests: a ripple beside a noise that was said is in
 # test_shared_structure.py, a step of the gain in test_unknown.py, and the ladder of a notch below.
 # All of them are in the soak.
+@pytest.mark.soak_cases("phase ripple-False")
 @pytest.mark.parametrize(
     ("kind", "known"),
     [
@@ -162,6 +170,7 @@ def test_structure_outside_the_library_is_not_folded_into_the_model(kind):
     is_shown_and_not_named(ladder.diagnosis)
 
 
+@pytest.mark.soak_cases("None-at2", "friction-at1", "inertia-at0")
 @pytest.mark.parametrize(
     ("effect", "at"), [("inertia", SWEEP), ("friction", AMPLITUDES), (None, SWEEP)]
 )
@@ -181,6 +190,7 @@ def test_every_candidate_has_a_verdict_and_what_is_absent_a_bound(effect, at):
     assert missing in ([], [diagnosis.best.effect] if diagnosis.best else [])
 
 
+@pytest.mark.soak
 def test_what_is_absent_would_have_been_seen_at_three_times_its_bound():
     """The bound is a share of |K|.
 
@@ -196,6 +206,7 @@ def test_what_is_absent_would_have_been_seen_at_three_times_its_bound():
     assert "inertia" in seen.best.alike
 
 
+@pytest.mark.soak_cases("basset", "series-springpot")
 @pytest.mark.parametrize(
     "effect", ["basset", "series-springpot", soaked("inertia"), soaked("parallel-springpot")]
 )
@@ -212,6 +223,7 @@ def test_free_orders_stay_between_spring_and_dashpot(effect):
         assert 0.0 <= order.low <= order.value <= order.high <= 1.0
 
 
+@pytest.mark.soak
 def test_what_is_said_has_numbers_and_hertz():
     diagnosis = springpot.diagnose(hidden(KELVIN, SWEEP, "inertia", 1000.0), KELVIN.name)
     assert diagnosis.where

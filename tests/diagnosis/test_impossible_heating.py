@@ -33,12 +33,14 @@ def diagnosis():
     )
 
 
+@pytest.mark.soak
 def test_it_is_told_but_not_named(diagnosis):
     assert any("no specimen reaches" in note for note in diagnosis.notes)
     assert "self-heating" not in diagnosis.says
     assert "self-heating" not in diagnosis.leading
 
 
+@pytest.mark.soak
 def test_its_place_is_that_of_the_unknown(diagnosis):
     assert diagnosis.verdict == "unexplained"
     assert all(row.verdict != "missing" for row in diagnosis.candidates)

@@ -62,6 +62,7 @@ def close(one, other, factor=None):
         )
 
 
+@pytest.mark.soak_cases("friction", "inertia")
 @pytest.mark.parametrize("effect", CASES)
 def test_shuffled_rows_give_the_same_answer(effect):
     ordered = data(effect)
@@ -69,6 +70,7 @@ def test_shuffled_rows_give_the_same_answer(effect):
     close(diagnosed(ordered), diagnosed(shuffled))
 
 
+@pytest.mark.soak_cases("N/m-friction")
 @pytest.mark.parametrize("effect", ONE)
 @pytest.mark.parametrize("unit", ["N/m", soaked("N/mm")])
 def test_another_unit_of_stiffness_changes_nothing_but_the_moduli(effect, unit):
@@ -87,6 +89,7 @@ def test_another_unit_of_stiffness_changes_nothing_but_the_moduli(effect, unit):
     assert {v.unit for v in one.best.parameters.values()} <= same | {"kN/m", "-", "s", "rad"}
 
 
+@pytest.mark.soak_cases("friction")
 @pytest.mark.parametrize("effect", ONE)
 def test_a_gain_of_ten_multiplies_the_moduli_only(effect):
     ordered = data(effect)
@@ -105,6 +108,7 @@ def test_a_gain_of_ten_multiplies_the_moduli_only(effect):
     )
 
 
+@pytest.mark.soak
 def test_a_gain_of_ten_multiplies_the_moduli_only_where_the_noise_is_unknown():
     ordered = data("inertia", known=False)
     strong = springpot.Measurement(ordered.omega, ordered.stiffness * 10.0, units=ordered.units)
@@ -118,6 +122,7 @@ def test_the_same_seed_gives_the_same_bits(effect):
     assert strict(again) == strict(diagnosed(data(effect)))
 
 
+@pytest.mark.soak
 def test_another_seed_gives_the_same_verdict_and_class():
     found = [diagnosed(data("friction")), springpot.diagnose(data("friction"), KELVIN.name, seed=1)]
     assert len({d.verdict for d in found}) == 1
@@ -139,7 +144,7 @@ def test_a_ladder_begins_with_the_diagnosis_of_its_model():
 def test_results_are_strict_json_of_the_agreed_form():
     diagnosis = diagnosed(data("inertia"))
     found = json.loads(strict(diagnosis))
-    assert found["schema"] == "springpot.diagnosis/1"
+    assert found["schema"] == "springpot.diagnosis/2"
     assert {
         "data",
         "model",
@@ -166,12 +171,13 @@ def test_results_are_strict_json_of_the_agreed_form():
 
 def test_a_ladder_is_strict_json_of_the_agreed_form():
     found = json.loads(strict(discovered("inertia")))
-    assert found["schema"] == "springpot.discovery/1"
+    assert found["schema"] == "springpot.discovery/2"
     assert {"steps", "verdict", "diagnosis"} <= set(found)
     for step in found["steps"]:
         assert {"model", "accepted", "relative_rms", "noise_floor", "predicted_error"} <= set(step)
 
 
+@pytest.mark.soak_cases("10-10-0.3", "20000-100-0.2")
 @pytest.mark.parametrize(
     ("points", "kept", "within"),
     [
@@ -194,6 +200,7 @@ def test_few_and_very_many_points(points, kept, within, monkeypatch):
     assert diagnosis.best.error_after == pytest.approx(0.01 * np.sqrt(2.0), rel=within)
 
 
+@pytest.mark.soak
 def test_repeats_tell_the_noise():
     at = Design(np.tile(SWEEP.omega, 4))
     data = measured(

@@ -68,6 +68,7 @@ def test_a_rival_far_from_its_parameters_follows_further_than_its_slopes_tell():
     )
 
 
+@pytest.mark.soak
 def test_a_model_that_holds_another_follows_it_everywhere():
     """Friction is a power-law damper of exponent 0: no measurement can rule the larger one out."""
     case, best = explained("friction", AMPLITUDES, 3000.0)
@@ -118,6 +119,7 @@ def test_who_is_right_decides_what_the_measurement_shows(sigmas, says):
     assert separation(shares, sigmas) == pytest.approx(told, rel=0.05)
 
 
+@pytest.mark.soak
 def test_what_is_said_is_the_number_that_is_given():
     """Friction at one frequency, whose likeliest rival may follow it everywhere."""
     x = np.geomspace(0.01, 10.0, 25)

@@ -161,6 +161,7 @@ def apart(save):
     return {name: save(name, columns) for name, columns in tables.items()}
 
 
+@pytest.mark.soak_cases("batch", "current", "preload")
 @pytest.mark.parametrize("name", COLUMNS)
 def test_a_column_that_sets_the_rows_apart_is_named(apart, name):
     found = diagnosed(apart[name])
@@ -172,6 +173,7 @@ def test_a_column_that_sets_the_rows_apart_is_named(apart, name):
     assert value in [f"{cell}".removesuffix(".0") for cell in COLUMNS[name][1]]
 
 
+@pytest.mark.soak_cases("batch", "preload")
 @pytest.mark.parametrize("name", COLUMNS)
 def test_its_selector_opens_one_test_alone(apart, name):
     _, values, gains, _ = COLUMNS[name]
@@ -184,6 +186,7 @@ def test_its_selector_opens_one_test_alone(apart, name):
     assert springpot.diagnose(part, "fractional-maxwell").verdict == "adequate"
 
 
+@pytest.mark.soak_cases("current")
 @pytest.mark.parametrize("name", ["current", "batch"])
 def test_the_last_line_is_a_command_that_runs(apart, tells, name):
     words = next_command(tells("diagnose", apart[name]))
@@ -206,6 +209,7 @@ def shuffled(save, gains):
     )
 
 
+@pytest.mark.soak_cases("gains0", "gains1")
 @pytest.mark.parametrize("gains", [(1.0, 1.2, 0.9, 1.5), (1.0, 1.03, 0.98, 1.05)])
 def test_the_order_of_the_rows_does_not_hide_the_column(save, gains):
     found = diagnosed(shuffled(save, gains))
@@ -219,6 +223,7 @@ def test_the_noise_is_not_the_difference_of_the_values(save):
     assert diagnosed(shuffled(save, (1.0, 1.2, 0.9, 1.5))).error.noise_floor < 0.02
 
 
+@pytest.mark.soak
 def test_gains_that_rise_and_fall_from_sweep_to_sweep_are_no_fault():
     """Waves in the specimen are tried beside any material; their slopes are too small to square."""
     frequency, gains = np.tile(np.geomspace(0.5, 50.0, 10), 4), np.repeat([1.0, 1.2, 0.9, 1.5], 10)
@@ -253,6 +258,7 @@ def test_whatever_the_words_the_selector_of_the_note_opens_those_rows(save, tell
     assert len(set(part.labels["batch"].tolist())) == 1
 
 
+@pytest.mark.soak
 def test_numbers_of_batches_are_no_sizes(save):
     """1001 and 1002 are as different as 1 and 2; what opens all rows again is no next step."""
     path = save("numbers", levels((1001, 1002, 1003), (1.0, 1.2, 0.9), "batch"))
@@ -261,6 +267,7 @@ def test_numbers_of_batches_are_no_sizes(save):
     assert len(springpot.read(f"{path}@{one_test}").omega) == len(SWEEP)
 
 
+@pytest.mark.soak
 def test_a_column_of_which_the_misfit_is_independent_is_not_named(save):
     """A mass at every current alike; and a second file from which nothing is missing."""
     missing = diagnosed(
@@ -275,6 +282,7 @@ def test_a_column_of_which_the_misfit_is_independent_is_not_named(save):
         assert not found.one_test
 
 
+@pytest.mark.soak
 def test_labels_by_chance_do_not_hide_a_mass(heavy_file):
     found = diagnosed(heavy_file)
     assert found.verdict == "effect-missing"
@@ -283,6 +291,7 @@ def test_labels_by_chance_do_not_hide_a_mass(heavy_file):
     assert not found.one_test
 
 
+@pytest.mark.soak
 def test_columns_of_every_row_and_of_all_rows_are_not_named(unexplained):
     """A measured torque goes with everything, a preload that was never changed with nothing."""
     found = diagnosed(unexplained)
@@ -292,6 +301,7 @@ def test_columns_of_every_row_and_of_all_rows_are_not_named(unexplained):
         assert name not in found.says + " ".join(found.notes)
 
 
+@pytest.mark.soak
 def test_a_column_that_goes_one_to_one_with_temperature_is_not_put_before_it(save):
     """Each temperature was another run: an effect that knows the temperature explains the rows."""
     celsius, frequency = np.repeat([0.0, 20.0, 40.0], len(SWEEP)), np.tile(SWEEP, 3)
@@ -334,6 +344,7 @@ def repeated(column, laws):
     return table(frequency[order], stiffness[order], repeat=repeat[order], **{column: word[order]})
 
 
+@pytest.mark.soak
 def test_different_materials_are_no_noise_of_repeats(save):
     path = save("binder", repeated("binder", MATERIALS))
     found = diagnosed(path)
@@ -347,6 +358,7 @@ def test_different_materials_are_no_noise_of_repeats(save):
     assert one.error.noise_source == "repeats"
 
 
+@pytest.mark.soak_cases("None")
 @pytest.mark.parametrize("model", [None, "fractional-maxwell"])
 def test_specimens_that_are_the_repeats_tell_the_noise(save, model):
     columns = repeated("lane", {"one": (400.0, 60.0, 0.5)})
@@ -371,6 +383,7 @@ def test_three_materials_that_were_numbered_as_repeats_are_not_adequate(save):
     assert found.verdict != "adequate"
 
 
+@pytest.mark.soak
 def test_currents_that_were_numbered_as_repeats_are_not_adequate(save):
     """A point at another current was not measured again.
 
@@ -443,6 +456,7 @@ def test_the_note_gives_a_selector_that_works(lanes, tells):
     assert len(springpot.read(f"{lanes}@{selector}").omega) == 24
 
 
+@pytest.mark.soak
 def test_a_selector_with_commas_and_a_model_pass_through_a_shell(lanes, tells):
     words = next_command(
         tells("diagnose", f"{lanes}@temperature=58", "--model", "fractional-maxwell")
@@ -458,6 +472,7 @@ def test_a_selector_with_commas_and_a_model_pass_through_a_shell(lanes, tells):
 # Next steps.
 
 
+@pytest.mark.soak
 def test_what_is_unexplained_is_measured_again_in_the_opposite_order(unexplained):
     found = diagnosed(unexplained)
     assert found.verdict == "unexplained"
@@ -480,6 +495,7 @@ def test_json_of_it_has_null_and_opens_again(unexplained, tells, tmp_path):
     assert again.to_dict() == diagnosed(unexplained).to_dict()
 
 
+@pytest.mark.soak
 def test_where_an_effect_is_missing_the_next_line_accepts_it(heavy_file, tells):
     found = diagnosed(heavy_file)
     words = next_command(tells("diagnose", heavy_file))
@@ -494,6 +510,7 @@ def test_where_nothing_is_missing_and_no_model_was_named_models_are_compared(sav
     assert next_command(tells("diagnose", path)) == ["compare", path]
 
 
+@pytest.mark.soak_cases("a few hundred sigma", "more than a thousand")
 @pytest.mark.parametrize(
     ("level", "more"),
     [(3e-4, False), (8e-5, True)],

@@ -24,6 +24,7 @@ def search():
     ).search
 
 
+@pytest.mark.soak
 def test_each_pair_is_fitted_once(search):
     pairs = [tuple(sorted(grown.names)) for grown in search.grown if len(grown.effects) == 2]
     assert len(pairs) > SEARCH.seconds

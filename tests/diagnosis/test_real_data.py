@@ -53,6 +53,7 @@ def missing(diagnosis):
     return {c.effect for c in diagnosis.candidates if c.verdict == "missing"}
 
 
+@pytest.mark.soak_cases("three")
 @pytest.mark.parametrize(
     "celsius", [(0, 20, 50), soaked((0, 10, 20, 30, 40, 50))], ids=["three", "all"]
 )
@@ -72,6 +73,7 @@ def test_discovery_finds_both_shifts_of_the_melt(shared, celsius):
     assert ladder.verdict == "adequate"
 
 
+@pytest.mark.soak
 def test_the_shift_of_the_melt_is_that_of_its_certificate(shared):
     """ln a_T = -C1 (T - 25) / (C2 + T - 25), C1 = 6.64, C2 = 299.4 K, and a vertical shift.
 
@@ -100,6 +102,7 @@ def test_a_banded_friction_damper_rubs(shared, model):
     assert diagnosis.best.effect in RUBBING
 
 
+@pytest.mark.soak_cases("kelvin")
 @pytest.mark.xfail(
     strict=True, reason="2.6 tonnes of moving mass, or none at all, are called missing beside it"
 )
@@ -111,6 +114,7 @@ def test_a_banded_friction_damper_has_nothing_else_that_ten_points_prove(shared,
     }
 
 
+@pytest.mark.soak
 def test_the_friction_force_of_the_banded_damper(shared):
     """|F1| = 4 F / pi is 18.4 to 20.7 kN in nine of ten runs: F near 15 kN."""
     values = rubbing(shared, "kelvin").to_dict()["steps"][-1]["parameters"]
@@ -118,6 +122,7 @@ def test_the_friction_force_of_the_banded_damper(shared):
     assert values["elasto-sliding.F"]["value"] == pytest.approx(15e3, rel=0.15)
 
 
+@pytest.mark.soak_cases("1.0")
 @pytest.mark.parametrize("current", [1.0, soaked(0.5)])
 def test_a_magnetorheological_damper_yields_like_friction(shared, current):
     diagnosis = springpot.diagnose(

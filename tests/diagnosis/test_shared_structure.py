@@ -20,6 +20,7 @@ def rippled(at, base, waves, size=0.02, **given):
     )
 
 
+@pytest.mark.soak_cases("6.5-False")
 @pytest.mark.parametrize(
     ("waves", "known"),
     [
@@ -37,12 +38,14 @@ def test_a_ripple_in_all_sweeps_is_not_taken_for_noise(waves, known):
     assert diagnosis.error.noise_floor == pytest.approx(NOISE * np.sqrt(2.0), rel=0.25)
 
 
+@pytest.mark.soak
 def test_given_deviations_are_not_overruled_by_a_ripple_of_neighbours():
     diagnosis = springpot.diagnose(rippled(DENSE, KELVIN, 6.0, known=True), KELVIN.name)
     assert diagnosis.error.noise_source == "given"
     assert diagnosis.verdict == "unexplained"
 
 
+@pytest.mark.soak_cases("0", "1")
 @pytest.mark.parametrize(
     "seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.soak) for seed in range(2, 6))]
 )
@@ -65,6 +68,7 @@ def resonant():
     return springpot.discover(data, KELVIN.name, accept=["frame-resonance"])
 
 
+@pytest.mark.soak
 def test_a_resonance_of_the_frame_is_named_but_never_certain(resonant):
     diagnosis = resonant.steps[0].case.diagnosis
     assert diagnosis.verdict == "effect-missing"
@@ -117,6 +121,7 @@ def shared_error(seed, length=4.0):
     )
 
 
+@pytest.mark.soak
 def test_an_error_that_several_neighbours_share_is_seen_along_the_sweep():
     """Its size is 0.6 of that of the independent noise: no point stands out, and no sweep."""
     chances = []

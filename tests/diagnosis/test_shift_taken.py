@@ -34,10 +34,12 @@ def ladder(request):
     return springpot.discover(foam(np.random.default_rng(request.param)))
 
 
+@pytest.mark.soak_cases("3")
 def test_what_takes_nearly_all_of_the_misfit_stays(ladder):
     assert ladder.steps[1].accepted in ("wlf-shift", "arrhenius-shift")
     assert ladder.steps[-1].relative_rms < 0.02 < 0.5 < ladder.steps[0].relative_rms
 
 
+@pytest.mark.soak_cases("3")
 def test_the_first_step_is_the_one_that_the_headline_names(ladder):
     assert ladder.steps[1].accepted == ladder.steps[0].case.diagnosis.leading[0]

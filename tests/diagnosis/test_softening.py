@@ -62,6 +62,7 @@ def measured(stiffness, omega=OMEGA, x=X, seed=1, noise=0.01):
     )
 
 
+@pytest.mark.soak_cases("fractional-kelvin-1.5-1.6")
 @pytest.mark.parametrize(("limit", "n"), [(1.5, 1.6), soaked(0.5, 2.0), soaked(3.0, 0.9)])
 @pytest.mark.parametrize("model", [GEL, soaked(None)])
 def test_a_gel_that_softens_as_a_whole_is_no_slip(limit, n, model):
@@ -73,6 +74,7 @@ def test_a_gel_that_softens_as_a_whole_is_no_slip(limit, n, model):
         assert interval.low < value < interval.high
 
 
+@pytest.mark.soak_cases("maxwell")
 @pytest.mark.parametrize("model", [LIQUID, soaked(None)])
 def test_a_liquid_that_thins_with_the_rate_is_told_by_that_rate(model):
     found = springpot.diagnose(measured(liquid(OMEGA) * thinned(OMEGA, X)), model)
@@ -83,6 +85,7 @@ def test_a_liquid_that_thins_with_the_rate_is_told_by_that_rate(model):
     assert interval.unit == "1/s"
 
 
+@pytest.mark.soak
 def test_at_one_frequency_strain_and_rate_are_one_class():
     """omega X is X times a number there: both names stand, and neither is certain."""
     x = np.geomspace(0.02, 5.0, 14)
@@ -100,6 +103,7 @@ OTHERS = {
 }
 
 
+@pytest.mark.soak_cases("payne")
 @pytest.mark.parametrize(
     "effect", ["payne", *map(soaked, ("power-law-slip", "friction", "cubic-stiffness"))]
 )
@@ -109,6 +113,7 @@ def test_what_changes_storage_and_loss_unequally_is_no_softening_of_the_whole(ef
     assert not {"strain-softening", "shear-thinning"} & set(found.best.alike)
 
 
+@pytest.mark.soak_cases("1")
 @pytest.mark.parametrize("seed", [1, *map(soaked, range(2, 8))])
 def test_a_material_that_does_not_soften_lacks_nothing(seed):
     assert springpot.diagnose(measured(gel(OMEGA), seed=seed), GEL).verdict == "adequate"

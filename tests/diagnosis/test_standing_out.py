@@ -30,6 +30,7 @@ def notch(place, depth=0.3):
     return 1.0 + depth * (-1.0 + 0.6j * x) * np.exp(-0.5 * x**2)
 
 
+@pytest.mark.soak_cases("20-1", "33-0", "8-1")
 @pytest.mark.parametrize("seed", [0, 1, *map(soaked, (2, 3))])
 @pytest.mark.parametrize("place", [8, 20, 33])
 def test_a_notch_neither_raises_the_floor_nor_is_called_adequate(place, seed):
@@ -53,6 +54,7 @@ def test_a_ripple_in_phase_only_does_not_raise_the_floor(seed):
     assert fitted_to_floor(MODEL, seen_through(ripple, seed)).floor == pytest.approx(NOISE, rel=0.5)
 
 
+@pytest.mark.soak
 def test_noise_alone_leaves_the_fit_as_it_is():
     kept = 0
     for seed in range(20):
@@ -64,6 +66,7 @@ def test_noise_alone_leaves_the_fit_as_it_is():
     assert kept >= 18
 
 
+@pytest.mark.soak
 def test_long_tails_are_no_structure():
     """Student's t with three degrees of freedom.
 
@@ -79,6 +82,7 @@ def test_long_tails_are_no_structure():
         )
 
 
+@pytest.mark.soak
 def test_where_repeats_share_a_disturbance_a_gain_of_each_temperature_is_no_unknown():
     """Three specimens at each of four temperatures, each sweep with a gain of its own.
 
@@ -103,6 +107,7 @@ def test_where_repeats_share_a_disturbance_a_gain_of_each_temperature_is_no_unkn
     assert {"arrhenius-shift", "wlf-shift"} & set(answer.classes[0])
 
 
+@pytest.mark.soak_cases("False", "True")
 @pytest.mark.parametrize("known", [True, False])
 def test_one_absurd_point_is_all_that_is_told(known):
     at = design(48)

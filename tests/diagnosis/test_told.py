@@ -24,6 +24,7 @@ def two():
     return (k - mass * WIDE.omega**2) * np.exp(-1j * WIDE.omega * 2.5e-4), mass
 
 
+@pytest.mark.soak
 def test_what_stands_beside_the_leading_effect_is_named_with_its_rivals():
     stiffness, _ = two()
     diagnosis = springpot.diagnose(measured(WIDE, stiffness, level=0.004), ZENER.name)
@@ -77,12 +78,14 @@ def shifted():
     return measured(STEPS, 60.0 + 40.0 * (1j * STEPS.omega * a_t) ** 0.4, level=0.005)
 
 
+@pytest.mark.soak
 def test_the_model_that_predicts_is_the_one_that_is_proposed():
     diagnosis = springpot.diagnose(shifted(), "fractional-kelvin")
     (note,) = [note for note in diagnosis.notes if "leaving out one temperature" in note]
     assert f"fractional-kelvin + {diagnosis.best.effect} predicts it better" in note
 
 
+@pytest.mark.soak
 def test_effects_that_change_nothing_are_not_called_alike():
     """Beside the true effect every other one vanishes, and all curves are one.
 

@@ -39,6 +39,7 @@ def test_two_effects_leave_room_for_another_shape(found):
     assert found.evidence["unknown"] > 0.29
 
 
+@pytest.mark.soak
 def test_one_effect_that_is_enough_leaves_none():
     """Storage and loss fall by one factor: a single law does it all."""
     told = springpot.diagnose(softened((6.0, 1.4), (6.0, 1.4)))
@@ -46,6 +47,7 @@ def test_one_effect_that_is_enough_leaves_none():
     assert "another shape" not in told.says
 
 
+@pytest.mark.soak
 def test_no_second_effect_of_the_amplitude_is_accepted_unasked():
     ladder = springpot.discover(softened((3.0, 1.6), (13.0, 1.3)))
     accepted = [step.accepted for step in ladder.steps if step.accepted]

@@ -27,6 +27,7 @@ def told(diagnosis, words):
     return [note for note in diagnosis.notes if words in note]
 
 
+@pytest.mark.soak_cases("base0-steps", "base1-changes slowly")
 @pytest.mark.parametrize(
     ("base", "kind"),
     [
@@ -54,6 +55,7 @@ def placed(note):
     return float(note.partition("steps at ")[2].partition(" Hz")[0])
 
 
+@pytest.mark.soak
 def test_a_gain_that_creeps_with_time_is_no_temperature_effect():
     """Temperatures are measured one after the other, so that time and temperature go together."""
     order = np.lexsort((FIELD.omega, FIELD.celsius))
@@ -78,6 +80,7 @@ def test_an_effect_is_not_taken_for_a_fault_of_the_chain(effect):
     assert not told(diagnosis, "the measuring chain")
 
 
+@pytest.mark.soak
 def test_a_step_is_sought_among_many_frequencies_too(monkeypatch):
     """Of many places some are tried.
 
@@ -94,6 +97,7 @@ def test_a_step_is_sought_among_many_frequencies_too(monkeypatch):
     assert placed(note) == pytest.approx(5.0, rel=0.15)
 
 
+@pytest.mark.soak
 def test_an_effect_that_is_needed_twice_may_be_a_part_of_another_shape():
     """A skewed spectrum (Havriliak and Negami 1967) looks like two modes or more."""
     omega, rng = np.geomspace(0.01, 1000.0, 60), np.random.default_rng(1)

@@ -24,6 +24,7 @@ def found():
     return diagnose(data, springpot.parse_model("material"), effects, np.random.default_rng(0))
 
 
+@pytest.mark.soak
 def test_the_shift_alone_is_named(found):
     assert found.verdict == "effect-missing"
     assert found.leading == ("wlf-shift",)
@@ -31,6 +32,7 @@ def test_the_shift_alone_is_named(found):
     assert [row.effect for row in found.candidates if row.verdict == "missing"] == ["wlf-shift"]
 
 
+@pytest.mark.soak
 def test_its_constants_are_the_true_ones_and_take_the_error_to_the_noise(found):
     shift = found.best
     assert shift.parameters["C1"].value == pytest.approx(C1, rel=0.05)
@@ -38,5 +40,6 @@ def test_its_constants_are_the_true_ones_and_take_the_error_to_the_noise(found):
     assert shift.error_after < 1.1 * NOISE
 
 
+@pytest.mark.soak
 def test_its_floor_is_the_noise(found):
     assert NOISE / 1.5 < found.error.noise_floor < 1.7 * NOISE

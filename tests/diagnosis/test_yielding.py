@@ -64,6 +64,7 @@ def damper(*theta):
 SHARP, DAHL = (100.0, 200.0, 2.0, 0.5), (100.0, 50.0, 1.0, 0.9)
 
 
+@pytest.mark.soak_cases("theta0")
 @pytest.mark.parametrize(
     "theta", [(100.0, 100.0, 1.0, 0.5), soaked(SHARP), soaked((100.0, 300.0, 1.0, 0.7))]
 )
@@ -93,6 +94,7 @@ U = (X / 2.0) ** 0.6
 RUBBER = SOLID + 80.0 * (1.0 + 0.6j * U) / (1.0 + U**2)
 
 
+@pytest.mark.soak_cases("quiet")
 @pytest.mark.parametrize("share", [soaked(0.0, id="silent"), pytest.param(0.02, id="quiet")])
 def test_filled_rubber_whose_stress_is_nearly_a_sinusoid_is_payne(share):
     found = springpot.diagnose(measured(RUBBER, share * RUBBER), "fractional-kelvin")

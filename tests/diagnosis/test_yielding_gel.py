@@ -41,6 +41,7 @@ def row(found, effect):
     return next(row for row in found.candidates if row.effect == effect)
 
 
+@pytest.mark.soak
 def test_of_a_gel_the_network_leads(gel):
     assert gel.verdict == "effect-missing"
     assert gel.leading[0] == gel.best.effect == "payne"
@@ -52,6 +53,7 @@ def test_it_is_told_that_no_specimen_heats_so_much(gel):
     assert note.startswith("self-heating")
 
 
+@pytest.mark.soak
 def test_of_a_stiffness_the_size_would_decide_so_that_nothing_is_held_back(gel, mount):
     assert not any("no specimen reaches" in note for note in mount.notes)
     assert mount.leading[0] == "self-heating"

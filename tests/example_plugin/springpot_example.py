@@ -18,28 +18,29 @@ from springpot.hooks import hookimpl
 from springpot.identification import Card, Optimiser, Recorder
 from springpot.measurement import (
     MODULUS_UNITS,
-    Answered,
     Choice,
     DataSet,
     Measurement,
     Reader,
     Record,
-    Stage,
-    TimeEffect,
     Units,
     known_unit,
 )
 from springpot.rheology import (
     PURE,
     RADIAN_PER_SECOND,
+    Answered,
+    AppliesTo,
     Effect,
     Formula,
     Layer,
     Model,
     Parameter,
     Points,
+    StageLaw,
     chain,
     dashpot,
+    on_response,
     parallel,
     relaxation_time,
     series,
@@ -85,13 +86,7 @@ EFFECT = Effect(
 )
 
 
-@hookimpl
-def springpot_effects() -> Iterable[Effect]:
-    """One effect, which from now on takes part in every diagnosis."""
-    return [EFFECT]
-
-
-# An effect of tests in time: what is recorded of a response, and its derivatives.
+# An effect of tests in time: what is recorded of a response, and its derivatives. Both are offered.
 
 
 def sagged(record: Record, response: Any, size: Any, tau: Any) -> Answered:
@@ -102,22 +97,22 @@ def sagged(record: Record, response: Any, size: Any, tau: Any) -> Answered:
     return Answered(response * (1.0 - size * lost), (-response * lost, by_tau), 1.0 - size * lost)
 
 
-TIME_EFFECT = TimeEffect(
+SHARE = Parameter("size", "s", PURE, 0.0, 1.0, "linear", 0.1)
+OF_A_TEST = Effect(
     "charge-loss",
-    Stage.RESPONSE,
-    (Parameter("size", "s", PURE, 0.0, 1.0, "linear", 0.1), relaxation_time("tau")),
-    sagged,
+    on_response,
+    StageLaw(sagged, (SHARE, relaxation_time("tau"))),
     "a piezoelectric transducer loses the share s of its charge within some tau",
-    "a force that sags with the transducer's own time, however long the load is held",
-    "Gautschi, Piezoelectric Sensorics, 2002",
-    ("displacement",),
+    citation="Gautschi, Piezoelectric Sensorics, 2002",
+    signature="a force that sags with the transducer's own time, however long the load is held",
+    applies_to=AppliesTo(("displacement",)),
 )
 
 
 @hookimpl
-def springpot_time_effects() -> Iterable[TimeEffect]:
-    """One effect of tests in time."""
-    return [TIME_EFFECT]
+def springpot_effects() -> Iterable[Effect]:
+    """Two effects, which from now on take part in the diagnosis of their tests."""
+    return [EFFECT, OF_A_TEST]
 
 
 # An optimiser: a frozen dataclass of options with one method. The recorder counts, keeps the best

@@ -21,6 +21,7 @@ def heavy(seed: int, noise: float = 0.014) -> springpot.Measurement:
     )
 
 
+@pytest.mark.soak
 def test_a_mass_beside_any_material_is_known_to_a_part_of_its_size():
     inside = 0
     for seed in range(12):

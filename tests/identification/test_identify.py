@@ -30,7 +30,7 @@ def said(found, *words):
 @pytest.mark.parametrize("name", TRUTHS)
 def test_the_dictionary_follows_the_schema(name):
     found = springpot.identify(noisy_data(name, 0.01, 0), name).to_dict()
-    assert found["schema"] == "springpot.identification/1"
+    assert found["schema"] == "springpot.identification/2"
     assert set(found["parameters"]) == set(TRUTHS[name])
     for parameter, truth in TRUTHS[name].items():
         entry = found["parameters"][parameter]
@@ -44,6 +44,7 @@ def test_the_dictionary_follows_the_schema(name):
     assert json.loads(json.dumps(found, allow_nan=False)) == found
 
 
+@pytest.mark.soak
 def test_search_parameters_are_the_published_form():
     _, theta, data = setup("fractional-zener")
     found = springpot.identify(data, "fractional-zener").to_dict()["search_parameters"]
@@ -55,6 +56,7 @@ def test_search_parameters_are_the_published_form():
     assert springpot.identify(data, "springpot").to_dict()["search_parameters"] == {}
 
 
+@pytest.mark.soak
 def test_search_intervals_cover_the_truth(rng):
     _, theta, data = setup("fractional-maxwell")
     truth = {"k": theta[0], "tau": (theta[1] / theta[0]) ** (1 / theta[2]), "alpha": theta[2]}
@@ -106,6 +108,7 @@ def test_any_optimiser_gives_the_same_answer(optimiser):
     assert native.fit.cost <= other.fit.cost * (1 + 1e-9)
 
 
+@pytest.mark.soak_cases("bootstrap", "profile")
 @pytest.mark.parametrize("intervals", ["jacobian", "profile", "bootstrap"])
 def test_same_seed_same_result(intervals):
     data = noisy_data("fractional-kelvin", 0.02, 3)
@@ -182,6 +185,7 @@ def test_one_point_is_an_error_whatever_the_model(model):
         springpot.identify(setup("fractional-zener")[2].subset(np.array([0])), model)
 
 
+@pytest.mark.soak_cases("bootstrap", "jacobian", "profile")
 @pytest.mark.parametrize("intervals", ["jacobian", "profile", "bootstrap"])
 def test_intervals_hold_the_estimate_and_agree_between_the_forms(intervals):
     for model in ("fractional-kelvin", "fractional-zener"):

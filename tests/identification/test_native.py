@@ -11,6 +11,7 @@ from springpot.measurement import Measurement
 from springpot.registry import parse_model, plugins
 
 
+@pytest.mark.soak_cases("fractional-kelvin4", "fractional-kelvin", "fractional-zener")
 @pytest.mark.parametrize("name", TRUTHS)
 def test_noise_free_parameters_are_exact_from_a_hundred_seeds(name):
     model, theta, data = setup(name)
@@ -49,6 +50,7 @@ def test_noisy_optimum_is_no_worse_than_any_found_from_the_truth(name, objective
     assert np.max(np.abs(slope)) < 1e-6 * found.cost
 
 
+@pytest.mark.soak
 def test_batch_and_single_agree_on_noisy_data(rng):
     model, _, stiffness = random_truths("fractional-kelvin4", 40, rng)
     measured = noisy(stiffness, 0.01, rng)

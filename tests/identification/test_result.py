@@ -160,6 +160,7 @@ def test_a_prediction_beyond_the_data_says_so(fit: Identification):
     assert "beyond the measured 0.5 to 100 Hz" in fit.predict(frequency=500.0).notes[0]
 
 
+@pytest.mark.soak
 def test_all_that_can_be_drawn_is_drawn_alone_and_on_given_axes(fit: Identification, tmp_path):
     figure = pytest.importorskip("matplotlib.figure").Figure
     compared = springpot.compare("artificial-hidden", "fractional-maxwell")
@@ -239,6 +240,7 @@ def test_a_start_leads_to_the_optimum_that_it_is_near():
         springpot.identify(data, model, optimiser="cma-es", start={"tau1": 9.0})
 
 
+@pytest.mark.soak
 def test_diagnosis_and_discovery_know_what_is_held_and_left_out():
     known = {"fix": {"alpha": 0.5}, "exclude": "frequency=..0.6"}
     ladder = springpot.discover(
@@ -274,6 +276,7 @@ def test_what_cannot_be_is_refused_in_one_line(known: dict[str, object], says: s
 # Files.
 
 
+@pytest.mark.soak
 def test_every_answer_is_loaded_as_it_was_written(fit: Identification, tmp_path):
     path = tmp_path / "answer.json"
     ladder = springpot.discover("artificial-hidden", "fractional-maxwell", accept="inertia")
@@ -304,7 +307,7 @@ def test_every_answer_is_loaded_as_it_was_written(fit: Identification, tmp_path)
         ("[1, 2]", "no schema"),
         ('{"schema": "springpot.run/1"}', "springpot.run/1"),
         (
-            '{"schema": "springpot.identification/1", "model": "zener"}',
+            '{"schema": "springpot.identification/2", "model": "zener"}',
             "damaged or of an older version",
         ),
         ("[" * 100_000, "is no JSON"),

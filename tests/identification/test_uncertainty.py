@@ -14,6 +14,7 @@ from springpot.registry import parse_model
 TRIALS = 300
 
 
+@pytest.mark.soak_cases("fractional-zener-scatter")
 @pytest.mark.parametrize(
     ("name", "given"),
     [

@@ -23,6 +23,7 @@ def test_the_true_shift_held_leaves_the_noise(data):
     assert 0.7 * NOISE < held.relative_rms < 1.1 * NOISE
 
 
+@pytest.mark.soak
 def test_the_shift_is_found_and_leaves_no_more_than_the_true_one(data):
     free = springpot.identify(data, MODEL)
     found = dict(zip(free.model.names, free.theta, strict=True))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from springpot.measurement import Loading
-from springpot.measurement.timeeffect import followed
+from springpot.measurement.followed import followed
 
 
 def test_between_samples_a_loading_goes_straight_and_at_rest_it_has_no_rate():

@@ -108,6 +108,7 @@ def test_an_oven_that_drifts_or_warms_with_frequency_was_not_set():
     assert not independent(warming, "temperature")
 
 
+@pytest.mark.soak
 @settings(max_examples=30, deadline=None)
 @given(st.floats(1e-6, 1e6), st.integers(0, 2**32 - 1))
 def test_units_and_order_of_rows_do_not_matter(factor, seed):

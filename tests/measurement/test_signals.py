@@ -44,6 +44,7 @@ def test_a_given_frequency_is_kept():
     assert found.stiffness == pytest.approx(STIFFNESS, rel=1e-10)
 
 
+@pytest.mark.soak
 @given(
     cycles=st.floats(1.6, 200.0),
     per_cycle=st.floats(9.0, 100.0),
@@ -112,6 +113,7 @@ def test_coulomb_friction_has_a_third_harmonic_of_one_third():
     np.testing.assert_allclose(found.relative, [0, 1 / 3, 0, 1 / 5, 0, 1 / 7], atol=2e-3)
 
 
+@pytest.mark.soak_cases("0.0-3.4-300", "0.9-12.3-1200")
 @pytest.mark.parametrize(
     ("correlation", "cycles", "n"), [soaked(0.0, 12.3, 1200), (0.9, 12.3, 1200), (0.0, 3.4, 300)]
 )
@@ -178,6 +180,7 @@ def test_any_numbers_give_an_answer_or_a_data_error(values, seed):
     assert np.isfinite(found.stiffness)
 
 
+@pytest.mark.soak
 def test_long_records_are_worked_on_in_blocks(rng):
     """More than one block and more than the excerpt for the frequency: the same answer."""
     found = harmonics_of(*signals(rng, n=300_000, cycles=900.4, noise=0.01))
@@ -185,6 +188,7 @@ def test_long_records_are_worked_on_in_blocks(rng):
     assert abs(found.stiffness - STIFFNESS) < 5 * abs(found.sd)
 
 
+@pytest.mark.soak_cases("4321.7", "5091.3")
 @pytest.mark.parametrize("cycles", [4321.7, 5091.3, 5737.9])
 def test_the_frequency_of_a_record_far_longer_than_what_it_is_first_read_from(
     cycles, rng, monkeypatch
@@ -248,6 +252,7 @@ def started(rng, *, cycles=11, relative=0.003, n=1600, omega=5.0, slow=0.3):
     return (t, q, u + size * share * rng.normal(size=n)), relative * abs(STIFFNESS) * np.sqrt(2 / n)
 
 
+@pytest.mark.soak_cases("11-0.3")
 @pytest.mark.parametrize(
     ("cycles", "slow"), [(11, 0.3), soaked(14, -0.1), soaked(8, 0.3), soaked(11, 0.0)]
 )

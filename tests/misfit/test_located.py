@@ -47,6 +47,7 @@ def test_its_row_is_that_of_the_whole_measurement_and_leaves_it_out():
     assert "row" not in str(point.counted_in(Measurement(OMEGA, MODULUS * 2, units=GEL)))
 
 
+@pytest.mark.soak
 def test_one_frequency_is_told_as_such():
     """A modulus that falls with amplitude: nothing is known of springs, dashpots and masses."""
     rng = np.random.default_rng(4)

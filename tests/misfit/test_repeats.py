@@ -80,6 +80,7 @@ def test_replicates_of_several_specimens_are_no_reason_for_doubt(seed):
     assert springpot.diagnose(data, MODEL.name).verdict == "adequate"
 
 
+@pytest.mark.soak_cases("0")
 @pytest.mark.parametrize("seed", range(2))
 def test_an_error_that_goes_on_from_point_to_point_is_no_independent_noise(seed):
     data = three_runs(going_on, seed)

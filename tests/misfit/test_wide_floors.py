@@ -25,6 +25,7 @@ def test_without_a_model_the_floor_is_the_scatter_within_each_sweep(data):
     assert NOISE / 1.5 < fitted_to_floor(any_material(), data).floor < 1.7 * NOISE
 
 
+@pytest.mark.soak_cases("force held", "strain held")
 def test_no_material_is_further_off_than_an_adequate_model_with_the_same_effects(data):
     base = fitted_to_floor(parse_model(ADEQUATE), data)
     lowest = material_floor(base, np.random.default_rng(0))

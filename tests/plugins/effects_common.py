@@ -9,7 +9,11 @@ from springpot.rheology import Effect, Model, Parameter, Points
 
 # Those with a factor for each level have no parameters before they meet data:
 # tests/rheology/test_levels.py.
-EFFECTS = {effect.name: effect for effect in plugins().items("effect") if not effect.by_levels}
+EFFECTS = {
+    effect.name: effect
+    for effect in plugins().items("effect")
+    if not (effect.by_levels or effect.of_test)
+}
 BASES = {
     "fractional-zener": {"k1": 1.0, "k2": 3.0, "c": 0.8, "alpha": 0.6},
     "fractional-maxwell": {"k": 2.0, "c": 1.3, "alpha": 0.7},

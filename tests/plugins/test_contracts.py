@@ -6,6 +6,8 @@ import os
 from pathlib import Path
 from typing import ClassVar
 
+import pytest
+
 from springpot.errors import DataError
 from springpot.measurement import pick_reader
 from springpot.registry import plugins
@@ -39,11 +41,22 @@ def samples() -> dict[str, list[Path | bytes]]:
 SAMPLES = samples()
 
 
+@pytest.mark.soak_cases("model kelvin-N")
 class TestModels(PluginContract):
     plugin = "springpot_plugins.models"
     passive = True
 
 
+@pytest.mark.soak_cases(
+    "effect free-shift",
+    "effect free-vertical-shift",
+    "effect hardening-mount",
+    "effect power-law-slip",
+    "effect smooth-hysteresis",
+    "effect ageing",
+    "effect finite-ramp",
+    "effect thermal-transient",
+)
 class TestEffects(PluginContract):
     plugin = "springpot_plugins.effects"
     # Their parameter is the force at one amplitude unit per second, which is another speed in other
@@ -51,6 +64,14 @@ class TestEffects(PluginContract):
     skip: ClassVar = {"power-law-damper": ["units"], "power-law-slip": ["units"]}
 
 
+@pytest.mark.soak_cases(
+    "optimiser cma-es",
+    "optimiser dual-annealing",
+    "optimiser least-squares",
+    "optimiser native",
+    "optimiser nlopt-lbfgs",
+    "optimiser nlopt-mlsl",
+)
 class TestOptimisers(PluginContract):
     plugin = "springpot_plugins.optimisers"
 
@@ -63,6 +84,7 @@ class TestDataSets(PluginContract):
     plugin = "springpot_plugins.datasets"
 
 
+@pytest.mark.soak_cases("reader malvern", "reader signals-csv", "reader trios-lims", "reader trios")
 class TestReaders(PluginContract):
     plugin = "springpot_plugins.readers"
     samples = SAMPLES

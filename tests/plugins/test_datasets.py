@@ -254,6 +254,7 @@ def test_conditions_of_the_shared_sets(monkeypatch, spec, rows):
     assert len(opened(spec)) == rows
 
 
+@pytest.mark.soak
 @needs_shared
 def test_friction_signals_agree_with_the_table_of_their_harmonics(monkeypatch):
     """43 records: first harmonics within a few per cent of an independent fit.

@@ -107,6 +107,7 @@ def left(tmp_path):
     return [path for path in (tmp_path / "cache").rglob("*") if path.is_file()]
 
 
+@pytest.mark.soak
 def test_a_set_is_downloaded_once(server, tmp_path):
     dataset = manifest(server).dataset()
     assert dataset.unavailable == ""

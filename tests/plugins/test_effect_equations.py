@@ -50,7 +50,7 @@ EFFECTS = sorted(
     (
         effect
         for effect in plugins().items("effect")
-        if "z' =" not in effect.equation and not effect.by_levels
+        if "z' =" not in effect.equation and not (effect.by_levels or effect.of_test)
     ),
     key=lambda effect: effect.name,
 )

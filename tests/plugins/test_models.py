@@ -20,6 +20,8 @@ from springpot.registry import parse_model, plugins
 from springpot.rheology import Dimension, Model, Parameter, Points, drawing_of
 from springpot.rheology.family import Family
 
+OF_THE_NETWORK = [each.name for each in plugins().items("effect") if not each.of_test]
+
 REGISTERED = [
     item.build(3) if isinstance(item, Family) else item for item in plugins().items("model")
 ]
@@ -66,7 +68,8 @@ def test_derivatives_are_exact(name: str, rng: np.random.Generator):
         check_derivatives(model.network, sample(model.parameters, rng), points())
 
 
-@pytest.mark.parametrize("effect", plugins().names("effect"))
+@pytest.mark.soak_cases("smooth-hysteresis")
+@pytest.mark.parametrize("effect", OF_THE_NETWORK)
 def test_derivatives_are_exact_with_every_effect(effect: str, rng: np.random.Generator):
     model = MODELS["fractional-zener"] + effect
     for _ in range(3):
@@ -144,9 +147,7 @@ def test_units_are_those_of_the_equations(name: str, rng: np.random.Generator):
     np.testing.assert_allclose(minutes, 1e-3 * model.stiffness(theta, OMEGA), rtol=1e-9)
 
 
-@pytest.mark.parametrize(
-    "effect", [name for name in plugins().names("effect") if name not in AT_UNIT_SPEED]
-)
+@pytest.mark.parametrize("effect", [name for name in OF_THE_NETWORK if name not in AT_UNIT_SPEED])
 def test_units_of_effects_are_those_of_their_equations(effect: str, rng: np.random.Generator):
     """From newton and metre to kilonewton and millimetre."""
     model, at = MODELS["fractional-zener"] + effect, points()
@@ -252,7 +253,7 @@ def test_limits_are_those_of_the_search_form(name: str, rng: np.random.Generator
     )
 
 
-@pytest.mark.parametrize("effect", plugins().names("effect"))
+@pytest.mark.parametrize("effect", OF_THE_NETWORK)
 def test_a_grown_network_still_shows_its_material(effect: str):
     model = MODELS["fractional-kelvin4"] + effect
     picture = drawing_of(model)
@@ -279,7 +280,7 @@ def test_aliases_resolve(item: Model | Family):
         assert found.base == (item.build(3).base if isinstance(item, Family) else item.base)
 
 
-@pytest.mark.parametrize("effect", plugins().names("effect"))
+@pytest.mark.parametrize("effect", OF_THE_NETWORK)
 @pytest.mark.parametrize("name", ["springpot", "fractional-zener", "makris", "prony-4"])
 def test_expressions_round_trip(name: str, effect: str):
     text = f"{name} + {effect}"

@@ -87,6 +87,7 @@ def test_it_races(tmp_path):
         assert "optimagic" in store.facts()
 
 
+@pytest.mark.soak
 def test_nobody_waits_for_it_who_does_not_ask():
     """Listing all optimisers names it without importing it; nor does the start import it."""
     code = (

@@ -107,6 +107,7 @@ def test_good_ones_find_the_artificial_optimum(name, model):
     np.testing.assert_allclose(found.theta, truth(model), rtol=0.02)
 
 
+@pytest.mark.soak_cases("cma-es", "least-squares", "nlopt-lbfgs")
 @pytest.mark.parametrize("name", NAMES)
 def test_every_one_beats_a_handful_of_random_points(name):
     problem = artificial("fractional-maxwell")
@@ -132,6 +133,7 @@ class Broken(Problem):
         return super().residuals_and_jacobian(x)
 
 
+@pytest.mark.soak_cases("scipy-direct")
 @pytest.mark.parametrize("name", NAMES)
 def test_a_failing_objective_is_a_status(name):
     real = artificial("fractional-kelvin4")

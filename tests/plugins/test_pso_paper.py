@@ -89,6 +89,7 @@ def test_follows_the_plain_writing_of_section_4(seed):
 INDEPENDENT = {"fractional-kelvin": 0.388, "fractional-maxwell": 1.0, "fractional-zener": 0.072}
 
 
+@pytest.mark.soak_cases("fractional-maxwell", "fractional-zener")
 @pytest.mark.parametrize("name", sorted(INDEPENDENT))
 def test_finds_the_answer_as_often_as_an_independent_implementation(name):
     runs = run_batch(

@@ -254,6 +254,7 @@ def test_what_is_written_reads_back_as_the_same_bits(tmp_path, rng, sd, extra):
     assert (tmp_path / "twice.csv").read_bytes() == path.read_bytes()
 
 
+@pytest.mark.soak
 def test_a_hundred_thousand_rows(tmp_path, rng):
     measurement = _random_measurement(rng, 100_000, True, False)
     path = write_measurement(measurement, tmp_path / "big.csv")

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from springpot.errors import ModelError
-from springpot.measurement import Answered, Loading, Record, Stage, Timed, TimeEffect, TimeTest
-from springpot.registry import parse_model, parse_timed, plugins
-from springpot.rheology import FORCE, Parameter
-from springpot.testing import check_time_effect
+from springpot.measurement import Loading, Record, TimeTest
+from springpot.registry import parse_model, plugins
+from springpot.rheology import FORCE, Answered, Effect, Parameter, StageLaw, on_response
+from springpot.testing import check_effect
 from springpot.timetests import identify, recorded
 
 MODEL = parse_model("fractional-zener")
@@ -26,35 +26,35 @@ def offset(record: Record, response, size):
     return Answered(response + size, (2.0 * np.ones_like(response),), np.ones_like(response))
 
 
-BROKEN = TimeEffect(
+SIZE = (Parameter("size", "F", FORCE),)
+BROKEN = Effect(
     "offset",
-    Stage.RESPONSE,
-    (Parameter("size", "F", FORCE),),
-    offset,
+    on_response,
+    StageLaw(offset, SIZE),
     "the zero is off",
-    "a constant, all along",
-    "none",
+    citation="none",
+    signature="a constant, all along",
 )
 
 
 def test_a_wrong_derivative_is_found():
-    assert any("derivative by offset.size is wrong" in says for says in check_time_effect(BROKEN))
+    assert any("derivative by offset.size is wrong" in says for says in check_effect(BROKEN))
 
 
 def test_an_effect_that_does_not_vanish_is_found():
     def never(record, response, size):
         return Answered(response + size + 1.0, (np.ones_like(response),), np.ones_like(response))
 
-    says = check_time_effect(replace(BROKEN, law=never))
+    says = check_effect(replace(BROKEN, element=StageLaw(never, SIZE)))
     assert any("still changes when size" in each for each in says)
 
 
 def test_words_without_a_signature_are_found():
-    assert any("signature" in each for each in check_time_effect(replace(BROKEN, signature="")))
+    assert any("signature" in each for each in check_effect(replace(BROKEN, signature="")))
 
 
 def held(effect, values, test):
-    model = Timed(MODEL, (plugins().find("time effect", effect),))
+    model = MODEL + plugins().effect(effect)
     return recorded(model, np.concatenate([THETA, values]), test).value
 
 
@@ -106,7 +106,7 @@ def test_a_specimen_that_is_colder_at_first_runs_slower_at_first():
 def test_damage_is_counted_by_the_way_and_not_by_the_samples():
     x = np.sin(2.0 * T)
     whole = held("damage", [0.05], TimeTest.of_history(T, x, 3.0 * x, "mm", "N"))
-    model = Timed(MODEL, (plugins().find("time effect", "damage"),))
+    model = MODEL + plugins().effect("damage")
     some = recorded(
         model, np.append(THETA, 0.05), TimeTest.of_history(T, x, 3.0 * x, "mm", "N"), at=T[::7]
     ).value
@@ -116,7 +116,7 @@ def test_damage_is_counted_by_the_way_and_not_by_the_samples():
 def test_a_mass_does_not_go_by_the_clock_of_its_material():
     t = np.geomspace(0.01, 100.0, 50)
     test = TimeTest.of_compliance(t, t, "kPa")
-    model = parse_timed("fractional-zener + inertia + ageing")
+    model = parse_model("fractional-zener + inertia + ageing")
     theta = model.vector(
         {
             "k1": 50.0,
@@ -133,18 +133,17 @@ def test_a_mass_does_not_go_by_the_clock_of_its_material():
 
 
 def test_an_expression_may_name_effects_of_either_kind():
-    model = parse_timed("fractional-zener + force-drift + inertia")
+    model = parse_model("fractional-zener + force-drift + inertia")
     assert model.names[-2:] == ("inertia.m", "force-drift.rate")
-    assert isinstance(parse_timed("fractional-zener"), type(MODEL))
     with pytest.raises(ModelError, match="write MODEL"):
-        parse_timed("force-drift")
+        parse_model("force-drift")
     with pytest.raises(ModelError, match="already"):
-        parse_timed("fractional-zener + force-drift + force-drift")
+        parse_model("fractional-zener + force-drift + force-drift")
 
 
 def test_a_named_effect_is_identified_with_the_model():
     t = np.geomspace(0.01, 100.0, 120)
-    model = parse_timed("fractional-zener + thermal-force")
+    model = parse_model("fractional-zener + thermal-force")
     truth = np.concatenate([THETA, [-20.0, 8.0]])
     exact = recorded(model, truth, TimeTest.of_relaxation(t, t, "kPa")).value
     noise = 0.3 * np.random.default_rng(2).normal(size=len(t))

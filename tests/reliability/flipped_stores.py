@@ -12,7 +12,7 @@ import numpy as np
 from faulty_optimisers import Innocent, data
 
 from springpot.benchmark import Store, Study, run_study
-from springpot.benchmark.findings import study_tables
+from springpot.benchmark.standings import study_tables
 from springpot.errors import StudyError
 
 SAME, NAMED, REFUSED, WRONG, FAULT = (

@@ -86,6 +86,7 @@ def test_the_budget_is_that_of_the_documentation(tmp_path):
     assert found.memory == 10 * 30_000_000 + 200 * 2**20
 
 
+@pytest.mark.soak_cases("loses_the_first_word")
 @pytest.mark.parametrize("action", [for_ever, stubborn, loses_the_first_word])
 @pytest.mark.usefixtures("short")
 def test_a_reader_that_never_ends_is_ended(path, action):
@@ -126,6 +127,7 @@ def test_a_plugin_that_never_ends_is_ended_too(path, short):
         open_measurement(path, (), [thinker])
 
 
+@pytest.mark.soak
 def test_what_ends_about_when_its_time_does_leaves_nothing_behind(path, monkeypatch):
     monkeypatch.setattr(budget, "SECONDS", 0.02)
     monkeypatch.setattr(limits, "_TICK", 0.001)
@@ -173,6 +175,7 @@ def test_errors_and_answers_pass(path):
         within_budget(path, lambda: (_ for _ in ()).throw(KeyboardInterrupt()))
 
 
+@pytest.mark.soak
 @pytest.mark.usefixtures("short")
 def test_what_springpot_makes_of_the_data_is_not_counted_against_the_reader(path):
     def spend(seconds):
@@ -192,6 +195,7 @@ def test_what_springpot_makes_of_the_data_is_not_counted_against_the_reader(path
         spend(0.0)
 
 
+@pytest.mark.soak
 def test_no_word_is_heard_after_the_end_however_slowly_a_reader_unwinds(path, monkeypatch):
     """A word said while another is being heard escaped, once, into what came after the reading."""
     monkeypatch.setattr(budget, "SECONDS", 0.003)

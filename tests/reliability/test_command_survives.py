@@ -53,6 +53,7 @@ def test_what_others_print_is_not_in_the_json(tmp_path, engine):
     assert "look at me" in done.stderr
 
 
+@pytest.mark.soak_cases("local")
 @pytest.mark.parametrize("engine", ["local", soaked("serial")])
 def test_quiet_is_quiet_and_a_long_folder_of_temporary_files_no_hindrance(tmp_path, engine):
     """A socket with a path could have 108 characters."""
@@ -65,6 +66,7 @@ def test_quiet_is_quiet_and_a_long_folder_of_temporary_files_no_hindrance(tmp_pa
     assert done.stderr == ""
 
 
+@pytest.mark.soak_cases("1.5")
 @pytest.mark.parametrize("after", [0.5, 1.5, *map(soaked, (0.3, 0.4, 0.6, 0.8, 1.1))])
 def test_ctrl_c_in_the_first_moments_shows_no_traceback(tmp_path, after):
     command = [
@@ -107,6 +109,7 @@ def test_ctrl_c_while_a_string_is_run_ends_with_the_same_code(tmp_path):
     assert (done.returncode, done.stderr) == (130, "")
 
 
+@pytest.mark.soak
 def test_ctrl_c_ends_an_optimiser_of_identify_too(tmp_path):
     model = "fractional-maxwell"
     asked = ["identify", f"artificial-{model}", "--model", model, "--optimiser", "nlopt-esch"]
@@ -148,6 +151,7 @@ springpot.cli.main(["list"])
     assert (process.returncode, process.stderr) == (130, "")
 
 
+@pytest.mark.soak_cases("0", "1", "2")
 @pytest.mark.parametrize("closed", [0, 1, 2])
 def test_a_stream_that_is_closed_is_no_fault(tmp_path, closed):
     """As services start their programs."""
@@ -192,6 +196,7 @@ def springpot_objectives():
 """
 
 
+@pytest.mark.soak
 def test_what_a_plugin_prints_is_not_in_the_json(tmp_path):
     """Where its author has left a print while it was being written."""
     (tmp_path / "talking.py").write_text(NOISY)
@@ -214,6 +219,7 @@ def test_what_a_plugin_prints_is_not_in_the_json(tmp_path):
     assert {"loaded", "listed", "asked"} <= set(done.stderr.split())
 
 
+@pytest.mark.soak
 def test_a_link_that_leads_to_itself_is_one_line(tmp_path):
     link = tmp_path / "link.py"
     link.symlink_to(link.name)

@@ -61,6 +61,7 @@ def at_third_call(monkeypatch, deed):
     monkeypatch.setattr(Store, "add", adding)
 
 
+@pytest.mark.soak_cases("1")
 @pytest.mark.parametrize("repetitions", [1, soaked(3)])
 def test_a_fault_in_a_trial_is_its_status_there_too(dask, undisturbed, tmp_path, repetitions):
     study = race(DEEDS, repetitions)
@@ -77,6 +78,7 @@ def test_a_fault_in_a_trial_is_its_status_there_too(dask, undisturbed, tmp_path,
     )
 
 
+@pytest.mark.soak
 def test_a_cluster_that_loses_a_worker_gives_the_bits_of_a_serial_run(
     dask, undisturbed, tmp_path, monkeypatch
 ):
@@ -88,6 +90,7 @@ def test_a_cluster_that_loses_a_worker_gives_the_bits_of_a_serial_run(
     assert trials(outcome.store) == undisturbed
 
 
+@pytest.mark.soak_cases("9-dask")
 @pytest.mark.parametrize(
     ("number", "one"), [(signal.SIGKILL, "dask"), soaked(signal.SIGTERM, "another")]
 )
@@ -109,6 +112,7 @@ def test_a_scheduler_that_dies_is_one_line_and_the_study_goes_on_later(
     assert trials(outcome.store) == trials(alone.store)
 
 
+@pytest.mark.soak
 def test_no_scheduler_is_one_line(tmp_path, monkeypatch):
     monkeypatch.setattr("springpot.benchmark.engine.ANSWER", 0.5)
     with pytest.raises(

@@ -177,6 +177,7 @@ def test_a_flipped_bit_in_the_log_of_a_killed_run_costs_trials_and_never_changes
     assert look(target).trials == sound[1].trials
 
 
+@pytest.mark.soak
 def test_the_command_tells_of_damage_in_one_line(sound, tmp_path):
     path, _ = sound
     target = copy_of(path, tmp_path)

@@ -87,6 +87,7 @@ def test_the_export_of_a_study():
     assert {row["value"] for row in rows} == {"-1.0"}
 
 
+@pytest.mark.soak
 @given(WORDS, WORDS, WORDS.filter(str.strip))
 @settings(max_examples=100, deadline=None)
 @example("@\t\"@-..@'.e+", "", 'e,"@')

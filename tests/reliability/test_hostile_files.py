@@ -31,6 +31,22 @@ def short(monkeypatch):
     monkeypatch.setattr(budget, "BYTES_A_SECOND", 100e6)
 
 
+@pytest.mark.soak_cases(
+    "comments",
+    "compressed_zeros",
+    "dense_workbook",
+    "many_columns",
+    "many_columns_of_a_table",
+    "many_intervals",
+    "many_results",
+    "many_rows",
+    "many_steps",
+    "quotes",
+    "small_tables",
+    "wide_curves",
+    "xml_bomb",
+    "zip_bomb",
+)
 @pytest.mark.parametrize("make", hostile.FILES, ids=lambda make: make.__name__)
 @pytest.mark.usefixtures("short")
 def test_a_hostile_file_takes_no_more_than_its_budget(make, tmp_path):
@@ -84,6 +100,7 @@ def test_what_is_no_regular_file_is_refused_everywhere(make, tmp_path):
             action()
 
 
+@pytest.mark.soak
 def test_a_table_of_hundred_thousand_rows_is_no_hostile_file(tmp_path):
     path = hostile.many_rows(tmp_path, 0.05)
     found = open_measurement(path, (), READERS)

@@ -105,6 +105,7 @@ def done(tmp_path_factory):
     }
 
 
+@pytest.mark.soak_cases("success without a result-the process ended with exit code 0")
 @pytest.mark.parametrize(("deed", "told"), DEEDS.items())
 def test_a_faulty_optimiser_is_one_line_and_no_result(done, deed, told):
     found = done[deed]
@@ -121,7 +122,7 @@ def test_a_faulty_optimiser_is_one_line_and_no_result(done, deed, told):
 def test_what_an_optimiser_prints_is_not_in_the_json(done):
     found = done["shout"]
     assert found.returncode == 0
-    assert json.loads(found.stdout)["schema"] == "springpot.identification/1"
+    assert json.loads(found.stdout)["schema"] == "springpot.identification/2"
     assert "{}{}" in found.stderr
 
 

@@ -42,6 +42,12 @@ def said(capsys, *arguments):
     return code, *capsys.readouterr()
 
 
+@pytest.mark.soak_cases(
+    "fhwa-ptf-binder-dsr/normalized.csv",
+    "instrument-files/malvern.csv",
+    "instrument-files/trios_lims.txt",
+    "polystyrene-three-tests/creep_ps130_data.csv",
+)
 def test_inspect_opens_it_or_says_what_it_needs(measured, capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     code, out, err = said(capsys, "inspect", measured)

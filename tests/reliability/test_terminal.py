@@ -84,6 +84,11 @@ COMMAND_LINES = (
 )
 
 
+@pytest.mark.soak_cases(
+    "diagnose -m kelvin-file_with_evil_name",
+    "diagnose -m kelvin-labels",
+    "diagnose -m kelvin-trios_json",
+)
 @pytest.mark.parametrize("make", FILES, ids=lambda make: make.__name__)
 @pytest.mark.parametrize("words", COMMAND_LINES, ids=" ".join)
 def test_no_command_reaches_the_terminal(make, words, tmp_path, capsys):
@@ -191,6 +196,7 @@ def test_progress_is_written_over_itself_and_still_plain(monkeypatch):
     assert lines[-2:] == [" " * waiting.WIDTH, ""]
 
 
+@pytest.mark.soak
 @pytest.mark.skipif(not hasattr(os, "openpty"), reason="no terminals here")
 def test_on_a_real_terminal_tables_are_ruled_and_still_plain(tmp_path):
     """What rich draws with is sent, what the file says is not.

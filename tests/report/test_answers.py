@@ -40,6 +40,7 @@ def places_of(page):
     return page.partition("Where the model fails")[2].partition("<h2>")[0]
 
 
+@pytest.mark.soak_cases("notch", "ripple")
 @pytest.mark.parametrize(
     ("form", "words"),
     [
@@ -63,6 +64,7 @@ def test_the_report_names_every_place_that_the_diagnosis_names(form, words):
     )
 
 
+@pytest.mark.soak
 def test_without_a_place_only_an_adequate_model_leaves_noise():
     ladder, page = page_of(damper())
     assert ladder.verdict == "adequate"
@@ -103,6 +105,7 @@ def warm():
     return springpot.discover(superposed(), "fractional-zener", accept=["wlf-shift"])
 
 
+@pytest.mark.soak
 def test_shift_constants_come_with_their_reference_temperature(warm):
     page = report_html(warm, superposed(), ["x"])
     assert "shift constants refer to T_ref = 25 degC" in ladder_text(warm)
@@ -131,6 +134,7 @@ def test_a_reference_is_told_only_where_something_refers_to_it(expression, told)
     assert not reference_note(damper(), [network])
 
 
+@pytest.mark.soak
 def test_every_forecast_stands_beside_the_floor(warm):
     step, best = warm.steps[1], warm.steps[0].case.diagnosis.candidates[0]
     forecast = (
@@ -179,6 +183,7 @@ def test_moves_beyond_a_thousand_are_told_in_words(ratio, words):
     assert change(ratio) == words
 
 
+@pytest.mark.soak
 def test_what_moved_far_stands_apart_from_what_is_counted(warm):
     step = replace(warm.steps[1], changed={"k2": 8.41e-12, "c": 1.5})
     assert changes_text(step) == "+ wlf-shift changed c by +50 %; k2 fell to nothing"
@@ -206,6 +211,7 @@ def test_points_that_were_set_aside_are_drawn():
     np.testing.assert_allclose(drawn[1].get_ydata(), data.loss[[20, 33]])
 
 
+@pytest.mark.soak
 def test_a_hopeless_effect_is_not_shown_as_a_suggestion():
     """Its sentence of physics was read as advice, beside a probability of nothing."""
     ladder = springpot.discover(

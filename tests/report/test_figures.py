@@ -38,6 +38,9 @@ def _temperatures(count=3):
 SMALL, LARGE = figures.figure_identification, figures.figure_comparison
 
 
+@pytest.mark.soak_cases(
+    "figure_identification-.pdf", "figure_identification-.png", "figure_identification-.svg"
+)
 @pytest.mark.parametrize("suffix", canvas.SUFFIXES)
 @pytest.mark.parametrize("draw", [SMALL, pytest.param(LARGE, marks=pytest.mark.soak)])
 def test_both_figures_are_written_and_repeatable(tmp_path, suffix, draw):
@@ -103,6 +106,7 @@ def test_at_one_frequency_the_condition_is_the_axis(name):
     assert len(sweeps_of(data, axis_of(data))) == 1
 
 
+@pytest.mark.soak
 def test_a_single_point_can_be_drawn(tmp_path):
     data = _sweep().subset(np.array([3]))
     assert figures.figure_comparison(data, [MAXWELL], tmp_path / "a.png").stat().st_size > 1000
@@ -126,6 +130,7 @@ FULLEST = [
 """A legend of each kind, and both at their widest; all other pairs are in the soak."""
 
 
+@pytest.mark.soak_cases("figure_comparison-none-three", "figure_comparison-two-twelve")
 @pytest.mark.parametrize(
     ("draw", "fits", "sweeps"),
     [
@@ -169,6 +174,7 @@ def test_what_cannot_be_written_is_told_before_work(tmp_path, monkeypatch):
         canvas.check_figure_path(tmp_path / "a.png")
 
 
+@pytest.mark.soak
 def test_many_points_stay_small(tmp_path):
     omega = np.geomspace(0.1, 1e4, 50_000)
     data = Measurement(omega, MAXWELL.model.stiffness(MAXWELL.theta, omega))
@@ -178,6 +184,7 @@ def test_many_points_stay_small(tmp_path):
     assert curves.SMOOTH < scene.MANY_POINTS
 
 
+@pytest.mark.soak
 def test_the_picture_of_a_material_shows_its_spectrum_with_a_band(tmp_path):
     from springpot import identify
     from springpot.report.spectrum import draw_spectrum, figure_material, in_words

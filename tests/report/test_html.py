@@ -135,6 +135,19 @@ def test_every_rung_is_in_it_with_what_each_effect_would_do(page, ladder):
     assert given["excluded"] == []
 
 
+@pytest.mark.usefixtures("unpainted")
+def test_only_the_first_step_and_the_last_are_unfolded():
+    three = springpot.discover(measured(), "kelvin", accept=["inertia", "relaxation-mode"])
+    found = re.findall(
+        r"<details( open(?:=\"\")?)?><summary>Step (\d)", report_html(three, measured(), COMMAND)
+    )
+    assert [(bool(unfolded), number) for unfolded, number in found] == [
+        (True, "0"),
+        (False, "1"),
+        (True, "2"),
+    ]
+
+
 def test_points_that_no_model_was_fitted_to_are_named(ladder):
     whole = measured()
     more = Measurement(
@@ -184,10 +197,12 @@ def test_it_says_how_to_repeat_it(page, ladder):
         assert percent(step.relative_rms) in words
 
 
+@pytest.mark.soak
 def test_the_same_result_gives_the_same_page(page, ladder):
     assert report_html(ladder, measured(), COMMAND) == page
 
 
+@pytest.mark.soak
 @pytest.mark.usefixtures("unpainted")
 def test_sweeps_have_their_colours_named():
     data = measured((0.0, 20.0, 40.0), "three sweeps")
@@ -198,6 +213,7 @@ def test_sweeps_have_their_colours_named():
     assert {"0 °C", "20 °C", "40 °C"} <= set(words)
 
 
+@pytest.mark.soak
 @pytest.mark.usefixtures("unpainted")
 def test_with_nothing_accepted_there_is_one_column():
     data = measured(name="plain")
@@ -206,6 +222,7 @@ def test_with_nothing_accepted_there_is_one_column():
     assert page.count("base64,") == 1 + 2 + 4 + 4
 
 
+@pytest.mark.soak
 @pytest.mark.usefixtures("unpainted")
 def test_a_report_is_written_whole_or_refused(ladder, tmp_path):
     path = write_report(ladder, measured(), tmp_path / "a.html", COMMAND)

@@ -93,6 +93,14 @@ FORCES = {
 CASES = [(name, theta, force) for name, cases in FORCES.items() for theta, force in cases]
 
 
+@pytest.mark.soak_cases(
+    "0.4-5.0-smooth-hysteresis-(1.0, 0.5, 0.7, 1.2)",
+    "0.4-5.0-smooth-hysteresis-(2.0, 0.65, 1.0, 0.5)",
+    "0.4-5.0-smooth-hysteresis-(2.0, 2.6, 1.7, 0.9)",
+    "1.3-0.8-smooth-hysteresis-(1.0, 0.5, 0.7, 1.2)",
+    "1.3-0.8-smooth-hysteresis-(2.0, 0.65, 1.0, 0.5)",
+    "1.3-0.8-smooth-hysteresis-(2.0, 2.6, 1.7, 0.9)",
+)
 @pytest.mark.parametrize(("name", "theta", "force"), CASES, ids=[f"{n}-{t}" for n, t, _ in CASES])
 @pytest.mark.parametrize(("amplitude", "omega"), [(1.3, 0.8), (0.4, 5.0)])
 def test_first_and_third_harmonic_are_those_of_the_force_in_time(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -41,6 +42,7 @@ def test_zener_and_standard_form_are_one_model(ke: float, k1: float, v: float, a
     np.testing.assert_allclose(zener_of_standard(*other), (ke, k1, v, a), rtol=1e-12)
 
 
+@pytest.mark.soak
 @given(positive, positive, positive, orders)
 def test_jeffreys_forms_are_one_model(c0: float, c1: float, v: float, a: float):
     solvent = parallel(dashpot("c0"), series(dashpot("c1"), springpot()))

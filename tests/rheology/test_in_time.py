@@ -22,12 +22,15 @@ from springpot.rheology import (
     dashpot,
     mass,
     parallel,
+    recursion,
     series,
     shift,
     spring,
     springpot,
 )
 from springpot.rheology.family import Family
+
+OF_THE_NETWORK = [each.name for each in plugins().items("effect") if not each.of_test]
 
 REGISTERED = [
     item.build(3) if isinstance(item, Family) else item for item in plugins().items("model")
@@ -152,6 +155,7 @@ def both_ends() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return u, rest, 0.05 * np.pi * np.cosh(x) * u * rest
 
 
+@pytest.mark.soak_cases("power-law-plateau")
 @pytest.mark.parametrize("name", MODELS)
 def test_creep_convolved_with_relaxation_is_time(name: str):
     """s^2 G J = 1: the integral of G(t - u) J(u) and the instant impulse of a dashpot are t."""
@@ -257,6 +261,7 @@ def test_a_held_displacement_goes_on_as_it_was():
     )
 
 
+@pytest.mark.soak
 def test_an_oscillator_with_a_springpot_against_its_inverse_fourier_transform():
     m, c, alpha, k = 1.0, 0.6, 0.5, 4.0
     network = parallel(spring(), springpot(), mass())
@@ -346,6 +351,9 @@ def check_slopes(model: Model, theta: list[float], ask) -> None:
     assert np.max(np.abs(found.by_theta - numeric) / natural) < 3e-8
 
 
+@pytest.mark.soak_cases(
+    "fractional-zener + inertia-theta4", "havriliak-negami-theta5", "zener + relaxation-mode-theta6"
+)
 @pytest.mark.parametrize(("name", "theta"), DERIVATIVES)
 def test_derivatives_by_all_parameters(name: str, theta: list[float]):
     model = parse_model(name)
@@ -446,6 +454,7 @@ def test_a_history_of_temperatures_is_reduced_time(name: str):
     np.testing.assert_allclose(softer[:3], cold[:3], rtol=1e-3, atol=1e-6)
 
 
+@pytest.mark.soak_cases("fractional-zener-own0")
 @pytest.mark.parametrize(
     ("name", "own"),
     [
@@ -494,7 +503,7 @@ def test_a_ramp_of_temperature_has_the_reduced_time_of_its_integral():
     assert model.name == "test"
 
 
-@pytest.mark.parametrize("effect", plugins().names("effect"))
+@pytest.mark.parametrize("effect", OF_THE_NETWORK)
 def test_every_effect_answers_in_time_or_is_refused_by_name(effect: str):
     model = parse_model(f"fractional-zener + {effect}")
     theta = np.array([1.3, 2.0, 1.5, 0.6, *(p.typical for p in model.parameters[4:])])
@@ -565,3 +574,22 @@ def test_times_before_the_step_are_refused():
 def test_a_fluid_that_was_under_force_is_refused():
     with pytest.raises(ModelError, match="begin at 0"):
         MODELS["maxwell"].respond_force([1.0, 2.0], [0.0, 1.0], [1.0, 1.0])
+
+
+@pytest.mark.parametrize("turned", [1.0, 1.0 + 0.3j])
+def test_even_samples_are_driven_as_uneven_ones(rng: np.random.Generator, turned: complex):
+    n, m = 5000, 40
+    rates = np.geomspace(1e-4, 1e5, m) * turned
+    changes, mix = rng.normal(size=n), rng.normal(size=(m, 3))
+    rate_mix = rng.normal(size=(m, 3)) / np.abs(rates)[:, None]
+    even = np.full(n, 0.01)
+    # One sample that comes late by little more than scatter: the same history, the other way.
+    late = even.copy()
+    late[-1] *= 1.0 + 1e-8
+    found = recursion.driven(rates, even, changes, mix, rate_mix)
+    expected = recursion.driven(rates, late, changes, mix, rate_mix)
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-8 * np.abs(expected).max())
+    earlier = slice(None, -1)
+    np.testing.assert_allclose(
+        found[earlier], expected[earlier], rtol=0.0, atol=1e-12 * np.abs(expected).max()
+    )

@@ -28,6 +28,8 @@ from springpot.rheology import (
 )
 from springpot.rheology.family import Family
 
+OF_THE_NETWORK = [each.name for each in plugins().items("effect") if not each.of_test]
+
 REGISTERED = [
     item.build(3) if isinstance(item, Family) else item for item in plugins().items("model")
 ]
@@ -245,7 +247,7 @@ def test_models_with_a_temperature(name: str, rng: np.random.Generator):
     np.testing.assert_allclose(found.stiffness(omega), model.stiffness(theta, at), rtol=2e-6)
 
 
-@pytest.mark.parametrize("effect", plugins().names("effect"))
+@pytest.mark.parametrize("effect", OF_THE_NETWORK)
 def test_every_effect_has_a_spectrum_or_is_refused_by_name(effect: str):
     model = parse_model(f"fractional-zener + {effect}")
     theta = np.array([1.3, 2.0, 1.5, 0.6, *(p.typical for p in model.parameters[4:])])

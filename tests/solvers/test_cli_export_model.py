@@ -27,6 +27,7 @@ def test_a_fit_is_read_back_in_its_units(springpot, tmp_path):
     assert float(answer.out.splitlines()[-1].split(",")[2]) == pytest.approx(tau, rel=1e-6)
 
 
+@pytest.mark.soak_cases("arguments10---dashpot")
 @pytest.mark.parametrize(
     ("arguments", "word"),
     [
@@ -212,6 +213,7 @@ def test_what_is_no_fit_is_refused(springpot, write):
         assert answer.is_one_line("with --json")
 
 
+@pytest.mark.soak
 def test_a_fit_is_handed_over_at_its_own_reference_temperature(springpot, tmp_path):
     """Where shifts are one is where the data were, not 20 degC.
 

@@ -21,6 +21,7 @@ def spectrum_of(name: str, theta: list[float], decades: float = 2.0):
     return parse_model(name).spectrum(theta, (1.0, 10.0**decades))
 
 
+@pytest.mark.soak_cases("fractional-zener-theta1-0.0005", "springpot-theta0-0.0005")
 @pytest.mark.parametrize("tolerance", [0.05, 0.005, 0.0005])
 @pytest.mark.parametrize(
     ("name", "theta"),
@@ -44,12 +45,14 @@ def test_the_tolerance_holds_against_the_model_itself(
     assert np.all(np.diff(found.times) > 0)
 
 
+@pytest.mark.soak_cases("0.4", "0.6", "0.8")
 @pytest.mark.parametrize("alpha", [0.2, 0.4, 0.6, 0.8])
 def test_two_terms_a_decade_hold_half_a_percent(alpha: float):
     assert prony_of(spectrum_of("springpot", [1.0, alpha], 4.0), terms=8).error < 0.005
     assert len(prony_of(spectrum_of("springpot", [1.0, alpha], 2.0)).times) <= 5
 
 
+@pytest.mark.soak
 @given(st.floats(0.05, 0.95))
 @settings(max_examples=10, deadline=None)
 def test_a_dashpot_beside_never_harms(alpha: float):

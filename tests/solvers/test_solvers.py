@@ -63,6 +63,7 @@ print(k.real, k.imag)
 """
 
 
+@pytest.mark.soak_cases("8.0")
 @pytest.mark.parametrize("frequency", [1.0, 8.0, 48.0])
 def test_opensees_gives_k_over_the_band(frequency):
     """A node on the exported material alone, pushed by a sinusoid until it repeats itself."""
@@ -111,6 +112,7 @@ def series_force():
     return force
 
 
+@pytest.mark.soak
 def test_a_unit_exchanges_its_model(unit):
     """This master holds the displacement over each of its own steps: they must be short."""
     import fmpy
@@ -157,6 +159,7 @@ def cosimulated(unit, derivatives):
     return np.array(force)
 
 
+@pytest.mark.soak
 def test_in_cosimulation_it_is_exact_with_the_derivative_and_one_step_late_without(unit):
     exact = series_force()
     told = cosimulated(unit, derivatives=True)
@@ -175,6 +178,7 @@ def test_the_unit_describes_itself_by_the_standard(tmp_path):
     assert validate_fmu(str(path)) == []
 
 
+@pytest.mark.soak
 def test_the_same_model_gives_the_same_unit():
     assert handed("fmu").data == handed("fmu").data
 
@@ -218,6 +222,7 @@ def terms():
     )
 
 
+@pytest.mark.soak_cases("1.0-3", "48.0-8", "8.0-6")
 @pytest.mark.parametrize(("frequency", "cycles"), [(1.0, 3), (8.0, 6), (48.0, 8)])
 def test_finite_elements_run_the_series(terms, frequency, cycles):
     """Eight elements in simple shear, whose force over displacement is the shear modulus."""

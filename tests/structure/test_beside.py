@@ -72,6 +72,13 @@ SMOOTH = [
 ]
 
 
+@pytest.mark.soak_cases(
+    "kelvin + cubic-damping",
+    "kelvin + cubic-stiffness",
+    "kelvin + dead-zone",
+    "kelvin + elasto-sliding",
+    "kelvin + power-law-damper",
+)
 @pytest.mark.parametrize(("expression", "own", "force"), SMOOTH, ids=[each[0] for each in SMOOTH])
 def test_a_force_beside_the_material_against_an_adaptive_integrator(expression, own, force):
     record = shaken()
@@ -132,6 +139,7 @@ def test_a_motion_below_the_friction_never_begins():
     assert np.abs(still.displacement).max() < 2e-3 * np.abs(free.displacement).max()
 
 
+@pytest.mark.soak
 def test_shorter_steps_change_little_and_several_dampers_feel_one_another():
     model = parse_model("fractional-maxwell + friction")
     theta = model.vector({"k": 4e7, "c": 6e6, "alpha": 0.55, "friction.F": 1e5})
@@ -151,6 +159,7 @@ def test_shorter_steps_change_little_and_several_dampers_feel_one_another():
     assert [mode.s for mode in modes_of(frame)] == [mode.s for mode in modes_of(plain)]
 
 
+@pytest.mark.soak
 def test_units_and_a_slope_change_nothing_but_the_numbers():
     """The same brace in kN and mm; two on a slope pull by the cosine of what they feel."""
     model = parse_model("kelvin + power-law-damper")

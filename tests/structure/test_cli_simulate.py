@@ -45,6 +45,7 @@ def test_drift_with_its_band_modes_and_energy(springpot, frame, write, tmp_path)
     assert answer == springpot("simulate", frame, "--record", record, "--draws", "5", "--json").json
 
 
+@pytest.mark.soak
 def test_a_steady_state_balances_force_and_energy(springpot, frame, tmp_path):
     """What the dampers take in a cycle is pi times force, way and the sine between them.
 
@@ -68,6 +69,7 @@ unit = "kN/mm"
 parameters = {k = 4, c = 0.6, alpha = 0.5, "friction.F" = %g}"""
 
 
+@pytest.mark.soak
 def test_friction_in_a_damper_is_followed(springpot, write):
     """F is in kN, as the unit says.
 
@@ -124,6 +126,7 @@ def test_one_damper_and_all_of_a_storey_are_told_apart(springpot, frame, write):
         assert word in told
 
 
+@pytest.mark.soak
 def test_stated_parameters_have_no_band_and_need_no_quotes(springpot, write):
     stated = SLIDING.replace('"friction.F"', "friction.F") % 20.0
     record, path = (

@@ -120,6 +120,7 @@ def test_more_dampers_drift_less():
     assert drifts == sorted(drifts, reverse=True)
 
 
+@pytest.mark.soak
 def test_what_is_not_known_of_a_damper_is_a_band_of_the_drift():
     covariance = np.diag((THETA * np.array([0.1, 0.1, 0.03])) ** 2)
     record = shaken(0.02)

@@ -21,6 +21,7 @@ def test_exact_data_give_exact_factors():
     assert curve.simplicity.error < 1e-3
 
 
+@pytest.mark.soak
 def test_intervals_hold_the_truth_as_often_as_they_say():
     """24 series with four factors each: 95 % of 96, less four standard deviations of that count."""
     inside = []
@@ -36,6 +37,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
     )
 
 
+@pytest.mark.soak
 def test_half_the_noise_halves_the_intervals():
     wide, narrow = (springpot.mastercurve(measured(simple, noise=n)).factors for n in (0.01, 0.005))
     ratio = np.median((wide.reach_a / np.maximum(narrow.reach_a, 1e-12))[[0, 1, 3, 4]])
@@ -183,6 +185,7 @@ def test_json_has_what_the_schema_says(found):
     assert len(told["curve"]["omega"]) == len(found.data)
 
 
+@pytest.mark.soak
 def test_a_picture_is_drawn(found, tmp_path):
     assert found.plot(tmp_path / "curve.svg").stat().st_size > 10_000
     assert "made at 30 degC" in (tmp_path / "curve.svg").read_text(encoding="utf-8")

@@ -7,6 +7,7 @@ from sweeps import mass, measured, phase_error, simple, two_branches
 import springpot
 
 
+@pytest.mark.soak
 def test_a_simple_material_is_called_simple():
     """The level is 0.5 %, so that none of twelve is called otherwise but by a chance of 6 %."""
     verdicts = [springpot.mastercurve(measured(simple, seed=seed)).simplicity for seed in range(12)]
@@ -20,6 +21,7 @@ def seed(request):
     return request.param
 
 
+@pytest.mark.soak_cases("2")
 def test_a_branch_with_its_own_temperature_is_seen(seed):
     rest = springpot.mastercurve(measured(two_branches, seed=seed)).simplicity
     assert rest.verdict == "not-simple"
@@ -27,6 +29,7 @@ def test_a_branch_with_its_own_temperature_is_seen(seed):
     assert {failure.kind for failure in rest.failures} & {"branch", "level"}
 
 
+@pytest.mark.soak_cases("2")
 def test_a_phase_error_at_one_temperature_shows_there(seed):
     """Loss and storage cannot follow one another at the temperature of the misread phase."""
     rest = springpot.mastercurve(measured(phase_error, seed=seed)).simplicity
@@ -36,6 +39,7 @@ def test_a_phase_error_at_one_temperature_shows_there(seed):
     assert 45.0 in {failure.place for failure in apart}
 
 
+@pytest.mark.soak_cases("0", "1", "2")
 def test_what_no_material_does_is_not_laid_to_superposition(seed):
     rest = springpot.mastercurve(measured(mass, seed=seed)).simplicity
     first = rest.failures[0]

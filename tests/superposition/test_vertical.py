@@ -41,6 +41,7 @@ def curve(request):
     return springpot.mastercurve(straight(*request.param))
 
 
+@pytest.mark.soak_cases("curve0", "curve1")
 def test_where_a_and_b_are_one_b_stays_what_physics_expects(curve):
     """Free factors would range from 0.75 to 1.4 here, and a be determined at one level of six."""
     assert np.all(np.abs(curve.factors.log_b) < np.log(1.12))
@@ -58,6 +59,7 @@ def test_there_is_a_law_of_the_shift(curve):
     assert "Arrhenius" in {law.law.name for law in curve.laws}
 
 
+@pytest.mark.soak_cases("0.6")
 @pytest.mark.parametrize("lift", [0.6, 1.5])
 def test_data_that_contradict_what_is_expected_have_their_way(lift):
     """A specimen changed before the fourth sweep: its curvature tells the vertical factor."""
@@ -92,6 +94,7 @@ def test_no_law_where_the_material_relaxes_more_slowly_when_hot():
     assert not [note for note in usual.notes if "slowly when hot" in note]
 
 
+@pytest.mark.soak
 def test_nothing_is_said_of_laws_where_temperature_does_nothing():
     """Shifts of one are no sign of drying, whatever the sign of their scatter."""
     notes = [
@@ -101,6 +104,7 @@ def test_nothing_is_said_of_laws_where_temperature_does_nothing():
     assert not [note for each in notes for note in each if "slowly when hot" in note]
 
 
+@pytest.mark.soak
 def test_constants_at_a_bound_are_not_told():
     """An activated material has no Vogel temperature: its pole would rest at 0 K."""
     kelvin = TEMPERATURES + 273.15
@@ -155,6 +159,7 @@ def power_law(seed, power=0.0, points=8, noise=0.003):
     )
 
 
+@pytest.mark.soak_cases("-1.5", "1.0")
 @pytest.mark.parametrize("power", [1.0, -1.5])
 def test_intervals_on_straight_sweeps_hold_what_the_data_cannot_tell(power):
     """Their curve follows a little of the noise; taken for curvature, that halved the intervals."""

@@ -23,7 +23,7 @@ from springpot.testing import (
     check_plugin,
     check_reader,
 )
-from springpot.testing.aspects import kept_random_state
+from springpot.testing.networks import kept_random_state
 
 pytest_plugins = ["pytester"]
 
@@ -167,6 +167,7 @@ def test_a_good_optimiser_is_given_no_complaint():
     assert check_optimiser(Good) == []
 
 
+@pytest.mark.soak_cases("Carrying")
 @pytest.mark.parametrize("optimiser", OPTIMISERS)
 def test_a_slip_in_an_optimiser_is_one_sentence(optimiser: type[Optimiser]):
     found = check_optimiser(optimiser)
@@ -583,6 +584,10 @@ def test_an_author_s_test_file_is_short_and_passes(author, pytester):
     assert "3 passed" in out
 
 
+@pytest.mark.soak_cases(
+    "slip0-words: the summary must be one sentence",
+    "slip4-'other' is to be skipped but not offered",
+)
 @pytest.mark.parametrize(
     ("slip", "sentence"),
     [

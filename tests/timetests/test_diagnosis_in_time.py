@@ -36,6 +36,7 @@ def test_nothing_is_missing_where_nothing_is():
     assert "phase-error" not in {each.effect for each in found.candidates}
 
 
+@pytest.mark.soak_cases("cubic-stiffness-values3", "inertia-values1")
 @pytest.mark.parametrize(
     ("effect", "values"),
     [
@@ -95,7 +96,7 @@ def test_a_drift_in_a_relaxation_leaves_no_rival_absent_and_makes_no_fit_worse_t
         t, exact + 0.3 * np.random.default_rng(3).normal(size=len(t)), "kPa"
     )
     names = ("force-drift", "finite-ramp")
-    effects = [each for each in plugins().items("time effect") if each.name in names]
+    effects = [each for each in plugins().items("effect") if each.name in names]
     found = diagnose(test, model, [*effects, plugins().effect("parallel-spring")])
     assert found.missing == ("force-drift",)
     assert {each.effect: each.verdict for each in found.candidates}[

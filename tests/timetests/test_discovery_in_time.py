@@ -17,6 +17,7 @@ EFFECTS = [plugins().effect(name) for name in ("friction", "inertia", "time-dela
 MODEL = parse_model("fractional-maxwell")
 
 
+@pytest.mark.soak
 def test_a_record_with_a_mass_and_friction_names_both():
     model = parse_model("fractional-maxwell + friction + inertia")
     values = {"k": 400.0, "c": 60.0, "alpha": 0.5, "friction.F": 20.0, "inertia.m": 8.0}
@@ -65,7 +66,7 @@ def loaded(tmp_path):
 
 
 def test_a_discovery_in_time_and_its_diagnosis_are_loaded_again(drifting, loaded):
-    effects = [plugins().find("time effect", "force-drift")]
+    effects = [plugins().effect("force-drift")]
     ladder = discover([drifting], MODEL, effects)
     again = loaded(ladder)
     assert [step.accepted for step in again.steps] == [None, "force-drift"]
@@ -76,7 +77,7 @@ def test_a_discovery_in_time_and_its_diagnosis_are_loaded_again(drifting, loaded
 
 
 def test_a_diagnosis_in_time_is_loaded_again_with_the_effect_itself(drifting, loaded):
-    effects = [plugins().find("time effect", "force-drift")]
+    effects = [plugins().effect("force-drift")]
     diagnosis = diagnose(drifting, MODEL, effects)
     again = loaded(diagnosis)
     assert again.missing == diagnosis.missing == ("force-drift",)

@@ -10,7 +10,7 @@ import pytest
 import springpot
 from springpot.errors import ModelError
 from springpot.measurement import TimeTest
-from springpot.registry import parse_model, parse_timed, plugins
+from springpot.registry import parse_model, plugins
 from springpot.timetests import diagnose, identify, predict_test
 from springpot.timetests.recording import recorded
 
@@ -74,39 +74,40 @@ def relaxed_with(effect, values, noise=0.3):
     zener = parse_model("fractional-zener")
     theta = np.append(zener.theta(k1=50.0, k2=400.0, c=60.0, alpha=0.5), values)
     blank = TimeTest.of_relaxation(t, np.ones(len(t)), "kPa")
-    exact = recorded(parse_timed(f"fractional-zener + {effect}"), theta, blank, 293.15).value
+    exact = recorded(parse_model(f"fractional-zener + {effect}"), theta, blank, 293.15).value
     return TimeTest.of_relaxation(
         t, exact + noise * np.random.default_rng(3).normal(size=len(t)), "kPa"
     )
 
 
+@pytest.mark.soak_cases("finite-ramp-0.05-0.002")
 @pytest.mark.parametrize(
     ("effect", "size", "width"),
     [("force-drift", 0.5, 0.1), ("force-drift", -0.5, 0.1), ("finite-ramp", 0.05, 0.002)],
 )
 def test_what_no_material_does_is_told_beside_any_material(effect, size, width):
-    found = identify(relaxed_with(effect, [size]), parse_timed(f"material + {effect}"))
+    found = identify(relaxed_with(effect, [size]), parse_model(f"material + {effect}"))
     [row] = [entry for name, entry in found.parameters.items() if name.startswith(effect)]
     assert abs(row["value"] - size) < width
     assert row["low"] < size < row["high"]
     assert 0.7 < found.tests[0].ratio < 1.2
 
 
+@pytest.mark.soak
 def test_what_another_material_would_do_too_is_refused_with_what_helps():
     """A warming as slow as the material relaxes, and a clock that slows as a spectrum does."""
     for effect, values in (("thermal-force", [20.0, 30.0]), ("ageing", [0.5, 10.0])):
         with pytest.raises(
             ModelError, match=r"another material could have done the same .* name a model"
         ) as told:
-            identify(relaxed_with(effect, values), parse_timed(f"material + {effect}"))
+            identify(relaxed_with(effect, values), parse_model(f"material + {effect}"))
         assert "\n" not in str(told.value)
 
 
+@pytest.mark.soak
 def test_a_drift_is_named_beside_any_material():
     effects = [
-        each
-        for each in plugins().items("time effect")
-        if each.name in ("force-drift", "thermal-force")
+        each for each in plugins().items("effect") if each.name in ("force-drift", "thermal-force")
     ]
     found = diagnose(relaxed_with("force-drift", [0.5]), "material", effects)
     assert found.verdict == "effect-missing"

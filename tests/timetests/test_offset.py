@@ -23,12 +23,12 @@ def dampers(constant, control="displacement", middle=0.0, seed=1):
     if control == "displacement":
         return TimeTest.of_history(TIME, moved + middle, force + 0.3 * noise, "mm", "N")
     return TimeTest.of_history(
-        TIME, force, moved + middle + 0.1 * noise, "mm", "N", control="force"
+        TIME, moved + middle + 0.1 * noise, force, "mm", "N", control="force"
     )
 
 
 def tried(*names):
-    return [plugins().find("time effect", name) for name in names]
+    return [plugins().effect(name) for name in names]
 
 
 @pytest.mark.parametrize("constant", [30.0, -4.0])
@@ -55,8 +55,8 @@ def test_a_step_that_is_held_cannot_show_one():
     """It is the stiffness that stays."""
     step = TimeTest.of_relaxation(TIME[1:], 3.0 + np.exp(-TIME[1:]), "kPa")
     (effect,) = tried("force-offset")
-    assert not effect.is_for(step)
-    assert effect.is_for(dampers(1.0))
+    assert not effect.applies_to(step)
+    assert effect.applies_to(dampers(1.0))
 
 
 def test_of_a_force_that_was_imposed_the_displacement_has_it():

@@ -69,6 +69,7 @@ def test_a_sweep_predicts_a_test_in_time():
     assert "beyond what the fitted tests saw" in found.says
 
 
+@pytest.mark.soak
 def test_the_band_holds_the_truth(fit):
     """At 95 % the true curve is within 1.5 times the band everywhere, for several noises."""
     outside = 0

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from springpot.measurement import Timed, TimeTest, noise_of
-from springpot.registry import parse_model, parse_timed, plugins
+from springpot.measurement import TimeTest, noise_of
+from springpot.registry import parse_model, plugins
 from springpot.timetests import compare, diagnose, discover, identify, recorded
 from springpot.timetests.scatter import scatter_of
 from springpot.timetests.where import places
@@ -22,13 +22,13 @@ TRIED = ("backlash-in-time", "asymmetric-stop", "force-clipping", "force-drift")
 
 
 def library():
-    return [plugins().find("time effect", name) for name in TRIED]
+    return [plugins().effect(name) for name in TRIED]
 
 
 def record(effect="", values=(), seed=1):
     test = TimeTest.of_history(T, X, X, "mm", "N", control="displacement")
     if effect:
-        model = Timed(MODEL, (plugins().find("time effect", effect),))
+        model = MODEL + plugins().effect(effect)
         force = recorded(model, np.concatenate([THETA, values]), test).value
     else:
         force = recorded(MODEL, THETA, test).value
@@ -51,6 +51,7 @@ def found():
     }
 
 
+@pytest.mark.soak_cases("asymmetric-stop", "backlash-in-time")
 @pytest.mark.parametrize("name", HIDDEN)
 def test_what_harmonics_hide_is_named_with_its_size(found, name):
     answer, (values, _) = found[name], HIDDEN[name]
@@ -107,6 +108,7 @@ def test_the_answer_keeps_to_its_keys(found):
     assert answer["candidates"][0]["class"] == ["force-clipping"]
 
 
+@pytest.mark.soak
 def test_two_effects_are_found_one_after_the_other():
     test = record("force-clipping", [90.0])
     drifting = TimeTest.of_history(T, X, test.response + 1.5 * T, "mm", "N", control="displacement")
@@ -126,7 +128,7 @@ def test_models_with_and_without_a_drift_are_compared_by_name():
     assert found.best.model.name == "fractional-zener + force-drift"
     assert found.delta_bic[1] > 10.0
     assert found.best.parameters["force-drift.rate"]["value"] == pytest.approx(0.3, rel=0.1)
-    assert parse_timed(found.best.model.name).names == found.best.model.names
+    assert parse_model(found.best.model.name).names == found.best.model.names
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.5])
@@ -180,7 +182,7 @@ def test_opposite_signs_are_told_and_a_mass_that_pushes_back_is_none():
 
 
 def test_a_limit_that_nothing_reaches_has_no_size():
-    clipping = [plugins().find("time effect", "force-clipping")]
+    clipping = [plugins().effect("force-clipping")]
     for seed in (3, 4):
         [found] = diagnose(record(seed=seed), MODEL, clipping).candidates
         assert found.verdict == "absent"

@@ -9,7 +9,7 @@ import pytest
 
 from springpot.errors import DataError, ModelError
 from springpot.measurement import Loading, TimeTest
-from springpot.registry import open_in_time, parse_model, parse_timed
+from springpot.registry import open_in_time, parse_model
 from springpot.timetests import identify, predicted
 from springpot.timetests.recording import recorded
 
@@ -86,12 +86,13 @@ def test_an_activation_energy_is_found_from_one_record(tmp_path):
     assert found.tests[0].ratio < 1.15
 
 
+@pytest.mark.soak
 def test_what_the_test_did_is_followed_while_it_warms():
     """A drift and a slow ramp, each where it acts.
 
     Derivatives by all parameters against differences.
     """
-    model = parse_timed("fractional-zener + arrhenius-shift + finite-ramp + force-drift")
+    model = parse_model("fractional-zener + arrhenius-shift + finite-ramp + force-drift")
     blank, _ = relaxed(WARMER[1:])
     theta = np.append(THETA, [0.9, 0.2])
     assert model.names[-2:] == ("finite-ramp.rise", "force-drift.rate")
@@ -123,7 +124,7 @@ def test_a_drift_is_told_from_a_record_that_warms():
     exact = predicted(MODEL, THETA, blank, REFERENCE).value + 0.004 * T
     noise = 0.002 * np.abs(exact).max() * np.random.default_rng(1).normal(size=len(T))
     found = identify(
-        replace(blank, response=exact + noise), parse_timed(f"{MODEL.name} + force-drift")
+        replace(blank, response=exact + noise), parse_model(f"{MODEL.name} + force-drift")
     )
     row = found.parameters["force-drift.rate"]
     assert row["low"] < 0.004 < row["high"]
@@ -135,7 +136,7 @@ def test_what_cannot_follow_it_is_refused_by_name():
     with pytest.raises(
         ModelError, match="'ageing' turns the material's clock, which the moving temperature turns"
     ):
-        identify(blank, parse_timed(f"{MODEL.name} + ageing"))
+        identify(blank, parse_model(f"{MODEL.name} + ageing"))
     loading = Loading(T, T)
     pulled = TimeTest(T, T, loading, "force", "-", "kPa", warmth=WARMER)
     with pytest.raises(ModelError, match="'inertia' is not followed"):

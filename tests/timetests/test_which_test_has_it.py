@@ -10,7 +10,7 @@ import pytest
 
 from springpot.errors import ModelError
 from springpot.measurement import Measurement, TimeTest
-from springpot.registry import effect_in_time, parse_model, parse_timed, plugins
+from springpot.registry import parse_model, plugins
 from springpot.rheology import Effect
 from springpot.timetests import diagnose, identify
 from springpot.timetests.residuals_of_tests import at_tests
@@ -32,7 +32,7 @@ SOME = (
 
 def some_effects():
     """A few effects, so that a diagnosis is short."""
-    return [effect_in_time(name) for name in SOME]
+    return [plugins().effect(name) for name in SOME]
 
 
 def three_tests(seed, gain=None, yields=False):
@@ -94,18 +94,18 @@ def test_the_error_of_a_sweep_is_a_share_of_its_stiffness():
 
 
 def test_an_effect_of_one_test_is_typed_with_its_name():
-    model = parse_timed("zener + test-gain:creep")
+    model = parse_model("zener + test-gain:creep")
     assert model.name == "zener + test-gain:creep"
-    assert parse_timed(model.name).names == model.names
+    assert parse_model(model.name).names == model.names
     fit = identify(three_tests(2, "creep"), model)
     assert fit.parameters["test-gain:creep.g"]["value"] == pytest.approx(0.2, abs=0.01)
-    assert effect_in_time("test-gain:creep 25 C + glue").name == "test-gain:creep-25-C-glue"
-    with pytest.raises(ModelError, match="leave ':creep' out"):
-        parse_timed("zener + force-drift:creep")
+    assert plugins().effect("test-gain:creep 25 C + glue").name == "test-gain:creep-25-C-glue"
+    with pytest.raises(ModelError, match="an effect of the test bend, cannot be seen"):
+        identify(three_tests(2, "creep"), parse_model("zener + test-gain:bend"))
 
 
 def test_a_test_by_itself_has_no_gain():
-    gain = effect_in_time("test-gain")
+    gain = plugins().effect("test-gain")
     sweep, relax, creep = three_tests(1)
     assert at_tests(gain, [relax]) == []
     assert [each.name for each in at_tests(gain, [sweep, relax])] == ["test-gain:relax"]
@@ -124,7 +124,7 @@ def test_an_effect_of_the_rig_may_be_that_of_the_sweep_alone():
 
 def _alone(effect):
     assert isinstance(effect, Effect)
-    return effect.only_sweeps
+    return not effect.in_time
 
 
 @pytest.mark.parametrize("known", [True, False])

@@ -14,7 +14,7 @@ pytest.importorskip("uvicorn", reason="the extra 'workbench' is not installed")
 
 import springpot
 from springpot.web import Workbench
-from springpot.web.datatext import measured_in
+from springpot.web.sessions import measured_in
 
 if TYPE_CHECKING:
     from browsing import Open

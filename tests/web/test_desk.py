@@ -14,7 +14,7 @@ import pytest
 from client import ask, head, raw, token_of
 
 from springpot.web import Workbench
-from springpot.web.state import State
+from springpot.web.sessions import State
 from springpot.web.tasks import perform
 
 PATIENCE = 300.0
@@ -83,6 +83,7 @@ def test_a_worker_that_dies_is_told_of_and_replaced(bench: Workbench, data: dict
     assert b"fault" in heard
 
 
+@pytest.mark.soak
 def test_a_browser_that_leaves_ends_what_only_it_waited_for(bench: Workbench, data: dict[str, Any]):
     with asking(bench, "ranking", {"state": {"data": data["digest"], "seed": 77}}):
         process = working(bench)

@@ -13,7 +13,7 @@ import pytest
 from client import ask, head, raw, token_of
 
 from springpot.web import Workbench
-from springpot.web.guard import LARGEST, POLICY
+from springpot.web.server import LARGEST, POLICY
 
 
 def test_it_listens_on_the_loopback_address_only(bench: Workbench):
@@ -297,8 +297,8 @@ def test_the_page_itself_may_be_come_to_from_a_file(bench: Workbench):
 @pytest.fixture
 def impatient(monkeypatch: pytest.MonkeyPatch) -> Iterator[Workbench]:
     """A workbench that waits a second for a head, and takes eight connections."""
-    monkeypatch.setattr("springpot.web.connection.HEAD_PATIENCE", 1.0)
-    monkeypatch.setattr("springpot.web.connection.MOST", 8)
+    monkeypatch.setattr("springpot.web.launch.HEAD_PATIENCE", 1.0)
+    monkeypatch.setattr("springpot.web.launch.MOST", 8)
     running = Workbench().start()
     yield running
     running.close()

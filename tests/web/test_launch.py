@@ -21,8 +21,8 @@ from test_state import a_session
 
 from springpot.errors import OptionError
 from springpot.web import Workbench, serve
-from springpot.web.datatext import measured_in, text_of
-from springpot.web.pagefiles import page_files
+from springpot.web.server import page_files
+from springpot.web.sessions import measured_in, text_of
 from springpot.web.tasks import begin, perform, understand
 
 STARTS = [sys.executable, "-c"]
@@ -44,6 +44,7 @@ def test_the_command_prints_its_address_first_and_ends_with_ctrl_c(tmp_path: Pat
     assert "Traceback" not in err
 
 
+@pytest.mark.soak
 def test_data_that_cannot_be_used_end_it_in_one_line(tmp_path: Path):
     (tmp_path / "bad.csv").write_text("hello\nworld\n", encoding="utf-8")
     command = [sys.executable, "-m", "springpot", "workbench", "bad.csv", "--no-browser"]
@@ -115,6 +116,7 @@ def test_ctrl_c_is_heard_even_where_python_would_swallow_it():
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
+@pytest.mark.soak
 def test_it_starts_little_later_than_numpy_alone():
     def least(program: str) -> float:
         took = []

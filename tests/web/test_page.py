@@ -18,7 +18,7 @@ from browsing import IN_A_BROWSER, PATIENCE, Open, Page, playwright, tab_to, vio
 from test_state import a_session
 
 from springpot.web import Workbench
-from springpot.web.datatext import measured_in
+from springpot.web.sessions import measured_in
 
 pytestmark = IN_A_BROWSER
 
@@ -147,7 +147,7 @@ def leave_with_everything(here: Page, error: float) -> bytes:
     assert here.violations() == []
     name, content = here.download("json")
     answer = json.loads(content)
-    assert answer["schema"] == "springpot.discovery/1"
+    assert answer["schema"] == "springpot.discovery/2"
     last = answer["steps"][-1]
     assert last["relative_rms"] == pytest.approx(error, rel=0.01)
 
@@ -227,6 +227,7 @@ def the_report_is_the_page_with_its_hovers(here: Page, report: bytes, folder: Pa
     context.close()
 
 
+@pytest.mark.soak
 def test_the_story_by_keyboard_alone(page: Open, damper: bytes):
     here = page()
     press = here.page.keyboard.press
@@ -289,6 +290,7 @@ def test_the_story_by_keyboard_alone(page: Open, damper: bytes):
     assert "left out" not in here.reads("#facts")
 
 
+@pytest.mark.soak
 def test_a_phone_in_the_dark(page: Open, damper: bytes):
     here = page(390, 844, has_touch=True, is_mobile=True, color_scheme="dark")
     here.drop("damper.csv", damper)
@@ -383,6 +385,7 @@ def test_ten_thousand_rows_are_drawn_and_a_computation_is_told_and_cancelled(pag
     assert "10000 points" in here.reads("#facts"), "the data stay, whatever was not computed"
 
 
+@pytest.mark.soak
 def test_three_temperatures_and_the_race(
     page: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
@@ -423,6 +426,7 @@ def three_temperatures() -> bytes:
     return "\n".join([*lines, ""]).encode()
 
 
+@pytest.mark.soak
 def test_time_signals_of_several_files_are_one_test(page: Open):
     here = page()
     time = np.arange(0.0, 2.0, 0.0097)

@@ -204,6 +204,7 @@ def test_a_first_answer_that_was_cancelled_is_begun_again(page: Open, damper: by
     here.shows("material")
 
 
+@pytest.mark.soak
 def test_a_plan_that_does_not_exist_is_not_offered(judged: Page):
     here = judged
     here.page.click("#leave")

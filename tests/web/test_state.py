@@ -24,11 +24,19 @@ from springpot.report.interactive.answers import proposed_points
 from springpot.report.interactive.scene import MOST_POINTS, PageScene, relative_error, rounded
 from springpot.report.jsontext import to_json
 from springpot.web import leaving, tasks
-from springpot.web.answers import answer, ladder_of
-from springpot.web.datatext import joined, kept, measured_in, measurement_of, safe_name, text_of
-from springpot.web.sessions import is_session, session_of
-from springpot.web.state import State, digest_of
-from springpot.web.tasks import curve, held
+from springpot.web.sessions import (
+    State,
+    digest_of,
+    is_session,
+    joined,
+    kept,
+    measured_in,
+    measurement_of,
+    safe_name,
+    session_of,
+    text_of,
+)
+from springpot.web.tasks import answer, curve, held, ladder_of
 
 MODEL = "fractional-maxwell"
 
@@ -139,6 +147,7 @@ def test_new_data_join_in_the_units_that_are_there(data: Measurement):
         joined(in_mm, in_percent)
 
 
+@pytest.mark.soak
 def test_an_answer_is_that_of_discover(first: dict, state: State, data: Measurement):
     same = springpot.discover(data, MODEL, accept=[], seed=0)
     assert first["discovery"] == json.loads(to_json(same))
@@ -189,6 +198,7 @@ def test_rounding_keeps_six_digits_and_tells_what_is_no_number(values: list[floa
             assert shown == pytest.approx(value, rel=1e-5)
 
 
+@pytest.mark.soak
 def test_the_exported_script_gives_the_numbers_of_the_page(
     damper: bytes,
     data: Measurement,
@@ -424,6 +434,7 @@ def test_the_error_is_relative_to_what_was_measured_as_the_page_says(data: Measu
     assert "|K_model - K| / |K|" in words
 
 
+@pytest.mark.soak
 def test_the_ladder_that_was_asked_for_last_is_remembered_longest(monkeypatch):
     climbed = []
 

@@ -8,15 +8,13 @@ from springpot.lazy import offered
 
 if TYPE_CHECKING:
     from .columns import frame
-    from .exported import Export
-    from .exporting import export
-    from .findings import Findings, summarise, write_tables
+    from .exporting import Export, export
     from .runner import Outcome, run_study
-    from .script import load_study
+    from .standings import Findings, summarise, write_tables
     from .statistics import Interval
     from .store import Store
     from .study import Study
-    from .summary import store_path
+    from .summary import load_study, store_path
     from .tables import FORMATS, Table, save_table
     from .trial import Status
 
@@ -41,9 +39,9 @@ __all__ = [
 ]
 
 _WHERE = {
-    "Export": "springpot.benchmark.exported",
+    "Export": "springpot.benchmark.exporting",
     "FORMATS": "springpot.benchmark.tables",
-    "Findings": "springpot.benchmark.findings",
+    "Findings": "springpot.benchmark.standings",
     "Interval": "springpot.benchmark.statistics",
     "Outcome": "springpot.benchmark.runner",
     "Status": "springpot.benchmark.trial",
@@ -52,12 +50,12 @@ _WHERE = {
     "Table": "springpot.benchmark.tables",
     "export": "springpot.benchmark.exporting",
     "frame": "springpot.benchmark.columns",
-    "load_study": "springpot.benchmark.script",
+    "load_study": "springpot.benchmark.summary",
     "run_study": "springpot.benchmark.runner",
     "save_table": "springpot.benchmark.tables",
     "store_path": "springpot.benchmark.summary",
-    "summarise": "springpot.benchmark.findings",
-    "write_tables": "springpot.benchmark.findings",
+    "summarise": "springpot.benchmark.standings",
+    "write_tables": "springpot.benchmark.standings",
 }
 
 __getattr__, __dir__ = offered(__name__, _WHERE)

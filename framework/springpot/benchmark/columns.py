@@ -11,11 +11,10 @@ import numpy as np
 
 from springpot.errors import StudyError
 
-from .rows import CellRow, TrialRow
 from .store import Store
 from .study import Study
-from .summary import store_path
-from .trace import at, geometric_grid
+from .summary import CellRow, TrialRow, store_path
+from .trial import at, geometric_grid
 
 Columns = dict[str, list[Any]]
 """Values by column, all of one length; None where there is nothing to say."""

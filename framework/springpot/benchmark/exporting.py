@@ -1,23 +1,439 @@
-"""Exports of a study for other tools: IOHanalyzer, COCO, CSV, Parquet."""
+"""Exports of a study for other tools: IOHanalyzer, COCO, CSV, Parquet.
+
+What every export of a study shares.
+
+Its trials by problem and optimiser, as other tools number them.
+
+Export to IOHanalyzer and iohinspector.
+
+A folder for each optimiser, an index and improvements per problem.
+
+Export to COCO: one folder for each optimiser with the index and data files that cocopp reads.
+
+COCO's targets are absolute, from 100 down to 1e-8, so what is written is the precision (f - f_best)
+/ (g - f_best): one at the study's reference g, zero at the best that is known. On noisy data with a
+known truth f is the noise-free objective, best of all that was evaluated so far, as COCO defines
+its third column.
+"""
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from functools import partial
 from io import StringIO
+from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
-from springpot.errors import StudyError
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.errors import OutputError, StudyError
 from springpot.files import write_text, write_with
 from springpot.measurement.csv_safe import guarded
+from springpot.rheology.points import Real
 
+from .coco_suite import NAMES, SUITE
 from .columns import TABLES, Columns, required
-from .exported import Export, created
 from .store import Store
 from .study import Study
-from .summary import store_path
+from .summary import CellRow, ProblemRow, TrialRow, store_path
+from .trial import at, geometric_grid
+
+PRECISION = 1e-8
+"""COCO's final target."""
+_HEAD = (
+    "% f evaluations | g evaluations | best noise-free fitness - Fopt (%13.12e) + sum g_i+ |"
+    " measured fitness | best measured fitness or single-digit g-values | x1 | x2...\n"
+)
+
+
+@dataclass
+class Scale:
+    """How a problem's objective becomes a precision.
+
+    Parameters
+    ----------
+    best, reference : float
+        Objective with precision zero and with precision one.
+    noise_free : bool
+        Whether it is the noise-free objective.
+    """
+
+    best: float
+    reference: float
+    noise_free: bool
+
+    def precision(self, values: Real) -> Real:
+        """Precision (n,) of objectives (n,), never below zero."""
+        room = self.reference - self.best
+        # The reference itself may be the best that is known: then there is nothing to scale by.
+        if not room > 0:
+            room = 1.0
+        scaled: Real = np.maximum(values - self.best, 0.0) / room
+        return scaled
+
+
+def write_coco(store: Store, folder: Path) -> Export:
+    """Write a study as COCO data.
+
+    Each problem is a function of the suite, each repetition an instance of it.
+    """
+    # Once through all trials beforehand: what is best of a problem is known only when all have been
+    # seen.
+    scales = _scales(store)
+    files: list[Path] = []
+    names: dict[int, str] = {}
+    count = 0
+    for block in blocks(store):
+        where = created(folder / block.folder)
+        scale = scales[block.cell.problem.id]
+        data = (
+            created(where / f"data_f{block.function}")
+            / f"bbobexp_f{block.function}_DIM{block.dimension}.dat"
+        )
+        files.append(
+            write_text(data, "".join(_text(row, scale, grid=False) for row in block.trials))
+        )
+        timed = data.with_suffix(".tdat")
+        files.append(
+            write_text(timed, "".join(_text(row, scale, grid=True) for row in block.trials))
+        )
+        index = _info_file(block, scale, data.relative_to(where).as_posix())
+        files.append(write_text(where / f"bbobexp_f{block.function}.info", index))
+        # cocopp shows numbers only: the names are kept beside them, for whoever reads its report.
+        names[block.function] = block.name
+        count += len(block.trials)
+    lines = [f"{number} {name}\n" for number, name in sorted(names.items())]
+    files.append(write_text(folder / NAMES, "".join(lines)))
+    return Export(
+        folder,
+        tuple(files),
+        count,
+        left_out(store),
+        f"python -m springpot.benchmark.coco_suite {folder}",
+    )
+
+
+def _scales(store: Store) -> dict[int, Scale]:
+    """Scale of every problem by its number: noise-free if every trial of it knows that."""
+    scales: dict[int, Scale] = {}
+    lowest: dict[int, float] = {}
+    made = {cell.problem.id for cell in store.cells() if cell.problem.known is not None}
+    for block in blocks(store):
+        problem = block.cell.problem
+        scale = scales.setdefault(problem.id, Scale(block.best, problem.reference, True))
+        for row in block.trials:
+            trace = row.oracle_trace()
+            # One trial without it, and the whole problem is told by its measured objective: a scale
+            # must be one.
+            scale.noise_free &= trace is not None
+            least = inf
+            if trace is not None:
+                least = float(trace[1][-1])
+            lowest[problem.id] = min(least, lowest.get(problem.id, inf))
+    for number, scale in scales.items():
+        if scale.noise_free:
+            scale.best = lowest[number]
+            # Where the model made the data, its noise-free objective ends at zero, reached or not.
+            if number in made:
+                scale.best = 0.0
+    return scales
+
+
+def _text(row: TrialRow, scale: Scale, grid: bool) -> str:
+    """A run's lines: at improvements in the .dat file, at a geometric grid in the .tdat file."""
+    measured, shown = row.improvements(), _shown(row, scale)
+    # The first and the last evaluation too, so that the trace has both ends of the run.
+    numbers: NDArray[np.int64] = np.union1d(shown[0], [1, row.evaluations])
+    if grid:
+        numbers = geometric_grid(row.evaluations)
+    precision, best = scale.precision(at(*shown, numbers)), at(*measured, numbers)
+    return _HEAD + "".join(_rows(numbers, precision, best))
+
+
+def _rows(numbers: NDArray[np.int64], precision: Real, best: Real) -> Iterator[str]:
+    for number, gap, value in zip(numbers.tolist(), precision.tolist(), best.tolist(), strict=True):
+        yield f"{number} 0 {gap:+10.9e} {value:+10.9e} {value:+10.9e}\n"
+
+
+def _info_file(block: Block, scale: Scale, data: str) -> str:
+    """The .info file; without COCO's newest key ``settings``, at which iohinspector 0.0.8 fails."""
+    keys = {
+        "suite": f"'{SUITE}'",
+        "funcId": block.function,
+        "DIM": block.dimension,
+        "Precision": f"{PRECISION:.3e}",
+        "algId": f"'{block.folder}'",
+        "coco_version": "'2.8.2'",
+        "logger": "'bbob'",
+        "data_format": "'bbob-new2'",
+    }
+    runs = ", ".join(
+        f"{row.repetition + 1}:{row.evaluations}|{_final(row, scale):.1e}" for row in block.trials
+    )
+    objective = "objective"
+    if scale.noise_free:
+        objective = "noise-free objective"
+    comment = (
+        f"% {block.name}: (f - {scale.best!r}) / ({scale.reference!r} - {scale.best!r}), f the"
+        f" {objective}"
+    )
+    return (
+        ", ".join(f"{key} = {value}" for key, value in keys.items())
+        + f"\n{comment}\n{data}, {runs}\n"
+    )
+
+
+def _shown(row: TrialRow, scale: Scale) -> tuple[NDArray[np.int64], Real]:
+    """Evaluations and objectives of improvements, noise-free ones where every trial knows them."""
+    if not scale.noise_free:
+        return row.improvements()
+    trace = row.oracle_trace()
+    assert trace is not None
+    return trace
+
+
+def _final(row: TrialRow, scale: Scale) -> float:
+    return float(scale.precision(_shown(row, scale)[1][-1:])[0])
+
+
+@dataclass(frozen=True)
+class Export:
+    """What was written.
+
+    Parameters
+    ----------
+    folder : Path
+        Where.
+    files : tuple of Path
+        The files.
+    trials, left_out : int
+        Trials in them, and those without a value that are not.
+    hint : str
+        How to open it.
+    """
+
+    folder: Path
+    files: tuple[Path, ...]
+    trials: int
+    left_out: int
+    hint: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """The trials of one optimiser on one problem, as other tools number them.
+
+    Parameters
+    ----------
+    cell : CellRow
+        Problem and optimiser.
+    folder : str
+        Folder of the optimiser, different for each.
+    function : int
+        Number of the problem, counted from 1 in the order of the study.
+    dimension : int
+        Parameters searched.
+    best : float
+        Smallest objective known of the problem.
+    trials : tuple of TrialRow
+        Those with a value.
+    """
+
+    cell: CellRow
+    folder: str
+    function: int
+    dimension: int
+    best: float
+    trials: tuple[TrialRow, ...]
+
+    @property
+    def name(self) -> str:
+        """Data set, model and objective in one word."""
+        return function_name(self.cell.problem)
+
+
+def created(folder: Path) -> Path:
+    """The folder, made if it is missing.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot write {folder}: {error.strerror or error}") from error
+    return folder
+
+
+def blocks(store: Store) -> Iterator[Block]:
+    """Every cell of a study that has a trial with a value, one at a time."""
+    cells = {cell.id: cell for cell in store.cells()}
+    # From 1 on in the order of the study, as other tools number functions; the store's own numbers
+    # have gaps.
+    numbers = {
+        number: i for i, number in enumerate(dict.fromkeys(c.problem.id for c in cells.values()), 1)
+    }
+    folders = _folders([cell.label for cell in cells.values()])
+    bests = store.bests()
+    for number, rows in store.trials():
+        # What failed has no value, for which these formats have no word: it is counted by
+        # `left_out`.
+        sound = tuple(row for row in rows if row.trace)
+        if number in cells and sound:
+            cell, dimension = cells[number], len(sound[0].theta)
+            folder, problem = folders[cell.label], cell.problem.id
+            yield Block(cell, folder, numbers[problem], dimension, bests[problem], sound)
+
+
+def left_out(store: Store) -> int:
+    """Trials without a value, which other tools have no way to tell of."""
+    shown = {cell.id for cell in store.cells()}
+    return sum(not row.trace for number, rows in store.trials() if number in shown for row in rows)
+
+
+def function_name(problem: ProblemRow) -> str:
+    """Data set, model and objective in one word."""
+    return slug(f"{problem.dataset}_{problem.model}_{problem.objective}")
+
+
+def slug(text: str) -> str:
+    """`text` as a file name."""
+    return "".join(c if c.isalnum() or c in "-_." else "-" for c in text)
+
+
+def _folders(labels: list[str]) -> dict[str, str]:
+    """A folder name for each label, no two the same even where file systems ignore case."""
+    names: dict[str, str] = {}
+    taken: set[str] = set()
+    for label in dict.fromkeys(labels):
+        # Labels that differ in a sign only may become the same name.
+        name, n = slug(label), 1
+        # Two labels must not share a folder where upper and lower case are one.
+        while name.lower() in taken:
+            n += 1
+            name = f"{slug(label)}-{n}"
+        taken.add(name.lower())
+        names[label] = name
+    return names
+
+
+FORMAT = "0.3.5"
+"""Version of the format; readers take files before 0.3.3 for an older one."""
+
+
+def write_ioh(store: Store, folder: Path) -> Export:
+    """Write a study as IOHprofiler data.
+
+    Each problem is a function, each repetition an instance of it.
+    """
+    name = store.facts()["name"]
+    files: list[Path] = []
+    count = 0
+    for block in blocks(store):
+        where = created(folder / block.folder)
+        stem = f"f{block.function}_{block.name}"
+        data = (
+            created(where / f"data_{stem}")
+            / f"IOHprofiler_f{block.function}_DIM{block.dimension}.dat"
+        )
+        files.append(write_text(data, "".join(_lines(block))))
+        index = _iohprofiler_index(block, name, str(data.relative_to(where).as_posix()))
+        files.append(
+            write_text(where / f"IOHprofiler_{stem}.json", json.dumps(index, indent=1) + "\n")
+        )
+        count += len(block.trials)
+    hint = (
+        "upload a zip of a folder to IOHanalyzer, or iohinspector: DataManager().add_folder(FOLDER)"
+    )
+    return Export(folder, tuple(files), count, left_out(store), hint)
+
+
+def _oracles(block: Block) -> bool:
+    """Whether every trial knows what it was worth without noise."""
+    return all(
+        row.recommendations() is not None and row.oracle_trace() is not None for row in block.trials
+    )
+
+
+def _lines(block: Block) -> Iterator[str]:
+    # All trials of a file have the same columns, or none of these.
+    extra: tuple[str, ...] = ()
+    if _oracles(block):
+        extra = ("recommended", "oracle")
+    head = " ".join(("evaluations", "raw_y", *extra)) + "\n"
+    for row in block.trials:
+        yield head
+        evaluations, values = row.improvements()
+        # Readers split runs where the evaluation is 1, and take the last one for the length of the
+        # run.
+        grid = np.union1d(evaluations, [1, row.evaluations])
+        columns = [at(evaluations, values, grid)]
+        if extra:
+            for trace in (row.recommendations(), row.oracle_trace()):
+                assert trace is not None
+                columns.append(at(*trace, grid))
+        for number, point in zip(grid.tolist(), np.column_stack(columns).tolist(), strict=True):
+            yield " ".join([str(number), *map(_number, point)]) + "\n"
+
+
+def _number(value: float) -> str:
+    if not isfinite(value):
+        # What is no number is told as the worst: its readers have no other word for it.
+        return "inf"
+    return f"{value:.16e}"
+
+
+def _iohprofiler_index(block: Block, study: str, data: str) -> dict[str, Any]:
+    problem = block.cell.problem
+    about = {
+        "dataset": problem.dataset,
+        "model": problem.model,
+        "objective": problem.objective,
+        "study": study,
+        "budget": str(block.cell.budget),
+    }
+    return {
+        "version": FORMAT,
+        "suite": "springpot",
+        "function_id": block.function,
+        "function_name": block.name,
+        "maximization": False,
+        "algorithm": {"name": block.cell.label, "info": f"{block.cell.optimiser} in springpot"},
+        "experiment_attributes": [{key: value} for key, value in about.items()],
+        "run_attributes": ["gradients", "batched", "seconds"],
+        "attributes": [
+            "evaluations",
+            "raw_y",
+            *(("recommended", "oracle") if _oracles(block) else ()),
+        ],
+        "scenarios": [
+            {
+                "dimension": block.dimension,
+                "path": data,
+                "runs": [_run(block, row) for row in block.trials],
+            }
+        ],
+    }
+
+
+def _run(block: Block, row: TrialRow) -> dict[str, Any]:
+    evaluations, values = row.improvements()
+    best = {"evals": int(evaluations[-1]), "y": float(values[-1]), "x": list(row.theta.values())}
+    return {
+        "instance": row.repetition + 1,
+        "evals": row.evaluations,
+        "best": best,
+        "gradients": row.gradients,
+        "batched": row.batched,
+        "seconds": row.seconds,
+    }
 
 
 def export(
@@ -100,13 +516,11 @@ def _whole(store: Store, folder: Path, files: list[Path], hint: str) -> Export:
 
 # These two are imported only when they are asked for: every run of a study would pay for them.
 def _ioh(store: Store, folder: Path) -> Export:
-    from .export_ioh import write_ioh
 
     return write_ioh(store, folder)
 
 
 def _coco(store: Store, folder: Path) -> Export:
-    from .export_coco import write_coco
 
     return write_coco(store, folder)
 

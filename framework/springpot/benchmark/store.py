@@ -1,6 +1,10 @@
 """The store of a study.
 
 One SQLite file that only the coordinator writes, a transaction per batch of results.
+
+Seals: a checksum of every row of a store.
+
+So that damage is noticed and named instead of shown as a result.
 """
 
 from __future__ import annotations
@@ -8,10 +12,12 @@ from __future__ import annotations
 import json
 import sqlite3
 import sys
-from collections.abc import Container, Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from hashlib import blake2b
 from itertools import groupby
 from math import inf
 from pathlib import Path
+from typing import Any
 
 from springpot.errors import StudyError
 
@@ -27,30 +33,49 @@ from .database import (
     transaction,
 )
 from .plan import Plan
-from .row_checksum import seal, sound
-from .rows import CellRow, TrialRow
 from .schema import (
     ALL_TRIALS,
     CELLS,
     DROP_STRAY,
     FACTS,
+    KEYS,
     PROBLEMS,
     SCHEMA,
     SEALED,
     UPGRADES,
     cell_columns,
+    columns,
     create,
     expected,
     insertion,
     problem_columns,
     problem_of,
+    save,
     trace_columns,
     trial_columns,
     trial_of,
     trials_of,
+    whole,
 )
-from .store_repair import KEYS, columns, save, whole
+from .summary import CellRow, TrialRow
 from .trial import Status, TrialResult
+
+SIZE = 8
+"""Bytes of a checksum: of 2^64 damaged rows one would pass."""
+
+
+def seal(values: Sequence[Any]) -> bytes:
+    """Checksum of a row's values.
+
+    Texts, numbers, bytes or None, of which each has one way to be written.
+    """
+    # The representation of a float has all its digits, and tells 1 from 1.0 and both from "1".
+    return blake2b(repr(tuple(values)).encode("utf-8", "surrogatepass"), digest_size=SIZE).digest()
+
+
+def sound(row: Sequence[Any]) -> bool:
+    """Whether the last value of a row is the seal of those before it."""
+    return bool(row[-1] == seal(row[:-1]))
 
 
 class Store:

@@ -1,13 +1,18 @@
-"""A study as a user declares it, and its resolution into a plan."""
+"""A study as a user declares it, and its resolution into a plan.
+
+A study that is run as a program of its own.
+"""
 
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from itertools import product
 from math import isfinite
 from pathlib import Path
+from runpy import run_module
 from typing import TypeAlias, TypeGuard
 
 import numpy as np
@@ -24,6 +29,32 @@ from springpot.measurement.opening import open_measurement
 from springpot.registry import parse_model, plugins
 
 from .plan import Case, Cell, Entrant, Plan, Source, cell_digest
+
+
+def main(study: object, arguments: Sequence[str] | None = None) -> None:
+    """Run a study as a program.
+
+    What ``springpot run`` does with the path of the script that declares it.
+
+    Raises
+    ------
+    StudyError
+        If the running program is not that script, so that workers could not find what it defines.
+    """
+    script = getattr(sys.modules["__main__"], "__file__", None)
+    if script is None or getattr(sys.modules["__main__"], "study", None) is not study:
+        raise StudyError("call study.main() in the script that declares it as study = Study(...)")
+    # As the user wrote it where that is the script: the command is told in the report, to be
+    # repeated elsewhere.
+    written = script
+    if Path(sys.argv[0]).resolve() == Path(script).resolve():
+        written = sys.argv[0]
+    if arguments is None:
+        arguments = sys.argv[1:]
+    sys.argv = ["springpot", "run", written, *arguments]
+    # The command stands above this room and is started like any other program, not imported.
+    run_module("springpot", run_name="__main__")
+
 
 OWN = "own"
 """Stands for a data set's own model where a model is named."""
@@ -268,8 +299,6 @@ class Study:
 
     def main(self, arguments: Sequence[str] | None = None) -> None:
         """Run the study as a script: the same as ``springpot run`` with the script's path."""
-        from .program import main
-
         main(self, arguments)
 
 

@@ -1,21 +1,194 @@
-"""Cells in numbers: success, cost, accuracy, time and failures; and where a study's results are."""
+"""Cells in numbers: success, cost, accuracy, time and failures; and where a study's results are.
+
+A user's study script: loaded by path in the command and in every worker, or run as a program.
+
+What a store gives back: its problems, cells and trials.
+"""
 
 from __future__ import annotations
 
+import json
+import os
+import sys
+import traceback
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from contextlib import redirect_stdout
+from dataclasses import dataclass, field
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
+from numpy.typing import NDArray
 
+from springpot.errors import SpringpotError, StudyError
 from springpot.rheology.points import Real
 
 from .plan import stream_of
-from .rows import CellRow, TrialRow
 from .statistics import Interval, median, running_time_interval, wilson
 from .study import Study
 from .tables import Entry, Table
+from .trial import TrialResult, unpack, unpack_values
+
+
+def load_script(path: Path) -> ModuleType:
+    """The script as a module, executed once in a process.
+
+    It has the same name everywhere, so that an optimiser defined in it is found again in a worker.
+
+    Raises
+    ------
+    StudyError
+        If it cannot be read or fails, with file and line.
+    """
+    # Not by Path.resolve, for which a link that leads to itself is a fault.
+    path = Path(os.path.realpath(path))
+    name = f"springpot_study_{path.stem}"
+    loaded = sys.modules.get(name)
+    if loaded is not None and loaded.__file__ == str(path):
+        return loaded
+    if not path.is_file():
+        raise StudyError(f"there is no study script {path}: give the path of a Python file")
+    spec = spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise StudyError(f"{path} is no Python file: a study script ends in .py")
+    module = module_from_spec(spec)
+    # Before it runs, as pickle looks for what it defines under this name.
+    sys.modules[name] = module
+    # As Python does for a script: files beside it can be imported.
+    if str(path.parent) not in sys.path:
+        sys.path.insert(0, str(path.parent))
+    try:
+        # What a script prints is no part of a command's own output.
+        with redirect_stdout(sys.stderr):
+            spec.loader.exec_module(module)
+    except (Exception, SystemExit) as error:
+        del sys.modules[name]
+        raise StudyError(_one_line(path, error)) from error
+    return module
+
+
+def _one_line(path: Path, error: BaseException) -> str:
+    lines = [
+        frame.lineno
+        for frame in traceback.extract_tb(error.__traceback__)
+        if frame.filename == str(path)
+    ]
+    if isinstance(error, SyntaxError) and error.filename == str(path):
+        lines.append(error.lineno)
+    line: int | None = 1
+    # The last of the script's own lines: the user can mend that one, and not the library it calls.
+    if lines:
+        line = lines[-1]
+    message = str(error)
+    if isinstance(error, SyntaxError):
+        # Its text would name the file and the line once more.
+        message = error.msg
+    message = " ".join(message.split())
+    if not isinstance(error, SpringpotError):
+        message = f"{type(error).__name__}: {message}"
+    return f"{path}, line {line}: {message}"
+
+
+def load_study(path: str | Path) -> Study:
+    """The study that a script declares.
+
+    Parameters
+    ----------
+    path : str or Path
+        A Python file with ``study = Study(...)``.
+
+    Raises
+    ------
+    StudyError
+        If the script fails (with file and line) or declares none, or several of which none is
+        called ``study``.
+    """
+    module = load_script(Path(path))
+    studies = {name: value for name, value in vars(module).items() if isinstance(value, Study)}
+    if "study" in studies:
+        return studies["study"]
+    if len({id(value) for value in studies.values()}) == 1:
+        return next(iter(studies.values()))
+    if not studies:
+        raise StudyError(f"{path} declares no study: write study = Study(...) in it")
+    raise StudyError(f"{path} declares {', '.join(studies)}: call the one to run 'study'")
+
+
+@dataclass(frozen=True)
+class ProblemRow:
+    """What the store knows of one problem."""
+
+    id: int
+    dataset: str
+    kind: str
+    points: int
+    stiffness_unit: str
+    model: str
+    objective: str
+    reference: float
+    known: float | None
+    truth: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class CellRow:
+    """One problem and one entrant."""
+
+    id: int
+    problem: ProblemRow
+    label: str
+    optimiser: str
+    options: str
+    budget: int
+
+
+@dataclass(frozen=True, slots=True)
+class TrialRow(TrialResult):
+    """One finished trial as the store has it.
+
+    Its cell by the store's number, its parameters empty if it failed.
+    """
+
+    theta: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def theta_text(self) -> str | None:
+        """Its parameters as JSON, None if it failed."""
+        if not self.theta:
+            return None
+        return json.dumps(self.theta)
+
+    def improvements(self) -> tuple[NDArray[np.int64], Real]:
+        """Evaluation numbers (n,) and objectives (n,) of the improvements."""
+        return unpack(self.trace)
+
+    def recommendations(self) -> tuple[NDArray[np.int64], Real] | None:
+        """Evaluation numbers (n,) and noise-free objectives (n,) of what was best at the time.
+
+        May rise.
+
+        None where the truth is unknown or was not kept.
+        """
+        if self.recommended is None:
+            return None
+        evaluations, values = self.improvements()
+        if self.recommended:
+            values = unpack_values(self.recommended)
+        return evaluations, values
+
+    def oracle_trace(self) -> tuple[NDArray[np.int64], Real] | None:
+        """Evaluation numbers (n,) and values (n,) of the best noise-free objective evaluated.
+
+        None where the truth is unknown or was not kept.
+        """
+        if self.seen is None:
+            return None
+        # Of exact data it is kept empty: there the objective itself has no noise.
+        if not self.seen:
+            return self.improvements()
+        return unpack(self.seen)
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,8 +377,6 @@ def store_path(study: Study | str | Path, out: Path = Path("results")) -> Path:
         return out / study.name / f"{study.name}.sqlite"
     path = Path(study)
     if path.suffix == ".py":
-        from .script import load_study
-
         return store_path(load_study(path), out)
     if path.suffix == ".sqlite":
         return path

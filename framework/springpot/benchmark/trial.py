@@ -1,17 +1,36 @@
-"""One trial: an optimiser's run on a problem, judged against what is known of the truth."""
+"""One trial: an optimiser's run on a problem, judged against what is known of the truth.
+
+A canary: a small run of known outcome, which tells a process in which something was changed.
+
+An optimiser shares its process with the objective and the recorder. Whatever it replaced or
+overwrote there, a method, an array of the measurement, the generator, shows in what the canary
+finds.
+
+Improvement traces as compact bytes, and what is read off them.
+
+Between its improvements a trace is flat, so they hold its value at every evaluation;
+`geometric_grid` chooses some.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import zlib
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
+from hashlib import sha256
+from math import inf
+from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.identification.ledger import all_points
+from springpot.identification.optimiser import Card, Optimiser
 from springpot.identification.problem import Problem, watched
+from springpot.identification.recorder import Recorder
 from springpot.identification.runs import Run, run, run_batch
 from springpot.measurement.measurement import Measurement
 from springpot.registry import parse_model
@@ -19,8 +38,146 @@ from springpot.rheology.points import Real
 
 from .plan import Case, Cell, Plan, Source, Task
 from .study import truth_fits
-from .tamper_test import Witness
-from .trace import improvements, pack, pack_values
+
+BUDGET = 4
+"""A single evaluation, two in a stack, one with its gradient.
+
+About 0.2 ms, which is added to every trial.
+"""
+
+
+@dataclass(frozen=True)
+class Canary(Optimiser):
+    """Asks for values one by one, in a stack and with a derivative."""
+
+    name: ClassVar[str] = "canary"
+    card: ClassVar[Card] = Card("fixed points", gradient=True)
+
+    def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
+        """Evaluate a few points of the box."""
+        # By each door of the recorder: whichever of them was tampered with, one of these shows it.
+        x = problem.lower + rng.random((3, problem.dimension)) * (problem.upper - problem.lower)
+        problem(x[0])
+        problem.batch(x[:2])
+        problem.gradient(x[2])
+
+
+def outcome(problem: Problem) -> str:
+    """What the canary finds, to the last bit."""
+    # With a diary: an array that was changed shows in the points that are seen even where the best
+    # stays.
+    done = run(Canary(), problem, BUDGET, np.random.default_rng(7), diary=True)
+    seen = sha256(
+        repr((done.status, done.evaluations, done.gradients, done.batched, done.trace)).encode()
+    )
+    for array in (done.best_x, done.theta, done.point, *(page for page, _ in done.diary or ())):
+        seen.update(np.ascontiguousarray(array).tobytes())
+    return seen.hexdigest()
+
+
+def digest_of_objective(problem: Problem) -> str:
+    """SHA-256 of the data, the weights, the box, and the objective at three points of it."""
+    low, high = problem.lower, problem.upper
+    # Three places: what was changed may have no part in the value at one of them.
+    x: Real = low + np.array([[0.2], [0.5], [0.8]]) * (high - low)
+    with np.errstate(all="ignore"):
+        value = problem.evaluate(x)
+    seen = sha256(problem.measurement.digest().encode())
+    for array in (low, high, problem.space.lowest, problem.space.highest, problem.weights, value):
+        seen.update(np.ascontiguousarray(array).tobytes())
+    return seen.hexdigest()
+
+
+@dataclass(frozen=True)
+class Witness:
+    """What a problem answered in a process that had run no optimiser.
+
+    Parameters
+    ----------
+    objective, canary : str
+        Digests.
+    """
+
+    objective: str
+    canary: str
+
+    @classmethod
+    def of(cls, problem: Problem) -> Witness:
+        """The witness of a problem as it is now."""
+        return cls(digest_of_objective(problem), outcome(problem))
+
+    def complaint(self, problem: Problem) -> str:
+        """What has changed since, in one line; nothing if all is as it was."""
+        try:
+            now = Witness.of(problem)
+        except Exception as error:
+            return (
+                f"after the trial a canary failed in its process: {type(error).__name__}: {error}"
+            )
+        if now.objective != self.objective:
+            return "after the trial its process had another objective than before"
+        if now.canary != self.canary:
+            return "after the trial a canary found something else in its process than before"
+        return ""
+
+
+# The order of bytes is part of the format: a store may be read on another machine.
+_STEP = np.dtype("<u4")
+_VALUE = np.dtype("<f8")
+
+
+def pack(trace: Sequence[tuple[int, float]]) -> bytes:
+    """Bytes of a trace of (evaluation, objective) pairs with rising evaluations."""
+    if not trace:
+        return b""
+    # Steps and values apart: small numbers among themselves compress well, and values hardly.
+    evaluations, values = zip(*trace, strict=True)
+    steps = np.diff(np.array(evaluations, dtype=np.int64), prepend=0).astype(_STEP)
+    return zlib.compress(steps.tobytes() + np.array(values, dtype=_VALUE).tobytes(), 6)
+
+
+def unpack(blob: bytes) -> tuple[NDArray[np.int64], Real]:
+    """Evaluations (n,) and values (n,) of a packed trace."""
+    if not blob:
+        return np.empty(0, dtype=np.int64), np.empty(0)
+    raw = zlib.decompress(blob)
+    n = len(raw) // (_STEP.itemsize + _VALUE.itemsize)
+    steps = np.frombuffer(raw, _STEP, n)
+    return np.cumsum(steps, dtype=np.int64), np.frombuffer(
+        raw, _VALUE, n, offset=n * _STEP.itemsize
+    )
+
+
+def pack_values(values: Real) -> bytes:
+    """Bytes of values (n,) whose evaluation numbers are those of another trace."""
+    return zlib.compress(np.asarray(values, dtype=_VALUE).tobytes(), 6)
+
+
+def unpack_values(blob: bytes) -> Real:
+    """Values (n,) of `pack_values`."""
+    return np.frombuffer(zlib.decompress(blob), _VALUE)
+
+
+def improvements(values: Real) -> list[tuple[int, float]]:
+    """Trace of the running minimum of `values` (n,), row i being evaluation i + 1."""
+    before = np.concatenate([[inf], np.minimum.accumulate(values)[:-1]])
+    rows = np.flatnonzero(values < before)
+    return list(zip((rows + 1).tolist(), values[rows].tolist(), strict=True))
+
+
+def geometric_grid(last: int, per_decade: int = 20) -> NDArray[np.int64]:
+    """Evaluation numbers (m,) from 1 to `last` in equal ratios, both ends included."""
+    steps = np.arange(int(per_decade * np.log10(max(last, 1))) + 1)
+    # A power that rounding has left just below a whole number is that number.
+    numbers = np.floor(10.0 ** (steps / per_decade) * (1 + 1e-12)).astype(np.int64)
+    return np.unique(np.append(numbers[numbers <= last], last))
+
+
+def at(evaluations: NDArray[np.int64], values: Real, grid: NDArray[np.int64]) -> Real:
+    """Value (m,) of a trace at evaluation numbers `grid` (m,), infinite before its first point."""
+    index = np.searchsorted(evaluations, grid, side="right")
+    return np.concatenate([[inf], values])[index]
+
 
 LONGEST_REASON = 300
 """Signs of a reason that are kept: the message of an error may hold whole arrays."""

@@ -18,6 +18,9 @@ from .faults import BAD_INPUT, FAULT, exit_code
 
 if TYPE_CHECKING:
     from springpot.measurement.measurement import Measurement
+    from springpot.measurement.timetest import TimeTest
+
+    T = TypeVar("T", Measurement, TimeTest)
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -122,22 +125,24 @@ def opened(data: str, geometry: str | None = None, quiet: bool = False) -> Measu
 
     What the reader doubts or left out goes to stderr, unless `quiet`.
     """
-    from springpot.measurement.geometry_text import parse_geometry
-    from springpot.measurement.interface import through
     from springpot.registry import open_measurement
 
-    interface = None
-    # First: a geometry that is mistyped is told before a large file has been read.
-    if geometry is not None:
-        interface = parse_geometry(geometry)
     measured = open_measurement(data)
     if not quiet:
         for key, value in measured.provenance.items():
             if key.startswith("note "):
                 note_to_stderr(measured.name, value)
-    if interface is None:
-        return measured
-    return through(measured, interface)
+    return seen_through(measured, geometry)
+
+
+def seen_through(test: T, geometry: str | None) -> T:
+    """A test seen through a geometry, if one is given."""
+    if geometry is None:
+        return test
+    from springpot.measurement.geometry_text import parse_geometry
+    from springpot.measurement.interface import through
+
+    return through(test, parse_geometry(geometry))
 
 
 def of_each(data: Sequence[str], answer: Callable[[str], object]) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -65,21 +65,19 @@ def command(
     do without: the simplest that follows the data as well as any material does comes first. Tests
     in time serve as well as sweeps.
     """
-    from springpot.registry import for_sweeps, parse_timed
+    from springpot.registry import parse_model
     from springpot.report.canvas import check_figure_path
 
     if figure is not None:
         # A path that cannot be written is told before minutes are spent on the picture.
         check_figure_path(figure)
     # A model that was named twice is judged once.
-    expressions = [parse_timed(model) for model in dict.fromkeys(models)]
+    expressions = [parse_model(model) for model in dict.fromkeys(models)]
     tests = timetests.named_tests([data], geometry)
     if tests is not None:
         timetests.compare(tests, expressions, figure, as_json)
         return
-    comparison = _compared(
-        opened(data, geometry), [for_sweeps(each) for each in expressions], seed or 0
-    )
+    comparison = _compared(opened(data, geometry), expressions, seed or 0)
     if figure is not None:
         # Only where a picture is wanted: text needs none of its modules.
         from springpot.report.residuals import figure_compared
@@ -127,9 +125,10 @@ def _next_command(comparison: Comparison, data: str, models: Sequence[str]) -> s
     return f"{command} {quoted(data)} --model {quoted(best.model.name)}"
 
 
-def _compared(measurement: Measurement, models: list[Model], seed: int) -> Comparison:
+def _compared(measurement: Measurement, models: list[Model], seed: int) -> Any:
     """The given models, or all that are installed."""
     from springpot.api import compare
 
     with Waiting() as waiting:
-        return compare(measurement, models or None, seed=seed, progress=waiting.told)
+        compared: Any = compare(measurement, models or None, seed=seed, progress=waiting.told)
+    return compared

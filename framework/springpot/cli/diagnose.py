@@ -63,19 +63,16 @@ def command(
     prints one line of JSON for each. One that cannot be used is named on stderr, and the others are
     still answered. Tests in time are judged together, on their raw signals.
     """
-    from springpot.registry import for_sweeps, parse_timed
+    from springpot.registry import parse_model
 
     expression = None
     if model is not None:
-        expression = parse_timed(model)
+        expression = parse_model(model)
+    arguments = {"model": expression, "seed": seed or 0, **known_from(options)}
     tests = timetests.named_tests(data, geometry)
     if tests is not None:
-        timetests.diagnose(tests, expression, data, model, as_json)
+        timetests.diagnose(tests, data, model, as_json, arguments)
         return 0
-    judged = None
-    if expression is not None:
-        judged = for_sweeps(expression)
-    arguments = {"model": judged, "seed": seed or 0, **known_from(options)}
 
     def answer(name: str) -> None:
         if name != data[0] and not as_json:
@@ -97,7 +94,7 @@ def _answer(measurement: Measurement, arguments: dict[str, Any], shown: Shown) -
     from springpot.diagnosis.examination import within
 
     with Waiting() as waiting:
-        diagnosis = diagnose(
+        diagnosis: Any = diagnose(
             measurement, **arguments, progress=within(measurement.name, waiting.told)
         )
     shown(diagnosis, measurement)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+
+from springpot.errors import OptionError
 
 from . import completion, timetests
 from .common import (
@@ -95,35 +96,29 @@ def command(
 
     Ctrl-C ends with the answer of the last step that was reached.
     """
-    from springpot.registry import effect_in_time, for_sweeps, parse_timed, plugins
+    from springpot.registry import parse_model, plugins
     from springpot.report.ladder_text import ladder_text
 
     accept = (*accept, *more)  # as in: --accept inertia time-delay
     _require_one_choice(auto, accept)
     _check_paths(report, figure)
-    expression = judged = None
+    expression = None
     if model is not None:
-        expression = parse_timed(model)
-    # Whether the data are tests in time is not known yet: names of either kind are understood.
-    effects = _accepted(accept, auto, effect_in_time)
-    tests = timetests.named_tests([data], geometry)
-    if tests is not None:
-        refused = _for_sweeps_only(options, report)
-        timetests.discover(tests, expression, effects, figure, as_json, refused)
-        return 0
-    measurement = opened(data, geometry)
-    if expression is not None:
-        # Only now: effects of time alone are refused for a sweep.
-        judged = for_sweeps(expression)
+        expression = parse_model(model)
     # Before `known_from`, which takes the options out.
     again = again_with(data, model, accept, auto, seed, geometry, options)
-    ladder, code = _climbed(
-        measurement,
-        judged,
-        accept=_accepted(accept, auto, plugins().effect),
-        seed=seed or 0,
-        **known_from(options),
-    )
+    effects = None
+    if not auto:
+        effects = [plugins().effect(name) for name in accept]
+    arguments = {"accept": effects, "seed": seed or 0, **known_from(options)}
+    tests = timetests.named_tests([data], geometry)
+    if tests is not None:
+        if report is not None:
+            raise OptionError("--report is for sweeps: leave it out for tests in time")
+        timetests.discover(tests, figure, as_json, {"model": expression, **arguments})
+        return 0
+    measurement = opened(data, geometry)
+    ladder, code = _climbed(measurement, expression, **arguments)
     _write(ladder, measurement, figure, report, again)
     emit(ladder, as_json, lambda: print(ladder_text(ladder, window(), verbose)))
     # A program that reads the JSON reads nothing else.
@@ -131,14 +126,6 @@ def command(
         _tell_written(figure, report)
         print(f"\nnext: {_next(ladder, data, model)}")
     return code
-
-
-def _for_sweeps_only(options: dict[str, Any], report: Path | None) -> list[str]:
-    """The options that were given and that tests in time cannot take."""
-    given = [name for name in ("fix", "bounds", "exclude") if options[name]]
-    if report is not None:
-        given.append("report")
-    return given
 
 
 def _write(
@@ -175,13 +162,6 @@ def _check_paths(report: Path | None, figure: Path | None) -> None:
         check_report_path(report)
     if figure is not None:
         check_figure_path(figure)
-
-
-def _accepted(names: Sequence[str], auto: bool, find: Callable[[str], E]) -> list[E] | None:
-    """The effects of these names; None leaves the choice to the evidence."""
-    if auto:
-        return None
-    return [find(name) for name in names]
 
 
 def _require_one_choice(auto: bool, accept: tuple[str, ...]) -> None:
@@ -232,12 +212,9 @@ def _climbed(measurement: Measurement, model: Model | None, **arguments: Any) ->
     with Waiting() as waiting:
         progress = within(measurement.name, waiting.told)
         try:
-            return (
-                discover(
-                    measurement, model, **arguments, progress=progress, reached=reached.append
-                ),
-                0,
-            )
+            arguments |= {"progress": progress, "reached": reached.append}
+            ladder: Any = discover(measurement, model, **arguments)
+            return ladder, 0
         except KeyboardInterrupt:
             if not reached:
                 raise

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.errors import OptionError
 from springpot.thresholds import INTERVALS
 
 from . import completion, timetests
@@ -33,6 +32,7 @@ from .waiting import Waiting
 
 if TYPE_CHECKING:
     from springpot.identification.result import Identification
+    from springpot.measurement.measurement import Measurement
     from springpot.rheology.model import Model
 
 OBJECTIVE = "See 'springpot list objectives'; suited to the data by default."
@@ -103,7 +103,7 @@ def command(
     """
     from springpot.constraints import values_of
     from springpot.measurement.joining import joined
-    from springpot.registry import for_sweeps, parse_timed
+    from springpot.registry import parse_model
     from springpot.report.canvas import check_figure_path
 
     # A path that cannot be written is told before time is spent on the fit.
@@ -111,24 +111,22 @@ def command(
         check_figure_path(figure)
     if as_csv and as_json:
         raise click.UsageError("give --csv or --json, not both", click.get_current_context())
-    expression = parse_timed(model)
+    expression = parse_model(model)
+    arguments = {**options, **known_from(options), "start": values_of(options["start"])}
     tests = timetests.named_tests(data, geometry)
     if tests is not None:
-        _refuse_for_tests(options)
-        timetests.identify(tests, data, model, figure, as_json, options)
+        timetests.identify(tests, data, expression, figure, as_json, arguments)
         return 0
-    judged = for_sweeps(expression)
-    arguments = {**options, **known_from(options), "start": values_of(options["start"])}
     if len(data) > 1 and not joint:
         if figure is not None:
             advice = "--figure draws one fit: name one DATA, or give --joint"
             raise click.UsageError(advice, click.get_current_context())
-        return _each(data, judged, geometry, arguments, as_csv, as_json)
+        return _each(data, expression, geometry, arguments, as_csv, as_json)
     measured = [opened(name, geometry) for name in data]
     together = measured[0]
     if len(measured) > 1:
         together = joined(measured)
-    fit = _fitted(together, judged, arguments)
+    fit = _fitted(together, expression, arguments)
     if figure is not None:
         fit.plot(figure)
     if as_csv:
@@ -141,20 +139,10 @@ def command(
     return 0
 
 
-def _refuse_for_tests(options: dict[str, Any]) -> None:
-    """Take out the options that tests in time do not know, none of which may have been given."""
-    for name in ("fix", "bounds", "exclude", "start"):
-        # Refused, not passed over: a fit that ignores what was held would look as if it had heeded
-        # it.
-        if options.pop(name):
-            raise OptionError(
-                f"--{name} is for sweeps: tests in time are identified with all parameters free"
-            )
-
-
-def _fitted(measured: Any, model: Model, arguments: dict[str, Any]) -> Identification:
+def _fitted(measured: Measurement, model: Model, arguments: dict[str, Any]) -> Identification:
     """The fit, with the floors that its text tells; those who wait are told what is being done."""
     from springpot.api import identify
+    from springpot.identification.result import Identification
 
     if arguments.get("optimiser") is None:
         with Waiting() as waiting:
@@ -164,6 +152,8 @@ def _fitted(measured: Any, model: Model, arguments: dict[str, Any]) -> Identific
         # Its run takes place in a copy of this process, which is safe only where no thread runs
         # beside.
         fit = identify(measured, model, **arguments)
+    # Of a sweep, as all that this command opens by itself.
+    assert isinstance(fit, Identification)
     with Waiting() as waiting:
         waiting.told(f"judging {model.name} of {measured.name}")
         # Asked for here, while somebody says what is waited for: the text asks again at no cost.

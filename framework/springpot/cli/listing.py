@@ -13,7 +13,6 @@ KINDS = (
     "models",
     "optimisers",
     "effects",
-    "time-effects",
     "datasets",
     "readers",
     "objectives",
@@ -33,7 +32,7 @@ def command(kind: str, names: Sequence[str], verbose: bool, as_json: bool) -> No
 
     Of a library of optimisers, such as optimagic-NAME, its name lists what it has.
 
-    KIND is models, optimisers, effects, time-effects, datasets, readers, objectives or writers.
+    KIND is models, optimisers, effects, datasets, readers, objectives or writers.
     Plugins that could not be loaded are listed with their distribution and the reason.
     """
     from springpot.registry import plugins

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .common import emit, note_to_stderr, opened, quoted, turned, window
+from .common import emit, note_to_stderr, opened, quoted, seen_through, turned, window
 
 if TYPE_CHECKING:
     from springpot.identification.result import Identification
-    from springpot.measurement.timed import Timed
-    from springpot.measurement.timeeffect import TimeEffect
     from springpot.measurement.timetest import TimeTest
-    from springpot.rheology.effect import Effect
     from springpot.rheology.model import Model
     from springpot.timetests.answer import TimeDiagnosis
     from springpot.timetests.predicted_test import TestPrediction
@@ -38,9 +36,9 @@ def named_tests(data: Sequence[str], geometry: str | None) -> list[Test] | None:
     Raises
     ------
     SpringpotError
-        If one of them cannot be opened, or a geometry is given, which is for sweeps.
+        If one of them cannot be opened, or does not fit the geometry.
     """
-    from springpot.errors import DataError, OptionError
+    from springpot.errors import DataError
     from springpot.registry import open_in_time
 
     # All are opened before anything is decided: one test in time makes the sweeps beside it part of
@@ -58,50 +56,42 @@ def named_tests(data: Sequence[str], geometry: str | None) -> list[Test] | None:
     if unusable:
         # A joint answer without one of its tests would be another one.
         raise unusable[0]
-    if geometry is not None:
-        raise OptionError(
-            "--geometry is for sweeps: convert tests in time to stress and strain in their file"
-        )
     tests: list[Test] = []
     for spec, in_time in zip(data, of_each, strict=True):
-        # What is no test in time among tests in time is a sweep of the same specimen.
-        tests += in_time or [opened(spec)]
         for test in in_time:
             for key, value in test.provenance.items():
                 if key.startswith("note "):
                     note_to_stderr(test.name, value)
+            tests.append(seen_through(test, geometry))
+        # What is no test in time among tests in time is a sweep of the same specimen.
+        if not in_time:
+            tests.append(opened(spec, geometry))
     return tests
 
 
 def identify(
     tests: Sequence[Test],
     data: Sequence[str],
-    expression: str,
+    model: Model,
     figure: Path | None,
     as_json: bool,
     options: Any,
 ) -> None:
     """``springpot identify`` of the tests in time that DATA name, alone or beside sweeps."""
-    from springpot.constraints import optimiser_of
-    from springpot.errors import OptionError
-    from springpot.registry import parse_timed
-    from springpot.timetests.fitting import identify as identify_in_time
+    from springpot.api import identify as identified_from
 
-    for name, usual in (("objective", None), ("intervals", "jacobian")):
-        if options[name] != usual:
-            raise OptionError(
-                f"--{name} is for sweeps: residuals of tests in time are counted in their noise"
-            )
-    optimiser = None
-    if options["optimiser"]:
-        optimiser = optimiser_of(options["optimiser"])
-    search = {name: options[name] for name in ("budget", "restarts", "seed")}
-    fit = identify_in_time(tests, parse_timed(expression), optimiser=optimiser, **search)
+    from .waiting import Waiting
+
+    # An optimiser runs in a copy of this process, which is safe only where no thread runs beside.
+    with ExitStack() as stack:
+        if options.get("optimiser") is None:
+            stack.enter_context(Waiting()).told(f"fitting {model.name}")
+        fit: Any = identified_from(tests, model, **options)
     if figure is not None:
         from springpot.report.timetests import figure_tests
 
         figure_tests(fit, tests, figure)
-    emit(fit, as_json, lambda: _show(fit, figure, data, expression))
+    emit(fit, as_json, lambda: _show(fit, figure, data, model.name))
 
 
 def _show(
@@ -120,23 +110,19 @@ def _show(
 
 
 def compare(
-    tests: Sequence[Test], models: Sequence[Model | Timed], figure: Path | None, as_json: bool
+    tests: Sequence[Test], models: Sequence[Model], figure: Path | None, as_json: bool
 ) -> None:
     """``springpot compare`` of models of tests in time.
 
     Without any, all installed ones that have a fixed size.
     """
-    from springpot.registry import plugins
+    from springpot.api import compare as compared
     from springpot.report.fit_text import compared_in_time_text
-    from springpot.rheology.model import Model
-    from springpot.timetests.comparing import compare as compare_in_time
 
     from .waiting import Waiting
 
-    # A family such as prony-N has no size of its own, and cannot be fitted before one is chosen.
-    chosen = models or [item for item in plugins().items("model") if isinstance(item, Model)]
     with Waiting() as waiting:
-        comparison = compare_in_time(tests, chosen, waiting.told)
+        comparison: Any = compared(tests, models or None, progress=waiting.told)
     if figure is not None:
         from springpot.report.timetests import figure_tests
 
@@ -148,46 +134,38 @@ def compare(
 
 def diagnose(
     tests: Sequence[Test],
-    model: Model | Timed | None,
     data: Sequence[str],
     named: str | None,
     as_json: bool,
+    arguments: Any,
 ) -> None:
     """``springpot diagnose`` of the tests in time that DATA name.
 
     What is missing, from the raw signals.
     """
-    from springpot.misfit.material import any_material
-    from springpot.registry import library_in_time
-    from springpot.timetests.diagnosis import diagnose as diagnose_in_time
+    from springpot.api import diagnose as diagnosed
 
-    diagnosis = diagnose_in_time(tests, model or any_material(), library_in_time())
+    from .waiting import Waiting
+
+    with Waiting() as waiting:
+        diagnosis: Any = diagnosed(tests, **arguments, progress=waiting.told)
     emit(diagnosis, as_json, lambda: _show_diagnosis(diagnosis, tests, data, named))
 
 
 def discover(
     tests: Sequence[Test],
-    model: Model | Timed | None,
-    accept: Sequence[Effect | TimeEffect] | None,
     figure: Path | None,
     as_json: bool,
-    given: Sequence[str],
+    arguments: Any,
 ) -> None:
     """``springpot discover`` from tests in time."""
-    from springpot.errors import OptionError
-    from springpot.misfit.material import any_material
-    from springpot.registry import library_in_time
+    from springpot.api import discover as discovered
     from springpot.report.fit_text import climbed_in_time_text
-    from springpot.timetests.discovery import discover as discover_in_time
 
     from .waiting import Waiting
 
-    if given:
-        raise OptionError(f"--{given[0]} is for sweeps: leave it out for tests in time")
     with Waiting() as waiting:
-        ladder = discover_in_time(
-            tests, model or any_material(), library_in_time(), accept, waiting.told
-        )
+        ladder: Any = discovered(tests, **arguments, progress=waiting.told)
     if figure is not None:
         from springpot.report.timetests import figure_tests
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 import numpy as np
 
@@ -14,7 +14,9 @@ from springpot.diagnosis.examination import Progress, silent
 from springpot.diagnosis.notes import judged, overtones
 from springpot.drawing import draw, html_of, text_of
 from springpot.errors import DataError, OptionError
+from springpot.identification.part_result import PartResult, parts_of
 from springpot.identification.space import require_conditions
+from springpot.identification.value import Value, values_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned
 from springpot.misfit.error import Error
@@ -23,9 +25,11 @@ from springpot.misfit.material import MaterialFloor, error_of, material_floor
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.residual_battery import Battery, Finding, battery
 from springpot.misfit.residual_causes import column_behind, one_test_of
-from springpot.misfit.values import Value, printed
+from springpot.misfit.values import printed
 from springpot.misfit.where import Where, where
 from springpot.misfit.words import over_floor, percent, times
+from springpot.plain_data import alive, jsonable, number
+from springpot.registry import parse_model
 from springpot.rheology.model import Model
 
 if TYPE_CHECKING:
@@ -35,7 +39,22 @@ if TYPE_CHECKING:
 Effects: TypeAlias = tuple[str, ...]
 
 
-SCHEMA = "springpot.comparison/1"
+SCHEMA = "springpot.comparison/2"
+TOLD = (
+    "model",
+    "error",
+    "chi_square",
+    "degrees_of_freedom",
+    "free_parameters",
+    "delta_bic",
+    "fails",
+    "unclear",
+    "says",
+    "parameters",
+    "where",
+    "by_test",
+)
+"""Of a judgement, in the order of its schema."""
 STARTS = 4
 """Starts of each of a few models that a user compares, from the fit that found its own noise."""
 MOST_PLACES = 3
@@ -51,25 +70,30 @@ class Judgement:
 
     Attributes
     ----------
-    refit : Refit
-        Its fit, in units of the noise.
+    fitted : Refit or None
+        Its fit, in units of the noise, which a file does not hold.
     error : Error
         Its error, the noise floor and the material floor, relative to |K|.
     delta_bic : float
         Bayesian information criterion above that of the best model compared.
-    rng : numpy.random.Generator
+    rng : numpy.random.Generator, optional
         For the simulated noise of its tests, which are made when they are asked for.
     """
 
-    refit: Refit
+    fitted: Refit | None
     error: Error
     delta_bic: float
-    rng: np.random.Generator
+    rng: np.random.Generator | None = None
+
+    @property
+    def refit(self) -> Refit:
+        """Its fit, in units of the noise."""
+        return alive(self.fitted, "a judgement")
 
     @cached_property
     def battery(self) -> Battery:
         """Tests on its residual."""
-        return battery(self.refit.frame(), self.rng)
+        return battery(self.refit.frame(), alive(self.rng, self.model.name))
 
     @cached_property
     def where(self) -> tuple[Where, ...]:
@@ -83,22 +107,44 @@ class Judgement:
     def __repr__(self) -> str:
         return f"<Judgement {self.model.name}: {self.says}>"
 
-    @property
+    @cached_property
     def findings(self) -> tuple[Finding, ...]:
         """Each test in a sentence."""
         return self.battery.findings
 
-    @property
+    @cached_property
     def model(self) -> Model:
         """The model."""
         return self.refit.model
+
+    @cached_property
+    def by_test(self) -> tuple[PartResult, ...]:
+        """Each test beside its noise floor."""
+        data, error = self.refit.data.raw, self.error
+        sweep = PartResult.of_sweep(data.name, len(data), error.relative_rms, error.noise_floor)
+        return (sweep,)
+
+    @cached_property
+    def chi_square(self) -> float:
+        """Sum of squares of the residual over the noise."""
+        return self.refit.rss
+
+    @cached_property
+    def degrees_of_freedom(self) -> int:
+        """Measured numbers less free parameters."""
+        return self.refit.fit.dof
+
+    @cached_property
+    def free_parameters(self) -> int:
+        """Parameters that were fitted, lines of a spectrum among them."""
+        return len(self.refit.theta)
 
     @cached_property
     def parameters(self) -> dict[str, Value]:
         """Its parameters with their intervals, in printed units."""
         return printed(self.refit)
 
-    @property
+    @cached_property
     def fails(self) -> bool:
         """Whether it leaves more than noise, by the tests that `diagnose` makes too."""
         # What rounding leaves of computed data is full of patterns, and nothing is missing.
@@ -106,7 +152,7 @@ class Judgement:
             return False
         return self.battery.alarm
 
-    @property
+    @cached_property
     def unclear(self) -> bool:
         """Whether it is far from the noise, and no test says how.
 
@@ -128,7 +174,7 @@ class Judgement:
         # By size first, which costs nothing: the tests draw thousands of simulated residuals.
         return self.at_noise and not self.fails
 
-    @property
+    @cached_property
     def says(self) -> str:
         """The judgement in one sentence."""
         if is_arithmetic(self.refit):
@@ -159,18 +205,25 @@ class Judgement:
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data."""
-        return {
-            "model": self.model.name,
-            "error": asdict(self.error),
-            "chi_square": self.refit.rss,
-            "degrees_of_freedom": self.refit.fit.dof,
-            "delta_bic": self.delta_bic,
-            "fails": self.fails,
-            "says": self.says,
-            "parameters": {name: asdict(value) for name, value in self.parameters.items()},
-            "where": [place.to_dict() for place in self.where],
-            "tests": [finding.to_dict() for finding in self.findings],
+        row = {name: getattr(self, name) for name in TOLD}
+        return dict(jsonable({**row, "model": self.model.name, "tests": self.findings}))
+
+    @classmethod
+    def from_dict(cls, row: Mapping[str, Any]) -> Judgement:
+        """What `to_dict` gave."""
+        judged = cls(None, Error.from_dict(row["error"]), number(row["delta_bic"]))
+        told = {name: row[name] for name in TOLD if name not in ("error", "delta_bic")}
+        told |= {
+            "model": parse_model(row["model"]),
+            "chi_square": number(row["chi_square"]),
+            "parameters": values_of(row["parameters"]),
+            "by_test": parts_of(row["by_test"]),
+            "where": tuple(Where.from_dict(each) for each in row["where"]),
+            "findings": tuple(Finding.from_dict(each) for each in row["tests"]),
         }
+        # Where a fit keeps what it was asked for once: a file tells it beforehand.
+        vars(judged).update(told)
+        return judged
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,6 +276,16 @@ class Comparison:
         """What there is to say of all of them; nothing where they were chosen by hand."""
         return ""
 
+    @property
+    def tests(self) -> tuple[PartResult, ...]:
+        """Each test beside its noise floor, by the best model."""
+        return self.best.by_test
+
+    @cached_property
+    def magnitude(self) -> str:
+        """What errors are shares of, such as |K|."""
+        return self.measurement.units.magnitude
+
     @cached_property
     def measurement(self) -> Measurement:
         """The data, repeats averaged, with the standard deviations of the noise floor."""
@@ -254,16 +317,40 @@ class Comparison:
         return html_of(self)
 
     def to_dict(self) -> dict[str, Any]:
-        """Schema ``springpot.comparison/1``."""
-        return {
+        """Schema ``springpot.comparison/2``."""
+        answer = {
             "schema": SCHEMA,
             "data": self.data,
             "best": self.best.model.name,
-            "models": [judgement.to_dict() for judgement in self.judgements],
-            "harmonics": [finding.to_dict() for finding in self.harmonics],
+            "tests": self.tests,
+            "models": self.judgements,
+            "harmonics": self.harmonics,
             "one_test": self.one_test,
-            "notes": list(self.notes),
+            "magnitude": self.magnitude,
+            "notes": self.notes,
         }
+        return dict(jsonable(answer))
+
+    @classmethod
+    def from_dict(cls, answer: Mapping[str, Any]) -> Self:
+        """What `to_dict` gave."""
+        judged = tuple(Judgement.from_dict(row) for row in answer["models"])
+        further = cls.further(answer, {one.model.name: one for one in judged})
+        comparison = cls(
+            answer["data"],
+            judged,
+            tuple(Finding.from_dict(row) for row in answer["harmonics"]),
+            tuple(answer["notes"]),
+            answer["one_test"],
+            **further,
+        )
+        vars(comparison).update(magnitude=answer["magnitude"])
+        return comparison
+
+    @classmethod
+    def further(cls, answer: Mapping[str, Any], judged: Mapping[str, Judgement]) -> dict[str, Any]:
+        """What a further kind of comparison holds beside: its models are named, and given here."""
+        return {}
 
 
 def compare(

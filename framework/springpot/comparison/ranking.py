@@ -11,10 +11,10 @@ it gains from noise. Adequate are those of them that leave no more than noise, b
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -124,7 +124,7 @@ class Ranking(Comparison):
         """One of each group, and the best of those that are not adequate."""
         return (*(group[0] for group in self.groups), *self.next)[:MOST_DRAWN]
 
-    @property
+    @cached_property
     def says(self) -> str:
         """The answer in one sentence."""
         name = self.best.model.name
@@ -148,7 +148,7 @@ class Ranking(Comparison):
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Schema ``springpot.comparison/1``, with the ranking."""
+        """Schema ``springpot.comparison/2``, with the ranking."""
         last = self.ladder.steps[-1]
         return {
             **super().to_dict(),
@@ -159,8 +159,32 @@ class Ranking(Comparison):
                 "adequate": [one.model.name for one in self.adequate],
                 "near": [one.model.name for one in self.near],
                 "classes": [[one.model.name for one in group] for group in self.groups],
+                "next": [one.model.name for one in self.next],
                 "skipped": [one._asdict() for one in self.skipped],
+                "discovery": self.ladder.to_dict(),
             },
+        }
+
+    @classmethod
+    def from_dict(cls, answer: Mapping[str, Any]) -> Self:
+        """What `to_dict` gave."""
+        ranking, kept = super().from_dict(answer), answer["ranking"]
+        judged = {one.model.name: one for one in ranking.judgements}
+        # Curves that are told apart by their fits.
+        groups = tuple(tuple(judged[name] for name in names) for names in kept["classes"])
+        following = tuple(judged[name] for name in kept["next"])
+        vars(ranking).update(next=following, groups=groups, says=kept["says"])
+        return ranking
+
+    @classmethod
+    def further(cls, answer: Mapping[str, Any], judged: Mapping[str, Judgement]) -> dict[str, Any]:
+        """The discovery behind a ranking, and its models by their merit."""
+        kept = answer["ranking"]
+        return {
+            "ladder": Ladder.from_dict(kept["discovery"]),
+            "adequate": tuple(judged[name] for name in kept["adequate"]),
+            "near": tuple(judged[name] for name in kept["near"]),
+            "skipped": tuple(Skipped(**row) for row in kept["skipped"]),
         }
 
 

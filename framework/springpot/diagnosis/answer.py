@@ -8,9 +8,11 @@ from typing import TypeAlias
 
 import numpy as np
 
+from springpot.identification.part_result import PartResult
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.drift_in_time import Course
 from springpot.misfit.drift_search import change_in_order, course_behind
+from springpot.misfit.error import Error
 from springpot.misfit.material import MaterialFloor, error_of, split_in_words
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.residual_causes import (
@@ -126,9 +128,7 @@ def answer(
     cause, one_test = _cause(measurement, search, evidence, verdict, course)
     split, classes, experiment = "", [], None
     if verdict != "adequate":
-        # Beside such noise, and beside single points alone, nothing is missing that could be split.
-        if not doubted and not only_points(search, outliers):
-            split = split_in_words(search.base, floor)
+        split = _split(search, floor, doubted or only_points(search, outliers))
         classes = evidence.classes
         # To look at one test needs no measurement, nor to number repeats: they come first.
         if not one_test and not isinstance(cause, EqualRows):
@@ -153,11 +153,26 @@ def answer(
         parameters=printed(search.base),
         leading=tuple(leading),
         one_test=one_test,
+        tests=(_as_test(measurement, error),),
     )
     # A factor at each temperature would be another name for the time.
     if course is None:
         diagnosis = _with_factors(diagnosis, search, evidence, library)
     return diagnosis
+
+
+def _split(search: Search, floor: MaterialFloor, nothing: bool) -> str:
+    """What the material floor says; of doubted noise and of single points alone it says nothing."""
+    if nothing:
+        return ""
+    return split_in_words(search.base, floor)
+
+
+def _as_test(measurement: Measurement, error: Error) -> PartResult:
+    """The sweep that all of it is about."""
+    return PartResult.of_sweep(
+        measurement.name, len(measurement), error.relative_rms, error.noise_floor
+    )
 
 
 def _leading(

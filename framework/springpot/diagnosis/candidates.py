@@ -6,8 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from springpot.identification.part_result import in_floors
+from springpot.identification.value import Value
 from springpot.misfit.refit import Refit
-from springpot.misfit.values import Value, printed
+from springpot.misfit.values import printed
 from springpot.rheology.effect import Effect
 from springpot.thresholds import EVIDENCE, VERDICT
 
@@ -75,6 +77,7 @@ def _candidate(before: Refit, score: Score, grown: Grown | None, believed: bool)
         verdict="cannot-tell",
         predicted_error=_predicted(before, score.predicted),
         error_after=np.nan,
+        over_floor=np.nan,
         bound=score.bound,
         parameters={},
         says=effect.summary,
@@ -86,6 +89,7 @@ def _candidate(before: Refit, score: Score, grown: Grown | None, believed: bool)
         delta_bic=2.0 * (grown.refit.log_evidence - before.log_evidence),
         predicted_error=_predicted(before, grown.predicted),
         error_after=grown.refit.error,
+        over_floor=in_floors(grown.refit.error, before.floor),
         parameters=_parameters(grown.refit, effect, believed),
     )
 

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from springpot.drawing import draw, html_of, text_of
+from springpot.identification.part_result import PartResult, in_floors, parts_of
 from springpot.identification.space import require_conditions
+from springpot.identification.value import Value, values_of
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.cross_validation import prediction_gain
 from springpot.misfit.refit import refit
-from springpot.misfit.values import Value, printed
+from springpot.misfit.values import printed
 from springpot.misfit.words import over_floor
+from springpot.plain_data import alive, jsonable, number
+from springpot.registry import parse_model
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
@@ -30,6 +34,7 @@ MOST_HIDDEN = 2
 """Effects that may be accepted from an unexplained rung on, if they complete the model."""
 LONGEST = 6
 """Effects accepted at most."""
+SCHEMA = "springpot.discovery/2"
 
 
 if TYPE_CHECKING:
@@ -56,10 +61,14 @@ class Step:
         All parameters with their intervals.
     changed : dict of str to float
         Old parameters that moved by more than their interval, with the ratio new over old.
-    case : Case
-        The examination of this rung's model: fit, noise, scan and diagnosis.
+    material_chance : float
+        That noise alone leaves a residual like that material's.
+    tests : tuple of PartResult
+        Each test beside its noise floor.
     alike : tuple of str
         Effects that the data could not tell from the accepted one, itself included.
+    examined : Case, optional
+        The examination of this rung's model, which a file does not hold.
     """
 
     model: Model
@@ -70,8 +79,15 @@ class Step:
     predicted_error: float | None
     parameters: dict[str, Value]
     changed: dict[str, float]
-    case: Case
+    material_chance: float
+    tests: tuple[PartResult, ...]
     alike: tuple[str, ...] = ()
+    examined: Case | None = None
+
+    @property
+    def case(self) -> Case:
+        """The examination of this rung's model: fit, noise, scan and diagnosis."""
+        return alive(self.examined, f"the step {self.model.name}")
 
     def __repr__(self) -> str:
         return (
@@ -81,17 +97,38 @@ class Step:
 
     def to_dict(self) -> dict[str, Any]:
         """As in the schema."""
-        shown = ("accepted", "relative_rms", "noise_floor", "material_floor", "predicted_error")
-        row = {name: getattr(self, name) for name in shown}
-        values = {name: asdict(value) for name, value in self.parameters.items()}
-        return {
+        row = {
             "model": self.model.name,
-            **row,
-            "material_chance": self.case.diagnosis.error.material_chance,
-            "class": list(self.alike),
-            "parameters": values,
+            "accepted": self.accepted,
+            "relative_rms": self.relative_rms,
+            "noise_floor": self.noise_floor,
+            "over_floor": in_floors(self.relative_rms, self.noise_floor),
+            "material_floor": self.material_floor,
+            "predicted_error": self.predicted_error,
+            "material_chance": self.material_chance,
+            "class": self.alike,
+            "parameters": self.parameters,
             "changed": self.changed,
+            "tests": self.tests,
         }
+        return dict(jsonable(row))
+
+    @classmethod
+    def from_dict(cls, row: Mapping[str, Any]) -> Step:
+        """What `to_dict` gave."""
+        return cls(
+            model=parse_model(row["model"]),
+            accepted=row["accepted"],
+            relative_rms=number(row["relative_rms"]),
+            noise_floor=number(row["noise_floor"]),
+            material_floor=number(row["material_floor"]),
+            predicted_error=row["predicted_error"],
+            material_chance=number(row["material_chance"]),
+            alike=tuple(row["class"]),
+            parameters=values_of(row["parameters"]),
+            changed=row["changed"],
+            tests=parts_of(row["tests"]),
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,14 +153,22 @@ class Ladder:
         return f"<Ladder {self.model.name} of {self.data}: error {errors} x floor; {self.verdict}>"
 
     def to_dict(self) -> dict[str, Any]:
-        """Schema ``springpot.discovery/1``."""
+        """Schema ``springpot.discovery/2``."""
         return {
-            "schema": "springpot.discovery/1",
+            "schema": SCHEMA,
             "data": self.data,
+            "tests": [test.to_dict() for test in self.diagnosis.tests],
             "steps": [step.to_dict() for step in self.steps],
             "verdict": self.verdict,
             "diagnosis": self.diagnosis.to_dict(),
         }
+
+    @classmethod
+    def from_dict(cls, answer: Mapping[str, Any]) -> Ladder:
+        """What `to_dict` gave."""
+        steps = tuple(Step.from_dict(row) for row in answer["steps"])
+        diagnosis = Diagnosis.from_dict(answer["diagnosis"])
+        return cls(answer["data"], steps, answer["verdict"], diagnosis)
 
     def plot(
         self, path: str | Path | None = None, *, ax: Axes | None = None
@@ -338,7 +383,17 @@ def _step(case: Case, before: Case | None = None, accepted: Effect | None = None
     base, error = case.search.base, case.diagnosis.error
     parameters = printed(base)
     errors = error.relative_rms, error.noise_floor, error.material_floor
-    step = Step(base.model, None, *errors, None, parameters, {}, case)
+    step = Step(
+        base.model,
+        None,
+        *errors,
+        None,
+        parameters,
+        {},
+        error.material_chance,
+        case.diagnosis.tests,
+        examined=case,
+    )
     if before is None:
         return step
     for name, old in printed(before.search.base).items():

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from springpot.distributions import chi2_sf
 from springpot.identification.allowed_shifts import refused_in_words
+from springpot.identification.value import Value
 from springpot.measurement.independence import moved_along
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import TIME
@@ -26,7 +27,6 @@ from springpot.misfit.material import NAME, MaterialFloor, beyond_any_material, 
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.residual_battery import Finding
 from springpot.misfit.residual_causes import Column, EqualRows, discrepancy, log_shift_of
-from springpot.misfit.values import Value
 from springpot.misfit.words import percent, plain, times
 from springpot.rheology.effect import Effect
 from springpot.rheology.parameters import INERTANCE

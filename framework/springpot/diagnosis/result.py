@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import dataclass, field
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from springpot.drawing import draw, html_of, text_of
+from springpot.identification.part_result import PartResult, parts_of
+from springpot.identification.value import Value, values_of
 from springpot.misfit.error import Error
-from springpot.misfit.values import Value
 from springpot.misfit.where import Where
+from springpot.plain_data import jsonable, number
+from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 
@@ -21,6 +25,10 @@ if TYPE_CHECKING:
 
 Verdict = Literal["adequate", "effect-missing", "unexplained", "inconclusive"]
 EffectVerdict = Literal["missing", "absent", "cannot-tell"]
+
+SCHEMA = "springpot.diagnosis/2"
+RENAMED = frozenset({"physics", "alike"})
+"""Of a candidate: told as its effect and its class."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +54,8 @@ class Candidate:
         alone; NaN where that was not fitted.
     bound : float
         Relative change of K above which the effect would have been seen.
+    over_floor : float
+        The error with it over the noise.
     parameters : dict of str to Value
         Its own parameters.
     says : str
@@ -71,6 +81,7 @@ class Candidate:
     predicted_error: float
     error_after: float
     bound: float
+    over_floor: float
     parameters: dict[str, Value]
     says: str
 
@@ -81,12 +92,27 @@ class Candidate:
 
     def to_dict(self) -> dict[str, Any]:
         """As in the schema, where `alike` is called class."""
-        row: dict[str, Any] = {"effect": self.effect, "class": list(self.alike)}
-        for item in fields(self):
-            if item.name not in ("physics", "alike", "parameters"):
-                row[item.name] = getattr(self, item.name)
-        row["parameters"] = {name: asdict(value) for name, value in self.parameters.items()}
-        return row
+        row = {name: value for name, value in vars(self).items() if name not in RENAMED}
+        return {"effect": self.effect, "class": list(self.alike), **jsonable(row)}
+
+    @classmethod
+    def from_dict(cls, row: Mapping[str, Any]) -> Candidate:
+        """What `to_dict` gave."""
+        return cls(
+            physics=plugins().effect(row["effect"]),
+            alike=tuple(row["class"]),
+            probability=row["probability"],
+            # What could not be computed was infinite: no evidence at all, no bound at all.
+            delta_bic=number(row["delta_bic"], -inf),
+            score=number(row["score"]),
+            verdict=row["verdict"],
+            predicted_error=number(row["predicted_error"]),
+            error_after=number(row["error_after"]),
+            over_floor=number(row["over_floor"]),
+            bound=number(row["bound"], inf),
+            parameters=values_of(row["parameters"]),
+            says=row["says"],
+        )
 
 
 @dataclass(frozen=True)
@@ -109,6 +135,16 @@ class NextExperiment:
     separates: tuple[str, ...]
     expected_separation_sigma: float | None
     action: dict[str, list[float]] = field(default_factory=dict)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As in the schema."""
+        return dict(jsonable(vars(self)))
+
+    @classmethod
+    def from_dict(cls, row: Mapping[str, Any]) -> NextExperiment:
+        """What `to_dict` gave."""
+        separates, sigma = tuple(row["separates"]), row["expected_separation_sigma"]
+        return cls(row["says"], separates, sigma, row["action"])
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,6 +182,8 @@ class Diagnosis:
     one_test : str
         How to choose the rows of one test, ``current=0.5``, where rows of several tests are the
         likely cause; else empty.
+    tests : tuple of PartResult
+        Each test beside its noise floor.
 
     Examples
     --------
@@ -175,6 +213,7 @@ class Diagnosis:
     parameters: Mapping[str, Value] = field(default_factory=dict)
     leading: tuple[str, ...] = ()
     one_test: str = ""
+    tests: tuple[PartResult, ...] = ()
 
     @property
     def best(self) -> Candidate | None:
@@ -201,25 +240,52 @@ class Diagnosis:
         return f"<Diagnosis {self.model.name} of {self.data}: {self.verdict}; {self.says}>"
 
     def to_dict(self) -> dict[str, Any]:
-        """Schema ``springpot.diagnosis/1``."""
-        return {
-            "schema": "springpot.diagnosis/1",
+        """Schema ``springpot.diagnosis/2``."""
+        answer = {
+            "schema": SCHEMA,
             "data": self.data,
             "model": self.model.name,
-            "error": asdict(self.error),
+            "error": self.error,
+            "tests": self.tests,
             "verdict": self.verdict,
             "says": self.says,
             "split": self.split,
-            "parameters": {name: asdict(value) for name, value in self.parameters.items()},
-            "where": [where.to_dict() for where in self.where],
-            "candidates": [candidate.to_dict() for candidate in self.candidates],
-            "classes": [list(names) for names in self.classes],
-            "leading": list(self.leading),
+            "parameters": self.parameters,
+            "where": self.where,
+            "candidates": self.candidates,
+            "classes": self.classes,
+            "leading": self.leading,
             "one_test": self.one_test,
-            "next_experiment": asdict(self.next_experiment) if self.next_experiment else None,
-            "notes": list(self.notes),
+            "next_experiment": self.next_experiment,
+            "notes": self.notes,
             "evidence": self.evidence,
         }
+        return dict(jsonable(answer))
+
+    @classmethod
+    def from_dict(cls, answer: Mapping[str, Any]) -> Diagnosis:
+        """What `to_dict` gave."""
+        advice = answer["next_experiment"]
+        if advice is not None:
+            advice = NextExperiment.from_dict(advice)
+        return cls(
+            data=answer["data"],
+            model=parse_model(answer["model"]),
+            error=Error.from_dict(answer["error"]),
+            tests=parts_of(answer["tests"]),
+            verdict=answer["verdict"],
+            says=answer["says"],
+            split=answer["split"],
+            parameters=values_of(answer["parameters"]),
+            where=tuple(Where.from_dict(row) for row in answer["where"]),
+            candidates=tuple(Candidate.from_dict(row) for row in answer["candidates"]),
+            classes=tuple(tuple(names) for names in answer["classes"]),
+            leading=tuple(answer["leading"]),
+            one_test=answer["one_test"],
+            next_experiment=advice,
+            notes=tuple(answer["notes"]),
+            evidence=answer["evidence"],
+        )
 
     def _repr_html_(self) -> str:
         return html_of(self)

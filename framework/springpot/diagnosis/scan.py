@@ -280,7 +280,8 @@ def applicable(library: Sequence[Effect], measurement: Measurement) -> list[Effe
     unvaried = {name for name, values in measurement.conditions.items() if np.ptp(values) == 0.0}
     # One without parameters has no size to be found.
     sized = [effect for effect in library if effect.element.parameters]
-    shown = [effect for effect in sized if effect.needs <= columns and not effect.by_levels]
+    mine = [effect for effect in sized if effect.applies_to(measurement) and not effect.by_levels]
+    shown = [effect for effect in mine if effect.needs <= columns]
     return [effect for effect in shown if not (effect.only_varied and effect.needs & unvaried)]
 
 

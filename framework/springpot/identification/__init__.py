@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from .simulated import bootstrap
     from .space import SearchSpace, box_of, paper_box, require_conditions
     from .uncertainty import Uncertainty, held_costs, profile
-    from .value import Value, kept_interval
+    from .value import Value
 
 __all__ = [
     "BatchedOptimiser",
@@ -67,7 +67,6 @@ __all__ = [
     "intervals_beside_material",
     "is_material",
     "is_passive",
-    "kept_interval",
     "own_parameters",
     "least_error",
     "levenberg_marquardt",
@@ -124,7 +123,6 @@ _WHERE = {
     "intervals_beside_material": "springpot.identification.held_material",
     "is_material": "springpot.identification.material",
     "is_passive": "springpot.identification.passive",
-    "kept_interval": "springpot.identification.value",
     "least_error": "springpot.identification.material_fit",
     "levenberg_marquardt": "springpot.identification.leastsquares",
     "minima_in_box": "springpot.identification.bounded",

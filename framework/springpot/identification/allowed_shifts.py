@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.measurement.measurement import Measurement
+from springpot.rheology.continuum import Relaxation
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.levels import Levels, level_text, levels_of
 from springpot.rheology.model import Model
@@ -121,7 +122,8 @@ def refused_laws(fit: Fit) -> Iterator[tuple[Effect, str]]:
             continue
         log_a = effect.element.respond(fit.theta[own], data.points).value.real
         does = _beyond_its_pole(fit, effect, log_a)
-        if not does and all(each.layer == Layer.TEMPERATURE for each in model.effects):
+        alone = all(each.layer == Layer.TEMPERATURE for each in model.effects)
+        if not does and alone and not isinstance(model.material, Relaxation):
             does = _apart(fit, effect, log_a)
         if does:
             yield effect, does

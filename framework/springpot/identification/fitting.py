@@ -5,7 +5,7 @@ Parameters, their intervals, and what to know about them.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from time import perf_counter
 
@@ -131,7 +131,7 @@ def identify(
             status = "converged"
     else:
         # Before the problem is made: what cannot be searched is told at once.
-        _refuse_search(model, optimiser, start)
+        refuse_search(model, optimiser, start)
         name, problem = optimiser.name, Problem.of(model, measurement, objective)
         best, status, notes = _by_optimiser(problem, optimiser, budget, restarts, seed)
     # Whoever has searched: intervals are told in one way.
@@ -181,7 +181,7 @@ def searched(
     )
 
 
-def _refuse_search(model: Model, optimiser: Optimiser, start: Mapping[str, float] | None) -> None:
+def refuse_search(model: Model, optimiser: Optimiser, start: Mapping[str, float] | None) -> None:
     """Refuse what only the native solver can do."""
     if is_material(model):
         raise ModelError(
@@ -194,15 +194,13 @@ def _refuse_search(model: Model, optimiser: Optimiser, start: Mapping[str, float
         )
 
 
-def _start(
-    model: Model, measurement: Measurement, objective: Objective, start: Mapping[str, float]
-) -> Real:
+def start_at(model: Model, start: Mapping[str, float], fitted: Callable[[Model], Real]) -> Real:
     """A start (p,) of which some values are given; the others are fitted beside them."""
     known = dict(start)
     if set(known) != set(model.names):
         # The given values are held meanwhile, so that the others suit them.
-        rest = fit(model.holding(known), measurement, objective, starts=STARTS)
-        known |= dict(zip(rest.model.names, rest.theta.tolist(), strict=True))
+        rest = model.holding(known)
+        known |= dict(zip(rest.names, fitted(rest).tolist(), strict=True))
     return model.vector(known)
 
 
@@ -231,7 +229,11 @@ def _by_native(
     """The native fit, checked against the simpler models that it contains, and notes on that."""
     seeds = []
     if start:
-        seeds = [_start(model, measurement, objective, start)]
+        seeds = [
+            start_at(
+                model, start, lambda rest: fit(rest, measurement, objective, starts=STARTS).theta
+            )
+        ]
     # Without a seed the scan stays where it is: the same data give the same answer.
     rng = None
     if seed is not None:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import student
+from springpot.rheology.continuum import Continuum
 from springpot.rheology.effect import Effect
 from springpot.rheology.levels import Levels, level_text, levels_of
 from springpot.rheology.model import Model
@@ -185,11 +186,11 @@ class Rows:
     def bent(self) -> Real:
         """Derivative (2n, s) of the slopes by the spectrum with the logarithm of the frequency."""
         bent = np.zeros_like(self._others)
-        turn = self._turn
-        lines = len(turn)
-        bent[1 : 2 + lines] = self._others[1 : 2 + lines]
-        bent[2 : 2 + lines] *= 1.0 - turn
-        by_places = self._by_places * (1.0 - 2.0 * turn)
+        slopes, bends = self._moved
+        # A spring stays as it is, a dashpot's slope is itself.
+        bent[1] = self._others[1]
+        bent[2 : 2 + len(slopes)] = np.where(self._unused[2:, None], 0.0, slopes)
+        by_places = -self.fit.theta[2 : 2 + len(bends), None] * bends
         return weighted(np.concatenate([bent, by_places]), self.weights).T
 
     @cached_property
@@ -207,19 +208,34 @@ class Rows:
     @cached_property
     def _by_places(self) -> NDArray[np.complex128]:
         """Slopes (lines, n) by the logarithm of each line's rate."""
-        # The lines lie on a lattice; between its places the true ones may be anywhere, and that
-        # makes factors less sure.
-        weights = self.fit.theta[2 : 2 + len(self._turn), None]
-        return -weights * self._complex_slopes[2 : 2 + len(weights)] * (1.0 - self._turn)
-
-    @cached_property
-    def _turn(self) -> NDArray[np.complex128]:
-        """K (lines, n) of each line over its weight, as the factors move it."""
         if not is_material(self.fit.model):
             return np.zeros((0, len(self.number)), dtype=np.complex128)
-        # A spring adds one where a line adds this: whatever acts on both cancels.
-        lines = self._complex_slopes[2 : len(self.fit.model.material.parameters)]
-        return np.asarray(lines / self._complex_slopes[0])
+        # The lines lie on a lattice; between its places the true ones may be anywhere, and that
+        # makes factors less sure. A faster line does what a lower frequency does.
+        slopes, _ = self._moved
+        return -self.fit.theta[2 : 2 + len(slopes), None] * slopes
+
+    @cached_property
+    def _moved(self) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+        """First and second derivative (lines, n) of each line by ln omega, as it is measured."""
+        # A spring adds one where a line adds its value: whatever acts on both cancels.
+        spring = self._complex_slopes[0]
+        lines = self._complex_slopes[2 : len(self.fit.model.material.parameters)] / spring
+        slopes, bends = self.material.moved(lines)
+        return slopes * spring, bends * spring
+
+    @property
+    def material(self) -> Continuum:
+        """The fitted material, with its lines."""
+        material = self.fit.model.material
+        assert isinstance(material, Continuum)
+        return material
+
+    @cached_property
+    def numbers(self) -> NDArray[np.int64]:
+        """How many numbers count at each level (m,)."""
+        counts = (self.weights.real != 0.0) * 1 + (self.weights.imag != 0.0)
+        return np.bincount(self.number, counts).astype(np.int64)
 
     @cached_property
     def reduced(self) -> tuple[Real, Real]:

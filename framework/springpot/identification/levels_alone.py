@@ -19,6 +19,8 @@ from .objective import Objective
 
 TINY = 1e-24
 """Least variance: exact data leave rounding."""
+ANY = Continuum()
+"""Any material, as sweeps show it."""
 FEW = 4
 """Points of a level from which it can be fitted by itself."""
 
@@ -84,7 +86,12 @@ class Alone:
         return np.asarray(np.isfinite(self.cost) & (self.dof > 0))
 
 
-def each_alone(measurement: Measurement, number: NDArray[np.int64], objective: Objective) -> Alone:
+def each_alone(
+    measurement: Measurement,
+    number: NDArray[np.int64],
+    objective: Objective,
+    unfitted: Continuum = ANY,
+) -> Alone:
     """A fit of any material to each level by itself.
 
     Parameters
@@ -95,8 +102,10 @@ def each_alone(measurement: Measurement, number: NDArray[np.int64], objective: O
         Level of each point.
     objective : Objective
         How the misfit is measured.
+    unfitted : Continuum
+        Any material, as these data show it.
     """
-    material = Model("material", Continuum())
+    material = Model("material", unfitted)
     m = int(number.max()) + 1
     cost, dof, error = np.full(m, np.nan), np.zeros(m), np.full(m, np.nan)
     for level in range(m):

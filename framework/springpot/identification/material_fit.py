@@ -182,11 +182,12 @@ def _on_laws(search: SpectrumSearch, measurement: Measurement, objective: Object
     # What is held is no longer free to follow a law.
     if len(free) != 1 or model.constrained:
         return []
-    ends = []
+    ends, material = [], model.material
+    assert isinstance(material, Continuum)
     for element in (arrhenius(), wlf()):
         law = replace(free[0], element=element)
         effects = tuple(law if effect is free[0] else effect for effect in model.effects)
-        lawful = replace(model, material=Continuum(), effects=effects)
+        lawful = replace(model, material=replace(material, rates=()), effects=effects)
         if 2 * len(measurement) <= len(lawful.parameters):
             continue
         ended = fit_spectrum(lawful, measurement, objective)

@@ -15,13 +15,16 @@ from springpot.drawing import draw, text_of
 from springpot.errors import ModelError
 from springpot.markup import table, tag
 from springpot.measurement.covered import Covered
+from springpot.plain_data import number
 from springpot.rheology.continuum import EQUILIBRIUM, VISCOSITY
+from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 
 from .estimate import Estimate
-from .kept import kept
+from .kept import fit_of, kept, uncertainty_of
 from .material import is_material
-from .objective import sizes
+from .objective import Objective, sizes
+from .part_result import PartResult
 from .prediction import Prediction, predict
 from .printed import all_parameters, search_parameters
 from .regularisation import Spectrum, regularised
@@ -33,7 +36,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-SCHEMA = "springpot.identification/1"
+SCHEMA = "springpot.identification/2"
 
 
 @dataclass(frozen=True)
@@ -293,7 +296,7 @@ class Identification(Estimate):
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """The result as plain data, schema ``springpot.identification/1``.
+        """The result as plain data, schema ``springpot.identification/2``.
 
         It holds all that `springpot.load` needs.
         """
@@ -313,6 +316,7 @@ class Identification(Estimate):
             },
             "objective": {"name": self.fit.objective.name, "value": self.fit.cost},
             "relative_rms": self.relative_rms,
+            "tests": [self._as_test().to_dict()],
             "measured": self.covered.to_dict(),
             **floors,
             "evaluations": self.evaluations,
@@ -323,6 +327,49 @@ class Identification(Estimate):
             **spectrum,
             "kept": kept(self, self.seed),
         }
+
+    def _as_test(self) -> PartResult:
+        """The sweep that was fitted, beside its noise floor."""
+        data = self.measurement
+        return PartResult.of_sweep(data.name, len(data), self.relative_rms, self.noise_floor)
+
+    @classmethod
+    def from_dict(
+        cls,
+        answer: Mapping[str, Any],
+        model: Model,
+        objective: Objective,
+        judge: Callable[[Identification], Standing | None],
+    ) -> Identification:
+        """What `to_dict` gave: whole again, so that it predicts and draws as before.
+
+        Parameters
+        ----------
+        answer : mapping
+            The plain data.
+        model : Model
+            The one that its expression names.
+        objective : Objective
+            The one that it names.
+        judge : callable
+            Finds the floors when they are asked for, as those of a fit that was just made.
+        """
+        kept, evaluations = answer["kept"], int(answer["evaluations"])
+        fit = fit_of(kept, model, objective, number(answer["objective"]["value"]), evaluations)
+        uncertainty, low, high = uncertainty_of(kept, fit)
+        return cls(
+            fit,
+            low,
+            high,
+            uncertainty,
+            optimiser=str(answer["optimiser"]),
+            status=str(answer["status"]),
+            evaluations=evaluations,
+            seconds=float(answer["seconds"]),
+            notes=tuple(answer["notes"]),
+            seed=int(kept["seed"]),
+            judge=judge,
+        )
 
     def _spectrum(self, spectrum: Spectrum) -> dict[str, Any]:
         """K = equilibrium + viscosity s + sum of weight s / (s + rate), as printed, with a band."""

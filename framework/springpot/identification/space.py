@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from springpot.errors import DataError, ModelError
 from springpot.measurement.measurement import Measurement
+from springpot.rheology.effect import Test
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import Real
@@ -219,7 +221,35 @@ def rounded_up(value: float) -> float:
     )
 
 
+def require_effects(model: Model, tests: Sequence[Test]) -> None:
+    """Check that some test can have each effect of a model.
+
+    Raises
+    ------
+    ModelError
+        If there is none, as for a ramp in a sweep.
+    """
+    for effect in model.effects:
+        if not any(effect.applies_to(test) for test in tests):
+            raise ModelError(
+                f"{tests[0].name}: '{effect.name}', an effect of {effect.applies_to}, cannot be"
+                " seen in such a test: leave it out"
+            )
+
+
 def require_conditions(model: Model, measurement: Measurement) -> None:
+    """Check that the data can have the effects of a model, and have every column that it needs.
+
+    Raises
+    ------
+    ModelError
+        If an effect belongs to other tests, or a column is missing.
+    """
+    require_effects(model, [measurement])
+    require_columns(model, measurement)
+
+
+def require_columns(model: Model, measurement: Measurement) -> None:
     """Check that the data have every column the model needs.
 
     Raises

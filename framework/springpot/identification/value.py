@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from math import inf, isfinite
 from typing import Any
 
+from springpot.plain_data import jsonable, number
+
 LOST = 1000.0
 """An interval of three decades says nothing.
 
@@ -59,40 +61,20 @@ class Value:
             words.append("(fixed)")
         return " ".join(words)
 
-    def to_dict(self) -> dict[str, float | str | bool | None]:
+    def to_dict(self) -> dict[str, Any]:
         """As in the schemas, where an interval without an end has None."""
-        entries: dict[str, float | str | bool | None] = {
-            "value": finite(self.value),
-            "low": finite(self.low),
-            "high": finite(self.high),
-            "unit": self.unit,
-        }
-        if self.fixed:
-            entries["fixed"] = True
-        return entries
+        entries = jsonable(vars(self))
+        if not self.fixed:
+            del entries["fixed"]
+        return dict(entries)
+
+    @classmethod
+    def from_dict(cls, row: Mapping[str, Any]) -> Value:
+        """What `to_dict` gave."""
+        low, high = number(row["low"], -inf), number(row["high"], inf)
+        return cls(number(row["value"]), low, high, row["unit"], bool(row.get("fixed")))
 
 
-def finite(value: float) -> float | None:
-    """The number, or None where it is none that JSON has."""
-    if not isfinite(value):
-        return None
-    return float(value)
-
-
-def kept_interval(row: Mapping[str, Any]) -> tuple[float, float]:
-    """Ends of an interval as JSON holds them, which has no word for infinity.
-
-    Without an end it is infinite there.
-
-    Examples
-    --------
-    >>> from springpot.identification import kept_interval
-    >>> kept_interval({"low": 1.0, "high": None})
-    (1.0, inf)
-    """
-    low, high = row["low"], row["high"]
-    if low is None:
-        low = -inf
-    if high is None:
-        high = inf
-    return low, high
+def values_of(rows: Mapping[str, Mapping[str, Any]]) -> dict[str, Value]:
+    """Parameters by name, as their `to_dict` gave them."""
+    return {name: Value.from_dict(row) for name, row in rows.items()}

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from .catalogue import DataSet
     from .covered import RATE, Covered
     from .csv_safe import guarded, guarded_line, unguarded, unguarded_line
+    from .followed import Record
     from .from_signals import OneTest, measurement_from_signals, measurement_of_tests
     from .geometry import Geometry
     from .geometry_text import parse_geometry
@@ -52,8 +53,6 @@ if TYPE_CHECKING:
     from .selection import conditions, select, without
     from .signals import Harmonics, Signals, harmonics_of
     from .sweeps import Sweep, sweeps_of, temperatures_differ
-    from .timed import Timed, grown, material_of
-    from .timeeffect import Answered, Record, Stage, TimeEffect
     from .timenoise import SignalNoise, noise_of, relative_scatter
     from .timereader import TimeReader, open_in_time
     from .timetest import TimeTest
@@ -129,13 +128,7 @@ __all__ = [
     "Spread",
     "TEMPERATURE_UNITS",
     "TIME_UNITS",
-    "Answered",
     "Record",
-    "Stage",
-    "TimeEffect",
-    "Timed",
-    "grown",
-    "material_of",
     "TORQUE_UNITS",
     "TimeReader",
     "TimeTest",
@@ -198,7 +191,6 @@ __all__ = [
 _WHERE = {
     "AMPLITUDE_UNITS": "springpot.measurement.units",
     "ANGLE_UNITS": "springpot.measurement.units",
-    "Answered": "springpot.measurement.timeeffect",
     "Averaged": "springpot.measurement.replicates",
     "Budget": "springpot.measurement.budget",
     "CONDITIONS": "springpot.measurement.measurement",
@@ -230,23 +222,20 @@ _WHERE = {
     "Question": "springpot.measurement.question",
     "RATE": "springpot.measurement.covered",
     "Reader": "springpot.measurement.reader",
-    "Record": "springpot.measurement.timeeffect",
+    "Record": "springpot.measurement.followed",
     "STIFFNESS_UNITS": "springpot.measurement.units",
     "STRAIN_UNITS": "springpot.measurement.units",
     "Scatter": "springpot.measurement.scatter",
     "SignalNoise": "springpot.measurement.timenoise",
     "Signals": "springpot.measurement.signals",
     "Spread": "springpot.measurement.independence",
-    "Stage": "springpot.measurement.timeeffect",
     "Sweep": "springpot.measurement.sweeps",
     "TEMPERATURE_UNITS": "springpot.measurement.units",
     "TIME": "springpot.measurement.mixed_tests",
     "TIME_UNITS": "springpot.measurement.units",
     "TORQUE_UNITS": "springpot.measurement.units",
-    "TimeEffect": "springpot.measurement.timeeffect",
     "TimeReader": "springpot.measurement.timereader",
     "TimeTest": "springpot.measurement.timetest",
-    "Timed": "springpot.measurement.timed",
     "Units": "springpot.measurement.units",
     "as_modulus": "springpot.measurement.interface",
     "as_stiffness": "springpot.measurement.interface",
@@ -260,7 +249,6 @@ _WHERE = {
     "distinct_log_omega": "springpot.measurement.one_frequency",
     "frequency_numbers": "springpot.measurement.one_frequency",
     "geometry": "springpot.measurement.geometry",
-    "grown": "springpot.measurement.timed",
     "guarded": "springpot.measurement.csv_safe",
     "guarded_line": "springpot.measurement.csv_safe",
     "harmonics_of": "springpot.measurement.signals",
@@ -270,7 +258,6 @@ _WHERE = {
     "json_of": "springpot.inputs",
     "known_unit": "springpot.measurement.units",
     "largest_test": "springpot.measurement.mixed_tests",
-    "material_of": "springpot.measurement.timed",
     "measurement_from_signals": "springpot.measurement.from_signals",
     "measurement_of_tests": "springpot.measurement.from_signals",
     "misspelt": "springpot.measurement.measurement",

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -14,7 +15,6 @@ from springpot.errors import DataError
 from springpot.rheology.points import Complex, Real
 
 from .geometry import Geometry
-from .rows import Rows
 from .units import (
     ANGLE_UNITS,
     LENGTH_UNITS,
@@ -26,6 +26,22 @@ from .units import (
     known_unit,
     one_modulus,
 )
+
+
+class Converted(Protocol):
+    """A test of any kind, of which a geometry makes another."""
+
+    @property
+    def name(self) -> str:
+        """Shown in messages."""
+
+    @property
+    def units(self) -> Units:
+        """Of stiffness and displacement."""
+
+    @property
+    def conditions(self) -> Mapping[str, Real]:
+        """Columns of numbers, an amplitude among them or not."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +83,7 @@ class Conversion:
         return np.asarray(np.multiply(values, self.reach))
 
 
-def to_modulus(measured: Rows, geometry: Geometry, unit: str) -> Conversion:
+def to_modulus(measured: Converted, geometry: Geometry, unit: str) -> Conversion:
     """From force over displacement to stress over strain.
 
     See `springpot.measurement.as_modulus`.
@@ -79,22 +95,20 @@ def to_modulus(measured: Rows, geometry: Geometry, unit: str) -> Conversion:
         raise _misfit(measured, geometry, table)
     unit = known_unit(unit, PRESSURE_UNITS, "a modulus")
     factor = _factor(geometry, units.stiffness, table, unit)
-    scale = 1.0
-    if "amplitude" in measured.conditions:
-        if units.amplitude not in reach:
-            there = (
-                f"{geometry.name} needs an amplitude in {_some(reach)}, not in"
-                f" {_shown(units.amplitude)}"
-            )
-            raise DataError(f"{measured.name}: {there}")
-        scale = geometry.strain_factor * reach[units.amplitude]
+    scale = geometry.strain_factor * reach.get(units.amplitude, 1.0)
+    if "amplitude" in measured.conditions and units.amplitude not in reach:
+        there = (
+            f"{geometry.name} needs an amplitude in {_some(reach)}, not in"
+            f" {_shown(units.amplitude)}"
+        )
+        raise DataError(f"{measured.name}: {there}")
     return Conversion(
         geometry, factor, scale, np.divide, Units(unit, "-", units.clock, geometry.modulus)
     )
 
 
 def to_stiffness(
-    measured: Rows, geometry: Geometry, unit: str | None, amplitude: str | None
+    measured: Converted, geometry: Geometry, unit: str | None, amplitude: str | None
 ) -> Conversion:
     """From stress over strain to force over displacement.
 
@@ -111,13 +125,12 @@ def to_stiffness(
     unit = known_unit(unit or usual, table, "a stiffness")
     amplitude = known_unit(amplitude or usual_amplitude, reach, "an amplitude")
     factor = _factor(geometry, unit, table, units.stiffness)
-    scale = 1.0
-    if "amplitude" in measured.conditions:
-        if units.amplitude not in STRAIN_UNITS:
-            raise DataError(
-                f"{measured.name}: a modulus needs a strain as amplitude, not [{units.amplitude}]"
-            )
-        scale = geometry.strain_factor * reach[amplitude] / STRAIN_UNITS[units.amplitude]
+    if "amplitude" in measured.conditions and units.amplitude not in STRAIN_UNITS:
+        raise DataError(
+            f"{measured.name}: a modulus needs a strain as amplitude, not [{units.amplitude}]"
+        )
+    strain = STRAIN_UNITS.get(units.amplitude, 1.0)
+    scale = geometry.strain_factor * reach[amplitude] / strain
     return Conversion(geometry, factor, scale, np.multiply, Units(unit, amplitude, units.clock))
 
 
@@ -136,7 +149,7 @@ def _factor(geometry: Geometry, stiffness: str, table: dict[str, float], modulus
     return geometry.shape * PRESSURE_UNITS[modulus] / table[stiffness]
 
 
-def _misfit(measured: Rows, geometry: Geometry, table: Mapping[str, float]) -> DataError:
+def _misfit(measured: Converted, geometry: Geometry, table: Mapping[str, float]) -> DataError:
     what = "force and displacement"
     if geometry.turns:
         what = "torque and angle"

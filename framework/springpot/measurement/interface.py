@@ -1,19 +1,24 @@
-"""A measurement of a damper as one of its material, and back, through the geometry between them."""
+"""A test of a damper as one of its material, and back, through the geometry between them."""
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 from .geometry import Geometry
 from .measurement import Measurement
+from .timetest import TimeTest
+
+Test = TypeVar("Test", Measurement, TimeTest)
 
 
-def as_modulus(measurement: Measurement, geometry: Geometry, unit: str = "Pa") -> Measurement:
+def as_modulus(measurement: Test, geometry: Geometry, unit: str = "Pa") -> Test:
     """Stress over strain of the material, from force over displacement (torque over angle).
 
     Parameters
     ----------
-    measurement : Measurement
+    measurement : Measurement or TimeTest
         In any unit of stiffness; an amplitude becomes a strain, standard deviations are converted
-        too.
+        too. Of a test in time its record, and what was imposed.
     geometry : Geometry
         Of the specimen or damper.
     unit : str
@@ -38,18 +43,18 @@ def as_modulus(measurement: Measurement, geometry: Geometry, unit: str = "Pa") -
 
 
 def as_stiffness(
-    measurement: Measurement,
+    measurement: Test,
     geometry: Geometry,
     unit: str | None = None,
     amplitude: str | None = None,
-) -> Measurement:
+) -> Test:
     """Force over displacement (torque over angle) of a damper, from its material's modulus.
 
     The modulus is stress over strain.
 
     Parameters
     ----------
-    measurement : Measurement
+    measurement : Measurement or TimeTest
         In any unit of pressure; a strain amplitude becomes a displacement (an angle).
     geometry : Geometry
         Of the specimen or damper.
@@ -75,7 +80,7 @@ def as_stiffness(
     return measurement.as_stiffness(geometry, unit, amplitude)
 
 
-def through(measurement: Measurement, geometry: Geometry) -> Measurement:
+def through(measurement: Test, geometry: Geometry) -> Test:
     """The other side of the geometry.
 
     The material of a measured damper, or the damper of a measured material.

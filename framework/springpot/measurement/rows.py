@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +22,28 @@ KELVINS = 0.5
 """Temperatures that agree to this belong to one choice."""
 CLOSE = {"amplitude": 0.05}
 """Relative agreement of a condition, where it is coarser than one per cent."""
+PLACES = ("frequency", "omega", "row", "sample")
+"""Columns that all tests of a kind have: they go without saying."""
 SHOWN = 12
 """Values listed where none fits; of more the first ones and the last."""
+
+
+class Asked(Protocol):
+    """A test whose rows can be asked for by what stands beside them."""
+
+    @property
+    def name(self) -> str:
+        """Shown in messages."""
+
+    @property
+    def labels(self) -> Mapping[str, NDArray[np.str_]]:
+        """Columns of words."""
+
+    @property
+    def columns(self) -> Mapping[str, Real]:
+        """Columns of numbers, each of a row."""
+
+    def __len__(self) -> int: ...
 
 
 class Rows(Moduli):
@@ -48,8 +69,21 @@ class Rows(Moduli):
     repeat: NDArray[np.int64] | None
     units: Units
 
+    @property
+    def columns(self) -> dict[str, Real]:
+        """The numbers that a condition may stand for, by its name."""
+        own = {
+            "frequency": self.frequency,
+            "omega": self.omega,
+            "row": np.arange(1.0, len(self) + 1.0),
+            **self.conditions,
+        }
+        if self.repeat is not None:
+            own["repeat"] = self.repeat.astype(float)
+        return own
 
-def rows_with(measured: Rows, wanted: Mapping[str, str]) -> NDArray[np.bool_]:
+
+def rows_with(measured: Asked, wanted: Mapping[str, str]) -> NDArray[np.bool_]:
     """A mask (n,) of the rows that have all the wanted conditions.
 
     See `springpot.measurement.select`.
@@ -66,7 +100,7 @@ def rows_with(measured: Rows, wanted: Mapping[str, str]) -> NDArray[np.bool_]:
     return rows
 
 
-def rows_without(measured: Rows, unwanted: Mapping[str, str]) -> NDArray[np.bool_]:
+def rows_without(measured: Asked, unwanted: Mapping[str, str]) -> NDArray[np.bool_]:
     """A mask (n,) of the rows that lack one of the conditions.
 
     Raises
@@ -80,7 +114,7 @@ def rows_without(measured: Rows, unwanted: Mapping[str, str]) -> NDArray[np.bool
     return rows
 
 
-def _matching(measured: Rows, key: str, value: str) -> NDArray[np.bool_]:
+def _matching(measured: Asked, key: str, value: str) -> NDArray[np.bool_]:
     if key in measured.labels:
         return _matching_words(measured, key, value)
     column = _column(measured, key)
@@ -95,7 +129,7 @@ def _matching(measured: Rows, key: str, value: str) -> NDArray[np.bool_]:
     reach = CLOSE.get(key, 0.01) * abs(number)
     if key == "temperature":
         reach = KELVINS
-    elif key == "row":
+    elif key in ("row", "sample"):
         reach = 0.0
     rows: NDArray[np.bool_] = np.abs(column - number) <= reach * (1 + 1e-9)
     if not rows.any():
@@ -107,27 +141,19 @@ def _matching(measured: Rows, key: str, value: str) -> NDArray[np.bool_]:
     return rows
 
 
-def _column(measured: Rows, key: str) -> Real:
+def _column(measured: Asked, key: str) -> Real:
     """The numbers that a condition stands for."""
-    own = {
-        "frequency": measured.frequency,
-        "omega": measured.omega,
-        "row": np.arange(1.0, len(measured) + 1.0),
-        **measured.conditions,
-    }
-    if measured.repeat is not None:
-        own["repeat"] = measured.repeat.astype(float)
-    if key not in own:
-        there = [*measured.conditions, *measured.labels]
-        if measured.repeat is not None:
-            there.append("repeat")
+    columns = measured.columns
+    if key not in columns:
+        there = [name for name in columns if name not in PLACES]
         raise DataError(
-            f"{measured.name} has no condition '{key}' (there are: {', '.join(there) or 'none'})"
+            f"{measured.name} has no condition '{key}'"
+            f" (there are: {', '.join([*there, *measured.labels]) or 'none'})"
         )
-    return own[key]
+    return columns[key]
 
 
-def _between(measured: Rows, key: str, value: str, column: Real) -> NDArray[np.bool_]:
+def _between(measured: Asked, key: str, value: str, column: Real) -> NDArray[np.bool_]:
     """Rows between two ends, either of which may be left open."""
     first, _, last = value.partition("..")
     low, high = -np.inf, np.inf
@@ -147,7 +173,7 @@ def _between(measured: Rows, key: str, value: str, column: Real) -> NDArray[np.b
     return rows
 
 
-def _number(measured: Rows, key: str, value: str) -> float:
+def _number(measured: Asked, key: str, value: str) -> float:
     try:
         return float(value)
     except ValueError:
@@ -156,7 +182,7 @@ def _number(measured: Rows, key: str, value: str) -> float:
         ) from None
 
 
-def _matching_words(measured: Rows, key: str, value: str) -> NDArray[np.bool_]:
+def _matching_words(measured: Asked, key: str, value: str) -> NDArray[np.bool_]:
     column = measured.labels[key]
     known = [str(word) for word in np.unique(column)]
     low = value.lower()

@@ -6,15 +6,19 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import TypeAlias
 
 from springpot.errors import DataError
 
 from .measurement import Measurement
 from .mixed_tests import NOTE, runs_together
-from .rows import rows_with, rows_without
+from .rows import rows_with
+from .timetest import TimeTest
 
+Test: TypeAlias = Measurement | TimeTest
+"""What was measured on one specimen: a sweep, or a test in time."""
 EXAMPLE = "temperature=20,amplitude=1 or frequency=1..10"
 
 
@@ -109,4 +113,68 @@ def without(measurement: Measurement, unwanted: Mapping[str, str]) -> Measuremen
     >>> len(without(springpot.read("artificial-hidden"), {"frequency": "1..10"}))
     23
     """
-    return measurement.subset(rows_without(measurement, unwanted))
+    left = tests_without([measurement], unwanted)
+    assert isinstance(left[0], Measurement)
+    return left[0]
+
+
+def tests_without(tests: Sequence[Test], unwanted: Mapping[str, str]) -> list[Test]:
+    """Tests of one specimen without the rows, or samples, that have all of these conditions.
+
+    Parameters
+    ----------
+    tests : sequence of Measurement or TimeTest
+        The tests.
+    unwanted : mapping of str to str
+        As in `select`; of a test in time also ``time`` in s and ``sample``, and of several tests
+        ``test``, a name or its beginning, alone for the whole of it. What names no test is left out
+        of all that know the column.
+
+    Raises
+    ------
+    DataError
+        If no test has such a column or value, or nothing would be left.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.measurement.selection import tests_without
+    >>> test = springpot.TimeTest.of_relaxation([0.1, 1.0, 10.0], [3.0, 2.0, 1.0])
+    >>> tests_without([test], {"time": "..0.5"})
+    [<TimeTest relaxation: relaxation, 2 samples, 1 to 10 s>]
+    """
+    meant, rest = _meant(tests, unwanted)
+    left: list[Test] = []
+    faults: list[DataError] = []
+    for test in tests:
+        if test not in meant:
+            left.append(test)
+            continue
+        try:
+            kept = ~rows_with(test, rest)
+        except DataError as error:
+            # Another test may have what this one lacks.
+            faults.append(error)
+            left.append(test)
+            continue
+        if kept.any():
+            left.append(test.subset(kept))
+    if len(faults) == len(meant):
+        raise faults[0]
+    if not left:
+        raise DataError(f"{tests[0].name}: nothing would be left")
+    return left
+
+
+def _meant(tests: Sequence[Test], unwanted: Mapping[str, str]) -> tuple[list[Test], dict[str, str]]:
+    """The tests that are named, or all of them, and the conditions on their rows."""
+    rest = dict(unwanted)
+    # A column of words may have that name, and then it is meant.
+    if "test" not in rest or any("test" in test.labels for test in tests):
+        return list(tests), rest
+    name = rest.pop("test")
+    for fits in (str.__eq__, str.startswith):
+        if named := [test for test in tests if fits(test.name, name)]:
+            return named, rest
+    known = ", ".join(test.name for test in tests)
+    raise DataError(f"there is no test '{name}' (there are: {known})")

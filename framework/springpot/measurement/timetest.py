@@ -9,13 +9,16 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from springpot.errors import DataError
 from springpot.rheology.points import KELVIN, Real
 from springpot.terminal_safe import plain
 
+from .conversion import Conversion, to_modulus, to_stiffness
 from .from_signals import stiffness_unit
+from .geometry import Geometry
+from .geometry_text import words_of
 from .imposed import SHORT, STEADY, Loading, controlled, from_rest, is_released
 from .units import (
     AMPLITUDE_UNITS,
@@ -341,6 +344,34 @@ class TimeTest:
         return f"<TimeTest {plain(self.name)}: {self.kind}, {len(self)} samples, {reach}>"
 
     @property
+    def labels(self) -> Mapping[str, NDArray[np.str_]]:
+        """Columns of words: none stands beside the samples."""
+        return {}
+
+    @property
+    def conditions(self) -> dict[str, Real]:
+        """What was set beside the load, of each sample: its temperature in degC, where known."""
+        if self.warmth is not None:
+            return {"temperature": self.warmth}
+        if self.temperature is not None:
+            return {"temperature": np.full(len(self), self.temperature)}
+        return {}
+
+    @property
+    def columns(self) -> dict[str, Real]:
+        """The numbers (n,) by which samples are chosen."""
+        number = np.arange(1.0, len(self) + 1.0)
+        return {"sample": number, "row": number, "time": self.time, **self.conditions}
+
+    def subset(self, rows: NDArray[np.bool_]) -> TimeTest:
+        """The same test with some of its samples, under all that was imposed."""
+        warmth = self.warmth
+        if warmth is not None:
+            warmth = warmth[rows]
+        _require_samples(int(np.count_nonzero(rows)), self.name)
+        return replace(self, time=self.time[rows], response=self.response[rows], warmth=warmth)
+
+    @property
     def answered(self) -> str:
         """Which of displacement and force is the response."""
         return {"displacement": "force", "force": "displacement"}[self.control]
@@ -457,14 +488,35 @@ class TimeTest:
                 f"{self.name} is in {self.units.stiffness} and the other test in {units.stiffness}:"
                 " a stiffness is no modulus; convert one of them by its geometry"
             )
-        # A force is stiffness times displacement: its factor is that of both.
         stiffer = MODULUS_UNITS[self.units.stiffness] / MODULUS_UNITS[units.stiffness]
         longer = AMPLITUDE_UNITS[self.units.amplitude] / AMPLITUDE_UNITS[units.amplitude]
-        # Where the force was imposed, the two change places.
+        return self._carried(stiffer, longer, units.stiffness)
+
+    def as_modulus(self, geometry: Geometry, unit: str = "Pa") -> TimeTest:
+        """Strain and stress of the material; see `interface.as_modulus`."""
+        return self._through(to_modulus(self, geometry, unit))
+
+    def as_stiffness(
+        self, geometry: Geometry, unit: str | None = None, amplitude: str | None = None
+    ) -> TimeTest:
+        """Displacement and force of a damper of this geometry; see `interface.as_stiffness`."""
+        return self._through(to_stiffness(self, geometry, unit, amplitude))
+
+    def _through(self, change: Conversion) -> TimeTest:
+        """The other side of a geometry."""
+        stiffer, longer = float(change.by(1.0, change.factor)), change.amplitude(np.ones(1))[0]
+        other = self._carried(stiffer, float(longer), change.units.stiffness)
+        told = {**self.provenance, "geometry": words_of(change.geometry)}
+        return replace(other, letter=change.units.letter, provenance=told)
+
+    def _carried(self, stiffer: float, longer: float, stiffness: str) -> TimeTest:
+        """The same test with so many times the stiffness and the displacement, in other units."""
+        # A force is stiffness times displacement: its factor is that of both. Where the force was
+        # imposed, the two change places.
         by_load, by_response = longer, stiffer * longer
         if self.control == "force":
             by_load, by_response = by_response, by_load
-        force, displacement = _split(units.stiffness)
+        force, displacement = _split(stiffness)
         return replace(
             self,
             response=self.response * by_response,

@@ -16,13 +16,11 @@ if TYPE_CHECKING:
     from .error import Error
     from .material import any_material
     from .residual_battery import Finding
-    from .values import Value
     from .where import Where
 
 __all__ = [
     "Error",
     "Finding",
-    "Value",
     "Where",
     "any_material",
 ]
@@ -30,7 +28,6 @@ __all__ = [
 _WHERE = {
     "Error": "springpot.misfit.error",
     "Finding": "springpot.misfit.residual_battery",
-    "Value": "springpot.misfit.values",
     "Where": "springpot.misfit.where",
     "any_material": "springpot.misfit.material",
 }

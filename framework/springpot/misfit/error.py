@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
+from springpot.identification.part_result import in_floors
+from springpot.plain_data import jsonable, number
 from springpot.thresholds import SCATTER
 
 
@@ -43,6 +47,27 @@ class Error:
         if self.noise_source == "repeats":
             return self.noise_floor > SCATTER.repeats_alike
         return self.noise_source == "estimated" and self.relative_rms > SCATTER.believed
+
+    @property
+    def over_floor(self) -> float:
+        """The error in noise floors."""
+        return in_floors(self.relative_rms, self.noise_floor)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As in the schemas."""
+        return {**jsonable(vars(self)), "over_floor": jsonable(self.over_floor)}
+
+    @classmethod
+    def from_dict(cls, row: Mapping[str, Any]) -> Error:
+        """What `to_dict` gave."""
+        return cls(
+            relative_rms=number(row["relative_rms"]),
+            noise_floor=number(row["noise_floor"]),
+            noise_source=row["noise_source"],
+            doubt=row["doubt"],
+            material_floor=number(row["material_floor"]),
+            material_chance=number(row["material_chance"]),
+        )
 
     @property
     def advice(self) -> str:

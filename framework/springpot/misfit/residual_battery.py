@@ -9,12 +9,14 @@ distribution in the same simulation: looking in several ways costs no false alar
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from springpot.plain_data import jsonable, number
 from springpot.rheology.points import Real
 from springpot.thresholds import VERDICT
 
@@ -50,7 +52,13 @@ class Finding:
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data."""
-        return asdict(self)
+        return dict(jsonable(vars(self)))
+
+    @classmethod
+    def from_dict(cls, row: Mapping[str, Any]) -> Finding:
+        """What `to_dict` gave."""
+        statistic, chance = number(row["statistic"]), number(row["p_value"])
+        return cls(row["test"], statistic, chance, row["found"], row["says"])
 
 
 @dataclass(frozen=True, eq=False)

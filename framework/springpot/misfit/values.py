@@ -2,23 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from springpot.identification.held_material import intervals_beside_material
 from springpot.identification.uncertainty import Uncertainty
+from springpot.identification.value import Value
 from springpot.thresholds import VERDICT
 
 from .refit import Refit
-
-
-@dataclass(frozen=True)
-class Value:
-    """A parameter with its 95 % interval, in the unit in which it is printed."""
-
-    value: float
-    low: float
-    high: float
-    unit: str
 
 
 def printed(refit: Refit, by_profile: bool = True) -> dict[str, Value]:

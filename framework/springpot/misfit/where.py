@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.one_frequency import HELD_ALIKE, frequency_numbers
 from springpot.measurement.sweeps import sweeps_of, temperatures_differ
 from springpot.measurement.units import Units
+from springpot.plain_data import jsonable, number
 from springpot.rheology.levels import HELD
 from springpot.rheology.nodes import Chain, Parallel, Response, Series
 from springpot.rheology.points import Complex, Real
@@ -72,7 +73,13 @@ class Where:
     def to_dict(self) -> dict[str, Any]:
         """As in the schema, where the ends of the range are called from and to."""
         names = {"low": "from", "high": "to"}
-        return {names.get(key, key): value for key, value in asdict(self).items()}
+        return {names.get(key, key): value for key, value in jsonable(vars(self)).items()}
+
+    @classmethod
+    def from_dict(cls, row: Mapping[str, Any]) -> Where:
+        """What `to_dict` gave."""
+        low, high, size = (number(row[name]) for name in ("from", "to", "size"))
+        return cls(row["plane"], row["condition"], low, high, size, row["says"])
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,12 +5,11 @@ from __future__ import annotations
 from springpot.comparison.comparing import Comparison, Judgement
 from springpot.diagnosis.result import Candidate, Diagnosis
 from springpot.format_numbers import counted, number
-from springpot.identification.value import Value as Measured
+from springpot.identification.value import Value
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.units import Units
 from springpot.misfit.error import Error
 from springpot.misfit.residual_battery import Finding
-from springpot.misfit.values import Value
 from springpot.misfit.words import over_floor, plain
 
 from .numbers import percent
@@ -296,7 +295,7 @@ def value_text(value: Value, brief: bool = False) -> str:
 
     What the data leave open is called so.
     """
-    size, interval = shown(Measured(value.value, value.low, value.high, value.unit))
+    size, interval = shown(value)
     text = f"{size} {interval}".removeprefix("- ").strip()
     # A value that the data leave open is none, however narrow the window: there the interval is all
     # there is to tell.
@@ -334,12 +333,12 @@ def comparison_text(comparison: Comparison, width: int = USUAL) -> str:
     headers = ("model", "error", "x floor", "material floor", "chi2/dof", "delta BIC", "parameters")
     rows = []
     for judged in comparison.judgements:
-        error, dof = judged.error, judged.refit.fit.dof
+        error, dof = judged.error, judged.degrees_of_freedom
         ratio = over_floor(error.relative_rms, error.noise_floor, 2)
-        floor, chi_square = percent(error.material_floor), number(judged.refit.rss / dof, 3)
+        floor, chi_square = percent(error.material_floor), number(judged.chi_square / dof, 3)
         row = (percent(error.relative_rms), ratio, floor, chi_square, number(judged.delta_bic, 3))
-        rows.append((judged.model.name, *row, str(len(judged.refit.theta))))
-    error, size = comparison.judgements[0].error, comparison.measurement.units.magnitude
+        rows.append((judged.model.name, *row, str(judged.free_parameters)))
+    error, size = comparison.judgements[0].error, comparison.magnitude
     parts = [
         (
             f"{comparison.data}: noise floor {percent(error.noise_floor)} of {size}"

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from springpot.format_numbers import number
 from springpot.identification.result import Identification
-from springpot.identification.value import Value, kept_interval
-from springpot.measurement.timed import material_of
+from springpot.identification.value import Value
 from springpot.rheology.drawing import drawing_of
 
 from .floors import beside_floors
@@ -88,7 +87,7 @@ def fitted_in_time_text(identified: TimeIdentification, width: int = 120) -> str
     lines += [f"note        {note}" for note in identified.notes]
     parts = [
         wrapped(f"{identified.model.name} fitted to {names} ({count})", width),
-        indented(drawing_of(material_of(identified.model))),
+        indented(drawing_of(identified.model)),
         parameters_text("parameter", values),
         _tests(identified, width),
         "\n".join(wrapped(line, width, " " * 12) for line in lines),
@@ -198,7 +197,7 @@ def _briefly(parameters: Mapping[str, Mapping[str, Any]]) -> str:
 
 
 def _measured(entry: dict[str, Any]) -> Value:
-    return Value(entry["value"], *kept_interval(entry), entry["unit"])
+    return Value.from_dict(entry)
 
 
 def _tests(identified: TimeIdentification, width: int) -> str:

@@ -9,7 +9,6 @@ from dataclasses import replace
 
 from springpot.diagnosis.ladder import Ladder, Step
 from springpot.format_numbers import number
-from springpot.identification.value import Value as Measured
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.words import over_floor
 
@@ -51,9 +50,9 @@ def ladder_text(ladder: Ladder, width: int = USUAL, verbose: bool = False) -> st
         table.plain(),
         floor_moved(ladder),
         parameters_text(last),
-        reference_note(_data(last), [last.model.network]),
+        reference_note(data_of(last), [last.model.network]),
         "\n".join(remarks),
-        f"at the last step: {diagnosis_text(judged, _data(last), width, verbose)}",
+        f"at the last step: {diagnosis_text(judged, data_of(last), width, verbose)}",
     ]
     return paragraphs(parts, width)
 
@@ -93,16 +92,16 @@ def floor_moved(ladder: Ladder) -> str:
     )
 
 
-def _data(step: Step) -> Measurement:
-    return step.case.search.base.data.raw
+def data_of(step: Step) -> Measurement | None:
+    """The data of a step; an answer from a file knows none."""
+    if step.examined is None:
+        return None
+    return step.examined.search.base.data.raw
 
 
 def parameters_text(step: Step) -> str:
     """The parameters of a step with their intervals."""
-    rows = [
-        (name, *shown(Measured(value.value, value.low, value.high, value.unit)), value.unit)
-        for name, value in step.parameters.items()
-    ]
+    rows = [(name, *shown(value), value.unit) for name, value in step.parameters.items()]
     return Table(
         ("parameter", "value", "95 % interval", "unit"), rows, frozenset({"value"})
     ).plain()

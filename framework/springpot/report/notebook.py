@@ -34,9 +34,9 @@ def _of_diagnosis(diagnosis: Diagnosis) -> Html:
     answer = diagnosis.to_dict()
     error = answer["error"]
     values = []
-    for name, value in answer["parameters"].items():
-        numbers = [f"{value[key]:.4g}" for key in ("value", "low", "high")]
-        values.append((name, *numbers, value["unit"]))
+    for name, value in diagnosis.parameters.items():
+        numbers = [f"{each:.4g}" for each in (value.value, value.low, value.high)]
+        values.append((name, *numbers, value.unit))
     rows = []
     for row in worth_showing(diagnosis, SHOWN):
         errors = [percent(value) for value in (row.predicted_error, row.error_after)]

@@ -11,7 +11,6 @@ from springpot.identification.objective import Objective
 from springpot.identification.optimiser import Optimiser, OptimiserFamily
 from springpot.measurement.catalogue import DataSet
 from springpot.measurement.reader import Reader
-from springpot.measurement.timeeffect import TimeEffect
 from springpot.measurement.timereader import TimeReader
 from springpot.measurement.units import Units
 from springpot.registry import Registry
@@ -107,24 +106,12 @@ def effect(item: Effect) -> dict[str, Any]:
         "equation": equation,
         "plane": item.plane,
         "layer": item.layer.name.lower().replace("_", " "),
+        "tests": str(item.applies_to),
         "needs": sorted(item.needs),
         "parameters": parameters(item.element.parameters),
         "citation": item.citation,
         "approximate": item.approximate,
-    }
-
-
-def time_effect(item: TimeEffect) -> dict[str, Any]:
-    """Describe an effect of tests in time."""
-    return {
-        "name": item.name,
-        "aliases": list(item.aliases),
-        "summary": item.summary,
         "signature": item.signature,
-        "stage": item.stage.value,
-        "imposed": list(item.controls),
-        "parameters": parameters(item.parameters),
-        "citation": item.citation,
     }
 
 
@@ -234,8 +221,7 @@ KINDS = {
     "optimisers": KindOfCard(
         "optimiser", ("name", "global", "gradient", "batched", "summary"), optimiser
     ),
-    "effects": KindOfCard("effect", ("name", "plane", "needs", "summary"), effect),
-    "time-effects": KindOfCard("time effect", ("name", "stage", "imposed", "summary"), time_effect),
+    "effects": KindOfCard("effect", ("name", "plane", "tests", "needs", "summary"), effect),
     "datasets": KindOfCard(
         "data set", ("name", "kind", "points", "licence", "where", "summary"), dataset
     ),

@@ -7,7 +7,7 @@ from springpot.comparison.ranking import Ranking
 from springpot.format_numbers import number
 
 from .answers import USUAL, floors, times_floor, value_text
-from .ladder_text import doubt_text
+from .ladder_text import data_of, doubt_text
 from .numbers import percent
 from .reference import reference_note
 from .text import Table, paragraphs
@@ -19,15 +19,13 @@ NAMED = 12
 
 def ranked_text(ranking: Ranking, width: int = USUAL) -> str:
     """The answer, models worth a look, those that are alike, and the parameters of the first."""
-    last = ranking.ladder.steps[-1]
-    data = last.case.search.base.data.raw
     parts = [
         f"{ranking.data}: {ranking.says}",
         _floors(ranking),
         _table(ranking, width),
         "\n".join(_alike(group) for group in ranking.groups if len(group) > 1),
         _first(ranking.best),
-        reference_note(data, [ranking.best.model.network]),
+        reference_note(data_of(ranking.ladder.steps[-1]), [ranking.best.model.network]),
         "\n".join(filter(None, map(doubt_text, ranking.ladder.steps))),
         "\n".join(f"note: {note}" for note in ranking.notes),
     ]
@@ -76,7 +74,7 @@ def _row(judged: Judgement, verdict: str) -> tuple[str, ...]:
         percent(error.relative_rms),
         ratio,
         number(judged.delta_bic, 3),
-        str(len(judged.refit.theta)),
+        str(judged.free_parameters),
     )
     return (judged.model.name, verdict, *values)
 

@@ -29,19 +29,23 @@ def refers(node: Node) -> bool:
     return not np.array_equal(one, other)
 
 
-def reference_note(measurement: Measurement, nodes: Iterable[Node], unit: str = "degC") -> str:
+def reference_note(
+    measurement: Measurement | None, nodes: Iterable[Node], unit: str = "degC"
+) -> str:
     """One sentence on the reference temperature; empty where no parameter shown refers to one.
 
     Parameters
     ----------
-    measurement : Measurement
-        The data, which set the reference.
+    measurement : Measurement or None
+        The data, which set the reference; an answer from a file knows none.
     nodes : iterable of Node
         Networks or elements whose parameters are shown.
     unit : {"degC", "°C"}
         How degrees are written.
     """
-    if "temperature" not in measurement.conditions or not any(refers(node) for node in nodes):
+    if measurement is None or "temperature" not in measurement.conditions:
+        return ""
+    if not any(refers(node) for node in nodes):
         return ""
     # The way through kelvin leaves rounding behind.
     celsius = round(measurement.reference_temperature - KELVIN, 2)

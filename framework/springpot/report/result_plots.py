@@ -13,7 +13,6 @@ from springpot.errors import OutputError
 from springpot.identification.material import is_material
 from springpot.identification.prediction import Prediction
 from springpot.identification.result import Identification
-from springpot.loading import KeptLadder
 from springpot.measurement.measurement import Measurement
 from springpot.report import views
 from springpot.superposition.curve import MasterCurve
@@ -129,16 +128,13 @@ def _diagnosed_onto(result: Diagnosis, axes: Any) -> None:
     draw_diagnosis(axes, result)
 
 
-# A ladder that was loaded draws as the one that was saved.
-@whole.register(KeptLadder)
-@whole.register(Ladder)
-def _found(result: Any, path: Any) -> Any:
+@whole.register
+def _found(result: Ladder, path: Any) -> Any:
     return figure_ladder(result, path)
 
 
-@onto.register(KeptLadder)
-@onto.register(Ladder)
-def _found_onto(result: Any, axes: Any) -> None:
+@onto.register
+def _found_onto(result: Ladder, axes: Any) -> None:
     draw_ladder(axes, result)
 
 

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.timed import material_of
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units
 from springpot.rheology.points import Real
@@ -134,11 +133,10 @@ def _draw_sweep(
     order = np.argsort(sweep.omega)
     unit, clock = sweep.units.stiffness, CLOCKS[sweep.units.clock]
     rate = sweep.units.on_clock(sweep.frequency)
-    # A sweep has nothing of what a test in time did: only the material is drawn.
     computed = []
     for fit in fits:
-        material = material_of(fit.model)
-        computed.append(material.stiffness(fit.theta[: len(material.parameters)], sweep.points))
+        own, places = fit.model.had_by(sweep)
+        computed.append(own.stiffness(fit.theta[places], sweep.points))
     for axes, name, of in (
         (row[0], sweep.units.storage, np.real),
         (row[1], sweep.units.loss, np.imag),

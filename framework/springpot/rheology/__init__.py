@@ -10,11 +10,11 @@ if TYPE_CHECKING:
     from .balance import BalancedSeries, Compliant, balanced_series, hardening_spring, slip_film
     from .continuum import Continuum
     from .drawing import draw, drawing_of
-    from .effect import Effect, InstrumentConstant, Layer
+    from .effect import AppliesTo, Effect, InstrumentConstant, Layer
     from .elements import FixedPower, Springpot, dashpot, mass, power_of_s, spring, springpot
     from .forms import KELVIN_FORM, MAXWELL_FORM, TIME_FORM, SearchForm, columns, limits_form, rows
     from .formula import Formula
-    from .history import InTime, Placed, network_of, sorted_out, with_laws
+    from .history import InTime, network_of, sorted_out, with_laws
     from .hysteresis import smooth_hysteresis
     from .intime import Traced
     from .levels import HELD, Levels, free_factors, free_vertical_factors, levels_of
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         retardation_mode,
     )
     from .model import Model
+    from .named import Placed
     from .nodes import (
         FULL,
         GRADIENT,
@@ -82,6 +83,7 @@ if TYPE_CHECKING:
     from .points import KELVIN, ROOM, Complex, Points, Real
     from .signal import clock, delay, filter_mismatch, force_resonance, gain, phase
     from .spectrum import Slopes, Spectrum
+    from .stages import Answered, StageLaw, on_clock, on_loading, on_response
     from .thermal import (
         Heated,
         arrhenius,
@@ -144,6 +146,12 @@ __all__ = [
     "free_vertical_factors",
     "moving_side_wave",
     "AMPLITUDE",
+    "Answered",
+    "AppliesTo",
+    "StageLaw",
+    "on_clock",
+    "on_loading",
+    "on_response",
     "BalancedSeries",
     "Chain",
     "Composing",
@@ -218,6 +226,8 @@ __all__ = [
 
 _WHERE = {
     "AMPLITUDE": "springpot.rheology.parameters",
+    "Answered": "springpot.rheology.stages",
+    "AppliesTo": "springpot.rheology.effect",
     "BalancedSeries": "springpot.rheology.balance",
     "Chain": "springpot.rheology.nodes",
     "Complex": "springpot.rheology.points",
@@ -240,6 +250,7 @@ _WHERE = {
     "InstrumentConstant": "springpot.rheology.effect",
     "KELVIN": "springpot.rheology.points",
     "KELVIN_FORM": "springpot.rheology.forms",
+    "StageLaw": "springpot.rheology.stages",
     "Layer": "springpot.rheology.effect",
     "Levels": "springpot.rheology.levels",
     "MAXWELL_FORM": "springpot.rheology.forms",
@@ -249,7 +260,7 @@ _WHERE = {
     "PURE": "springpot.rheology.parameters",
     "Parallel": "springpot.rheology.nodes",
     "Parameter": "springpot.rheology.parameters",
-    "Placed": "springpot.rheology.history",
+    "Placed": "springpot.rheology.named",
     "Points": "springpot.rheology.points",
     "RADIAN_PER_SECOND": "springpot.rheology.parameters",
     "ROOM": "springpot.rheology.points",
@@ -305,6 +316,9 @@ _WHERE = {
     "mass": "springpot.rheology.elements",
     "moving_side_wave": "springpot.rheology.wave",
     "network_of": "springpot.rheology.history",
+    "on_clock": "springpot.rheology.stages",
+    "on_loading": "springpot.rheology.stages",
+    "on_response": "springpot.rheology.stages",
     "order": "springpot.rheology.parameters",
     "parallel": "springpot.rheology.nodes",
     "payne_softening": "springpot.rheology.nonlinear",

@@ -10,6 +10,7 @@ from typing import TypeAlias
 from .continuum import Continuum
 from .named import NamedNetwork
 from .nodes import Chain, Composition, Mapped, Node, Parallel, Renamed, Series, Shift
+from .stages import Stage
 
 SYMBOLS = {"spring": "╱╲╱╲╱", "dashpot": "━[┣━", "springpot": "◇", "mass": "█"}
 """Middle of the wire for each kind of element; any other kind is written out in a box."""
@@ -74,6 +75,9 @@ def sketch(node: Node, prefix: str = "") -> Sketch:
         return Stack(tuple(sketch(child, prefix) for child in node.children))
     if isinstance(node, Series):
         return Row(tuple(sketch(child, prefix) for child in node.children))
+    # A picture of the specimen and its rig: what a test did to them is no part of it.
+    if isinstance(node, Stage):
+        return sketch(node.children[0], prefix)
     if isinstance(node, Composition):
         operation = ""
         if isinstance(node, Chain):
@@ -231,6 +235,6 @@ def drawing_of(model: NamedNetwork) -> str:
     ──╱╲╱╲╱───────◇──────
     """
     # Its own shows the bare material: with an effect it would be another network.
-    if model.drawing and not model.effects:
+    if model.drawing and not model.of_specimen.effects:
         return model.drawing
     return draw(model.network)

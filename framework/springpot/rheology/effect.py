@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from math import inf
+from typing import Any, Protocol
 
 import numpy as np
 
 from springpot.errors import ModelError
 
+from .holding import Fixed, Held
 from .levels import Levels
 from .nodes import Composing, Node, Parallel
 from .points import Complex, Points, Real
+from .stages import Stage, StageLaw
 
 
 @dataclass(frozen=True)
@@ -51,6 +56,89 @@ class Layer(IntEnum):
     MOUNTING = 4
     MOVING_PARTS = 5
     SIGNAL = 6
+    TEST = 7
+
+
+class Test(Protocol):
+    """What an effect asks of a test, a sweep or one in time."""
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+
+    @property
+    def control(self) -> str:
+        """What was imposed, of `CONTROLS`."""
+
+
+IN_TIME = ("displacement", "force")
+CONTROLS = ("frequency", *IN_TIME)
+
+
+def _any(test: Test) -> bool:
+    return True
+
+
+@dataclass(frozen=True)
+class AppliesTo:
+    """To which tests of a specimen an effect applies.
+
+    Parameters
+    ----------
+    controls : tuple of str
+        What was imposed in them: ``frequency`` in a sweep, ``displacement`` or ``force`` in time.
+    suits : callable
+        Whether a test that it is given can show the effect at all.
+    one : bool
+        Whether it tells one of several tests from the others, so that it must be said of which:
+        ``NAME:TEST``.
+    test : str
+        The only test that has it, as it stands in a model expression; empty where all can.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> drift = springpot.plugins().effect("force-drift")
+    >>> drift.applies_to(springpot.TimeTest.of_relaxation([1.0, 4.0], [2.0, 1.0], "kPa"))
+    True
+    >>> drift.applies_to(springpot.read("artificial-hidden"))
+    False
+    """
+
+    controls: tuple[str, ...] = CONTROLS
+    suits: Callable[[Any], bool] = _any
+    one: bool = False
+    test: str = ""
+
+    def __call__(self, test: Test) -> bool:
+        """Whether a test can have it, and show it."""
+        if self.test and self.test != in_expression(test.name):
+            return False
+        return test.control in self.controls and bool(self.suits(test))
+
+    def __str__(self) -> str:
+        """In words, as lists show it."""
+        if self.test:
+            return f"the test {self.test}"
+        words = {CONTROLS: "all tests", ("frequency",): "sweeps", IN_TIME: "tests in time"}
+        told = words.get(self.controls, f"tests under a {' or '.join(self.controls)}")
+        if self.one:
+            return f"one of several {told}"
+        return told
+
+
+ALL, SWEEPS = AppliesTo(), AppliesTo(("frequency",))
+
+
+def in_expression(name: str) -> str:
+    """The name of a test as it stands in a model expression, without blanks and signs.
+
+    Examples
+    --------
+    >>> in_expression("creep 25 C + glue.csv")
+    'creep-25-C-glue.csv'
+    """
+    return re.sub(r"[^\w.]+", "-", name).strip("-")
 
 
 @dataclass(frozen=True)
@@ -62,13 +150,15 @@ class Effect:
     name : str
         What users type, such as ``"inertia"``.
     composition : Composing
-        `parallel`, `series`, `chain` or `shift`.
+        `parallel`, `series`, `chain` or `shift`; of what a test in time did `on_loading`,
+        `on_clock` or `on_response`.
     element : Node
-        What is put there; its parameters become ``name.parameter`` in the grown model.
+        What is put there, at a stage of a test its `StageLaw`; its parameters become
+        ``name.parameter`` in the grown model.
     summary : str
         One sentence of physics.
     layer : Layer
-        Where between material and signal it acts.
+        Where between material and signal it acts; at a stage of a test it is always ``TEST``.
     citation : str
         Source of the equation (DOI where there is one).
     aliases : tuple of str
@@ -97,9 +187,10 @@ class Effect:
     only_varied : bool
         Whether the conditions that it needs must have been varied: at one value of them it would be
         a factor that goes with the frequency alone, as many a fault of a measuring chain does.
-    only_sweeps : bool
-        Whether it belongs to the rig of the sweeps alone: tests in time of the same specimen are
-        free of it.
+    applies_to : AppliesTo
+        The tests that can have it: by default all, and at a stage all in time.
+    signature : str
+        How it shows in a record: one sentence.
 
     Examples
     --------
@@ -124,7 +215,45 @@ class Effect:
     constant: InstrumentConstant | None = None
     largest_of_modulus: float = inf
     only_varied: bool = False
-    only_sweeps: bool = False
+    applies_to: AppliesTo = ALL
+    signature: str = ""
+
+    def __post_init__(self) -> None:
+        law = self.element
+        # Values that are held, or all of them fixed, stand around it.
+        while isinstance(law, Held | Fixed):
+            law = law.node
+        if self.of_test is not isinstance(law, StageLaw):
+            raise ModelError(
+                f"effect '{self.name}': on_loading, on_clock and on_response take a StageLaw,"
+                " other compositions an element"
+            )
+        if not self.of_test:
+            return
+        # Outside of all else, and in no sweep.
+        controls = tuple(each for each in self.applies_to.controls if each in IN_TIME)
+        object.__setattr__(self, "layer", Layer.TEST)
+        object.__setattr__(self, "applies_to", replace(self.applies_to, controls=controls))
+
+    @property
+    def of_test(self) -> bool:
+        """Whether it is what a test in time did, which no network shows."""
+        return issubclass(self.composition.kind, Stage)
+
+    @property
+    def in_time(self) -> bool:
+        """Whether tests in time can have it."""
+        return self.applies_to.controls != SWEEPS.controls
+
+    def at(self, tests: AppliesTo) -> Effect:
+        """The same effect of these tests alone."""
+        return replace(self, applies_to=tests)
+
+    def of_one(self, test: str) -> Effect:
+        """The same effect of one test alone, called ``NAME:TEST``."""
+        test = in_expression(test)
+        tests = replace(self.applies_to, test=test)
+        return replace(self, name=f"{self.name}:{test}", applies_to=tests, aliases=())
 
     @property
     def vanishes_at(self) -> float:
@@ -147,17 +276,8 @@ class Effect:
         return isinstance(self.element, Levels)
 
     def of_column(self, column: str) -> Effect:
-        """The same effect for the levels of another column; ``NAME:COLUMN`` is then its name.
-
-        Raises
-        ------
-        ModelError
-            If it is not by levels.
-        """
-        if not isinstance(self.element, Levels):
-            raise ModelError(
-                f"'{self.name}:{column}': only effects with a factor for each level take a column"
-            )
+        """Of one by levels that of another column; ``NAME:COLUMN`` is then its name."""
+        assert isinstance(self.element, Levels)
         if column == self.element.column:
             return self
         # An alias means the effect of the usual column: this one is another.
@@ -176,7 +296,7 @@ class Effect:
 
     @property
     def plane(self) -> str:
-        """The plane in which the effect adds: stiffness, compliance, log-complex or shift."""
+        """The plane in which the effect adds, such as ``stiffness``, or its stage of a test."""
         return self.composition.kind.plane
 
     @property

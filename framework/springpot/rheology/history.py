@@ -8,27 +8,18 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from springpot.errors import ModelError
 
-from .effect import Effect, Layer
+from .effect import Layer
 from .intime import Passive, Traced
-from .named import NamedNetwork
+from .named import NamedNetwork, Placed
 from .nodes import GRADIENT, Chain, Node, Parallel, Series, Shift
 from .points import Points, Real
 from .spectrum import blaming, conditions_at
-
-
-class Placed(NamedTuple):
-    """An effect of a model, the prefix of its parameters' names and where they stand in theta."""
-
-    effect: Effect
-    prefix: str
-    own: list[int]
-
 
 STEP = 1e-30
 """Of a derivative by complex step, free of rounding (Squire & Trapp 1998,
@@ -355,7 +346,7 @@ def sorted_out(model: NamedNetwork) -> tuple[list[Placed], list[Placed], list[Pl
 
     Linear ones, those that are not but stand beside, those of signals.
 
-    Those of the rig of a sweep alone are in none of them: no test in time feels them.
+    Those of sweeps alone are in none of them, nor is what a test did: see `at_stage`.
 
     Raises
     ------
@@ -373,10 +364,10 @@ def sorted_out(model: NamedNetwork) -> tuple[list[Placed], list[Placed], list[Pl
     inside: list[Placed] = []
     beside: list[Placed] = []
     signals: list[Placed] = []
-    for effect, prefix in sorted(model.named_effects(), key=lambda pair: pair[0].position):
-        if effect.only_sweeps:
+    for placed in model.placed():
+        effect = placed.effect
+        if effect.of_test or not effect.in_time:
             continue
-        own = [i for i, name in enumerate(model.names) if name.rpartition(".")[0] == prefix]
         law = getattr(effect.element, "in_time", None)
         linear = effect.layer is not Layer.SIGNAL and "amplitude" not in effect.needs
         if linear and effect.composition.kind in (Parallel, Series, Shift, Chain):
@@ -388,16 +379,16 @@ def sorted_out(model: NamedNetwork) -> tuple[list[Placed], list[Placed], list[Pl
                     f"the force of '{inner}' cannot be told alone inside '{effect.name}':"
                     " leave one out"
                 )
-            inside.append(Placed(effect, prefix, own))
+            inside.append(placed)
         elif law is None:
             raise ModelError(
                 f"{model.name} cannot be followed in time: '{effect.name}' has no law there;"
                 " leave it out"
             )
         elif effect.layer is Layer.SIGNAL:
-            signals.append(Placed(effect, prefix, own))
+            signals.append(placed)
         else:
-            beside.append(Placed(effect, prefix, own))
+            beside.append(placed)
     return inside, beside, signals
 
 

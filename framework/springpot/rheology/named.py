@@ -9,13 +9,13 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Self, TypeVar
+from typing import NamedTuple, Self, TypeVar
 
 import numpy as np
 
 from springpot.errors import ModelError
 
-from .effect import Effect, Layer
+from .effect import Effect, Layer, Test
 from .elements import KnownMass
 from .forms import SearchForm
 from .holding import Bounds, Fixed, Held, held_values, hold, released
@@ -27,6 +27,14 @@ from .points import Complex, Points, Real
 from .twice import same_twice
 
 T = TypeVar("T")
+
+
+class Placed(NamedTuple):
+    """An effect of a model, the prefix of its parameters' names and where they stand in theta."""
+
+    effect: Effect
+    prefix: str
+    own: list[int]
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +81,7 @@ class NamedNetwork(HasParameters):
         """
         # Of the usual specimen nothing is multiplied: it counts as resized from the start.
         network, resized = self.material, factor == 1.0 and mass == 0.0
-        for effect, prefix in sorted(self.named_effects(), key=lambda pair: pair[0].position):
+        for effect, prefix, _ in self.placed():
             # The specimen ends where the first effect of the rig stands: only what lies within is
             # resized.
             if not resized and effect.layer > Layer.SPECIMEN:
@@ -99,6 +107,43 @@ class NamedNetwork(HasParameters):
                 prefix = f"{prefix}#{count}"
             named.append((effect, prefix))
         return named
+
+    def placed(self) -> list[Placed]:
+        """The effects from the material outwards, and where their parameters stand in theta."""
+        first, placed = len(self.material.parameters), []
+        for effect, prefix in sorted(self.named_effects(), key=lambda pair: pair[0].position):
+            last = first + len(effect.element.parameters)
+            placed.append(Placed(effect, prefix, list(range(first, last))))
+            first = last
+        return placed
+
+    def had_by(self, test: Test) -> tuple[Self, list[int]]:
+        """The model that a test has, and where its parameters stand in theta.
+
+        Effects that do not apply to the test are left out: of another rig, or of another kind of
+        test.
+        """
+        placed = self.placed()
+        mine = [each for each in placed if each.effect.applies_to(test)]
+        if len(mine) == len(placed):
+            return self, list(range(len(self.names)))
+        places = list(range(len(self.material.parameters)))
+        for each in mine:
+            places += each.own
+        return replace(self, effects=tuple(each.effect for each in mine)), places
+
+    @property
+    def of_tests(self) -> tuple[Effect, ...]:
+        """What the tests did, in the order of theta."""
+        return tuple(each.effect for each in self.placed() if each.effect.of_test)
+
+    @property
+    def of_specimen(self) -> Self:
+        """The model without what the tests did; its parameters are the first of theta."""
+        effects = tuple(effect for effect in self.effects if not effect.of_test)
+        if len(effects) == len(self.effects):
+            return self
+        return replace(self, effects=effects)
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -211,10 +256,10 @@ class NamedNetwork(HasParameters):
         """
         # The material's come first in theta: effects join behind it.
         own = len(self.material.parameters)
-        effects = []
-        for effect, prefix in self.named_effects():
-            rows = [i for i, name in enumerate(self.names) if name.rpartition(".")[0] == prefix]
-            effects.append(replace(effect, element=Fixed(effect.element, theta[rows])))
+        effects = [
+            replace(effect, element=Fixed(effect.element, theta[rows]))
+            for effect, _, rows in self.placed()
+        ]
         material = Fixed(self.material, theta[:own])
         return replace(self, material=material, effects=tuple(effects), search=None)
 
@@ -260,8 +305,7 @@ class NamedNetwork(HasParameters):
         """
         centre = np.zeros(at.log_omega.shape[-1], dtype=np.complex128)
         radius = np.zeros(centre.shape)
-        for effect, prefix in self.named_effects():
-            own = [i for i, name in enumerate(self.names) if name.rpartition(".")[0] == prefix]
+        for effect, _, own in self.placed():
             known, unsure = effect.third_harmonic_range(theta[own], at)
             centre, radius = centre + known, radius + unsure
         first = self.stiffness(theta, at)

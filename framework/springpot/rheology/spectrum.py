@@ -193,6 +193,8 @@ def refuse_what_is_no_relaxation(model: NamedNetwork) -> None:
 def _reason(effect: Effect) -> str:
     if effect.layer is Layer.SIGNAL:
         return "belongs to the signals, not to the material"
+    if effect.of_test:
+        return "belongs to a test, not to the material"
     if "amplitude" in effect.needs:
         return "depends on the amplitude"
     if effect.composition.kind not in (Parallel, Series, Chain, Shift):

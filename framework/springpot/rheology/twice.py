@@ -33,10 +33,10 @@ def same_twice(effect: Effect) -> bool:
     """Whether two effects of this kind in one model act as one of them with another size.
 
     Two masses are one larger mass; two relaxation modes, or two filters of different corner
-    frequencies, are not one. Effects with a factor for each level are; of the others only those
-    with a single parameter are judged.
+    frequencies, are not one. Effects with a factor for each level and those of a test are; of the
+    others only those with a single parameter are judged.
     """
-    if effect.by_levels:
+    if effect.by_levels or effect.of_test:
         return True
     if len(effect.element.parameters) != 1:
         return False

@@ -7,10 +7,8 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .exporting import Exported, exported
-    from .handoff import Handoff, Writer
-    from .prony import Prony, prony_of
-    from .solid import BULKS, Solid, solid_of, young_of
+    from .exporting import Exported, Handoff, Writer, exported
+    from .prony import BULKS, Prony, Solid, prony_of, solid_of, young_of
 
 __all__ = [
     "BULKS",
@@ -26,14 +24,14 @@ __all__ = [
 ]
 
 _WHERE = {
-    "BULKS": "springpot.solvers.solid",
-    "Solid": "springpot.solvers.solid",
-    "solid_of": "springpot.solvers.solid",
-    "young_of": "springpot.solvers.solid",
+    "BULKS": "springpot.solvers.prony",
+    "Solid": "springpot.solvers.prony",
+    "solid_of": "springpot.solvers.prony",
+    "young_of": "springpot.solvers.prony",
     "Exported": "springpot.solvers.exporting",
-    "Handoff": "springpot.solvers.handoff",
+    "Handoff": "springpot.solvers.exporting",
     "Prony": "springpot.solvers.prony",
-    "Writer": "springpot.solvers.handoff",
+    "Writer": "springpot.solvers.exporting",
     "exported": "springpot.solvers.exporting",
     "prony_of": "springpot.solvers.prony",
 }

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .frame import Damper, Frame
-    from .modes import Mode, Steady, modes_of, steady_of, steady_state
+    from .frame import Damper, Frame, Mode, Steady, modes_of, steady_of, steady_state
     from .motion import Motion, Record, Simulation, artificial, motion_of, simulate
 
 __all__ = [
@@ -33,17 +32,17 @@ __all__ = [
 _WHERE = {
     "Damper": "springpot.structure.frame",
     "Frame": "springpot.structure.frame",
-    "Mode": "springpot.structure.modes",
+    "Mode": "springpot.structure.frame",
     "Motion": "springpot.structure.motion",
     "Record": "springpot.structure.motion",
     "Simulation": "springpot.structure.motion",
-    "Steady": "springpot.structure.modes",
+    "Steady": "springpot.structure.frame",
     "artificial": "springpot.structure.motion",
-    "modes_of": "springpot.structure.modes",
+    "modes_of": "springpot.structure.frame",
     "motion_of": "springpot.structure.motion",
     "simulate": "springpot.structure.motion",
-    "steady_of": "springpot.structure.modes",
-    "steady_state": "springpot.structure.modes",
+    "steady_of": "springpot.structure.frame",
+    "steady_state": "springpot.structure.frame",
 }
 
 __getattr__, __dir__ = offered(__name__, _WHERE)

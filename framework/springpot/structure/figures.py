@@ -12,7 +12,7 @@ import numpy as np
 
 from springpot.report.canvas import COLOURS, QUIET, blank, logarithmic, save
 
-from .modes import Steady
+from .frame import Steady
 from .motion import Simulation
 
 if TYPE_CHECKING:

@@ -17,7 +17,6 @@ from springpot.distributions import f_sf, normal_sf
 from springpot.identification.free_factors import Rows, without
 from springpot.identification.levels_alone import TINY, Alone
 from springpot.identification.objective import weighted
-from springpot.rheology.continuum import Continuum
 from springpot.rheology.points import Real
 from springpot.thresholds import SUPERPOSITION
 
@@ -246,10 +245,8 @@ def _missed_parts(rows: Rows, alone: Alone) -> list[Failure]:
     for level in np.flatnonzero(alone.judged).tolist():
         here = np.flatnonzero(rows.number == level)
         here = here[np.argsort(data.omega[here], kind="stable")]
-        for word, measured, drawn in (
-            ("storage", data.storage, line.real),
-            ("loss", data.loss, line.imag),
-        ):
+        of_each = ((data.storage, line.real), (data.loss, line.imag))
+        for word, (measured, drawn) in zip(rows.material.columns[1:], of_each, strict=False):
             size = np.maximum(np.abs(measured[here]), TINY)
             off = (measured[here] - drawn[here]) / size
             typical = float(np.median(np.abs(off)))
@@ -277,7 +274,7 @@ def _levels(rows: Rows, alone: Alone, error: Real) -> list[Failure]:
     whole = _total(excess)
     values, failures = rows.elements[0].shown, []
     for level in np.flatnonzero(judged & (error > SUPERPOSITION.nearly * alone.error)).tolist():
-        count = 2.0 * float(np.sum(rows.number == level))
+        count = float(rows.numbers[level])
         ratio = (excess[level] + alone.dof[level]) / count
         # All levels are looked at, and any one of them may look like this by chance.
         chance = float(f_sf(ratio, count, alone.dof[level])) * int(judged.sum())
@@ -310,6 +307,9 @@ def _of_all(share: float) -> str:
 def _storage_and_loss(rows: Rows, alone: Alone) -> list[Failure]:
     """Levels at which the loss would have to be shifted otherwise than the storage."""
     data = rows.fit.measurement
+    # After a step there is one function, not two.
+    if not np.any(rows.weights.imag):
+        return []
     slope = rows.fit.model.slope(rows.fit.theta, data.points)
     # Half forward and half back: one runs ahead by all of it, and the common factor is left alone.
     apart = 0.5 * (1j * slope.imag - slope.real)
@@ -331,15 +331,14 @@ def _storage_and_loss(rows: Rows, alone: Alone) -> list[Failure]:
 
 def _branches(rows: Rows, alone: Alone) -> list[Failure]:
     """Decades of relaxation times whose factors depend on the level more, or less, than others."""
-    material = rows.fit.model.material
-    assert isinstance(material, Continuum)
+    material = rows.material
     data, (factor, x) = rows.fit.measurement, rows.reduced
     log_rates, weights = np.log(material.rates), rows.fit.theta[2 : 2 + len(material.rates)]
-    turn = 1.0 / (1.0 - 1j * np.exp(log_rates[:, None] - x))
+    basis, by_x = (each[2:] for each in material.basis(x, True))
     # As its level's shift: a branch with its own activation energy shifts more further off.
-    by_shift = weights[:, None] * turn * (1.0 - turn) * factor * (x - data.points.log_omega)
+    by_shift = weights[:, None] * by_x * factor * (x - data.points.log_omega)
     # Of each line in |K|: what adds nothing to the data can be shifted as one likes.
-    share = np.abs(weights[:, None] * turn * factor) / data.magnitude
+    share = np.abs(weights[:, None] * basis * factor) / data.magnitude
     band = np.floor(log_rates / BAND).astype(np.int64)
     columns, places = [], []
     for each in np.unique(band).tolist():

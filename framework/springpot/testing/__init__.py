@@ -19,14 +19,13 @@ from springpot.lazy import offered
 
 _WHERE = {
     "PluginContract": "springpot.testing.contract",
-    "check_dataset": "springpot.testing.datasets",
+    "check_dataset": "springpot.testing.contract",
     "check_effect": "springpot.testing.effects",
     "check_model": "springpot.testing.models",
-    "check_objective": "springpot.testing.objectives",
+    "check_objective": "springpot.testing.contract",
     "check_optimiser": "springpot.testing.optimisers",
     "check_plugin": "springpot.testing.contract",
     "check_reader": "springpot.testing.readers",
-    "check_time_effect": "springpot.testing.timeeffects",
 }
 
 __all__ = list(_WHERE)

@@ -1,26 +1,248 @@
-"""A plugin as a whole: everything that it offers, each against its contract."""
+"""A plugin as a whole: everything that it offers, each against its contract.
+
+The contract of a data set.
+
+The contract of an objective.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+import re
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib.metadata import EntryPoint
 from pathlib import Path
 from types import ModuleType
 from typing import Any, ClassVar
 
-from springpot.hooks import GROUP
-from springpot.registry import Registry
-from springpot.rheology.model import Model
+import numpy as np
 
-from .datasets import check_dataset
+from springpot.errors import DataError
+from springpot.hooks import GROUP
+from springpot.identification.objective import Objective
+from springpot.measurement.catalogue import DataSet
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.units import AMPLITUDE_UNITS, MODULUS_UNITS
+from springpot.registry import Registry, parse_model
+from springpot.rheology.model import Model
+from springpot.rheology.nodes import GRADIENT
+from springpot.rheology.points import Complex
+
 from .effects import check_effect
 from .models import check_model
-from .objectives import check_objective
+from .networks import (
+    EXACT,
+    SAMPLE,
+    cited,
+    complaints,
+    derivative,
+    name_and_summary,
+    sample_measurement,
+)
 from .optimisers import check_optimiser
 from .readers import check_reader
-from .timeeffects import check_time_effect
+
+KINDS = ("measured", "artificial", "reconstruction")
+LONGEST = 240
+"""Characters of a summary."""
+
+
+def check_dataset(
+    dataset: DataSet, *, models: Mapping[str, Model] | None = None, skip: Collection[str] = ()
+) -> list[str]:
+    """What is wrong with a data set, as plain sentences.
+
+    Aspects: ``words`` (name, summary, kind, licence, citation), ``loads`` (as many points as it
+    says, in known units, the same bits twice) and ``truth`` (the parameters are those of its
+    model). A set that says why it is unavailable here, or that would first be downloaded, is not
+    loaded.
+
+    Parameters
+    ----------
+    dataset : DataSet
+        The data set.
+    models : mapping of str to Model, optional
+        Models by name beside the installed ones.
+    skip : collection of str
+        Aspects to leave out.
+
+    Returns
+    -------
+    list of str
+        Empty if nothing is wrong.
+    """
+    aspects = {
+        "words": lambda: _words(dataset),
+        "loads": lambda: _loads(dataset),
+        "truth": lambda: _truth(dataset, models or {}),
+    }
+    return complaints(aspects, skip)
+
+
+def _words(dataset: DataSet) -> Iterator[str]:
+    # Signs with a meaning in FILE#PART?COLUMN=UNIT@CONDITION would part the name.
+    if not re.fullmatch(r"[A-Za-z0-9][\w.+-]*", dataset.name):
+        yield f"the name '{dataset.name}' cannot be typed: use letters, digits, hyphens and points"
+    if (
+        len(dataset.summary.split()) < 3
+        or "\n" in dataset.summary
+        or len(dataset.summary) > LONGEST
+    ):
+        yield (
+            f"the summary must be one sentence of at most {LONGEST} characters, not"
+            f" {dataset.summary!r:.60}"
+        )
+    if dataset.kind not in KINDS:
+        yield f"the kind is '{dataset.kind}', not one of {', '.join(KINDS)}"
+    # What cannot be had here need not be described in full.
+    if dataset.unavailable:
+        return
+    if not dataset.licence.strip():
+        yield "there is no licence: say under which terms the numbers may be used"
+    if dataset.kind != "artificial":
+        yield from cited(dataset.citation)
+
+
+def _loads(dataset: DataSet) -> Iterator[str]:
+    if dataset.unavailable:
+        try:
+            dataset.open()
+        except DataError as error:
+            # Whoever opens it is to read the reason, not an error of a missing file.
+            if dataset.unavailable not in str(error):
+                yield f"it is unavailable, but opening it says: {error}"
+        return
+    # A test must not reach for the network.
+    if dataset.remote:
+        return
+    # Twice, as numbers that are drawn must come again.
+    first, second = dataset.open(), dataset.open()
+    if dataset.size and len(first) != dataset.size:
+        yield f"it loads {len(first)} points where it says {dataset.size}"
+    if first.name != dataset.name:
+        yield f"the measurement is called '{first.name}', not '{dataset.name}'"
+    for unit, known in (
+        (first.units.stiffness, MODULUS_UNITS),
+        (first.units.amplitude, AMPLITUDE_UNITS),
+    ):
+        if unit not in known:
+            yield f"the unit [{unit}] is unknown"
+    for name in ("omega", "stiffness", "sd"):
+        one, other = getattr(first, name), getattr(second, name)
+        if (one is None) != (other is None) or (one is not None and not np.array_equal(one, other)):
+            yield f"loaded twice, {name} differs"
+
+
+def _truth(dataset: DataSet, models: Mapping[str, Model]) -> Iterator[str]:
+    if dataset.truth and not dataset.model:
+        yield "it gives true parameters but not the model that they belong to"
+    if not dataset.model:
+        return
+    model = models.get(dataset.model) or parse_model(dataset.model)
+    if dataset.truth and set(dataset.truth) != set(model.names):
+        yield (
+            f"its true parameters are {', '.join(dataset.truth)}; {model.name} has"
+            f" {', '.join(model.names)}"
+        )
+
+
+THETA = np.array([60.0, 900.0, 300.0, 0.45])
+
+
+def check_objective(objective: Objective, *, skip: Collection[str] = ()) -> list[str]:
+    """What is wrong with an objective, as plain sentences.
+
+    Aspects: ``words``, ``weights`` (finite, not negative, one for each point, with given standard
+    deviations and without them; one that needs them refuses with a `DataError`), ``value`` (the sum
+    of squared residuals, zero for perfect data) and ``derivative`` (exact).
+
+    Parameters
+    ----------
+    objective : Objective
+        The objective.
+    skip : collection of str
+        Aspects to leave out.
+
+    Returns
+    -------
+    list of str
+        Empty if nothing is wrong.
+    """
+    aspects = {
+        "words": lambda: name_and_summary(objective.name, objective.summary),
+        "weights": lambda: _weights(objective),
+        "value": lambda: _value(objective),
+        "derivative": lambda: _derivative(objective),
+    }
+    return complaints(aspects, skip)
+
+
+def _data(objective: Objective) -> dict[str, Measurement]:
+    """Data with standard deviations, and without unless the objective says it needs them."""
+    plain = sample_measurement()
+    # Different in storage and loss, so that a mix-up of the two shows.
+    given: Complex = (0.01 + 0.02j) * plain.stiffness.real.astype(np.complex128)
+    data = {"with standard deviations": replace(plain, sd=given)}
+    try:
+        objective.weights(plain)
+    # It needs standard deviations and says so, as it should.
+    except DataError:
+        return data
+    return {"without standard deviations": plain, **data}
+
+
+def _weights(objective: Objective) -> Iterator[str]:
+    for which, data in _data(objective).items():
+        weights = np.asarray(objective.weights(data))
+        if weights.shape != data.stiffness.shape or not np.iscomplexobj(weights):
+            yield (
+                f"{which}: weights must be complex, one for each of the {len(data)} points,"
+                f" not {weights!r:.60}"
+            )
+        elif not np.isfinite(weights).all() or np.any(weights.real < 0) or np.any(weights.imag < 0):
+            yield f"{which}: weights must be finite and not negative in K' and in K''"
+        elif not np.any(weights):
+            yield f"{which}: all weights are zero"
+        if not np.array_equal(weights, objective.weights(data)):
+            yield f"{which}: two calls give different weights"
+
+
+def _value(objective: Objective) -> Iterator[str]:
+    for which, data in _data(objective).items():
+        weights = objective.weights(data)
+        computed = SAMPLE.stiffness(THETA, data.points)
+        residual = objective.residual(computed, data, weights)
+        if residual.shape != (2 * len(data),):
+            yield f"{which}: residuals have the shape {residual.shape}, not ({2 * len(data)},)"
+        if not np.allclose(
+            objective.value(computed, data, weights), np.sum(residual**2), rtol=1e-12
+        ):
+            yield f"{which}: the value is not the sum of the squared residuals"
+        if not np.allclose(objective.value(data.stiffness.copy(), data, weights), 0.0, atol=1e-20):
+            yield f"{which}: the value of perfect data is not zero"
+
+
+def _derivative(objective: Objective) -> Iterator[str]:
+    for which, data in _data(objective).items():
+        weights = objective.weights(data)
+        response = SAMPLE.network.respond(THETA, data.points, GRADIENT)
+        exact = np.swapaxes(
+            objective.derivative(response.by_theta, response.value, weights), -1, -2
+        )
+
+        def residual(theta: np.ndarray) -> np.ndarray:
+            # Refused at once: the derivative is then differenced along the real axis.
+            if np.iscomplexobj(theta):
+                raise TypeError("residuals are real parts: no analytic functions")
+            computed = SAMPLE.stiffness(theta, data.points)  # noqa: B023  used at once
+            return objective.residual(computed, data, weights)  # noqa: B023  used at once
+
+        numeric = derivative(residual, THETA)
+        # Times the parameters, for these differ by orders of magnitude.
+        if not np.max(np.abs(exact - numeric) * THETA) < EXACT * np.max(np.abs(numeric) * THETA):
+            yield f"{which}: derivative is not that of the residuals"
+
 
 Samples = Mapping[str, Sequence[Path | bytes]]
 Skips = Mapping[str, Collection[str]]
@@ -28,7 +250,6 @@ Skips = Mapping[str, Collection[str]]
 CONTRACTS: dict[str, Callable[..., list[str]]] = {
     "model": check_model,
     "effect": check_effect,
-    "time effect": check_time_effect,
     "optimiser": check_optimiser,
     "objective": check_objective,
     "data set": check_dataset,

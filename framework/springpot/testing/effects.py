@@ -8,13 +8,22 @@ from dataclasses import replace
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.rheology.effect import Effect, Layer
+from springpot.rheology.effect import CONTROLS, Effect, Layer
 from springpot.rheology.model import Model
 from springpot.rheology.points import Points
 
-from .aspects import SEED, cited, complaints, name_and_summary
-from .derivatives import sample
-from .networks import POINTS, SAMPLE, network_aspects
+from .laws import law_aspects
+from .networks import (
+    POINTS,
+    SAMPLE,
+    SEED,
+    Aspect,
+    cited,
+    complaints,
+    name_and_summary,
+    network_aspects,
+    sample,
+)
 
 COLUMNS = frozenset({"amplitude", "temperature"})
 NEARLY = 1e-12
@@ -26,9 +35,11 @@ GONE = 1e-6
 def check_effect(effect: Effect, *, on: Model = SAMPLE, skip: Collection[str] = ()) -> list[str]:
     """What is wrong with an effect, as plain sentences.
 
-    Aspects: ``words`` (name, summary, citation, prior), ``parameters``, ``shapes``, ``derivatives``
-    (of the grown model), ``finite``, ``units``, ``pure``, ``vanishes`` (at ``vanishes_at``, and
-    only there), ``columns`` (it asks for the conditions that it uses, no others) and ``harmonic``.
+    Aspects: ``words`` (name, summary, citation, prior), ``shapes``, ``derivatives`` (of the grown
+    model), ``pure`` (arguments are left alone) and ``vanishes`` (at ``vanishes_at``, and only
+    there). Of the network also ``parameters``, ``finite``, ``units``, ``columns`` (it asks for the
+    conditions that it uses, no others) and ``harmonic``; of what a test in time did ``suits`` (some
+    test can have it).
 
     Parameters
     ----------
@@ -46,9 +57,11 @@ def check_effect(effect: Effect, *, on: Model = SAMPLE, skip: Collection[str] = 
     """
     # An effect of the levels of a column has parameters only once it knows these levels.
     effect = effect.bound_to(POINTS)
+    aspects: dict[str, Aspect] = {"words": lambda: _words(effect)}
+    if effect.of_test:
+        return complaints(aspects | law_aspects(effect), skip)
     grown = on + effect
-    aspects = {
-        "words": lambda: _words(effect),
+    aspects |= {
         **network_aspects(grown),
         "vanishes": lambda: _vanishes(effect, on, grown),
         "columns": lambda: _columns(effect, grown),
@@ -68,6 +81,11 @@ def _words(effect: Effect) -> Iterator[str]:
         )
     if not effect.element.parameters:
         yield "the element has no parameter, so there is no size to be found"
+    if effect.of_test and len(effect.signature.split()) < 3:
+        yield "the signature must say in a sentence how the effect shows in a record"
+    controls = effect.applies_to.controls
+    if not controls or set(controls) - set(CONTROLS):
+        yield f"controls are some of {', '.join(CONTROLS)}, not {controls!r}"
 
 
 def _vanishes(effect: Effect, on: Model, grown: Model) -> Iterator[str]:

@@ -14,9 +14,19 @@ from springpot.rheology.drawing import drawing_of
 from springpot.rheology.family import Family
 from springpot.rheology.model import Model
 
-from .aspects import SEED, cited, complaints, name_and_summary
-from .derivatives import derivative, sample
-from .networks import EXACT, OMEGA, SAMPLE, network_aspects, sample_measurement
+from .networks import (
+    EXACT,
+    OMEGA,
+    SAMPLE,
+    SEED,
+    cited,
+    complaints,
+    derivative,
+    name_and_summary,
+    network_aspects,
+    sample,
+    sample_measurement,
+)
 
 MEMBERS = (1, 3)
 """Members of a family that are checked."""

@@ -1,17 +1,26 @@
-"""What models and effects have in common: exact derivatives, finite values, units, shapes."""
+"""What models and effects have in common: exact derivatives, finite values, units, shapes.
+
+A contract is a set of aspects, functions that yield sentences; running it never raises.
+
+Random lawful parameters, and derivatives to be compared with the exact ones.
+"""
 
 from __future__ import annotations
 
+import json
+import random
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from springpot.identification.space import paper_box
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.units import Units
+from springpot.processes import can_copy, elsewhere
 from springpot.rheology.continuum import Continuum
 from springpot.rheology.elements import power_of_s, spring, springpot
 from springpot.rheology.forms import MAXWELL_FORM
@@ -20,8 +29,220 @@ from springpot.rheology.nodes import FULL, parallel, series
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import Points, Real
 
-from .aspects import SEED, Aspect
-from .derivatives import derivative, sample
+DEADLINE = 120.0
+"""Seconds in which a plugin must have shown all that is asked of it.
+
+The slowest of springpot's own take five.
+"""
+Aspect: TypeAlias = Callable[[], Iterable[str]]
+
+NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*(-N)?")
+SEED = 20240607
+"""Of whatever is drawn: a contract that holds once holds again."""
+LONGEST = 160
+"""Characters of a summary that still fit a listing."""
+
+
+def complaints(
+    aspects: Mapping[str, Aspect], skip: Collection[str] = (), deadline: float = DEADLINE
+) -> list[str]:
+    """What is wrong, each sentence preceded by its aspect; empty if nothing is.
+
+    It is looked at in a copy of this process, in which a plugin may crash or hang; where threads
+    run here, in this process and without a limit.
+
+    Parameters
+    ----------
+    aspects : mapping of str to callable
+        The contract.
+    skip : collection of str
+        Aspects that are left out.
+    deadline : float
+        Seconds that all aspects together may take.
+    """
+    unknown = sorted(set(skip) - set(aspects))
+    # A skip that is misspelt would leave its author in the belief that it is one.
+    if unknown:
+        return [f"skip: there is no aspect '{unknown[0]}': known are {', '.join(aspects)}"]
+    wanted = {name: aspect for name, aspect in aspects.items() if name not in skip}
+    # Nothing wrong, because nothing was looked at, must not pass.
+    if not wanted:
+        return ["skip: every aspect is left out, so nothing was checked"]
+    if not can_copy():
+        return [f"{name}: {says}" for name, aspect in wanted.items() for says in _run(aspect)]
+    ended = elsewhere(lambda report: _report(wanted, report), deadline)
+    told = [
+        json.loads(line) for line in ended.message.splitlines(keepends=True) if line.endswith(b"\n")
+    ]
+    sentences = [f"{name}: {says}" for name, found in told for says in found]
+    # The first that has not answered is the one under way.
+    for name in list(wanted)[len(told) :][:1]:
+        reason = ended.cause
+        if ended.late:
+            reason = f"does not end: all aspects together may take {deadline:g} s"
+        sentences.append(f"{name}: {reason}")
+    return sentences
+
+
+def _report(wanted: Mapping[str, Aspect], report: Callable[[bytes], object]) -> None:
+    for name, aspect in wanted.items():
+        report(json.dumps((name, _run(aspect))).encode() + b"\n")
+
+
+def _run(aspect: Aspect) -> list[str]:
+    sentences: list[str] = []
+    with kept_random_state() as touched, np.errstate(all="ignore"):
+        try:
+            sentences.extend(aspect())
+        except (Exception, SystemExit) as error:
+            # What was said before it stays said; a plugin may also call sys.exit.
+            sentences.append(f"raises {type(error).__name__}: {' '.join(str(error).split())}")
+        if touched():
+            sentences.append(
+                "changes the process-wide random state:"
+                " draw only from the generator that is handed in"
+            )
+    return sentences
+
+
+@contextmanager
+def kept_random_state() -> Iterator[Callable[[], bool]]:
+    """Put the process-wide random states back at the end.
+
+    Gives a function that tells whether they have changed.
+    """
+    before = np.random.get_state(legacy=False)  # noqa: NPY002  it is what is watched
+    own = random.getstate()
+
+    def touched() -> bool:
+        now = np.random.get_state(legacy=False)  # noqa: NPY002
+        # As text: the states hold arrays, which have no single answer to whether they are equal.
+        return repr(now) != repr(before) or random.getstate() != own
+
+    try:
+        yield touched
+    finally:
+        np.random.set_state(before)  # noqa: NPY002
+        random.setstate(own)
+
+
+def name_and_summary(name: str, summary: str, aliases: Iterable[str] = ()) -> Iterator[str]:
+    """Sentences about what users type and read."""
+    for word in (name, *aliases):
+        if not NAME.fullmatch(word):
+            yield (
+                f"'{word}' must be lower-case words, digits and hyphens,"
+                " such as 'fractional-maxwell'"
+            )
+    if len(summary.split()) < 2 or "\n" in summary or len(summary) > LONGEST:
+        yield (
+            f"the summary must be one sentence of at most {LONGEST} characters, not {summary!r:.60}"
+        )
+    elif summary.endswith("."):
+        yield "the summary ends with a full stop, which a listing does not need"
+
+
+def cited(citation: str) -> Iterator[str]:
+    """A sentence if there is no source."""
+    if not citation.strip():
+        yield (
+            "there is no citation: say where the equation or the numbers come from,"
+            " with a DOI where there is one"
+        )
+
+
+EIGHTH_ORDER = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
+"""Central differences: weights of f(x + i h) - f(x - i h) for i = 1 ... 4."""
+STEPS = np.array([1, 2, 3, 4, -1, -2, -3, -4])
+ROOTS = np.exp(2j * np.pi * np.arange(16) / 16)
+
+
+def sample(
+    parameters: Sequence[Parameter], rng: np.random.Generator, shape: tuple[int, ...] = ()
+) -> Real:
+    """Random parameters well inside their bounds.
+
+    Parameters
+    ----------
+    parameters : sequence of Parameter
+        The p parameters.
+    rng : numpy.random.Generator
+        Source of randomness.
+    shape : tuple of int
+        Leading axes.
+
+    Returns
+    -------
+    ndarray, shape (*shape, p)
+    """
+    columns = []
+    for parameter in parameters:
+        if parameter.scale == "log":
+            # A factor of e to either side, for such sizes are known by their decade.
+            drawn = parameter.typical * np.exp(rng.uniform(-1.0, 1.0, shape))
+        elif np.isfinite(parameter.upper) and np.isfinite(parameter.lower):
+            # Clear of the ends, where a derivative has one side only.
+            drawn = parameter.lower + (parameter.upper - parameter.lower) * rng.uniform(
+                0.3, 0.9, shape
+            )
+        else:
+            drawn = parameter.typical * rng.uniform(0.3, 0.9, shape)
+        columns.append(np.clip(drawn, parameter.lower, parameter.upper))
+    return np.stack(columns, axis=-1)
+
+
+def derivative(function: Callable[[Any], Any], x: Real, reach: float = 0.01) -> Any:
+    """Derivative of `function` by each entry of `x` (p,), on the last axis.
+
+    The mean over a circle in the complex plane (Cauchy's integral) has no truncation error to speak
+    of, unlike a finite difference. A function that is not analytic (it reads only the loss, say, or
+    refuses complex numbers) is differenced along the real axis instead, to eighth order.
+
+    Parameters
+    ----------
+    function : callable
+        From (p,) to an array.
+    x : ndarray, shape (p,)
+        Where.
+    reach : float
+        Radius of the circle, or the step, relative to each entry.
+    """
+    centre = function(x)
+    columns = []
+    for i in range(len(x)):
+        # A parameter of zero has no size to go by.
+        radius = reach * (abs(x[i]) or 0.01)
+        column = _around(function, x, i, radius, np.abs(centre))
+        # What takes no complex numbers, or is not analytic, is told by real steps.
+        if column is None:
+            column = _difference(function, x, i, radius)
+        columns.append(column)
+    return np.stack(columns, axis=-1)
+
+
+def _around(function: Callable[[Any], Any], x: Real, i: int, radius: float, size: Real) -> Any:
+    try:
+        values = _along(function, x, i, radius * ROOTS)
+    except (TypeError, ValueError):
+        return None
+    # An analytic function does not change with the conjugate (Cauchy and Riemann).
+    by_x, by_conjugate = (np.mean(values * turn, axis=-1) / radius for turn in (1 / ROOTS, ROOTS))
+    analytic = np.all(np.abs(by_conjugate) < 1e-7 * (np.abs(by_x) + size))
+    if not analytic:
+        return None
+    return by_x
+
+
+def _difference(function: Callable[[Any], Any], x: Real, i: int, radius: float) -> Any:
+    weights = np.concatenate([EIGHTH_ORDER, -EIGHTH_ORDER])
+    return _along(function, x, i, radius * STEPS) @ weights / radius
+
+
+def _along(function: Callable[[Any], Any], x: Real, i: int, steps: Any) -> Any:
+    around = np.repeat(x[None].astype(np.result_type(steps, float)), len(steps), axis=0)
+    around[:, i] += steps
+    return np.stack([function(point) for point in around], axis=-1)
+
 
 OMEGA: Real = np.geomspace(0.1, 30.0, 9)
 POINTS = Points(np.log(OMEGA), np.linspace(0.5, 2.0, 9), np.linspace(285.0, 305.0, 9))

@@ -17,8 +17,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.units import Units
 from springpot.rheology.points import Real
 
-from .aspects import DEADLINE, SEED, complaints, kept_random_state, name_and_summary
-from .networks import SAMPLE
+from .networks import DEADLINE, SAMPLE, SEED, complaints, kept_random_state, name_and_summary
 
 BUDGETS = (1, 2, 9, 57)
 LONG = 400

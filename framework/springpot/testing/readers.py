@@ -19,8 +19,7 @@ from springpot.measurement.opening import HEAD
 from springpot.measurement.reader import Choice, Reader
 from springpot.measurement.signals import Signals
 
-from .aspects import SEED, complaints, name_and_summary
-from .networks import sample_measurement
+from .networks import SEED, complaints, name_and_summary, sample_measurement
 
 RANDOM_FILES = 40
 """Files of random bytes, and as many of random pieces of tables."""

@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from springpot.measurement.timeeffect import TimeEffect
 from springpot.rheology.effect import Effect
 
-from .information_criterion import PLAINLY, Left
+from .information_criterion import HINT, PLAINLY, Left
 from .residuals_of_tests import Part
 from .result import TimeIdentification
 from .scatter import Scatter, times_noise
@@ -17,7 +16,6 @@ from .sizes import rms
 from .where import Place
 
 if TYPE_CHECKING:
-    from springpot.measurement.timed import Timed
     from springpot.rheology.model import Model
 
 SCHEMA = "springpot.diagnosis-in-time/1"
@@ -100,7 +98,7 @@ class TimeCandidate:
         speaks for it; ``cannot-tell``: anything else, also because a rival explains more.
     says : str
         Its physics.
-    physics : Effect or TimeEffect
+    physics : Effect
         The effect itself.
     """
 
@@ -112,7 +110,7 @@ class TimeCandidate:
     parameters: dict[str, dict[str, Any]]
     verdict: str
     says: str
-    physics: Effect | TimeEffect = field(repr=False, compare=False)
+    physics: Effect = field(repr=False, compare=False)
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data."""
@@ -158,7 +156,8 @@ class TimeDiagnosis:
     verdict : str
         ``adequate``: nothing is missing that these tests could show; ``effect-missing``: one effect
         brings the error to the noise; ``unexplained``: something is missing, and no single effect
-        that is known explains it; ``inconclusive``: one would help, but not beyond chance.
+        that is known explains it; ``inconclusive``: one would help, or what is left is more than
+        noise, but not beyond chance.
     candidates : tuple of TimeCandidate
         Best first.
     where : tuple of Place
@@ -186,7 +185,7 @@ class TimeDiagnosis:
     left_out: dict[str, str] = field(default_factory=dict)
 
     @property
-    def model(self) -> Model | Timed:
+    def model(self) -> Model:
         """The model that was judged."""
         return self.base.model
 
@@ -218,11 +217,10 @@ class TimeDiagnosis:
         if self.verdict == "adequate":
             return f"{size}: nothing is missing that these tests could show"
         if self.verdict == "inconclusive":
-            lead = self.candidates[0]
-            return (
-                f"{size}: {lead.effect} would help a little, which may be chance;"
-                " measure longer or repeat it"
-            )
+            hint = "what is left is hardly noise alone"
+            if self.candidates and self.candidates[0].delta_bic > HINT:
+                hint = f"{self.candidates[0].effect} would help a little"
+            return f"{size}: {hint}, which may be chance; measure longer or repeat it{place}"
         if best is None:
             return (
                 f"{size}, and no known effect explains it:"

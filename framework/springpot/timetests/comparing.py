@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 
 from springpot.errors import DataError, SpringpotError
-from springpot.measurement.timed import Timed
-from springpot.registry import parse_timed
+from springpot.registry import parse_model
 from springpot.rheology.model import Model
 
 from .fitting import identify
@@ -70,7 +69,7 @@ class TimeComparison:
 
 def compare(
     tests: Sequence[Test],
-    models: Sequence[Model | Timed | str],
+    models: Sequence[Model | str],
     progress: Callable[[str], None] | None = None,
 ) -> TimeComparison:
     """Judge models of tests in time, each fitted to all of them together.
@@ -79,7 +78,7 @@ def compare(
     ----------
     tests : sequence of TimeTest or Measurement
         Of one specimen, at least one in time.
-    models : sequence of Model, Timed or str
+    models : sequence of Model or str
         Those that have no law in time, or lack a condition, are named as left out.
     progress : callable, optional
         Told in a few words what is being done.
@@ -124,7 +123,7 @@ def compare(
     return TimeComparison(tuple(fit for _, fit in ranked), deltas, left_out)
 
 
-def _parsed(model: Model | Timed | str) -> Model | Timed:
+def _parsed(model: Model | str) -> Model:
     if isinstance(model, str):
-        return parse_timed(model)
+        return parse_model(model)
     return model

@@ -17,10 +17,9 @@ import numpy as np
 from springpot.errors import SpringpotError
 from springpot.identification.material import is_material
 from springpot.identification.passive import within_material
-from springpot.measurement.timed import Timed, grown, material_of
 from springpot.measurement.timenoise import noise_of
 from springpot.measurement.timetest import TimeTest
-from springpot.registry import library_in_time, parse_timed
+from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
@@ -31,7 +30,6 @@ from .fitting import identify
 from .information_criterion import Left, delta_bic, independent
 from .native import Search
 from .residuals_of_tests import (
-    AnyEffect,
     InTimePart,
     Part,
     Test,
@@ -39,9 +37,9 @@ from .residuals_of_tests import (
     at_tests,
     parts_of_specimen,
 )
-from .result import TimeIdentification
+from .result import TimeIdentification, sampled_scatter
 from .scan_scores import Promise
-from .scatter import Scatter
+from .scatter import Scatter, scatter_of
 from .score import Scan
 from .verdict import Tried, answer_of
 
@@ -85,8 +83,8 @@ They stop at less.
 
 def diagnose(
     tests: Sequence[Test] | Test,
-    model: Model | Timed | str,
-    effects: Iterable[AnyEffect] | None = None,
+    model: Model | str,
+    effects: Iterable[Effect] | None = None,
     *,
     base: TimeIdentification | None = None,
 ) -> TimeDiagnosis:
@@ -96,9 +94,9 @@ def diagnose(
     ----------
     tests : TimeTest, Measurement, or a sequence of them
         Of one specimen, at least one in time.
-    model : Model, Timed or str
+    model : Model or str
         The model to be judged, or its expression, such as ``"fractional-zener + force-drift"``.
-    effects : iterable of Effect or TimeEffect, optional
+    effects : iterable of Effect, optional
         What may be missing; by default all that is installed. Those without a law in time, or whose
         conditions the tests lack, are passed over.
     base : TimeIdentification, optional
@@ -122,14 +120,14 @@ def diagnose(
     >>> exact = model.relaxation(model.theta(k=400.0, c=60.0, alpha=0.5), t) + 0.2 * t
     >>> noise = np.random.default_rng(1).normal(size=80)
     >>> test = springpot.TimeTest.of_relaxation(t, exact + noise, "kPa")
-    >>> diagnose(test, model, springpot.plugins().items("time effect")).best.effect
+    >>> diagnose(test, model, springpot.plugins().items("effect")).best.effect
     'force-drift'
     """
     given = _listed(tests)
     if isinstance(model, str):
-        model = parse_timed(model)
+        model = parse_model(model)
     if effects is None:
-        effects = library_in_time()
+        effects = list(plugins().items("effect"))
     library = [there for effect in effects for there in at_tests(effect, given)]
     model = at_rigs(model, given)
     # The noise is needed to judge and a good model to know the noise: so a second round, where it
@@ -170,8 +168,9 @@ def _better_noise(part: Part, fit: TimeIdentification) -> Real | None:
     # left anyway.
     if part.sd.max() < UNEVEN * part.sd.min():
         return None
-    misfit = part.residual(fit.model, fit.theta, fit.reference).value * part.sd
-    better = noise_of(part.test, misfit).sd
+    over_noise = part.residual(fit.model, fit.theta, fit.reference).value
+    all_noise = not scatter_of(over_noise).doubtful
+    better = noise_of(part.test, over_noise * part.sd, all_noise=all_noise).sd
     share = better / part.sd
     if share.max() > UNEVEN * share.min():
         return better
@@ -180,8 +179,8 @@ def _better_noise(part: Part, fit: TimeIdentification) -> Real | None:
 
 def _judged(
     given: Sequence[Test],
-    model: Model | Timed,
-    effects: Sequence[AnyEffect],
+    model: Model,
+    effects: Sequence[Effect],
     base: TimeIdentification | None,
     known: Sequence[Real | None] | None,
 ) -> TimeDiagnosis:
@@ -193,12 +192,11 @@ def _judged(
     # Three sieves, each finer and dearer than the one before: a linear scan, fits by fixed
     # exponentials, exact fits.
     before = Left.by(base.model, base.theta, base.reference, parts)
-    material = material_of(base.model)
-    beside = [effect for effect in effects if not _within(material, effect)]
+    beside = [effect for effect in effects if not _within(base.model, effect)]
     promises = Scan(base, quick).promises(beside)
     leading = _leading(promises, before)
     left_out: dict[str, str] = {}
-    if is_material(material_of(base.model)):
+    if is_material(base.model):
         tried = _of_material(given, parts, base, leading, known, left_out)
     else:
         nearly = _nearly(base, quick, leading, before, left_out)
@@ -209,7 +207,10 @@ def _judged(
     # By a criterion that needs no noise, which is only read from what the best one leaves.
     best = min((each.left for each in tried), key=_plain_bic, default=before)
     noise = _noise(before, best)
-    judged = [replace(each, delta=_delta(before, each, noise, base)) for each in tried]
+    judged = [
+        replace(each, delta=_of_what_helps(parts, before, each, _delta(before, each, noise, base)))
+        for each in tried
+    ]
     # By their chances, so that what is rare stands behind what is common and explains the tests as
     # well.
     ranked = sorted(judged, key=lambda each: -each.evidence)
@@ -226,14 +227,12 @@ def _no_worse(each: Tried, before: Left) -> Tried:
     return replace(each, left=replace(before, count=each.left.count), fit=None)
 
 
-def _within(material: Model, effect: AnyEffect) -> bool:
+def _within(material: Model, effect: Effect) -> bool:
     """Whether a free spectrum has an effect already.
 
     That of one rig alone the other tests are free of.
     """
-    return (
-        isinstance(effect, Effect) and not effect.only_sweeps and within_material(material, effect)
-    )
+    return effect.in_time and within_material(material, effect)
 
 
 def _one_of_each(tried: Sequence[Tried]) -> list[Tried]:
@@ -270,8 +269,7 @@ def _by_rig(promises: dict[str, list[Promise]]) -> list[list[Promise]]:
     apart: dict[tuple[str, bool], list[Promise]] = {}
     for name, of_effect in promises.items():
         for promise in of_effect:
-            alone = isinstance(promise.effect, Effect) and promise.effect.only_sweeps
-            apart.setdefault((name, alone), []).append(promise)
+            apart.setdefault((name, promise.effect.in_time), []).append(promise)
     return list(apart.values())
 
 
@@ -287,7 +285,7 @@ def _of_material(
     tried = []
     for promises in leading:
         effect = promises[0].effect
-        model = grown(base.model, effect)
+        model = base.model + effect
         try:
             seeds = [promise.start(base, model) for promise in promises[:STARTS]]
             fit = identify(tests, model, seeds=seeds, thorough=False, noise=known)
@@ -314,7 +312,7 @@ def _nearly(
     best = max((promises[0].drop for promises in leading), default=0.0)
     for promises in leading:
         effect = promises[0].effect
-        model = grown(base.model, effect)
+        model = base.model + effect
         seeds = [promise.start(base, model, moved=True) for promise in promises[:STARTS]]
         seeds.append(promises[0].start(base, model))
         # The model's own fit with a trace of the effect is the last seed: an effect that does
@@ -403,6 +401,25 @@ def _near(
 
 def _delta(before: Left, each: Tried, noise: Sequence[Scatter], base: TimeIdentification) -> float:
     return delta_bic(before, each.left, noise, len(each.theta) - len(base.theta))
+
+
+def _of_what_helps(parts: Sequence[Part], before: Left, each: Tried, delta: float) -> float:
+    """The evidence for an effect that leaves more than noise: none where it explains next to none.
+
+    Over the noise alone any small share of a large misfit would be proof. So it must be the better
+    story too where what it leaves is taken for noise, samples that are missed alike counted once.
+    """
+    if not each.left.misfit:
+        return delta
+    gain, count = 0.0, 0.0
+    for part, old, new in zip(parts, before.residuals, each.left.residuals, strict=True):
+        unit = max(sampled_scatter(new, part), 1e-300)
+        gain += float(old @ old - new @ new) / unit
+        count += float(new @ new) / unit
+    helps = gain - (each.left.count - before.count) * float(np.log(max(count, 2.0)))
+    if helps > 0.0:
+        return delta
+    return helps
 
 
 def _plain_bic(left: Left) -> float:

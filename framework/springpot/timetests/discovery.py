@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from springpot.errors import SpringpotError
-from springpot.measurement.timed import Timed, grown
-from springpot.registry import library_in_time, parse_timed
+from springpot.registry import parse_model, plugins
+from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 
 from .answer import TimeDiagnosis
 from .diagnosis import diagnose
 from .fitting import identify
-from .residuals_of_tests import AnyEffect, Test
+from .residuals_of_tests import Test
 from .result import TimeIdentification
 
 SCHEMA = "springpot.discovery-in-time/1"
@@ -77,7 +77,7 @@ class TimeLadder:
     left_out: dict[str, str] = field(default_factory=dict)
 
     @property
-    def model(self) -> Model | Timed:
+    def model(self) -> Model:
         """The model of the last rung."""
         return self.steps[-1].fit.model
 
@@ -100,10 +100,11 @@ class TimeLadder:
 
 def discover(
     tests: Sequence[Test],
-    model: Model | Timed | str,
-    effects: Sequence[AnyEffect] | None = None,
-    accept: Sequence[AnyEffect] | None = None,
+    model: Model | str,
+    effects: Sequence[Effect] | None = None,
+    accept: Sequence[Effect] | None = None,
     progress: Callable[[str], None] | None = None,
+    reached: Callable[[TimeLadder], None] | None = None,
 ) -> TimeLadder:
     """Add missing effects one by one.
 
@@ -111,14 +112,16 @@ def discover(
     ----------
     tests : sequence of TimeTest or Measurement
         Of one specimen, at least one in time.
-    model : Model, Timed or str
+    model : Model or str
         Where to begin.
-    effects : sequence of Effect or TimeEffect, optional
+    effects : sequence of Effect, optional
         What may be missing; by default all that is installed.
-    accept : sequence of Effect or TimeEffect, optional
+    accept : sequence of Effect, optional
         Effects to add, in this order; without it the evidence decides.
     progress : callable, optional
         Told in a few words what is being done.
+    reached : callable, optional
+        Given the ladder as it stands after each step on which the evidence decides.
 
     Returns
     -------
@@ -131,9 +134,9 @@ def discover(
         If the model, or one with an effect that was asked for, does not fit the tests.
     """
     if isinstance(model, str):
-        model = parse_timed(model)
+        model = parse_model(model)
     if effects is None:
-        effects = library_in_time()
+        effects = list(plugins().items("effect"))
 
     def told(words: str) -> None:
         if progress is not None:
@@ -141,21 +144,21 @@ def discover(
 
     if accept is not None:
         return _given(tests, model, effects, accept, told)
-    return _climbed(tests, model, effects, told)
+    return _climbed(tests, model, effects, told, reached)
 
 
 def _given(
     tests: Sequence[Test],
-    model: Model | Timed,
-    effects: Sequence[AnyEffect],
-    accept: Sequence[AnyEffect],
+    model: Model,
+    effects: Sequence[Effect],
+    accept: Sequence[Effect],
     told: Callable[[str], None],
 ) -> TimeLadder:
     """The rungs that a user asks for."""
     told(f"fitting {model.name}")
     steps = [TimeStep(identify(tests, model), None)]
     for effect in accept:
-        model = grown(model, effect)
+        model = model + effect
         told(f"fitting {model.name}")
         steps.append(TimeStep(identify(tests, model), effect.name))
     told(f"judging {model.name}")
@@ -164,9 +167,10 @@ def _given(
 
 def _climbed(
     tests: Sequence[Test],
-    model: Model | Timed,
-    effects: Sequence[AnyEffect],
+    model: Model,
+    effects: Sequence[Effect],
     told: Callable[[str], None],
+    reached: Callable[[TimeLadder], None] | None,
 ) -> TimeLadder:
     """The rungs that the evidence decides on."""
     known = {effect.name: effect for effect in effects}
@@ -178,12 +182,14 @@ def _climbed(
     # Also where the verdict is unexplained: an effect that helps beyond doubt may be one of
     # several.
     while len(steps) <= MOST:
+        if reached is not None:
+            reached(TimeLadder(tuple(steps), diagnosis, left_out))
         # The first of a class stands for it: the others would fit as well, and are told beside it.
         alike = [name for name in diagnosis.missing if name not in left_out]
         if not alike:
             break
         first, *others = alike
-        larger = grown(model, known[first])
+        larger = model + known[first]
         told(f"judging {larger.name}")
         base = None
         # The diagnosis has fitted the grown model already, unless only nearly.

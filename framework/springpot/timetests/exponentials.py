@@ -19,16 +19,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import ModelError
+from springpot.measurement.followed import Record
 from springpot.measurement.imposed import Loading
-from springpot.measurement.timed import Timed, material_of
-from springpot.measurement.timeeffect import Record, Stage, TimeEffect
 from springpot.rheology.history import network_of, sorted_out, with_laws
 from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model
+from springpot.rheology.named import Placed
 from springpot.rheology.nodes import GRADIENT, Response
 from springpot.rheology.points import Complex, Points, Real
+from springpot.rheology.stages import on_clock, on_loading
 
-from .recording import Clock, at_stage, indices, reached, shown
+from .recording import Clock, at_stage, indices, reached, shown, spread
 from .residuals_of_tests import InTimePart, Part, Residual, SweepPart
 from .start import answers_of
 
@@ -266,14 +267,14 @@ class QuickPart(InTimePart):
         return len(self.rows)
 
     def residual(
-        self, model: Model | Timed, theta: Real, reference: float, coarse: bool = False
+        self, model: Model, theta: Real, reference: float, coarse: bool = False
     ) -> Residual:
         """Predicted less measured, over the noise."""
         answer = self.recorded(model, theta, reference)
         missed = np.where(self.seen, answer.value - self.test.response[self.rows], 0.0)
         return Residual(missed * self.weight, answer.by_theta * self.weight[:, None])
 
-    def recorded(self, model: Model | Timed, theta: Real, reference: float) -> Traced:
+    def recorded(self, model: Model, theta: Real, reference: float) -> Traced:
         """What the test records of a model, nearly.
 
         Raises
@@ -283,33 +284,33 @@ class QuickPart(InTimePart):
         """
         if self.test.warmth is not None and "temperature" in model.needs:
             raise UnfollowedError("the temperature moves")
-        material = material_of(model)
-        own: Real = theta
-        placed: list[tuple[TimeEffect, slice]] = []
-        if isinstance(model, Timed):
-            own, placed = model.parts(theta)
         # An effect that this test cannot have, such as a limit of force in creep, leaves it as it
         # is.
-        mine = [(effect, place) for effect, place in placed if effect.is_for(self.test)]
-        inside, beside, signals = sorted_out(material)
-        network, places = network_of(material, inside)
+        there, places = model.had_by(self.test)
+        return spread(self._recorded(there, theta[places], reference), places, len(theta))
+
+    def _recorded(self, model: Model, theta: Real, reference: float) -> Traced:
+        """The same of a model all of whose effects the test has."""
+        mine = [each for each in model.placed() if each.effect.of_test]
+        inside, beside, signals = sorted_out(model)
+        network, places = network_of(model, inside)
         # Value and derivatives go through the same two matrices, side by side.
         amounts, slopes = self._amounts(
-            network.respond(own[places], self._points(reference), GRADIENT)
+            network.respond(theta[places], self._points(reference), GRADIENT)
         )
         by_theta = np.zeros((len(self.t), len(theta)))
         both, columns = self._course(mine, theta, np.column_stack([amounts, slopes]))
         value = both[:, 0]
         by_theta[:, places] = both[:, 1:]
-        moved = indices(mine, Stage.LOADING) + indices(mine, Stage.CLOCK)
+        moved = indices(mine, on_loading) + indices(mine, on_clock)
         if moved:
             by_theta[:, moved] = columns
         if beside or signals:
             # Steps have no speed, and laws of a force ask for displacements.
             if self.test.control != "displacement" or len(self.test.loading.jumps[0]):
-                raise ModelError(f"{material.name} has no answer to a step or a force")
+                raise ModelError(f"{model.name} has no answer to a step or a force")
             value, by_theta = with_laws(
-                Traced(value, by_theta), beside, signals, own, self.t, self.record.imposed
+                Traced(value, by_theta), beside, signals, theta, self.t, self.record.imposed
             )
         return shown(mine, theta, self.record, value, by_theta)
 
@@ -331,11 +332,9 @@ class QuickPart(InTimePart):
         slopes[1:3] += ends
         return amounts, slopes
 
-    def _course(
-        self, mine: Sequence[tuple[TimeEffect, slice]], theta: Real, mix: Real
-    ) -> tuple[Real, Real]:
+    def _course(self, mine: Sequence[Placed], theta: Real, mix: Real) -> tuple[Real, Real]:
         """Answers (n, c) to what reached the specimen by its clock, and slopes (n, q) by these."""
-        loads, clocks = at_stage(mine, Stage.LOADING), at_stage(mine, Stage.CLOCK)
+        loads, clocks = at_stage(mine, on_loading), at_stage(mine, on_clock)
         if not loads and not clocks:
             # Nothing was moved: what was worked out once will do.
             return self.answers @ mix, np.zeros((len(self.t), 0))
@@ -349,7 +348,7 @@ class QuickPart(InTimePart):
 
         alone = mix[:, :1]
         columns = [by(slope, theta, alone)[:, 0] for slope in slopes]
-        for index in indices(mine, Stage.CLOCK):
+        for index in indices(mine, on_clock):
             # A clock bends time for all exponentials at once, which has no closed derivative here.
             step = STEP * max(abs(float(theta[index])), STEP)
             ends = [theta + sign * step * (np.arange(len(theta)) == index) for sign in (1.0, -1.0)]

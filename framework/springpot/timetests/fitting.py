@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from time import perf_counter
 
@@ -10,13 +10,11 @@ import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
 from springpot.identification.coordinates import Coordinates
-from springpot.identification.fitting import best_run
+from springpot.identification.fitting import NATIVE, best_run, refuse_search, start_at
 from springpot.identification.material import is_material
 from springpot.identification.optimiser import Optimiser
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.timed import Timed, material_of
 from springpot.measurement.timetest import TimeTest
-from springpot.rheology.effect import Effect
 from springpot.rheology.history import sorted_out
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
@@ -37,7 +35,6 @@ from .result import TimeIdentification
 from .score import Scan
 from .searched import InTimeProblem
 
-NATIVE = "native"
 BUDGET = 2000
 """Evaluations of an optimiser.
 
@@ -49,7 +46,7 @@ STARTS = 2
 
 def identify(
     tests: Sequence[Test] | Test,
-    model: Model | Timed,
+    model: Model,
     *,
     seeds: Sequence[Real] = (),
     thorough: bool = True,
@@ -59,6 +56,7 @@ def identify(
     seed: int | None = None,
     noise: Sequence[Real | None] | None = None,
     near: bool = False,
+    start: Mapping[str, float] | None = None,
 ) -> TimeIdentification:
     """Identify the parameters of a model from tests of one specimen, each weighed by its own noise.
 
@@ -66,7 +64,7 @@ def identify(
     ----------
     tests : TimeTest, Measurement, or a sequence of them
         At least one in time.
-    model : Model or Timed
+    model : Model
         Any model whose parts have a meaning in time, with effects of the tests themselves or
         without.
     seeds : sequence of ndarray, shape (p,)
@@ -84,6 +82,9 @@ def identify(
         itself tells.
     near : bool
         Whether the only seed is so near that a few exact steps end the search.
+    start : mapping of str to float, optional
+        Where the native solver begins too, in the units of the first test in time; parameters that
+        are left out start where they fit best beside these.
 
     Returns
     -------
@@ -116,9 +117,16 @@ def identify(
     if not given:
         raise ModelError("there is no test to identify a model from")
     model = at_rigs(model, given)
+    if optimiser is not None and optimiser.name != NATIVE:
+        refuse_search(model, optimiser, start)
+    if start:
+        seeds = [
+            *seeds,
+            start_at(model, start, lambda rest: identify(given, rest, noise=noise).theta),
+        ]
     effort = (budget or BUDGET, restarts, seed)
 
-    def fitted(model: Model | Timed) -> TimeIdentification:
+    def fitted(model: Model) -> TimeIdentification:
         return _fitted(given, model, seeds, thorough, optimiser, effort, noise, near)
 
     if thorough:
@@ -127,8 +135,8 @@ def identify(
 
 
 def _at_best_rig(
-    fitted: Callable[[Model | Timed], TimeIdentification],
-    model: Model | Timed,
+    fitted: Callable[[Model], TimeIdentification],
+    model: Model,
     tests: Sequence[Test],
 ) -> TimeIdentification:
     """The fit with one rig for all tests; where that fails, with one that only the sweeps have."""
@@ -150,7 +158,7 @@ def _at_best_rig(
 
 def _fitted(
     given: Sequence[Test],
-    model: Model | Timed,
+    model: Model,
     seeds: Sequence[Real],
     thorough: bool,
     optimiser: Optimiser | None,
@@ -167,7 +175,7 @@ def _fitted(
     if thorough or not len(seeds):
         seeds = [*seeds, *_scanned(given, model, parts, noise)]
     # Of any material the spectrum itself is sought, which is a problem of another kind.
-    if is_material(material_of(model)):
+    if is_material(model):
         search, found = _of_material(model, parts, reference, seeds)
         return search.result(found, perf_counter() - began)
     # Without a seed there is no other place to begin at.
@@ -207,7 +215,7 @@ def _by_optimiser(
 ) -> TimeIdentification:
     """The minimum that another optimiser finds; `effort`: its budget, restarts and seed."""
     model, parts = search.model, native.parts
-    if isinstance(model, Timed):
+    if model.of_tests:
         raise ModelError(
             f"{model.name}: effects of a test are fitted by the native solver;"
             " leave the optimiser out"
@@ -249,7 +257,7 @@ def _weighed(
 
 def _scanned(
     given: Sequence[Test],
-    model: Model | Timed,
+    model: Model,
     parts: Sequence[Part],
     noise: Sequence[Real | None] | None,
 ) -> list[Real]:
@@ -258,12 +266,12 @@ def _scanned(
     A threshold has a minimum for each way to share the force between it and the rest: natural sizes
     find any of them.
     """
-    beside = sorted_out(material_of(model))[1]
+    beside = sorted_out(model)[1]
     if not beside:
         return []
     last = beside[-1].effect
     try:
-        base = identify(given, _less(model, last), noise=noise)
+        base = identify(given, model - last, noise=noise)
         promises = Scan(base, quick_parts(parts)).promises([last])
     except SpringpotError:
         # It has no law in such a test, or nothing is left to fit: the search begins at natural
@@ -278,19 +286,13 @@ def _scanned(
     return starts
 
 
-def _less(model: Model | Timed, effect: Effect) -> Model | Timed:
-    if isinstance(model, Timed):
-        return replace(model, material=model.material - effect)
-    return model - effect
-
-
 def _of_material(
-    model: Model | Timed, parts: Sequence[Part], reference: float, seeds: Sequence[Real]
+    model: Model, parts: Sequence[Part], reference: float, seeds: Sequence[Real]
 ) -> tuple[Search, Minimum]:
     """Any linear passive material, whose spectrum the tests choose."""
     # For its sizes only: the spectrum has a way of its own to its minimum.
     typical = Search(model, parts, reference)
-    around = len(material_of(model).material.parameters)
+    around = len(model.material.parameters)
     coordinates = Coordinates.of(
         model.parameters[around:],
         typical.middle,

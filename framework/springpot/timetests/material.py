@@ -18,7 +18,6 @@ import numpy as np
 from springpot.errors import ModelError, SpringpotError
 from springpot.identification.coordinates import Coordinates
 from springpot.identification.material import PER_DECADE
-from springpot.measurement.timed import Timed, material_of
 from springpot.nonnegative import non_negative
 from springpot.rheology.continuum import Continuum
 from springpot.rheology.model import Model
@@ -26,7 +25,7 @@ from springpot.rheology.points import Real
 
 from .convex import FASTER, SLOWER, Lines, lines_of
 from .residuals_of_tests import InTimePart, Part
-from .trial_values import Scales, test_with, tries_of
+from .trial_values import Scales, tries_of
 
 WITHIN = 3.0
 """Rates over one a step at which relaxation beside a straight motion is still told from a dashpot.
@@ -49,25 +48,23 @@ Beyond a factor of e no slope holds.
 """
 
 
-def with_rates(model: Model | Timed, rates: Sequence[float]) -> Model | Timed:
+def with_rates(model: Model, rates: Sequence[float]) -> Model:
     """The same with these lines, rates in 1/s, in its material."""
-    if isinstance(model, Timed):
-        return replace(model, material=replace(model.material, material=Continuum(tuple(rates))))
     return replace(model, material=Continuum(tuple(rates)))
 
 
 def spectral(
-    model: Model | Timed,
+    model: Model,
     parts: Sequence[Part],
     reference: float,
     coordinates: Coordinates,
     seeds: Sequence[Real] = (),
-) -> tuple[Model | Timed, Real, int]:
+) -> tuple[Model, Real, int]:
     """A material with the lines that tests in time show, and its parameters.
 
     Parameters
     ----------
-    model : Model or Timed
+    model : Model
         Its material is a `Continuum`.
     parts : sequence of Part
         The tests, each with its weight.
@@ -80,7 +77,7 @@ def spectral(
 
     Returns
     -------
-    model : Model or Timed
+    model : Model
         With the lines that carry weight.
     theta : ndarray, shape (p,)
         K_e, c, the weights, and the effects' parameters.
@@ -142,7 +139,7 @@ class _Search:
 
     def __init__(
         self,
-        model: Model | Timed,
+        model: Model,
         parts: Sequence[Part],
         reference: float,
         coordinates: Coordinates,
@@ -203,16 +200,14 @@ class _Search:
 
     def placed(self, start: Place) -> Place:
         """A start with each effect of the tests where it does most good, of its possible places."""
-        if not isinstance(self.model, Timed):
-            return start
         tests = [part.test for part in self.parts if isinstance(part, InTimePart)]
         scales = Scales.of(self.parts)
         first = self.first_of_tests
-        for effect in self.model.time_effects:
-            own = slice(first, first + len(effect.parameters))
+        for effect in self.model.of_tests:
+            own = slice(first, first + len(effect.element.parameters))
             first = own.stop
             reached = [start]
-            for values in tries_of(effect, test_with(effect, tests), scales):
+            for values in tries_of(effect, next(filter(effect.applies_to, tests)), scales):
                 theta = self.own(start.u)
                 theta[own] = values
                 there = self.coordinates.u(theta, self.size)
@@ -225,7 +220,7 @@ class _Search:
     @property
     def first_of_tests(self) -> int:
         """Where the coordinates of effects of tests begin, behind those of effects of the rig."""
-        return len(material_of(self.model).parameters) - self.count
+        return len(self.model.of_specimen.parameters) - self.count
 
     def descended(self, place: Place, steps: int) -> Place:
         """Gauss-Newton steps, until one changes nothing that is printed."""
@@ -281,7 +276,7 @@ class _Search:
         ModelError
             If a much smaller or larger effect leaves the same, the lines being chosen anew.
         """
-        if not isinstance(self.model, Timed):
+        if not self.model.of_tests:
             return
         value, by_weights, by_u = self.slopes(weights, u)
         signal = np.concatenate([_signal(part) for part in self.parts])

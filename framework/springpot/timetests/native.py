@@ -15,7 +15,6 @@ from springpot.identification.coordinates import Coordinates
 from springpot.identification.leastsquares import Rows, Solution, levenberg_marquardt
 from springpot.identification.material import is_material
 from springpot.measurement.covered import Covered
-from springpot.measurement.timed import Timed, material_of
 from springpot.measurement.units import Units, one_modulus
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
@@ -25,7 +24,7 @@ from .residuals_of_tests import InTimePart, Part, runs_against
 from .result import PartResult, TimeIdentification, sampled_scatter
 from .sizes import rms
 from .start import start_of
-from .trial_values import Scales, test_with, tries_of
+from .trial_values import Scales, tries_of
 
 QUICK = 20
 """Steps with some of the samples."""
@@ -97,7 +96,7 @@ class Search:
 
     Parameters
     ----------
-    model : Model or Timed
+    model : Model
         What is fitted.
     parts : sequence of Part
         To what.
@@ -111,7 +110,7 @@ class Search:
 
     def __init__(
         self,
-        model: Model | Timed,
+        model: Model,
         parts: Sequence[Part],
         reference: float,
         seeds: Sequence[Real] = (),
@@ -138,8 +137,8 @@ class Search:
         self.coordinates = Coordinates.of(model.parameters, middle, np.array([size]), amplitude)
         self.size = self.coordinates.size[0]
         self._weights = 0
-        if is_material(material_of(model)):
-            self._weights = len(material_of(model).material.parameters)
+        if is_material(model):
+            self._weights = len(model.material.parameters)
 
     def starts(self) -> list[Real]:
         """Search points (p,) to begin at."""
@@ -152,7 +151,7 @@ class Search:
         # of it.
         in_time = [part for part in self.parts if isinstance(part, InTimePart)]
         sweeps = [part.test for part in self.parts if not isinstance(part, InTimePart)]
-        material = material_of(self.model)
+        material = self.model.of_specimen
         begin = list(self.seeds)
         for of_material in start_of(material, [part.apparent for part in in_time], sweeps):
             begin += self._with_effects(of_material, in_time)
@@ -161,14 +160,12 @@ class Search:
 
     def _with_effects(self, material: Real, in_time: Sequence[InTimePart]) -> list[Real]:
         """Starts with these of the material, and each effect of tests where it does most good."""
-        if not isinstance(self.model, Timed):
-            return [material]
         theta = [np.asarray(material, dtype=float)]
         scales = Scales.of(self.parts)
-        for effect in self.model.time_effects:
+        for effect in self.model.of_tests:
             # Any test in which it can be seen will do: it is one effect, of one size, in all of
             # them.
-            mine = test_with(effect, [part.test for part in in_time])
+            mine = next(part.test for part in in_time if effect.applies_to(part.test))
             places = [np.array(place) for place in tries_of(effect, mine, scales)]
             # One effect at a time: the product of all places of all effects would be hundreds of
             # starts. Without a place for one of them there is no start with all of them.

@@ -15,10 +15,9 @@ from springpot.distributions import student
 from springpot.errors import DataError
 from springpot.identification.prediction import Prediction, require_known
 from springpot.identification.result import Identification
-from springpot.identification.space import require_conditions
+from springpot.identification.space import require_columns
 from springpot.measurement.covered import Covered
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.timed import material_of
 from springpot.measurement.timenoise import noise_of
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import (
@@ -29,6 +28,7 @@ from springpot.measurement.units import (
     one_modulus,
 )
 from springpot.rheology.continuum import Continuum
+from springpot.rheology.effect import SWEEPS
 from springpot.rheology.model import Model
 from springpot.rheology.points import KELVIN, Points, Real
 
@@ -86,7 +86,7 @@ class Known:
             # Samples whose misses are alike were counted once in the covariance already.
             points = sum(test.points for test in identified.tests)
             # What a test did itself, such as a drift, does not go into another one.
-            material = material_of(identified.model)
+            material = identified.model.of_specimen
             turn = identified.slopes[: len(material.parameters)]
             return cls(
                 material,
@@ -125,7 +125,7 @@ class Known:
         # Nor does it tell which effects are of the rig of the sweeps that stood beside tests in
         # time.
         alone = set(kept.get("only_sweeps", ()))
-        effects = [replace(each, only_sweeps=each.name in alone) for each in model.effects]
+        effects = [each.at(SWEEPS) if each.name in alone else each for each in model.effects]
         model = replace(model, effects=tuple(effects))
         points = sum(int(test["points"]) for test in answer["tests"])
         theta = np.array(kept["theta"], dtype=float)[:count]
@@ -296,7 +296,7 @@ def predict_test(known: Known | TimeIdentification | Identification, test: Test)
 def _require_its_conditions(model: Model, test: Test) -> None:
     """Refuse a test without a condition that the model needs."""
     if isinstance(test, Measurement):
-        require_conditions(model, test)
+        require_columns(model.had_by(test)[0], test)
     elif "temperature" in model.needs and test.temperature is None:
         raise DataError(
             f"{test.name}: {model.name} needs its temperature: add '?temperature=25[degC]'"

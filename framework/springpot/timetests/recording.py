@@ -1,6 +1,6 @@
-"""What a test records of a model that has effects of time tests.
+"""What a test records of a model.
 
-Loading, clock and record, stage after stage.
+Of its specimen, and of what the test did: loading, clock and record, stage after stage.
 """
 
 from __future__ import annotations
@@ -11,14 +11,16 @@ from dataclasses import replace
 import numpy as np
 
 from springpot.errors import ModelError
+from springpot.measurement.followed import Record
 from springpot.measurement.imposed import Loading
-from springpot.measurement.timed import Timed
-from springpot.measurement.timeeffect import Record, Stage, TimeEffect
 from springpot.measurement.timetest import TimeTest
 from springpot.rheology.history import InTime
 from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model
+from springpot.rheology.named import Placed
+from springpot.rheology.nodes import Composing, Node
 from springpot.rheology.points import Real
+from springpot.rheology.stages import acting, on_clock, on_loading, on_response
 
 from .response import TOLERANCE, answer, predicted, specimen
 from .warming import warming
@@ -31,18 +33,18 @@ Of what is not linear, by a changed loading.
 
 
 def recorded(
-    model: Model | Timed,
+    model: Model,
     theta: Real,
     test: TimeTest,
     reference: float | None = None,
     at: Real | None = None,
     tolerance: float = TOLERANCE,
 ) -> Traced:
-    """What a test records of a model, with or without effects of time tests; see `predicted`.
+    """What a test records of a model and of what the test itself did; see `predicted`.
 
     Parameters
     ----------
-    model : Model or Timed
+    model : Model
         The model.
     theta : ndarray, shape (p,)
         Its parameters, in the units of the test.
@@ -65,38 +67,52 @@ def recorded(
     --------
     >>> import numpy as np
     >>> import springpot
-    >>> from springpot.measurement import Timed
     >>> from springpot.timetests import recorded
-    >>> drift = springpot.plugins().find("time effect", "force-drift")
-    >>> model = Timed(springpot.parse_model("maxwell"), (drift,))
+    >>> model = springpot.parse_model("maxwell + force-drift")
     >>> test = springpot.TimeTest.of_relaxation([1.0, 4.0], [1.0, 1.0], "kPa")
     >>> recorded(model, np.array([2.0, 8.0, 0.1]), test).value.round(3)
     array([1.658, 1.136])
     """
-    if not isinstance(model, Timed):
-        return predicted(model, theta, test, reference, at, tolerance)
     t = at
     if t is None:
         t = test.time
-    own, placed = model.parts(theta)
-    mine = [(effect, place) for effect, place in placed if effect.is_for(test)]
+    there, places = model.had_by(test)
+    traced = _recorded(there, theta[places], test, reference, t, tolerance)
+    return spread(traced, places, len(theta))
+
+
+def spread(traced: Traced, places: Sequence[int], count: int) -> Traced:
+    """The same by all parameters: those that a test knows nothing of change nothing in it."""
+    if len(places) == count:
+        return traced
+    by_theta = np.zeros((len(traced.value), count))
+    by_theta[:, places] = traced.by_theta
+    return Traced(traced.value, by_theta)
+
+
+def _recorded(
+    model: Model,
+    theta: Real,
+    test: TimeTest,
+    reference: float | None,
+    t: Real,
+    tolerance: float,
+) -> Traced:
+    """The same of a model all of whose effects the test has."""
+    mine = [each for each in model.placed() if each.effect.of_test]
+    if not mine:
+        return predicted(model, theta, test, reference, t, tolerance)
     if test.warmth is not None and "temperature" in model.needs:
-        traced = _while_it_warms(model, own, mine, theta, test, reference, t, tolerance)
+        traced = _while_it_warms(model, mine, theta, test, reference, t, tolerance)
     else:
-        inside = specimen(model.material, own, test, reference, tolerance)
+        inside = specimen(model, theta, test, reference, tolerance)
         traced = _answered(inside, mine, theta, test, t)
-    # Effects that this test cannot have change nothing in it: their columns stay nothing.
-    by_theta = np.zeros((len(t), len(theta)))
-    by_theta[:, : len(own)] = traced.by_theta[:, : len(own)]
-    for k, index in enumerate(indices(mine, Stage.LOADING) + indices(mine, Stage.CLOCK)):
-        by_theta[:, index] = traced.by_theta[:, len(own) + k]
-    return shown(mine, theta, Record.of(test, t), traced.value, by_theta)
+    return shown(mine, theta, Record.of(test, t), *traced)
 
 
 def _while_it_warms(
-    model: Timed,
-    own: Real,
-    mine: Sequence[tuple[TimeEffect, slice]],
+    model: Model,
+    mine: Sequence[Placed],
     theta: Real,
     test: TimeTest,
     reference: float | None,
@@ -110,7 +126,7 @@ def _while_it_warms(
     Which of two effects turns the clock first, the temperature or the other, no test of one course
     can tell.
     """
-    for effect, _ in at_stage(mine, Stage.CLOCK):
+    for effect, _, _ in at_stage(mine, on_clock):
         raise ModelError(
             f"{test.name}: '{effect.name}' turns the material's clock, which the moving temperature"
             " turns already: leave it out, or name one temperature for the test"
@@ -118,58 +134,49 @@ def _while_it_warms(
     loading, slopes = reached(mine, theta, test, t)
 
     def respond(imposed: Loading) -> Traced:
-        return warming(model.material, own, test, reference, t, tolerance, imposed)
+        return warming(model, theta, test, reference, t, tolerance, imposed)
 
     traced = respond(loading)
-    linear = not slopes or specimen(model.material, own, test, reference, tolerance).linear
-    columns = [
-        _by_loading(lambda imposed: respond(imposed).value, linear, loading, slope)
-        for slope in slopes
-    ]
-    return Traced(traced.value, np.column_stack([traced.by_theta, *columns]))
+    linear = not slopes or specimen(model, theta, test, reference, tolerance).linear
+    for index, slope in zip(indices(mine, on_loading), slopes, strict=True):
+        traced.by_theta[:, index] = _by_loading(
+            lambda imposed: respond(imposed).value, linear, loading, slope
+        )
+    return traced
 
 
 def shown(
-    mine: Sequence[tuple[TimeEffect, slice]],
+    mine: Sequence[Placed],
     theta: Real,
     record: Record,
     value: Real,
     by_theta: Real,
 ) -> Traced:
     """What is recorded of a response (n,) whose derivatives (n, p) are known."""
-    for effect, place in at_stage(mine, Stage.RESPONSE):
-        output = effect.law(record, value, *theta[place])
-        value, by_theta = output.value, by_theta * output.by_response[:, None]
-        # A law may give one number for all samples.
-        columns = [np.broadcast_to(column, value.shape) for column in output.by_parameters]
-        by_theta[:, place] = np.column_stack(columns)
+    for effect, _, own in at_stage(mine, on_response):
+        value, columns, by_response = acting(effect.element, theta[own], record, value)
+        by_theta = by_theta * by_response[:, None]
+        for i, column in zip(own, columns, strict=True):
+            by_theta[:, i] = column
     return Traced(value, by_theta)
 
 
-def at_stage(
-    mine: Sequence[tuple[TimeEffect, slice]], stage: Stage
-) -> list[tuple[TimeEffect, slice]]:
-    """The effects of one stage, with the places of their parameters."""
-    return [(effect, place) for effect, place in mine if effect.stage is stage]
+def at_stage(mine: Sequence[Placed], stage: Composing) -> list[Placed]:
+    """The effects of one stage."""
+    return [each for each in mine if each.effect.composition == stage]
 
 
-def indices(mine: Sequence[tuple[TimeEffect, slice]], stage: Stage) -> list[int]:
+def indices(mine: Sequence[Placed], stage: Composing) -> list[int]:
     """Where the parameters of the effects of one stage stand in theta."""
-    numbers: list[int] = []
-    for _, place in at_stage(mine, stage):
-        numbers += range(place.start, place.stop)
-    return numbers
+    return [i for each in at_stage(mine, stage) for i in each.own]
 
 
 def _answered(
-    inside: InTime, mine: Sequence[tuple[TimeEffect, slice]], theta: Real, test: TimeTest, t: Real
+    inside: InTime, mine: Sequence[Placed], theta: Real, test: TimeTest, t: Real
 ) -> Traced:
-    """What the specimen answers.
-
-    Derivatives by its own parameters, then by those of loading and of clock.
-    """
+    """What the specimen answers, and its derivatives by all but the stage of the response."""
     loading, slopes = reached(mine, theta, test, t)
-    clock = Clock(at_stage(mine, Stage.CLOCK), theta, test.start)
+    clock = Clock(at_stage(mine, on_clock), theta, test.start)
     turned, here = loading, t
     # A clock that nothing turns is left out: it would only add a knot to the loading for each
     # sample.
@@ -177,8 +184,7 @@ def _answered(
         turned, here = clock.turned(loading, t), clock.at(t)
         slopes = [clock.turned(slope, t) for slope in slopes]
     traced = answer(inside, turned, here, test.control)
-    columns = [traced.by_theta]
-    for slope in slopes:
+    for index, slope in zip(indices(mine, on_loading), slopes, strict=True):
         column = _by_loading(
             lambda imposed: answer(inside, imposed, here, test.control).value,
             inside.linear,
@@ -187,33 +193,34 @@ def _answered(
         )
         # At the very corner of a ramp the slope of a springpot's answer is endless; no other sample
         # is touched.
-        columns.append(np.where(np.isfinite(column), column, 0.0)[:, None])
+        traced.by_theta[:, index] = np.where(np.isfinite(column), column, 0.0)
     if clock.effects:
-        columns.append(_by_clock(inside, loading, clock, t, test.control))
-    return Traced(traced.value, np.column_stack(columns))
+        columns = _by_clock(inside, loading, clock, t, test.control)
+        traced.by_theta[:, indices(mine, on_clock)] = columns
+    return traced
 
 
 def reached(
-    mine: Sequence[tuple[TimeEffect, slice]], theta: Real, test: TimeTest, t: Real
+    mine: Sequence[Placed], theta: Real, test: TimeTest, t: Real
 ) -> tuple[Loading, list[Loading]]:
     """What reached the specimen, and its derivative by each parameter at that stage."""
-    effects = at_stage(mine, Stage.LOADING)
+    effects = at_stage(mine, on_loading)
     if not effects:
         return test.loading, []
     loading = dense(test.loading, t)
     slopes: list[Loading] = []
-    for effect, place in effects:
+    for effect, _, place in effects:
         values = theta[place]
         before = loading
-        loading, own = effect.law(before, *values)
+        loading, own = acting(effect.element, values, before)
         # What an inner effect changed goes on through the outer one: by a difference, for few laws
         # are linear.
-        slopes = [_carried(effect, values, before, slope) for slope in slopes]
-        slopes += list(own)
+        slopes = [_carried(effect.element, values, before, slope) for slope in slopes]
+        slopes += own
     return loading, slopes
 
 
-def _carried(effect: TimeEffect, values: Real, before: Loading, slope: Loading) -> Loading:
+def _carried(law: Node, values: Real, before: Loading, slope: Loading) -> Loading:
     # Relative to the load itself: a step of any fixed size would be rounding in one unit and a leap
     # in another.
     size = STEP * np.abs(before.value).max() / max(float(np.abs(slope.value).max()), 1e-300)
@@ -223,7 +230,7 @@ def _carried(effect: TimeEffect, values: Real, before: Loading, slope: Loading) 
         moved = np.interp(times, before.time, before.value) + sign * size * np.interp(
             times, slope.time, slope.value
         )
-        ends.append(effect.law(Loading(times, moved), *values)[0])
+        ends.append(acting(law, values, Loading(times, moved))[0])
     return Loading(ends[0].time, (ends[0].value - ends[1].value) / (2.0 * size))
 
 
@@ -277,9 +284,7 @@ def _by_loading(
 class Clock:
     """Time by the material's clock, which effects may have turned."""
 
-    def __init__(
-        self, effects: Sequence[tuple[TimeEffect, slice]], theta: Real, start: float
-    ) -> None:
+    def __init__(self, effects: Sequence[Placed], theta: Real, start: float) -> None:
         self.effects, self.theta, self.start = list(effects), theta, start
 
     def at(self, t: Real) -> Real:
@@ -294,13 +299,14 @@ class Clock:
         since = t - self.start
         after = since > 0.0
         here, slopes = np.maximum(since, 0.0), np.zeros((len(t), 0))
-        for effect, place in self.effects:
-            turned, own = effect.law(here, *self.theta[place])
-            columns = np.column_stack([np.broadcast_to(column, t.shape) for column in own])
+        for effect, _, place in self.effects:
+            values = self.theta[place]
+            turned, own = acting(effect.element, values, here)
+            columns = [np.broadcast_to(column, t.shape) for column in own]
             # An inner clock's slopes run at the pace of the outer one.
             if slopes.shape[1]:
-                slopes = slopes * _pace(effect, here, self.theta[place])[:, None]
-            slopes = np.column_stack([slopes, columns])
+                slopes = slopes * _pace(effect.element, values, here)[:, None]
+            slopes = np.column_stack([slopes, *columns])
             here = turned
         return self.start + np.where(after, here, since), np.where(after[:, None], slopes, 0.0)
 
@@ -310,10 +316,10 @@ class Clock:
         return replace(knots, time=self.at(knots.time))
 
 
-def _pace(effect: TimeEffect, here: Real, values: Real) -> Real:
+def _pace(law: Node, values: Real, here: Real) -> Real:
     """How fast an outer clock runs, by the inner one."""
     step = STEP * np.maximum(here, STEP)
-    more, less = (effect.law(here + sign * step, *values)[0] for sign in (1.0, -1.0))
+    more, less = (acting(law, values, here + sign * step)[0] for sign in (1.0, -1.0))
     pace: Real = (more - less) / (2.0 * step)
     return pace
 

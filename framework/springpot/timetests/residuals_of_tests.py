@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
-from springpot.identification.space import require_conditions
+from springpot.identification.space import require_columns, require_effects
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.timed import Timed, material_of
-from springpot.measurement.timeeffect import TimeEffect
+from springpot.measurement.selection import Test as Test  # those that take parts ask for it here
 from springpot.measurement.timenoise import noise_of, relative_scatter
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import (
@@ -24,7 +23,7 @@ from springpot.measurement.units import (
     Units,
     one_modulus,
 )
-from springpot.rheology.effect import Effect, Layer
+from springpot.rheology.effect import ALL, SWEEPS, Effect, Layer
 from springpot.rheology.model import Model
 from springpot.rheology.points import KELVIN, ROOM, Complex, Real
 
@@ -33,8 +32,7 @@ from .response import TOLERANCE
 from .sizes import rms
 from .start import apparent
 
-Test: TypeAlias = TimeTest | Measurement
-AnyEffect: TypeAlias = Effect | TimeEffect
+RIGS = (ALL, SWEEPS)
 COARSE = 60
 """Samples of a test with which the search begins; all of them end it."""
 
@@ -93,7 +91,7 @@ class InTimePart:
         return float(np.mean(np.log(self.test.seen)))
 
     def residual(
-        self, model: Model | Timed, theta: Real, reference: float, coarse: bool = False
+        self, model: Model, theta: Real, reference: float, coarse: bool = False
     ) -> Residual:
         """Predicted less measured, over the noise; of some samples only if `coarse`."""
         rows = np.arange(len(self.test))
@@ -166,20 +164,18 @@ class SweepPart:
         return float(np.mean(np.log(self.test.omega)))
 
     def residual(
-        self, model: Model | Timed, theta: Real, reference: float, coarse: bool = False
+        self, model: Model, theta: Real, reference: float, coarse: bool = False
     ) -> Residual:
         """Predicted less measured, over the noise: first K', then K''."""
         at = replace(self.test, reference=reference).points
-        own = material_of(model)
-        count = len(own.parameters)
-        missed = own.stiffness(theta[:count], at) - self.test.stiffness
-        slopes = own.jacobian(theta[:count], at)
+        own, places = model.had_by(self.test)
+        missed = own.stiffness(theta[places], at) - self.test.stiffness
+        slopes = own.jacobian(theta[places], at)
         weight = 1.0 / (self.scale * np.concatenate([self.sd.real, self.sd.imag]))
         value = np.concatenate([missed.real, missed.imag]) * weight
-        # Effects of the tests in time, whose parameters follow the material's, leave a sweep as it
-        # is.
+        # Effects of other tests leave a sweep as it is.
         by_theta = np.zeros((len(value), len(theta)))
-        by_theta[:, :count] = np.concatenate([slopes.real, slopes.imag]) * weight[:, None]
+        by_theta[:, places] = np.concatenate([slopes.real, slopes.imag]) * weight[:, None]
         return Residual(value, by_theta)
 
     def with_scale(self, scale: float) -> SweepPart:
@@ -206,15 +202,7 @@ def parts_of_specimen(
     """
     if noise is None:
         noise = [None] * len(tests)
-    # Those of the first test in time, in which the parameters are printed.
-    units = tests[0].units
-    for test in tests:
-        if isinstance(test, TimeTest):
-            units = test.units
-            break
-    units = replace(
-        units, letter=one_modulus((test.name, test.units) for test in tests) or units.letter
-    )
+    units = units_of(tests)
     parts: list[Part] = []
     for test, own_noise in zip(tests, noise, strict=True):
         if isinstance(test, TimeTest):
@@ -224,62 +212,71 @@ def parts_of_specimen(
     return parts
 
 
+def units_of(tests: Sequence[Test]) -> Units:
+    """Those in which parameters are printed: of the first test in time, or of the only sweep.
+
+    Raises
+    ------
+    DataError
+        If the tests are of different moduli.
+    """
+    in_time = [test for test in tests if isinstance(test, TimeTest)]
+    units = (in_time or tests)[0].units
+    letter = one_modulus((test.name, test.units) for test in tests)
+    return replace(units, letter=letter or units.letter)
+
+
 def at_rig(effect: Effect, tests: Sequence[Test]) -> Effect:
     """An effect as tests of one specimen can have it.
 
     What a measuring chain does to its signals is a fault of one rig. Where sweeps stand beside
     tests in time it is that of the sweeps: a step has no phase that a delay could turn.
     """
-    if effect.layer is not Layer.SIGNAL:
+    if effect.layer is not Layer.SIGNAL or not _is_rig(effect):
         return effect
-    return replace(effect, only_sweeps=any(isinstance(test, Measurement) for test in tests))
+    if any(isinstance(test, Measurement) for test in tests):
+        return effect.at(SWEEPS)
+    return effect.at(ALL)
 
 
-def at_tests(effect: AnyEffect, tests: Sequence[Test]) -> list[AnyEffect]:
+def at_tests(effect: Effect, tests: Sequence[Test]) -> list[Effect]:
     """The forms in which tests of a specimen have an effect: all of them, or one rig alone."""
-    if isinstance(effect, TimeEffect):
-        if not effect.of_one:
-            return [effect]
+    if effect.applies_to.one:
         # One test by itself has nothing to be told from.
         names = dict.fromkeys(test.name for test in tests if isinstance(test, TimeTest))
-        return [effect.of_test(name) for name in names if len(tests) > 1]
+        return [effect.of_one(name) for name in names if len(tests) > 1]
     there = at_rig(effect, tests)
     kinds = {isinstance(test, Measurement) for test in tests}
-    if there.only_sweeps or not _is_rig(there) or len(kinds) == 1:
+    if not there.in_time or not _is_rig(there) or len(kinds) == 1:
         return [there]
-    return [there, replace(there, only_sweeps=True)]
+    return [there, there.at(SWEEPS)]
 
 
-def at_rigs(model: Model | Timed, tests: Sequence[Test]) -> Model | Timed:
+def at_rigs(model: Model, tests: Sequence[Test]) -> Model:
     """A model of tests of one specimen, each of its effects where `at_rig` puts it."""
-    return _with_effects(model, [at_rig(effect, tests) for effect in material_of(model).effects])
+    return _with_effects(model, [at_rig(effect, tests) for effect in model.effects])
 
 
-def rig_of_sweeps(model: Model | Timed, tests: Sequence[Test]) -> Model | Timed | None:
+def rig_of_sweeps(model: Model, tests: Sequence[Test]) -> Model | None:
     """The model where sweeps were made on a rig of their own; None where that changes nothing."""
     if not any(isinstance(test, Measurement) for test in tests):
         return None
-    effects = material_of(model).effects
-    apart = [replace(each, only_sweeps=True) if _is_rig(each) else each for each in effects]
-    if tuple(apart) == effects:
+    apart = [each.at(SWEEPS) if _is_rig(each) else each for each in model.effects]
+    if tuple(apart) == model.effects:
         return None
     return _with_effects(model, apart)
 
 
 def _is_rig(effect: Effect) -> bool:
-    """Whether an effect joins the specimen from outside."""
-    return effect.layer > Layer.SPECIMEN
+    """Whether an effect joins the specimen from outside, and nobody said of which tests."""
+    return Layer.SPECIMEN < effect.layer < Layer.TEST and effect.applies_to in RIGS
 
 
-def _with_effects(model: Model | Timed, effects: Sequence[Effect]) -> Model | Timed:
-    """The model with other effects beside its material; itself where they are its own."""
-    material = material_of(model)
-    if tuple(effects) == material.effects:
+def _with_effects(model: Model, effects: Sequence[Effect]) -> Model:
+    """The model with other effects; itself where they are its own."""
+    if tuple(effects) == model.effects:
         return model
-    material = replace(material, effects=tuple(effects))
-    if isinstance(model, Timed):
-        return replace(model, material=material)
-    return material
+    return replace(model, effects=tuple(effects))
 
 
 def runs_against(test: TimeTest) -> bool:
@@ -324,7 +321,7 @@ def reference_of(tests: Sequence[Test]) -> float:
     return float(np.sort(known)[(len(known) - 1) // 2])
 
 
-def require_tests(model: Model | Timed, tests: Sequence[Test]) -> None:
+def require_tests(model: Model, tests: Sequence[Test]) -> None:
     """Check that a model has what it needs of every test.
 
     Raises
@@ -332,9 +329,10 @@ def require_tests(model: Model | Timed, tests: Sequence[Test]) -> None:
     SpringpotError
         If a condition lacks, or there are fewer numbers than parameters.
     """
+    require_effects(model, tests)
     for test in tests:
         if isinstance(test, Measurement):
-            require_conditions(material_of(model), test)
+            require_columns(model.had_by(test)[0], test)
         elif "temperature" in model.needs and test.temperature is None:
             raise DataError(
                 f"{test.name}: {model.name} needs a temperature: open it as"

@@ -15,7 +15,6 @@ from springpot.distributions import student
 from springpot.identification.coordinates import Coordinates
 from springpot.identification.uncertainty import ends, spread_of
 from springpot.measurement.covered import Covered
-from springpot.measurement.timed import Timed, material_of
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units
 from springpot.rheology.continuum import Continuum
@@ -90,7 +89,7 @@ class PartResult:
 
     @classmethod
     def of(
-        cls, part: Part, model: Model | Timed, theta: Real, reference: float, alone: float
+        cls, part: Part, model: Model, theta: Real, reference: float, alone: float
     ) -> PartResult:
         """Judge one part at theta."""
         # By its noise alone, whatever it weighed in the fit.
@@ -127,7 +126,7 @@ class TimeIdentification:
 
     Attributes
     ----------
-    model : Model or Timed
+    model : Model
         What was fitted.
     theta : ndarray, shape (p,)
         The parameters, in the units of the first test in time.
@@ -157,7 +156,7 @@ class TimeIdentification:
         What the tests together measured.
     """
 
-    model: Model | Timed
+    model: Model
     theta: Real
     covariance: Real
     coordinates: Coordinates
@@ -248,8 +247,7 @@ class TimeIdentification:
     @property
     def on_sweeps(self) -> tuple[str, ...]:
         """Names of the effects that only the sweeps have."""
-        effects = material_of(self.model).effects
-        return tuple(effect.name for effect in effects if effect.only_sweeps)
+        return tuple(effect.name for effect in self.model.effects if not effect.in_time)
 
     @property
     def ended(self) -> str:
@@ -313,7 +311,7 @@ class TimeIdentification:
                 "units": asdict(self.units),
                 "reference": self.reference,
                 "seen": list(self.covered.rate),
-                **_rates(material_of(self.model)),
+                **_rates(self.model),
                 **_on_sweeps(self.on_sweeps),
             },
             "evaluations": self.evaluations,

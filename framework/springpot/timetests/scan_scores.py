@@ -6,11 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from springpot.measurement.timed import Timed
+from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
-from .residuals_of_tests import AnyEffect
 from .result import TimeIdentification
 
 
@@ -20,7 +19,7 @@ class Promise:
 
     Attributes
     ----------
-    effect : Effect or TimeEffect
+    effect : Effect
         The effect.
     values : tuple of float
         Its parameters, as large as the record asks for.
@@ -34,14 +33,14 @@ class Promise:
         What it adds to the residuals that the model cannot take over, of length one.
     """
 
-    effect: AnyEffect
+    effect: Effect
     values: tuple[float, ...]
     theta: Real
     drop: float
     amount: float
     direction: Real
 
-    def start(self, base: TimeIdentification, model: Model | Timed, *, moved: bool = False) -> Real:
+    def start(self, base: TimeIdentification, model: Model, *, moved: bool = False) -> Real:
         """A start (p,) for the model with the effect.
 
         What it promises beside the parameters of the fit.
@@ -50,7 +49,7 @@ class Promise:
         ----------
         base : TimeIdentification
             The fit that was scanned.
-        model : Model or Timed
+        model : Model
             Its model with the effect.
         moved : bool
             Let the parameters of the fit make way for the effect, as far as a linear step says.
@@ -72,7 +71,7 @@ class Atom:
 
     Attributes
     ----------
-    effect : Effect or TimeEffect
+    effect : Effect
         The effect.
     values : ndarray, shape (q,)
         Its parameters at that amount.
@@ -84,7 +83,7 @@ class Atom:
         Whether a negative amount makes sense.
     """
 
-    effect: AnyEffect
+    effect: Effect
     values: Real
     powers: Real
     column: Real

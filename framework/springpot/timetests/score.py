@@ -18,17 +18,19 @@ from itertools import product
 import numpy as np
 
 from springpot.errors import SpringpotError
-from springpot.measurement.timed import Timed, grown, material_of
-from springpot.measurement.timeeffect import Stage, TimeEffect
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.selection import Test
 from springpot.rheology.effect import Effect
 from springpot.rheology.history import network_of, sorted_out
 from springpot.rheology.model import Model
-from springpot.rheology.nodes import GRADIENT
+from springpot.rheology.named import Placed
+from springpot.rheology.nodes import GRADIENT, Node
 from springpot.rheology.points import KELVIN, Complex, Points, Real
+from springpot.rheology.stages import acting, on_loading, on_response
 
 from .exponentials import QuickPart, points_at
 from .recording import Clock, reached, recorded
-from .residuals_of_tests import AnyEffect, SweepPart
+from .residuals_of_tests import SweepPart
 from .response import TOLERANCE
 from .result import TimeIdentification
 from .scan_scores import Atom, Promise
@@ -92,7 +94,7 @@ class Scan:
         good = s > KNOWN * s.max(initial=0.0)
         self.taken, self._back = u[:, good], (v[good].T / s[good]) / self.size[:, None]
 
-    def promises(self, effects: Iterable[AnyEffect]) -> dict[str, list[Promise]]:
+    def promises(self, effects: Iterable[Effect]) -> dict[str, list[Promise]]:
         """For each effect its promises, the best first.
 
         Those that make no sense in these tests have none.
@@ -101,7 +103,7 @@ class Scan:
         own = {effect.name for effect in self.model.effects}
         for effect in effects:
             # What the model has already is not missing from it.
-            if effect.name in own or (isinstance(effect, Effect) and effect.by_levels):
+            if effect.name in own or effect.by_levels:
                 continue
             try:
                 with np.errstate(all="ignore"):
@@ -159,12 +161,12 @@ class Scan:
                 moved.append(float(np.clip(value + change, parameter.lower, parameter.upper)))
         return np.array(moved)
 
-    def _atoms(self, effect: AnyEffect) -> list[Atom]:
-        if isinstance(effect, TimeEffect):
+    def _atoms(self, effect: Effect) -> list[Atom]:
+        if effect.of_test:
             return self._of_test(effect)
-        if effect.only_sweeps:
+        if not effect.in_time:
             return self._of_network(effect)
-        inside, _, signals = sorted_out(material_of(self.model) + effect)
+        inside, _, signals = sorted_out(self.model + effect)
         if effect.name in {each.effect.name for each in inside}:
             return self._of_network(effect)
         return self._of_law(effect, effect.name in {each.effect.name for each in signals})
@@ -184,7 +186,7 @@ class Scan:
             # By 1/size, of which such an effect has next to nothing: d/d(1/s) = -s^2 d/ds.
             scale = -(little**2)
         values = np.array([[little, *place] for place in places])
-        change = _Change(material_of(self.model), self.theta, effect, values)
+        change = _Change(self.model, self.theta, effect, values)
         # A specimen that swings answers a small mass by large ringing: no linear step leads there.
         if any(view.swings(change) for view in self.views):
             return self._swinging(effect, places)
@@ -202,17 +204,15 @@ class Scan:
             Atom(effect, each, powers, column, signed)
             for each, column in zip(start, whole.T, strict=True)
         ]
-        # The other tests hold the model, so that it cannot make way for what gives in one rig
-        # alone.
-        if effect.only_sweeps and effect.plane == "compliance":
+        if effect.plane == "compliance":
             atoms += self._giving(effect, places)
         return atoms
 
     def _giving(self, effect: Effect, places: Sequence[tuple[float, ...]]) -> list[Atom]:
-        """What gives way in the rig of the sweeps, at sizes at which no small step leads there."""
+        """What gives way in series, at sizes to which no small step leads."""
         typical = self.scales.typical(effect.element.parameters[0])
         values = np.array([[typical * share, *place] for share in GIVING for place in places])
-        change = _Change(material_of(self.model), self.theta, effect, values)
+        change = _Change(self.model, self.theta, effect, values)
         whole = np.concatenate([view.of_step(change) for view in self.views])
         still = np.zeros(values.shape[1])
         return [
@@ -222,23 +222,25 @@ class Scan:
 
     def _swinging(self, effect: Effect, places: Sequence[tuple[float, ...]]) -> list[Atom]:
         """An effect at the sizes at which it balances the rest at some frequency."""
-        model = material_of(self.model)
         # It rings at the frequency at which it balances the rest: the record may show any that it
         # resolves.
         omega = np.geomspace(1.0 / self.scales.longest, 1.0 / self.scales.shortest, RESONANCES)
-        at = points_at(omega, self.views[0].kelvin, self.base.reference)
-        stiffness = np.abs(linear_stiffness(self.base, at))
+        # Of a test in time, as only these swing.
+        view = next(view for view in self.views if isinstance(view, View))
+        at = points_at(omega, view.kelvin, self.base.reference)
+        stiffness = np.abs(stiffness_of(self.base, at, view.part.test))
         atoms = []
         for place in places:
             next_to_nothing = np.array([[NEXT_TO_NOTHING, *place]])
-            slope = _Change(model, self.theta, effect, next_to_nothing).in_time(at)[0]
+            change = _Change(self.model, self.theta, effect, next_to_nothing)
+            slope = change(at, view.part.test)[0]
             for size in stiffness / np.abs(slope):
                 values = np.array([size, *place])
                 column = self._as_it_is(effect, values)
                 atoms.append(Atom(effect, values, np.zeros(len(values)), column, False))
         return atoms
 
-    def _as_it_is(self, effect: AnyEffect, values: Real) -> Real:
+    def _as_it_is(self, effect: Effect, values: Real) -> Real:
         """The change of all residuals for an effect of that size."""
         model, theta = _with_effect(self.base, effect, values)
         return np.concatenate([view.with_model(model, theta) for view in self.views])
@@ -265,11 +267,11 @@ class Scan:
 
     # --- effects of the test ---
 
-    def _of_test(self, effect: TimeEffect) -> list[Atom]:
+    def _of_test(self, effect: Effect) -> list[Atom]:
         tests = [
             view.part.test
             for view in self.views
-            if isinstance(view, View) and effect.is_for(view.part.test)
+            if isinstance(view, View) and effect.applies_to(view.part.test)
         ]
         if not tests:
             return []
@@ -278,7 +280,7 @@ class Scan:
         # follow.
         for place in tries_of(effect, tests[0], self.scales):
             values = np.array(place)
-            if effect.stage is Stage.RESPONSE:
+            if effect.composition == on_response:
                 by_view = [view.of_record(effect, values) for view in self.views]
                 column = np.concatenate([each for each, _ in by_view])
                 linear = all(straight for _, straight in by_view)
@@ -287,22 +289,26 @@ class Scan:
                 linear = False
             powers = np.zeros(len(values))
             # A limit or a place is what it is; a ramp, a play or a clock go nearly with their size.
-            if linear or effect.stage is not Stage.RESPONSE:
+            if linear or effect.composition != on_response:
                 powers[0] = 1.0
             atoms.append(
-                Atom(effect, values, powers, column, linear and effect.parameters[0].lower < 0.0)
+                Atom(
+                    effect,
+                    values,
+                    powers,
+                    column,
+                    linear and effect.element.parameters[0].lower < 0.0,
+                )
             )
         return atoms
 
 
-def _with_effect(
-    base: TimeIdentification, effect: AnyEffect, values: Real
-) -> tuple[Model | Timed, Real]:
+def _with_effect(base: TimeIdentification, effect: Effect, values: Real) -> tuple[Model, Real]:
     """A fitted model with an effect, and its parameters.
 
     Those of the fit, and `values` (q,) of the effect.
     """
-    model = grown(base.model, effect)
+    model = base.model + effect
     known = dict(zip(base.model.names, base.theta.tolist(), strict=True))
     new = [name for name in model.names if name not in known]
     return model, model.vector(known | dict(zip(new, values.tolist(), strict=True)))
@@ -322,10 +328,11 @@ def _rating(promise: Promise) -> tuple[float, float]:
 
 
 def _different(promises: list[Promise]) -> list[Promise]:
-    """The best first, without those that are another once more."""
+    """The best first, without those that are another of the same rigs once more."""
     kept: list[Promise] = []
     for promise in sorted(promises, key=_rating):
-        if all(abs(float(promise.direction @ other.direction)) < THE_SAME for other in kept):
+        alike = [other.direction for other in kept if other.effect is promise.effect]
+        if all(abs(float(promise.direction @ direction)) < THE_SAME for direction in alike):
             kept.append(promise)
     return kept
 
@@ -345,25 +352,37 @@ class _Change:
             else:
                 self.theta[:, i] = known[name]
 
-    def __call__(self, at: Points) -> Complex:
-        """What a sweep shows: all that is in the model."""
-        return self.whole.network.respond(self.theta, at, GRADIENT).by_theta[:, self.size, :]
-
-    def in_time(self, at: Points) -> Complex:
-        """The same of what a test in time follows by exponentials."""
-        # Forces beside the material and what the chain does have no part in that K.
-        network, places = network_of(self.whole, sorted_out(self.whole)[0])
+    def __call__(self, at: Points, test: Test) -> Complex:
+        """The change of what a test shows."""
+        network, places = shown_in(self.whole, test)
         if self.size not in places:
             return np.zeros((len(self.theta), len(at.log_omega)), dtype=np.complex128)
         return network.respond(self.theta[:, places], at, GRADIENT).by_theta[
             :, places.index(self.size), :
         ]
 
+    def stiffness_in_time(self, at: Points) -> Complex:
+        """K with the effect, of what a test in time follows by exponentials."""
+        network, places = network_of(self.whole, sorted_out(self.whole)[0])
+        return network.respond(self.theta[:, places], at).value
 
-def linear_stiffness(base: TimeIdentification, at: Points) -> Complex:
-    """K of the linear part of a fitted model."""
-    model = material_of(base.model)
-    network, places = network_of(model, sorted_out(model)[0])
+
+def shown_in(model: Model, test: Test) -> tuple[Node, list[int]]:
+    """The network whose K a test shows, and where its parameters stand in theta.
+
+    In a sweep all that the test has of the model. A test in time follows K by exponentials: forces
+    beside the material and what the chain does have no part in it.
+    """
+    own, places = model.had_by(test)
+    if isinstance(test, Measurement):
+        return own.network, places
+    network, inner = network_of(own, sorted_out(own)[0])
+    return network, [places[i] for i in inner]
+
+
+def stiffness_of(base: TimeIdentification, at: Points, test: Test) -> Complex:
+    """K of a fitted model as a test shows it."""
+    network, places = shown_in(base.model, test)
     return network.respond(base.theta[places], at).value
 
 
@@ -393,9 +412,8 @@ class View:
     @cached_property
     def stiffness(self) -> Complex:
         """K at the frequencies of the exponentials."""
-        return linear_stiffness(
-            self.base, points_at(self.quick.omega, self.kelvin, self.base.reference)
-        )
+        at = points_at(self.quick.omega, self.kelvin, self.base.reference)
+        return stiffness_of(self.base, at, self.part.test)
 
     @cached_property
     def amounts(self) -> Real:
@@ -413,30 +431,34 @@ class View:
         # The last two lie far beyond the test, where no material has a meaning; these are the
         # highest of its band.
         omega = self.quick.omega[[-4, -3]]
-        sizes = np.abs(change.in_time(points_at(omega, self.kelvin, self.base.reference)))
+        at = points_at(omega, self.kelvin, self.base.reference)
+        sizes = np.abs(change(at, self.part.test))
         steepness = np.log(sizes[:, 1] / sizes[:, 0]) / np.log(omega[1] / omega[0])
         return bool(np.any(steepness > STEEP))
 
     def of_change(self, change: _Change, scale: float) -> Real:
         """Columns (n, g) for a change of K."""
-        by_size = (
-            change.in_time(points_at(self.quick.omega, self.kelvin, self.base.reference)) * scale
-        )
+        at = points_at(self.quick.omega, self.kelvin, self.base.reference)
+        by_size = change(at, self.part.test) * scale
         if self.part.test.control == "force":
             by_size = -by_size / self.stiffness**2
         return (self.quick.answers @ self.quick.followed(by_size)) * self.weight[:, None]
 
     def of_step(self, change: _Change) -> Real:
-        """Columns (n, g) of what gives way in the rig of the sweeps: none."""
-        return np.zeros((len(self.t), len(change.theta)))
+        """Columns (n, g) for a K that is another altogether."""
+        at = points_at(self.quick.omega, self.kelvin, self.base.reference)
+        before, after = self.stiffness, change.stiffness_in_time(at)
+        if self.part.test.control == "force":
+            before, after = 1.0 / before, 1.0 / after
+        return (self.quick.answers @ self.quick.followed(after - before)) * self.weight[:, None]
 
-    def of_course(self, effect: TimeEffect, values: Real) -> Real:
+    def of_course(self, effect: Effect, values: Real) -> Real:
         """The change of the residuals when the specimen's loading or its clock is another."""
         test = self.part.test
-        if not effect.is_for(test):
+        if not effect.applies_to(test):
             return np.zeros(len(self.t))
-        place = [(effect, slice(0, len(values)))]
-        if effect.stage is Stage.LOADING:
+        place = [Placed(effect, "", list(range(len(values))))]
+        if effect.composition == on_loading:
             loading, _ = reached(place, values, test, self.t)
             time = self.t
         else:
@@ -445,7 +467,7 @@ class View:
         answer = self.quick.answers_to(loading, time, self.amounts[:, None])[:, 0]
         return (answer - self.quick.answers @ self.amounts) * self.weight
 
-    def with_model(self, model: Model | Timed, theta: Real) -> Real:
+    def with_model(self, model: Model, theta: Real) -> Real:
         """The change of the residuals with another model."""
         answer = recorded(model, theta, self.part.test, self.base.reference, self.t, TOLERANCE)
         # At the instant of a step, of weight nothing, the answer may be endless: their product
@@ -464,14 +486,14 @@ class View:
             law(self.t, self.quick.record.imposed, velocity, *values)[0] * self.weight
         )
 
-    def of_record(self, effect: TimeEffect, values: Real) -> tuple[Real, bool]:
+    def of_record(self, effect: Effect, values: Real) -> tuple[Real, bool]:
         """An effect's column at the stage of the record, and whether it goes as its size."""
-        if not effect.is_for(self.part.test):
+        if not effect.applies_to(self.part.test):
             return np.zeros(len(self.t)), True
-        shown = effect.law(self.quick.record, self.value, *values)
-        change = shown.value - self.value
+        value, slopes, _ = acting(effect.element, values, self.quick.record, self.value)
+        change = value - self.value
         # What is proportional to its size needs one try: the size then follows by least squares.
-        straight = np.allclose(change, values[0] * shown.by_parameters[0], rtol=1e-6)
+        straight = np.allclose(change, values[0] * slopes[0], rtol=1e-6)
         return change * self.weight, straight
 
 
@@ -495,27 +517,26 @@ class SweepView:
     def of_change(self, change: _Change, scale: float) -> Real:
         """Columns (2 n, g) for a change of K."""
         at = replace(self.part.test, reference=self.base.reference).points
-        by_size = change(at) * scale
+        by_size = change(at, self.part.test) * scale
         return np.concatenate([by_size.real, by_size.imag], axis=1).T * self.weight[:, None]
 
     def of_step(self, change: _Change) -> Real:
         """Columns (2 n, g) for a K that is another altogether."""
         at = replace(self.part.test, reference=self.base.reference).points
-        own = material_of(self.base.model).stiffness(
-            self.base.theta[: len(material_of(self.base.model).names)], at
-        )
-        by_place = change.whole.network.respond(change.theta, at).value - own
+        network, places = shown_in(change.whole, self.part.test)
+        own = stiffness_of(self.base, at, self.part.test)
+        by_place = network.respond(change.theta[:, places], at).value - own
         return np.concatenate([by_place.real, by_place.imag], axis=1).T * self.weight[:, None]
 
     def swings(self, change: _Change) -> bool:
         """At frequencies nothing does."""
         return False
 
-    def of_course(self, effect: TimeEffect, values: Real) -> Real:
+    def of_course(self, effect: Effect, values: Real) -> Real:
         """Nothing."""
         return np.zeros(len(self.residual))
 
-    def with_model(self, model: Model | Timed, theta: Real) -> Real:
+    def with_model(self, model: Model, theta: Real) -> Real:
         """The change of the residuals with another model."""
         return self.part.residual(model, theta, self.base.reference).value - self.residual
 
@@ -523,6 +544,6 @@ class SweepView:
         """The column of an effect that is not linear: its first harmonic."""
         return self.with_model(*_with_effect(self.base, effect, values))
 
-    def of_record(self, effect: TimeEffect, values: Real) -> tuple[Real, bool]:
+    def of_record(self, effect: Effect, values: Real) -> tuple[Real, bool]:
         """Nothing: what a test in time did is not in a sweep."""
         return np.zeros(len(self.residual)), True

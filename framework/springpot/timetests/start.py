@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from springpot.measurement.imposed import Loading
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
 from springpot.nonnegative import non_negative
+from springpot.rheology.effect import ALL
 from springpot.rheology.intime import acceleration
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
@@ -45,6 +47,8 @@ def start_of(
     list of ndarray, shape (p,)
         Starts, best first; none where no sweep can be made.
     """
+    # A start is of the specimen, whichever test an effect is of.
+    model = replace(model, effects=tuple(each.at(ALL) for each in model.effects))
     together = [each for each in made if each is not None] + [_bare(sweep) for sweep in sweeps]
     if not together:
         return []

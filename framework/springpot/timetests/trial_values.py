@@ -11,10 +11,10 @@ from itertools import product
 
 import numpy as np
 
-from springpot.errors import ModelError
-from springpot.measurement.timeeffect import TimeEffect
 from springpot.measurement.timetest import TimeTest
+from springpot.rheology.effect import Effect
 from springpot.rheology.parameters import Parameter
+from springpot.rheology.stages import StageLaw
 
 from .residuals_of_tests import InTimePart, Part
 
@@ -109,24 +109,9 @@ def _sizes(test: TimeTest) -> tuple[float, float]:
     return max(float(imposed) / reach, 1e-300), reach
 
 
-def test_with(effect: TimeEffect, tests: Sequence[TimeTest]) -> TimeTest:
-    """The first test in which an effect can be seen.
-
-    Raises
-    ------
-    ModelError
-        If there is none.
-    """
-    for test in tests:
-        if effect.is_for(test):
-            return test
-    raise ModelError(
-        f"{tests[0].name}: '{effect.name}' cannot be seen in such a test: leave it out"
-    )
-
-
-def tries_of(effect: TimeEffect, test: TimeTest, scales: Scales) -> list[tuple[float, ...]]:
+def tries_of(effect: Effect, test: TimeTest, scales: Scales) -> list[tuple[float, ...]]:
     """Places in the parameters of an effect of time tests from which to look further."""
-    if effect.tries is not None:
-        return [tuple(map(float, place)) for place in effect.tries(test)][:MOST]
-    return list(product(*(scales.values(parameter) for parameter in effect.parameters)))[:MOST]
+    law, free = effect.element, effect.element.parameters
+    if isinstance(law, StageLaw) and law.tries is not None:
+        return [tuple(map(float, place)) for place in law.tries(test)][:MOST]
+    return list(product(*(scales.values(parameter) for parameter in free)))[:MOST]

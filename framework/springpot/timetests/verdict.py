@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from springpot.measurement.sign import said_of_sign
-from springpot.measurement.timed import Timed
+from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
 from .answer import TimeCandidate, TimeDiagnosis, TimeError
 from .information_criterion import ALIKE, HINT, PLAINLY, Left
-from .residuals_of_tests import AnyEffect, InTimePart, Part
+from .residuals_of_tests import InTimePart, Part
 from .result import TimeIdentification
 from .scan_scores import Promise
 from .scatter import Scatter
@@ -31,9 +31,9 @@ class Tried:
 
     Attributes
     ----------
-    effect : Effect or TimeEffect
+    effect : Effect
         The effect.
-    model : Model or Timed
+    model : Model
         The model with it.
     theta : ndarray, shape (p,)
         Its parameters.
@@ -45,8 +45,8 @@ class Tried:
         The exact fit, where there is one.
     """
 
-    effect: AnyEffect
-    model: Model | Timed
+    effect: Effect
+    model: Model
     theta: Real
     left: Left
     delta: float
@@ -108,7 +108,7 @@ def _verdict(before: Left, tried: Sequence[Tried]) -> str:
         return "effect-missing"
     if before.misfit:
         return "unexplained"
-    if tried and tried[0].delta > HINT:
+    if before.doubtful or (tried and tried[0].delta > HINT):
         return "inconclusive"
     return "adequate"
 

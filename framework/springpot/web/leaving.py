@@ -24,8 +24,7 @@ from springpot.report.interactive.scene import PageScene
 from springpot.rheology.points import KELVIN
 from springpot.terminal_safe import plain
 
-from .datatext import safe_name
-from .state import State
+from .sessions import State, safe_name
 
 MOST_RANGES = 20
 """Ranges of rows that are said on a command line; more are left out in a file of their own."""

@@ -8,8 +8,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from springpot.benchmark.findings import Findings, study_tables
 from springpot.benchmark.report.study import study_html
+from springpot.benchmark.standings import Findings, study_tables
 from springpot.benchmark.store import Store
 from springpot.benchmark.tables import Table
 from springpot.errors import DataError, SpringpotError

@@ -1,6 +1,10 @@
 """What a worker process can be asked to do.
 
 Each task is a function of plain arguments that gives plain data.
+
+The answer to a state.
+
+Exactly what ``springpot discover DATA --accept ...`` gives, and what is drawn of it.
 """
 
 from __future__ import annotations
@@ -15,7 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from springpot.api import compare, identify, mastercurve
+from springpot.api import compare, discover, identify, mastercurve
+from springpot.diagnosis.examination import silent
 from springpot.diagnosis.ladder import Ladder
 from springpot.errors import DataError, SpringpotError
 from springpot.inputs import bytes_of
@@ -25,6 +30,7 @@ from springpot.measurement.reader import Part, parts_as_opened
 from springpot.measurement.runs import runs_of
 from springpot.owners import blamed, described
 from springpot.registry import open_measurement, parse_model, parts_of, plugins
+from springpot.report.interactive.answers import drawn
 from springpot.report.interactive.scene import PageScene, relative_error
 from springpot.report.network import network_svg
 from springpot.report.plugin_cards import EXAMPLE_MEMBER
@@ -34,12 +40,67 @@ from springpot.rheology.family import Family
 from springpot.rheology.model import Model
 
 from . import leaving
-from .answers import Told, answer, ladder_of
-from .datatext import joined, kept, measured_in, measurement_of, opened, safe_name, text_of
 from .held import hand_of, theta_of
-from .sessions import is_session, session_of
-from .state import State, digest_of
+from .sessions import (
+    State,
+    digest_of,
+    is_session,
+    joined,
+    kept,
+    measured_in,
+    measurement_of,
+    opened,
+    safe_name,
+    session_of,
+    text_of,
+)
 from .studies import report_of, studies, study
+
+SCHEMA = "springpot.workbench/1"
+Told = Callable[[str], None]
+
+
+def ladder_of(state: State, measurement: Measurement, told: Told = silent) -> Ladder:
+    """The ladder of a state; the same bits for the same state and data.
+
+    Raises
+    ------
+    SpringpotError
+        If a name is unknown, or if model and data do not fit each other.
+    """
+    used = kept(measurement, state.excluded)
+    # A list, though it may be empty: without one the evidence would accept effects by itself.
+    ladder = discover(
+        used, state.model or None, accept=list(state.accepted), seed=state.seed, progress=told
+    )
+    assert isinstance(ladder, Ladder)
+    return ladder
+
+
+def answer(state: State, ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
+    """Schema ``springpot.workbench/1``: the discovery, and K of the model and of every candidate.
+
+    Parameters
+    ----------
+    state : State
+        What is asked.
+    ladder : Ladder
+        Its ladder, see `ladder_of`.
+    measurement : Measurement
+        The data, all rows.
+
+    Returns
+    -------
+    dict
+        ``schema``, ``state``, its ``key``, and all that `springpot.report.interactive.drawn` gives.
+    """
+    return {
+        "schema": SCHEMA,
+        "state": state.to_dict(),
+        "key": state.key,
+        **drawn(ladder, measurement),
+    }
+
 
 LADDERS = 8
 """Ladders that a worker remembers, for exports of what is on the page; each holds some MB."""
@@ -78,7 +139,8 @@ def library(told: Told) -> dict[str, Any]:
     installed = plugins()
     return {
         "models": [_model(item) for item in installed.items("model")],
-        "effects": [_effect(item) for item in installed.items("effect")],
+        # The page is of sweeps: what a test in time did is in none of them.
+        "effects": [_effect(item) for item in installed.items("effect") if not item.of_test],
         "datasets": [
             {
                 "name": item.name,
@@ -279,7 +341,7 @@ def _levels(measurement: Measurement) -> list[dict[str, Any]]:
 
 
 def answered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
-    """See `springpot.web.answers.answer`; its ladder is kept for what one leaves with."""
+    """See `springpot.web.tasks.answer`; its ladder is kept for what one leaves with."""
     asked = State.of(state)
     ladder = _ladder(asked, text, told)
     # Told, as the previews of a large library take a while themselves.
@@ -307,7 +369,7 @@ def held(
     used = kept(measurement, asked.excluded)
     # What is fixed is no parameter of the model any more.
     start = {name: value for name, value in hand.values.items() if name not in hand.fix}
-    fit = identify(used, model, fix=hand.fix, bounds=hand.bounds, start=start)
+    fit: Any = identify(used, model, fix=hand.fix, bounds=hand.bounds, start=start)
     values = hand.fix | {
         parameter.name: float(value * used.units.of(parameter.unit)[0])
         for parameter, value in zip(fit.model.parameters, fit.theta, strict=True)
@@ -325,7 +387,7 @@ def _drawn(state: State, measurement: Measurement, model: Model, theta: Any) -> 
 
 
 def ranking(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
-    """All installed models against what any material reaches; schema ``springpot.comparison/1``."""
+    """All installed models against what any material reaches; schema ``springpot.comparison/2``."""
     asked = State.of(state)
     return compare(kept(_measured(text), asked.excluded), seed=asked.seed, progress=told).to_dict()
 

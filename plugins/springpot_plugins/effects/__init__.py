@@ -5,21 +5,26 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from springpot.hooks import hookimpl
-from springpot.measurement import TimeEffect
 from springpot.rheology import Effect
 
-from .. import timeeffects
-from . import amplitude, compliance, signal, specimen, stiffness, temperature
+from . import (
+    amplitude,
+    clock,
+    compliance,
+    loading,
+    record,
+    signal,
+    specimen,
+    stiffness,
+    stops,
+    temperature,
+)
+
+OF_THE_NETWORK = (stiffness, compliance, amplitude, signal, temperature, specimen)
+OF_THE_TEST = (loading, clock, record, stops)
 
 
 @hookimpl
 def springpot_effects() -> Iterable[Effect]:
     """All of them."""
-    files = (stiffness, compliance, amplitude, signal, temperature, specimen)
-    return [effect for file in files for effect in file.EFFECTS]
-
-
-@hookimpl
-def springpot_time_effects() -> Iterable[TimeEffect]:
-    """Those of tests in time."""
-    return timeeffects.EFFECTS
+    return [effect for file in (*OF_THE_NETWORK, *OF_THE_TEST) for effect in file.EFFECTS]

@@ -41,6 +41,11 @@ FILES = {
 }
 
 
+@pytest.mark.soak_cases(
+    "fhwa-ptf-binder-dsr/normalized.csv",
+    "instrument-files/malvern.csv",
+    "instrument-files/trios_lims.txt",
+)
 @pytest.mark.parametrize("name", FILES)
 def test_it_opens_without_options(name):
     measured = open_measurement(found(name), (), READERS)
@@ -55,6 +60,7 @@ def test_every_signal_file_opens():
         assert open_measurement(path, (), READERS).units.stiffness == "N/mm"
 
 
+@pytest.mark.soak
 def test_the_export_and_the_table_made_of_it_agree():
     export = open_measurement(found("instrument-files/trios_lims.txt"), (), READERS)
     table = open_measurement(found("3m-468mp-acrylic-tts/normalized.csv"), (), READERS)

@@ -97,6 +97,7 @@ def test_every_unit_is_known_by_its_own_name(table):
         assert known_unit(unit, TABLES[table], table) == unit
 
 
+@pytest.mark.soak_cases("{name} ({unit})", "{name} / {unit}", "{name} [{unit}]")
 @pytest.mark.parametrize("style", ["{name} [{unit}]", "{name} ({unit})", "{name} / {unit}"])
 def test_every_unit_is_read_in_every_way_of_writing_it(tmp_path, style):
     path = tmp_path / "data.csv"

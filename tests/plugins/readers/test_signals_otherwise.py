@@ -45,6 +45,7 @@ CHANNELS = [["Time", "Stroke", "Load"], ["s", "mm", "kN"], *NUMBERS]
 
 
 class TestWorkbooks:
+    @pytest.mark.soak
     def test_the_sheet_that_holds_signals(self, folder):
         content = workbook({"Notes": [["Operator", "Ada"]], "Data": [["rig 2"], [], *CHANNELS]})
         path = folder.write(content, "test.xlsx")

@@ -316,6 +316,7 @@ def test_a_file_whose_name_has_the_signs_of_a_choice(folder):
         same(folder.open(table("omega [rad/s],storage [Pa],loss [Pa]"), name=name))
 
 
+@pytest.mark.soak
 def test_a_hundred_thousand_rows_in_any_separator(folder):
     n = 100_000
     columns = (np.arange(1, n + 1), np.ones(n), np.full(n, 2.5))

@@ -89,8 +89,8 @@ def _told(chapter: Chapter, out: Path) -> tuple[str, int]:
 
 def _run(race: Race, out: Path) -> str:
     """Run a race and give its summary as text."""
-    from springpot.benchmark.findings import study_tables
     from springpot.benchmark.runner import run_study
+    from springpot.benchmark.standings import study_tables
     from springpot.benchmark.store import Store
     from springpot.benchmark.study import Study
     from springpot.benchmark.tables import text

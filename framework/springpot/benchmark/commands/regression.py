@@ -81,7 +81,7 @@ def _check(
     Exit code 1 and a sentence for each optimiser and data set that got worse; 2 if there is no
     baseline. Without arguments, every study that has a baseline.
     """
-    from springpot.benchmark.gate.difference import LEVEL
+    from springpot.benchmark.gate.baseline import LEVEL
     from springpot.benchmark.gate.regression import check, known_scripts
 
     _require_one(studies, baseline)

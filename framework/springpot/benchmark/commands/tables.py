@@ -74,8 +74,8 @@ def command(
     For a paper: springpot tables race --table summary --format latex --column optimiser --column
     success --digits 3 --row model=fractional-zener --caption "The race" --label tab:race
     """
-    from springpot.benchmark.paper import captioned, for_paper
     from springpot.benchmark.tables import FORMATS as WRITERS
+    from springpot.benchmark.tables import captioned, for_paper
 
     # Files are whole tables: columns and rows are chosen for what is printed into a paper.
     if write or report:
@@ -105,7 +105,7 @@ def command(
 
 def _written(study: str, out: Path, kinds: list[str], report: bool) -> list[Path]:
     """Files of tables, of one kind or none, and of the report beside a study's results."""
-    from springpot.benchmark.findings import write_tables
+    from springpot.benchmark.standings import write_tables
 
     paths = list(write_tables(study, kinds, out)) if kinds else []
     if report:
@@ -116,7 +116,7 @@ def _written(study: str, out: Path, kinds: list[str], report: bool) -> list[Path
 
 
 def _chosen(study: str, wanted: str | None, out: Path) -> dict[str, Table]:
-    from springpot.benchmark.findings import TABLES, study_tables
+    from springpot.benchmark.standings import TABLES, study_tables
     from springpot.benchmark.store import Store
     from springpot.benchmark.summary import store_path
     from springpot.errors import StudyError

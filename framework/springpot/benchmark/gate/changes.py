@@ -8,8 +8,7 @@ from math import inf
 
 import numpy as np
 
-from .baseline import EVALUATIONS, SEPARATOR, Baseline, Sample
-from .difference import Successes, Verdict, verdicts
+from .baseline import EVALUATIONS, SEPARATOR, Baseline, Sample, Successes, Verdict, verdicts
 
 
 @dataclass(frozen=True)

@@ -1,25 +1,248 @@
-"""The accuracy gate: whether any optimiser became worse on any problem since its baseline."""
+"""The accuracy gate: whether any optimiser became worse on any problem since its baseline.
+
+What a study requires of every cell, whatever was before: success, right parameters, time.
+
+What a baseline can see: the smallest change that its trials tell in most cases.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import json
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from math import inf, sqrt
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from springpot.benchmark.runner import run_study
-from springpot.benchmark.script import load_study
-from springpot.benchmark.store import Store
-from springpot.benchmark.study import Study
-from springpot.benchmark.summary import store_path
-from springpot.errors import StudyError
+import numpy as np
 
-from .baseline import Baseline, baseline_of, read_baseline, samples_like
+from springpot.errors import StudyError
+from springpot.format_numbers import number
+from springpot.rheology.points import Real
+
+from ..runner import run_study
+from ..statistics import bands
+from ..store import Store
+from ..study import Study
+from ..summary import TrialRow, load_study, store_path
+from ..trial import relative_error
+from .baseline import (
+    FACTOR,
+    LEVEL,
+    Baseline,
+    Goal,
+    Successes,
+    baseline_of,
+    cell_key,
+    cells_of,
+    drop,
+    problem_key,
+    reached,
+    read_baseline,
+    samples_like,
+)
 from .changes import Change, by_optimiser, changes_since, together, who
-from .difference import FACTOR, LEVEL
-from .power import POWER, smallest_seen
-from .requirements import broken
+
+MOST = 0.5
+"""Share of trials that must meet a requirement where the study names none."""
+
+
+def broken(store: Store, baseline: Baseline) -> Iterator[tuple[str, str]]:
+    """Cells of a store that do not meet what its study requires, each with a sentence.
+
+    Parameters
+    ----------
+    store : Store
+        The trials.
+    baseline : Baseline
+        What is right: targets, and parameters where no truth is known.
+    """
+    required: dict[str, float] = json.loads(store.facts().get("requirements", "{}"))
+    for cell, rows in cells_of(store):
+        goal = baseline.goals.get(problem_key(cell.problem))
+        # A problem that is new has nothing yet that is right.
+        if goal is None:
+            continue
+        for words in _broken(rows, goal, required):
+            yield cell_key(cell), words
+
+
+def _broken(rows: Sequence[TrialRow], goal: Goal, required: Mapping[str, float]) -> Iterator[str]:
+    share = required.get("min_success", MOST)
+    if "min_success" in required:
+        count = reached(rows, goal)
+        if count < share * len(rows):
+            yield f"reached the target in {count} of {len(rows)} trials: min_success is {share:g}"
+    if "max_parameter_error" in required:
+        limit = required["max_parameter_error"]
+        error = _at(share, [_error(row, goal.parameters) for row in rows])
+        # Also what is no number is no success.
+        if not error <= limit:
+            yield (
+                f"{_off(error, share)}: max_parameter_error is"
+                f" {limit:g}{_moved(rows, goal.parameters)}"
+            )
+    if "max_seconds" in required:
+        limit = required["max_seconds"]
+        spent = _at(share, [_seconds(row) for row in rows])
+        if not spent <= limit:
+            most = f"{100 * share:.0f} % of its trials"
+            yield f"took {number(spent, 3)} s, which {most} keep to: max_seconds is {limit:g}"
+
+
+def _at(share: float, values: Sequence[float]) -> float:
+    """What this share of the values does not exceed."""
+    return float(bands(np.array(values), (share,))[0])
+
+
+def _error(row: TrialRow, right: Mapping[str, float]) -> float:
+    """Largest relative error of a parameter; infinite of a trial that failed."""
+    if row.theta.keys() != right.keys() or not right:
+        return inf
+    return relative_error(
+        np.array([row.theta[name] for name in right]), np.array(list(right.values()))
+    )
+
+
+def _seconds(row: TrialRow) -> float:
+    if row.status.failed:
+        return inf
+    return row.seconds
+
+
+def _off(error: float, share: float) -> str:
+    most = f"{100 * share:.0f} % of its trials"
+    if np.isfinite(error):
+        return f"has parameters that are off by up to {error:.3g} in {most}"
+    return f"found no parameters in {most}"
+
+
+def _moved(rows: Sequence[TrialRow], right: Mapping[str, float]) -> str:
+    """Parameters of the best trial beside what is right."""
+    sound = [row for row in rows if row.best is not None and row.theta.keys() == right.keys()]
+    if not sound:
+        return ""
+    best = min(sound, key=lambda row: row.best or 0.0)
+    moved = [
+        f"{name} {number(best.theta[name])} for {number(value)}" for name, value in right.items()
+    ]
+    return f" (its best trial: {', '.join(moved)})"
+
+
+POWER = 0.8
+"""Share of cases in which a change shall be seen.
+
+The usual one (Cohen 1988, Statistical Power Analysis).
+"""
+
+
+def least_rise(before: Real, share: float, factor: float = FACTOR) -> float:
+    """Smallest factor of costs that so many trials after would show with the chance `POWER`.
+
+    Infinite if none.
+
+    Parameters
+    ----------
+    before : ndarray, shape (n,)
+        Positive costs, infinite where missed.
+    share : float
+        Level of this one comparison.
+    factor : float
+        Rise that does not count yet.
+    """
+    from scipy.stats import norm
+
+    n = len(before)
+    # How often a cost after must exceed one before (Noether 1987,
+    # doi:10.1080/01621459.1987.10478478).
+    often = 0.5 + float(norm.isf(share) + norm.ppf(POWER)) * sqrt((2 * n + 1) / (12 * n * n))
+    if often >= 1.0:
+        return inf
+    ratios = np.ones((n, n))
+    with np.errstate(invalid="ignore"):
+        np.divide(
+            before[:, None],
+            before,
+            out=ratios,
+            where=np.isfinite(before[:, None]) | np.isfinite(before),
+        )
+    return factor * float(np.quantile(ratios, often, method="higher"))
+
+
+def least_drop_seen(before: Successes, share: float) -> float | None:
+    """Highest rate of success after that so many trials would show with the chance `POWER`.
+
+    None if none.
+
+    Parameters
+    ----------
+    before : Successes
+        Those of the baseline.
+    share : float
+        Level of this one comparison.
+    """
+    from scipy.stats import beta
+
+    n = before.trials
+    # The largest count that is still significant: the fewer, the surer.
+    low, high = -1, before.count
+    while high - low > 1:
+        middle = (low + high) // 2
+        if drop(before, Successes(middle, n)) < share:
+            low = middle
+        else:
+            high = middle
+    if low < 0:
+        return None
+    # The rate at which so few or fewer come with that chance (the binomial sum as an incomplete
+    # beta function).
+    return 1.0 - float(beta.ppf(POWER, n - low, low + 1))
+
+
+def smallest_seen(
+    costs: Sequence[Real],
+    cells: Sequence[Successes],
+    together: Successes,
+    share: float,
+    factor: float,
+) -> str:
+    """The smallest changes of one optimiser that a baseline shows, in words.
+
+    Parameters
+    ----------
+    costs : sequence of ndarray, shape (n,) each
+        Its costs on each problem.
+    cells : sequence of Successes
+        Its successes on each.
+    together : Successes
+        Over all of them.
+    share, factor : float
+        Level of one comparison and rise that does not count yet.
+    """
+    rises = [least_rise(each, share, factor) for each in costs]
+    words = f"costs {_times(min(rises))}"
+    if max(rises) > min(rises):
+        words += f" to {_times(max(rises))}"
+    words += f"; success {_falls(max(cells, key=lambda each: each.rate), share)} on one problem"
+    if len(cells) > 1:
+        words += f", {_falls(together, share)} over its {len(cells)}"
+    return words
+
+
+def _times(rise: float) -> str:
+    if rise == inf:
+        return "by no factor"
+    return f"x{rise:.3g}"
+
+
+def _falls(before: Successes, share: float) -> str:
+    rate = least_drop_seen(before, share)
+    if rate is None:
+        return f"{100 * before.rate:.0f} % by no fall"
+    # Downwards: what lies between is seen less often.
+    return f"{100 * before.rate:.0f} -> {int(100 * rate)} %"
+
 
 NAME = "baseline.json"
 

@@ -9,12 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from springpot.benchmark.comparison import OVER_ALL, Choice, Ranking, scopes
-from springpot.benchmark.findings import COMPARING, PLAIN, Findings
-from springpot.benchmark.rows import ProblemRow
-from springpot.benchmark.standings import CHOICE_NOTE
+from springpot.benchmark.standings import CHOICE_NOTE, COMPARING, PLAIN, Findings
 from springpot.benchmark.statistics import Interval
 from springpot.benchmark.store import Store
-from springpot.benchmark.summary import CellSummary, store_path
+from springpot.benchmark.summary import CellSummary, ProblemRow, store_path
 from springpot.benchmark.tables import Table, text
 from springpot.files import write_text
 from springpot.format_numbers import counted, number
@@ -22,7 +20,6 @@ from springpot.markup import Html, joined, table, tag
 from springpot.report.numbers import seconds
 from springpot.report.page import page
 
-from .pools import pools, share_text, verdict
 from .study_plots import (
     Pens,
     accuracy_against_time,
@@ -30,8 +27,11 @@ from .study_plots import (
     diagram,
     distribution,
     pair,
+    pools,
     profile_figures,
     progress,
+    share_text,
+    verdict,
 )
 
 NAMED = 3

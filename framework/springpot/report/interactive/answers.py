@@ -39,7 +39,7 @@ def drawn(ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``discovery`` (schema ``springpot.discovery/1``); ``parameters`` of the last rung;
+        ``discovery`` (schema ``springpot.discovery/2``); ``parameters`` of the last rung;
         ``noise``: standard deviations of storage and loss at the drawn points; ``reference``: to
         which temperature or amplitude the parameters belong; ``model``: K of the last rung,
         ``{"points", "curves", "slope"}``, each with ``storage`` and ``loss``, at the drawn points

@@ -11,7 +11,7 @@ from springpot.cli.common import DATA, FILE, INPUT, emit, json_option
 from springpot.cli.predict import numbers
 
 if TYPE_CHECKING:
-    from springpot.structure.modes import Steady
+    from springpot.structure.frame import Steady
     from springpot.structure.motion import Simulation
 
 
@@ -91,7 +91,7 @@ def _steady(structure: Path, frequency: str, figure: Path | None, as_json: bool)
     """The steady state at each frequency in Hz."""
     import numpy as np
 
-    from springpot.structure.modes import steady_of
+    from springpot.structure.frame import steady_of
     from springpot.structure.reading import read_structure
 
     steady = steady_of(read_structure(structure), 2.0 * np.pi * np.array(numbers(frequency)))

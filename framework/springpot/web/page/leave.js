@@ -5,7 +5,7 @@ import { asPng, standalone } from "./plot.js";
 
 const FILES = [
   ["report", "Report (HTML)", "this page for a colleague: every rung with its previews, without a server", "text/html"],
-  ["json", "Answer (JSON)", "schema springpot.discovery/1", "application/json"],
+  ["json", "Answer (JSON)", "schema springpot.discovery/2", "application/json"],
   ["curves", "Curves (CSV)", "data, model and every candidate, units in the header", "text/csv"],
   ["data", "Data as used (CSV)", "without what was left out", "text/csv"],
   ["plan", "Plan of the next experiment (CSV)", "to be filled in", "text/csv"],

@@ -9,8 +9,20 @@ from typing import Any
 
 import numpy as np
 
-from springpot.measurement import Answered, Record, Stage, TimeEffect, TimeTest
-from springpot.rheology import AMPLITUDE, FORCE, PURE, SECOND, Dimension, Parameter
+from springpot.measurement import Record, TimeTest
+from springpot.rheology import (
+    AMPLITUDE,
+    FORCE,
+    PURE,
+    SECOND,
+    Answered,
+    AppliesTo,
+    Dimension,
+    Effect,
+    Parameter,
+    StageLaw,
+    on_response,
+)
 
 NEAR_TOP, SEVERAL = 0.95, 5
 """Share of the largest response, and samples above it, from which it is no single peak.
@@ -108,121 +120,109 @@ AMPLITUDE_RATE = Dimension(amplitude=1, time=-1)
 ELEMENTARY = "elementary"
 
 EFFECTS = (
-    TimeEffect(
+    Effect(
         "test-gain",
-        Stage.RESPONSE,
-        (Parameter("g", "g", PURE, -0.99, scale="linear", typical=0.5),),
-        scaled,
+        on_response,
+        StageLaw(scaled, (Parameter("g", "g", PURE, -0.99, scale="linear", typical=0.5),)),
         "this test is too large against the others of the specimen: a calibration, an area or a gap"
         " is wrong",
-        "the whole record by one factor; a test by itself cannot show it, as its material takes it"
-        " over",
-        ELEMENTARY,
-        of_one=True,
+        citation=ELEMENTARY,
+        applies_to=AppliesTo(one=True),
+        signature="the whole record by one factor; a test by itself cannot show it, as its material"
+        " takes it over",
     ),
-    TimeEffect(
+    Effect(
         "force-offset",
-        Stage.RESPONSE,
-        (Parameter("size", "F", FORCE, -np.inf, scale="linear"),),
-        offset,
+        on_response,
+        StageLaw(offset, (Parameter("size", "F", FORCE, -np.inf, scale="linear"),)),
         "the force has a constant part: a preload, a gas charge, a weight, or the zero of the"
         " transducer",
-        "the whole loop stands higher or lower, the same from the first sample to the last",
-        ELEMENTARY,
-        ("displacement",),
-        _cycled,
+        citation=ELEMENTARY,
+        applies_to=AppliesTo(("displacement",), _cycled),
+        signature="the whole loop stands higher or lower, the same from the first sample to the"
+        " last",
     ),
-    TimeEffect(
+    Effect(
         "displacement-offset",
-        Stage.RESPONSE,
-        (Parameter("size", "u", AMPLITUDE, -np.inf, scale="linear"),),
-        offset,
+        on_response,
+        StageLaw(offset, (Parameter("size", "u", AMPLITUDE, -np.inf, scale="linear"),)),
         "the displacement has a constant part: it is not counted from where the force vanishes",
-        "the whole loop stands further on or back, the same from the first sample to the last",
-        ELEMENTARY,
-        ("force",),
-        _cycled,
+        citation=ELEMENTARY,
+        applies_to=AppliesTo(("force",), _cycled),
+        signature="the whole loop stands further on or back, the same from the first sample to the"
+        " last",
     ),
-    TimeEffect(
+    Effect(
         "force-drift",
-        Stage.RESPONSE,
-        (Parameter("rate", "r", FORCE_RATE, -np.inf, scale="linear"),),
-        drifted,
+        on_response,
+        StageLaw(drifted, (Parameter("rate", "r", FORCE_RATE, -np.inf, scale="linear"),)),
         "the zero of the force transducer drifts at a steady rate",
-        "a straight line in linear time, from the first sample to the last, whatever the load does",
-        ELEMENTARY,
-        ("displacement",),
+        citation=ELEMENTARY,
+        applies_to=AppliesTo(("displacement",)),
+        signature="a straight line in linear time, from the first sample to the last, whatever the"
+        " load does",
     ),
-    TimeEffect(
+    Effect(
         "displacement-drift",
-        Stage.RESPONSE,
-        (Parameter("rate", "r", AMPLITUDE_RATE, -np.inf, scale="linear"),),
-        drifted,
+        on_response,
+        StageLaw(drifted, (Parameter("rate", "r", AMPLITUDE_RATE, -np.inf, scale="linear"),)),
         "the zero of the displacement transducer drifts at a steady rate",
-        "a straight line in linear time, from the first sample to the last; in creep it looks like"
-        " flow",
-        ELEMENTARY,
-        ("force",),
+        citation=ELEMENTARY,
+        applies_to=AppliesTo(("force",)),
+        signature="a straight line in linear time, from the first sample to the last; in creep it"
+        " looks like flow",
     ),
-    TimeEffect(
+    Effect(
         "thermal-force",
-        Stage.RESPONSE,
-        (Parameter("size", "F", FORCE, -np.inf, scale="linear"), WARMING),
-        grown,
+        on_response,
+        StageLaw(grown, (Parameter("size", "F", FORCE, -np.inf, scale="linear"), WARMING)),
         "fixture and specimen grow while they come to their temperature, and press on the"
         " transducer",
-        "a force that comes up within some tau and stays, whatever the load does",
-        "Newton's law of cooling; free thermal strain",
-        ("displacement",),
+        citation="Newton's law of cooling; free thermal strain",
+        applies_to=AppliesTo(("displacement",)),
+        signature="a force that comes up within some tau and stays, whatever the load does",
         prior=0.5,
     ),
-    TimeEffect(
+    Effect(
         "thermal-growth",
-        Stage.RESPONSE,
-        (Parameter("size", "u", AMPLITUDE, -np.inf, scale="linear"), WARMING),
-        grown,
+        on_response,
+        StageLaw(grown, (Parameter("size", "u", AMPLITUDE, -np.inf, scale="linear"), WARMING)),
         "fixture and specimen grow while they come to their temperature, and the transducer takes"
         " it for creep",
-        "a displacement that comes up within some tau and stays; it does not recover with the load",
-        "Newton's law of cooling; free thermal strain",
-        ("force",),
+        citation="Newton's law of cooling; free thermal strain",
+        applies_to=AppliesTo(("force",)),
+        signature="a displacement that comes up within some tau and stays; it does not recover with"
+        " the load",
         prior=0.5,
     ),
-    TimeEffect(
+    Effect(
         "force-clipping",
-        Stage.RESPONSE,
-        (Parameter("limit", "L", FORCE),),
-        clipped,
+        on_response,
+        StageLaw(clipped, (Parameter("limit", "L", FORCE),), _limits),
         "the force channel saturates: it shows no more than a limit on either side",
-        "flat tops of the force, where the loop is highest",
-        ELEMENTARY,
-        ("displacement",),
-        _level,
-        _limits,
+        citation=ELEMENTARY,
+        applies_to=AppliesTo(("displacement",), _level),
+        signature="flat tops of the force, where the loop is highest",
         absent_at=np.inf,
     ),
-    TimeEffect(
+    Effect(
         "displacement-clipping",
-        Stage.RESPONSE,
-        (Parameter("limit", "L", AMPLITUDE),),
-        clipped,
+        on_response,
+        StageLaw(clipped, (Parameter("limit", "L", AMPLITUDE),), _limits),
         "the displacement channel saturates: it shows no more than a limit on either side",
-        "flat tops of the displacement, where the loop is widest",
-        ELEMENTARY,
-        ("force",),
-        _level,
-        _limits,
+        citation=ELEMENTARY,
+        applies_to=AppliesTo(("force",), _level),
+        signature="flat tops of the displacement, where the loop is widest",
         absent_at=np.inf,
     ),
-    TimeEffect(
+    Effect(
         "damage",
-        Stage.RESPONSE,
-        (Parameter("d", "d", PURE, -2.0, 2.0, "linear", 0.1),),
-        tired,
+        on_response,
+        StageLaw(tired, (Parameter("d", "d", PURE, -2.0, 2.0, "linear", 0.1),)),
         "the specimen loses the share d of its stiffness with every cycle it goes through",
-        "loops that lean over from cycle to cycle, all alike in shape",
-        "Lemaitre and Desmorat, Engineering Damage Mechanics, 2005",
-        suits=_cyclic,
+        citation="Lemaitre and Desmorat, Engineering Damage Mechanics, 2005",
+        applies_to=AppliesTo(suits=_cyclic),
+        signature="loops that lean over from cycle to cycle, all alike in shape",
         aliases=("cyclic-softening",),
     ),
 )

@@ -6,8 +6,18 @@ from typing import Any
 
 import numpy as np
 
-from springpot.measurement import Answered, Record, Stage, TimeEffect, TimeTest
-from springpot.rheology import AMPLITUDE, Dimension, Parameter, stiffness
+from springpot.measurement import Record, TimeTest
+from springpot.rheology import (
+    AMPLITUDE,
+    Answered,
+    AppliesTo,
+    Dimension,
+    Effect,
+    Parameter,
+    StageLaw,
+    on_response,
+    stiffness,
+)
 
 SOFTEST = 0.3
 """Stiffness of a stop at the start of the search, over that of the specimen.
@@ -53,35 +63,36 @@ def _places(test: TimeTest) -> tuple[tuple[float, float], ...]:
 
 
 EFFECTS = (
-    TimeEffect(
+    Effect(
         "asymmetric-stop",
-        Stage.RESPONSE,
-        (
-            stiffness("k"),
-            Parameter("place", "x_0", AMPLITUDE, -np.inf, scale="linear", typical=0.5),
+        on_response,
+        StageLaw(
+            stopped,
+            (
+                stiffness("k"),
+                Parameter("place", "x_0", AMPLITUDE, -np.inf, scale="linear", typical=0.5),
+            ),
+            _places,
         ),
-        stopped,
         "a stop on one side: beyond a place the motion meets a spring that is not there on the"
         " other side",
-        "a corner of the loop at one end of the motion alone; even harmonics and a mean force",
-        "Gelb and Vander Velde, Multiple-Input Describing Functions, 1968",
-        ("displacement",),
-        _moves,
-        _places,
-        ("one-sided-stop",),
+        citation="Gelb and Vander Velde, Multiple-Input Describing Functions, 1968",
+        applies_to=AppliesTo(("displacement",), _moves),
+        signature="a corner of the loop at one end of the motion alone; even harmonics and a mean"
+        " force",
+        aliases=("one-sided-stop",),
     ),
-    TimeEffect(
+    Effect(
         "asymmetric-stiffness",
-        Stage.RESPONSE,
-        (Parameter("k2", "k₂", ASYMMETRY, -np.inf, scale="linear"),),
-        leaned,
+        on_response,
+        StageLaw(leaned, (Parameter("k2", "k₂", ASYMMETRY, -np.inf, scale="linear"),)),
         "stiffer on one side than on the other, as after a preload: a force as the square of the"
         " displacement",
-        "one half of the loop is steeper than the other; even harmonics and a mean force, nothing"
+        citation="Nayfeh and Mook, Nonlinear Oscillations, 1979",
+        applies_to=AppliesTo(("displacement",), _moves),
+        signature="one half of the loop is steeper than the other; even harmonics and a mean force,"
+        " nothing"
         " in the first one",
-        "Nayfeh and Mook, Nonlinear Oscillations, 1979",
-        ("displacement",),
-        _moves,
         prior=0.5,
     ),
 )

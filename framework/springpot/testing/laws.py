@@ -1,16 +1,15 @@
-"""The contract of an effect of tests in time, which is tried on a made-up test of each kind."""
+"""The contract of what a test in time did: a law, tried on a made-up test of each kind."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from springpot.measurement.imposed import Loading
-from springpot.measurement.timed import Timed
-from springpot.measurement.timeeffect import Stage, TimeEffect
-from springpot.measurement.timetest import CONTROLS, TimeTest
+from springpot.measurement.timetest import TimeTest
+from springpot.rheology.effect import Effect
 from springpot.rheology.elements import spring, springpot
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import parallel, series
@@ -19,7 +18,7 @@ from springpot.timetests.recording import recorded
 from springpot.timetests.residuals_of_tests import InTimePart
 from springpot.timetests.trial_values import Scales, tries_of
 
-from .aspects import SEED, cited, complaints, name_and_summary
+from .networks import SEED, Aspect
 
 MODEL = Model("sample", parallel(spring("k0"), series(spring("k"), springpot("c", "alpha"))))
 THETA = np.array([50.0, 400.0, 60.0, 0.5])
@@ -55,73 +54,34 @@ def tests_in_time() -> list[TimeTest]:
     return [replace(test, response=recorded(MODEL, THETA, test).value) for test in bare]
 
 
-def check_time_effect(effect: TimeEffect, *, skip: Collection[str] = ()) -> list[str]:
-    """What is wrong with an effect of tests in time, as plain sentences.
-
-    Aspects: ``words`` (name, summary, signature, citation, prior), ``suits`` (some test can have
-    it), ``shapes``, ``derivatives`` (against differences, those by the material carried through it
-    too), ``pure`` (arguments are left alone) and ``vanishes`` (at ``absent_at``, and only there).
-
-    Parameters
-    ----------
-    effect : TimeEffect
-        The effect.
-    skip : collection of str
-        Aspects to leave out.
-
-    Returns
-    -------
-    list of str
-        Empty if nothing is wrong.
-    """
-    tests = [test for test in tests_in_time() if effect.is_for(test)]
-    aspects = {
-        "words": lambda: _words(effect),
+def law_aspects(effect: Effect) -> dict[str, Aspect]:
+    """The contract of an effect at a stage of a test, beside its words."""
+    tests = [test for test in tests_in_time() if effect.applies_to(test)]
+    return {
         "suits": lambda: _suits(tests),
         "shapes": lambda: _shapes(effect, tests),
         "derivatives": lambda: _derivatives(effect, tests),
         "pure": lambda: _pure(effect, tests),
         "vanishes": lambda: _vanishes(effect, tests),
     }
-    return complaints(aspects, skip)
-
-
-def _words(effect: TimeEffect) -> Iterator[str]:
-    yield from name_and_summary(effect.name, effect.summary, effect.aliases)
-    yield from cited(effect.citation)
-    if len(effect.signature.split()) < 3:
-        yield "the signature must say in a sentence how the effect shows in a record"
-    if not 0.0 < effect.prior <= 1.0:
-        yield f"the prior is {effect.prior}, not above 0 and at most 1"
-    if not isinstance(effect.stage, Stage):
-        yield (
-            f"the stage is {effect.stage!r}, not one of {', '.join(stage.name for stage in Stage)}"
-        )
-    if not effect.parameters:
-        yield "there is no parameter, so there is no size to be found"
-    if not effect.controls or set(effect.controls) - set(CONTROLS):
-        yield f"controls are some of {', '.join(CONTROLS)}, not {effect.controls!r}"
 
 
 def _suits(tests: list[TimeTest]) -> Iterator[str]:
     if not tests:
-        yield (
-            "no relaxation, creep, recovery, startup or cyclic test can have it:"
-            " see controls and suits"
-        )
+        yield ("no relaxation, creep, recovery, startup or cyclic test can have it: see applies_to")
 
 
-def _theta(effect: TimeEffect, test: TimeTest) -> Real:
+def _theta(effect: Effect, test: TimeTest) -> Real:
     """Parameters of the material, and those of the effect at one of the places that are tried."""
     places = tries_of(effect, test, Scales.of([InTimePart(test)]))
     place = places[int(np.random.default_rng(SEED).integers(len(places)))]
     return np.concatenate([THETA, place])
 
 
-def _shapes(effect: TimeEffect, tests: list[TimeTest]) -> Iterator[str]:
+def _shapes(effect: Effect, tests: list[TimeTest]) -> Iterator[str]:
     for test in tests:
-        record = recorded(Timed(MODEL, (effect,)), _theta(effect, test), test)
-        expected = (len(test), len(THETA) + len(effect.parameters))
+        record = recorded(MODEL + effect, _theta(effect, test), test)
+        expected = (len(test), len(THETA) + len(effect.element.parameters))
         if record.value.shape != expected[:1] or record.by_theta.shape != expected:
             yield (
                 f"in a {test.kind} test shapes are {record.value.shape} and"
@@ -133,8 +93,8 @@ def _shapes(effect: TimeEffect, tests: list[TimeTest]) -> Iterator[str]:
             yield f"in a {test.kind} test something is no number"
 
 
-def _derivatives(effect: TimeEffect, tests: list[TimeTest]) -> Iterator[str]:
-    model = Timed(MODEL, (effect,))
+def _derivatives(effect: Effect, tests: list[TimeTest]) -> Iterator[str]:
+    model = MODEL + effect
     for test in tests:
         theta = _theta(effect, test)
         # Closer than usual, or differences this small would show the tolerance.
@@ -156,13 +116,13 @@ def _derivatives(effect: TimeEffect, tests: list[TimeTest]) -> Iterator[str]:
                 yield f"in a {test.kind} test the derivative by {name} is wrong {where}"
 
 
-def _pure(effect: TimeEffect, tests: list[TimeTest]) -> Iterator[str]:
+def _pure(effect: Effect, tests: list[TimeTest]) -> Iterator[str]:
     # One test is enough: whether arguments are changed does not depend on what was imposed.
     for test in tests[:1]:
         theta = _theta(effect, test)
         before = theta.copy(), test.loading.value.copy(), test.response.copy()
-        first = recorded(Timed(MODEL, (effect,)), theta, test).value
-        again = recorded(Timed(MODEL, (effect,)), theta, test).value
+        first = recorded(MODEL + effect, theta, test).value
+        again = recorded(MODEL + effect, theta, test).value
         after = theta, test.loading.value, test.response
         if not all(np.array_equal(a, b) for a, b in zip(before, after, strict=True)):
             yield "it changes its arguments"
@@ -170,26 +130,23 @@ def _pure(effect: TimeEffect, tests: list[TimeTest]) -> Iterator[str]:
             yield "the same parameters do not give the same record"
 
 
-def _vanishes(effect: TimeEffect, tests: list[TimeTest]) -> Iterator[str]:
+def _vanishes(effect: Effect, tests: list[TimeTest]) -> Iterator[str]:
     for test in tests:
         theta, n = _theta(effect, test), len(THETA)
         # Without the first sample, as above.
         there = test.response[1:]
         size = float(np.abs(there).max())
-        if (
-            not np.abs(recorded(Timed(MODEL, (effect,)), theta, test).value[1:] - there).max()
-            > 1e-4 * size
-        ):
+        if not np.abs(recorded(MODEL + effect, theta, test).value[1:] - there).max() > 1e-4 * size:
             yield f"in a {test.kind} test it changes nothing at a size that is tried"
-        tried = abs(theta[n])
-        if np.isinf(effect.absent_at):
+        tried, null = abs(theta[n]), effect.vanishes_at
+        if np.isinf(null):
             theta[n] = tried / NEARLY
         else:
-            theta[n] = effect.absent_at + NEARLY * tried
-        left = np.abs(recorded(Timed(MODEL, (effect,)), theta, test).value[1:] - there).max() / size
+            theta[n] = null + NEARLY * tried
+        left = np.abs(recorded(MODEL + effect, theta, test).value[1:] - there).max() / size
         if not left < GONE:
             yield (
                 f"in a {test.kind} test {left:.1e} of the record still changes when"
-                f" {effect.parameters[0].name}, its first parameter, goes to {effect.absent_at:g};"
+                f" {effect.element.parameters[0].name}, its first parameter, goes to {null:g};"
                 " put the size first, or give absent_at"
             )

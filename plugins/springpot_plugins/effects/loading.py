@@ -9,8 +9,18 @@ from typing import Any
 
 import numpy as np
 
-from springpot.measurement import Loading, Stage, TimeEffect, TimeTest
-from springpot.rheology import AMPLITUDE, FORCE, Parameter, Real, relaxation_time
+from springpot.measurement import Loading, TimeTest
+from springpot.rheology import (
+    AMPLITUDE,
+    FORCE,
+    AppliesTo,
+    Effect,
+    Parameter,
+    Real,
+    StageLaw,
+    on_loading,
+    relaxation_time,
+)
 
 FEWEST = 21
 """Samples of an imposed history from which play in it is looked for."""
@@ -83,39 +93,34 @@ def _rough(test: TimeTest) -> bool:
 
 
 EFFECTS = (
-    TimeEffect(
+    Effect(
         "finite-ramp",
-        Stage.LOADING,
-        (relaxation_time("rise"),),
-        ramped,
+        on_loading,
+        StageLaw(ramped, (relaxation_time("rise"),)),
         "the step was no step: it took some time, in a straight line",
-        "early, up to some ten times the rise: a relaxation begins lower, a creep later",
-        "Boltzmann's superposition; Zapas and Phillips 1971, doi:10.6028/jres.075A.005",
-        suits=_stepped,
+        citation="Boltzmann's superposition; Zapas and Phillips 1971, doi:10.6028/jres.075A.005",
+        applies_to=AppliesTo(suits=_stepped),
+        signature="early, up to some ten times the rise: a relaxation begins lower, a creep later",
         aliases=("slow-step",),
     ),
-    TimeEffect(
+    Effect(
         "backlash-in-time",
-        Stage.LOADING,
-        (Parameter("b", "b", AMPLITUDE, typical=0.3),),
-        held_back,
+        on_loading,
+        StageLaw(held_back, (Parameter("b", "b", AMPLITUDE, typical=0.3),)),
         "a joint with play of b on either side: after each turn the specimen rests until the play"
         " is taken up",
-        "flat pieces after each turn of the motion, and a smaller loop",
-        "Visintin, Differential Models of Hysteresis, 1994",
-        ("displacement",),
-        _rough,
+        citation="Visintin, Differential Models of Hysteresis, 1994",
+        applies_to=AppliesTo(("displacement",), _rough),
+        signature="flat pieces after each turn of the motion, and a smaller loop",
         aliases=("play-in-time",),
     ),
-    TimeEffect(
+    Effect(
         "bearing-friction",
-        Stage.LOADING,
-        (Parameter("F", "F", FORCE, typical=0.1),),
-        held_back,
+        on_loading,
+        StageLaw(held_back, (Parameter("F", "F", FORCE, typical=0.1),)),
         "the bearing holds up to a force F: what was imposed reaches the specimen less that",
-        "after the load is taken off, the specimen comes back less, and stops early",
-        "Coulomb's friction; the specimen follows its load without overshoot",
-        ("force",),
-        _returns,
+        citation="Coulomb's friction; the specimen follows its load without overshoot",
+        applies_to=AppliesTo(("force",), _returns),
+        signature="after the load is taken off, the specimen comes back less, and stops early",
     ),
 )

@@ -6,8 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from springpot.measurement import Stage, TimeEffect, TimeTest
-from springpot.rheology import PURE, Parameter, relaxation_time
+from springpot.measurement import TimeTest
+from springpot.rheology import (
+    PURE,
+    AppliesTo,
+    Effect,
+    Parameter,
+    StageLaw,
+    on_clock,
+    relaxation_time,
+)
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)
 """Gauss's rule: integrates exp(-s exp(-u)) over one time constant to rounding for |s| up to 10."""
@@ -68,29 +76,34 @@ def _long(test: TimeTest) -> bool:
 
 
 EFFECTS = (
-    TimeEffect(
+    Effect(
         "ageing",
-        Stage.CLOCK,
-        (Parameter("mu", "μ", PURE, 0.0, 1.2, "linear", 0.5), relaxation_time("waited")),
-        aged,
+        on_clock,
+        StageLaw(
+            aged,
+            (Parameter("mu", "μ", PURE, 0.0, 1.2, "linear", 0.5), relaxation_time("waited")),
+            _waits,
+        ),
         "the specimen ages during the test: its times grow as the power mu of the time since it was"
         " quenched",
-        "nothing early; from the waiting time on the response lags more and more behind that of a"
-        " ready specimen",
-        "Struik, Physical Aging in Amorphous Polymers and Other Materials, 1978",
-        suits=_long,
-        tries=_waits,
+        citation="Struik, Physical Aging in Amorphous Polymers and Other Materials, 1978",
+        applies_to=AppliesTo(suits=_long),
+        signature="nothing early; from the waiting time on the response lags more and more behind"
+        " that of a ready specimen",
         aliases=("physical-ageing",),
     ),
-    TimeEffect(
+    Effect(
         "thermal-transient",
-        Stage.CLOCK,
-        (Parameter("s", "s", PURE, -12.0, 12.0, "linear", 1.0), relaxation_time("tau")),
-        warming,
+        on_clock,
+        StageLaw(
+            warming,
+            (Parameter("s", "s", PURE, -12.0, 12.0, "linear", 1.0), relaxation_time("tau")),
+            _transients,
+        ),
         "the specimen comes to its temperature while it is tested: ln a_T = s exp(-t / tau)",
-        "early the response is that of another temperature, from some tau on that of the set one",
-        "reduced time, Morland and Lee 1960, doi:10.1122/1.548856",
-        suits=_long,
-        tries=_transients,
+        citation="reduced time, Morland and Lee 1960, doi:10.1122/1.548856",
+        applies_to=AppliesTo(suits=_long),
+        signature="early the response is that of another temperature, from some tau on that of the"
+        " set one",
     ),
 )
