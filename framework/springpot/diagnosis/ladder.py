@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -67,8 +67,8 @@ class Step:
         Each test beside its noise floor.
     alike : tuple of str
         Effects that the data could not tell from the accepted one, itself included.
-    examined : Case, optional
-        The examination of this rung's model, which a file does not hold.
+    examined : Case or TimeIdentification, optional
+        The examination of this rung's model, of tests in time its fit; a file does not hold it.
     """
 
     model: Model
@@ -82,12 +82,12 @@ class Step:
     material_chance: float
     tests: tuple[PartResult, ...]
     alike: tuple[str, ...] = ()
-    examined: Case | None = None
+    examined: object | None = None
 
     @property
     def case(self) -> Case:
         """The examination of this rung's model: fit, noise, scan and diagnosis."""
-        return alive(self.examined, f"the step {self.model.name}")
+        return alive(self.examined, Case, f"the step {self.model.name}")
 
     def __repr__(self) -> str:
         return (
@@ -133,12 +133,27 @@ class Step:
 
 @dataclass(frozen=True, eq=False)
 class Ladder:
-    """Steps from the user's model to the last accepted one, with the last diagnosis."""
+    """Steps from the user's model to the last accepted one, with the last diagnosis.
+
+    Attributes
+    ----------
+    data : str
+        What was measured.
+    steps : tuple of Step
+        The first is the user's model.
+    verdict : {"adequate", "effect-missing", "unexplained", "inconclusive"}
+        That of the last diagnosis.
+    diagnosis : Diagnosis
+        Of the last step.
+    left_out : mapping of str to str
+        Effects that would have been accepted but could not be gone on from, and why.
+    """
 
     data: str
     steps: tuple[Step, ...]
     verdict: Verdict
     diagnosis: Diagnosis
+    left_out: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def model(self) -> Model:
@@ -161,6 +176,7 @@ class Ladder:
             "steps": [step.to_dict() for step in self.steps],
             "verdict": self.verdict,
             "diagnosis": self.diagnosis.to_dict(),
+            "left_out": dict(self.left_out),
         }
 
     @classmethod
@@ -168,7 +184,7 @@ class Ladder:
         """What `to_dict` gave."""
         steps = tuple(Step.from_dict(row) for row in answer["steps"])
         diagnosis = Diagnosis.from_dict(answer["diagnosis"])
-        return cls(answer["data"], steps, answer["verdict"], diagnosis)
+        return cls(answer["data"], steps, answer["verdict"], diagnosis, answer["left_out"])
 
     def plot(
         self, path: str | Path | None = None, *, ax: Axes | None = None
