@@ -85,6 +85,11 @@ class Step:
     examined: object | None = None
 
     @property
+    def over_floor(self) -> float:
+        """The error in noise floors."""
+        return in_floors(self.relative_rms, self.noise_floor)
+
+    @property
     def case(self) -> Case:
         """The examination of this rung's model: fit, noise, scan and diagnosis."""
         return alive(self.examined, Case, f"the step {self.model.name}")
@@ -102,7 +107,7 @@ class Step:
             "accepted": self.accepted,
             "relative_rms": self.relative_rms,
             "noise_floor": self.noise_floor,
-            "over_floor": in_floors(self.relative_rms, self.noise_floor),
+            "over_floor": self.over_floor,
             "material_floor": self.material_floor,
             "predicted_error": self.predicted_error,
             "material_chance": self.material_chance,
