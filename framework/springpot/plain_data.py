@@ -56,5 +56,5 @@ def alive(part: object, kind: type[T], what: str) -> T:
         If there is no such thing behind it: a file holds what was said, and not the fits.
     """
     if not isinstance(part, kind):
-        raise DataError(f"{what} is from a file, without the fits behind it: ask the data again")
+        raise DataError(f"{what} of a file, or of tests in time, has no {kind.__name__} behind it")
     return part

@@ -96,6 +96,6 @@ def test_a_comparison_in_time_is_loaded_again(drifting, loaded):
 
 def test_an_answer_in_time_that_was_cut_short_is_told_in_one_line(tmp_path):
     path = tmp_path / "cut.json"
-    path.write_text('{"schema": "springpot.discovery-in-time/1", "steps": []}', encoding="utf-8")
+    path.write_text('{"schema": "springpot.discovery/2", "steps": []}', encoding="utf-8")
     with pytest.raises(DataError, match="damaged or of an older version"):
         springpot.load(path)

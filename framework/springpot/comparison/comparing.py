@@ -53,6 +53,7 @@ TOLD = (
     "parameters",
     "where",
     "by_test",
+    "notes",
 )
 """Of a judgement, in the order of its schema."""
 STARTS = 4
@@ -89,7 +90,7 @@ class Judgement:
     @property
     def refit(self) -> Refit:
         """Its fit, in units of the noise."""
-        return alive(self.fitted, Refit, f"the judgement on {self.model.name}")
+        return alive(self.fitted, Refit, "a judgement")
 
     @cached_property
     def battery(self) -> Battery:
@@ -116,7 +117,7 @@ class Judgement:
     @cached_property
     def model(self) -> Model:
         """The model."""
-        return alive(self.fitted, Refit, "a judgement").model
+        return self.refit.model
 
     @cached_property
     def by_test(self) -> tuple[PartResult, ...]:
@@ -124,6 +125,11 @@ class Judgement:
         data, error = self.refit.data.raw, self.error
         sweep = PartResult.of_sweep(data.name, len(data), error.relative_rms, error.noise_floor)
         return (sweep,)
+
+    @cached_property
+    def notes(self) -> tuple[str, ...]:
+        """What its numbers do not say."""
+        return ()
 
     @cached_property
     def chi_square(self) -> float:
@@ -217,6 +223,7 @@ class Judgement:
             "model": parse_model(row["model"]),
             "chi_square": number(row["chi_square"]),
             "parameters": values_of(row["parameters"]),
+            "notes": tuple(row["notes"]),
             "by_test": parts_of(row["by_test"]),
             "where": tuple(Where.from_dict(each) for each in row["where"]),
             "findings": tuple(Finding.from_dict(each) for each in row["tests"]),

@@ -417,11 +417,7 @@ def _step(case: Case, before: Case | None = None, accepted: Effect | None = None
     )
     if before is None:
         return step
-    for name, old in printed(before.search.base).items():
-        new = parameters.get(name)
-        # Within its interval a change is no news; and nothing is a multiple of zero.
-        if new is not None and old.value and not old.low <= new.value <= old.high:
-            step.changed[name] = new.value / old.value
+    step.changed.update(moves(printed(before.search.base), parameters))
     if accepted is None:
         return step
     step = replace(step, accepted=accepted.name, alike=(accepted.name,))
@@ -429,3 +425,14 @@ def _step(case: Case, before: Case | None = None, accepted: Effect | None = None
         if candidate.effect == accepted.name:
             return replace(step, predicted_error=candidate.predicted_error, alike=candidate.alike)
     return step
+
+
+def moves(before: Mapping[str, Value], after: Mapping[str, Value]) -> dict[str, float]:
+    """Old parameters that moved by more than their interval, with the ratio new over old."""
+    changed = {}
+    for name, old in before.items():
+        new = after.get(name)
+        # Within its interval a change is no news; and nothing is a multiple of zero.
+        if new is not None and old.value and not old.low <= new.value <= old.high:
+            changed[name] = new.value / old.value
+    return changed
