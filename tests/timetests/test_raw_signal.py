@@ -3,7 +3,9 @@
 Noise with a memory is no misfit.
 """
 
-from __future__ import annotations
+from __future__ import json
+
+from pathlib import Path
 
 import json
 from pathlib import Path
