@@ -3,8 +3,9 @@
 Noise with a memory is no misfit.
 """
 
-from __future__ import json
+from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import json
