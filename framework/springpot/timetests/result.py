@@ -15,8 +15,10 @@ from numpy.typing import ArrayLike
 
 from springpot.drawing import text_of
 from springpot.errors import ModelError
+from springpot.identification.kept import bounds_of, constrained_as
 from springpot.identification.part_result import SWEEP, PartResult, parts_of
 from springpot.identification.prediction import Prediction
+from springpot.identification.printed import all_parameters
 from springpot.identification.value import Value
 from springpot.measurement.covered import Covered
 from springpot.measurement.timetest import TimeTest
@@ -157,32 +159,12 @@ class TimeIdentification:
         return sum(test.points * test.over_floor**2 for test in self.tests)
 
     @cached_property
-    def printed(self) -> list[tuple[float, str]]:
-        """Factor and unit in which each parameter is printed."""
-        values = dict(zip(self.model.names, self.theta.tolist(), strict=True))
-        factors = []
-        for parameter in self.model.parameters:
-            order = None
-            # The unit of a springpot holds a power of s, which another parameter tells.
-            if isinstance(parameter.unit.time, str):
-                order = values.get(parameter.unit.time)
-            factors.append(self.units.of(parameter.unit, order))
-        return factors
-
-    @cached_property
     def parameters(self) -> dict[str, Value]:
-        """Each parameter with its interval, as printed.
+        """Each parameter with its interval, as printed, those that were held too.
 
         Lines of a spectrum are left to it.
         """
-        ends = zip(self.theta.tolist(), self.low.tolist(), self.high.tolist(), strict=True)
-        rows = {}
-        for parameter, (value, low, high), (factor, unit) in zip(
-            self.model.parameters, ends, self.printed, strict=True
-        ):
-            if not parameter.detail:
-                rows[parameter.name] = Value(factor * value, factor * low, factor * high, unit)
-        return rows
+        return all_parameters(self.model, self.theta, self.low, self.high, self.units)
 
     def __getitem__(self, name: str) -> Value:
         """The parameter of that name.
@@ -299,6 +281,8 @@ class TimeIdentification:
                 "units": asdict(self.units),
                 "reference": self.reference,
                 "converged": self.converged,
+                "held": self.model.held,
+                "bounds": bounds_of(self.model),
                 "only_sweeps": self.on_sweeps,
                 "rates": _rates(self.model),
             },
@@ -345,7 +329,7 @@ class TimeIdentification:
 
     def in_printed_units(self) -> Real:
         """Covariance (p, p) of the parameters as printed."""
-        factors = np.array([factor for factor, _ in self.printed])
+        factors = np.array([self.units.of(each.unit)[0] for each in self.model.parameters])
         covariance: Real = self.covariance * np.outer(factors, factors)
         return covariance
 
@@ -368,7 +352,7 @@ def _as_fitted(model: Model, kept: Mapping[str, Any]) -> Model:
     # Nor which effects are of the rig of the sweeps that stood beside tests in time.
     alone = set(kept["only_sweeps"])
     effects = [each.at(SWEEPS) if each.name in alone else each for each in model.effects]
-    return replace(model, effects=tuple(effects))
+    return constrained_as(replace(model, effects=tuple(effects)), kept)
 
 
 def _rates(model: Model) -> list[float] | None:
