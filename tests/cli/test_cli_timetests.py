@@ -179,7 +179,7 @@ def test_parameters_are_held_bounded_and_begun_at_as_in_sweeps(springpot, relaxe
 def test_samples_are_left_out_by_time_number_and_name(springpot, relaxed, crept):
     def points(*words):
         told = springpot("identify", relaxed, crept, "-m", "fractional-maxwell", *words, "--json")
-        return {test["data"]: test["points"] for test in told.json["tests"]}
+        return {test["name"]: test["points"] for test in told.json["tests"]}
 
     whole = points()
     names = list(whole)

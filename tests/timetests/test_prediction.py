@@ -109,6 +109,17 @@ def test_what_was_written_predicts_the_same(fit, tmp_path):
     assert predicted.low.real[0] < predicted.storage[0] < predicted.high.real[0]
 
 
+def test_what_was_held_is_told_and_held_again(tmp_path):
+    fit = identify(relaxed(), MODEL.holding({"alpha": 0.5}, {"k1": (1.0, 60.0)}))
+    path = tmp_path / "fit.json"
+    path.write_text(json.dumps(fit.to_dict()))
+    again = springpot.load(path)
+    assert again.parameters == fit.parameters
+    assert str(again["alpha"]) == "0.5 (fixed)"
+    assert again.model.parameters == fit.model.parameters
+    assert np.array_equal(predict_test(again, crept()).high, predict_test(fit, crept()).high)
+
+
 def test_a_stiffness_is_no_modulus(fit):
     omega = np.ones(3)
     with pytest.raises(DataError, match="a stiffness is no modulus"):

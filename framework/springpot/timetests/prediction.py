@@ -95,7 +95,6 @@ def predict_test(known: Known | TimeIdentification | Identification, test: Test)
     # One over a time is a frequency only nearly: what lies near the ends was seen.
     asked = compared.rate, _settings(test, compared, known.units)
     inside = ~known.covered.outside(*asked, NEAR)
-    remark = known.covered.remark(*asked, known.units, NEAR)
     error_inside = float("nan")
     if inside.any():
         error_inside = rms(share[inside])
@@ -117,7 +116,7 @@ def predict_test(known: Known | TimeIdentification | Identification, test: Test)
         unit,
         ~inside,
         known.covered,
-        tuple(filter(None, [remark])),
+        tuple(filter(None, [known.covered.remark(*asked, known.units, NEAR)])),
         judged,
         quantity,
         clock,
