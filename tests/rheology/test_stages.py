@@ -7,7 +7,11 @@ import pytest
 
 import springpot
 from springpot.errors import ModelError
+from springpot.rheology import Effect, on_response, parallel, spring
 from springpot.timetests import identify, recorded
+from springpot.timetests.exponentials import quick_parts
+from springpot.timetests.residuals_of_tests import parts_of_specimen
+from springpot.timetests.score import Scan
 
 OMEGA = np.geomspace(0.1, 100.0, 25)
 T = np.geomspace(0.01, 100.0, 60)
@@ -59,6 +63,28 @@ def test_a_delay_may_be_that_of_one_rig_of_three():
     assert places == [0, 1, 2]
 
 
+def test_the_scan_looks_at_each_test_with_its_own_effects():
+    model = springpot.parse_model("fractional-maxwell + series-spring:a")
+    tests = [sweep("a"), sweep("b"), relaxation()]
+    fit = identify(tests, model, seeds=[np.append(THETA, 500.0)], thorough=False)
+    scan = Scan(fit, quick_parts(parts_of_specimen(tests)))
+    other = springpot.parse_model("fractional-maxwell")
+    # In a test that the spring is not in, a dashpot changes as much as without it.
+    expected = fit.theta[:3]
+    assert np.allclose(
+        scan.views[2].stiffness, other.stiffness(expected, scan.views[2].quick.omega)
+    )
+    [promise] = scan.promises([springpot.plugins().effect("parallel-dashpot")])["parallel-dashpot"]
+    assert np.isfinite(promise.drop)
+
+
+def test_a_law_stands_at_a_stage_and_an_element_in_the_network():
+    law = springpot.plugins().effect("force-drift").element
+    for composition, element in ((on_response, spring()), (parallel, law)):
+        with pytest.raises(ModelError, match="take a StageLaw"):
+            Effect("wrong", composition, element, "neither here nor there")
+
+
 def test_a_law_may_be_held():
     model = springpot.parse_model("fractional-maxwell + finite-ramp + force-drift")
     held = model.holding({"finite-ramp.rise": 0.3})
@@ -68,3 +94,5 @@ def test_a_law_may_be_held():
     assert held.names[3:] == ("force-drift.rate",)
     assert np.array_equal(fixed.value, free.value)
     assert np.array_equal(fixed.by_theta, np.delete(free.by_theta, 3, axis=1))
+    still = recorded(held.fixed_at(np.delete(theta, 3)), np.empty(0), test)
+    assert np.allclose(still.value, free.value, rtol=1e-5)

@@ -11,10 +11,13 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from springpot.errors import ModelError
+
+from .holding import Fixed, Held
 from .levels import Levels
 from .nodes import Composing, Node, Parallel
 from .points import Complex, Points, Real
-from .stages import Stage
+from .stages import Stage, StageLaw
 
 
 @dataclass(frozen=True)
@@ -124,7 +127,7 @@ class AppliesTo:
         return told
 
 
-SWEEPS = AppliesTo(("frequency",))
+ALL, SWEEPS = AppliesTo(), AppliesTo(("frequency",))
 
 
 def in_expression(name: str) -> str:
@@ -212,10 +215,19 @@ class Effect:
     constant: InstrumentConstant | None = None
     largest_of_modulus: float = inf
     only_varied: bool = False
-    applies_to: AppliesTo = AppliesTo()
+    applies_to: AppliesTo = ALL
     signature: str = ""
 
     def __post_init__(self) -> None:
+        law = self.element
+        # Values that are held, or all of them fixed, stand around it.
+        while isinstance(law, Held | Fixed):
+            law = law.node
+        if self.of_test is not isinstance(law, StageLaw):
+            raise ModelError(
+                f"effect '{self.name}': on_loading, on_clock and on_response take a StageLaw,"
+                " other compositions an element"
+            )
         if not self.of_test:
             return
         # Outside of all else, and in no sweep.

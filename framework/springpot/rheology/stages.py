@@ -79,8 +79,10 @@ def acting(element: Node, values: Real, *on: Any) -> tuple[Any, ...]:
     *on
         The loading, the time, or the record and the response.
     """
-    whole, law = element.within(values)
-    assert isinstance(law, StageLaw)
+    law, whole = element, values
+    # Values that are held, or all of them fixed, stand around it.
+    while not isinstance(law, StageLaw):
+        whole, law = law.within(whole)
     value, slopes, *rest = law.function(*on, *whole)
     free = {parameter.name for parameter in element.parameters}
     pairs = zip(law.parameters, slopes, strict=True)

@@ -23,7 +23,7 @@ from springpot.measurement.units import (
     Units,
     one_modulus,
 )
-from springpot.rheology.effect import SWEEPS, AppliesTo, Effect, Layer
+from springpot.rheology.effect import ALL, SWEEPS, Effect, Layer
 from springpot.rheology.model import Model
 from springpot.rheology.points import KELVIN, ROOM, Complex, Real
 
@@ -32,6 +32,7 @@ from .response import TOLERANCE
 from .sizes import rms
 from .start import apparent
 
+RIGS = (ALL, SWEEPS)
 COARSE = 60
 """Samples of a test with which the search begins; all of them end it."""
 
@@ -231,11 +232,11 @@ def at_rig(effect: Effect, tests: Sequence[Test]) -> Effect:
     What a measuring chain does to its signals is a fault of one rig. Where sweeps stand beside
     tests in time it is that of the sweeps: a step has no phase that a delay could turn.
     """
-    if effect.layer is not Layer.SIGNAL or effect.applies_to.test:
+    if effect.layer is not Layer.SIGNAL or not _is_rig(effect):
         return effect
     if any(isinstance(test, Measurement) for test in tests):
         return effect.at(SWEEPS)
-    return effect.at(AppliesTo())
+    return effect.at(ALL)
 
 
 def at_tests(effect: Effect, tests: Sequence[Test]) -> list[Effect]:
@@ -267,8 +268,8 @@ def rig_of_sweeps(model: Model, tests: Sequence[Test]) -> Model | None:
 
 
 def _is_rig(effect: Effect) -> bool:
-    """Whether an effect joins the specimen from outside, in each test that has this rig."""
-    return Layer.SPECIMEN < effect.layer < Layer.TEST and not effect.applies_to.test
+    """Whether an effect joins the specimen from outside, and nobody said of which tests."""
+    return Layer.SPECIMEN < effect.layer < Layer.TEST and effect.applies_to in RIGS
 
 
 def _with_effects(model: Model, effects: Sequence[Effect]) -> Model:

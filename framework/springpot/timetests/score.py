@@ -18,11 +18,13 @@ from itertools import product
 import numpy as np
 
 from springpot.errors import SpringpotError
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.selection import Test
 from springpot.rheology.effect import Effect
 from springpot.rheology.history import network_of, sorted_out
 from springpot.rheology.model import Model
 from springpot.rheology.named import Placed
-from springpot.rheology.nodes import GRADIENT
+from springpot.rheology.nodes import GRADIENT, Node
 from springpot.rheology.points import KELVIN, Complex, Points, Real
 from springpot.rheology.stages import acting, on_loading, on_response
 
@@ -225,12 +227,15 @@ class Scan:
         # It rings at the frequency at which it balances the rest: the record may show any that it
         # resolves.
         omega = np.geomspace(1.0 / self.scales.longest, 1.0 / self.scales.shortest, RESONANCES)
-        at = points_at(omega, self.views[0].kelvin, self.base.reference)
-        stiffness = np.abs(linear_stiffness(self.base, at))
+        # Of a test in time, as only these swing.
+        view = next(view for view in self.views if isinstance(view, View))
+        at = points_at(omega, view.kelvin, self.base.reference)
+        stiffness = np.abs(stiffness_of(self.base, at, view.part.test))
         atoms = []
         for place in places:
             next_to_nothing = np.array([[NEXT_TO_NOTHING, *place]])
-            slope = _Change(self.model, self.theta, effect, next_to_nothing).in_time(at)[0]
+            change = _Change(self.model, self.theta, effect, next_to_nothing)
+            slope = change(at, view.part.test)[0]
             for size in stiffness / np.abs(slope):
                 values = np.array([size, *place])
                 column = self._as_it_is(effect, values)
@@ -348,14 +353,9 @@ class _Change:
             else:
                 self.theta[:, i] = known[name]
 
-    def __call__(self, at: Points) -> Complex:
-        """What a sweep shows: all that is in the model."""
-        return self.whole.network.respond(self.theta, at, GRADIENT).by_theta[:, self.size, :]
-
-    def in_time(self, at: Points) -> Complex:
-        """The same of what a test in time follows by exponentials."""
-        # Forces beside the material and what the chain does have no part in that K.
-        network, places = network_of(self.whole, sorted_out(self.whole)[0])
+    def __call__(self, at: Points, test: Test) -> Complex:
+        """The change of what a test shows."""
+        network, places = shown_in(self.whole, test)
         if self.size not in places:
             return np.zeros((len(self.theta), len(at.log_omega)), dtype=np.complex128)
         return network.respond(self.theta[:, places], at, GRADIENT).by_theta[
@@ -363,9 +363,22 @@ class _Change:
         ]
 
 
-def linear_stiffness(base: TimeIdentification, at: Points) -> Complex:
-    """K of the linear part of a fitted model."""
-    network, places = network_of(base.model, sorted_out(base.model)[0])
+def shown_in(model: Model, test: Test) -> tuple[Node, list[int]]:
+    """The network whose K a test shows, and where its parameters stand in theta.
+
+    In a sweep all that the test has of the model. A test in time follows K by exponentials: forces
+    beside the material and what the chain does have no part in it.
+    """
+    own, places = model.had_by(test)
+    if isinstance(test, Measurement):
+        return own.network, places
+    network, inner = network_of(own, sorted_out(own)[0])
+    return network, [places[i] for i in inner]
+
+
+def stiffness_of(base: TimeIdentification, at: Points, test: Test) -> Complex:
+    """K of a fitted model as a test shows it."""
+    network, places = shown_in(base.model, test)
     return network.respond(base.theta[places], at).value
 
 
@@ -395,9 +408,8 @@ class View:
     @cached_property
     def stiffness(self) -> Complex:
         """K at the frequencies of the exponentials."""
-        return linear_stiffness(
-            self.base, points_at(self.quick.omega, self.kelvin, self.base.reference)
-        )
+        at = points_at(self.quick.omega, self.kelvin, self.base.reference)
+        return stiffness_of(self.base, at, self.part.test)
 
     @cached_property
     def amounts(self) -> Real:
@@ -415,15 +427,15 @@ class View:
         # The last two lie far beyond the test, where no material has a meaning; these are the
         # highest of its band.
         omega = self.quick.omega[[-4, -3]]
-        sizes = np.abs(change.in_time(points_at(omega, self.kelvin, self.base.reference)))
+        at = points_at(omega, self.kelvin, self.base.reference)
+        sizes = np.abs(change(at, self.part.test))
         steepness = np.log(sizes[:, 1] / sizes[:, 0]) / np.log(omega[1] / omega[0])
         return bool(np.any(steepness > STEEP))
 
     def of_change(self, change: _Change, scale: float) -> Real:
         """Columns (n, g) for a change of K."""
-        by_size = (
-            change.in_time(points_at(self.quick.omega, self.kelvin, self.base.reference)) * scale
-        )
+        at = points_at(self.quick.omega, self.kelvin, self.base.reference)
+        by_size = change(at, self.part.test) * scale
         if self.part.test.control == "force":
             by_size = -by_size / self.stiffness**2
         return (self.quick.answers @ self.quick.followed(by_size)) * self.weight[:, None]
@@ -497,14 +509,15 @@ class SweepView:
     def of_change(self, change: _Change, scale: float) -> Real:
         """Columns (2 n, g) for a change of K."""
         at = replace(self.part.test, reference=self.base.reference).points
-        by_size = change(at) * scale
+        by_size = change(at, self.part.test) * scale
         return np.concatenate([by_size.real, by_size.imag], axis=1).T * self.weight[:, None]
 
     def of_step(self, change: _Change) -> Real:
         """Columns (2 n, g) for a K that is another altogether."""
         at = replace(self.part.test, reference=self.base.reference).points
-        own = self.base.model.stiffness(self.base.theta, at)
-        by_place = change.whole.network.respond(change.theta, at).value - own
+        network, places = shown_in(change.whole, self.part.test)
+        own = stiffness_of(self.base, at, self.part.test)
+        by_place = network.respond(change.theta[:, places], at).value - own
         return np.concatenate([by_place.real, by_place.imag], axis=1).T * self.weight[:, None]
 
     def swings(self, change: _Change) -> bool:

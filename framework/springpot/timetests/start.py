@@ -14,7 +14,7 @@ from springpot.measurement.imposed import Loading
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
 from springpot.nonnegative import non_negative
-from springpot.rheology.effect import AppliesTo
+from springpot.rheology.effect import ALL
 from springpot.rheology.intime import acceleration
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
@@ -48,7 +48,7 @@ def start_of(
         Starts, best first; none where no sweep can be made.
     """
     # A start is of the specimen, whichever test an effect is of.
-    model = replace(model, effects=tuple(each.at(AppliesTo()) for each in model.effects))
+    model = replace(model, effects=tuple(each.at(ALL) for each in model.effects))
     together = [each for each in made if each is not None] + [_bare(sweep) for sweep in sweeps]
     if not together:
         return []
