@@ -344,6 +344,7 @@ class Search:
             units,
             said=_doubts(found.parts, rows),
             covered=Covered.of([part.test for part in found.parts], units),
+            data=tuple(part.test for part in found.parts),
         )
 
     def _interval(self, theta: Real, covariance: Real, points: int) -> tuple[Real, Real]:
