@@ -347,21 +347,21 @@ def compare(
 
 
 def mastercurve(
-    measurement: Measurement | str | Path,
+    measurement: Data,
     *,
     column: str = "temperature",
     reference: float | str | None = None,
     vertical: bool = True,
     objective: Objective | str | None = None,
 ) -> MasterCurve:
-    """Bring sweeps onto one curve without a model.
+    """Bring sweeps, or relaxations, onto one curve without a model.
 
     The laws of temperature are judged by the free factors.
 
     Parameters
     ----------
-    measurement : Measurement, str or Path
-        The data, or their name as for `read`.
+    measurement : Measurement, TimeTest, str, Path, or a sequence of them
+        The data, or their name as for `read`: sweeps, or relaxations each at one temperature.
     column : str
         The condition whose levels are shifted: ``"temperature"``, ``"amplitude"`` or any column of
         the data.
@@ -388,8 +388,13 @@ def mastercurve(
     if isinstance(reference, str):
         reference = level_of(reference, column)
     how = _objective(objective)
-    data = sweep_of(_tests(measurement))
-    assert data is not None
+    tests = _tests(measurement)
+    sweep = sweep_of(tests)
+    data: Measurement | list[TimeTest] = [test for test in tests if isinstance(test, TimeTest)]
+    if sweep is not None:
+        data = sweep
+    elif len(data) < len(tests):
+        raise DataError("a master curve is made of sweeps or of relaxations, not of both together")
     return mastercurve_of(
         data, column=column, reference=reference, vertical=vertical, objective=how
     )

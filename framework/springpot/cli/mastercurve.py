@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from .common import FILE, data_argument, emit, geometry_option, json_option, opened, window
+from . import completion, timetests
+from .common import DATA, FILE, emit, geometry_option, json_option, opened, window
+
+if TYPE_CHECKING:
+    from springpot.measurement.selection import Test
+    from springpot.superposition.curve import MasterCurve
 
 
 @click.command(
     "mastercurve",
     epilog="Example: springpot mastercurve nist-srm2491 --reference 25degC --figure curve.png",
 )
-@data_argument
+@click.argument(
+    "data", type=DATA, nargs=-1, required=True, metavar="DATA...", shell_complete=completion.data
+)
 @click.option(
     "--reference",
     metavar="LEVEL",
@@ -53,7 +62,7 @@ from .common import FILE, data_argument, emit, geometry_option, json_option, ope
 @geometry_option
 @json_option
 def command(
-    data: str,
+    data: tuple[str, ...],
     reference: str | None,
     column: str,
     vertical: bool,
@@ -65,14 +74,15 @@ def command(
 ) -> None:
     """Bring the sweeps of DATA onto one curve with free factors for each temperature.
 
-    The levels of another column may stand in the place of temperatures.
+    Relaxations at several temperatures, in one file or in many, become one curve as sweeps do. The
+    levels of another column may stand in the place of temperatures.
 
     No model and no law is assumed: the curve is that of any linear passive material. Laws of
     temperature are then judged by the free factors, and a test says whether one curve is enough and
     where it is not.
     """
     from springpot.api import mastercurve
-    from springpot.files import require_writable
+    from springpot.files import require_writable, write_text
     from springpot.registry import write_measurement
     from springpot.report.canvas import check_figure_path
     from springpot.report.mastercurve import mastercurve_text
@@ -82,18 +92,36 @@ def command(
         check_figure_path(figure)
     if output is not None:
         require_writable(output)
+    tests: Sequence[Test] | None = timetests.named_tests(data, geometry)
     curve = mastercurve(
-        opened(data, geometry),
+        tests or [opened(name, geometry) for name in data],
         column=column,
         reference=reference,
         vertical=vertical,
         objective=objective,
     )
     if output is not None:
-        write_measurement(curve.reduced, output)
+        if tests is None:
+            write_measurement(curve.reduced, output)
+        else:
+            write_text(output, _table_text(curve))
     if figure is not None:
         curve.plot(figure)
     emit(curve, as_json, lambda: _show(mastercurve_text(curve, window()), [output, figure]))
+
+
+def _table_text(curve: MasterCurve) -> str:
+    """A CSV table of the curve after a step, which opens again as a relaxation."""
+    data = curve.reduced
+    told = dict(zip(curve.columns, curve.drawn(data.omega, data.stiffness), strict=True))
+    units = {"time": "s", "relaxation": data.units.stiffness}
+    names = [f"{name} [{units[name]}]" for name in told]
+    # The temperature that was measured is no column of the test that the curve is.
+    others = {name: data.conditions[name] for name in ("a", "a_low", "a_high", "determined")}
+    order = data.omega.argsort()[::-1]
+    columns = [column[order].tolist() for column in (*told.values(), *others.values())]
+    rows = [",".join(map(repr, row)) for row in zip(*columns, strict=True)]
+    return "\n".join([",".join([*names, *others]), *rows]) + "\n"
 
 
 def _show(text: str, written: list[Path | None]) -> None:

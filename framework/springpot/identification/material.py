@@ -32,7 +32,7 @@ from springpot.rheology.nodes import (
 from springpot.rheology.points import Complex, Points, Real
 
 from .coordinates import Coordinates
-from .objective import Objective, weighted
+from .objective import Objective, numbers_of, weighted
 
 PER_DECADE = 3
 """Lines a decade of the first lattice.
@@ -255,7 +255,9 @@ class SpectrumSearch:
         """
         key = log_rates.tobytes()
         if key not in self._with_lines:
-            lines = Continuum(tuple(np.exp(log_rates).tolist()))
+            material = self.model.material
+            assert isinstance(material, Continuum)
+            lines = replace(material, rates=tuple(np.exp(log_rates).tolist()))
             self._with_lines[key] = replace(self.model, material=lines)
         return self._with_lines[key]
 
@@ -445,7 +447,7 @@ class SpectrumSearch:
         """The same with fewer lines, where those of weight are more than the data can bear."""
         # What is expected of a parameter counts as measured beside the data, and pays for it.
         free = np.sum(~np.any(self.expected != 0.0, axis=0))
-        most = max(1, 2 * len(self.data) - SPARE - 2 - int(free))
+        most = max(1, numbers_of(self.weights) - SPARE - 2 - int(free))
         if np.sum(trial.weights[2:] > 0.0) <= most:
             return trial
         # Of a refined lattice the strongest lines are often neighbours: those of the first lattice

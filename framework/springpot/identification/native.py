@@ -20,7 +20,7 @@ from .alignment import superposed
 from .leastsquares import ALIKE, FLAT, Solution
 from .material import STILL, is_material, own_parameters
 from .material_fit import fit_spectrum
-from .objective import Objective, default_objective
+from .objective import Objective, default_objective, numbers_of
 from .problem import Problem
 from .space import require_conditions, require_size
 from .starts import shape_count
@@ -116,9 +116,9 @@ class Fit:
     def dof(self) -> int:
         """Degrees of freedom.
 
-        Twice the number of points less the number of parameters that follow them.
+        The numbers measured less the number of parameters that follow them.
         """
-        return 2 * len(self.measurement) - len(self.theta) + self.silent
+        return numbers_of(self.task.weights) - len(self.theta) + self.silent
 
     @property
     def silent(self) -> int:

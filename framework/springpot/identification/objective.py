@@ -109,6 +109,11 @@ def weighted(values: Complex, weights: Complex) -> Real:
     return np.concatenate([values.real * weights.real, values.imag * weights.imag], axis=-1)
 
 
+def numbers_of(weights: Complex) -> int:
+    """How many numbers count: K' and K'' of each point, but none that has no weight."""
+    return int(np.count_nonzero(weights.real) + np.count_nonzero(weights.imag))
+
+
 def total(terms: Real) -> Real:
     """Sum of (..., n) over its last axis, term after term.
 

@@ -200,22 +200,22 @@ def _colours(master: MasterCurve) -> tuple[Any, Any]:
 def _draw_curve(figure: Any, master: MasterCurve) -> None:
     from matplotlib.cm import ScalarMappable
 
-    left, right = figure.subplots(1, 2, sharex=True)
+    clock, *names = master.columns
+    planes = figure.subplots(1, len(names), sharex=True, squeeze=False)[0]
+    left, right = planes[0], planes[-1]
     data, levels = master.reduced, master.factors.levels
     measured = master.data.conditions[master.factors.column]
     colour, norm = _colours(master)
     omega: Real = np.geomspace(float(data.omega.min()), float(data.omega.max()), SMOOTH)
-    curve = master.curve(omega)
+    x, *lines = master.drawn(omega, master.curve(omega))
+    places, *measured_at = master.drawn(data.omega, data.stiffness)
     unit = data.units.stiffness
-    for axes, points, line, name in (
-        (left, data.storage, curve.real, "storage"),
-        (right, data.loss, curve.imag, "loss"),
-    ):
+    for axes, points, line, name in zip(planes, measured_at, lines, names, strict=True):
         # On a logarithmic axis nothing else has a place.
         shown, drawn = points > 0, np.where(line > 0, line, np.nan)
-        axes.plot(omega, drawn, "-", color=INK, linewidth=1.0, zorder=2, label="any material")
+        axes.plot(x, drawn, "-", color=INK, linewidth=1.0, zorder=2, label="any material")
         axes.scatter(
-            data.omega[shown],
+            places[shown],
             points[shown],
             s=13,
             c=colour(norm(measured[shown])),
@@ -225,12 +225,16 @@ def _draw_curve(figure: Any, master: MasterCurve) -> None:
         for direction in ("x", "y"):
             logarithmic(axes, direction)
         axes.set_ylabel(f"{name} / b [{unit}]")
-        axes.set_xlabel("a ω [rad/s]")
+        axes.set_xlabel({"time": "t / a [s]"}.get(clock, "a ω [rad/s]"))
     named = level_text(master.factors.column, master.reference)
     title = f"{master.data.name} at {named}: {percent(master.simplicity.error, 2)} off"
+    verdict = master.simplicity.verdict.replace("-", " ")
     left.set_title(title.replace("$", r"\$"))
-    right.set_title(master.simplicity.verdict.replace("-", " "))
-    bar = figure.colorbar(ScalarMappable(norm, colour), ax=[left, right], pad=0.01, aspect=30)
+    if right is left:
+        left.set_title(f"{title}, {verdict}".replace("$", r"\$"))
+    else:
+        right.set_title(verdict)
+    bar = figure.colorbar(ScalarMappable(norm, colour), ax=list(planes), pad=0.01, aspect=30)
     bar.set_label(f"{master.factors.column}{_in_unit(master.unit)}")
     # Each level by its number, as long as the numbers do not touch.
     if len(levels) <= LEGEND:

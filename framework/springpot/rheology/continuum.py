@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
@@ -26,6 +27,8 @@ SPACING = 0.02
 
 The cubic's error, SPACING^4 / 384 of the fourth derivative, is below 1e-9.
 """
+LONG_AGO = 6.0
+"""Logarithm of the times of a line after which it has faded to nothing, exp(-400)."""
 EQUILIBRIUM = Parameter("K_e", "K_e", stiffness().unit)
 VISCOSITY = viscosity("c")
 
@@ -51,6 +54,7 @@ class Continuum(Node):
 
     rates: tuple[float, ...] = ()
     kind: str = "material"
+    columns: ClassVar[tuple[str, ...]] = ("omega", "storage", "loss")
 
     @cached_property
     def _parameters(self) -> tuple[Parameter, ...]:
@@ -81,7 +85,7 @@ class Continuum(Node):
             and _one(theta)
         ):
             return Response(self._interpolated(theta.reshape(-1, theta.shape[-1])[0], at.log_omega))
-        basis, slopes = self._basis(at.log_omega, depth == FULL)
+        basis, slopes = self.basis(at.log_omega, depth == FULL)
         value = np.matmul(theta[..., None, :], basis)[..., 0, :]
         if depth == VALUE:
             return Response(value)
@@ -99,12 +103,12 @@ class Continuum(Node):
         # A time sweep has but one frequency, and a curve two nodes.
         high = max(float(np.max(log_omega)), low + SPACING)
         x = np.linspace(low, high, 2 + int((high - low) / SPACING))
-        basis, slopes = self._basis(x, True)
+        basis, slopes = self.basis(x, True)
         return np.asarray(
             CubicHermiteSpline(x, theta @ basis, theta @ slopes)(log_omega), dtype=np.complex128
         )
 
-    def _basis(self, log_omega: Real, with_slopes: bool) -> tuple[Complex, Complex]:
+    def basis(self, log_omega: Real, with_slopes: bool) -> tuple[Complex, Complex]:
         """dK/dtheta (..., 2 + m, n), and its derivative by ln omega."""
         shape = (*log_omega.shape[:-1], 2 + len(self.rates), log_omega.shape[-1])
         basis = np.empty(shape, dtype=np.complex128)
@@ -124,6 +128,49 @@ class Continuum(Node):
         slopes[..., 1, :] = basis[..., 1, :]
         slopes[..., 2:, :] = basis[..., 2:, :] * (1.0 - basis[..., 2:, :])
         return basis, slopes
+
+    def bent(self, log_omega: Real) -> Complex:
+        """Second derivative (m, n) of each line by ln omega (n,)."""
+        lines = self.basis(log_omega, False)[0][2:]
+        return np.asarray(lines * (1.0 - lines) * (1.0 - 2.0 * lines))
+
+
+@dataclass(frozen=True)
+class Relaxation(Continuum):
+    """What the same material shows at the time t = 1 / omega after a step: its relaxation function.
+
+    G = K_e + sum of g_j exp(-r_j t), real; the dashpot has pushed at the step itself and no more.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology.continuum import Relaxation
+    >>> from springpot.rheology import Points
+    >>> relaxing = Relaxation((1.0,))
+    >>> relaxing.respond(np.array([1.0, 0.0, 2.0]), Points.at([1.0])).value.real.round(3)
+    array([1.736])
+    """
+
+    columns: ClassVar[tuple[str, ...]] = ("time", "relaxation")
+
+    def basis(self, log_omega: Real, with_slopes: bool) -> tuple[Complex, Complex]:
+        """As of `Continuum`."""
+        shape = (*log_omega.shape[:-1], 2 + len(self.rates), log_omega.shape[-1])
+        basis, slopes = np.zeros(shape, dtype=np.complex128), np.zeros(shape, dtype=np.complex128)
+        basis[..., 0, :] = 1.0
+        ratio = self._ratio(log_omega)
+        basis[..., 2:, :] = np.exp(-ratio)
+        slopes[..., 2:, :] = ratio * basis[..., 2:, :]
+        return basis, slopes
+
+    def bent(self, log_omega: Real) -> Complex:
+        """As of `Continuum`."""
+        ratio = self._ratio(log_omega)
+        return np.asarray((ratio - 1.0) * ratio * np.exp(-ratio), dtype=np.complex128)
+
+    def _ratio(self, log_omega: Real) -> Real:
+        """Times (m, n) in those of each line; what has long faded need not be told apart."""
+        return np.exp(np.minimum(self._log_rates[:, None] - log_omega[..., None, :], LONG_AGO))
 
 
 def _one(theta: Real) -> bool:

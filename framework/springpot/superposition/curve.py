@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
@@ -18,7 +19,8 @@ from springpot.identification.objective import Objective, default_objective, rel
 from springpot.markup import Html, table, tag
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.one_frequency import at_one_frequency
-from springpot.rheology.continuum import Continuum
+from springpot.measurement.timetest import TimeTest
+from springpot.rheology.continuum import Continuum, Relaxation
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.levels import HELD, Levels, levels_of
 from springpot.rheology.model import Model
@@ -26,6 +28,7 @@ from springpot.rheology.nodes import shift
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import SUPERPOSITION
 
+from .after_steps import after_steps, by_one_number
 from .allowed import Allowed
 from .direct import Direct
 from .factors import Factors, Rows, factors_of, told_by_data
@@ -154,8 +157,22 @@ class MasterCurve:
             rows.append(Level._make((*head, *ends, *errors, *told)))
         return rows
 
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """What was measured: ``omega``, ``storage`` and ``loss``, or ``time``, ``relaxation``."""
+        return Rows.of(self.fit).material.columns
+
+    def drawn(self, omega: Real, stiffness: Complex) -> tuple[Real, ...]:
+        """Points or a curve (n,) in these columns, in SI and the unit of the data."""
+        if self.columns[0] == "time":
+            return 1.0 / omega, stiffness.real
+        return omega, stiffness.real, stiffness.imag
+
     def curve(self, omega: Real) -> NDArray[np.complex128]:
-        """The material at the reference for `omega` (n,) in rad/s, in the data's unit."""
+        """The material at the reference for `omega` (n,) in rad/s, in the data's unit.
+
+        Of relaxations its relaxation function at the times 1 / `omega`.
+        """
         # The fit has its factor one at a level of its own choice: the curve is carried from there.
         shift_by, lift_by = self._to_reference
         material = replace(self.fit.model, effects=())
@@ -218,9 +235,7 @@ class MasterCurve:
             "laws": [law.to_dict() for law in self.laws],
             "simplicity": rest.to_dict(),
             "curve": {
-                "omega": data.omega,
-                "storage": data.storage,
-                "loss": data.loss,
+                **dict(zip(self.columns, self.drawn(data.omega, data.stiffness), strict=True)),
                 "unit": data.units.stiffness,
                 "determined": data.conditions["determined"] > 0.0,
             },
@@ -230,7 +245,7 @@ class MasterCurve:
 
 
 def mastercurve(
-    measurement: Measurement,
+    measured: Measurement | Sequence[TimeTest],
     *,
     column: str = "temperature",
     reference: float | None = None,
@@ -241,8 +256,8 @@ def mastercurve(
 
     Parameters
     ----------
-    measurement : Measurement
-        Frequency sweeps at two levels or more.
+    measured : Measurement or sequence of TimeTest
+        Frequency sweeps at two levels or more, or relaxations at as many temperatures.
     column : str
         The condition whose levels are shifted.
     reference : float, optional
@@ -259,15 +274,18 @@ def mastercurve(
         If the column is missing, has one level only, or the frequency was not varied.
     """
     began = perf_counter()
+    unfitted, measurement = Continuum(), measured
+    if not isinstance(measurement, Measurement):
+        unfitted, measurement = Relaxation(), after_steps(measurement)
     # First of all: a slip in the name of a column must not cost a fit.
     _check(measurement, column)
-    weighing, notes = _weighing(measurement, column, objective)
+    weighing, notes = _weighing(measurement, column, objective, unfitted)
     level = levels_of(column, measurement.points.need(column))
     # First what each level gives by itself: a level that no material follows must not bend the
     # curve of the others.
-    own = each_alone(measurement, level, weighing)
+    own = each_alone(measurement, level, weighing, unfitted)
     weighing = _by_level(weighing, column, own.share)
-    alone, rows = _fits(measurement, column, vertical, weighing)
+    alone, rows = _fits(measurement, column, vertical, weighing, unfitted)
     fitted = factors_of(rows)
     at, remarks = _reference(fitted, reference)
     # Referred only now: a fit is the same whatever level is asked for.
@@ -299,14 +317,18 @@ def mastercurve(
 
 
 def _fits(
-    measurement: Measurement, column: str, vertical: bool, weighing: Objective
+    measurement: Measurement,
+    column: str,
+    vertical: bool,
+    weighing: Objective,
+    unfitted: Continuum,
 ) -> tuple[Fit, Rows]:
     """The material with a shift, and where asked for a vertical factor, for each level."""
     sideways = Effect(
         "shift", shift, Levels(column, "a", True), "a factor for each level", Layer.TEMPERATURE
     )
     # Shifts first: vertical factors could otherwise do what belongs to a shift (see `lifted`).
-    alone = fit(Model("material", Continuum(), effects=(sideways,)), measurement, weighing)
+    alone = fit(Model("material", unfitted, effects=(sideways,)), measurement, weighing)
     if not vertical:
         return alone, Rows.of(alone)
     return alone, lifted(alone, column)
@@ -323,7 +345,8 @@ def _laws(
     unit = None
     if rows.expected is not None:
         unit = rows.expected.unit
-    direct = Direct(rows.fit.measurement, rows.fit.objective, factors, unit)
+    unfitted = replace(rows.material, rates=())
+    direct = Direct(rows.fit.measurement, rows.fit.objective, factors, unit, unfitted)
     laws, said = judged_laws(factors, known.placed, told, direct, allowed)
     if unit is not None:
         said = [*said, *_without_vertical(laws, replace(direct, unit=None))]
@@ -378,13 +401,17 @@ def _check(measurement: Measurement, column: str) -> None:
 
 
 def _weighing(
-    measurement: Measurement, column: str, objective: Objective | None
+    measurement: Measurement, column: str, objective: Objective | None, unfitted: Continuum
 ) -> tuple[Objective, list[str]]:
     """How the misfit is measured, and a note where given standard deviations are not scatter."""
+    if isinstance(unfitted, Relaxation):
+        return by_one_number(objective or default_objective(measurement)), []
     if objective is not None or measurement.sd is None:
         return objective or default_objective(measurement), []
     given = default_objective(measurement)
-    own = each_alone(measurement, levels_of(column, measurement.points.need(column)), given)
+    own = each_alone(
+        measurement, levels_of(column, measurement.points.need(column)), given, unfitted
+    )
     dof, cost = float(own.dof[own.judged].sum()), float(own.cost[own.judged].sum())
     # Where each level's own material leaves as much as is given, the deviations are those of
     # scatter.

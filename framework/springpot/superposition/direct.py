@@ -41,12 +41,15 @@ class Direct:
     unit : float, optional
         Variance of a weighted residual, by which vertical factors are weighed against what is
         expected of them; none without vertical factors.
+    unfitted : Continuum
+        Any material, as these data show it.
     """
 
     measurement: Measurement
     weighing: Objective
     factors: Factors
     unit: float | None
+    unfitted: Continuum
 
     def __call__(self, element: Formula, theta: Real) -> tuple[Real, Real, Real]:
         """A law's parameters (k,) fitted from `theta` on, and the ends of their 95 % intervals."""
@@ -56,7 +59,7 @@ class Direct:
         )
         model = Model(
             "material",
-            Continuum(),
+            self.unfitted,
             effects=(Effect("law", shift, element, "a law", Layer.TEMPERATURE),),
         )
         expected = None

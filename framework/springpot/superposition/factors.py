@@ -200,30 +200,34 @@ class Rows:
     def by_places(self) -> Real:
         """Slopes (2n, lines) by the logarithm of each line's rate, the factors applied."""
         # The lines lie on a lattice; between its places the true ones may be anywhere, and that
-        # makes factors less sure.
-        turn = self._turn
-        moved = -self.fit.theta[2 : 2 + len(turn), None] * turn * (1.0 - turn) * self.reduced[0]
+        # makes factors less sure. A faster line does what a lower frequency does.
+        factor, x = self.reduced
+        by_x = self.material.basis(x, True)[1][2:]
+        moved = -self.fit.theta[2 : 2 + len(by_x), None] * by_x * factor
         return weighted(moved, self.weights).T
 
     @cached_property
     def bent(self) -> Real:
         """Derivative (2n, s) of the slopes by the spectrum with the logarithm of the frequency."""
         factor, x = self.reduced
-        turn = self._turn
-        weights = self.fit.theta[: 2 + len(turn)]
-        by_weights = np.concatenate([[np.zeros_like(x), 1j * np.exp(x)], turn * (1.0 - turn)])
-        by_places = -weights[2:, None] * turn * (1.0 - turn) * (1.0 - 2.0 * turn)
+        by_weights = self.material.basis(x, True)[1]
+        weights = self.fit.theta[: len(by_weights)]
+        by_places = -weights[2:, None] * self.material.bent(x)
         both = np.concatenate([by_weights[weights > 0.0], by_places]) * factor
         return weighted(both.astype(np.complex128), self.weights).T
 
-    @cached_property
-    def _turn(self) -> NDArray[np.complex128]:
-        """K (lines, n) of each line over its weight, at the reduced frequencies."""
+    @property
+    def material(self) -> Continuum:
+        """The fitted material, with its lines."""
         material = self.fit.model.material
         assert isinstance(material, Continuum)
-        return np.asarray(
-            1.0 / (1.0 - 1j * np.exp(np.log(material.rates)[:, None] - self.reduced[1]))
-        )
+        return material
+
+    @cached_property
+    def numbers(self) -> NDArray[np.int64]:
+        """How many numbers count at each level (m,)."""
+        counts = (self.weights.real != 0.0) * 1 + (self.weights.imag != 0.0)
+        return np.bincount(self.number, counts).astype(np.int64)
 
     @cached_property
     def reduced(self) -> tuple[Real, Real]:

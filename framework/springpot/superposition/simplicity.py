@@ -30,6 +30,8 @@ BAND = float(np.log(10.0))
 """Width of a branch of relaxation times: a decade."""
 TINY = 1e-24
 """Least variance: exact data leave rounding."""
+ANY = Continuum()
+"""Any material, as sweeps show it."""
 FEW = 4
 """Points of a level from which it can be fitted by itself."""
 ROUNDING = 1e-8
@@ -254,7 +256,12 @@ def _level_errors(rows: Rows) -> Real:
     return np.sqrt(np.bincount(rows.number, _relative(rows) ** 2) / np.bincount(rows.number))
 
 
-def each_alone(measurement: Measurement, number: NDArray[np.int64], objective: Objective) -> Alone:
+def each_alone(
+    measurement: Measurement,
+    number: NDArray[np.int64],
+    objective: Objective,
+    unfitted: Continuum = ANY,
+) -> Alone:
     """A fit of any material to each level by itself.
 
     Parameters
@@ -265,8 +272,10 @@ def each_alone(measurement: Measurement, number: NDArray[np.int64], objective: O
         Level of each point.
     objective : Objective
         How the misfit is measured.
+    unfitted : Continuum
+        Any material, as these data show it.
     """
-    material = Model("material", Continuum())
+    material = Model("material", unfitted)
     m = int(number.max()) + 1
     cost, dof, error = np.full(m, np.nan), np.zeros(m), np.full(m, np.nan)
     for level in range(m):
@@ -348,10 +357,8 @@ def _missed_parts(rows: Rows, alone: Alone) -> list[Failure]:
     for level in np.flatnonzero(alone.judged).tolist():
         here = np.flatnonzero(rows.number == level)
         here = here[np.argsort(data.omega[here], kind="stable")]
-        for word, measured, drawn in (
-            ("storage", data.storage, line.real),
-            ("loss", data.loss, line.imag),
-        ):
+        of_each = ((data.storage, line.real), (data.loss, line.imag))
+        for word, (measured, drawn) in zip(rows.material.columns[1:], of_each, strict=False):
             size = np.maximum(np.abs(measured[here]), TINY)
             off = (measured[here] - drawn[here]) / size
             typical = float(np.median(np.abs(off)))
@@ -379,7 +386,7 @@ def _levels(rows: Rows, alone: Alone, error: Real) -> list[Failure]:
     whole = _total(excess)
     values, failures = rows.elements[0].shown, []
     for level in np.flatnonzero(judged & (error > SUPERPOSITION.nearly * alone.error)).tolist():
-        count = 2.0 * float(np.sum(rows.number == level))
+        count = float(rows.numbers[level])
         ratio = (excess[level] + alone.dof[level]) / count
         # All levels are looked at, and any one of them may look like this by chance.
         chance = float(f_sf(ratio, count, alone.dof[level])) * int(judged.sum())
@@ -412,6 +419,9 @@ def _of_all(share: float) -> str:
 def _storage_and_loss(rows: Rows, alone: Alone) -> list[Failure]:
     """Levels at which the loss would have to be shifted otherwise than the storage."""
     data = rows.fit.measurement
+    # After a step there is one function, not two.
+    if not np.any(rows.weights.imag):
+        return []
     slope = rows.fit.model.slope(rows.fit.theta, data.points)
     # Half forward and half back: one runs ahead by all of it, and the common factor is left alone.
     apart = 0.5 * (1j * slope.imag - slope.real)
@@ -433,15 +443,14 @@ def _storage_and_loss(rows: Rows, alone: Alone) -> list[Failure]:
 
 def _branches(rows: Rows, alone: Alone) -> list[Failure]:
     """Decades of relaxation times whose factors depend on the level more, or less, than others."""
-    material = rows.fit.model.material
-    assert isinstance(material, Continuum)
+    material = rows.material
     data, (factor, x) = rows.fit.measurement, rows.reduced
     log_rates, weights = np.log(material.rates), rows.fit.theta[2 : 2 + len(material.rates)]
-    turn = 1.0 / (1.0 - 1j * np.exp(log_rates[:, None] - x))
+    basis, by_x = (each[2:] for each in material.basis(x, True))
     # As its level's shift: a branch with its own activation energy shifts more further off.
-    by_shift = weights[:, None] * turn * (1.0 - turn) * factor * (x - data.points.log_omega)
+    by_shift = weights[:, None] * by_x * factor * (x - data.points.log_omega)
     # Of each line in |K|: what adds nothing to the data can be shifted as one likes.
-    share = np.abs(weights[:, None] * turn * factor) / data.magnitude
+    share = np.abs(weights[:, None] * basis * factor) / data.magnitude
     band = np.floor(log_rates / BAND).astype(np.int64)
     columns, places = [], []
     for each in np.unique(band).tolist():

@@ -17,7 +17,6 @@ from scipy.linalg import block_diag
 from springpot.distributions import f_sf
 from springpot.identification.alignment import aligned
 from springpot.identification.native import Fit, fit
-from springpot.rheology.continuum import Continuum
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.levels import Levels
 from springpot.rheology.model import Model
@@ -101,7 +100,8 @@ def lifted(alone: Fit, column: str) -> Rows:
     upwards = Effect(
         "vertical", chain, Levels(column, "b", False), "a factor for each level", Layer.TEMPERATURE
     )
-    model = (replace(alone.model, material=Continuum()) + upwards).bound_to(data.points)
+    unfitted = replace(Rows.of(alone).material, rates=())
+    model = (replace(alone.model, material=unfitted) + upwards).bound_to(data.points)
     own = alone.theta[len(alone.model.material.parameters) :]
     unlifted = np.concatenate([own, np.ones(len(own))])
     read_off = np.array(list(aligned(model, data).values()))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.measurement import normal_unit
+from springpot.measurement import TEMPERATURE_UNITS, normal_unit
 from springpot.rheology import Real
 
 from ..readers.channels import channel_of
@@ -237,7 +237,11 @@ def title_of(text: str, unit: str = "") -> Title:
             return Title(text, role, _tidied(unit or own_unit or named.unit or ""))
     channel, written, _ = channel_of(bare)
     if channel is not None:
-        return Title(text, channel, _tidied(unit or written or own_unit))
+        told = _tidied(unit or written or own_unit)
+        # A letter stands for both, and the unit says which.
+        if channel == "time" and told in TEMPERATURE_UNITS:
+            channel = "temperature"
+        return Title(text, channel, told)
     role = named.role or ""
     if role in DYNAMIC:
         return Title(text, "dynamic", _tidied(unit or own_unit))

@@ -14,6 +14,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -118,7 +119,8 @@ def read(path: Path, choice: Choice) -> list[TimeTest]:
     """
     manner, columns = manner_of(choice, path)
     text = text_of(path)
-    sections = [section for section in sections_of(text) if _is_test(section)]
+    found = [section for section in sections_of(text) if _is_test(section)]
+    sections = [part for section in found for part in _by_temperature(section)]
     tests = []
     for number, section in enumerate(sections, 1):
         if choice.part and not _is_meant(choice.part, number, section.name):
@@ -354,6 +356,35 @@ def _without_ties(section: Section, origin: dict[str, str]) -> Section:
     return replace(
         section, lines=[section.lines[i] for i in kept], numbers=[section.numbers[i] for i in kept]
     )
+
+
+def _by_temperature(section: Section) -> list[Section]:
+    """The tests of a table that has several below one another, each at its own temperature.
+
+    The time begins anew at each, and may fall within all of them.
+    """
+    clock, warm = _first(section, "time"), _first(section, "temperature")
+    if clock is None or warm is None:
+        return [section]
+    steps = np.sign(np.diff(section.column(clock)))
+    if not len(steps):
+        return [section]
+    onwards = float(np.median(steps))
+    starts = np.flatnonzero(steps == -onwards) + 1
+    runs = np.split(np.arange(len(steps) + 1), starts)
+    temperatures = [section.column(warm)[run] for run in runs]
+    moved = [abs(np.mean(b) - np.mean(a)) for a, b in pairwise(temperatures)]
+    # A record whose clock slipped is none of these: the temperature went on as it was.
+    if not moved or min(map(len, runs)) < 2 or min(moved) < max(map(np.ptp, temperatures)):
+        return [section]
+    parts = []
+    for run in runs:
+        rows = run[:: int(onwards) or 1].tolist()
+        lines, numbers = section.lines, section.numbers
+        parts.append(
+            replace(section, lines=[lines[i] for i in rows], numbers=[numbers[i] for i in rows])
+        )
+    return parts
 
 
 def _require_units(section: Section, path: Path) -> None:
