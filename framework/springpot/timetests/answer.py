@@ -8,7 +8,7 @@ from springpot.diagnosis.result import Candidate, Verdict
 from springpot.misfit.error import Error
 from springpot.misfit.where import Where
 
-from .information_criterion import PLAINLY, Left
+from .information_criterion import HINT, PLAINLY, Left
 from .residuals_of_tests import Part
 from .scatter import Scatter, times_noise
 from .sizes import rms
@@ -61,11 +61,10 @@ def sentence(
     if verdict == "adequate":
         return f"{size}: nothing is missing that these tests could show"
     if verdict == "inconclusive":
-        lead = candidates[0]
-        return (
-            f"{size}: {lead.effect} would help a little, which may be chance;"
-            " measure longer or repeat it"
-        )
+        hint = "what is left is hardly noise alone"
+        if candidates and candidates[0].delta_bic > HINT:
+            hint = f"{candidates[0].effect} would help a little"
+        return f"{size}: {hint}, which may be chance; measure longer or repeat it{place}"
     if not names:
         return (
             f"{size}, and no known effect explains it:"
