@@ -137,6 +137,8 @@ class TimeIdentification:
         What the tests together measured.
     data : tuple of TimeTest or Measurement
         The tests, in common units; a file does not hold them.
+    objective : str
+        By what samples of a test weigh among each other.
     """
 
     model: Model
@@ -155,6 +157,7 @@ class TimeIdentification:
     said: tuple[str, ...] = ()
     covered: Covered = field(default_factory=Covered)
     data: tuple[Test, ...] = ()
+    objective: str = "noise"
 
     @property
     def relative_rms(self) -> float:
@@ -276,7 +279,7 @@ class TimeIdentification:
             "data": " + ".join(test.name for test in self.tests),
             "parameters": self.parameters,
             "search_parameters": {},
-            "objective": {"name": "noise", "value": self.power},
+            "objective": {"name": self.objective, "value": self.power},
             "relative_rms": self.relative_rms,
             "measured": self.covered,
             "tests": self.tests,
@@ -331,6 +334,7 @@ class TimeIdentification:
             str(answer["optimiser"]),
             str(answer["status"]),
             covered=Covered.read(answer["measured"]),
+            objective=str(answer["objective"]["name"]),
         )
         vars(identified).update(notes=tuple(answer["notes"]))
         return identified
