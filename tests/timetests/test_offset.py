@@ -23,7 +23,7 @@ def dampers(constant, control="displacement", middle=0.0, seed=1):
     if control == "displacement":
         return TimeTest.of_history(TIME, moved + middle, force + 0.3 * noise, "mm", "N")
     return TimeTest.of_history(
-        TIME, force, moved + middle + 0.1 * noise, "mm", "N", control="force"
+        TIME, moved + middle + 0.1 * noise, force, "mm", "N", control="force"
     )
 
 

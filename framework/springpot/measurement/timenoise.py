@@ -37,10 +37,10 @@ FEWEST_IN_BIN = 16
 """Samples of a level of the signal whose scatter is worth a number."""
 ROUNDS = 6
 """Of reweighting: after four the parts change in the third digit only."""
-EFFICIENCY = 0.37
-"""Share of the samples that a median of absolute values uses.
+EFFICIENCY, OF_DIFFERENCES = 0.37, 0.38
+"""Share of the samples that a median of absolute values uses, and that fourth differences do.
 
-Its variance is 1/0.37 of the best one's.
+Their variances are 1/0.37 and 1/0.38 of the best one's: neighbouring differences share samples.
 """
 PLAINLY = 4.0
 """By which two parts must be likelier than one (twice the logarithm): a chance of 5 %."""
@@ -80,7 +80,7 @@ class SignalNoise:
         return float(np.sqrt(np.mean(self.sd**2)))
 
 
-def noise_of(test: TimeTest, misfit: Real | None = None) -> SignalNoise:
+def noise_of(test: TimeTest, misfit: Real | None = None, *, all_noise: bool = False) -> SignalNoise:
     """The noise of a test's response.
 
     Parameters
@@ -90,6 +90,9 @@ def noise_of(test: TimeTest, misfit: Real | None = None) -> SignalNoise:
     misfit : ndarray, shape (n,), optional
         What a good model leaves of the response, in which corners of the signal are no scatter any
         more.
+    all_noise : bool
+        Whether the misfit is noise and nothing else: then its size itself tells, and not what
+        neighbours differ by, which takes three times the samples.
 
     Returns
     -------
@@ -118,6 +121,9 @@ def noise_of(test: TimeTest, misfit: Real | None = None) -> SignalNoise:
     signal = test.response
     if misfit is not None:
         signal = misfit
+    if all_noise:
+        absolute, relative = _two_parts(signal, level, EFFICIENCY)
+        return _noise(test, size, max(absolute, LEAST * largest), relative)
     scatter = _scatter(clock, signal)
     level = level[ORDER // 2 : len(level) - ORDER // 2]
     telling = _moving(test)
@@ -126,8 +132,12 @@ def noise_of(test: TimeTest, misfit: Real | None = None) -> SignalNoise:
         telling &= _without_jumps(test)
     if np.count_nonzero(telling) >= FEWEST:
         scatter, level = scatter[telling], level[telling]
-    absolute, relative = _two_parts(scatter, level)
-    absolute = max(absolute, LEAST * largest)
+    absolute, relative = _two_parts(scatter, level, EFFICIENCY * OF_DIFFERENCES)
+    return _noise(test, size, max(absolute, LEAST * largest), relative)
+
+
+def _noise(test: TimeTest, size: Real, absolute: float, relative: float) -> SignalNoise:
+    """Noise of these two parts, for a signal of that size (n,)."""
     sd = np.hypot(relative * size, absolute)
     if test.kind == "history" and test.response.min() < 0.0 < test.response.max():
         # Where a loop crosses zero the rig is no quieter than elsewhere, and these few samples must
@@ -175,10 +185,10 @@ def _scatter(clock: Real, signal: Real) -> Real:
     return scatter
 
 
-def _two_parts(scatter: Real, level: Real) -> tuple[float, float]:
+def _two_parts(scatter: Real, level: Real, efficiency: float) -> tuple[float, float]:
     """Constant and proportional part of the noise.
 
-    From its robust size at each level of the signal.
+    From its robust size at each level of the signal, a sample of the scatter worth `efficiency`.
 
     Both are taken only where one alone explains the levels plainly worse: a small part that is not
     there would otherwise be found by chance, and make the noise too large where the signal is
@@ -191,15 +201,14 @@ def _two_parts(scatter: Real, level: Real) -> tuple[float, float]:
     groups = np.array_split(order, min(BINS, max(2, len(order) // FEWEST_IN_BIN)))
     size = np.array([np.median(level[group]) for group in groups])
     spread = np.array([NORMAL * np.median(np.abs(scatter[group])) for group in groups])
-    worth = EFFICIENCY * np.array([len(group) for group in groups])
+    worth = efficiency * np.array([len(group) for group in groups])
     # Of groups without any scatter (printed digits that repeat) nothing is known.
     known = spread > 0.0
     if not known.any():
         return 0.0, 0.0
     columns = np.column_stack([np.ones_like(size), size**2])[known]
-    # The square of an uncertain number is too large by its variance, and neighbouring differences
-    # share samples.
-    power = spread[known] ** 2 / (1.0 + 1.0 / worth[known])
+    # The square of an uncertain number is too large by its variance, 1/(2 n) of n independent ones.
+    power = spread[known] ** 2 / (1.0 + 0.5 / worth[known])
     worth = worth[known]
     tried = [
         _fitted(columns * which, power, worth) for which in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))

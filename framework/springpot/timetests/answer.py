@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from springpot.rheology.effect import Effect
 
-from .information_criterion import PLAINLY, Left
+from .information_criterion import HINT, PLAINLY, Left
 from .residuals_of_tests import Part
 from .result import TimeIdentification
 from .scatter import Scatter, times_noise
@@ -156,7 +156,8 @@ class TimeDiagnosis:
     verdict : str
         ``adequate``: nothing is missing that these tests could show; ``effect-missing``: one effect
         brings the error to the noise; ``unexplained``: something is missing, and no single effect
-        that is known explains it; ``inconclusive``: one would help, but not beyond chance.
+        that is known explains it; ``inconclusive``: one would help, or what is left is more than
+        noise, but not beyond chance.
     candidates : tuple of TimeCandidate
         Best first.
     where : tuple of Place
@@ -216,11 +217,10 @@ class TimeDiagnosis:
         if self.verdict == "adequate":
             return f"{size}: nothing is missing that these tests could show"
         if self.verdict == "inconclusive":
-            lead = self.candidates[0]
-            return (
-                f"{size}: {lead.effect} would help a little, which may be chance;"
-                " measure longer or repeat it"
-            )
+            hint = "what is left is hardly noise alone"
+            if self.candidates and self.candidates[0].delta_bic > HINT:
+                hint = f"{self.candidates[0].effect} would help a little"
+            return f"{size}: {hint}, which may be chance; measure longer or repeat it{place}"
         if best is None:
             return (
                 f"{size}, and no known effect explains it:"

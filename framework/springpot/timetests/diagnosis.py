@@ -37,9 +37,9 @@ from .residuals_of_tests import (
     at_tests,
     parts_of_specimen,
 )
-from .result import TimeIdentification
+from .result import TimeIdentification, sampled_scatter
 from .scan_scores import Promise
-from .scatter import Scatter
+from .scatter import Scatter, scatter_of
 from .score import Scan
 from .verdict import Tried, answer_of
 
@@ -168,8 +168,9 @@ def _better_noise(part: Part, fit: TimeIdentification) -> Real | None:
     # left anyway.
     if part.sd.max() < UNEVEN * part.sd.min():
         return None
-    misfit = part.residual(fit.model, fit.theta, fit.reference).value * part.sd
-    better = noise_of(part.test, misfit).sd
+    over_noise = part.residual(fit.model, fit.theta, fit.reference).value
+    all_noise = not scatter_of(over_noise).doubtful
+    better = noise_of(part.test, over_noise * part.sd, all_noise=all_noise).sd
     share = better / part.sd
     if share.max() > UNEVEN * share.min():
         return better
@@ -206,7 +207,10 @@ def _judged(
     # By a criterion that needs no noise, which is only read from what the best one leaves.
     best = min((each.left for each in tried), key=_plain_bic, default=before)
     noise = _noise(before, best)
-    judged = [replace(each, delta=_delta(before, each, noise, base)) for each in tried]
+    judged = [
+        replace(each, delta=_of_what_helps(parts, before, each, _delta(before, each, noise, base)))
+        for each in tried
+    ]
     # By their chances, so that what is rare stands behind what is common and explains the tests as
     # well.
     ranked = sorted(judged, key=lambda each: -each.evidence)
@@ -397,6 +401,25 @@ def _near(
 
 def _delta(before: Left, each: Tried, noise: Sequence[Scatter], base: TimeIdentification) -> float:
     return delta_bic(before, each.left, noise, len(each.theta) - len(base.theta))
+
+
+def _of_what_helps(parts: Sequence[Part], before: Left, each: Tried, delta: float) -> float:
+    """The evidence for an effect that leaves more than noise: none where it explains next to none.
+
+    Over the noise alone any small share of a large misfit would be proof. So it must be the better
+    story too where what it leaves is taken for noise, samples that are missed alike counted once.
+    """
+    if not each.left.misfit:
+        return delta
+    gain, count = 0.0, 0.0
+    for part, old, new in zip(parts, before.residuals, each.left.residuals, strict=True):
+        unit = max(sampled_scatter(new, part), 1e-300)
+        gain += float(old @ old - new @ new) / unit
+        count += float(new @ new) / unit
+    helps = gain - (each.left.count - before.count) * float(np.log(max(count, 2.0)))
+    if helps > 0.0:
+        return delta
+    return helps
 
 
 def _plain_bic(left: Left) -> float:

@@ -59,10 +59,15 @@ class Left:
         """Whether some test is missed by more than noise."""
         return any(scatter.misfit for scatter in self.scatters)
 
+    @property
+    def doubtful(self) -> bool:
+        """Whether some test may well be missed by more than noise."""
+        return any(scatter.doubtful for scatter in self.scatters)
+
     def squares(self, noise: Sequence[Scatter]) -> float:
         """Sum of squares over that noise, a sample counted for what it adds to its neighbours."""
         pairs = zip(self.residuals, noise, strict=True)
-        return float(sum(np.sum(scatter.whitened(value) ** 2) for value, scatter in pairs))
+        return sum(scatter.surprise(value) for value, scatter in pairs)
 
     def over(self, noise: Sequence[Scatter]) -> float:
         """Error over that noise, of the worst test."""

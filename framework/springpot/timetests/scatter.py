@@ -24,6 +24,8 @@ FEWEST = 40
 
 Then the noise of the signal is believed, and taken as white.
 """
+FEWEST_POINTS = 12
+"""Points of a sweep below which what neighbours differ by tells less than its deviations do."""
 UPPER = 0.25
 """Share of the highest frequency above which there is noise alone.
 
@@ -41,19 +43,28 @@ Beyond 0.7 what is alike over five samples and more is no noise.
 """
 GROUPS = 4
 """Octaves below the upper part, each with a size of its own where there is a misfit."""
-PLAIN = 22.0
-"""Twice the logarithm of the likelihood ratio from which a misfit is plain.
+PLAIN, OPEN = 18.0, 12.0
+"""Twice the logarithm of the likelihood ratio from which a misfit is plain, and not excluded.
 
-Of simulated records of noise, 40 to
-1,000 samples with memories from 0 to 0.6, three in a thousand exceed 18."""
+Of simulated records of noise, 40 to 1,000 samples with memories from 0 to 0.6, one in a thousand
+exceeds the first and one in a hundred the second."""
 PARTS = 16
 """Parts of a record of which each alone may be missed."""
-LOCAL = 1e-3
-"""Chance below which the worst part is missed by more than noise (F test, times their number)."""
+LOCAL, HARDLY = 1e-3, 1e-2
+"""Chance below which the worst part is plainly missed by more than noise, and perhaps (F test,
+times their number)."""
+NEIGHBOURS, ROUGHER = 15, 2.0
+"""Samples of which the differences of neighbours tell whether the noise is larger there, and ratio
+to the usual ones from which it is."""
+TAILS = 3.0
+"""Standard deviations of noise to which a sample is cut before a jump is looked for: a single one
+that is further off is an outlier."""
 CLIP = 0.37
 """Efficiency of a median of absolute values."""
 EFFICIENT = 18.0 / 35.0
 """The same of second differences (von Neumann et al. 1941, doi:10.1214/aoms/1177731746)."""
+OF_FOURTH = 0.38
+"""The same of fourth differences: what goes up and down over four points is no noise to them."""
 NORMAL = 1.482602218505602
 """Standard deviation of normal noise over the median of its absolute values."""
 
@@ -72,17 +83,37 @@ class Scatter:
         Twice the logarithm by which a misfit beside the noise is likelier than noise alone.
     local : float
         Chance that noise alone would miss some part of the record as much as the worst one is.
+    worth : float
+        Independent numbers that tell the size; endless where it is known, or read from what is
+        left.
     """
 
     size: float
     memory: float
     excess: float
     local: float
+    worth: float = np.inf
 
     @property
     def misfit(self) -> bool:
         """Whether there is plainly more than noise."""
         return self.excess > PLAIN or self.local < LOCAL
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether there may well be more than noise."""
+        return self.excess > OPEN or self.local < HARDLY
+
+    def surprise(self, residual: Real) -> float:
+        """Minus twice the logarithm of the likelihood of a residual (n,), but for a constant.
+
+        That of Student where the size of the noise is itself uncertain: then a residual that is
+        large throughout speaks for more noise too.
+        """
+        squares = float(np.sum(self.whitened(residual) ** 2))
+        if np.isinf(self.worth):
+            return squares
+        return (len(residual) + self.worth) * float(np.log1p(squares / self.worth))
 
     def whitened(self, residual: Real) -> Real:
         """A residual of which noise would leave independent numbers of variance one."""
@@ -109,13 +140,15 @@ def scatter_of(residual: Real) -> Scatter:
     residual = residual[_scattered(residual)]
     n = len(residual)
     if n < FEWEST:
-        return Scatter(1.0, 0.0, 0.0, _chance(float(np.mean(residual**2)), n, 0.5 * CLIP * n))
+        worth = 0.5 * CLIP * n
+        return Scatter(1.0, 0.0, 0.0, _chance(float(np.mean(residual**2)), n, worth), worth)
     power, omega = _periodogram(residual)
-    # Two stories: noise alone at all frequencies, or noise above and something smooth below.
-    alone = _fitted(power, omega, np.ones(len(omega), dtype=bool))
-    # The likelier one is believed; the second has a size for each octave and must earn them.
+    # Three stories: noise alone at all frequencies, noise above and something smooth below, or
+    # noise and one jump.
+    alone = _fitted(power, omega)
+    # The likeliest one is believed; the second has a size for each octave and must earn them.
     upper = omega > UPPER * np.pi
-    above = _fitted(power, omega, upper)
+    above = _fitted(power[upper], omega[upper])
     noise = _spectrum(omega, *above)
     edges = UPPER * np.pi * 0.5 ** np.arange(GROUPS, -1.0, -1.0)
     edges[0] = 0.0
@@ -126,7 +159,8 @@ def scatter_of(residual: Real) -> Scatter:
             # Less than noise there is by chance alone.
             factor = max(1.0, float(np.mean(power[band] / noise[band])))
             likely += _log_likelihood(power[band], factor * noise[band])
-    excess = 2.0 * (likely - _log_likelihood(power, _spectrum(omega, *alone)))
+    smooth = likely - _log_likelihood(power, _spectrum(omega, *alone))
+    excess = 2.0 * max(smooth, _of_a_jump(residual))
     local = _local(residual, above[1])
     size, memory = alone
     if excess > PLAIN or local < LOCAL:
@@ -138,8 +172,8 @@ def scatter_of_sweep(residual: Real, known: bool) -> Scatter:
     """The noise in the residual (2 n,) of a sweep, K' then K'', over its standard deviations.
 
     A sweep is too short for a spectrum. Its standard deviations are believed where they are
-    `known`, or where there are too few points; else the noise is what neighbours differ by, of
-    which the model has taken their bend. A misfit is told by its size, and by neighbours that are
+    `known`, or where there are too few points; else the noise is what neighbours differ by, in
+    fourth differences. A misfit is told by its size, and by neighbours that are
     missed alike, whatever the size of the noise is (Durbin & Watson 1950,
     doi:10.1093/biomet/37.3-4.409).
     """
@@ -148,10 +182,10 @@ def scatter_of_sweep(residual: Real, known: bool) -> Scatter:
     halves, count = residual.reshape(2, -1), len(residual)
     power = float(residual @ residual) / count
     apart, worth = 1.0, 0.5 * CLIP * count
-    told = not known and count >= FEWEST
+    told = not known and count >= 2 * FEWEST_POINTS
     if told:
-        apart = max(float(np.sqrt(np.mean(np.diff(halves, 2) ** 2) / 6.0)), 1e-300)
-        worth = EFFICIENT * count
+        apart = max(float(np.sqrt(np.mean(np.diff(halves, 4) ** 2) / 70.0)), 1e-300)
+        worth = OF_FOURTH * count
     if known:
         worth = np.inf
     alike = float(np.sum(halves[:, 1:] * halves[:, :-1])) / max(count * power, 1e-300)
@@ -160,8 +194,8 @@ def scatter_of_sweep(residual: Real, known: bool) -> Scatter:
     local = min(1.0, 2.0 * min(_chance(power / apart**2, count, worth), smooth))
     # Where nothing is missed all that is left is noise.
     if told and local >= LOCAL:
-        apart = max(float(np.sqrt(power)), 1e-300)
-    return Scatter(apart, 0.0, 0.0, local)
+        apart, worth = max(float(np.sqrt(power)), 1e-300), np.inf
+    return Scatter(apart, 0.0, 0.0, local, worth)
 
 
 def times_noise(residual: Real, size: float) -> float:
@@ -202,11 +236,55 @@ def _spectrum(omega: Real, size: float, memory: float) -> Real:
     return spectrum
 
 
-def _fitted(power: Real, omega: Real, rows: NDArray[np.bool_]) -> tuple[float, float]:
-    """Size and memory that make the periodogram likeliest at some frequencies."""
+def _of_a_jump(residual: Real) -> float:
+    """By how much one jump beside the noise is likelier than noise alone, its place chosen from n.
+
+    A jump is what the mean of some samples differs by from that of as many before them: of what
+    slips or lets go a smooth model leaves a corner on either side, whose spectrum is that of noise
+    with a memory. Such means are Haar's wavelets at every place (Percival & Walden 2000,
+    doi:10.1017/CBO9780511841040).
+    """
+    even, n = _evened(residual), len(residual)
+    sums = np.concatenate([[0.0], np.cumsum(even)])
+    taken, plainest = even, 0.0
+    # Two samples that are off by chance are no jump yet.
+    for width in 2 ** np.arange(2, int(np.log2(n))):
+        middle = np.arange(width, n - width + 1)
+        jumps = sums[middle + width] - 2.0 * sums[middle] + sums[middle - width]
+        best = int(np.argmax(np.abs(jumps)))
+        if jumps[best] ** 2 / width > plainest:
+            plainest, height = jumps[best] ** 2 / width, jumps[best] / (2.0 * width)
+            taken = even.copy()
+            taken[best : best + width] += height
+            taken[best + width : best + 2 * width] -= height
+    likely = []
+    for story in (even, taken):
+        power, omega = _periodogram(story)
+        likely.append(_log_likelihood(power, _spectrum(omega, *_fitted(power, omega))))
+    return likely[1] - likely[0] - float(np.log(n))
+
+
+def _evened(residual: Real) -> Real:
+    """A residual without what noise of one size and normal tails cannot do.
+
+    Over its own size where neighbours differ plainly more than usual, and no sample is further off
+    than `TAILS`.
+    """
+    bends = np.abs(np.diff(residual, 2))
+    padded = np.pad(bends, NEIGHBOURS // 2 + 1, mode="reflect")
+    around = np.median(np.lib.stride_tricks.sliding_window_view(padded, NEIGHBOURS), axis=1)
+    usual = float(np.median(bends))
+    rougher = np.where(around > ROUGHER * usual, around / max(usual, 1e-300), 1.0)
+    even = residual / rougher
+    limit = TAILS * NORMAL * float(np.median(np.abs(even)))
+    return np.asarray(np.clip(even, -limit, limit), dtype=float)
+
+
+def _fitted(power: Real, omega: Real) -> tuple[float, float]:
+    """Size and memory that make the periodogram likeliest at these frequencies."""
     # Of each memory the best size is known in closed form, so that a grid of one number is enough.
-    shapes = np.stack([_spectrum(omega[rows], 1.0, memory) for memory in MEMORIES])
-    squares = np.mean(power[rows] / shapes, axis=1)
+    shapes = np.stack([_spectrum(omega, 1.0, memory) for memory in MEMORIES])
+    squares = np.mean(power / shapes, axis=1)
     cost = np.mean(np.log(shapes), axis=1) + np.log(np.maximum(squares, 1e-300))
     best = int(np.argmin(cost))
     return float(np.sqrt(max(squares[best], 1e-300))), float(MEMORIES[best])

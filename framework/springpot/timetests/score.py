@@ -204,14 +204,12 @@ class Scan:
             Atom(effect, each, powers, column, signed)
             for each, column in zip(start, whole.T, strict=True)
         ]
-        # The other tests hold the model, so that it cannot make way for what gives in one rig
-        # alone.
-        if not effect.in_time and effect.plane == "compliance":
+        if effect.plane == "compliance":
             atoms += self._giving(effect, places)
         return atoms
 
     def _giving(self, effect: Effect, places: Sequence[tuple[float, ...]]) -> list[Atom]:
-        """What gives way in the rig of the sweeps, at sizes at which no small step leads there."""
+        """What gives way in series, at sizes to which no small step leads."""
         typical = self.scales.typical(effect.element.parameters[0])
         values = np.array([[typical * share, *place] for share in GIVING for place in places])
         change = _Change(self.model, self.theta, effect, values)
@@ -330,10 +328,11 @@ def _rating(promise: Promise) -> tuple[float, float]:
 
 
 def _different(promises: list[Promise]) -> list[Promise]:
-    """The best first, without those that are another once more."""
+    """The best first, without those that are another of the same rigs once more."""
     kept: list[Promise] = []
     for promise in sorted(promises, key=_rating):
-        if all(abs(float(promise.direction @ other.direction)) < THE_SAME for other in kept):
+        alike = [other.direction for other in kept if other.effect is promise.effect]
+        if all(abs(float(promise.direction @ direction)) < THE_SAME for direction in alike):
             kept.append(promise)
     return kept
 
@@ -361,6 +360,11 @@ class _Change:
         return network.respond(self.theta[:, places], at, GRADIENT).by_theta[
             :, places.index(self.size), :
         ]
+
+    def stiffness_in_time(self, at: Points) -> Complex:
+        """K with the effect, of what a test in time follows by exponentials."""
+        network, places = network_of(self.whole, sorted_out(self.whole)[0])
+        return network.respond(self.theta[:, places], at).value
 
 
 def shown_in(model: Model, test: Test) -> tuple[Node, list[int]]:
@@ -441,8 +445,12 @@ class View:
         return (self.quick.answers @ self.quick.followed(by_size)) * self.weight[:, None]
 
     def of_step(self, change: _Change) -> Real:
-        """Columns (n, g) of what gives way in the rig of the sweeps: none."""
-        return np.zeros((len(self.t), len(change.theta)))
+        """Columns (n, g) for a K that is another altogether."""
+        at = points_at(self.quick.omega, self.kelvin, self.base.reference)
+        before, after = self.stiffness, change.stiffness_in_time(at)
+        if self.part.test.control == "force":
+            before, after = 1.0 / before, 1.0 / after
+        return (self.quick.answers @ self.quick.followed(after - before)) * self.weight[:, None]
 
     def of_course(self, effect: Effect, values: Real) -> Real:
         """The change of the residuals when the specimen's loading or its clock is another."""

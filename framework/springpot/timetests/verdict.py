@@ -108,7 +108,7 @@ def _verdict(before: Left, tried: Sequence[Tried]) -> str:
         return "effect-missing"
     if before.misfit:
         return "unexplained"
-    if tried and tried[0].delta > HINT:
+    if before.doubtful or (tried and tried[0].delta > HINT):
         return "inconclusive"
     return "adequate"
 

@@ -1,0 +1,134 @@
+"""What is noise in what a model leaves, how sure that is, and what follows for the verdict."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from springpot import parse_model
+from springpot.measurement import TimeTest, noise_of
+from springpot.registry import plugins
+from springpot.rheology.effect import SWEEPS
+from springpot.timetests import diagnose, identify
+from springpot.timetests.exponentials import quick_parts
+from springpot.timetests.residuals_of_tests import parts_of_specimen
+from springpot.timetests.scan_scores import Promise
+from springpot.timetests.scatter import Scatter, scatter_of, scatter_of_sweep
+from springpot.timetests.score import Scan, _different
+
+TIME = np.geomspace(0.01, 100.0, 120)
+
+
+def noise(seed, size=120, memory=0.0):
+    white = np.random.default_rng(seed).normal(size=size + 50)
+    return lfilter([np.sqrt(1.0 - memory**2)], [1.0, -memory], white)[50:]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_corners_that_a_smooth_effect_leaves_of_a_jump_are_misfit(seed):
+    """Their spectrum is that of noise with a memory."""
+    place = np.arange(120) - 75
+    corners = 6.0 * np.sign(place + 0.5) * np.exp(-np.abs(place) / 12.0)
+    assert scatter_of(corners + noise(seed)).misfit
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.3, 0.6])
+def test_noise_with_a_memory_has_no_jump(memory):
+    assert not any(scatter_of(noise(seed, memory=memory)).misfit for seed in range(40))
+
+
+def test_one_sample_far_off_is_no_jump():
+    far = [noise(seed, size=200) + 7.0 * (np.arange(200) == 100) for seed in range(40)]
+    assert np.mean([scatter_of(residual).misfit for residual in far]) < 0.1
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_ripple_over_a_few_points_of_a_sweep_is_misfit(seed):
+    """Of noise that is not known and sixteen points: fewer than a spectrum asks for."""
+    ripple = 6.0 * np.sin(2.0 * np.pi * 3.0 * np.arange(16) / 16)
+    residual = np.concatenate([ripple, ripple]) + noise(seed, size=32)
+    assert scatter_of_sweep(residual, known=False).misfit
+
+
+def test_noise_that_is_hardly_known_makes_weak_evidence():
+    """A residual that is large throughout speaks for more noise too."""
+    residual = np.full(20, 2.0)
+    known, told = Scatter(1.0, 0.0, 0.0, 1.0), Scatter(1.0, 0.0, 0.0, 1.0, worth=4.0)
+    gain = [each.surprise(residual) - each.surprise(0.7 * residual) for each in (known, told)]
+    assert gain[0] == pytest.approx(40.8)
+    assert gain[1] == pytest.approx(24.0 * np.log((4.0 + 80.0) / (4.0 + 39.2)))
+
+
+def test_a_misfit_that_may_be_chance_is_not_adequate():
+    """A hump of two standard deviations in a relaxation."""
+    model = parse_model("fractional-maxwell")
+    exact = model.relaxation(model.theta(k=400.0, c=60.0, alpha=0.5), TIME)
+    verdicts = []
+    for size in (0.0, 2.2, 6.0):
+        hump = size * np.exp(-(((np.arange(120) - 60) / 6.0) ** 2))
+        record = exact + 0.01 * exact.max() * (noise(4) + hump)
+        found = diagnose(TimeTest.of_relaxation(TIME, record, "kPa"), model, [])
+        verdicts.append(found.verdict)
+    assert verdicts == ["adequate", "inconclusive", "unexplained"]
+
+
+def test_the_noise_of_short_records_is_not_too_small_on_average():
+    t = np.geomspace(0.01, 100.0, 60)
+    powers = []
+    for seed in range(60):
+        record = t**-0.4 * (1.0 + 0.01 * noise(seed, size=60))
+        sd = noise_of(TimeTest.of_relaxation(t, record, "kPa")).sd
+        powers.append(np.mean((sd / t**-0.4) ** 2))
+    assert np.sqrt(np.mean(powers)) == pytest.approx(0.01, rel=0.05)
+
+
+def test_what_a_good_model_leaves_tells_constant_noise_from_noise_in_proportion():
+    t = np.geomspace(0.01, 100.0, 78)
+    exact = 24.0 * t**-0.25 + 1.0
+    constant = 0
+    for seed in range(40):
+        misfit = 0.4 * noise(seed, size=78)
+        told = noise_of(TimeTest.of_relaxation(t, exact + misfit, "kPa"), misfit, all_noise=True)
+        constant += told.absolute > 0.3
+    assert constant >= 38
+
+
+def test_what_gives_in_series_promises_something_in_tests_in_time():
+    """A springpot has no limit early; with a spring in series it has, to which no step leads."""
+    model = parse_model("springpot + series-spring")
+    theta = model.vector({"c": 91.0, "alpha": 0.57, "series-spring.k": 480.0})
+    relaxed, crept = model.relaxation(theta, TIME), model.creep(theta, TIME)
+    tests = [
+        TimeTest.of_relaxation(TIME, relaxed + 0.01 * relaxed.max() * noise(1), "kPa", name="r"),
+        TimeTest.of_compliance(TIME, crept + 0.01 * crept.max() * noise(2), "kPa", name="c"),
+    ]
+    fit = identify(tests, parse_model("springpot"))
+    scan = Scan(fit, quick_parts(parts_of_specimen(tests)))
+    [promise, *_] = scan.promises([plugins().effect("series-spring")])["series-spring"]
+    assert promise.drop > 0.2 * float(scan.residual @ scan.residual)
+
+
+def test_of_two_places_of_one_effect_each_rig_keeps_its_own():
+    """That of all rigs may promise as much as that of the sweeps, and cannot be fitted then."""
+    effect = plugins().effect("inertia")
+    sweeps, direction = replace(effect, applies_to=SWEEPS), np.array([1.0, 0.0])
+    promises = [
+        Promise(effect, (3.8,), np.ones(3), 354.0, 1.0, direction),
+        Promise(sweeps, (0.0017,), np.ones(3), 353.0, 1.0, direction),
+        Promise(sweeps, (0.0018,), np.ones(3), 350.0, 1.0, direction),
+    ]
+    assert _different(promises) == promises[:2]
+
+
+def test_an_effect_that_lowers_next_to_nothing_does_not_help():
+    """Three waves in the record of a relaxation, beside which any effect is small."""
+    model = parse_model("fractional-maxwell")
+    exact = model.relaxation(model.theta(k=400.0, c=60.0, alpha=0.5), TIME)
+    waves = np.sin(2.0 * np.pi * 3.0 * np.arange(120) / 120)
+    record = exact + exact.max() * (0.1 * waves + 0.003 * noise(1))
+    drifts = [plugins().effect(name) for name in ("force-drift", "finite-ramp")]
+    found = diagnose(TimeTest.of_relaxation(TIME, record, "kPa"), model, drifts)
+    assert found.verdict == "unexplained"
+    helped = found.candidates[0].over_floor < 0.9 * found.error.over_floor
+    assert helped or not found.missing
