@@ -268,16 +268,23 @@ def at_rig(effect: Effect, tests: Sequence[Test]) -> Effect:
 
 
 def at_tests(effect: Effect, tests: Sequence[Test]) -> list[Effect]:
-    """The forms in which tests of a specimen have an effect: all of them, or one rig alone."""
+    """The forms in which tests of a specimen have an effect.
+
+    All of them, all sweeps, or one test alone.
+    """
     if effect.applies_to.one:
         # One test by itself has nothing to be told from.
         names = dict.fromkeys(test.name for test in tests if isinstance(test, TimeTest))
         return [effect.of_one(name) for name in names if len(tests) > 1]
     there = at_rig(effect, tests)
-    kinds = {isinstance(test, Measurement) for test in tests}
-    if not there.in_time or not _is_rig(there) or len(kinds) == 1:
+    sweeps = [test.name for test in tests if isinstance(test, Measurement)]
+    if not _is_rig(there) or not sweeps:
         return [there]
-    return [there, there.at(SWEEPS)]
+    # Several sweeps may be of as many rigs, of which one alone has it.
+    each = [there.of_one(name) for name in dict.fromkeys(sweeps) if len(sweeps) > 1]
+    if not there.in_time or len(sweeps) == len(tests):
+        return [there, *each]
+    return [there, there.at(SWEEPS), *each]
 
 
 def at_rigs(model: Model, tests: Sequence[Test]) -> Model:
