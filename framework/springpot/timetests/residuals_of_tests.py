@@ -223,7 +223,8 @@ def weighed_by(part: Part, objective: Objective) -> Part:
         # What an objective asks of a sweep, of the response: one number for each sample.
         order = np.arange(1.0, len(part.test) + 1.0)
         sd = np.asarray(part.sd * (1.0 + 1.0j), dtype=np.complex128)
-        view = Measurement(order, part.test.response + 0.0j, sd=sd, name=part.test.name)
+        shown = part.test.response.astype(np.complex128)
+        view = Measurement(order, shown, sd=sd, name=part.test.name)
         weights = _weights(view, objective).real
         return replace(part, noise=np.asarray(rms(part.sd * weights) / weights, dtype=float))
     sweep = replace(part.test, sd=part.sd)
