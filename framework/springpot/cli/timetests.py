@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING, Any
 from .common import emit, note_to_stderr, opened, quoted, seen_through, turned, window
 
 if TYPE_CHECKING:
+    from springpot.diagnosis.result import Diagnosis
     from springpot.identification.result import Identification
     from springpot.measurement.timetest import TimeTest
     from springpot.rheology.model import Model
-    from springpot.timetests.answer import TimeDiagnosis
     from springpot.timetests.predicted_test import TestPrediction
-    from springpot.timetests.prediction import Known
     from springpot.timetests.residuals_of_tests import Test
     from springpot.timetests.result import TimeIdentification
 
@@ -103,7 +102,7 @@ def _show(
     if figure is not None:
         print(f"figure      {figure}")
     # The worst of the tests decides: a long record must not hide a short one that the model misses.
-    judged = max(test.ratio for test in identified.tests)
+    judged = max(test.over_floor for test in identified.tests)
     if judged > FAR_OFF:
         named = " ".join(map(quoted, data))
         print(f"\nnext: springpot diagnose {named} --model {quoted(expression)}")
@@ -126,7 +125,7 @@ def compare(
     if figure is not None:
         from springpot.report.timetests import figure_tests
 
-        figure_tests(comparison.fits[:MOST_DRAWN], tests, figure)
+        figure_tests(_fits(one.fitted for one in comparison.judgements[:MOST_DRAWN]), tests, figure)
     emit(comparison, as_json, lambda: print(compared_in_time_text(comparison)))
     if figure is not None and not as_json:
         print(f"\nwritten: {figure}")
@@ -169,14 +168,21 @@ def discover(
     if figure is not None:
         from springpot.report.timetests import figure_tests
 
-        figure_tests([step.fit for step in ladder.steps][-MOST_DRAWN:], tests, figure)
+        figure_tests(_fits(step.examined for step in ladder.steps[-MOST_DRAWN:]), tests, figure)
     emit(ladder, as_json, lambda: print(climbed_in_time_text(ladder, window())))
     if figure is not None and not as_json:
         print(f"\nwritten: {figure}")
 
 
+def _fits(behind: Iterable[object]) -> list[TimeIdentification]:
+    """The fits behind answers."""
+    from springpot.timetests.result import TimeIdentification
+
+    return [fit for fit in behind if isinstance(fit, TimeIdentification)]
+
+
 def _show_diagnosis(
-    diagnosis: TimeDiagnosis, tests: Sequence[Test], data: Sequence[str], model: str | None
+    diagnosis: Diagnosis, tests: Sequence[Test], data: Sequence[str], model: str | None
 ) -> None:
     from springpot.report.fit_text import diagnosed_in_time_text
 
@@ -188,9 +194,9 @@ def _show_diagnosis(
     right_way = _turned(tests, data)
     if right_way != list(data):
         print(f"\nnext: springpot diagnose {' '.join(map(quoted, right_way))}{judged}")
-    elif diagnosis.missing:
+    elif diagnosis.leading:
         named = " ".join(map(quoted, data))
-        print(f"\nnext: springpot discover {named}{judged} --accept {quoted(diagnosis.missing[0])}")
+        print(f"\nnext: springpot discover {named}{judged} --accept {quoted(diagnosis.leading[0])}")
 
 
 def _turned(tests: Sequence[Test], data: Sequence[str]) -> list[str]:
@@ -267,7 +273,7 @@ def inspect(tests: Sequence[TimeTest], spec: str, as_json: bool, line: bool) -> 
 
 
 def predict(
-    identified: Identification | Known,
+    identified: Identification | TimeIdentification,
     spec: str,
     temperature: float | None,
     output: Path | None,

@@ -11,6 +11,7 @@ from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Diagnosis
 from springpot.errors import OutputError
 from springpot.identification.material import is_material
+from springpot.identification.part_result import in_time
 from springpot.identification.prediction import Prediction
 from springpot.identification.result import Identification
 from springpot.measurement.measurement import Measurement
@@ -140,6 +141,8 @@ def _found_onto(result: Ladder, axes: Any) -> None:
 
 @whole.register
 def _compared(result: Comparison, path: Any) -> Any:
+    if in_time(result.tests):
+        raise OutputError("models of tests in time are drawn by springpot compare ... --figure")
     return figure_compared(result, path)
 
 

@@ -148,7 +148,7 @@ def _at_best_rig(
     except ModelError:
         # No test in time can have such an effect: what is left is that the sweeps alone do.
         return fitted(apart)
-    if max(test.ratio for test in one.tests) <= DOUBTFUL:
+    if max(test.over_floor for test in one.tests) <= DOUBTFUL:
         return one
     other = fitted(apart)
     if one.power < DOUBTFUL * other.power:
