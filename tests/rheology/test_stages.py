@@ -8,7 +8,7 @@ import pytest
 import springpot
 from springpot.errors import ModelError
 from springpot.rheology import Effect, on_response, parallel, spring
-from springpot.timetests import identify, recorded
+from springpot.timetests import diagnose, identify, recorded
 from springpot.timetests.exponentials import quick_parts
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 from springpot.timetests.score import Scan
@@ -96,3 +96,12 @@ def test_a_law_may_be_held():
     assert np.array_equal(fixed.by_theta, np.delete(free.by_theta, 3, axis=1))
     still = recorded(held.fixed_at(np.delete(theta, 3)), np.empty(0), test)
     assert np.allclose(still.value, free.value, rtol=1e-5)
+
+
+def test_an_effect_of_one_rig_of_three_is_found_there():
+    late = sweep("b", "fractional-maxwell + time-delay", np.append(THETA, DELAY))
+    tests = [sweep("a"), late, relaxation()]
+    effects = [springpot.plugins().effect(name) for name in ("time-delay", "parallel-dashpot")]
+    found = diagnose(tests, MODEL, effects)
+    assert found.verdict == "effect-missing"
+    assert found.missing == ("time-delay:b",)
