@@ -35,11 +35,8 @@ from springpot.rheology.model import Model
 from springpot.superposition.curve import MasterCurve
 from springpot.superposition.curve import mastercurve as mastercurve_of
 from springpot.superposition.words import level_of
-from springpot.timetests.answer import TimeDiagnosis
-from springpot.timetests.comparing import TimeComparison
 from springpot.timetests.comparing import compare as compare_in_time
 from springpot.timetests.diagnosis import diagnose as diagnose_in_time
-from springpot.timetests.discovery import TimeLadder
 from springpot.timetests.discovery import discover as discover_in_time
 from springpot.timetests.fitting import identify as identify_in_time
 from springpot.timetests.residuals_of_tests import units_of
@@ -157,11 +154,6 @@ def identify(
     search |= {"intervals": intervals, "start": own_values(judged, units, start, "start")}
     data = sweep_of(tests)
     if data is None:
-        for name, usual in (("objective", None), ("intervals", "jacobian")):
-            if search.pop(name) != usual:
-                raise OptionError(
-                    f"{name} is for sweeps: residuals of tests in time are counted in their noise"
-                )
         return identify_in_time(tests, judged, **search)
     parts = [_model(part) for part in simpler]
     fit = identify_objects(data, judged, simpler=parts, **search)
@@ -180,7 +172,7 @@ def diagnose(
     bounds: Mapping[str, Bounds] | None = None,
     exclude: str | Sequence[str] = (),
     progress: Progress = silent,
-) -> Diagnosis | TimeDiagnosis:
+) -> Diagnosis:
     """Find which physical effect is missing from a model.
 
     Parameters
@@ -238,7 +230,7 @@ def discover(
     exclude: str | Sequence[str] = (),
     progress: Progress = silent,
     reached: Callable[[Any], None] | None = None,
-) -> Ladder | TimeLadder:
+) -> Ladder:
     """Add missing effects one by one and watch the error fall.
 
     Parameters
@@ -300,7 +292,7 @@ def compare(
     *,
     seed: int = 0,
     progress: Progress = silent,
-) -> Comparison | TimeComparison:
+) -> Comparison:
     """Judge models against the same noise floor.
 
     Their errors, where they fail, and how sure that is.

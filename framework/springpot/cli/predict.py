@@ -81,7 +81,7 @@ def command(
     from springpot.identification.result import Identification
     from springpot.loading import load
     from springpot.report.canvas import check_figure_path
-    from springpot.timetests.prediction import Known
+    from springpot.timetests.result import TimeIdentification
 
     # A path that cannot be written is told before anything is worked out.
     if output is not None:
@@ -93,7 +93,7 @@ def command(
         advice = "give --frequency (Hz) or --omega (rad/s), or a --history"
         raise click.UsageError(advice, click.get_current_context())
     known = load(fit)
-    if not isinstance(known, Identification | Known):
+    if not isinstance(known, Identification | TimeIdentification):
         raise DataError(f"{fit} is no fit: give the output of 'springpot identify ... --json'")
     if history is not None:
         timetests.predict(known, history, temperature, output, figure, as_json)

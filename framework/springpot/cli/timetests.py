@@ -10,17 +10,14 @@ from typing import TYPE_CHECKING, Any
 from .common import emit, note_to_stderr, opened, quoted, seen_through, turned, window
 
 if TYPE_CHECKING:
+    from springpot.diagnosis.result import Diagnosis
     from springpot.identification.result import Identification
     from springpot.measurement.timetest import TimeTest
     from springpot.rheology.model import Model
-    from springpot.timetests.answer import TimeDiagnosis
     from springpot.timetests.predicted_test import TestPrediction
-    from springpot.timetests.prediction import Known
     from springpot.timetests.residuals_of_tests import Test
     from springpot.timetests.result import TimeIdentification
 
-MOST_DRAWN = 4
-"""Models in one picture: more colours are not told apart."""
 WHERE = ("within", "outside")
 """What tables say of a point that lies within, or outside of, what was measured."""
 FAR_OFF = 2.0
@@ -88,9 +85,7 @@ def identify(
             stack.enter_context(Waiting()).told(f"fitting {model.name}")
         fit: Any = identified_from(tests, model, **options)
     if figure is not None:
-        from springpot.report.timetests import figure_tests
-
-        figure_tests(fit, tests, figure)
+        fit.plot(figure)
     emit(fit, as_json, lambda: _show(fit, figure, data, model.name))
 
 
@@ -103,7 +98,7 @@ def _show(
     if figure is not None:
         print(f"figure      {figure}")
     # The worst of the tests decides: a long record must not hide a short one that the model misses.
-    judged = max(test.ratio for test in identified.tests)
+    judged = max(test.over_floor for test in identified.tests)
     if judged > FAR_OFF:
         named = " ".join(map(quoted, data))
         print(f"\nnext: springpot diagnose {named} --model {quoted(expression)}")
@@ -124,9 +119,7 @@ def compare(
     with Waiting() as waiting:
         comparison: Any = compared(tests, models or None, progress=waiting.told)
     if figure is not None:
-        from springpot.report.timetests import figure_tests
-
-        figure_tests(comparison.fits[:MOST_DRAWN], tests, figure)
+        comparison.plot(figure)
     emit(comparison, as_json, lambda: print(compared_in_time_text(comparison)))
     if figure is not None and not as_json:
         print(f"\nwritten: {figure}")
@@ -155,6 +148,8 @@ def diagnose(
 def discover(
     tests: Sequence[Test],
     figure: Path | None,
+    report: Path | None,
+    again: list[str],
     as_json: bool,
     arguments: Any,
 ) -> None:
@@ -167,16 +162,22 @@ def discover(
     with Waiting() as waiting:
         ladder: Any = discovered(tests, **arguments, progress=waiting.told)
     if figure is not None:
-        from springpot.report.timetests import figure_tests
+        from springpot.report.timetests import figure_tests, fits_in_time
 
-        figure_tests([step.fit for step in ladder.steps][-MOST_DRAWN:], tests, figure)
+        fits = fits_in_time(step.examined for step in reversed(ladder.steps))
+        figure_tests(fits[::-1], tests, figure)
+    if report is not None:
+        from springpot.report.html import write_report
+
+        write_report(ladder, tests, report, again)
     emit(ladder, as_json, lambda: print(climbed_in_time_text(ladder, window())))
-    if figure is not None and not as_json:
-        print(f"\nwritten: {figure}")
+    for path in (figure, report):
+        if path is not None and not as_json:
+            print(f"\nwritten: {path}")
 
 
 def _show_diagnosis(
-    diagnosis: TimeDiagnosis, tests: Sequence[Test], data: Sequence[str], model: str | None
+    diagnosis: Diagnosis, tests: Sequence[Test], data: Sequence[str], model: str | None
 ) -> None:
     from springpot.report.fit_text import diagnosed_in_time_text
 
@@ -188,9 +189,9 @@ def _show_diagnosis(
     right_way = _turned(tests, data)
     if right_way != list(data):
         print(f"\nnext: springpot diagnose {' '.join(map(quoted, right_way))}{judged}")
-    elif diagnosis.missing:
+    elif diagnosis.leading:
         named = " ".join(map(quoted, data))
-        print(f"\nnext: springpot discover {named}{judged} --accept {quoted(diagnosis.missing[0])}")
+        print(f"\nnext: springpot discover {named}{judged} --accept {quoted(diagnosis.leading[0])}")
 
 
 def _turned(tests: Sequence[Test], data: Sequence[str]) -> list[str]:
@@ -267,7 +268,7 @@ def inspect(tests: Sequence[TimeTest], spec: str, as_json: bool, line: bool) -> 
 
 
 def predict(
-    identified: Identification | Known,
+    identified: Identification | TimeIdentification,
     spec: str,
     temperature: float | None,
     output: Path | None,

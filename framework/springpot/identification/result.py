@@ -114,7 +114,7 @@ class Identification(Estimate):
 
         Those that were held too.
         """
-        return all_parameters(self)
+        return all_parameters(self.model, self.theta, self.low, self.high, self.measurement.units)
 
     @cached_property
     def search_parameters(self) -> Mapping[str, Value]:

@@ -8,12 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.measurement.covered import Covered
 from springpot.measurement.units import Units
 from springpot.rheology.points import Real
+from springpot.thresholds import INTERVAL
 
 from .sizes import rms
 
-SCHEMA = "springpot.prediction-in-time/1"
+SCHEMA = "springpot.prediction/2"
 VAGUE = 0.5
 """Expected error from which a fit says nothing of a test: it may be off by its own size."""
 HOLDS = 2.0
@@ -56,6 +58,8 @@ class TestPrediction:
         Whether the test was measured; otherwise there is nothing to judge by.
     outside : ndarray of bool, shape (m,)
         Which samples lie outside of what the fitted tests saw.
+    covered : Covered
+        What the fitted tests measured.
     notes : tuple of str
         What else one should know.
     quantity : str
@@ -82,6 +86,7 @@ class TestPrediction:
     error_inside: float
     unit: str
     outside: NDArray[np.bool_]
+    covered: Covered
     notes: tuple[str, ...] = ()
     judged: bool = True
     quantity: str = "value"
@@ -136,7 +141,7 @@ class TestPrediction:
         return f"the prediction of {self.test} does not hold: {size}; {mean}{beyond}"
 
     def to_dict(self) -> dict[str, Any]:
-        """Schema ``springpot.prediction-in-time/1``."""
+        """Schema ``springpot.prediction/2``."""
         clock = "time"
         if self.kind == "sweep":
             clock = "frequency"
@@ -155,6 +160,7 @@ class TestPrediction:
             "model": self.model,
             "data": self.test,
             "kind": self.kind,
+            "level": INTERVAL,
             "unit": self.unit,
             "verdict": self.verdict,
             "holds": self.holds,
@@ -165,5 +171,6 @@ class TestPrediction:
             "error_inside": error_inside,
             "says": self.says,
             "points": points,
+            "measured": self.covered.to_dict(),
             "notes": list(self.notes),
         }

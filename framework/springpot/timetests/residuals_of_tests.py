@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
+from springpot.identification.objective import Objective
 from springpot.identification.space import require_columns, require_effects
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.selection import Test as Test  # those that take parts ask for it here
@@ -210,6 +211,34 @@ def parts_of_specimen(
         else:
             parts.append(SweepPart(_in_units(test, units)))
     return parts
+
+
+def weighed_by(part: Part, objective: Objective) -> Part:
+    """A part whose samples weigh among each other as an objective has it.
+
+    Against other tests it weighs by its noise, as ever; a logarithmic objective weighs relative to
+    the size of what was measured.
+    """
+    if isinstance(part, InTimePart):
+        # What an objective asks of a sweep, of the response: one number for each sample.
+        order = np.arange(1.0, len(part.test) + 1.0)
+        sd = np.asarray(part.sd * (1.0 + 1.0j), dtype=np.complex128)
+        shown = part.test.response.astype(np.complex128)
+        view = Measurement(order, shown, sd=sd, name=part.test.name)
+        weights = _weights(view, objective).real
+        return replace(part, noise=np.asarray(rms(part.sd * weights) / weights, dtype=float))
+    sweep = replace(part.test, sd=part.sd)
+    by = _weights(sweep, objective)
+    level = rms(np.concatenate([part.sd.real * by.real, part.sd.imag * by.imag]))
+    shared = np.asarray(level / by.real + 1j * level / by.imag, dtype=np.complex128)
+    return replace(part, test=replace(sweep, sd=shared))
+
+
+def _weights(view: Measurement, objective: Objective) -> Complex:
+    weights = objective.weighing(view)
+    if objective.logarithmic:
+        return np.asarray(weights / view.magnitude, dtype=np.complex128)
+    return weights
 
 
 def units_of(tests: Sequence[Test]) -> Units:
