@@ -154,11 +154,6 @@ def identify(
     search |= {"intervals": intervals, "start": own_values(judged, units, start, "start")}
     data = sweep_of(tests)
     if data is None:
-        for name, usual in (("objective", None), ("intervals", "jacobian")):
-            if search.pop(name) != usual:
-                raise OptionError(
-                    f"{name} is for sweeps: residuals of tests in time are counted in their noise"
-                )
         return identify_in_time(tests, judged, **search)
     parts = [_model(part) for part in simpler]
     fit = identify_objects(data, judged, simpler=parts, **search)

@@ -307,3 +307,24 @@ def test_which_of_several_absent_effects_is_absent_is_no_news(springpot, relaxed
         "cannot tell apart"
         not in springpot("diagnose", relaxed, "--model", "fractional-maxwell").out
     )
+
+
+def test_a_discovery_from_tests_in_time_is_reported_and_drawn_as_one_of_sweeps(
+    springpot, relaxed, swept, tmp_path
+):
+    import springpot as package
+
+    page = tmp_path / "story.html"
+    words = ["-m", "fractional-kelvin", "--accept", "series-spring"]
+    told = springpot("discover", relaxed, *words, "--report", page)
+    assert told.code == 0, told.err
+    text = page.read_text()
+    for word in ("What is missing from fractional-kelvin?", "series-spring", "To repeat this"):
+        assert word in text
+    assert "nan" not in text.lower().replace("nanometer", "")
+    ladder = package.discover(relaxed, "fractional-kelvin", accept="series-spring")
+    compared = package.compare(relaxed, ["maxwell", "fractional-maxwell"])
+    for i, answer in enumerate((ladder, ladder.diagnosis, compared, ladder.steps[-1].examined)):
+        assert answer.plot(tmp_path / f"{i}.png").stat().st_size > 10_000
+        assert "<" in answer._repr_html_()
+        assert len(str(answer).splitlines()) > 2

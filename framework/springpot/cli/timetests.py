@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from springpot.timetests.residuals_of_tests import Test
     from springpot.timetests.result import TimeIdentification
 
-MOST_DRAWN = 4
-"""Models in one picture: more colours are not told apart."""
 WHERE = ("within", "outside")
 """What tables say of a point that lies within, or outside of, what was measured."""
 FAR_OFF = 2.0
@@ -87,9 +85,7 @@ def identify(
             stack.enter_context(Waiting()).told(f"fitting {model.name}")
         fit: Any = identified_from(tests, model, **options)
     if figure is not None:
-        from springpot.report.timetests import figure_tests
-
-        figure_tests(fit, tests, figure)
+        fit.plot(figure)
     emit(fit, as_json, lambda: _show(fit, figure, data, model.name))
 
 
@@ -123,9 +119,7 @@ def compare(
     with Waiting() as waiting:
         comparison: Any = compared(tests, models or None, progress=waiting.told)
     if figure is not None:
-        from springpot.report.timetests import figure_tests
-
-        figure_tests(_fits(one.fitted for one in comparison.judgements[:MOST_DRAWN]), tests, figure)
+        comparison.plot(figure)
     emit(comparison, as_json, lambda: print(compared_in_time_text(comparison)))
     if figure is not None and not as_json:
         print(f"\nwritten: {figure}")
@@ -154,6 +148,8 @@ def diagnose(
 def discover(
     tests: Sequence[Test],
     figure: Path | None,
+    report: Path | None,
+    again: list[str],
     as_json: bool,
     arguments: Any,
 ) -> None:
@@ -166,19 +162,18 @@ def discover(
     with Waiting() as waiting:
         ladder: Any = discovered(tests, **arguments, progress=waiting.told)
     if figure is not None:
-        from springpot.report.timetests import figure_tests
+        from springpot.report.timetests import figure_tests, fits_in_time
 
-        figure_tests(_fits(step.examined for step in ladder.steps[-MOST_DRAWN:]), tests, figure)
+        fits = fits_in_time(step.examined for step in reversed(ladder.steps))
+        figure_tests(fits[::-1], tests, figure)
+    if report is not None:
+        from springpot.report.html import write_report
+
+        write_report(ladder, tests, report, again)
     emit(ladder, as_json, lambda: print(climbed_in_time_text(ladder, window())))
-    if figure is not None and not as_json:
-        print(f"\nwritten: {figure}")
-
-
-def _fits(behind: Iterable[object]) -> list[TimeIdentification]:
-    """The fits behind answers."""
-    from springpot.timetests.result import TimeIdentification
-
-    return [fit for fit in behind if isinstance(fit, TimeIdentification)]
+    for path in (figure, report):
+        if path is not None and not as_json:
+            print(f"\nwritten: {path}")
 
 
 def _show_diagnosis(

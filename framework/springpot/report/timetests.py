@@ -5,7 +5,7 @@ Measured and computed, over logarithmic and linear time, with what is left.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,12 +20,14 @@ from springpot.timetests.recording import recorded
 from springpot.timetests.residuals_of_tests import InTimePart, Test, parts_of_specimen
 from springpot.timetests.result import TimeIdentification
 
-from .canvas import COLOURS, INK, QUIET, blank, logarithmic, save
+from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic, save
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+MOST_DRAWN = 4
+"""Models in one picture: more colours are not told apart."""
 SMOOTH = 300
 """Points of a drawn curve."""
 DRAWN = 2000
@@ -40,7 +42,7 @@ def figure_tests(
     identified: TimeIdentification | Sequence[TimeIdentification],
     tests: Sequence[Test],
     path: str | Path | None = None,
-) -> Figure:
+) -> Figure | Path:
     """Each test with its fits.
 
     Over logarithmic time, over linear time, and the residual over its noise.
@@ -52,12 +54,7 @@ def figure_tests(
     tests : sequence of TimeTest or Measurement
         What they were fitted to.
     path : str or Path, optional
-        Where to write it.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The figure.
+        Where to write; what is returned and raised is told by `springpot.report.canvas.finished`.
     """
     if isinstance(identified, TimeIdentification):
         fits = [identified]
@@ -72,9 +69,13 @@ def figure_tests(
                 _draw_test(row, part, fits)
             else:
                 _draw_sweep(row, part.test, fits)
-        if path is not None:
-            save(figure, path)
-    return figure
+        return finished(figure, path)
+
+
+def fits_in_time(behind: Iterable[object]) -> list[TimeIdentification]:
+    """The first few fits of tests in time behind answers; none of an answer about sweeps."""
+    fits = [fit for fit in behind if isinstance(fit, TimeIdentification)]
+    return fits[:MOST_DRAWN]
 
 
 def _draw_test(row: Sequence[Axes], part: InTimePart, fits: Sequence[TimeIdentification]) -> None:

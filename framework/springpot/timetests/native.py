@@ -182,7 +182,7 @@ class Search:
         """Sum of squares at a start that may lack the parameters of the last effects."""
         if len(theta) < len(self.model.parameters):
             return 0.0
-        value, _ = self._guarded(self.parts, self.coordinates.u(theta, self.size), True)
+        value, _ = self.guarded(self.parts, self.coordinates.u(theta, self.size), True)
         return float(np.sum(value**2))
 
     def natural(self) -> list[Real]:
@@ -277,7 +277,7 @@ class Search:
     ) -> Solution:
         def evaluate(u: Real, rows: Rows) -> tuple[Real, Real]:
             # One start after another: the parts of a test share no shape that could be stacked.
-            pairs = [self._guarded(parts, one, coarse) for one in u]
+            pairs = [self.guarded(parts, one, coarse) for one in u]
             return np.stack([value for value, _ in pairs]), np.stack(
                 [slopes for _, slopes in pairs]
             )
@@ -296,7 +296,7 @@ class Search:
             flat=flat,
         )
 
-    def _guarded(self, parts: Sequence[Part], u: Real, coarse: bool) -> tuple[Real, Real]:
+    def guarded(self, parts: Sequence[Part], u: Real, coarse: bool) -> tuple[Real, Real]:
         """The residual, endless at parameters at which the model cannot be followed."""
         try:
             with np.errstate(all="ignore"):
@@ -344,6 +344,7 @@ class Search:
             units,
             said=_doubts(found.parts, rows),
             covered=Covered.of([part.test for part in found.parts], units),
+            data=tuple(part.test for part in found.parts),
         )
 
     def _interval(self, theta: Real, covariance: Real, points: int) -> tuple[Real, Real]:

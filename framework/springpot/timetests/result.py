@@ -8,12 +8,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from springpot.drawing import text_of
+from springpot.drawing import draw, html_of, text_of
 from springpot.errors import ModelError
 from springpot.identification.kept import bounds_of, constrained_as
 from springpot.identification.part_result import SWEEP, PartResult, parts_of
@@ -21,6 +22,7 @@ from springpot.identification.prediction import Prediction
 from springpot.identification.printed import all_parameters
 from springpot.identification.value import Value
 from springpot.measurement.covered import Covered
+from springpot.measurement.selection import Test
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units
 from springpot.plain_data import jsonable, number
@@ -34,6 +36,9 @@ from .known import Known
 from .sizes import rms
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
     from .residuals_of_tests import Part
 
 SCHEMA = "springpot.identification/2"
@@ -130,6 +135,10 @@ class TimeIdentification:
         What went wrong on the way.
     covered : Covered
         What the tests together measured.
+    data : tuple of TimeTest or Measurement
+        The tests, in common units; a file does not hold them.
+    objective : str
+        By what samples of a test weigh among each other.
     """
 
     model: Model
@@ -147,6 +156,8 @@ class TimeIdentification:
     status: str = ""
     said: tuple[str, ...] = ()
     covered: Covered = field(default_factory=Covered)
+    data: tuple[Test, ...] = ()
+    objective: str = "noise"
 
     @property
     def relative_rms(self) -> float:
@@ -268,7 +279,7 @@ class TimeIdentification:
             "data": " + ".join(test.name for test in self.tests),
             "parameters": self.parameters,
             "search_parameters": {},
-            "objective": {"name": "noise", "value": self.power},
+            "objective": {"name": self.objective, "value": self.power},
             "relative_rms": self.relative_rms,
             "measured": self.covered,
             "tests": self.tests,
@@ -323,6 +334,7 @@ class TimeIdentification:
             str(answer["optimiser"]),
             str(answer["status"]),
             covered=Covered.read(answer["measured"]),
+            objective=str(answer["objective"]["name"]),
         )
         vars(identified).update(notes=tuple(answer["notes"]))
         return identified
@@ -334,8 +346,15 @@ class TimeIdentification:
         covariance: Real = self.spread * np.outer(factors, factors)
         return covariance
 
+    def plot(self, path: str | Path | None = None) -> Figure | Axes | Path:
+        """Each test with the fit and what it leaves; see `springpot.drawing.draw`."""
+        return draw(self, path)
+
     def __str__(self) -> str:
         return text_of(self)
+
+    def _repr_html_(self) -> str:
+        return html_of(self)
 
     def __repr__(self) -> str:
         values = ", ".join(
