@@ -98,10 +98,21 @@ def test_a_law_may_be_held():
     assert np.allclose(still.value, free.value, rtol=1e-5)
 
 
-def test_an_effect_of_one_rig_of_three_is_found_there():
-    late = sweep("b", "fractional-maxwell + time-delay", np.append(THETA, DELAY))
-    tests = [sweep("a"), late, relaxation()]
-    effects = [springpot.plugins().effect(name) for name in ("time-delay", "parallel-dashpot")]
-    found = diagnose(tests, MODEL, effects)
+def late():
+    return sweep("b", "fractional-maxwell + time-delay", np.append(THETA, DELAY))
+
+
+def yielding():
+    yields = springpot.parse_model("fractional-maxwell + series-spring")
+    blank = springpot.TimeTest.of_compliance(T, T, "kPa", name="b")
+    exact = recorded(yields, np.append(THETA, 900.0), blank).value
+    noise = 1.0 + 0.002 * np.random.default_rng(7).normal(size=len(T))
+    return springpot.TimeTest.of_compliance(T, exact * noise, "kPa", name="b")
+
+
+@pytest.mark.parametrize(("of", "effect"), [(late, "time-delay"), (yielding, "series-spring")])
+def test_an_effect_of_one_rig_of_three_is_found_there(of, effect):
+    effects = [springpot.plugins().effect(name) for name in (effect, "parallel-dashpot")]
+    found = diagnose([sweep("a"), of(), relaxation()], MODEL, effects)
     assert found.verdict == "effect-missing"
-    assert found.missing == ("time-delay:b",)
+    assert found.missing == (f"{effect}:b",)
