@@ -56,8 +56,8 @@ def test_a_delay_may_be_that_of_one_rig_of_three():
     late = sweep("b", "fractional-maxwell + time-delay", np.append(THETA, DELAY))
     model = springpot.parse_model(expression)
     fit = identify([sweep("a"), late, relaxation()], model)
-    assert fit.parameters["time-delay:b.tau"]["value"] == pytest.approx(DELAY, rel=0.02)
-    assert max(test.ratio for test in fit.tests) < 1.5
+    assert fit.parameters["time-delay:b.tau"].value == pytest.approx(DELAY, rel=0.02)
+    assert max(test.over_floor for test in fit.tests) < 1.5
     own, places = model.had_by(sweep("a"))
     assert own.name == "fractional-maxwell"
     assert places == [0, 1, 2]
@@ -115,4 +115,4 @@ def test_an_effect_of_one_rig_of_three_is_found_there(of, effect):
     effects = [springpot.plugins().effect(name) for name in (effect, "parallel-dashpot")]
     found = diagnose([sweep("a"), of(), relaxation()], MODEL, effects)
     assert found.verdict == "effect-missing"
-    assert found.missing == (f"{effect}:b",)
+    assert found.leading == (f"{effect}:b",)
