@@ -328,3 +328,17 @@ def test_a_discovery_from_tests_in_time_is_reported_and_drawn_as_one_of_sweeps(
         assert answer.plot(tmp_path / f"{i}.png").stat().st_size > 10_000
         assert "<" in answer._repr_html_()
         assert len(str(answer).splitlines()) > 2
+
+
+def test_a_predicted_test_has_the_asked_band_and_geometry(springpot, relaxed, crept, tmp_path):
+    fit = tmp_path / "fit.json"
+    fit.write_text(springpot("identify", relaxed, "-m", "fractional-maxwell", "--json").out)
+    words = ["predict", fit, "--history", crept, "--json"]
+    usual, wide = springpot(*words).json, springpot(*words, "--level", "0.99").json
+    assert (usual["level"], wide["level"]) == (0.95, 0.99)
+    pads = ["--geometry", "shear-pads area=1cm^2 gap=1mm"]
+    # The other side of a geometry is no modulus: it is looked through, and told.
+    springpot(*words, *pads).is_one_line("N/m")
+    told = springpot("predict", fit, "--frequency", "1", *pads)
+    assert told.code == 2
+    assert "--history" in told.err

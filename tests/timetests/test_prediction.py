@@ -11,7 +11,7 @@ import pytest
 import springpot
 from springpot.errors import DataError, ModelError
 from springpot.measurement import Measurement, TimeTest, Units
-from springpot.registry import parse_model
+from springpot.registry import parse_model, plugins
 from springpot.timetests import Known, TimeIdentification, identify, predict_test
 
 MODEL = parse_model("fractional-zener")
@@ -107,6 +107,13 @@ def test_what_was_written_predicts_the_same(fit, tmp_path):
     predicted = again.predict(omega=[1.0])
     assert predicted.stiffness[0] == pytest.approx(MODEL.stiffness(fit.theta, np.ones(1))[0])
     assert predicted.low.real[0] < predicted.storage[0] < predicted.high.real[0]
+
+
+def test_a_covariance_belongs_to_the_numbers_that_are_printed(fit):
+    """A mass in Mg, as kN/m have it, is printed in kg."""
+    heavy = replace(fit, model=MODEL + plugins().effect("inertia"), units=Units("kN/m", "mm"))
+    heavy = replace(heavy, spread=np.eye(len(heavy.model.names)))
+    assert heavy.covariance.diagonal().tolist() == [1.0, 1.0, 1.0, 1.0, 1e6]
 
 
 def test_what_was_held_is_told_and_held_again(tmp_path):

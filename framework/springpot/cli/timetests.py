@@ -271,6 +271,8 @@ def predict(
     identified: Identification | TimeIdentification,
     spec: str,
     temperature: float | None,
+    level: float,
+    geometry: str | None,
     output: Path | None,
     figure: Path | None,
     as_json: bool,
@@ -282,13 +284,11 @@ def predict(
     from springpot.files import write_text
     from springpot.timetests.prediction import predict_test
 
-    predicted = predict_test(identified, _asked(spec, temperature))
+    predicted = predict_test(identified, _asked(spec, temperature, geometry), level)
     if output is not None:
         write_text(output, _table_text(predicted))
     if figure is not None:
-        from springpot.report.timetests import figure_prediction
-
-        figure_prediction(predicted, figure)
+        predicted.plot(figure)
     notes = [f"note        {note}" for note in predicted.notes]
     emit(
         predicted,
@@ -300,7 +300,7 @@ def predict(
             print(f"written: {path}")
 
 
-def _asked(spec: str, temperature: float | None) -> Test:
+def _asked(spec: str, temperature: float | None, geometry: str | None) -> Test:
     """The test to be predicted: in time, measured or only planned, or else a sweep."""
     from dataclasses import replace
 
@@ -315,15 +315,16 @@ def _asked(spec: str, temperature: float | None) -> Test:
     # What is only planned has no answer yet, which a reader would else ask for.
     in_time = open_in_time(f"{spec}{mark}answer=none")
     if not in_time:
-        return opened(spec)
+        return opened(spec, geometry)
     if len(in_time) > 1:
         raise DataError(
             f"{spec}: {len(in_time)} tests; choose one by '#', such as {quoted(with_part(spec, 1))}"
         )
+    test = seen_through(in_time[0], geometry)
     if temperature is None:
-        return in_time[0]
+        return test
     # At one temperature: that which the file has from sample to sample would go before it.
-    return replace(in_time[0], temperature=temperature, warmth=None)
+    return replace(test, temperature=temperature, warmth=None)
 
 
 def _table_text(predicted: TestPrediction) -> str:

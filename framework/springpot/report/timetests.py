@@ -20,7 +20,7 @@ from springpot.timetests.recording import recorded
 from springpot.timetests.residuals_of_tests import InTimePart, Test, parts_of_specimen
 from springpot.timetests.result import TimeIdentification
 
-from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic, save
+from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -159,7 +159,7 @@ def _draw_sweep(
     logarithmic(row[2], "x")
 
 
-def figure_prediction(predicted: TestPrediction, path: str | Path | None = None) -> Figure:
+def figure_prediction(predicted: TestPrediction, path: str | Path | None = None) -> Figure | Path:
     """A predicted test with its band: over log and linear time, or K' and K'' over frequency.
 
     Parameters
@@ -167,12 +167,7 @@ def figure_prediction(predicted: TestPrediction, path: str | Path | None = None)
     predicted : TestPrediction
         The prediction.
     path : str or Path, optional
-        Where to write it.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The figure.
+        Where to write; what is returned and raised is told by `springpot.report.canvas.finished`.
     """
     with blank(9.0, 3.6) as figure:
         row = figure.subplots(1, 2)
@@ -193,9 +188,7 @@ def figure_prediction(predicted: TestPrediction, path: str | Path | None = None)
                 logarithmic(row[0], "x")
         row[0].set_title(f"{predicted.test}: {predicted.verdict}")
         row[0].legend()
-        if path is not None:
-            save(figure, path)
-    return figure
+        return finished(figure, path)
 
 
 def _draw_predicted(axes: Axes, predicted: TestPrediction, rows: slice) -> None:

@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.drawing import draw
 from springpot.measurement.covered import Covered
 from springpot.measurement.units import Units
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
 from .sizes import rms
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 SCHEMA = "springpot.prediction/2"
 VAGUE = 0.5
@@ -54,6 +60,8 @@ class TestPrediction:
         The error of these alone; nan where there are none.
     unit : str
         Of the value.
+    level : float
+        Probability of the band.
     judged : bool
         Whether the test was measured; otherwise there is nothing to judge by.
     outside : ndarray of bool, shape (m,)
@@ -91,6 +99,11 @@ class TestPrediction:
     judged: bool = True
     quantity: str = "value"
     clock: str = "Hz"
+    level: float = INTERVAL
+
+    def plot(self, path: str | Path | None = None) -> Figure | Axes | Path:
+        """The prediction with its band beside what was measured; see `springpot.drawing.draw`."""
+        return draw(self, path)
 
     @property
     def verdict(self) -> str:
@@ -160,7 +173,7 @@ class TestPrediction:
             "model": self.model,
             "data": self.test,
             "kind": self.kind,
-            "level": INTERVAL,
+            "level": self.level,
             "unit": self.unit,
             "verdict": self.verdict,
             "holds": self.holds,

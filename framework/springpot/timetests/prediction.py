@@ -39,7 +39,9 @@ NEAR = 2.0
 """Factor by which a time may lie beyond those that a fit saw and still be one of them."""
 
 
-def predict_test(known: Known | TimeIdentification | Identification, test: Test) -> TestPrediction:
+def predict_test(
+    known: Known | TimeIdentification | Identification, test: Test, level: float = INTERVAL
+) -> TestPrediction:
     """Predict a test and judge the prediction.
 
     Parameters
@@ -48,6 +50,8 @@ def predict_test(known: Known | TimeIdentification | Identification, test: Test)
         A fit to other tests of the specimen.
     test : TimeTest or Measurement
         The test.
+    level : float
+        Probability of the band.
 
     Returns
     -------
@@ -89,15 +93,12 @@ def predict_test(known: Known | TimeIdentification | Identification, test: Test)
     # Relative to the signal, so that tests in different units and of any kind are judged alike.
     share = (compared.value - compared.measured) / compared.size
     known_sd = reach(compared.by_theta, covariance)
-    wide = student(INTERVAL, known.dof) * known_sd
+    wide = student(level, known.dof) * known_sd
     # Independent reasons to be off: what the parameters leave open and the noise of the test.
     known_error = np.hypot(known_sd, compared.noise) / compared.size
     # One over a time is a frequency only nearly: what lies near the ends was seen.
     asked = compared.rate, _settings(test, compared, known.units)
     inside = ~known.covered.outside(*asked, NEAR)
-    error_inside = float("nan")
-    if inside.any():
-        error_inside = rms(share[inside])
     return TestPrediction(
         known.model.name,
         test.name,
@@ -112,7 +113,7 @@ def predict_test(known: Known | TimeIdentification | Identification, test: Test)
         # "Too much" is larger in size, whatever the sign of the response.
         float(np.mean(share * np.sign(compared.measured))),
         float(np.mean(inside)),
-        error_inside,
+        _rms_of(share[inside]),
         unit,
         ~inside,
         known.covered,
@@ -120,7 +121,15 @@ def predict_test(known: Known | TimeIdentification | Identification, test: Test)
         judged,
         quantity,
         clock,
+        level,
     )
+
+
+def _rms_of(share: Real) -> float:
+    """The root mean square; nan of nothing."""
+    if not len(share):
+        return float("nan")
+    return rms(share)
 
 
 def _require_its_conditions(model: Model, test: Test) -> None:

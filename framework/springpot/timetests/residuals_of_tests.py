@@ -278,14 +278,17 @@ def at_tests(effect: Effect, tests: Sequence[Test]) -> list[Effect]:
         names = dict.fromkeys(test.name for test in tests if isinstance(test, TimeTest))
         return [effect.of_one(name) for name in names if len(tests) > 1]
     there = at_rig(effect, tests)
-    sweeps = [test.name for test in tests if isinstance(test, Measurement)]
-    if not _is_rig(there) or not sweeps:
+    if not _is_rig(there) or len(tests) == 1:
         return [there]
-    # Several sweeps may be of as many rigs, of which one alone has it.
-    each = [there.of_one(name) for name in dict.fromkeys(sweeps) if len(sweeps) > 1]
-    if not there.in_time or len(sweeps) == len(tests):
-        return [there, *each]
-    return [there, there.at(SWEEPS), *each]
+    forms, sweeps = [there], [test for test in tests if isinstance(test, Measurement)]
+    if there.in_time and sweeps:
+        forms.append(there.at(SWEEPS))
+    # Of three rigs and more one alone may have it; of two both or that of the sweeps, as one sweep
+    # is all sweeps.
+    apart = [
+        test for test in tests if len(tests) > 2 and there.applies_to(test) and [test] != sweeps
+    ]
+    return forms + [there.of_one(name) for name in dict.fromkeys(test.name for test in apart)]
 
 
 def at_rigs(model: Model, tests: Sequence[Test]) -> Model:

@@ -113,8 +113,8 @@ class TimeIdentification:
         The parameters, in the units of the first test in time.
     low, high : ndarray, shape (p,)
         Ends of the 95 % intervals; infinite where the tests give none.
-    covariance : ndarray, shape (p, p)
-        Of the parameters.
+    spread : ndarray, shape (p, p)
+        Covariance of theta.
     tests : tuple of PartResult
         Each test beside its noise floor.
     reference : float
@@ -145,7 +145,7 @@ class TimeIdentification:
     theta: Real
     low: Real
     high: Real
-    covariance: Real
+    spread: Real
     tests: tuple[PartResult, ...]
     reference: float
     evaluations: int
@@ -200,7 +200,7 @@ class TimeIdentification:
         return Known(
             model,
             self.theta[:count],
-            self.covariance[:count, :count],
+            self.spread[:count, :count],
             self.units,
             self.reference,
             self.relative_rms,
@@ -283,12 +283,12 @@ class TimeIdentification:
             "relative_rms": self.relative_rms,
             "measured": self.covered,
             "tests": self.tests,
-            "covariance": self.in_printed_units(),
+            "covariance": self.covariance,
             "kept": {
                 "theta": self.theta,
                 "low": self.low,
                 "high": self.high,
-                "covariance": self.covariance,
+                "covariance": self.spread,
                 "units": asdict(self.units),
                 "reference": self.reference,
                 "converged": self.converged,
@@ -339,10 +339,11 @@ class TimeIdentification:
         vars(identified).update(notes=tuple(answer["notes"]))
         return identified
 
-    def in_printed_units(self) -> Real:
-        """Covariance (p, p) of the parameters as printed."""
+    @property
+    def covariance(self) -> Real:
+        """Covariance (p, p) of the free parameters in printed units, as ``model.names``."""
         factors = np.array([self.units.of(each.unit)[0] for each in self.model.parameters])
-        covariance: Real = self.covariance * np.outer(factors, factors)
+        covariance: Real = self.spread * np.outer(factors, factors)
         return covariance
 
     def plot(self, path: str | Path | None = None) -> Figure | Axes | Path:
