@@ -241,15 +241,17 @@ def at_rig(effect: Effect, tests: Sequence[Test]) -> Effect:
 
 def at_tests(effect: Effect, tests: Sequence[Test]) -> list[Effect]:
     """The forms in which tests of a specimen have an effect: all of them, or one rig alone."""
+    # One test by itself has nothing to be told from.
+    names = dict.fromkeys(test.name for test in tests if isinstance(test, TimeTest))
+    alone = [effect.of_one(name) for name in names if len(tests) > 1]
     if effect.applies_to.one:
-        # One test by itself has nothing to be told from.
-        names = dict.fromkeys(test.name for test in tests if isinstance(test, TimeTest))
-        return [effect.of_one(name) for name in names if len(tests) > 1]
+        return alone
     there = at_rig(effect, tests)
-    kinds = {isinstance(test, Measurement) for test in tests}
-    if not there.in_time or not _is_rig(there) or len(kinds) == 1:
+    if not there.in_time or not _is_rig(there):
         return [there]
-    return [there, there.at(SWEEPS)]
+    if any(isinstance(test, Measurement) for test in tests):
+        alone.append(there.at(SWEEPS))
+    return [there, *alone]
 
 
 def at_rigs(model: Model, tests: Sequence[Test]) -> Model:
