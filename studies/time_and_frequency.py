@@ -151,8 +151,12 @@ def report(found: Sequence[Row], joint: Sequence[tuple[int, TimeIdentification]]
     }
     own = [
         [
-            *(str(t), fit.model.name, test.kind, f"{100 * test.error:.3g}"),
-            *(f"{test.alone:.3g}", f"{test.ratio:.3g}", "yes" if test.agrees else "no"),
+            *(str(t), fit.model.name, test.kind, f"{100 * test.relative_rms:.3g}"),
+            *(
+                f"{test.over_floor_alone:.3g}",
+                f"{test.over_floor:.3g}",
+                "yes" if test.agrees else "no",
+            ),
         ]
         for t, fit in joint
         for test in fit.tests

@@ -120,3 +120,28 @@ def test_a_test_in_time_is_read_fitted_judged_and_compared_as_a_sweep_is(tmp_pat
     assert ladder.model.name == "fractional-kelvin + series-spring"
     compared = springpot.compare(test, ["maxwell", "fractional-maxwell"])
     assert compared.best.model.name == "fractional-maxwell"
+
+
+def test_another_test_of_any_kind_is_predicted_from_a_fit(tmp_path):
+    import json
+
+    model, t = springpot.parse_model("fractional-maxwell"), np.geomspace(0.02, 50.0, 60)
+    theta = model.theta(k=400.0, c=60.0, alpha=0.5)
+    noise = 1.0 + 0.01 * np.random.default_rng(1).normal(size=len(t))
+    relaxed = springpot.TimeTest.of_relaxation(t, noise * model.relaxation(theta, t), "kPa")
+    omega = np.geomspace(0.1, 30.0, 20)
+    sweep = springpot.Measurement(
+        omega, model.stiffness(theta, omega), units=springpot.Units("kPa")
+    )
+    fit = springpot.identify(relaxed, model)
+    predicted = springpot.predict(fit, sweep)
+    assert predicted.holds
+    wider = springpot.predict(fit, sweep, level=0.99)
+    assert np.all(wider.high - wider.low > predicted.high - predicted.low)
+    path = tmp_path / "fit.json"
+    path.write_text(json.dumps(fit.to_dict()))
+    assert springpot.predict(springpot.load(path), sweep).value == pytest.approx(predicted.value)
+    assert springpot.predict(springpot.identify(sweep, model), relaxed).kind == "relaxation"
+    assert predicted.plot(tmp_path / "predicted.png").stat().st_size > 10_000
+    with pytest.raises(SpringpotError, match="is no fit"):
+        springpot.predict(springpot.diagnose(relaxed, model), sweep)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:  # what a user's type checker sees; the table below is what happens
-    from springpot.api import compare, diagnose, discover, identify, mastercurve, read
+    from springpot.api import compare, diagnose, discover, identify, mastercurve, predict, read
     from springpot.comparison import Comparison
     from springpot.diagnosis import Diagnosis, Ladder
     from springpot.identification import Identification, Prediction
@@ -46,6 +46,7 @@ _WHERE = {
     "open_measurement": "springpot.registry",
     "parse_model": "springpot.registry",
     "plugins": "springpot.registry",
+    "predict": "springpot.api",
     "compare": "springpot.api",
     "diagnose": "springpot.api",
     "discover": "springpot.api",
@@ -80,6 +81,7 @@ __all__ = [
     "open_measurement",
     "parse_model",
     "plugins",
+    "predict",
     "read",
     "signals_to_measurement",
     "workbench",

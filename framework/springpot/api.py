@@ -35,18 +35,17 @@ from springpot.rheology.model import Model
 from springpot.superposition.curve import MasterCurve
 from springpot.superposition.curve import mastercurve as mastercurve_of
 from springpot.superposition.words import level_of
-from springpot.timetests.answer import TimeDiagnosis
-from springpot.timetests.comparing import TimeComparison
 from springpot.timetests.comparing import compare as compare_in_time
 from springpot.timetests.diagnosis import diagnose as diagnose_in_time
-from springpot.timetests.discovery import TimeLadder
 from springpot.timetests.discovery import discover as discover_in_time
 from springpot.timetests.fitting import identify as identify_in_time
+from springpot.timetests.predicted_test import TestPrediction
+from springpot.timetests.prediction import predict_test
 from springpot.timetests.residuals_of_tests import units_of
 from springpot.timetests.result import TimeIdentification
 
 from .judgement import standing_of
-from .thresholds import INTERVALS
+from .thresholds import INTERVAL, INTERVALS
 
 Data: TypeAlias = Test | str | Path | Sequence[Test | str | Path]
 """What users give: a test, its file or name, or several of one specimen."""
@@ -157,11 +156,6 @@ def identify(
     search |= {"intervals": intervals, "start": own_values(judged, units, start, "start")}
     data = sweep_of(tests)
     if data is None:
-        for name, usual in (("objective", None), ("intervals", "jacobian")):
-            if search.pop(name) != usual:
-                raise OptionError(
-                    f"{name} is for sweeps: residuals of tests in time are counted in their noise"
-                )
         return identify_in_time(tests, judged, **search)
     parts = [_model(part) for part in simpler]
     fit = identify_objects(data, judged, simpler=parts, **search)
@@ -180,7 +174,7 @@ def diagnose(
     bounds: Mapping[str, Bounds] | None = None,
     exclude: str | Sequence[str] = (),
     progress: Progress = silent,
-) -> Diagnosis | TimeDiagnosis:
+) -> Diagnosis:
     """Find which physical effect is missing from a model.
 
     Parameters
@@ -238,7 +232,7 @@ def discover(
     exclude: str | Sequence[str] = (),
     progress: Progress = silent,
     reached: Callable[[Any], None] | None = None,
-) -> Ladder | TimeLadder:
+) -> Ladder:
     """Add missing effects one by one and watch the error fall.
 
     Parameters
@@ -300,7 +294,7 @@ def compare(
     *,
     seed: int = 0,
     progress: Progress = silent,
-) -> Comparison | TimeComparison:
+) -> Comparison:
     """Judge models against the same noise floor.
 
     Their errors, where they fail, and how sure that is.
@@ -347,6 +341,43 @@ def compare(
     if judged is None:
         return rank(data, list(plugins().items("model")), library(), rng, progress)
     return compare_objects(data, judged, rng, progress)
+
+
+def predict(
+    fit: Identification | TimeIdentification,
+    test: Test | str | Path,
+    *,
+    level: float = INTERVAL,
+) -> TestPrediction:
+    """What a fit says of another test of the specimen, and whether that holds.
+
+    Parameters
+    ----------
+    fit : Identification or TimeIdentification
+        Of a sweep or of tests in time; `load` reads one from its file.
+    test : Measurement, TimeTest, str or Path
+        Any test that it was not fitted to, or its name as for `read`.
+    level : float
+        Probability of the band.
+
+    Raises
+    ------
+    SpringpotError
+        If the test lacks a condition that the model needs, or its unit is of another kind.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> fit = springpot.identify("artificial-hidden@frequency=..5", "fractional-maxwell + inertia")
+    >>> springpot.predict(fit, "artificial-hidden@frequency=5..").kind
+    'sweep'
+    """
+    if not isinstance(fit, Identification | TimeIdentification):
+        raise DataError(f"{_shown(fit)} is no fit: give what `identify` or `load` returned")
+    asked = _tests(test)
+    if len(asked) > 1:
+        raise DataError(f"{len(asked)} tests: predict one at a time")
+    return predict_test(fit, asked[0], level)
 
 
 def mastercurve(

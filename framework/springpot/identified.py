@@ -18,7 +18,8 @@ from springpot.measurement.units import MODULUS_UNITS, Units, known_unit
 from springpot.registry import parse_model, plugins
 from springpot.rheology.parameters import Dimension
 from springpot.rheology.points import ROOM
-from springpot.timetests.prediction import Known
+from springpot.timetests.known import Known
+from springpot.timetests.result import TimeIdentification
 
 
 def fitted(path: str | Path) -> Known:
@@ -30,11 +31,8 @@ def fitted(path: str | Path) -> Known:
         If the file cannot be read or is no fit.
     """
     answer = load(path)
-    if isinstance(answer, Identification):
+    if isinstance(answer, Identification | TimeIdentification):
         return Known.of(answer)
-    # A fit of tests in time is kept as one already.
-    if isinstance(answer, Known):
-        return answer
     raise DataError(f"{path} is no fit: give the output of 'springpot identify ... --json'")
 
 

@@ -20,32 +20,14 @@ from springpot.identification.objective import Objective, default_objective
 from springpot.identification.result import Identification
 from springpot.inputs import json_of, text_in
 from springpot.registry import parse_model, plugins
+from springpot.timetests.result import TimeIdentification
 
 from .judgement import standing_of
-from .kept_in_time import (
-    KeptTimeComparison,
-    KeptTimeDiagnosis,
-    KeptTimeFit,
-    KeptTimeLadder,
-    comparison_in_time,
-    diagnosis_in_time,
-    fit_in_time,
-    ladder_in_time,
-)
 
 AGAIN = "give the output of a command of springpot with --json"
 
 
-Loaded: TypeAlias = (
-    Identification
-    | Diagnosis
-    | Ladder
-    | Comparison
-    | KeptTimeFit
-    | KeptTimeDiagnosis
-    | KeptTimeLadder
-    | KeptTimeComparison
-)
+Loaded: TypeAlias = Identification | TimeIdentification | Diagnosis | Ladder | Comparison
 
 
 def load(path: str | Path) -> Loaded:
@@ -58,9 +40,8 @@ def load(path: str | Path) -> Loaded:
 
     Returns
     -------
-    Identification, Diagnosis, KeptLadder or KeptComparison
-        By the schema that the file names; of tests in time a KeptTimeFit, KeptTimeDiagnosis,
-        KeptTimeLadder or KeptTimeComparison.
+    Identification, TimeIdentification, Diagnosis, Ladder or Comparison
+        By the schema that the file names: what the command or `to_dict` told of.
 
     Raises
     ------
@@ -108,7 +89,10 @@ def _read(path: Path) -> Any:
         ) from None
 
 
-def _fit(answer: dict[str, Any]) -> Identification:
+def _fit(answer: dict[str, Any]) -> Identification | TimeIdentification:
+    # That of a sweep holds the measurement, so that residuals and pictures come back too.
+    if "measurement" not in answer["kept"]:
+        return TimeIdentification.from_dict(answer)
     objective = _objective(answer["objective"]["name"], answer["kept"])
     return Identification.from_dict(answer, parse_model(answer["model"]), objective, standing_of)
 
@@ -135,8 +119,4 @@ _KNOWN: dict[str, Callable[[dict[str, Any]], Loaded]] = {
     "springpot.diagnosis/2": Diagnosis.from_dict,
     "springpot.discovery/2": Ladder.from_dict,
     "springpot.comparison/2": _comparison,
-    "springpot.identification-in-time/1": fit_in_time,
-    "springpot.diagnosis-in-time/1": diagnosis_in_time,
-    "springpot.discovery-in-time/1": ladder_in_time,
-    "springpot.comparison-in-time/1": comparison_in_time,
 }

@@ -47,14 +47,14 @@ def number(value: float | None, missing: float = nan) -> float:
     return float(value)
 
 
-def alive(part: T | None, what: str) -> T:
+def alive(part: object, kind: type[T], what: str) -> T:
     """What is behind an answer, where it was asked for in this program.
 
     Raises
     ------
     DataError
-        If the answer is from a file, which holds what was said and not the fits behind it.
+        If there is no such thing behind it: a file holds what was said, and not the fits.
     """
-    if part is None:
-        raise DataError(f"{what} is from a file, without the fits behind it: ask the data again")
+    if not isinstance(part, kind):
+        raise DataError(f"{what} of a file, or of tests in time, has no {kind.__name__} behind it")
     return part

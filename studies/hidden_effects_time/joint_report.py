@@ -97,10 +97,10 @@ def judged(case: JointCase, index: int, effects: Sequence[Any]) -> JointVerdict:
         where=case.found.where,
         visible=case.visible,
         verdict=found.verdict,
-        missing=found.missing,
+        missing=found.leading,
         before=found.error.over_floor,
         after=after,
-        right=bool(case.truth & set(found.missing)),
+        right=bool(case.truth & set(found.leading)),
         seconds=seconds,
     )
 

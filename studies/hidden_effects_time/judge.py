@@ -108,7 +108,7 @@ def judged(case: Case, index: int, effects: Sequence[Any]) -> Verdict:
         memory=case.memory,
         visible=_squares(left, case) - _squares(oracle, case),
         verdict=found.verdict,
-        missing=found.missing,
+        missing=found.leading,
         delta=delta,
         after=best,
         oracle=_rms(oracle) / size,

@@ -16,7 +16,7 @@ def test_numbers_table_and_picture_agree(springpot, fit, tmp_path):
     pytest.importorskip("matplotlib")
     table, picture = tmp_path / "predicted.csv", tmp_path / "predicted.png"
     answer = springpot("predict", fit, "--frequency", "0,1,5", "--json").json
-    assert answer["schema"] == "springpot.prediction/1"
+    assert answer["schema"] == "springpot.prediction/2"
     assert [row["storage"] > row["storage_low"] for row in answer["points"][1:]] == [True, True]
     assert answer["points"][0]["storage"] == 0.0
     told = springpot("predict", fit, "--frequency", "1..10", "-o", table, "--figure", picture)

@@ -64,7 +64,7 @@ def test_a_delay_of_the_sweep_is_fitted_beside_a_relaxation(springpot, swept, re
 
 def test_identify_from_one_test(springpot, relaxed):
     answer = springpot("identify", relaxed, "--model", "fractional-maxwell", "--json").json
-    assert answer["schema"] == "springpot.identification-in-time/1"
+    assert answer["schema"] == "springpot.identification/2"
     assert answer["parameters"]["k"]["low"] < 400.0 < answer["parameters"]["k"]["high"]
     assert answer["tests"][0]["over_floor"] == pytest.approx(1.0, abs=0.25)
     assert np.array(answer["covariance"]).shape == (3, 3)
@@ -137,7 +137,7 @@ def test_export_from_a_fit_to_tests_in_time(springpot, fit):
 @pytest.mark.soak
 def test_diagnose_judges_the_raw_signal(springpot, relaxed):
     answer = springpot("diagnose", relaxed, "-m", "fractional-maxwell", "--json").json
-    assert answer["schema"] == "springpot.diagnosis-in-time/1"
+    assert answer["schema"] == "springpot.diagnosis/2"
     assert answer["verdict"] == "adequate"
     assert springpot("diagnose", relaxed, "--json").json["model"] == "material"
 
@@ -179,7 +179,7 @@ def test_parameters_are_held_bounded_and_begun_at_as_in_sweeps(springpot, relaxe
 def test_samples_are_left_out_by_time_number_and_name(springpot, relaxed, crept):
     def points(*words):
         told = springpot("identify", relaxed, crept, "-m", "fractional-maxwell", *words, "--json")
-        return {test["data"]: test["points"] for test in told.json["tests"]}
+        return {test["name"]: test["points"] for test in told.json["tests"]}
 
     whole = points()
     names = list(whole)
@@ -307,3 +307,38 @@ def test_which_of_several_absent_effects_is_absent_is_no_news(springpot, relaxed
         "cannot tell apart"
         not in springpot("diagnose", relaxed, "--model", "fractional-maxwell").out
     )
+
+
+def test_a_discovery_from_tests_in_time_is_reported_and_drawn_as_one_of_sweeps(
+    springpot, relaxed, swept, tmp_path
+):
+    import springpot as package
+
+    page = tmp_path / "story.html"
+    words = ["-m", "fractional-kelvin", "--accept", "series-spring"]
+    told = springpot("discover", relaxed, *words, "--report", page)
+    assert told.code == 0, told.err
+    text = page.read_text()
+    for word in ("What is missing from fractional-kelvin?", "series-spring", "To repeat this"):
+        assert word in text
+    assert "nan" not in text.lower().replace("nanometer", "")
+    ladder = package.discover(relaxed, "fractional-kelvin", accept="series-spring")
+    compared = package.compare(relaxed, ["maxwell", "fractional-maxwell"])
+    for i, answer in enumerate((ladder, ladder.diagnosis, compared, ladder.steps[-1].examined)):
+        assert answer.plot(tmp_path / f"{i}.png").stat().st_size > 10_000
+        assert "<" in answer._repr_html_()
+        assert len(str(answer).splitlines()) > 2
+
+
+def test_a_predicted_test_has_the_asked_band_and_geometry(springpot, relaxed, crept, tmp_path):
+    fit = tmp_path / "fit.json"
+    fit.write_text(springpot("identify", relaxed, "-m", "fractional-maxwell", "--json").out)
+    words = ["predict", fit, "--history", crept, "--json"]
+    usual, wide = springpot(*words).json, springpot(*words, "--level", "0.99").json
+    assert (usual["level"], wide["level"]) == (0.95, 0.99)
+    pads = ["--geometry", "shear-pads area=1cm^2 gap=1mm"]
+    # The other side of a geometry is no modulus: it is looked through, and told.
+    springpot(*words, *pads).is_one_line("N/m")
+    told = springpot("predict", fit, "--frequency", "1", *pads)
+    assert told.code == 2
+    assert "--history" in told.err

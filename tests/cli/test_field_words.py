@@ -82,6 +82,7 @@ def test_far_from_the_noise_without_a_pattern_is_no_noise(springpot, write, rng)
 
     class Quiet(Judgement):
         fails = False
+        refit = property(lambda self: self.fitted)
 
     def judged(size):
         known = SimpleNamespace(dof=40)
@@ -158,15 +159,15 @@ def test_an_answer_in_time_fits_the_window():
         delta_bic=1234.5,
         over_floor=1.02,
         says="a mass " * 20,
-        parameters={"inertia.m": {"value": 0.25, "unit": "kg"}},
+        parameters={"m": Some(value=0.25, unit="kg")},
     )
     found = Some(
-        base=Some(model=Some(name="zener")),
+        model=Some(name="zener"),
         verdict="effect-missing",
         says="the error is " * 12,
         where=[Some(says="record is missed most " * 8)],
         candidates=[each],
-        missing=("inertia",),
+        leading=("inertia",),
         classes=[("inertia", "specimen-inertia")],
         left_out={},
     )

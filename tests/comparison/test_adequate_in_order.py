@@ -26,3 +26,10 @@ def test_one_that_is_nearer_stays():
 def test_a_richer_one_that_is_rejected_says_nothing_of_a_simpler_one():
     simple, rejected = judged(3, 0.15), judged(6, 0.11)
     assert _no_worse_than_rejected([simple], [simple, rejected]) == [simple]
+
+
+def test_of_two_alike_the_rejected_one_decides():
+    adequate, rejected = judged(3, 0.15), judged(3, 0.15)
+    # Two models, however alike.
+    rejected.name = "other"
+    assert _no_worse_than_rejected([adequate], [adequate, rejected]) == []

@@ -127,6 +127,7 @@ def test_a_diagnosis_tells_the_parameters_of_the_model_that_it_judges(ladder, tm
     assert diagnosis.parameters == first.parameters
     k = diagnosis.parameters["k"]
     assert k.low < k.value < k.high
+    assert k.determined
     assert f"fitted: k {k.value:.0f} [" in str(diagnosis)
     assert str(ladder).count("fitted: ") == 0  # a discovery has them in a table already
     assert ">alpha</td>" in diagnosis._repr_html_()

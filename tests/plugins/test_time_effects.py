@@ -148,7 +148,7 @@ def test_a_named_effect_is_identified_with_the_model():
     exact = recorded(model, truth, TimeTest.of_relaxation(t, t, "kPa")).value
     noise = 0.3 * np.random.default_rng(2).normal(size=len(t))
     found = identify(TimeTest.of_relaxation(t, exact + noise, "kPa"), model)
-    low, high = found.interval
+    low, high = found.low, found.high
     assert np.all((low < truth) & (truth < high))
     with pytest.raises(ModelError, match="cannot be seen in such a test"):
         identify(TimeTest.of_compliance(t, MODEL.creep(THETA, t), "kPa"), model)

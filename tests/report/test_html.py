@@ -135,6 +135,19 @@ def test_every_rung_is_in_it_with_what_each_effect_would_do(page, ladder):
     assert given["excluded"] == []
 
 
+@pytest.mark.usefixtures("unpainted")
+def test_only_the_first_step_and_the_last_are_unfolded():
+    three = springpot.discover(measured(), "kelvin", accept=["inertia", "relaxation-mode"])
+    found = re.findall(
+        r"<details( open(?:=\"\")?)?><summary>Step (\d)", report_html(three, measured(), COMMAND)
+    )
+    assert [(bool(unfolded), number) for unfolded, number in found] == [
+        (True, "0"),
+        (False, "1"),
+        (True, "2"),
+    ]
+
+
 def test_points_that_no_model_was_fitted_to_are_named(ladder):
     whole = measured()
     more = Measurement(

@@ -37,3 +37,18 @@ def test_every_axis_names_what_it_shows():
     assert labels[0::3] == ["stress [kPa]", "strain [-]", "storage modulus [kPa]"]
     assert labels[7] == "loss modulus [kPa]"
     assert [one.get_xlabel() for one in axes[6:]] == ["ω [rad/s]"] * 3
+
+
+@pytest.mark.parametrize(("decades", "scale"), [(2.0, "log"), (0.5, "linear")])
+def test_a_response_of_more_than_a_decade_has_a_logarithmic_axis(decades: float, scale: str):
+    pytest.importorskip("matplotlib")
+    from springpot.report.timetests import figure_tests
+
+    t = np.geomspace(0.1, 10.0, 20)
+    test = TimeTest.of_relaxation(t, 10.0 ** -np.linspace(0.0, decades, 20), "kPa")
+    by_log_time, by_time, residual = figure_tests(
+        identify(test, parse_model("maxwell")), [test]
+    ).axes
+    assert [by_log_time.get_xscale(), by_log_time.get_yscale()] == ["log", scale]
+    assert [by_time.get_xscale(), by_time.get_yscale()] == ["linear", "linear"]
+    assert residual.get_yscale() == "linear"

@@ -22,6 +22,7 @@ from springpot.rheology import (
     dashpot,
     mass,
     parallel,
+    recursion,
     series,
     shift,
     spring,
@@ -573,3 +574,22 @@ def test_times_before_the_step_are_refused():
 def test_a_fluid_that_was_under_force_is_refused():
     with pytest.raises(ModelError, match="begin at 0"):
         MODELS["maxwell"].respond_force([1.0, 2.0], [0.0, 1.0], [1.0, 1.0])
+
+
+@pytest.mark.parametrize("turned", [1.0, 1.0 + 0.3j])
+def test_even_samples_are_driven_as_uneven_ones(rng: np.random.Generator, turned: complex):
+    n, m = 5000, 40
+    rates = np.geomspace(1e-4, 1e5, m) * turned
+    changes, mix = rng.normal(size=n), rng.normal(size=(m, 3))
+    rate_mix = rng.normal(size=(m, 3)) / np.abs(rates)[:, None]
+    even = np.full(n, 0.01)
+    # One sample that comes late by little more than scatter: the same history, the other way.
+    late = even.copy()
+    late[-1] *= 1.0 + 1e-8
+    found = recursion.driven(rates, even, changes, mix, rate_mix)
+    expected = recursion.driven(rates, late, changes, mix, rate_mix)
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-8 * np.abs(expected).max())
+    earlier = slice(None, -1)
+    np.testing.assert_allclose(
+        found[earlier], expected[earlier], rtol=0.0, atol=1e-12 * np.abs(expected).max()
+    )

@@ -8,7 +8,7 @@ import pytest
 import springpot
 from springpot.errors import ModelError
 from springpot.rheology import Effect, on_response, parallel, spring
-from springpot.timetests import identify, recorded
+from springpot.timetests import diagnose, identify, recorded
 from springpot.timetests.exponentials import quick_parts
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 from springpot.timetests.score import Scan
@@ -56,8 +56,8 @@ def test_a_delay_may_be_that_of_one_rig_of_three():
     late = sweep("b", "fractional-maxwell + time-delay", np.append(THETA, DELAY))
     model = springpot.parse_model(expression)
     fit = identify([sweep("a"), late, relaxation()], model)
-    assert fit.parameters["time-delay:b.tau"]["value"] == pytest.approx(DELAY, rel=0.02)
-    assert max(test.ratio for test in fit.tests) < 1.5
+    assert fit.parameters["time-delay:b.tau"].value == pytest.approx(DELAY, rel=0.02)
+    assert max(test.over_floor for test in fit.tests) < 1.5
     own, places = model.had_by(sweep("a"))
     assert own.name == "fractional-maxwell"
     assert places == [0, 1, 2]
@@ -96,3 +96,23 @@ def test_a_law_may_be_held():
     assert np.array_equal(fixed.by_theta, np.delete(free.by_theta, 3, axis=1))
     still = recorded(held.fixed_at(np.delete(theta, 3)), np.empty(0), test)
     assert np.allclose(still.value, free.value, rtol=1e-5)
+
+
+def late():
+    return sweep("b", "fractional-maxwell + time-delay", np.append(THETA, DELAY))
+
+
+def yielding():
+    yields = springpot.parse_model("fractional-maxwell + series-spring")
+    blank = springpot.TimeTest.of_compliance(T, T, "kPa", name="b")
+    exact = recorded(yields, np.append(THETA, 900.0), blank).value
+    noise = 1.0 + 0.002 * np.random.default_rng(7).normal(size=len(T))
+    return springpot.TimeTest.of_compliance(T, exact * noise, "kPa", name="b")
+
+
+@pytest.mark.parametrize(("of", "effect"), [(late, "time-delay"), (yielding, "series-spring")])
+def test_an_effect_of_one_rig_of_three_is_found_there(of, effect):
+    effects = [springpot.plugins().effect(name) for name in (effect, "parallel-dashpot")]
+    found = diagnose([sweep("a"), of(), relaxation()], MODEL, effects)
+    assert found.verdict == "effect-missing"
+    assert found.leading == (f"{effect}:b",)

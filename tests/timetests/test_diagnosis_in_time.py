@@ -30,7 +30,7 @@ def record(effect=None, values=(), seed=1):
 def test_nothing_is_missing_where_nothing_is():
     found = diagnose(record(), MODEL, library())
     assert found.verdict == "adequate"
-    assert found.missing == ()
+    assert found.leading == ()
     assert {each.verdict for each in found.candidates} <= {"absent"}
     # It has no law in time.
     assert "phase-error" not in {each.effect for each in found.candidates}
@@ -49,16 +49,14 @@ def test_nothing_is_missing_where_nothing_is():
 def test_what_is_missing_is_named_with_its_size(effect, values):
     found = diagnose(record(effect, values), MODEL, library())
     assert found.verdict == "effect-missing"
-    assert found.missing == (effect,)
+    assert found.leading == (effect,)
     best = found.candidates[0]
     assert best.over_floor < 1.25
     [first, *_] = best.parameters.values()
     if effect == "cubic-stiffness":
         assert any("where the motion turns" in place.says for place in found.where)
     # N/mm s^2 are 1,000 kg.
-    assert first["value"] == pytest.approx(
-        values[0] * (1e3 if first["unit"] == "kg" else 1.0), rel=0.1
-    )
+    assert first.value == pytest.approx(values[0] * (1e3 if first.unit == "kg" else 1.0), rel=0.1)
 
 
 def test_what_no_effect_explains_is_called_unexplained():
@@ -98,7 +96,7 @@ def test_a_drift_in_a_relaxation_leaves_no_rival_absent_and_makes_no_fit_worse_t
     names = ("force-drift", "finite-ramp")
     effects = [each for each in plugins().items("effect") if each.name in names]
     found = diagnose(test, model, [*effects, plugins().effect("parallel-spring")])
-    assert found.missing == ("force-drift",)
+    assert found.leading == ("force-drift",)
     assert {each.effect: each.verdict for each in found.candidates}[
         "parallel-spring"
     ] == "cannot-tell"

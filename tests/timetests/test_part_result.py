@@ -9,7 +9,7 @@ import pytest
 from springpot.measurement import Measurement
 from springpot.registry import parse_model
 from springpot.timetests.residuals_of_tests import SweepPart
-from springpot.timetests.result import PartResult
+from springpot.timetests.result import part_result
 
 OMEGA = np.geomspace(0.1, 100.0, 40)
 MODEL = parse_model("kelvin")
@@ -19,7 +19,7 @@ EXACT = MODEL.stiffness(THETA, OMEGA)
 
 def result_of(sd, stiffness):
     part = SweepPart(Measurement(OMEGA, stiffness, sd=sd, name="sweep"))
-    return PartResult.of(part, MODEL, THETA, 293.15, 1.0)
+    return part_result(part, MODEL, THETA, 293.15, 1.0)
 
 
 def test_error_and_floor_of_a_sweep_are_the_differences_over_the_magnitude():
@@ -28,14 +28,14 @@ def test_error_and_floor_of_a_sweep_are_the_differences_over_the_magnitude():
     size = np.abs(EXACT)
     found = result_of(0.02 * size * (1.0 + 1.0j), EXACT + 0.03 * size * noise)
     measured = np.abs(EXACT + 0.03 * size * noise)
-    assert found.floor == pytest.approx(
+    assert found.noise_floor == pytest.approx(
         np.sqrt(np.mean(2.0 * (0.02 * size / measured) ** 2)), rel=1e-9
     )
-    assert found.error == pytest.approx(
+    assert found.relative_rms == pytest.approx(
         np.sqrt(np.mean(2.0 * (0.03 * size / measured) ** 2)), rel=1e-9
     )
-    assert found.ratio == pytest.approx(1.5, rel=1e-9)
-    assert found.error == pytest.approx(found.ratio * found.floor, rel=1e-9)
+    assert found.over_floor == pytest.approx(1.5, rel=1e-9)
+    assert found.relative_rms == pytest.approx(found.over_floor * found.noise_floor, rel=1e-9)
 
 
 def test_a_test_agrees_while_it_leaves_hardly_more_than_with_parameters_of_its_own():

@@ -11,8 +11,8 @@ import pytest
 import springpot
 from springpot.errors import DataError, ModelError
 from springpot.measurement import Measurement, TimeTest, Units
-from springpot.registry import parse_model
-from springpot.timetests import Known, identify, predict_test
+from springpot.registry import parse_model, plugins
+from springpot.timetests import Known, TimeIdentification, identify, predict_test
 
 MODEL = parse_model("fractional-zener")
 TRUE = MODEL.theta(k1=50.0, k2=400.0, c=60.0, alpha=0.55)
@@ -102,11 +102,29 @@ def test_what_was_written_predicts_the_same(fit, tmp_path):
     path = tmp_path / "fit.json"
     path.write_text(json.dumps(fit.to_dict()))
     again = springpot.load(path)
-    assert isinstance(again, Known)
+    assert isinstance(again, TimeIdentification)
     assert np.array_equal(predict_test(again, crept()).high, predict_test(fit, crept()).high)
     predicted = again.predict(omega=[1.0])
     assert predicted.stiffness[0] == pytest.approx(MODEL.stiffness(fit.theta, np.ones(1))[0])
     assert predicted.low.real[0] < predicted.storage[0] < predicted.high.real[0]
+
+
+def test_a_covariance_belongs_to_the_numbers_that_are_printed(fit):
+    """A mass in Mg, as kN/m have it, is printed in kg."""
+    heavy = replace(fit, model=MODEL + plugins().effect("inertia"), units=Units("kN/m", "mm"))
+    heavy = replace(heavy, spread=np.eye(len(heavy.model.names)))
+    assert heavy.covariance.diagonal().tolist() == [1.0, 1.0, 1.0, 1.0, 1e6]
+
+
+def test_what_was_held_is_told_and_held_again(tmp_path):
+    fit = identify(relaxed(), MODEL.holding({"alpha": 0.5}, {"k1": (1.0, 60.0)}))
+    path = tmp_path / "fit.json"
+    path.write_text(json.dumps(fit.to_dict()))
+    again = springpot.load(path)
+    assert again.parameters == fit.parameters
+    assert str(again["alpha"]) == "0.5 (fixed)"
+    assert again.model.parameters == fit.model.parameters
+    assert np.array_equal(predict_test(again, crept()).high, predict_test(fit, crept()).high)
 
 
 def test_a_stiffness_is_no_modulus(fit):
@@ -153,7 +171,7 @@ def test_a_joint_fit_knows_what_its_tests_measured_and_keeps_it(tmp_path):
     path = tmp_path / "fit.json"
     path.write_text(json.dumps(joint.to_dict()))
     again = springpot.load(path)
-    for known in (Known.of(joint), again):
+    for known in (Known.of(joint), Known.of(again)):
         assert known.covered.rate == pytest.approx((0.03, 1.0 / T[0]), rel=1e-6)
         assert known.covered.conditions["temperature"] == (20.0, 25.0)
         asked = np.array([1e-4, 1.0, 1e9])
@@ -170,12 +188,6 @@ def test_a_joint_fit_knows_what_its_tests_measured_and_keeps_it(tmp_path):
         assert cold.inside == 0.0
         assert "temperature of 20 to 25 [degC]" in cold.notes[0]
         assert all(point["outside_measured"] for point in cold.to_dict()["points"])
-
-
-def test_an_older_file_still_predicts(fit):
-    kept = fit.to_dict()
-    del kept["measured"]
-    assert Known.read(kept, MODEL).covered.rate == Known.of(fit).covered.rate
 
 
 def test_a_fit_of_one_modulus_is_no_prediction_of_another():

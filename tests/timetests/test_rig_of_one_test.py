@@ -35,4 +35,4 @@ def test_what_the_rig_of_the_creep_test_has_is_said_of_it_alone(name, size):
     library = [plugins().effect(each) for each in (name, "test-gain", "finite-ramp")]
     found = diagnose(tests, "fractional-maxwell", library)
     assert found.verdict == "effect-missing"
-    assert f"{name}:creep" in found.missing
+    assert f"{name}:creep" in found.leading

@@ -81,9 +81,9 @@ def test_an_activation_energy_is_found_from_one_record(tmp_path):
     assert test.temperature == pytest.approx(40.0)
     found = identify(test, MODEL)
     row = found.parameters["arrhenius-shift.Ea"]
-    assert row["low"] < 80.0 < row["high"]
-    assert row["high"] - row["low"] < 10.0
-    assert found.tests[0].ratio < 1.15
+    assert row.low < 80.0 < row.high
+    assert row.high - row.low < 10.0
+    assert found.tests[0].over_floor < 1.15
 
 
 @pytest.mark.soak
@@ -127,8 +127,8 @@ def test_a_drift_is_told_from_a_record_that_warms():
         replace(blank, response=exact + noise), parse_model(f"{MODEL.name} + force-drift")
     )
     row = found.parameters["force-drift.rate"]
-    assert row["low"] < 0.004 < row["high"]
-    assert found.tests[0].ratio < 1.15
+    assert row.low < 0.004 < row.high
+    assert found.tests[0].over_floor < 1.15
 
 
 def test_what_cannot_follow_it_is_refused_by_name():

@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from springpot.errors import OptionError
-
 from . import completion, timetests
 from .common import (
     FILE,
@@ -113,9 +111,8 @@ def command(
     arguments = {"accept": effects, "seed": seed or 0, **known_from(options)}
     tests = timetests.named_tests([data], geometry)
     if tests is not None:
-        if report is not None:
-            raise OptionError("--report is for sweeps: leave it out for tests in time")
-        timetests.discover(tests, figure, as_json, {"model": expression, **arguments})
+        asked = {"model": expression, **arguments}
+        timetests.discover(tests, figure, report, again, as_json, asked)
         return 0
     measurement = opened(data, geometry)
     ladder, code = _climbed(measurement, expression, **arguments)

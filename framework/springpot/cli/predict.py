@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import timetests
-from .common import DATA, FILE, INPUT, emit, json_option
+from .common import DATA, FILE, INPUT, emit, geometry_option, json_option
 
 if TYPE_CHECKING:
     from springpot.identification.prediction import Prediction
@@ -56,6 +56,7 @@ Eight and more for each decade of a usual sweep.
 @click.option(
     "--figure", type=FILE, metavar="FILE", help="Draw the prediction (.png, .svg or .pdf)."
 )
+@geometry_option
 @json_option
 def command(
     fit: Path,
@@ -67,6 +68,7 @@ def command(
     level: float,
     output: Path | None,
     figure: Path | None,
+    geometry: str | None,
     as_json: bool,
 ) -> None:
     """Storage and loss of the model of FIT.json at other frequencies, temperatures or amplitudes.
@@ -81,22 +83,19 @@ def command(
     from springpot.identification.result import Identification
     from springpot.loading import load
     from springpot.report.canvas import check_figure_path
-    from springpot.timetests.prediction import Known
+    from springpot.timetests.result import TimeIdentification
 
     # A path that cannot be written is told before anything is worked out.
     if output is not None:
         require_writable(output)
     if figure is not None:
         check_figure_path(figure)
-    # Hz and rad/s have no common default: a wrong guess would be off by a factor of six, unseen.
-    if [frequency, omega, history].count(None) != 2:
-        advice = "give --frequency (Hz) or --omega (rad/s), or a --history"
-        raise click.UsageError(advice, click.get_current_context())
+    _require_one_question(frequency, omega, history, geometry)
     known = load(fit)
-    if not isinstance(known, Identification | Known):
+    if not isinstance(known, Identification | TimeIdentification):
         raise DataError(f"{fit} is no fit: give the output of 'springpot identify ... --json'")
     if history is not None:
-        timetests.predict(known, history, temperature, output, figure, as_json)
+        timetests.predict(known, history, temperature, level, geometry, output, figure, as_json)
         return
     asked: dict[str, Any] = {"temperature": temperature, "amplitude": amplitude, "level": level}
     if frequency is not None:
@@ -112,6 +111,19 @@ def command(
     for path in (output, figure):
         if path is not None and not as_json:
             print(f"\nwritten: {path}")
+
+
+def _require_one_question(
+    frequency: str | None, omega: str | None, history: str | None, geometry: str | None
+) -> None:
+    """Refuse what asks for nothing, or for several things at once."""
+    # Hz and rad/s have no common default: a wrong guess would be off by a factor of six, unseen.
+    if [frequency, omega, history].count(None) != 2:
+        advice = "give --frequency (Hz) or --omega (rad/s), or a --history"
+        raise click.UsageError(advice, click.get_current_context())
+    if geometry is not None and history is None:
+        advice = "--geometry is that of a --history: frequencies have none"
+        raise click.UsageError(advice, click.get_current_context())
 
 
 def numbers(text: str) -> list[float]:

@@ -10,17 +10,14 @@ from typing import TYPE_CHECKING, Any
 from .common import emit, note_to_stderr, opened, quoted, seen_through, turned, window
 
 if TYPE_CHECKING:
+    from springpot.diagnosis.result import Diagnosis
     from springpot.identification.result import Identification
     from springpot.measurement.timetest import TimeTest
     from springpot.rheology.model import Model
-    from springpot.timetests.answer import TimeDiagnosis
     from springpot.timetests.predicted_test import TestPrediction
-    from springpot.timetests.prediction import Known
     from springpot.timetests.residuals_of_tests import Test
     from springpot.timetests.result import TimeIdentification
 
-MOST_DRAWN = 4
-"""Models in one picture: more colours are not told apart."""
 WHERE = ("within", "outside")
 """What tables say of a point that lies within, or outside of, what was measured."""
 FAR_OFF = 2.0
@@ -88,9 +85,7 @@ def identify(
             stack.enter_context(Waiting()).told(f"fitting {model.name}")
         fit: Any = identified_from(tests, model, **options)
     if figure is not None:
-        from springpot.report.timetests import figure_tests
-
-        figure_tests(fit, tests, figure)
+        fit.plot(figure)
     emit(fit, as_json, lambda: _show(fit, figure, data, model.name))
 
 
@@ -103,7 +98,7 @@ def _show(
     if figure is not None:
         print(f"figure      {figure}")
     # The worst of the tests decides: a long record must not hide a short one that the model misses.
-    judged = max(test.ratio for test in identified.tests)
+    judged = max(test.over_floor for test in identified.tests)
     if judged > FAR_OFF:
         named = " ".join(map(quoted, data))
         print(f"\nnext: springpot diagnose {named} --model {quoted(expression)}")
@@ -124,9 +119,7 @@ def compare(
     with Waiting() as waiting:
         comparison: Any = compared(tests, models or None, progress=waiting.told)
     if figure is not None:
-        from springpot.report.timetests import figure_tests
-
-        figure_tests(comparison.fits[:MOST_DRAWN], tests, figure)
+        comparison.plot(figure)
     emit(comparison, as_json, lambda: print(compared_in_time_text(comparison)))
     if figure is not None and not as_json:
         print(f"\nwritten: {figure}")
@@ -155,6 +148,8 @@ def diagnose(
 def discover(
     tests: Sequence[Test],
     figure: Path | None,
+    report: Path | None,
+    again: list[str],
     as_json: bool,
     arguments: Any,
 ) -> None:
@@ -167,16 +162,22 @@ def discover(
     with Waiting() as waiting:
         ladder: Any = discovered(tests, **arguments, progress=waiting.told)
     if figure is not None:
-        from springpot.report.timetests import figure_tests
+        from springpot.report.timetests import figure_tests, fits_in_time
 
-        figure_tests([step.fit for step in ladder.steps][-MOST_DRAWN:], tests, figure)
+        fits = fits_in_time(step.examined for step in reversed(ladder.steps))
+        figure_tests(fits[::-1], tests, figure)
+    if report is not None:
+        from springpot.report.html import write_report
+
+        write_report(ladder, tests, report, again)
     emit(ladder, as_json, lambda: print(climbed_in_time_text(ladder, window())))
-    if figure is not None and not as_json:
-        print(f"\nwritten: {figure}")
+    for path in (figure, report):
+        if path is not None and not as_json:
+            print(f"\nwritten: {path}")
 
 
 def _show_diagnosis(
-    diagnosis: TimeDiagnosis, tests: Sequence[Test], data: Sequence[str], model: str | None
+    diagnosis: Diagnosis, tests: Sequence[Test], data: Sequence[str], model: str | None
 ) -> None:
     from springpot.report.fit_text import diagnosed_in_time_text
 
@@ -188,9 +189,9 @@ def _show_diagnosis(
     right_way = _turned(tests, data)
     if right_way != list(data):
         print(f"\nnext: springpot diagnose {' '.join(map(quoted, right_way))}{judged}")
-    elif diagnosis.missing:
+    elif diagnosis.leading:
         named = " ".join(map(quoted, data))
-        print(f"\nnext: springpot discover {named}{judged} --accept {quoted(diagnosis.missing[0])}")
+        print(f"\nnext: springpot discover {named}{judged} --accept {quoted(diagnosis.leading[0])}")
 
 
 def _turned(tests: Sequence[Test], data: Sequence[str]) -> list[str]:
@@ -267,9 +268,11 @@ def inspect(tests: Sequence[TimeTest], spec: str, as_json: bool, line: bool) -> 
 
 
 def predict(
-    identified: Identification | Known,
+    identified: Identification | TimeIdentification,
     spec: str,
     temperature: float | None,
+    level: float,
+    geometry: str | None,
     output: Path | None,
     figure: Path | None,
     as_json: bool,
@@ -281,13 +284,11 @@ def predict(
     from springpot.files import write_text
     from springpot.timetests.prediction import predict_test
 
-    predicted = predict_test(identified, _asked(spec, temperature))
+    predicted = predict_test(identified, _asked(spec, temperature, geometry), level)
     if output is not None:
         write_text(output, _table_text(predicted))
     if figure is not None:
-        from springpot.report.timetests import figure_prediction
-
-        figure_prediction(predicted, figure)
+        predicted.plot(figure)
     notes = [f"note        {note}" for note in predicted.notes]
     emit(
         predicted,
@@ -299,7 +300,7 @@ def predict(
             print(f"written: {path}")
 
 
-def _asked(spec: str, temperature: float | None) -> Test:
+def _asked(spec: str, temperature: float | None, geometry: str | None) -> Test:
     """The test to be predicted: in time, measured or only planned, or else a sweep."""
     from dataclasses import replace
 
@@ -314,15 +315,16 @@ def _asked(spec: str, temperature: float | None) -> Test:
     # What is only planned has no answer yet, which a reader would else ask for.
     in_time = open_in_time(f"{spec}{mark}answer=none")
     if not in_time:
-        return opened(spec)
+        return opened(spec, geometry)
     if len(in_time) > 1:
         raise DataError(
             f"{spec}: {len(in_time)} tests; choose one by '#', such as {quoted(with_part(spec, 1))}"
         )
+    test = seen_through(in_time[0], geometry)
     if temperature is None:
-        return in_time[0]
+        return test
     # At one temperature: that which the file has from sample to sample would go before it.
-    return replace(in_time[0], temperature=temperature, warmth=None)
+    return replace(test, temperature=temperature, warmth=None)
 
 
 def _table_text(predicted: TestPrediction) -> str:

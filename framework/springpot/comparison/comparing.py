@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self, TypeAlias
@@ -53,6 +53,7 @@ TOLD = (
     "parameters",
     "where",
     "by_test",
+    "notes",
 )
 """Of a judgement, in the order of its schema."""
 STARTS = 4
@@ -70,8 +71,9 @@ class Judgement:
 
     Attributes
     ----------
-    fitted : Refit or None
-        Its fit, in units of the noise, which a file does not hold.
+    fitted : Refit, TimeIdentification or None
+        Its fit, in units of the noise, of tests in time with all that it found; a file does not
+        hold it.
     error : Error
         Its error, the noise floor and the material floor, relative to |K|.
     delta_bic : float
@@ -80,7 +82,7 @@ class Judgement:
         For the simulated noise of its tests, which are made when they are asked for.
     """
 
-    fitted: Refit | None
+    fitted: object | None
     error: Error
     delta_bic: float
     rng: np.random.Generator | None = None
@@ -88,12 +90,12 @@ class Judgement:
     @property
     def refit(self) -> Refit:
         """Its fit, in units of the noise."""
-        return alive(self.fitted, "a judgement")
+        return alive(self.fitted, Refit, "a judgement")
 
     @cached_property
     def battery(self) -> Battery:
         """Tests on its residual."""
-        return battery(self.refit.frame(), alive(self.rng, self.model.name))
+        return battery(self.refit.frame(), alive(self.rng, np.random.Generator, self.model.name))
 
     @cached_property
     def where(self) -> tuple[Where, ...]:
@@ -123,6 +125,11 @@ class Judgement:
         data, error = self.refit.data.raw, self.error
         sweep = PartResult.of_sweep(data.name, len(data), error.relative_rms, error.noise_floor)
         return (sweep,)
+
+    @cached_property
+    def notes(self) -> tuple[str, ...]:
+        """What its numbers do not say."""
+        return ()
 
     @cached_property
     def chi_square(self) -> float:
@@ -211,18 +218,27 @@ class Judgement:
     @classmethod
     def from_dict(cls, row: Mapping[str, Any]) -> Judgement:
         """What `to_dict` gave."""
-        judged = cls(None, Error.from_dict(row["error"]), number(row["delta_bic"]))
         told = {name: row[name] for name in TOLD if name not in ("error", "delta_bic")}
         told |= {
             "model": parse_model(row["model"]),
             "chi_square": number(row["chi_square"]),
             "parameters": values_of(row["parameters"]),
+            "notes": tuple(row["notes"]),
             "by_test": parts_of(row["by_test"]),
             "where": tuple(Where.from_dict(each) for each in row["where"]),
             "findings": tuple(Finding.from_dict(each) for each in row["tests"]),
         }
-        # Where a fit keeps what it was asked for once: a file tells it beforehand.
-        vars(judged).update(told)
+        error = Error.from_dict(row["error"])
+        return cls.told(None, error, number(row["delta_bic"]), told)
+
+    @classmethod
+    def told(
+        cls, fitted: object | None, error: Error, delta_bic: float, known: Mapping[str, Any]
+    ) -> Judgement:
+        """One of which all is known that its fit would be asked for."""
+        judged = cls(fitted, error, delta_bic)
+        # Where a fit keeps what it was asked for once.
+        vars(judged).update(known)
         return judged
 
 
@@ -243,6 +259,8 @@ class Comparison:
     one_test : str
         How to choose the rows of one test, ``current=0.5``, where rows of several stand together
         and the best model leaves more than noise; else empty.
+    left_out : mapping of str to str
+        Models that could not be fitted, and why.
 
     Examples
     --------
@@ -260,6 +278,7 @@ class Comparison:
     harmonics: tuple[Finding, ...]
     notes: tuple[str, ...]
     one_test: str
+    left_out: Mapping[str, str] = field(default_factory=dict, kw_only=True)
 
     @property
     def best(self) -> Judgement:
@@ -328,6 +347,7 @@ class Comparison:
             "one_test": self.one_test,
             "magnitude": self.magnitude,
             "notes": self.notes,
+            "left_out": self.left_out,
         }
         return dict(jsonable(answer))
 
@@ -342,6 +362,7 @@ class Comparison:
             tuple(Finding.from_dict(row) for row in answer["harmonics"]),
             tuple(answer["notes"]),
             answer["one_test"],
+            left_out=answer["left_out"],
             **further,
         )
         vars(comparison).update(magnitude=answer["magnitude"])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -67,8 +67,8 @@ class Step:
         Each test beside its noise floor.
     alike : tuple of str
         Effects that the data could not tell from the accepted one, itself included.
-    examined : Case, optional
-        The examination of this rung's model, which a file does not hold.
+    examined : Case or TimeIdentification, optional
+        The examination of this rung's model, of tests in time its fit; a file does not hold it.
     """
 
     model: Model
@@ -82,12 +82,17 @@ class Step:
     material_chance: float
     tests: tuple[PartResult, ...]
     alike: tuple[str, ...] = ()
-    examined: Case | None = None
+    examined: object | None = None
+
+    @property
+    def over_floor(self) -> float:
+        """The error in noise floors."""
+        return in_floors(self.relative_rms, self.noise_floor)
 
     @property
     def case(self) -> Case:
         """The examination of this rung's model: fit, noise, scan and diagnosis."""
-        return alive(self.examined, f"the step {self.model.name}")
+        return alive(self.examined, Case, f"the step {self.model.name}")
 
     def __repr__(self) -> str:
         return (
@@ -102,7 +107,7 @@ class Step:
             "accepted": self.accepted,
             "relative_rms": self.relative_rms,
             "noise_floor": self.noise_floor,
-            "over_floor": in_floors(self.relative_rms, self.noise_floor),
+            "over_floor": self.over_floor,
             "material_floor": self.material_floor,
             "predicted_error": self.predicted_error,
             "material_chance": self.material_chance,
@@ -133,12 +138,27 @@ class Step:
 
 @dataclass(frozen=True, eq=False)
 class Ladder:
-    """Steps from the user's model to the last accepted one, with the last diagnosis."""
+    """Steps from the user's model to the last accepted one, with the last diagnosis.
+
+    Attributes
+    ----------
+    data : str
+        What was measured.
+    steps : tuple of Step
+        The first is the user's model.
+    verdict : {"adequate", "effect-missing", "unexplained", "inconclusive"}
+        That of the last diagnosis.
+    diagnosis : Diagnosis
+        Of the last step.
+    left_out : mapping of str to str
+        Effects that would have been accepted but could not be gone on from, and why.
+    """
 
     data: str
     steps: tuple[Step, ...]
     verdict: Verdict
     diagnosis: Diagnosis
+    left_out: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def model(self) -> Model:
@@ -161,6 +181,7 @@ class Ladder:
             "steps": [step.to_dict() for step in self.steps],
             "verdict": self.verdict,
             "diagnosis": self.diagnosis.to_dict(),
+            "left_out": dict(self.left_out),
         }
 
     @classmethod
@@ -168,7 +189,7 @@ class Ladder:
         """What `to_dict` gave."""
         steps = tuple(Step.from_dict(row) for row in answer["steps"])
         diagnosis = Diagnosis.from_dict(answer["diagnosis"])
-        return cls(answer["data"], steps, answer["verdict"], diagnosis)
+        return cls(answer["data"], steps, answer["verdict"], diagnosis, answer["left_out"])
 
     def plot(
         self, path: str | Path | None = None, *, ax: Axes | None = None
@@ -396,11 +417,7 @@ def _step(case: Case, before: Case | None = None, accepted: Effect | None = None
     )
     if before is None:
         return step
-    for name, old in printed(before.search.base).items():
-        new = parameters.get(name)
-        # Within its interval a change is no news; and nothing is a multiple of zero.
-        if new is not None and old.value and not old.low <= new.value <= old.high:
-            step.changed[name] = new.value / old.value
+    step.changed.update(moves(printed(before.search.base), parameters))
     if accepted is None:
         return step
     step = replace(step, accepted=accepted.name, alike=(accepted.name,))
@@ -408,3 +425,14 @@ def _step(case: Case, before: Case | None = None, accepted: Effect | None = None
         if candidate.effect == accepted.name:
             return replace(step, predicted_error=candidate.predicted_error, alike=candidate.alike)
     return step
+
+
+def moves(before: Mapping[str, Value], after: Mapping[str, Value]) -> dict[str, float]:
+    """Old parameters that moved by more than their interval, with the ratio new over old."""
+    changed = {}
+    for name, old in before.items():
+        new = after.get(name)
+        # Within its interval a change is no news; and nothing is a multiple of zero.
+        if new is not None and old.value and not old.low <= new.value <= old.high:
+            changed[name] = new.value / old.value
+    return changed

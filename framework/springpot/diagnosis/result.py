@@ -184,6 +184,8 @@ class Diagnosis:
         likely cause; else empty.
     tests : tuple of PartResult
         Each test beside its noise floor.
+    left_out : mapping of str to str
+        Effects that could not be fitted, and why.
 
     Examples
     --------
@@ -214,6 +216,7 @@ class Diagnosis:
     leading: tuple[str, ...] = ()
     one_test: str = ""
     tests: tuple[PartResult, ...] = ()
+    left_out: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def best(self) -> Candidate | None:
@@ -259,6 +262,7 @@ class Diagnosis:
             "next_experiment": self.next_experiment,
             "notes": self.notes,
             "evidence": self.evidence,
+            "left_out": self.left_out,
         }
         return dict(jsonable(answer))
 
@@ -285,6 +289,7 @@ class Diagnosis:
             next_experiment=advice,
             notes=tuple(answer["notes"]),
             evidence=answer["evidence"],
+            left_out=answer["left_out"],
         )
 
     def _repr_html_(self) -> str:

@@ -5,6 +5,7 @@ Theta and the data.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict, replace
 from math import isfinite
 from typing import Any
@@ -35,7 +36,7 @@ def kept(estimate: Estimate, seed: int) -> dict[str, Any]:
         "low": _finite(estimate.low),
         "high": _finite(estimate.high),
         "held": model.held,
-        "bounds": _bounds(model),
+        "bounds": bounds_of(model),
         "rates": rates,
         "absolute": estimate.uncertainty.absolute,
         "converged": estimate.fit.converged,
@@ -61,7 +62,7 @@ def _with_infinity(ends: list[float | None], infinity: float) -> Real:
     return np.where(np.isnan(numbers), infinity, numbers)
 
 
-def _bounds(model: Model) -> dict[str, list[float | None]]:
+def bounds_of(model: Model) -> dict[str, list[float | None]]:
     """Bounds that are narrower than those of physics."""
     if not model.constrained:
         return {}
@@ -140,9 +141,8 @@ def fit_of(
     data = measurement_of(kept["measurement"])
     if is_material(model):
         model = replace(model, material=Continuum(tuple(kept["rates"])))
-    bounds = {name: _ends(pair) for name, pair in kept["bounds"].items()}
     # As when it was fitted: first what is held, then the levels of the data.
-    model = model.holding(kept["held"], bounds).bound_to(data.points)
+    model = constrained_as(model, kept).bound_to(data.points)
     # Strictly: of a model that has changed since the numbers may mean something else, and it is
     # refused.
     theta = model.vector(dict(zip(model.names, kept["theta"], strict=True)))
@@ -152,6 +152,12 @@ def fit_of(
     ):
         raise ValueError(f"theta {theta.tolist()} is not within the bounds of {model.name}")
     return Fit(model, data, objective, theta, cost, evaluations, bool(kept["converged"]))
+
+
+def constrained_as(model: Model, kept: Mapping[str, Any]) -> Model:
+    """The model with what was held, and what was bounded, when it was fitted."""
+    bounds = {name: _ends(pair) for name, pair in kept["bounds"].items()}
+    return model.holding(kept["held"], bounds)
 
 
 def uncertainty_of(kept: dict[str, Any], fit: Fit) -> tuple[Uncertainty, Real, Real]:

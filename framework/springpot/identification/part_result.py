@@ -74,6 +74,11 @@ def parts_of(rows: Sequence[Mapping[str, Any]]) -> tuple[PartResult, ...]:
     return tuple(PartResult.from_dict(row) for row in rows)
 
 
+def in_time(tests: Sequence[PartResult]) -> bool:
+    """Whether a test in time is among them."""
+    return any(test.kind != SWEEP for test in tests)
+
+
 def in_floors(error: float, floor: float) -> float:
     """An error in noise floors: infinite beside no noise, unknown beside an unknown one."""
     if floor > 0.0:

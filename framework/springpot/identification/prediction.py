@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from .native import Fit
 
-SCHEMA = "springpot.prediction/1"
+SCHEMA = "springpot.prediction/2"
 AT_REST = (-80.0, -160.0, -320.0, -640.0)
 """Logarithms of the angular frequency on the way to rest.
 
@@ -115,7 +115,7 @@ class Prediction(Moduli):
             return self.loss / self.storage
 
     def to_dict(self) -> dict[str, Any]:
-        """Schema ``springpot.prediction/1``; a band without an end has None."""
+        """Schema ``springpot.prediction/2``; a band without an end has None."""
         return {
             "schema": SCHEMA,
             "model": self.model,

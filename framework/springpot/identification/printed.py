@@ -8,6 +8,7 @@ import numpy as np
 
 from springpot.measurement.units import Units
 from springpot.rheology.forms import SearchForm
+from springpot.rheology.model import Model
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import Real
 
@@ -44,15 +45,16 @@ def printed(
     return rows
 
 
-def all_parameters(estimate: Estimate) -> dict[str, Value]:
-    """All parameters of a fit, those that were held in their places."""
-    units = estimate.measurement.units
-    free = printed(estimate.model.parameters, estimate.theta, estimate.low, estimate.high, units)
-    held = estimate.model.held
+def all_parameters(
+    model: Model, theta: Real, low: Real, high: Real, units: Units
+) -> dict[str, Value]:
+    """All parameters of a fit, those that were held in their places; see `printed`."""
+    free = printed(model.parameters, theta, low, high, units)
+    held = model.held
     if not held:
         return free
     rows = {}
-    for parameter in estimate.model.released().parameters:
+    for parameter in model.released().parameters:
         name = parameter.name
         if name in held:
             factor, label = units.of(parameter.unit)

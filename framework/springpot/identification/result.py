@@ -114,7 +114,7 @@ class Identification(Estimate):
 
         Those that were held too.
         """
-        return all_parameters(self)
+        return all_parameters(self.model, self.theta, self.low, self.high, self.measurement.units)
 
     @cached_property
     def search_parameters(self) -> Mapping[str, Value]:
@@ -316,7 +316,7 @@ class Identification(Estimate):
             },
             "objective": {"name": self.fit.objective.name, "value": self.fit.cost},
             "relative_rms": self.relative_rms,
-            "tests": [self._as_test().to_dict()],
+            "tests": [test.to_dict() for test in self.tests],
             "measured": self.covered.to_dict(),
             **floors,
             "evaluations": self.evaluations,
@@ -328,10 +328,11 @@ class Identification(Estimate):
             "kept": kept(self, self.seed),
         }
 
-    def _as_test(self) -> PartResult:
+    @property
+    def tests(self) -> tuple[PartResult, ...]:
         """The sweep that was fitted, beside its noise floor."""
-        data = self.measurement
-        return PartResult.of_sweep(data.name, len(data), self.relative_rms, self.noise_floor)
+        data, error = self.measurement, self.relative_rms
+        return (PartResult.of_sweep(data.name, len(data), error, self.noise_floor),)
 
     @classmethod
     def from_dict(

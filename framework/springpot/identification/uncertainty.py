@@ -5,6 +5,7 @@ Intervals from the Jacobian, and from profiles of the objective.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from statistics import NormalDist
@@ -20,7 +21,6 @@ from .leastsquares import Rows, levenberg_marquardt
 from .material import surprise_at, surprise_slopes
 from .native import Fit
 from .specimens import Specimens, follows_specimens
-from .task import Task
 
 RANK = 1e-10
 """Directions with a singular value this small a share of the largest are undetermined."""
@@ -410,16 +410,8 @@ def profile(fit: Fit, parameter: str, level: float = INTERVAL) -> tuple[float, f
     known = Uncertainty.of(fit, level)
     i = fit.model.names.index(parameter)
     allowed = fit.cost + known.widening(i) * (allowed_cost(known) - fit.cost)
-    path = _Path.of(fit, i)
-    step = _first_step(known, i, path.coordinates)
-    low, high = (path.crossing(sign, step, allowed) for sign in (-1.0, 1.0))
-    lower, upper = (float(bound[i]) for bound in _bounds(fit))
-    # Where the objective never rises that far, the interval ends at the bound of the parameter.
-    if low is not None:
-        lower = max(low, lower)
-    if high is not None:
-        upper = min(high, upper)
-    return lower, upper
+    path = Path.of(fit, i)
+    return path.interval(_first_step(known, i, path.coordinates), allowed)
 
 
 def allowed_cost(known: Uncertainty) -> float:
@@ -459,7 +451,7 @@ def held_costs(fit: Fit, parameter: str, values: Real) -> Real:
     True
     """
     i = fit.model.names.index(parameter)
-    path = _Path.of(fit, i)
+    path = Path.of(fit, i)
     places = np.asarray(values, dtype=float) / float(path.coordinates.size[0, i])
     if path.coordinates.log[i]:
         places = np.log(places)
@@ -478,25 +470,52 @@ def _first_step(known: Uncertainty, i: int, plain: Coordinates) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class _Path:
+class Path:
     """The best fits along one parameter.
 
     The coordinate of the solver for a constant of a springpot mixes it with the order: held there,
     it would move. So the coordinates here are plain: each parameter or its logarithm.
+
+    Parameters
+    ----------
+    coordinates : Coordinates
+        Without pairs.
+    u : ndarray, shape (p,)
+        The best fit in these.
+    i : int
+        Number of the parameter.
+    evaluate : callable
+        Residuals and their slopes by the coordinates, as `levenberg_marquardt` asks for them.
     """
 
-    task: Task
+    coordinates: Coordinates
     u: Real
     i: int
+    evaluate: Callable[[Real, Rows], tuple[Real, Real]]
 
     @classmethod
-    def of(cls, fit: Fit, i: int) -> _Path:
+    def of(cls, fit: Fit, i: int) -> Path:
+        """That of a parameter of a fit."""
         plain = replace(fit.task.coordinates, pairs=())
-        return cls(replace(fit.task, given=plain), plain.u(fit.theta, plain.size[0]), i)
+        task = replace(fit.task, given=plain)
 
-    @property
-    def coordinates(self) -> Coordinates:
-        return self.task.coordinates
+        def evaluate(u: Real, rows: Rows) -> tuple[Real, Real]:
+            # All places are of the one data set.
+            return task.evaluator(np.zeros(len(u), dtype=np.intp))(u, np.arange(len(u)))
+
+        return cls(plain, plain.u(fit.theta, plain.size[0]), i, evaluate)
+
+    def interval(self, step: float, allowed: float) -> tuple[float, float]:
+        """Where the best objective has risen to `allowed` on either side, else the bounds."""
+        parameter = self.coordinates.parameters[self.i]
+        low, high = (self.crossing(sign, step, allowed) for sign in (-1.0, 1.0))
+        lower, upper = parameter.lower, parameter.upper
+        # Where the objective never rises that far, the interval ends at the bound of the parameter.
+        if low is not None:
+            lower = max(low, lower)
+        if high is not None:
+            upper = min(high, upper)
+        return lower, upper
 
     def crossing(self, sign: float, sd: float, allowed: float) -> float | None:
         """Value of the parameter where its profile reaches `allowed` on one side.
@@ -541,8 +560,5 @@ class _Path:
         # All places begin at the best fit, and are solved side by side.
         u = np.tile(self.u, (len(places), 1))
         u[:, self.i] = places
-        owner: Rows = np.zeros(len(places), dtype=np.intp)
         solve = levenberg_marquardt
-        return solve(
-            self.task.evaluator(owner), u, lower, upper, floor=0.0, flat=1e-9, iterations=60
-        ).cost
+        return solve(self.evaluate, u, lower, upper, floor=0.0, flat=1e-9, iterations=60).cost

@@ -382,15 +382,13 @@ class Units:
         """A frequency in Hz as it is told: ``10 Hz`` or ``62.8 rad/s``."""
         return f"{self.on_clock(hertz):.{digits}g} {self.clock}"
 
-    def of(self, dimension: Dimension, order: float | None = None) -> tuple[float, str]:
+    def of(self, dimension: Dimension) -> tuple[float, str]:
         """Factor and label with which a parameter of this dimension is printed.
 
         Parameters
         ----------
         dimension : Dimension
             Powers of stiffness, time and amplitude.
-        order : float, optional
-            Value of the order where it is the power of time.
 
         Returns
         -------

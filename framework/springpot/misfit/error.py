@@ -15,20 +15,26 @@ from springpot.thresholds import SCATTER
 class Error:
     """Error of the model against the noise floor and the material floor, all relative to |K|.
 
+    Of tests in time that of the test which the model misses most, relative to its signal.
+
     Attributes
     ----------
     relative_rms : float
         Root mean square of |K_model - K| / |K|.
     noise_floor : float
         The same for noise alone.
-    noise_source : {"given", "repeats", "estimated"}
-        Where the noise comes from.
+    noise_source : {"given", "repeats", "estimated", "residual", "signal"}
+        Where the noise comes from; of tests in time ``residual``, the upper part of the residual's
+        spectrum, or ``signal`` where there are too few samples for one.
     doubt : str
         One sentence where given standard deviations disagree with the data's own scatter.
     material_floor : float
         The least error that any linear passive material reaches beside the model's effects.
     material_chance : float
-        That noise alone leaves a residual like that material's.
+        That noise alone leaves a residual like that material's. Both are nan where no material was
+        looked for.
+    noise_memory : float, optional
+        Of tests in time: correlation of neighbouring samples of the noise.
     """
 
     relative_rms: float
@@ -37,6 +43,7 @@ class Error:
     doubt: str = ""
     material_floor: float = 0.0
     material_chance: float = 1.0
+    noise_memory: float | None = None
 
     @property
     def is_hardly_noise(self) -> bool:
@@ -55,7 +62,10 @@ class Error:
 
     def to_dict(self) -> dict[str, Any]:
         """As in the schemas."""
-        return {**jsonable(vars(self)), "over_floor": jsonable(self.over_floor)}
+        row = {**vars(self), "over_floor": self.over_floor}
+        if self.noise_memory is None:
+            del row["noise_memory"]
+        return dict(jsonable(row))
 
     @classmethod
     def from_dict(cls, row: Mapping[str, Any]) -> Error:
@@ -67,6 +77,7 @@ class Error:
             doubt=row["doubt"],
             material_floor=number(row["material_floor"]),
             material_chance=number(row["material_chance"]),
+            noise_memory=row.get("noise_memory"),
         )
 
     @property

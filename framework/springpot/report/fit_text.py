@@ -6,11 +6,15 @@ import csv
 from collections.abc import Collection, Mapping, Sequence
 from io import StringIO
 from math import log
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from springpot.comparison.comparing import Comparison
+from springpot.diagnosis.ladder import Ladder
+from springpot.diagnosis.result import Diagnosis
 from springpot.format_numbers import number
 from springpot.identification.result import Identification
 from springpot.identification.value import Value
+from springpot.misfit.words import over_floor
 from springpot.rheology.drawing import drawing_of
 
 from .floors import beside_floors
@@ -21,9 +25,6 @@ from .text import Table, cut, indented, paragraphs, wrapped
 from .values import OPEN, shown
 
 if TYPE_CHECKING:
-    from springpot.timetests.answer import TimeDiagnosis
-    from springpot.timetests.comparing import TimeComparison
-    from springpot.timetests.discovery import TimeLadder
     from springpot.timetests.result import TimeIdentification
 
 FAR = log(1e6)
@@ -49,7 +50,7 @@ def identification_text(identified: Identification, width: int = 120, verbose: b
     search = ""
     # The search form is how the model was searched, not what it is: most need it never.
     if verbose and identified.search_parameters:
-        search = parameters_text("search form", dict(identified.search_parameters))
+        search = parameters_text("search form", identified.search_parameters)
     parts = [
         wrapped(
             f"{identified.model.name} fitted to {data.name} ({len(data)} points,"
@@ -57,7 +58,7 @@ def identification_text(identified: Identification, width: int = 120, verbose: b
             width,
         ),
         indented(drawing_of(identified.model)),
-        parameters_text("parameter", dict(identified.parameters), gone(identified)),
+        parameters_text("parameter", identified.parameters, gone(identified)),
         search,
         reference_note(data, [identified.model.network]),
         _spectrum(identified),
@@ -81,42 +82,34 @@ def fitted_in_time_text(identified: TimeIdentification, width: int = 120) -> str
     if len(identified.tests) > 1:
         count = f"{len(identified.tests)} tests, {count}"
     names = " + ".join(test.name for test in identified.tests)
-    values = {name: _measured(entry) for name, entry in identified.parameters.items()}
     spent = f"{identified.evaluations} evaluations in {seconds(identified.seconds)}"
     lines = [f"search      {identified.optimiser}: {identified.ended}, {spent}"]
     lines += [f"note        {note}" for note in identified.notes]
     parts = [
         wrapped(f"{identified.model.name} fitted to {names} ({count})", width),
         indented(drawing_of(identified.model)),
-        parameters_text("parameter", values),
+        parameters_text("parameter", identified.parameters),
         _tests(identified, width),
         "\n".join(wrapped(line, width, " " * 12) for line in lines),
     ]
     return "\n\n".join(parts)
 
 
-def compared_in_time_text(comparison: TimeComparison) -> str:
+def compared_in_time_text(comparison: Comparison) -> str:
     """Models against tests in time, best first, and those that these tests cannot judge."""
     over_floors = ["x floor"]
     # The name of a single test stands in the first line.
-    if len(comparison.best.tests) > 1:
-        over_floors = [f"x floor of {test.name}" for test in comparison.best.tests]
+    if len(comparison.tests) > 1:
+        over_floors = [f"x floor of {test.name}" for test in comparison.tests]
     headers = ("model", "error", *over_floors, "delta BIC", "parameters")
     rows = []
-    for fit, delta in zip(comparison.fits, comparison.delta_bic, strict=True):
-        ratios = [number(test.ratio, 2) for test in fit.tests]
-        rows.append(
-            [
-                fit.model.name,
-                percent(fit.relative_rms),
-                *ratios,
-                number(delta, 3),
-                str(len(fit.theta)),
-            ]
-        )
-    names = " + ".join(test.name for test in comparison.best.tests)
+    for judged in comparison.judgements:
+        ratios = [number(test.over_floor, 2) for test in judged.by_test]
+        error = percent(max(test.relative_rms for test in judged.by_test))
+        delta, count = number(judged.delta_bic, 3), str(judged.free_parameters)
+        rows.append([judged.model.name, error, *ratios, delta, count])
     parts = [
-        f"{names}: {comparison.best.model.name} is best",
+        f"{comparison.data}: {comparison.best.model.name} is best",
         Table(headers, rows, frozenset(headers[1:])).plain(),
     ]
     if comparison.left_out:
@@ -124,33 +117,30 @@ def compared_in_time_text(comparison: TimeComparison) -> str:
     return "\n\n".join(parts)
 
 
-def climbed_in_time_text(ladder: TimeLadder, width: int = 120) -> str:
+def climbed_in_time_text(ladder: Ladder, width: int = 120) -> str:
     """Rungs of a discovery from tests in time, the last one's parameters and what is said of it."""
     headers = ("step", "model", "error", "x floor")
-    rows = [
-        [str(i), step.fit.model.name, percent(step.fit.relative_rms), number(step.over_floor, 2)]
-        for i, step in enumerate(ladder.steps)
-    ]
-    last = ladder.steps[-1].fit
+    rows = []
+    for i, step in enumerate(ladder.steps):
+        error, floor = step.relative_rms, step.noise_floor
+        rows.append([str(i), step.model.name, percent(error), over_floor(error, floor, 2)])
     parts = [
         Table(headers, rows, frozenset(headers[2:])).plain(),
-        parameters_text(
-            "parameter", {name: _measured(entry) for name, entry in last.parameters.items()}
-        ),
+        parameters_text("parameter", ladder.steps[-1].parameters),
         wrapped(ladder.diagnosis.says, width),
     ]
     # Below the parameters: whoever takes these must know that the effect may be another.
     for step in ladder.steps:
-        if step.alike:
-            rivals = " or ".join(step.alike)
+        rivals = " or ".join(name for name in step.alike if name != step.accepted)
+        if rivals:
             parts.append(
                 f"+ {step.accepted} may as well be {rivals}: these tests cannot tell them apart"
             )
-    parts += _left_out(ladder.diagnosis.left_out | ladder.left_out)
+    parts += _left_out({**ladder.diagnosis.left_out, **ladder.left_out})
     return "\n\n".join(parts)
 
 
-def diagnosed_in_time_text(diagnosis: TimeDiagnosis, width: int = 120) -> str:
+def diagnosed_in_time_text(diagnosis: Diagnosis, width: int = 120) -> str:
     """What a model of tests in time lacks, where it fails, and what the tests cannot tell apart."""
     headers = ("effect", "verdict", "delta BIC", "x floor after", "parameters")
     rows = [
@@ -169,13 +159,13 @@ def diagnosed_in_time_text(diagnosis: TimeDiagnosis, width: int = 120) -> str:
             Table(headers, rows, frozenset(headers[2:4])).without(("delta BIC",), width).plain()
         )
     parts = [
-        f"{diagnosis.base.model.name}: {diagnosis.verdict}\n{diagnosis.says}",
+        f"{diagnosis.model.name}: {diagnosis.verdict}\n{diagnosis.says}",
         "\n".join(f"where: {place.says}" for place in diagnosis.where),
     ]
     physics = [
         f"{each.effect}: {each.says}"
         for each in diagnosis.candidates
-        if each.effect in diagnosis.missing
+        if each.effect in diagnosis.leading
     ]
     # Which of several absent effects is absent is no news.
     absent = {each.effect for each in diagnosis.candidates if each.verdict == "absent"}
@@ -188,16 +178,9 @@ def _left_out(reasons: Mapping[str, str]) -> list[str]:
     return [f"left out: {name}: {reason}" for name, reason in reasons.items()]
 
 
-def _briefly(parameters: Mapping[str, Mapping[str, Any]]) -> str:
-    """Values without their intervals, by the last part of their names."""
-    return ", ".join(
-        f"{name.partition('.')[2]} {row['value']:.3g} {row['unit']}"
-        for name, row in parameters.items()
-    )
-
-
-def _measured(entry: dict[str, Any]) -> Value:
-    return Value.from_dict(entry)
+def _briefly(parameters: Mapping[str, Value]) -> str:
+    """Values without their intervals."""
+    return ", ".join(f"{name} {row.value:.3g} {row.unit}" for name, row in parameters.items())
 
 
 def _tests(identified: TimeIdentification, width: int) -> str:
@@ -206,10 +189,10 @@ def _tests(identified: TimeIdentification, width: int) -> str:
     rows = []
     for test in identified.tests:
         errors = [
-            percent(test.error),
-            percent(test.floor, 2),
-            number(test.ratio, 2),
-            number(test.alone, 2),
+            percent(test.relative_rms),
+            percent(test.noise_floor, 2),
+            number(test.over_floor, 2),
+            number(test.over_floor_alone, 2),
         ]
         rows.append([test.name, test.kind, str(test.points), *errors])
     table = Table(headers, rows, frozenset(headers[2:]))
@@ -232,7 +215,7 @@ def _tests(identified: TimeIdentification, width: int) -> str:
 
 
 def parameters_text(
-    heading: str, parameters: dict[str, Value], open_ones: Collection[str] = ()
+    heading: str, parameters: Mapping[str, Value], open_ones: Collection[str] = ()
 ) -> str:
     """A table of values with their intervals; one that the data leave open is called so."""
     rows = []

@@ -8,13 +8,15 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
 
+from springpot.diagnosis.examination import Case
 from springpot.diagnosis.ladder import Ladder, Step
-from springpot.diagnosis.result import Candidate
+from springpot.diagnosis.result import Candidate, Diagnosis
 from springpot.errors import OutputError
 from springpot.files import require_writable, write_text
 from springpot.format_numbers import number
 from springpot.markup import Html, joined, table, tag
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.selection import Test
 from springpot.misfit.words import over_floor
 from springpot.versions import versions
 
@@ -37,10 +39,11 @@ from .ladder_text import accepted_name, moves_text
 from .network import network_svg
 from .numbers import percent, told_range, with_interval
 from .page import page
-from .panels import data_and_model, keys, other_views, panel, residual_planes
+from .panels import data_and_model, framed, keys, other_views, panel, residual_planes
 from .reference import effects_note, reference_note
 from .residuals import set_aside, with_noise_of
 from .scene import Scene
+from .timetests import figure_tests, fits_in_time
 
 SUFFIXES = (".html", ".htm")
 RANKED = 10
@@ -65,7 +68,10 @@ def check_report_path(path: str | Path) -> Path:
 
 
 def write_report(
-    ladder: Ladder, measurement: Measurement, path: str | Path, command: Sequence[str]
+    ladder: Ladder,
+    data: Measurement | Sequence[Test],
+    path: str | Path,
+    command: Sequence[str],
 ) -> Path:
     """Write the report of a discovery.
 
@@ -73,8 +79,8 @@ def write_report(
     ----------
     ladder : Ladder
         The discovery.
-    measurement : Measurement
-        Its data.
+    data : Measurement, or a sequence of tests
+        What was measured: a sweep, or tests with one in time among them.
     path : str or Path
         Where to write.
     command : sequence of str
@@ -85,39 +91,70 @@ def write_report(
     OutputError
         If it cannot be written.
     """
-    return write_text(check_report_path(path), report_html(ladder, measurement, command))
+    return write_text(check_report_path(path), report_html(ladder, data, command))
 
 
-def report_html(ladder: Ladder, measurement: Measurement, command: Sequence[str]) -> Html:
+def report_html(ladder: Ladder, data: Measurement | Sequence[Test], command: Sequence[str]) -> Html:
     """The report as text; parameters as in `write_report`."""
-    scenes = _scenes(ladder, measurement)
-    bench = _bench(ladder, measurement)
+    tests: Sequence[Test]
+    if isinstance(data, Measurement):
+        bench, tests = _bench(ladder, data), [data]
+        pointing = [tag("h2", "Point at it"), tag("p", POINTING, class_="quiet"), bench.body]
+        style, script, scenes = bench.style, bench.policy, _scenes(ladder, data)
+        pictures = [*_seen(scenes), *_places(ladder), *_planes(scenes)]
+    else:
+        pointing, style, script, tests = [], "", "", data
+        pictures = [*_drawn_tests(ladder, data), *_places(ladder)]
     body = [
         # The answer first, then what can be pointed at, then the evidence, and last how to repeat
         # it.
         *_head(ladder),
-        tag("h2", "Point at it"),
-        tag("p", POINTING, class_="quiet"),
-        bench.body,
+        *pointing,
         *_ladder(ladder),
-        tag("h2", "Data and model"),
-        *(tag("p", tag("b", f"{name}: "), scene.fits[0].name) for name, scene in scenes.items()),
-        keys(next(iter(scenes.values()))),
-        data_and_model(scenes),
-        *_places(ladder),
-        tag("h2", "Residual planes"),
-        tag("p", READING, class_="quiet"),
-        *residual_planes(scenes),
-        tag("h2", "Other views"),
-        other_views(scenes),
+        *pictures,
         *_rankings(ladder),
         *_classes(ladder),
         *_next(ladder),
         *_models(ladder),
-        *_repeat(ladder, measurement, command),
+        *_repeat(ladder, tests, command),
     ]
     title = f"{ladder.steps[0].model.name} of {ladder.data}"
-    return page(title, *body, style=bench.style, script=bench.policy)
+    return page(title, *body, style=style, script=script)
+
+
+def _seen(scenes: dict[str, Scene]) -> Iterator[Html]:
+    yield tag("h2", "Data and model")
+    for name, scene in scenes.items():
+        yield tag("p", tag("b", f"{name}: "), scene.fits[0].name)
+    yield keys(next(iter(scenes.values())))
+    yield data_and_model(scenes)
+
+
+def _planes(scenes: dict[str, Scene]) -> Iterator[Html]:
+    yield tag("h2", "Residual planes")
+    yield tag("p", READING, class_="quiet")
+    yield from residual_planes(scenes)
+    yield tag("h2", "Other views")
+    yield other_views(scenes)
+
+
+def _drawn_tests(ladder: Ladder, tests: Sequence[Test]) -> Iterator[Html]:
+    """Each test in time with the first and the last model, which may be one."""
+    yield tag("h2", "Data and model")
+    ends = dict.fromkeys((ladder.steps[0], ladder.steps[-1]))
+    fits = fits_in_time(step.examined for step in ends)
+    figure = figure_tests(fits, tests)
+    # Without a path it is the figure itself.
+    assert not isinstance(figure, Path)
+    yield framed(figure, "Each test, the models, and what these leave over the noise")
+
+
+def _diagnosed(ladder: Ladder) -> dict[Step, Diagnosis]:
+    """The steps that were judged, with what was said of them: of tests in time the last alone."""
+    judged = {
+        step: step.examined.diagnosis for step in ladder.steps if isinstance(step.examined, Case)
+    }
+    return judged or {ladder.steps[-1]: ladder.diagnosis}
 
 
 POINTING = (
@@ -185,9 +222,11 @@ def _head(ladder: Ladder) -> Iterator[Html]:
         ("accepted", joined(tag("span", name, class_="whole") for name in added) or "nothing"),
     ]
     yield tag("h1", f"What is missing from {first.model.name}?")
-    data = first.case.search.base.data.raw
-    size = data.units.magnitude
-    yield tag("p", f"Data: {ladder.data}, {len(data)} points", class_="quiet")
+    points, size = sum(test.points for test in last.tests), "the signal"
+    if isinstance(first.examined, Case):
+        measured = first.case.search.base.data.raw
+        points, size = len(measured), measured.units.magnitude
+    yield tag("p", f"Data: {ladder.data}, {points} points", class_="quiet")
     if added:
         names = " ".join(added)
         fall = f"{percent(first.relative_rms)} to {percent(last.relative_rms)} of {size}"
@@ -209,9 +248,10 @@ def _head(ladder: Ladder) -> Iterator[Html]:
 
 def _splits(ladder: Ladder) -> list[str]:
     """What the material floor says of the first model, and of the last where that is another."""
-    diagnoses = [step.case.diagnosis for step in (ladder.steps[0], ladder.steps[-1])]
+    judged = _diagnosed(ladder)
+    ends = [judged[step] for step in (ladder.steps[0], ladder.steps[-1]) if step in judged]
     # Where nothing was accepted both are one, which is told once.
-    return list(dict.fromkeys(f"{one.model.name}: {one.split}" for one in diagnoses if one.split))
+    return list(dict.fromkeys(f"{one.model.name}: {one.split}" for one in ends if one.split))
 
 
 def _capital(text: str) -> str:
@@ -258,12 +298,12 @@ def _places(ladder: Ladder) -> Iterator[Html]:
     Bands, single points and what swings.
     """
     yield tag("h2", "Where the model fails")
-    shown = [ladder.steps[0]]
+    judged = _diagnosed(ladder)
     # Where nothing was accepted the first step is the last one too.
-    if len(ladder.steps) > 1:
-        shown.append(ladder.steps[-1])
-    for step in shown:
-        diagnosis = step.case.diagnosis
+    for step in dict.fromkeys((ladder.steps[0], ladder.steps[-1])):
+        if step not in judged:
+            continue
+        diagnosis = judged[step]
         yield tag("h3", step.model.name)
         if diagnosis.where:
             yield tag("ul", *(tag("li", _capital(place.says), ".") for place in diagnosis.where))
@@ -280,8 +320,11 @@ def _rankings(ladder: Ladder) -> Iterator[Html]:
         " Predicted and after: the error with it, and in brackets how many noise floors that is.",
         class_="quiet",
     )
+    judged = _diagnosed(ladder)
     for i, step in enumerate(ladder.steps):
-        parts = [tag("summary", f"Step {i}: {step.model.name}"), *_ranking(step)]
+        if step not in judged:
+            continue
+        parts = [tag("summary", f"Step {i}: {step.model.name}"), *_ranking(step, judged[step])]
         # The first and the last are read, those between are looked up.
         if i == 0 or i + 1 == len(ladder.steps):
             yield tag("details", *parts, open="")
@@ -289,8 +332,7 @@ def _rankings(ladder: Ladder) -> Iterator[Html]:
             yield tag("details", *parts)
 
 
-def _ranking(step: Step) -> Iterator[Html]:
-    diagnosis = step.case.diagnosis
+def _ranking(step: Step, diagnosis: Diagnosis) -> Iterator[Html]:
     yield tag("p", f"{_capital(diagnosis.says)}.")
     shown = worth_showing(diagnosis, RANKED)
     rows = [_candidate(row, diagnosis.error.noise_floor) for row in shown]
@@ -306,9 +348,11 @@ def _ranking(step: Step) -> Iterator[Html]:
     )
     if rows:
         yield tag("div", table(headers, rows, headers[2:6]), class_="scroll")
-    yield from _note(
-        effects_note(step.case.search.base.data.raw, (row.effect for row in shown), "°C")
-    )
+    if isinstance(step.examined, Case):
+        raw = step.case.search.base.data.raw
+        yield from _note(effects_note(raw, (row.effect for row in shown), "°C"))
+    for name, reason in diagnosis.left_out.items():
+        yield tag("p", f"Left out: {name}: {reason}.", class_="quiet")
     absent = absent_effects(diagnosis)
     if absent:
         named = ", ".join(f"{row.effect} ({percent(row.bound, 2)})" for row in absent)
@@ -370,7 +414,9 @@ def _next(ladder: Ladder) -> Iterator[Html]:
     # Where nothing is missing any more, the open question is which of several alike was accepted.
     if ladder.verdict == "adequate":
         pairs = pairwise(ladder.steps)
-        doubtful = [before.case.diagnosis for before, step in pairs if len(step.alike) > 1]
+        judged = _diagnosed(ladder)
+        unsure = (before for before, step in pairs if len(step.alike) > 1)
+        doubtful = [judged[step] for step in unsure if step in judged]
         if not doubtful:
             yield tag("p", "Nothing is left that another measurement would have to decide.")
             return
@@ -391,7 +437,9 @@ def _models(ladder: Ladder) -> Iterator[Html]:
         # Made here with every label escaped, so that it may enter the page as it is.
         yield tag("div", Html(network_svg(step.model.network)), class_="scroll")
         yield tag("div", _parameters(step), class_="scroll")
-        yield from _note(reference_note(step.case.search.base.data.raw, [step.model.network], "°C"))
+        if isinstance(step.examined, Case):
+            raw = step.case.search.base.data.raw
+            yield from _note(reference_note(raw, [step.model.network], "°C"))
 
 
 def _note(text: str) -> Iterator[Html]:
@@ -407,19 +455,19 @@ def _parameters(step: Step) -> Html:
     return table(("parameter", "value", "95 % interval", "unit"), rows, ("value",))
 
 
-def _repeat(ladder: Ladder, measurement: Measurement, command: Sequence[str]) -> Iterator[Html]:
+def _repeat(ladder: Ladder, tests: Sequence[Test], command: Sequence[str]) -> Iterator[Html]:
+    rows = []
+    for test in tests:
+        rows.append(("data", test.name))
+        if isinstance(test, Measurement):
+            rows.append(("points", f"{len(test)}, {told_range(test)}"))
+            # Of the numbers, not of the file: whoever repeats it may have another format.
+            rows.append(("SHA-256 of the data", test.digest()))
+        rows += [(str(key), str(value)) for key, value in test.provenance.items()]
     yield tag("h2", "To repeat this")
     # Quoted for a shell, as it is to be copied.
     yield tag("pre", shlex.join(command))
-    rows = [
-        ("data", measurement.name),
-        ("points", f"{len(measurement)}, {told_range(measurement)}"),
-        # Of the numbers, not of the file: whoever repeats it may have them in another format.
-        ("SHA-256 of the data", measurement.digest()),
-        *((str(key), str(value)) for key, value in measurement.provenance.items()),
-        *_versions(),
-    ]
-    yield tag("div", table(("what", "value"), rows), class_="scroll")
+    yield tag("div", table(("what", "value"), [*rows, *_versions()]), class_="scroll")
     yield tag(
         "p", f"Verdict of the last step: {ladder.verdict}. Made by springpot.", class_="quiet"
     )

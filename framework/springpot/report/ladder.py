@@ -65,7 +65,8 @@ def draw_ladder(axes: Axes, ladder: Ladder) -> None:
     logarithmic(axes, "y")
     lines = np.concatenate([floor, material, error])
     # A floor of exact data is zero, which has no place on a logarithmic axis.
-    axes.set_ylim(float(lines[lines > 0].min()) / ROOM, float(lines.max()) * ROOM)
+    drawn = lines[lines > 0]
+    axes.set_ylim(float(drawn.min()) / ROOM, float(drawn.max()) * ROOM)
     # Again: which numbers stand at the axis depends on its ends.
     logarithmic(axes, "y")
     axes.set_ylabel("error [%]")

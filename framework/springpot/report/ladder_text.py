@@ -96,7 +96,7 @@ def data_of(step: Step) -> Measurement | None:
     """The data of a step; an answer from a file knows none."""
     if step.examined is None:
         return None
-    return step.examined.search.base.data.raw
+    return step.case.search.base.data.raw
 
 
 def parameters_text(step: Step) -> str:

@@ -9,10 +9,13 @@ from typing import Any
 from springpot.comparison.comparing import Comparison
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Diagnosis
+from springpot.identification.part_result import in_time
 from springpot.markup import Html, html, table, tag
 from springpot.misfit.words import over_floor, percent
+from springpot.timetests.result import TimeIdentification
 
 from .answers import probability, worth_showing
+from .fit_text import fitted_in_time_text
 
 SHOWN = 6
 """Candidates in a notebook's table."""
@@ -28,8 +31,16 @@ def shown(result: object) -> Html:
 
 
 @shown.register
+def _fitted_in_time(result: TimeIdentification) -> Html:
+    """What the command line prints: its tables are as wide as they have to be."""
+    return tag("pre", fitted_in_time_text(result))
+
+
+@shown.register
 def _of_diagnosis(diagnosis: Diagnosis) -> Html:
     """Verdict, error and both floors, failures, parameters, leading effects, next step, notes."""
+    if in_time(diagnosis.tests):
+        return tag("pre", str(diagnosis))
     # From the same dictionary as the JSON, so that the two cannot say different things.
     answer = diagnosis.to_dict()
     error = answer["error"]
@@ -72,6 +83,8 @@ def _of_diagnosis(diagnosis: Diagnosis) -> Html:
 @shown.register
 def _of_ladder(ladder: Ladder) -> Html:
     """The steps with their errors, and the last verdict."""
+    if in_time(ladder.diagnosis.tests):
+        return tag("pre", str(ladder))
     answer = ladder.to_dict()
     rows = []
     for step in answer["steps"]:
@@ -94,6 +107,8 @@ def _of_ladder(ladder: Ladder) -> Html:
 @shown.register
 def _of_comparison(comparison: Comparison) -> Html:
     """Errors against the floor that the models share, and where each of them fails."""
+    if in_time(comparison.tests):
+        return tag("pre", str(comparison))
     # Of a ranking only the models that are worth a look; the JSON has all.
     shown_models = [judgement.to_dict() for judgement in comparison.shown]
     answer = comparison.to_dict() | {"models": shown_models}

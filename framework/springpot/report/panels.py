@@ -16,6 +16,7 @@ from .scene import Scene, sweep_colours
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 WIDTH, HEIGHT = 4.6, 3.3
 """Inches of a panel; at these, its letters are as large as those of the page."""
@@ -42,11 +43,17 @@ def panel(
     width, height : float
         In inches.
     """
-    picture = BytesIO()
     with blank(width, height) as figure:
         draw(figure.subplots())
-        # Without a date: the same answer gives the same page.
-        figure.savefig(picture, format="svg", metadata={"Date": None})
+        return framed(figure, caption)
+
+
+def framed(figure: Figure, caption: str) -> Html:
+    """A figure that is drawn already; see `panel`."""
+    picture = BytesIO()
+    # Without a date: the same answer gives the same page.
+    figure.savefig(picture, format="svg", metadata={"Date": None})
+    width, height = figure.get_size_inches().tolist()
     # Inside the page, and as a picture: an SVG that stands in an image runs no script.
     source = f"data:image/svg+xml;base64,{b64encode(picture.getvalue()).decode()}"
     # The browser knows the room before the picture is there; an inch of a page is 96 pixels.

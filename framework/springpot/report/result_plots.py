@@ -16,6 +16,8 @@ from springpot.identification.result import Identification
 from springpot.measurement.measurement import Measurement
 from springpot.report import views
 from springpot.superposition.curve import MasterCurve
+from springpot.timetests.predicted_test import TestPrediction
+from springpot.timetests.result import TimeIdentification
 
 from .candidates_figure import draw_diagnosis, figure_diagnosis
 from .canvas import COLOURS, blank, finished, logarithmic
@@ -27,6 +29,7 @@ from .mastercurve import figure_mastercurve
 from .residuals import figure_compared, fits_of
 from .scene import Scene
 from .spectrum import figure_material
+from .timetests import figure_prediction, figure_tests, fits_in_time
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -140,12 +143,25 @@ def _found_onto(result: Ladder, axes: Any) -> None:
 
 @whole.register
 def _compared(result: Comparison, path: Any) -> Any:
+    fits = fits_in_time(each.fitted for each in result.judgements)
+    if fits:
+        return figure_tests(fits, fits[0].data, path)
     return figure_compared(result, path)
 
 
 @onto.register
 def _compared_onto(result: Comparison, axes: Any) -> None:
     _scene(axes, Scene(result.measurement, fits_of(result)))
+
+
+@whole.register
+def _fitted_in_time(result: TimeIdentification, path: Any) -> Any:
+    return figure_tests(result, result.data, path)
+
+
+@whole.register
+def _foretold(result: TestPrediction, path: Any) -> Any:
+    return figure_prediction(result, path)
 
 
 @whole.register

@@ -5,7 +5,7 @@ Measured and computed, over logarithmic and linear time, with what is left.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,12 +20,14 @@ from springpot.timetests.recording import recorded
 from springpot.timetests.residuals_of_tests import InTimePart, Test, parts_of_specimen
 from springpot.timetests.result import TimeIdentification
 
-from .canvas import COLOURS, INK, QUIET, blank, logarithmic, save
+from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+MOST_DRAWN = 4
+"""Models in one picture: more colours are not told apart."""
 SMOOTH = 300
 """Points of a drawn curve."""
 DRAWN = 2000
@@ -40,7 +42,7 @@ def figure_tests(
     identified: TimeIdentification | Sequence[TimeIdentification],
     tests: Sequence[Test],
     path: str | Path | None = None,
-) -> Figure:
+) -> Figure | Path:
     """Each test with its fits.
 
     Over logarithmic time, over linear time, and the residual over its noise.
@@ -52,12 +54,7 @@ def figure_tests(
     tests : sequence of TimeTest or Measurement
         What they were fitted to.
     path : str or Path, optional
-        Where to write it.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The figure.
+        Where to write; what is returned and raised is told by `springpot.report.canvas.finished`.
     """
     if isinstance(identified, TimeIdentification):
         fits = [identified]
@@ -72,9 +69,13 @@ def figure_tests(
                 _draw_test(row, part, fits)
             else:
                 _draw_sweep(row, part.test, fits)
-        if path is not None:
-            save(figure, path)
-    return figure
+        return finished(figure, path)
+
+
+def fits_in_time(behind: Iterable[object]) -> list[TimeIdentification]:
+    """The first few fits of tests in time behind answers; none of an answer about sweeps."""
+    fits = [fit for fit in behind if isinstance(fit, TimeIdentification)]
+    return fits[:MOST_DRAWN]
 
 
 def _draw_test(row: Sequence[Axes], part: InTimePart, fits: Sequence[TimeIdentification]) -> None:
@@ -158,7 +159,7 @@ def _draw_sweep(
     logarithmic(row[2], "x")
 
 
-def figure_prediction(predicted: TestPrediction, path: str | Path | None = None) -> Figure:
+def figure_prediction(predicted: TestPrediction, path: str | Path | None = None) -> Figure | Path:
     """A predicted test with its band: over log and linear time, or K' and K'' over frequency.
 
     Parameters
@@ -166,12 +167,7 @@ def figure_prediction(predicted: TestPrediction, path: str | Path | None = None)
     predicted : TestPrediction
         The prediction.
     path : str or Path, optional
-        Where to write it.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The figure.
+        Where to write; what is returned and raised is told by `springpot.report.canvas.finished`.
     """
     with blank(9.0, 3.6) as figure:
         row = figure.subplots(1, 2)
@@ -192,9 +188,7 @@ def figure_prediction(predicted: TestPrediction, path: str | Path | None = None)
                 logarithmic(row[0], "x")
         row[0].set_title(f"{predicted.test}: {predicted.verdict}")
         row[0].legend()
-        if path is not None:
-            save(figure, path)
-    return figure
+        return finished(figure, path)
 
 
 def _draw_predicted(axes: Axes, predicted: TestPrediction, rows: slice) -> None:

@@ -24,6 +24,8 @@ BLOCK = 4096
 """Samples in work at a time: with some 100 modes they stay in the processor's cache."""
 ROWS = 64
 """Parts of a block that are scanned side by side, as long as they are many."""
+RUN = 64
+"""Evenly spaced samples that are one product of matrices."""
 EVEN = 1e-9
 """Relative scatter of the steps below which the sampling is even."""
 HARDLY = 1e-12
@@ -60,30 +62,19 @@ def driven(rates: Modes, steps: Modes, changes: Real, mix: Modes, rate_mix: Mode
     moving = np.flatnonzero(np.any(rate_mix != 0.0, axis=1))
     last, last_slope = np.zeros(len(rates), dtype=kind), np.zeros(len(moving), dtype=kind)
     inner = steps[1:]
-    # With even steps each mode is a filter of one constant, which compiled code runs through; a
-    # short history would not repay the call for each mode.
-    even = (
-        n > BLOCK
-        and bool(np.ptp(inner.real) <= EVEN * np.max(inner.real))
-        and not np.iscomplexobj(inner)
-    )
+    if n > BLOCK and not np.iscomplexobj(inner) and np.ptp(inner) <= EVEN * np.max(inner):
+        return _driven_evenly(rates, float(np.mean(inner)), changes, mix, rate_mix)
     for start in range(0, n, BLOCK):
         part = slice(start, min(start + BLOCK, n))
         one, step = changes[part], steps[part]
-        if even:
-            step = np.mean(inner, keepdims=True)
-        # Of even steps one row serves all samples.
         decay, gain = _step(rates, step[:, None])
-        if even:
-            q = _filtered(decay[0], gain[0], one, last)
-        else:
-            q = _scan(decay, gain * one[:, None], last)
+        q = _scan(decay, gain * one[:, None], last)
         if len(moving):
             # dq/dr obeys the same recursion, driven by the derivatives of its two factors.
             before = np.vstack([last[moving], q[:-1, moving]])
             kicks = _gain_slope(rates[moving], step[:, None]) * one[:, None]
             kicks = kicks - step[:, None] * decay[:, moving] * before
-            turned = _scan(np.broadcast_to(decay[:, moving], kicks.shape), kicks, last_slope)
+            turned = _scan(decay[:, moving], kicks, last_slope)
             out[part] = turned @ rate_mix[moving]
             last_slope = turned[-1]
         out[part] += q @ mix
@@ -116,14 +107,43 @@ def _gain_slope(rates: Modes, step: Modes) -> Modes:
     return slope
 
 
-def _filtered(decay: Modes, gain: Modes, changes: Real, start: Modes) -> Modes:
-    """q_k = decay q_(k-1) + gain change_k for each mode, (n, m), where all steps are alike."""
-    from scipy.signal import lfilter
+def _driven_evenly(rates: Modes, step: float, changes: Real, mix: Modes, rate_mix: Modes) -> Modes:
+    """The same where all steps are alike: then what many samples do is one product of matrices.
 
-    q = np.empty((len(decay), len(changes)), dtype=np.result_type(decay, changes))
-    for j, factor in enumerate(decay):
-        q[j] = lfilter([gain[j]], [1.0, -factor], changes, zi=[factor * start[j]])[0]
-    return q.T
+    Samples are taken in runs of `RUN`. Within a run the outputs are a convolution with a short
+    kernel; from run to run only the modes are carried, q and s = dq/dr, by the same recursion with
+    longer steps.
+    """
+    n, (m, outputs) = len(changes), mix.shape
+    runs = -(-n // RUN)
+    # Filled up with changes of nothing, so that all runs are equally long.
+    moved = np.zeros((runs, RUN), dtype=changes.dtype)
+    moved.ravel()[:n] = changes
+    _, gain = _step(rates, np.array([step]))
+    gain_slope = _gain_slope(rates, np.array([step]))
+    # Of a change, k steps later (RUN + 1, m): what is left of q and of s.
+    time = step * np.arange(RUN + 1)[:, None]
+    fading = np.exp(-rates * time)
+    left, left_slope = gain * fading, (gain_slope - time * gain) * fading
+    kernel = left[:RUN] @ mix + left_slope[:RUN] @ rate_mix
+    lag = np.arange(RUN) - np.arange(RUN)[:, None]
+    within = np.where((lag >= 0)[..., None], kernel[lag], 0.0)  # (from, to, outputs)
+    out = moved @ within.reshape(RUN, RUN * outputs)
+    # What each run leaves behind by itself, and what had gathered before it.
+    q = _before(fading[RUN], moved @ left[RUN - 1 :: -1][:RUN])
+    kicks = moved @ left_slope[RUN - 1 :: -1][:RUN] - time[RUN] * fading[RUN] * q
+    s = _before(fading[RUN], kicks)
+    later, times = fading[1:].T[..., None], time[1:]
+    by_q = later * (mix[:, None] - times * rate_mix[:, None])
+    out = out + q @ by_q.reshape(m, RUN * outputs)
+    out = out + s @ (later * rate_mix[:, None]).reshape(m, RUN * outputs)
+    return np.asarray(out.reshape(runs * RUN, outputs)[:n])
+
+
+def _before(decay: Modes, kicks: Modes) -> Modes:
+    """What the recursion q_k = decay q_(k-1) + kicks_k from rest holds before each step, (n, m)."""
+    after = _scan(np.broadcast_to(decay, kicks.shape), kicks, np.zeros_like(kicks[0]))
+    return np.vstack([np.zeros_like(kicks[:1]), after[:-1]])
 
 
 def _scan(decay: Modes, kicks: Modes, start: Modes) -> Modes:

@@ -28,7 +28,7 @@ from springpot.registry import plugins
 from springpot.rheology.effect import Layer
 from springpot.rheology.model import Model
 from springpot.rheology.points import KELVIN, Points, Real
-from springpot.timetests.prediction import Known
+from springpot.timetests.known import Known
 
 from .prony import BULKS, Prony, Solid, prony_of, solid_of, young_of
 

@@ -17,7 +17,7 @@ from springpot.inputs import text_in, toml_in
 from springpot.measurement.units import AMPLITUDE_UNITS, STIFFNESS_UNITS
 from springpot.rheology.points import KELVIN, Real
 from springpot.structure.motion import STRONGEST
-from springpot.timetests.prediction import Known
+from springpot.timetests.known import Known
 
 from .frame import Damper, Frame
 from .motion import Record, artificial

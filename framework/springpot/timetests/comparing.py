@@ -6,72 +6,33 @@ Which of them follows them best, for its number of parameters.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from springpot.comparison.comparing import ONLY_NOISE, Comparison, Judgement
 from springpot.errors import DataError, SpringpotError
+from springpot.misfit.where import Where
+from springpot.misfit.words import times
 from springpot.registry import parse_model
 from springpot.rheology.model import Model
 
+from .answer import error_of
 from .fitting import identify
-from .residuals_of_tests import Test
+from .information_criterion import Left
+from .residuals_of_tests import Part, Test, parts_of_specimen
 from .result import TimeIdentification
+from .scatter import Scatter
+from .verdict import where_missed
 
-SCHEMA = "springpot.comparison-in-time/1"
-
-
-@dataclass(frozen=True, eq=False)
-class TimeComparison:
-    """Models against tests in time.
-
-    Attributes
-    ----------
-    fits : tuple of TimeIdentification
-        Best first, by the Bayesian information criterion.
-    delta_bic : tuple of float
-        By how much that of each exceeds the best one's; 10 is very strong evidence (Kass & Raftery
-        1995, doi:10.1080/01621459.1995.10476572).
-    left_out : dict of str to str
-        Models that cannot be fitted to these tests, and why.
-    """
-
-    fits: tuple[TimeIdentification, ...]
-    delta_bic: tuple[float, ...]
-    left_out: dict[str, str]
-
-    @property
-    def best(self) -> TimeIdentification:
-        """The fit of the first model."""
-        return self.fits[0]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Schema ``springpot.comparison-in-time/1``."""
-        return {
-            "schema": SCHEMA,
-            "data": " + ".join(test.name for test in self.best.tests),
-            "best": self.best.model.name,
-            "models": [
-                {
-                    "model": fit.model.name,
-                    "delta_bic": delta,
-                    "relative_rms": fit.relative_rms,
-                    "tests": [test.to_dict() for test in fit.tests],
-                    "parameters": fit.parameters,
-                    "notes": list(fit.notes),
-                }
-                for fit, delta in zip(self.fits, self.delta_bic, strict=True)
-            ],
-            "left_out": self.left_out,
-        }
+MORE = "what is left is more than noise"
+"""What is said of a model that is missed nowhere in particular."""
 
 
 def compare(
     tests: Sequence[Test],
     models: Sequence[Model | str],
     progress: Callable[[str], None] | None = None,
-) -> TimeComparison:
+) -> Comparison:
     """Judge models of tests in time, each fitted to all of them together.
 
     Parameters
@@ -85,7 +46,7 @@ def compare(
 
     Returns
     -------
-    TimeComparison
+    Comparison
         Best first.
 
     Raises
@@ -119,8 +80,47 @@ def compare(
     criteria = [fit.power / scale + len(fit.theta) * np.log(points) for fit in fits]
     least = min(criteria)
     ranked = sorted(zip(criteria, fits, strict=True), key=lambda pair: pair[0])
-    deltas = tuple(float(criterion - least) for criterion, _ in ranked)
-    return TimeComparison(tuple(fit for _, fit in ranked), deltas, left_out)
+    parts = parts_of_specimen(list(tests))
+    # One noise for all, that about the best model.
+    noise = _left(ranked[0][1], parts).scatters
+    judged = [_judgement(fit, float(value - least), parts, noise) for value, fit in ranked]
+    names = " + ".join(test.name for test in fits[0].tests)
+    comparison = Comparison(names, tuple(judged), (), (), "", left_out=left_out)
+    vars(comparison).update(magnitude="the signal")
+    return comparison
+
+
+def _left(fit: TimeIdentification, parts: Sequence[Part]) -> Left:
+    return Left.by(fit.model, fit.theta, fit.reference, parts)
+
+
+def _judgement(
+    fit: TimeIdentification, delta: float, parts: Sequence[Part], noise: Sequence[Scatter]
+) -> Judgement:
+    """One model against the tests; `delta` is its information criterion above the best."""
+    left = _left(fit, parts)
+    error = error_of(parts, left, noise)
+    where: tuple[Where, ...] = ()
+    says = ONLY_NOISE
+    if left.misfit:
+        where, says = where_missed(parts, left, noise), MORE
+    if where:
+        says = where[0].says
+    known = {
+        "model": fit.model,
+        "chi_square": fit.power,
+        "degrees_of_freedom": sum(test.points for test in fit.tests) - len(fit.theta),
+        "free_parameters": len(fit.theta),
+        "fails": left.misfit,
+        "unclear": False,
+        "says": f"error {times(error.over_floor)} the noise; {says}",
+        "parameters": fit.parameters,
+        "where": where,
+        "by_test": fit.tests,
+        "findings": (),
+        "notes": fit.notes,
+    }
+    return Judgement.told(fit, error, delta, known)
 
 
 def _parsed(model: Model | str) -> Model:

@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from springpot.diagnosis.result import Diagnosis
 from springpot.errors import SpringpotError
 from springpot.identification.material import is_material
 from springpot.identification.passive import within_material
@@ -24,7 +25,6 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
-from .answer import TimeDiagnosis
 from .exponentials import UnfollowedError, quick_parts
 from .fitting import identify
 from .information_criterion import Left, delta_bic, independent
@@ -41,7 +41,7 @@ from .result import TimeIdentification, sampled_scatter
 from .scan_scores import Promise
 from .scatter import Scatter, scatter_of
 from .score import Scan
-from .verdict import Tried, answer_of
+from .verdict import TimeCase, Tried, answer_of
 
 LEADING = 14
 """Effects that are fitted, nearly: the others fell behind by a linear step already."""
@@ -82,12 +82,8 @@ They stop at less.
 
 
 def diagnose(
-    tests: Sequence[Test] | Test,
-    model: Model | str,
-    effects: Iterable[Effect] | None = None,
-    *,
-    base: TimeIdentification | None = None,
-) -> TimeDiagnosis:
+    tests: Sequence[Test] | Test, model: Model | str, effects: Iterable[Effect] | None = None
+) -> Diagnosis:
     """Find which effect is missing from a model of tests in time.
 
     Parameters
@@ -99,12 +95,10 @@ def diagnose(
     effects : iterable of Effect, optional
         What may be missing; by default all that is installed. Those without a law in time, or whose
         conditions the tests lack, are passed over.
-    base : TimeIdentification, optional
-        The fit of the model, where it is known already.
 
     Returns
     -------
-    TimeDiagnosis
+    Diagnosis
         Verdict, candidates best first, and where the model fails.
 
     Raises
@@ -123,6 +117,17 @@ def diagnose(
     >>> diagnose(test, model, springpot.plugins().items("effect")).best.effect
     'force-drift'
     """
+    return examine(tests, model, effects).diagnosis
+
+
+def examine(
+    tests: Sequence[Test] | Test,
+    model: Model | str,
+    effects: Iterable[Effect] | None = None,
+    *,
+    base: TimeIdentification | None = None,
+) -> TimeCase:
+    """The same with the fits behind it; `base` is that of the model, where it is known already."""
     given = _listed(tests)
     if isinstance(model, str):
         model = parse_model(model)
@@ -132,10 +137,10 @@ def diagnose(
     model = at_rigs(model, given)
     # The noise is needed to judge and a good model to know the noise: so a second round, where it
     # matters.
-    diagnosis = _judged(given, model, library, base, None)
-    noise = _noise_beside(parts_of_specimen(given), diagnosis)
+    case = _judged(given, model, library, base, None)
+    noise = _noise_beside(parts_of_specimen(given), case)
     if noise is None:
-        return diagnosis
+        return case
     # `base` was fitted with the weights of the first noise: it is fitted anew with those of the
     # second.
     return _judged(given, model, library, None, noise)
@@ -147,7 +152,7 @@ def _listed(tests: Sequence[Test] | Test) -> list[Test]:
     return list(tests)
 
 
-def _noise_beside(parts: Sequence[Part], first: TimeDiagnosis) -> list[Real | None] | None:
+def _noise_beside(parts: Sequence[Part], first: TimeCase) -> list[Real | None] | None:
     """The noise of each test as the best model shows it, where the signal told another.
 
     None where it did not.
@@ -183,7 +188,7 @@ def _judged(
     effects: Sequence[Effect],
     base: TimeIdentification | None,
     known: Sequence[Real | None] | None,
-) -> TimeDiagnosis:
+) -> TimeCase:
     """The diagnosis with a certain noise."""
     if base is None:
         base = identify(given, model, noise=known)
@@ -214,7 +219,7 @@ def _judged(
     # By their chances, so that what is rare stands behind what is common and explains the tests as
     # well.
     ranked = sorted(judged, key=lambda each: -each.evidence)
-    return replace(answer_of(parts, base, before, ranked, noise, promises), left_out=left_out)
+    return answer_of(parts, base, before, ranked, noise, promises, left_out)
 
 
 def _no_worse(each: Tried, before: Left) -> Tried:

@@ -3,99 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from typing import Any
 
+from springpot.diagnosis.ladder import Ladder, Step, moves
+from springpot.diagnosis.result import Diagnosis
 from springpot.errors import SpringpotError
 from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 
-from .answer import TimeDiagnosis
-from .diagnosis import diagnose
+from .answer import NAN
+from .diagnosis import diagnose, examine
 from .fitting import identify
 from .residuals_of_tests import Test
 from .result import TimeIdentification
 
-SCHEMA = "springpot.discovery-in-time/1"
 MOST = 6
 """Effects that are added at most: more than a record has ever told apart."""
-
-
-@dataclass(frozen=True, eq=False)
-class TimeStep:
-    """One rung.
-
-    Attributes
-    ----------
-    fit : TimeIdentification
-        Of the model of this rung.
-    accepted : str or None
-        The effect that made it; None on the first rung.
-    alike : tuple of str
-        Effects that it could not be told from.
-    """
-
-    fit: TimeIdentification
-    accepted: str | None
-    alike: tuple[str, ...] = ()
-
-    @property
-    def over_floor(self) -> float:
-        """Error over the noise floor, of the worst test."""
-        return max(test.ratio for test in self.fit.tests)
-
-    def to_dict(self) -> dict[str, Any]:
-        """As plain data."""
-        return {
-            "model": self.fit.model.name,
-            "accepted": self.accepted,
-            "class": list(self.alike),
-            "relative_rms": self.fit.relative_rms,
-            "over_floor": self.over_floor,
-            "tests": [test.to_dict() for test in self.fit.tests],
-            "parameters": self.fit.parameters,
-        }
-
-
-@dataclass(frozen=True, eq=False)
-class TimeLadder:
-    """A discovery from tests in time.
-
-    Attributes
-    ----------
-    steps : tuple of TimeStep
-        The first is the model without further effects.
-    diagnosis : TimeDiagnosis
-        Of the last one.
-    left_out : dict of str to str
-        Effects that would have been accepted but could not be gone on from, and why.
-    """
-
-    steps: tuple[TimeStep, ...]
-    diagnosis: TimeDiagnosis
-    left_out: dict[str, str] = field(default_factory=dict)
-
-    @property
-    def model(self) -> Model:
-        """The model of the last rung."""
-        return self.steps[-1].fit.model
-
-    @property
-    def verdict(self) -> str:
-        """That of the last diagnosis."""
-        return self.diagnosis.verdict
-
-    def to_dict(self) -> dict[str, Any]:
-        """Schema ``springpot.discovery-in-time/1``."""
-        return {
-            "schema": SCHEMA,
-            "data": " + ".join(test.name for test in self.steps[-1].fit.tests),
-            "steps": [step.to_dict() for step in self.steps],
-            "verdict": self.verdict,
-            "diagnosis": self.diagnosis.to_dict(),
-            "left_out": self.left_out,
-        }
 
 
 def discover(
@@ -104,8 +27,8 @@ def discover(
     effects: Sequence[Effect] | None = None,
     accept: Sequence[Effect] | None = None,
     progress: Callable[[str], None] | None = None,
-    reached: Callable[[TimeLadder], None] | None = None,
-) -> TimeLadder:
+    reached: Callable[[Ladder], None] | None = None,
+) -> Ladder:
     """Add missing effects one by one.
 
     Parameters
@@ -125,7 +48,7 @@ def discover(
 
     Returns
     -------
-    TimeLadder
+    Ladder
         Each rung, and what is said of the last one.
 
     Raises
@@ -153,16 +76,16 @@ def _given(
     effects: Sequence[Effect],
     accept: Sequence[Effect],
     told: Callable[[str], None],
-) -> TimeLadder:
+) -> Ladder:
     """The rungs that a user asks for."""
     told(f"fitting {model.name}")
-    steps = [TimeStep(identify(tests, model), None)]
+    steps = [_step(identify(tests, model))]
     for effect in accept:
         model = model + effect
         told(f"fitting {model.name}")
-        steps.append(TimeStep(identify(tests, model), effect.name))
+        steps.append(_step(identify(tests, model), steps[-1], (effect.name,)))
     told(f"judging {model.name}")
-    return TimeLadder(tuple(steps), diagnose(tests, model, effects))
+    return _ladder(steps, diagnose(tests, model, effects), {})
 
 
 def _climbed(
@@ -170,38 +93,65 @@ def _climbed(
     model: Model,
     effects: Sequence[Effect],
     told: Callable[[str], None],
-    reached: Callable[[TimeLadder], None] | None,
-) -> TimeLadder:
+    reached: Callable[[Ladder], None] | None,
+) -> Ladder:
     """The rungs that the evidence decides on."""
     known = {effect.name: effect for effect in effects}
     told(f"judging {model.name}")
-    diagnosis = diagnose(tests, model, effects)
+    case = examine(tests, model, effects)
     # The fit that the diagnosis made: a rung costs no second one.
-    steps = [TimeStep(diagnosis.base, None)]
+    steps = [_step(case.base)]
     left_out: dict[str, str] = {}
     # Also where the verdict is unexplained: an effect that helps beyond doubt may be one of
     # several.
     while len(steps) <= MOST:
         if reached is not None:
-            reached(TimeLadder(tuple(steps), diagnosis, left_out))
+            reached(_ladder(steps, case.diagnosis, left_out))
         # The first of a class stands for it: the others would fit as well, and are told beside it.
-        alike = [name for name in diagnosis.missing if name not in left_out]
+        alike = [name for name in case.diagnosis.leading if name not in left_out]
         if not alike:
             break
-        first, *others = alike
+        first = alike[0]
         larger = model + known[first]
         told(f"judging {larger.name}")
         base = None
         # The diagnosis has fitted the grown model already, unless only nearly.
-        if diagnosis.best_fit.model.name == larger.name:
-            base = diagnosis.best_fit
+        if case.best_fit.model.name == larger.name:
+            base = case.best_fit
             larger = base.model
         try:
-            diagnosis = diagnose(tests, larger, effects, base=base)
+            case = examine(tests, larger, effects, base=base)
         except SpringpotError as error:
             # The rungs that were reached stay; the next of the class stands for it.
             left_out[first] = str(error)
             continue
         model = larger
-        steps.append(TimeStep(diagnosis.base, first, tuple(others)))
-    return TimeLadder(tuple(steps), diagnosis, left_out)
+        steps.append(_step(case.base, steps[-1], tuple(alike)))
+    return _ladder(steps, case.diagnosis, left_out)
+
+
+def _step(fit: TimeIdentification, before: Step | None = None, alike: tuple[str, ...] = ()) -> Step:
+    """A rung by its fit, with the effects that may have made it, the accepted one first."""
+    # A model is as good as it is for the test that it misses most.
+    worst = max(fit.tests, key=lambda test: test.over_floor)
+    changed: dict[str, float] = {}
+    if before is not None:
+        changed = moves(before.parameters, fit.parameters)
+    return Step(
+        model=fit.model,
+        accepted=next(iter(alike), None),
+        relative_rms=worst.relative_rms,
+        noise_floor=worst.noise_floor,
+        material_floor=NAN,
+        predicted_error=None,
+        parameters=fit.parameters,
+        changed=changed,
+        material_chance=NAN,
+        tests=fit.tests,
+        alike=alike,
+        examined=fit,
+    )
+
+
+def _ladder(steps: Sequence[Step], diagnosis: Diagnosis, left_out: dict[str, str]) -> Ladder:
+    return Ladder(diagnosis.data, tuple(steps), diagnosis.verdict, diagnosis, left_out)

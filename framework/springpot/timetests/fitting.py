@@ -12,6 +12,7 @@ from springpot.errors import ModelError, SpringpotError
 from springpot.identification.coordinates import Coordinates
 from springpot.identification.fitting import NATIVE, best_run, refuse_search, start_at
 from springpot.identification.material import is_material
+from springpot.identification.objective import Objective
 from springpot.identification.optimiser import Optimiser
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
@@ -20,9 +21,11 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
 from .exponentials import quick_parts
+from .intervals import with_intervals
 from .material import spectral
 from .native import DOUBTFUL, Minimum, Search
 from .residuals_of_tests import (
+    InTimePart,
     Part,
     Test,
     at_rigs,
@@ -30,6 +33,7 @@ from .residuals_of_tests import (
     reference_of,
     require_tests,
     rig_of_sweeps,
+    weighed_by,
 )
 from .result import TimeIdentification
 from .score import Scan
@@ -57,6 +61,8 @@ def identify(
     noise: Sequence[Real | None] | None = None,
     near: bool = False,
     start: Mapping[str, float] | None = None,
+    intervals: str = "jacobian",
+    objective: Objective | None = None,
 ) -> TimeIdentification:
     """Identify the parameters of a model from tests of one specimen, each weighed by its own noise.
 
@@ -85,6 +91,10 @@ def identify(
     start : mapping of str to float, optional
         Where the native solver begins too, in the units of the first test in time; parameters that
         are left out start where they fit best beside these.
+    intervals : {"jacobian", "profile", "bootstrap"}
+        Where the intervals come from.
+    objective : Objective, optional
+        How samples of a test weigh among each other; by default by their noise.
 
     Returns
     -------
@@ -117,6 +127,10 @@ def identify(
     if not given:
         raise ModelError("there is no test to identify a model from")
     model = at_rigs(model, given)
+    if objective is not None:
+        parts = [weighed_by(part, objective) for part in parts_of_specimen(given, noise)]
+        given = [part.test for part in parts]
+        noise = [part.noise if isinstance(part, InTimePart) else None for part in parts]
     if optimiser is not None and optimiser.name != NATIVE:
         refuse_search(model, optimiser, start)
     if start:
@@ -127,11 +141,15 @@ def identify(
     effort = (budget or BUDGET, restarts, seed)
 
     def fitted(model: Model) -> TimeIdentification:
-        return _fitted(given, model, seeds, thorough, optimiser, effort, noise, near)
+        return _fitted(given, model, seeds, thorough, optimiser, effort, noise, near, intervals)
 
     if thorough:
-        return _at_best_rig(fitted, model, given)
-    return fitted(model)
+        result = _at_best_rig(fitted, model, given)
+    else:
+        result = fitted(model)
+    if objective is None:
+        return result
+    return replace(result, objective=objective.name)
 
 
 def _at_best_rig(
@@ -148,7 +166,7 @@ def _at_best_rig(
     except ModelError:
         # No test in time can have such an effect: what is left is that the sweeps alone do.
         return fitted(apart)
-    if max(test.ratio for test in one.tests) <= DOUBTFUL:
+    if max(test.over_floor for test in one.tests) <= DOUBTFUL:
         return one
     other = fitted(apart)
     if one.power < DOUBTFUL * other.power:
@@ -165,6 +183,7 @@ def _fitted(
     effort: tuple[int, int | None, int | None],
     noise: Sequence[Real | None] | None,
     near: bool,
+    intervals: str,
 ) -> TimeIdentification:
     """The fit of a model whose effects act where they are marked to."""
     began = perf_counter()
@@ -177,13 +196,15 @@ def _fitted(
     # Of any material the spectrum itself is sought, which is a problem of another kind.
     if is_material(model):
         search, found = _of_material(model, parts, reference, seeds)
-        return search.result(found, perf_counter() - began)
+        result = search.result(found, perf_counter() - began)
+        return with_intervals(result, search, found, intervals, effort[2] or 0)
     # Without a seed there is no other place to begin at.
     search = Search(model, parts, reference, seeds, thorough or not len(seeds))
     found = _native(search, near)
-    if optimiser is None or optimiser.name == NATIVE:
-        return search.result(found, perf_counter() - began)
-    return _by_optimiser(search, found, optimiser, effort, began)
+    result = search.result(found, perf_counter() - began)
+    if optimiser is not None and optimiser.name != NATIVE:
+        result, found = _by_optimiser(search, found, optimiser, effort, began)
+    return with_intervals(result, search, found, intervals, effort[2] or 0)
 
 
 def _native(search: Search, near: bool) -> Minimum:
@@ -212,7 +233,7 @@ def _by_optimiser(
     optimiser: Optimiser,
     effort: tuple[int, int | None, int | None],
     began: float,
-) -> TimeIdentification:
+) -> tuple[TimeIdentification, Minimum]:
     """The minimum that another optimiser finds; `effort`: its budget, restarts and seed."""
     model, parts = search.model, native.parts
     if model.of_tests:
@@ -227,13 +248,14 @@ def _by_optimiser(
     found = replace(native, u=u, evaluations=best.evaluations, converged=best.status != "budget")
     result = search.result(found, perf_counter() - began)
     # The theta that was found, not one that went to search coordinates and back.
-    return replace(
+    told = replace(
         result,
         theta=best.theta,
         optimiser=optimiser.name,
         status=best.status,
         said=(*result.said, *notes),
     )
+    return told, found
 
 
 def _weighed(

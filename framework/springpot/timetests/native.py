@@ -14,14 +14,17 @@ from springpot.errors import SpringpotError
 from springpot.identification.coordinates import Coordinates
 from springpot.identification.leastsquares import Rows, Solution, levenberg_marquardt
 from springpot.identification.material import is_material
+from springpot.identification.part_result import PartResult
+from springpot.identification.uncertainty import ends, spread_of, student
 from springpot.measurement.covered import Covered
 from springpot.measurement.units import Units, one_modulus
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
+from springpot.thresholds import INTERVAL
 
 from .exponentials import QuickPart, UnfollowedError
 from .residuals_of_tests import InTimePart, Part, runs_against
-from .result import PartResult, TimeIdentification, sampled_scatter
+from .result import TimeIdentification, part_result, sampled_scatter
 from .sizes import rms
 from .start import start_of
 from .trial_values import Scales, tries_of
@@ -179,7 +182,7 @@ class Search:
         """Sum of squares at a start that may lack the parameters of the last effects."""
         if len(theta) < len(self.model.parameters):
             return 0.0
-        value, _ = self._guarded(self.parts, self.coordinates.u(theta, self.size), True)
+        value, _ = self.guarded(self.parts, self.coordinates.u(theta, self.size), True)
         return float(np.sum(value**2))
 
     def natural(self) -> list[Real]:
@@ -274,7 +277,7 @@ class Search:
     ) -> Solution:
         def evaluate(u: Real, rows: Rows) -> tuple[Real, Real]:
             # One start after another: the parts of a test share no shape that could be stacked.
-            pairs = [self._guarded(parts, one, coarse) for one in u]
+            pairs = [self.guarded(parts, one, coarse) for one in u]
             return np.stack([value for value, _ in pairs]), np.stack(
                 [slopes for _, slopes in pairs]
             )
@@ -293,7 +296,7 @@ class Search:
             flat=flat,
         )
 
-    def _guarded(self, parts: Sequence[Part], u: Real, coarse: bool) -> tuple[Real, Real]:
+    def guarded(self, parts: Sequence[Part], u: Real, coarse: bool) -> tuple[Real, Real]:
         """The residual, endless at parameters at which the model cannot be followed."""
         try:
             with np.errstate(all="ignore"):
@@ -322,15 +325,17 @@ class Search:
         """The answer where a search ended."""
         theta = self.theta(found.u)
         rows = [
-            PartResult.of(part, self.model, theta, self.reference, ratio)
+            part_result(part, self.model, theta, self.reference, ratio)
             for part, ratio in zip(found.parts, found.alone, strict=True)
         ]
         units = _units(found.parts)
+        covariance = self._covariance(found.u, found.parts)
+        slopes = self.coordinates.slopes(theta, self.size)
         return TimeIdentification(
             self.model,
             theta,
-            self._covariance(found.u, found.parts),
-            self.coordinates,
+            *self._interval(theta, covariance, sum(row.points for row in rows)),
+            slopes @ covariance @ slopes.T,
             tuple(rows),
             self.reference,
             found.evaluations,
@@ -339,7 +344,24 @@ class Search:
             units,
             said=_doubts(found.parts, rows),
             covered=Covered.of([part.test for part in found.parts], units),
+            data=tuple(part.test for part in found.parts),
         )
+
+    def _interval(self, theta: Real, covariance: Real, points: int) -> tuple[Real, Real]:
+        """Ends (p,) of the 95 % intervals: by factors for what is searched by its logarithm."""
+        quantile = student(INTERVAL, max(points - len(theta), 1))
+        # The covariance is that of search coordinates: it is carried to what is printed.
+        reach = quantile * spread_of(self.coordinates.slopes(theta, self.size), covariance)
+        log = self.coordinates.log
+        with np.errstate(all="ignore"):
+            # What is searched by its logarithm reaches by a factor: d ln theta is d theta over
+            # theta.
+            reach = np.where(log, reach / np.where(log, theta, 1.0), reach)
+        # What the tests do not determine reaches anywhere.
+        reach = np.where(np.isfinite(reach), reach, np.inf)
+        lower = np.array([p.lower for p in self.model.parameters])
+        upper = np.array([p.upper for p in self.model.parameters])
+        return ends(theta, reach, log, (lower, upper))
 
     def _covariance(self, u: Real, parts: Sequence[Part]) -> Real:
         """Of the search coordinates (p, p).
@@ -374,7 +396,7 @@ def _doubts(parts: Sequence[Part], rows: Sequence[PartResult]) -> tuple[str, ...
     """Tests whose columns seem to count in opposite directions."""
     doubts = []
     for part, row in zip(parts, rows, strict=True):
-        if row.error > WRONG and isinstance(part, InTimePart) and runs_against(part.test):
+        if row.relative_rms > WRONG and isinstance(part, InTimePart) and runs_against(part.test):
             doubts.append(
                 f"{row.name}: force and displacement have opposite signs: if one of them counts the"
                 f" other way, say so behind the file, such as '?force=-{part.test.force_unit}'"

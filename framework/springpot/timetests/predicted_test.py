@@ -3,17 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.drawing import draw
+from springpot.measurement.covered import Covered
 from springpot.measurement.units import Units
 from springpot.rheology.points import Real
+from springpot.thresholds import INTERVAL
 
 from .sizes import rms
 
-SCHEMA = "springpot.prediction-in-time/1"
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SCHEMA = "springpot.prediction/2"
 VAGUE = 0.5
 """Expected error from which a fit says nothing of a test: it may be off by its own size."""
 HOLDS = 2.0
@@ -52,10 +60,14 @@ class TestPrediction:
         The error of these alone; nan where there are none.
     unit : str
         Of the value.
+    level : float
+        Probability of the band.
     judged : bool
         Whether the test was measured; otherwise there is nothing to judge by.
     outside : ndarray of bool, shape (m,)
         Which samples lie outside of what the fitted tests saw.
+    covered : Covered
+        What the fitted tests measured.
     notes : tuple of str
         What else one should know.
     quantity : str
@@ -82,10 +94,16 @@ class TestPrediction:
     error_inside: float
     unit: str
     outside: NDArray[np.bool_]
+    covered: Covered
     notes: tuple[str, ...] = ()
     judged: bool = True
     quantity: str = "value"
     clock: str = "Hz"
+    level: float = INTERVAL
+
+    def plot(self, path: str | Path | None = None) -> Figure | Axes | Path:
+        """The prediction with its band beside what was measured; see `springpot.drawing.draw`."""
+        return draw(self, path)
 
     @property
     def verdict(self) -> str:
@@ -136,7 +154,7 @@ class TestPrediction:
         return f"the prediction of {self.test} does not hold: {size}; {mean}{beyond}"
 
     def to_dict(self) -> dict[str, Any]:
-        """Schema ``springpot.prediction-in-time/1``."""
+        """Schema ``springpot.prediction/2``."""
         clock = "time"
         if self.kind == "sweep":
             clock = "frequency"
@@ -155,6 +173,7 @@ class TestPrediction:
             "model": self.model,
             "data": self.test,
             "kind": self.kind,
+            "level": self.level,
             "unit": self.unit,
             "verdict": self.verdict,
             "holds": self.holds,
@@ -165,5 +184,6 @@ class TestPrediction:
             "error_inside": error_inside,
             "says": self.says,
             "points": points,
+            "measured": self.covered.to_dict(),
             "notes": list(self.notes),
         }

@@ -5,18 +5,15 @@ What a fitted model says of it, with a band, and whether it holds.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from springpot.errors import DataError
-from springpot.identification.prediction import Prediction, require_known
 from springpot.identification.result import Identification
 from springpot.identification.space import require_columns
 from springpot.identification.uncertainty import student
-from springpot.measurement.covered import Covered
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timenoise import noise_of
 from springpot.measurement.timetest import TimeTest
@@ -27,189 +24,24 @@ from springpot.measurement.units import (
     Units,
     one_modulus,
 )
-from springpot.rheology.continuum import Continuum
-from springpot.rheology.effect import SWEEPS
 from springpot.rheology.model import Model
-from springpot.rheology.points import KELVIN, Points, Real
+from springpot.rheology.points import Points, Real
+from springpot.thresholds import INTERVAL
 
+from .known import Known, reach
 from .predicted_test import TestPrediction
 from .residuals_of_tests import SweepPart, Test
 from .response import predicted
 from .result import TimeIdentification
 from .sizes import rms
 
-ENDLESS = 1e12
-"""Variance of a search coordinate that the data do not determine: a million natural sizes."""
-MOST_POINTS = 2**53
-"""Samples of all tests together: what a float counts exactly."""
 NEAR = 2.0
 """Factor by which a time may lie beyond those that a fit saw and still be one of them."""
 
 
-@dataclass(frozen=True, eq=False)
-class Known:
-    """A model with its parameters and how well they are known.
-
-    Attributes
-    ----------
-    model : Model
-        The model.
-    theta : ndarray, shape (p,)
-        Its parameters, in `units`.
-    covariance : ndarray, shape (p, p)
-        Of these parameters.
-    units : Units
-        Of the test that they were fitted to.
-    reference : float
-        Temperature in kelvin at which shifts are one.
-    misfit : float
-        Relative error that the fit itself has.
-    dof : float
-        Degrees of freedom behind the covariance.
-    covered : Covered
-        What the fitted tests measured.
-    """
-
-    model: Model
-    theta: Real
-    covariance: Real
-    units: Units
-    reference: float
-    misfit: float
-    dof: float
-    covered: Covered = field(default_factory=Covered)
-
-    @classmethod
-    def of(cls, identified: TimeIdentification | Identification) -> Known:
-        """From a fit to tests in time, or to a sweep."""
-        if isinstance(identified, TimeIdentification):
-            # Samples whose misses are alike were counted once in the covariance already.
-            points = sum(test.points for test in identified.tests)
-            # What a test did itself, such as a drift, does not go into another one.
-            material = identified.model.of_specimen
-            turn = identified.slopes[: len(material.parameters)]
-            return cls(
-                material,
-                identified.theta[: len(material.parameters)],
-                turn @ identified.covariance @ turn.T,
-                identified.units,
-                identified.reference,
-                identified.relative_rms,
-                max(points - len(identified.theta), 1),
-                identified.covered,
-            )
-        coordinates, data = identified.fit.task.coordinates, identified.measurement
-        # An endless variance times a slope of zero would be no number.
-        covariance = np.nan_to_num(identified.uncertainty.covariance, nan=0.0, posinf=ENDLESS)
-        turn = coordinates.slopes(identified.theta, coordinates.size[0])
-        return cls(
-            identified.model,
-            identified.theta,
-            turn @ covariance @ turn.T,
-            data.units,
-            data.reference_temperature,
-            identified.relative_rms,
-            max(identified.fit.dof, 1),
-            identified.covered,
-        )
-
-    @classmethod
-    def read(cls, answer: dict[str, Any], model: Model) -> Known:
-        """From the JSON of an identification from tests in time."""
-        kept, count = answer["kept"], len(model.parameters)
-        # Lines of a spectrum lie where the tests put them: the name of the model does not tell
-        # them.
-        if "rates" in kept:
-            model = replace(model, material=Continuum(tuple(map(float, kept["rates"]))))
-            count = len(model.parameters)
-        # Nor does it tell which effects are of the rig of the sweeps that stood beside tests in
-        # time.
-        alone = set(kept.get("only_sweeps", ()))
-        effects = [each.at(SWEEPS) if each.name in alone else each for each in model.effects]
-        model = replace(model, effects=tuple(effects))
-        points = sum(int(test["points"]) for test in answer["tests"])
-        theta = np.array(kept["theta"], dtype=float)[:count]
-        covariance = np.array(kept["covariance"], dtype=float)[:count, :count]
-        # A file may have been changed by hand: numbers that cannot be would fail anywhere.
-        within = all(
-            p.lower <= value <= p.upper
-            for p, value in zip(model.parameters, theta.tolist(), strict=True)
-        )
-        if not within or covariance.shape != (count, count) or not 0 < points < MOST_POINTS:
-            raise ValueError(f"theta, covariance or points cannot be those of {model.name}")
-        return cls(
-            model,
-            theta,
-            covariance,
-            Units(**kept["units"]),
-            float(kept["reference"]),
-            float(answer["relative_rms"]),
-            max(points - len(model.parameters), 1),
-            # Older files hold the frequencies alone.
-            Covered.read(answer.get("measured", {"omega": kept["seen"]})),
-        )
-
-    def predict(
-        self,
-        frequency: ArrayLike | None = None,
-        *,
-        omega: ArrayLike | None = None,
-        temperature: float | None = None,
-        amplitude: float | None = None,
-        level: float = 0.95,
-    ) -> Prediction:
-        """K at frequencies in Hz or angular frequencies in rad/s, with a band.
-
-        See `Identification.predict`.
-
-        Raises
-        ------
-        DataError
-            If there are no such frequencies, or the model needs a temperature (degC) or an
-            amplitude.
-        """
-        if (frequency is None) == (omega is None):
-            raise DataError("give frequency [Hz] or omega [rad/s]")
-        if frequency is not None:
-            omega = 2.0 * np.pi * np.asarray(frequency, dtype=float)
-        omega = np.atleast_1d(np.asarray(omega, dtype=float))
-        if not (np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
-            raise DataError("frequencies are a list of numbers, finite and above zero")
-        given = {"temperature": temperature, "amplitude": amplitude}
-        conditions = {
-            name: np.full(len(omega), value) for name, value in given.items() if value is not None
-        }
-        for name in sorted(self.model.needs - set(conditions)):
-            raise DataError(f"{self.model.name} needs {name}: give it")
-        for name, column in conditions.items():
-            require_known(self.model, self.covered, name, column)
-        kelvin = None
-        if temperature is not None:
-            kelvin = conditions["temperature"] + KELVIN
-        points = Points(np.log(omega), conditions.get("amplitude"), kelvin, self.reference)
-        value, slopes = (
-            self.model.stiffness(self.theta, points),
-            self.model.jacobian(self.theta, points),
-        )
-        quantile = student(level, self.dof)
-        real, imaginary = (
-            quantile * _reach(part, self.covariance) for part in (slopes.real, slopes.imag)
-        )
-        wide = real + 1j * imaginary
-        low, high = value - wide, value + wide
-        return Prediction(
-            self.model.name, omega, value, low, high, conditions, self.units, level, self.covered
-        )
-
-
-def _reach(slopes: Real, covariance: Real) -> Real:
-    """Standard deviation (m,) of what has the derivatives `slopes` (m, p) by the parameters."""
-    variance: Real = np.einsum("mi,ij,mj->m", slopes, covariance, slopes)
-    # Rounding takes a variance of nothing below zero.
-    return np.sqrt(np.maximum(variance, 0.0))
-
-
-def predict_test(known: Known | TimeIdentification | Identification, test: Test) -> TestPrediction:
+def predict_test(
+    known: Known | TimeIdentification | Identification, test: Test, level: float = INTERVAL
+) -> TestPrediction:
     """Predict a test and judge the prediction.
 
     Parameters
@@ -218,6 +50,8 @@ def predict_test(known: Known | TimeIdentification | Identification, test: Test)
         A fit to other tests of the specimen.
     test : TimeTest or Measurement
         The test.
+    level : float
+        Probability of the band.
 
     Returns
     -------
@@ -258,17 +92,13 @@ def predict_test(known: Known | TimeIdentification | Identification, test: Test)
         quantity, clock = "storage and loss", test.units.clock
     # Relative to the signal, so that tests in different units and of any kind are judged alike.
     share = (compared.value - compared.measured) / compared.size
-    reach = _reach(compared.by_theta, covariance)
-    wide = student(0.95, known.dof) * reach
+    known_sd = reach(compared.by_theta, covariance)
+    wide = student(level, known.dof) * known_sd
     # Independent reasons to be off: what the parameters leave open and the noise of the test.
-    known_error = np.hypot(reach, compared.noise) / compared.size
+    known_error = np.hypot(known_sd, compared.noise) / compared.size
     # One over a time is a frequency only nearly: what lies near the ends was seen.
     asked = compared.rate, _settings(test, compared, known.units)
     inside = ~known.covered.outside(*asked, NEAR)
-    remark = known.covered.remark(*asked, known.units, NEAR)
-    error_inside = float("nan")
-    if inside.any():
-        error_inside = rms(share[inside])
     return TestPrediction(
         known.model.name,
         test.name,
@@ -283,14 +113,23 @@ def predict_test(known: Known | TimeIdentification | Identification, test: Test)
         # "Too much" is larger in size, whatever the sign of the response.
         float(np.mean(share * np.sign(compared.measured))),
         float(np.mean(inside)),
-        error_inside,
+        _rms_of(share[inside]),
         unit,
         ~inside,
-        tuple(filter(None, [remark])),
+        known.covered,
+        tuple(filter(None, [known.covered.remark(*asked, known.units, NEAR)])),
         judged,
         quantity,
         clock,
+        level,
     )
+
+
+def _rms_of(share: Real) -> float:
+    """The root mean square; nan of nothing."""
+    if not len(share):
+        return float("nan")
+    return rms(share)
 
 
 def _require_its_conditions(model: Model, test: Test) -> None:

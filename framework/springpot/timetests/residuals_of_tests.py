@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
+from springpot.identification.objective import Objective
 from springpot.identification.space import require_columns, require_effects
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.selection import Test as Test  # those that take parts ask for it here
@@ -212,6 +213,34 @@ def parts_of_specimen(
     return parts
 
 
+def weighed_by(part: Part, objective: Objective) -> Part:
+    """A part whose samples weigh among each other as an objective has it.
+
+    Against other tests it weighs by its noise, as ever; a logarithmic objective weighs relative to
+    the size of what was measured.
+    """
+    if isinstance(part, InTimePart):
+        # What an objective asks of a sweep, of the response: one number for each sample.
+        order = np.arange(1.0, len(part.test) + 1.0)
+        sd = np.asarray(part.sd * (1.0 + 1.0j), dtype=np.complex128)
+        shown = part.test.response.astype(np.complex128)
+        view = Measurement(order, shown, sd=sd, name=part.test.name)
+        weights = _weights(view, objective).real
+        return replace(part, noise=np.asarray(rms(part.sd * weights) / weights, dtype=float))
+    sweep = replace(part.test, sd=part.sd)
+    by = _weights(sweep, objective)
+    level = rms(np.concatenate([part.sd.real * by.real, part.sd.imag * by.imag]))
+    shared = np.asarray(level / by.real + 1j * level / by.imag, dtype=np.complex128)
+    return replace(part, test=replace(sweep, sd=shared))
+
+
+def _weights(view: Measurement, objective: Objective) -> Complex:
+    weights = objective.weighing(view)
+    if objective.logarithmic:
+        return np.asarray(weights / view.magnitude, dtype=np.complex128)
+    return weights
+
+
 def units_of(tests: Sequence[Test]) -> Units:
     """Those in which parameters are printed: of the first test in time, or of the only sweep.
 
@@ -240,18 +269,23 @@ def at_rig(effect: Effect, tests: Sequence[Test]) -> Effect:
 
 
 def at_tests(effect: Effect, tests: Sequence[Test]) -> list[Effect]:
-    """The forms in which tests of a specimen have an effect: all of them, or one rig alone."""
-    # One test by itself has nothing to be told from.
-    names = dict.fromkeys(test.name for test in tests if isinstance(test, TimeTest))
-    alone = [effect.of_one(name) for name in names if len(tests) > 1]
+    """The forms in which tests of a specimen have an effect.
+
+    All of them, all sweeps, or one test alone.
+    """
     if effect.applies_to.one:
-        return alone
+        # One test by itself has nothing to be told from.
+        names = dict.fromkeys(test.name for test in tests if isinstance(test, TimeTest))
+        return [effect.of_one(name) for name in names if len(tests) > 1]
     there = at_rig(effect, tests)
-    if not there.in_time or not _is_rig(there):
+    if not _is_rig(there) or len(tests) == 1:
         return [there]
-    if any(isinstance(test, Measurement) for test in tests):
-        alone.append(there.at(SWEEPS))
-    return [there, *alone]
+    forms, sweeps = [there], [test for test in tests if isinstance(test, Measurement)]
+    if there.in_time and sweeps:
+        forms.append(there.at(SWEEPS))
+    # One rig alone may have it; one sweep is all sweeps.
+    apart = [test for test in tests if there.applies_to(test) and [test] != sweeps]
+    return forms + [there.of_one(name) for name in dict.fromkeys(test.name for test in apart)]
 
 
 def at_rigs(model: Model, tests: Sequence[Test]) -> Model:

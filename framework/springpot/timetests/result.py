@@ -5,36 +5,50 @@ Parameters, intervals, and each test beside its noise floor.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from springpot.identification.coordinates import Coordinates
-from springpot.identification.uncertainty import ends, spread_of, student
+from springpot.drawing import draw, html_of, text_of
+from springpot.errors import ModelError
+from springpot.identification.kept import bounds_of, constrained_as
+from springpot.identification.part_result import SWEEP, PartResult, parts_of
+from springpot.identification.prediction import Prediction
+from springpot.identification.printed import all_parameters
+from springpot.identification.value import Value
 from springpot.measurement.covered import Covered
+from springpot.measurement.selection import Test
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units
+from springpot.plain_data import jsonable, number
+from springpot.registry import parse_model
 from springpot.rheology.continuum import Continuum
+from springpot.rheology.effect import SWEEPS
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
-from springpot.thresholds import INTERVAL
 
+from .known import Known
 from .sizes import rms
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
     from .residuals_of_tests import Part
 
-SCHEMA = "springpot.identification-in-time/1"
-AGREE = 1.5
-"""A test that the common parameters miss by this many times what its own would leave does not agree
-with the others: with the fifty numbers of a usual test that is beyond a chance of 1e-3 (F test)."""
+SCHEMA = "springpot.identification/2"
 LOOSE = 100.0
 """Ratio of the ends of an interval from which a parameter is hardly determined.
 
 A factor of ten either way.
 """
+MOST_POINTS = 2**53
+"""Samples of all tests together: what a float counts exactly."""
 LIKENESS = 0.98
 """Largest correlation of neighbouring residuals that is believed.
 
@@ -60,63 +74,31 @@ def sampled_scatter(residual: Real, part: Part) -> float:
     return float(np.mean(residual**2)) * (1.0 + likeness) / (1.0 - likeness)
 
 
-@dataclass(frozen=True)
-class PartResult:
-    """One test of an identification.
+def part_result(
+    part: Part, model: Model, theta: Real, reference: float, alone: float
+) -> PartResult:
+    """How far a model with these parameters is off in one part.
 
-    Attributes
+    Parameters
     ----------
-    name, kind : str
-        Of the test; ``sweep`` for one at frequencies.
-    points : int
-        Its samples.
-    error, floor : float
-        Root mean square of the residual and of the noise, each over that of the signal.
-    ratio : float
-        Root mean square of the residuals over their noise.
+    part : Part
+        The test.
+    model : Model
+        The model.
+    theta : ndarray, shape (p,)
+        Its parameters.
+    reference : float
+        Temperature in kelvin at which shifts are one.
     alone : float
-        The same with parameters of its own.
+        Root mean square of the residuals over their noise with parameters of its own.
     """
-
-    name: str
-    kind: str
-    points: int
-    error: float
-    floor: float
-    ratio: float
-    alone: float
-
-    @classmethod
-    def of(
-        cls, part: Part, model: Model, theta: Real, reference: float, alone: float
-    ) -> PartResult:
-        """Judge one part at theta."""
-        # By its noise alone, whatever it weighed in the fit.
-        plain = part.with_scale(1.0)
-        weighted = plain.residual(model, theta, reference).value
-        ratio = rms(weighted)
-        kind = part.test.kind if isinstance(part.test, TimeTest) else "sweep"
-        error, floor = rms(weighted * part.relative_sd), rms(part.relative_sd)
-        return cls(part.test.name, kind, len(part.test), error, floor, ratio, alone)
-
-    @property
-    def agrees(self) -> bool:
-        """Whether the common parameters serve this test nearly as well as its own would."""
-        # To leave less than the noise is chance: no test is asked for that.
-        return self.ratio <= AGREE * max(self.alone, 1.0)
-
-    def to_dict(self) -> dict[str, Any]:
-        """As plain data."""
-        return {
-            "data": self.name,
-            "kind": self.kind,
-            "points": self.points,
-            "relative_rms": self.error,
-            "noise_floor": self.floor,
-            "over_floor": self.ratio,
-            "over_floor_alone": self.alone,
-            "agrees": self.agrees,
-        }
+    # By its noise alone, whatever it weighed in the fit.
+    weighted = part.with_scale(1.0).residual(model, theta, reference).value
+    kind = SWEEP
+    if isinstance(part.test, TimeTest):
+        kind = part.test.kind
+    error, floor = rms(weighted * part.relative_sd), rms(part.relative_sd)
+    return PartResult(part.test.name, kind, len(part.test), error, floor, rms(weighted), alone)
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,10 +111,10 @@ class TimeIdentification:
         What was fitted.
     theta : ndarray, shape (p,)
         The parameters, in the units of the first test in time.
-    covariance : ndarray, shape (p, p)
-        Of the search coordinates.
-    coordinates : Coordinates
-        These coordinates.
+    low, high : ndarray, shape (p,)
+        Ends of the 95 % intervals; infinite where the tests give none.
+    spread : ndarray, shape (p, p)
+        Covariance of theta.
     tests : tuple of PartResult
         Each test beside its noise floor.
     reference : float
@@ -153,12 +135,17 @@ class TimeIdentification:
         What went wrong on the way.
     covered : Covered
         What the tests together measured.
+    data : tuple of TimeTest or Measurement
+        The tests, in common units; a file does not hold them.
+    objective : str
+        By what samples of a test weigh among each other.
     """
 
     model: Model
     theta: Real
-    covariance: Real
-    coordinates: Coordinates
+    low: Real
+    high: Real
+    spread: Real
     tests: tuple[PartResult, ...]
     reference: float
     evaluations: int
@@ -169,79 +156,72 @@ class TimeIdentification:
     status: str = ""
     said: tuple[str, ...] = ()
     covered: Covered = field(default_factory=Covered)
-
-    @cached_property
-    def quantile(self) -> float:
-        """Student's factor of a 95 % interval."""
-        points = sum(test.points for test in self.tests)
-        return student(INTERVAL, max(points - len(self.theta), 1))
-
-    @cached_property
-    def slopes(self) -> Real:
-        """Derivative of theta by the search coordinates, shape (p, p)."""
-        return self.coordinates.slopes(self.theta, self.coordinates.size[0])
-
-    @cached_property
-    def interval(self) -> tuple[Real, Real]:
-        """Ends (p,) of the 95 % intervals: by factors for what is searched by its logarithm."""
-        # The covariance is that of search coordinates: it is carried to what is printed.
-        reach = self.quantile * spread_of(self.slopes, self.covariance)
-        log = self.coordinates.log
-        with np.errstate(all="ignore"):
-            # What is searched by its logarithm reaches by a factor: d ln theta is d theta over
-            # theta.
-            reach = np.where(log, reach / np.where(log, self.theta, 1.0), reach)
-        # What the tests do not determine reaches anywhere.
-        reach = np.where(np.isfinite(reach), reach, np.inf)
-        bounds = (
-            np.array([p.lower for p in self.model.parameters]),
-            np.array([p.upper for p in self.model.parameters]),
-        )
-        return ends(self.theta, reach, log, bounds)
+    data: tuple[Test, ...] = ()
+    objective: str = "noise"
 
     @property
     def relative_rms(self) -> float:
         """Error of the worst test: root mean square of the residual over that of the signal."""
-        return max(test.error for test in self.tests)
+        return max(test.relative_rms for test in self.tests)
 
     @property
     def power(self) -> float:
         """Sum of squares of the residuals over their noise."""
-        return sum(test.points * test.ratio**2 for test in self.tests)
+        return sum(test.points * test.over_floor**2 for test in self.tests)
 
     @cached_property
-    def printed(self) -> list[tuple[float, str]]:
-        """Factor and unit in which each parameter is printed."""
-        values = dict(zip(self.model.names, self.theta.tolist(), strict=True))
-        factors = []
-        for parameter in self.model.parameters:
-            order = None
-            # The unit of a springpot holds a power of s, which another parameter tells.
-            if isinstance(parameter.unit.time, str):
-                order = values.get(parameter.unit.time)
-            factors.append(self.units.of(parameter.unit, order))
-        return factors
-
-    @cached_property
-    def parameters(self) -> dict[str, dict[str, Any]]:
-        """Each parameter with value, interval and unit, as printed.
+    def parameters(self) -> dict[str, Value]:
+        """Each parameter with its interval, as printed, those that were held too.
 
         Lines of a spectrum are left to it.
         """
-        low, high = self.interval
-        values = zip(self.theta.tolist(), low.tolist(), high.tolist(), self.printed, strict=True)
-        rows = {}
-        for parameter, (value, below, above, (factor, unit)) in zip(
-            self.model.parameters, values, strict=True
-        ):
-            if not parameter.detail:
-                rows[parameter.name] = {
-                    "value": _finite(value * factor),
-                    "low": _finite(below * factor),
-                    "high": _finite(above * factor),
-                    "unit": unit,
-                }
-        return rows
+        return all_parameters(self.model, self.theta, self.low, self.high, self.units)
+
+    def __getitem__(self, name: str) -> Value:
+        """The parameter of that name.
+
+        Raises
+        ------
+        ModelError
+            If there is none, with those that there are.
+        """
+        if name not in self.parameters:
+            raise ModelError(
+                f"{self.model.name} has no parameter '{name}': it has {', '.join(self.parameters)}"
+            )
+        return self.parameters[name]
+
+    @cached_property
+    def known(self) -> Known:
+        """The model without what the tests did themselves, and how well it is known."""
+        # What a test did, such as a drift, does not go into another one.
+        model = self.model.of_specimen
+        count = len(model.parameters)
+        return Known(
+            model,
+            self.theta[:count],
+            self.spread[:count, :count],
+            self.units,
+            self.reference,
+            self.relative_rms,
+            # Samples whose misses are alike were counted once in the covariance already.
+            max(sum(test.points for test in self.tests) - len(self.theta), 1),
+            self.covered,
+        )
+
+    def predict(
+        self,
+        frequency: ArrayLike | None = None,
+        *,
+        omega: ArrayLike | None = None,
+        temperature: float | None = None,
+        amplitude: float | None = None,
+        level: float = 0.95,
+    ) -> Prediction:
+        """K at other frequencies, with a band; see `Known.predict`."""
+        return self.known.predict(
+            frequency, omega=omega, temperature=temperature, amplitude=amplitude, level=level
+        )
 
     @property
     def on_sweeps(self) -> tuple[str, ...]:
@@ -267,16 +247,16 @@ class TimeIdentification:
             )
         for test in self.tests:
             if not test.agrees:
-                notes.append(
-                    f"{test.name} does not agree with the other tests: {test.ratio:.2g} x its noise"
-                    f" floor with common parameters, {test.alone:.2g} x with its own"
+                ratios = (
+                    f"{test.over_floor:.2g} x its noise floor with common parameters,"
+                    f" {test.over_floor_alone:.2g} x with its own"
                 )
+                notes.append(f"{test.name} does not agree with the other tests: {ratios}")
         if self.on_sweeps:
             names = ", ".join(self.on_sweeps)
             notes.append(f"{names}: of the rig of the sweeps; the tests in time are free of it")
-        low, high = self.interval
         for parameter, value, below, above in zip(
-            self.model.parameters, self.theta, low, high, strict=True
+            self.model.parameters, self.theta, self.low, self.high, strict=True
         ):
             if parameter.detail:
                 continue
@@ -289,67 +269,114 @@ class TimeIdentification:
         return tuple(notes)
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain data, schema ``springpot.identification-in-time/1``.
+        """As plain data, schema ``springpot.identification/2``.
 
         An interval without an end has None.
         """
-        return {
+        answer = {
             "schema": SCHEMA,
             "model": self.model.name,
             "data": " + ".join(test.name for test in self.tests),
             "parameters": self.parameters,
             "search_parameters": {},
-            "objective": {"name": "noise", "value": float(self.power)},
+            "objective": {"name": self.objective, "value": self.power},
             "relative_rms": self.relative_rms,
-            "measured": self.covered.to_dict(),
-            "tests": [test.to_dict() for test in self.tests],
-            "covariance": self.in_printed_units().tolist(),
+            "measured": self.covered,
+            "tests": self.tests,
+            "covariance": self.covariance,
             "kept": {
-                "theta": self.theta.tolist(),
-                "covariance": (self.slopes @ self.covariance @ self.slopes.T).tolist(),
+                "theta": self.theta,
+                "low": self.low,
+                "high": self.high,
+                "covariance": self.spread,
                 "units": asdict(self.units),
                 "reference": self.reference,
-                "seen": list(self.covered.rate),
-                **_rates(self.model),
-                **_on_sweeps(self.on_sweeps),
+                "converged": self.converged,
+                "held": self.model.held,
+                "bounds": bounds_of(self.model),
+                "only_sweeps": self.on_sweeps,
+                "rates": _rates(self.model),
             },
             "evaluations": self.evaluations,
             "seconds": self.seconds,
             "optimiser": self.optimiser,
             "status": self.ended,
-            "notes": list(self.notes),
+            "notes": self.notes,
         }
+        return dict(jsonable(answer))
 
-    def in_printed_units(self) -> Real:
-        """Covariance (p, p) of the parameters as printed."""
-        turn = self.slopes * np.array([factor for factor, _ in self.printed])[:, None]
-        covariance: Real = turn @ self.covariance @ turn.T
+    @classmethod
+    def from_dict(cls, answer: Mapping[str, Any]) -> TimeIdentification:
+        """What `to_dict` gave: whole again, so that it predicts as before."""
+        kept, model = answer["kept"], _as_fitted(parse_model(answer["model"]), answer["kept"])
+        tests, theta = parts_of(answer["tests"]), np.array(kept["theta"], dtype=float)
+        covariance = np.array(kept["covariance"], dtype=float)
+        # A file may have been changed by hand: numbers that cannot be would fail anywhere.
+        within = all(
+            p.lower <= value <= p.upper
+            for p, value in zip(model.parameters, theta.tolist(), strict=True)
+        )
+        points = sum(test.points for test in tests)
+        if not within or covariance.shape != (len(theta),) * 2 or not 0 < points < MOST_POINTS:
+            raise ValueError(f"theta, covariance or points cannot be those of {model.name}")
+        identified = cls(
+            model,
+            theta,
+            np.array([number(end, -np.inf) for end in kept["low"]]),
+            np.array([number(end, np.inf) for end in kept["high"]]),
+            covariance,
+            tests,
+            float(kept["reference"]),
+            int(answer["evaluations"]),
+            bool(kept["converged"]),
+            float(answer["seconds"]),
+            Units(**kept["units"]),
+            str(answer["optimiser"]),
+            str(answer["status"]),
+            covered=Covered.read(answer["measured"]),
+            objective=str(answer["objective"]["name"]),
+        )
+        vars(identified).update(notes=tuple(answer["notes"]))
+        return identified
+
+    @property
+    def covariance(self) -> Real:
+        """Covariance (p, p) of the free parameters in printed units, as ``model.names``."""
+        factors = np.array([self.units.of(each.unit)[0] for each in self.model.parameters])
+        covariance: Real = self.spread * np.outer(factors, factors)
         return covariance
+
+    def plot(self, path: str | Path | None = None) -> Figure | Axes | Path:
+        """Each test with the fit and what it leaves; see `springpot.drawing.draw`."""
+        return draw(self, path)
+
+    def __str__(self) -> str:
+        return text_of(self)
+
+    def _repr_html_(self) -> str:
+        return html_of(self)
 
     def __repr__(self) -> str:
         values = ", ".join(
-            f"{n} {row['value']:.4g} {row['unit']}".rstrip() for n, row in self.parameters.items()
+            f"{name} {row.value:.4g} {row.unit}" for name, row in self.parameters.items()
         )
-        tests = ", ".join(f"{test.name} {test.ratio:.2g} x floor" for test in self.tests)
+        tests = ", ".join(f"{test.name} {test.over_floor:.2g} x floor" for test in self.tests)
         return f"<TimeIdentification {self.model.name}: {values}; {tests}>"
 
 
-def _finite(value: float) -> float | None:
-    # JSON has neither inf nor nan.
-    if not np.isfinite(value):
-        return None
-    return float(value)
+def _as_fitted(model: Model, kept: Mapping[str, Any]) -> Model:
+    """A model of that name with what its name does not tell."""
+    # Lines of a spectrum lie where the tests put them.
+    if kept["rates"] is not None:
+        model = replace(model, material=Continuum(tuple(map(float, kept["rates"]))))
+    # Nor which effects are of the rig of the sweeps that stood beside tests in time.
+    alone = set(kept["only_sweeps"])
+    effects = [each.at(SWEEPS) if each.name in alone else each for each in model.effects]
+    return constrained_as(replace(model, effects=tuple(effects)), kept)
 
 
-def _on_sweeps(names: tuple[str, ...]) -> dict[str, Any]:
-    """Effects that only the sweeps have; of other fits nothing."""
-    if not names:
-        return {}
-    return {"only_sweeps": list(names)}
-
-
-def _rates(model: Model) -> dict[str, Any]:
+def _rates(model: Model) -> list[float] | None:
     """Those of the lines of any material; of another model nothing."""
     if not isinstance(model.material, Continuum):
-        return {}
-    return {"rates": list(model.material.rates)}
+        return None
+    return list(model.material.rates)

@@ -4,21 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from springpot.diagnosis.result import Candidate, Diagnosis, EffectVerdict, Verdict
+from springpot.identification.value import Value
 from springpot.measurement.sign import said_of_sign
+from springpot.misfit.error import Error
+from springpot.misfit.where import Where
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
-from .answer import TimeCandidate, TimeDiagnosis, TimeError
+from .answer import NAN, error_of, leading_of, sentence
 from .information_criterion import ALIKE, HINT, PLAINLY, Left
 from .residuals_of_tests import InTimePart, Part
 from .result import TimeIdentification
 from .scan_scores import Promise
 from .scatter import Scatter
-from .where import Place, places, worst_first
+from .where import places, worst_first
 
 TWINS = 0.995
 """Cosine between what two effects leave in a record from which they are one to it, whatever the
@@ -58,6 +63,24 @@ class Tried:
         return self.delta + 2.0 * float(np.log(self.effect.prior))
 
 
+class TimeCase(NamedTuple):
+    """A diagnosis of tests in time with the fits behind it.
+
+    Attributes
+    ----------
+    diagnosis : Diagnosis
+        What is said.
+    base : TimeIdentification
+        The model that was judged.
+    best_fit : TimeIdentification
+        The model with the best effect, where one is missing; else the base.
+    """
+
+    diagnosis: Diagnosis
+    base: TimeIdentification
+    best_fit: TimeIdentification
+
+
 def answer_of(
     parts: Sequence[Part],
     base: TimeIdentification,
@@ -65,7 +88,8 @@ def answer_of(
     tried: Sequence[Tried],
     noise: Sequence[Scatter],
     promises: dict[str, list[Promise]],
-) -> TimeDiagnosis:
+    left_out: dict[str, str],
+) -> TimeCase:
     """The answer of a diagnosis from the effects that were tried, best first."""
     verdict = _verdict(before, tried)
     alike: list[str] = []
@@ -77,21 +101,36 @@ def answer_of(
         # One of several that cannot be told apart is not known to be the missing one.
         if verdict == "effect-missing" and len(alike) == 1 and each is tried[0]:
             of_it = "missing"
-        candidates.append(_candidate(each, chance, alike, noise, of_it))
-    error = TimeError.of(parts, before, noise)
-    where: tuple[Place, ...] = ()
+        after = error_of(parts, each.left, noise)
+        candidates.append(_candidate(each, chance, alike, after, of_it))
+    error = error_of(parts, before, noise)
+    where: tuple[Where, ...] = ()
     # What noise leaves of an adequate model stands out somewhere too.
     if verdict != "adequate":
-        where = _where(parts, before, noise)
+        where = where_missed(parts, before, noise)
     # The next round of a discovery goes on from the best fit that there is.
     best_fit = base
     for each in tried:
         if each.fit is not None and each.effect.name in alike[:1]:
             best_fit = each.fit
             break
-    classes = _classes(promises, tried, alike)
-    notes = tuple(note for part in parts for note in said_of_sign(part.test.provenance))
-    return TimeDiagnosis(base, verdict, tuple(candidates), where, error, classes, best_fit, notes)
+    diagnosis = Diagnosis(
+        data=" + ".join(test.name for test in base.tests),
+        model=base.model,
+        error=error,
+        verdict=verdict,
+        says=sentence(error, verdict, candidates, where),
+        split="",
+        where=where,
+        candidates=tuple(candidates),
+        classes=_classes(promises, tried, alike),
+        notes=tuple(note for part in parts for note in said_of_sign(part.test.provenance)),
+        parameters=base.parameters,
+        leading=leading_of(candidates),
+        tests=base.tests,
+        left_out=left_out,
+    )
+    return TimeCase(diagnosis, base, best_fit)
 
 
 def _is_plain(tried: Sequence[Tried]) -> bool:
@@ -99,7 +138,7 @@ def _is_plain(tried: Sequence[Tried]) -> bool:
     return bool(tried) and tried[0].delta > PLAINLY
 
 
-def _verdict(before: Left, tried: Sequence[Tried]) -> str:
+def _verdict(before: Left, tried: Sequence[Tried]) -> Verdict:
     """What the tests say of the model, `tried` best first."""
     if _is_plain(tried):
         # An effect that helps and leaves more than noise is not all that is missing.
@@ -113,9 +152,11 @@ def _verdict(before: Left, tried: Sequence[Tried]) -> str:
     return "adequate"
 
 
-def _where(parts: Sequence[Part], before: Left, noise: Sequence[Scatter]) -> tuple[Place, ...]:
+def where_missed(
+    parts: Sequence[Part], before: Left, noise: Sequence[Scatter]
+) -> tuple[Where, ...]:
     """Where the model fails in all tests in time, the worst first."""
-    located: list[Place] = []
+    located: list[Where] = []
     for part, residual, scatter in zip(parts, before.residuals, noise, strict=True):
         if isinstance(part, InTimePart):
             located += places(part.test, residual / scatter.size)
@@ -195,7 +236,7 @@ def _chances(tried: Sequence[Tried]) -> list[float]:
     return [float(weight) for weight in weights[1:] / weights.sum()]
 
 
-def _open(each: Tried, alike: Sequence[str]) -> str:
+def _open(each: Tried, alike: Sequence[str]) -> EffectVerdict:
     """Of an effect that is not plainly missing: absent only where nothing speaks for it.
 
     One that helps, and less than a rival, may be there beside the rival, or only resemble it: that
@@ -207,26 +248,30 @@ def _open(each: Tried, alike: Sequence[str]) -> str:
 
 
 def _candidate(
-    each: Tried, chance: float, alike: Sequence[str], noise: Sequence[Scatter], verdict: str
-) -> TimeCandidate:
+    each: Tried, chance: float, alike: Sequence[str], after: Error, verdict: EffectVerdict
+) -> Candidate:
     name = each.effect.name
-    parameters = {}
+    parameters: dict[str, Value] = {}
     if each.fit is not None:
         # A parameter is called effect.own, and effect#2.own where the model has the effect already.
-        for own, value in each.fit.parameters.items():
-            if own.rpartition(".")[0].split("#")[0] == name:
+        for whole, value in each.fit.parameters.items():
+            prefix, _, own = whole.rpartition(".")
+            if prefix.split("#")[0] == name:
                 parameters[own] = value
     others: tuple[str, ...] = ()
     if name in alike:
         others = tuple(other for other in alike if other != name)
-    return TimeCandidate(
-        name,
-        others,
-        chance,
-        each.delta,
-        each.left.over(noise),
-        parameters,
-        verdict,
-        each.effect.summary,
-        each.effect,
+    return Candidate(
+        physics=each.effect,
+        alike=(name, *others),
+        probability=chance,
+        delta_bic=each.delta,
+        score=NAN,
+        verdict=verdict,
+        predicted_error=NAN,
+        error_after=after.relative_rms,
+        over_floor=after.over_floor,
+        bound=NAN,
+        parameters=parameters,
+        says=each.effect.summary,
     )

@@ -6,12 +6,11 @@ Between which times, and where in the loop of force and displacement.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from springpot.measurement.timetest import TimeTest
+from springpot.misfit.where import Where
 from springpot.rheology.points import Real
 
 from .sizes import rms
@@ -47,44 +46,7 @@ FLAT = 1e-3
 """Share of the largest response within which samples are level."""
 
 
-@dataclass(frozen=True)
-class Place:
-    """A part of a record that a model misses.
-
-    Attributes
-    ----------
-    plane : str
-        ``signal``: the record itself; ``loop``: force over displacement.
-    test : str
-        Name of the test.
-    start, end : float
-        Time in s, or share of the largest value of what was imposed.
-    size : float
-        Root mean square of the misfit there, over the noise.
-    says : str
-        One plain sentence.
-    """
-
-    plane: str
-    test: str
-    start: float
-    end: float
-    size: float
-    says: str
-
-    def to_dict(self) -> dict[str, Any]:
-        """As plain data, as in the diagnosis of sweeps."""
-        return {
-            "plane": self.plane,
-            "condition": self.test,
-            "from": self.start,
-            "to": self.end,
-            "size": self.size,
-            "says": self.says,
-        }
-
-
-def places(test: TimeTest, residual: Real) -> list[Place]:
+def places(test: TimeTest, residual: Real) -> list[Where]:
     """Where a test is missed by more than noise, the worst first.
 
     Parameters
@@ -93,6 +55,13 @@ def places(test: TimeTest, residual: Real) -> list[Place]:
         The test.
     residual : ndarray, shape (n,)
         Predicted less measured, over the noise.
+
+    Returns
+    -------
+    list of Where
+        In the plane ``signal``, the record itself over its time in s, or ``loop``, force over
+        displacement, by shares of the largest value of what was imposed; the condition is the name
+        of the test, and the size the root mean square of the misfit over the noise.
     """
     candidates = [_in_time(test, residual)]
     # Only what goes to and fro closes a loop.
@@ -101,7 +70,7 @@ def places(test: TimeTest, residual: Real) -> list[Place]:
     return [place for place in candidates if place is not None and place.size > NOTABLE]
 
 
-def _in_time(test: TimeTest, residual: Real) -> Place | None:
+def _in_time(test: TimeTest, residual: Real) -> Where | None:
     # Of few samples some parts have none.
     rows = [piece for piece in np.array_split(np.arange(len(residual)), PIECES) if len(piece)]
     sizes = [rms(residual[piece]) for piece in rows]
@@ -117,7 +86,7 @@ def _in_time(test: TimeTest, residual: Real) -> Place | None:
         f"{test.name} is missed most from {first:.3g} to {last:.3g} s, by {size:.2g} x the noise: "
         f"the model's {test.answered} is {side} there{_manner(test, residual)}"
     )
-    return Place("signal", test.name, first, last, size, says)
+    return Where("signal", test.name, first, last, size, says)
 
 
 def _manner(test: TimeTest, residual: Real) -> str:
@@ -139,7 +108,7 @@ def _manner(test: TimeTest, residual: Real) -> str:
     return ""
 
 
-def _in_loop(test: TimeTest, residual: Real) -> Place | None:
+def _in_loop(test: TimeTest, residual: Real) -> Where | None:
     """The part of the loop that is missed most, all cycles together."""
     imposed = np.interp(test.time, test.loading.time, test.loading.value)
     # All cycles on one loop: what fails in each of them at one place stands out.
@@ -166,7 +135,7 @@ def _in_loop(test: TimeTest, residual: Real) -> Place | None:
     if alone:
         says += f"; on that side alone, {mirror:.2g} x on the other"
     says += _after_turn(imposed, residual) + _flat(test)
-    return Place(
+    return Where(
         "loop", test.name, max(EDGES[i], -1.0), min(EDGES[i + 1], 1.0), float(sizes[i, j]), says
     )
 
@@ -197,6 +166,6 @@ def _flat(test: TimeTest) -> str:
     return ""
 
 
-def worst_first(located: Sequence[Place]) -> tuple[Place, ...]:
+def worst_first(located: Sequence[Where]) -> tuple[Where, ...]:
     """Places of all tests, the worst first."""
     return tuple(sorted(located, key=lambda place: -place.size))
