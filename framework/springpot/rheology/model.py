@@ -130,7 +130,8 @@ class Model(NamedNetwork):
     ) -> InTime:
         """The model with its parameters, to be asked for relaxation, creep or any history.
 
-        With exact derivatives.
+        With exact derivatives. It is the specimen in its rig that answers: what a test did, such as
+        a drift, is in what `springpot.timetests.recorded` gives.
 
         Parameters
         ----------

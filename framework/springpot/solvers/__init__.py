@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .exporting import Exported, Handoff, Writer, exported
+    from .exporting import Exported, exported
+    from .handoff import Handoff, Writer
     from .prony import BULKS, Prony, Solid, prony_of, solid_of, young_of
 
 __all__ = [
@@ -29,9 +30,9 @@ _WHERE = {
     "solid_of": "springpot.solvers.prony",
     "young_of": "springpot.solvers.prony",
     "Exported": "springpot.solvers.exporting",
-    "Handoff": "springpot.solvers.exporting",
+    "Handoff": "springpot.solvers.handoff",
     "Prony": "springpot.solvers.prony",
-    "Writer": "springpot.solvers.exporting",
+    "Writer": "springpot.solvers.handoff",
     "exported": "springpot.solvers.exporting",
     "prony_of": "springpot.solvers.prony",
 }

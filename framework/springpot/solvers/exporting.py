@@ -6,9 +6,8 @@ What an identified model hands to a solver, and the formats that plugins write i
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,7 +19,6 @@ from springpot.measurement.covered import RATE
 from springpot.measurement.units import (
     FREQUENCY_UNITS,
     MODULI,
-    MODULUS_WORDS,
     known_unit,
     one_modulus,
 )
@@ -30,224 +28,13 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import KELVIN, Points, Real
 from springpot.timetests.known import Known
 
-from .prony import BULKS, Prony, Solid, prony_of, solid_of, young_of
+from .handoff import Handoff, Writer
+from .prony import BULKS, Prony, prony_of
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from springpot.rheology.points import Complex, Real
+    from springpot.rheology.points import Real
 
     from .prony import Prony
-
-
-@dataclass(frozen=True, eq=False)
-class Handoff:
-    """A model as a Prony series, with all that its first lines must say.
-
-    Attributes
-    ----------
-    prony : Prony
-        The series, in the unit of `unit`.
-    model : str
-        Its expression.
-    parameters : dict of str to str
-        Each with its value and unit, as printed.
-    unit : str
-        Of the stiffness or modulus, such as ``kN/m`` or ``MPa``; empty if nobody said.
-    is_modulus : bool
-        Whether stress over strain is meant, rather than force over displacement.
-    poisson : float, optional
-        Poisson's ratio, for formats that describe a solid.
-    name : str
-        What the material or damper shall be called.
-    exact : callable, optional
-        From angular frequencies in rad/s to the model's own complex K, for formats that hold K
-        itself.
-    letter : {"", "G", "E", "K"}
-        Which modulus it is: shear, Young's or bulk; empty for a stiffness, or if nobody said.
-    bulk : {"constant", "relaxing"}, optional
-        What the bulk modulus of a solid does; see `solid_of`.
-    covered : tuple of float, optional
-        Angular frequencies in rad/s between which the model was measured, where it was.
-    remarks : tuple of str
-        What was measured and what lies outside, in lines for the heading.
-    """
-
-    prony: Prony
-    model: str
-    parameters: dict[str, str]
-    unit: str
-    is_modulus: bool
-    poisson: float | None = None
-    name: str = "springpot"
-    exact: Callable[[Real], Complex] | None = None
-    letter: str = ""
-    bulk: str | None = None
-    covered: tuple[float, float] | None = None
-    remarks: tuple[str, ...] = ()
-
-    @cached_property
-    def solid(self) -> Solid:
-        """The shear and bulk modulus, for formats that describe a solid.
-
-        Raises
-        ------
-        ModelError
-            If it is not known which modulus this is, or Poisson's ratio is not.
-        """
-        if not self.letter:
-            raise ModelError(
-                f"{self.model} in {self.unit} is a shear, Young's or bulk modulus, which the data"
-                " do not say: give --modulus shear, young or bulk"
-            )
-        # At 0.5 the bulk modulus is without end, and below -1 the shear modulus is negative.
-        if self.poisson is None or not -1.0 < self.poisson < 0.5:
-            raise ModelError(
-                "a solid needs Poisson's ratio, above -1 and below 0.5: give --poisson 0.49"
-            )
-        return solid_of(self.prony, self.letter, self.poisson, self.bulk)
-
-    def as_modulus(self, letter: str) -> Handoff:
-        """The same as the series of a shear (``G``) or Young's modulus (``E``).
-
-        A stiffness as it is.
-
-        Raises
-        ------
-        ModelError
-            As of `solid`.
-        """
-        if not self.is_modulus or self.letter == letter:
-            return self
-        series = self.solid.shear
-        if letter == "E":
-            series = young_of(self.solid)
-        remarks = (*self.remarks, self.solid.says)
-        # The model itself is of the measured modulus: what reads it would take it for the other.
-        return replace(self, prony=series, letter=letter, exact=None, remarks=remarks)
-
-    @cached_property
-    def outside(self) -> NDArray[np.bool_]:
-        """Whether each term (m,) has its rate outside of what was measured."""
-        rates = 1.0 / self.prony.times
-        low, high = self.covered or (0.0, np.inf)
-        return np.asarray((rates < low) | (rates > high))
-
-    def stiffness(self, omega: Real) -> Complex:
-        """K (n,) at omega (n,) in rad/s.
-
-        That of the model itself where it is known, else that of the series.
-        """
-        if self.exact is None:
-            return self.prony.stiffness(omega)
-        return self.exact(omega)
-
-    def heading(self) -> list[str]:
-        """What it is, in lines of plain text.
-
-        Model, parameters, band, error, unit, long-term and instantaneous.
-        """
-        prony = self.prony
-        low, high = (omega / (2.0 * np.pi) for omega in prony.band)
-        # A solver has no units: what the numbers are in must be read from the file's first lines.
-        unit = self.unit or "unit of the parameters"
-        what = "stiffness"
-        if self.is_modulus:
-            what = MODULUS_WORDS[self.letter]
-        values = ", ".join(f"{name} = {value}" for name, value in self.parameters.items())
-        dashpot = ""
-        if prony.viscosity:
-            dashpot = f", beside a dashpot of {prony.viscosity:.9g} [{unit} s]"
-        return [
-            f"springpot: {self.model}: {values}",
-            (
-                f"Prony series of {len(prony.times)} terms for {low:.6g} to {high:.6g} Hz, "
-                f"within {100 * prony.error:.3g} % of |K| of the model"
-            ),
-            (
-                f"{what} in {unit}, times in s; long-term {prony.equilibrium:.9g}, instantaneous"
-                f" {prony.instantaneous:.9g}{dashpot}"
-            ),
-            *self.remarks,
-        ]
-
-
-@dataclass(frozen=True)
-class Writer:
-    """A format for solvers.
-
-    Parameters
-    ----------
-    name : str
-        What users type behind ``--to``.
-    text : callable
-        From a `Handoff` to the file's text.
-    summary : str
-        Who reads it, in one line.
-    suffix : str
-        Of the file, such as ``".inp"``.
-    solid : bool
-        Whether the format describes a solid material: it then needs a modulus of which it is known
-        whether it is shear's, Young's or bulk, a long-term one above zero, and Poisson's ratio.
-    dashpot : bool
-        Whether it has room for a dashpot beside the terms.
-    aliases : tuple of str
-        Other names.
-    damper : bool
-        Whether the format describes a damper: it then needs a stiffness.
-    modulus : {"", "G", "E"}
-        Which modulus the series is of where the format takes that of a material but describes no
-        whole solid; empty where it takes any and says which.
-    data : callable, optional
-        From a `Handoff` to the bytes of a file that is no text; `text` then says what is in it.
-    """
-
-    name: str
-    text: Callable[[Handoff], str]
-    summary: str
-    suffix: str
-    solid: bool = False
-    dashpot: bool = True
-    aliases: tuple[str, ...] = ()
-    damper: bool = False
-    modulus: str = ""
-    data: Callable[[Handoff], bytes] | None = None
-
-    def written(self, handoff: Handoff) -> str:
-        """The text, where the format can hold what is handed over.
-
-        Raises
-        ------
-        ModelError
-            If it cannot, with the reason and how to mend it.
-        """
-        prony = handoff.prony
-        if self.solid and not handoff.is_modulus:
-            given = "a stiffness"
-            if handoff.unit:
-                given += f" in {handoff.unit}"
-            raise ModelError(
-                f"{self.name} needs a modulus, and {handoff.model} is {given}: identify it with the"
-                " --geometry"
-            )
-        if self.solid and not prony.equilibrium >= LEAST * prony.instantaneous:
-            raise ModelError(
-                f"{self.name} needs a solid, and {handoff.model} is a liquid on this band"
-                f" (long-term modulus {prony.equilibrium:.3g}): add a spring beside it or begin the"
-                " band lower"
-            )
-        if self.solid:
-            _ = handoff.solid
-        if not self.dashpot and prony.viscosity > 0.0:
-            raise ModelError(f"{self.name} has no dashpot beside its terms: leave out --dashpot")
-        if self.damper and handoff.is_modulus:
-            raise ModelError(
-                f"{self.name} needs a stiffness, and {handoff.model} is a modulus in"
-                f" {handoff.unit}: identify it with the --geometry of the damper"
-            )
-        if self.modulus:
-            handoff = handoff.as_modulus(self.modulus)
-        return self.text(handoff)
 
 
 LEAST = 1e-6
