@@ -160,22 +160,28 @@ def of_material(specimen: Specimen, rng: np.random.Generator) -> Found:
 
 
 def of_rig(specimen: Specimen, rng: np.random.Generator) -> Found:
-    """A mass that moves along in the sweep, or what yields.
+    """A mass that moves along, or what yields: on one rig, of a sweep or in time, or on all.
 
-    On the rig of the sweep or on that of all tests.
+    A mass in a relaxation shows nothing, and that of a creep test rings at 0.5 to 10 rad/s.
     """
     own = specimen.stiffness
     yields = between(rng, 1.0, 30.0) * specimen.size
     mass = between(rng, 0.01, 0.5) * abs(own(np.array([100j]))[0]) / 100.0**2
-    lot = float(rng.random())
-    if "sweep" in specimen.tests and lot < 0.35:
-        changed: dict[str, Stiffness] = {"sweep": lambda s: own(s) + mass * s**2}
-        return Found("inertia", ("sweep",), specimen.answers(changed))
-    where = specimen.tests
-    if "sweep" in specimen.tests and lot < 0.7:
+    where, lot = specimen.tests, float(rng.random())
+    name = "series-spring"
+    if "sweep" in specimen.tests and lot < 0.5:
         where = ("sweep",)
-    changed = dict.fromkeys(where, lambda s: 1.0 / (1.0 / own(s) + 1.0 / yields))
-    return Found("series-spring", where, specimen.answers(changed))
+        name = "inertia" if lot < 0.25 else name
+    elif lot < 0.8:
+        where = (str(rng.choice(specimen.in_time)),)
+        if where == ("creep",) and rng.random() < 0.5:
+            name, rings = "inertia", between(rng, 0.5, 10.0)
+            mass = abs(own(np.array([1j * rings]))[0]) / rings**2
+    laws: dict[str, Stiffness] = {
+        "inertia": lambda s: own(s) + mass * s**2,
+        "series-spring": lambda s: 1.0 / (1.0 / own(s) + 1.0 / yields),
+    }
+    return Found(name, where, specimen.answers(dict.fromkeys(where, laws[name])))
 
 
 def of_signal(specimen: Specimen, rng: np.random.Generator) -> Found:
@@ -280,14 +286,14 @@ class JointCase:
 
     @property
     def truth(self) -> frozenset[str]:
-        """Names that are right.
+        """Names that are right, an effect of one test by itself or said of which.
 
         A gain of one test is that of the other just as well where there are two: only their ratio
         is seen.
         """
         name, where = self.found.name, self.found.where
         if name != "gain-error":
-            return frozenset([name])
+            return frozenset([name, *(f"{name}:{test}" for test in where if len(where) == 1)])
         if len(self.specimen.tests) == 2:
             where = self.specimen.tests
         names = {"sweep": "gain-error"}

@@ -342,3 +342,12 @@ def test_a_predicted_test_has_the_asked_band_and_geometry(springpot, relaxed, cr
     told = springpot("predict", fit, "--frequency", "1", *pads)
     assert told.code == 2
     assert "--history" in told.err
+
+
+def test_a_table_of_fits_and_an_inspection_heed_their_options(springpot, relaxed):
+    header, row = springpot("identify", relaxed, "-m", "maxwell", "--csv").out.splitlines()
+    assert header.startswith("data,model,relative_rms [-],noise_floor [-],good_enough,k [kPa]")
+    assert row.startswith("relaxation,maxwell,")
+    pads = ["--geometry", "shear-pads area=1cm^2 gap=1mm"]
+    [test] = springpot("inspect", relaxed, *pads, "--json").json["tests"]
+    assert test["stiffness_unit"] == "N/m"

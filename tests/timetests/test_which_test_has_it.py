@@ -114,8 +114,9 @@ def test_a_test_by_itself_has_no_gain():
 def test_an_effect_of_the_rig_may_be_that_of_the_sweep_alone():
     sweep, relax, creep = three_tests(1)
     inertia = plugins().effect("inertia")
-    assert [_alone(each) for each in at_tests(inertia, [sweep, creep])] == [False, True]
-    assert [_alone(each) for each in at_tests(inertia, [relax, creep])] == [False]
+    assert [_alone(each) for each in at_tests(inertia, [sweep, creep])] == [False, True, False]
+    names = [each.name for each in at_tests(inertia, [relax, creep])]
+    assert names == ["inertia", "inertia:relax", "inertia:creep"]
     assert [
         _alone(each) for each in at_tests(plugins().effect("parallel-dashpot"), [sweep, creep])
     ] == [False]

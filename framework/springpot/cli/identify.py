@@ -115,7 +115,7 @@ def command(
     arguments = {**options, **known_from(options), "start": values_of(options["start"])}
     tests = timetests.named_tests(data, geometry)
     if tests is not None:
-        timetests.identify(tests, data, expression, figure, as_json, arguments)
+        timetests.identify(tests, data, expression, figure, as_csv, as_json, arguments)
         return 0
     if len(data) > 1 and not joint:
         if figure is not None:

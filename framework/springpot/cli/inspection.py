@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import completion, timetests
-from .common import emit, geometry_option, json_option, of_each, opened, window
+from .common import emit, geometry_option, json_option, of_each, opened, seen_through, window
 
 if TYPE_CHECKING:
     from springpot.measurement.measurement import Measurement
@@ -45,7 +45,8 @@ def _inspect(data: str, geometry: str | None, as_json: bool, line: bool) -> None
 
     # First: a reader of sweeps would ask what a column of time is.
     if in_time := open_in_time(data):
-        timetests.inspect(in_time, data, as_json, line)
+        seen = [seen_through(test, geometry) for test in in_time]
+        timetests.inspect(seen, data, as_json, line)
         return
     # Listed before the data are opened: where that fails, they show what could be opened instead.
     parts = parts_of(data)

@@ -71,6 +71,7 @@ def identify(
     data: Sequence[str],
     model: Model,
     figure: Path | None,
+    as_csv: bool,
     as_json: bool,
     options: Any,
 ) -> None:
@@ -86,6 +87,12 @@ def identify(
         fit: Any = identified_from(tests, model, **options)
     if figure is not None:
         fit.plot(figure)
+    if as_csv:
+        from springpot.report.fit_text import many_csv
+
+        # One row: tests of one specimen are fitted together.
+        print(many_csv([fit]), end="")
+        return
     emit(fit, as_json, lambda: _show(fit, figure, data, model.name))
 
 

@@ -313,7 +313,7 @@ def many_text(fits: Sequence[Identification]) -> str:
     return Table(headers, rows, frozenset(headers[1:3] + headers[4:])).plain()
 
 
-def many_csv(fits: Sequence[Identification]) -> str:
+def many_csv(fits: Sequence[Identification | TimeIdentification]) -> str:
     """The same as CSV, with both ends of each interval; units stand in the header."""
     names, stream = _columns(fits), StringIO()
     write = csv.writer(stream, lineterminator="\n").writerow
@@ -329,15 +329,27 @@ def many_csv(fits: Sequence[Identification]) -> str:
                 value = fit.parameters[name]
                 # `repr` keeps every digit: another program reads them.
                 cells += [repr(value.value), repr(value.low), repr(value.high)]
-        floor, good = "", ""
-        # Left empty where the data are too few to tell: any word would be taken for a verdict.
-        if fit.standing is not None:
-            floor, good = repr(fit.standing.noise_floor), str(fit.standing.good_enough).lower()
-        write([fit.measurement.name, fit.model.name, repr(fit.relative_rms), floor, good, *cells])
+        name, floor, good = _named_and_judged(fit)
+        write([name, fit.model.name, repr(fit.relative_rms), floor, good, *cells])
     return stream.getvalue()
 
 
-def _columns(fits: Sequence[Identification]) -> list[str]:
+def _named_and_judged(fit: Identification | TimeIdentification) -> tuple[str, str, str]:
+    """Data, noise floor and whether the fit is good enough.
+
+    Left empty where that is not judged: any word would be taken for a verdict.
+    """
+    if not isinstance(fit, Identification):
+        # A model is as good as it is for the test that it misses most.
+        worst = max(fit.tests, key=lambda test: test.over_floor)
+        return " + ".join(test.name for test in fit.tests), repr(worst.noise_floor), ""
+    if fit.standing is None:
+        return fit.measurement.name, "", ""
+    good = str(fit.standing.good_enough).lower()
+    return fit.measurement.name, repr(fit.standing.noise_floor), good
+
+
+def _columns(fits: Sequence[Identification | TimeIdentification]) -> list[str]:
     # Of all files: a model of levels may have more parameters in one than in another.
     return list(dict.fromkeys(name for fit in fits for name in fit.parameters))
 

@@ -25,7 +25,7 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
-from .exponentials import QuickPart, UnfollowedError, quick_parts
+from .exponentials import UnfollowedError, quick_parts
 from .fitting import identify
 from .information_criterion import Left, delta_bic, independent
 from .native import Search
@@ -204,7 +204,7 @@ def _judged(
     if is_material(base.model):
         tried = _of_material(given, parts, base, leading, known, left_out)
     else:
-        nearly = _nearly(base, quick, leading, before, left_out)
+        nearly = _nearly(base, parts, quick, leading, before, left_out)
         tried = _exactly(given, parts, base, nearly, before, known, left_out)
     # A model with one more effect can always do as well as the one without: worse is a search that
     # failed.
@@ -304,12 +304,13 @@ def _of_material(
 
 def _nearly(
     base: TimeIdentification,
+    parts: Sequence[Part],
     quick: Sequence[Part],
     leading: Sequence[list[Promise]],
     before: Left,
     left_out: dict[str, str],
 ) -> list[Tried]:
-    """The leading effects fitted by fixed exponentials.
+    """The leading effects fitted by fixed exponentials, and what is left of the exact response.
 
     Those that swing by the exact response, if they lead.
     """
@@ -327,13 +328,14 @@ def _nearly(
         starts = [*(search.centred(u) for u in search.starts()[:-1]), search.starts()[-1]]
         try:
             u, _ = search.near(quick, starts)
-            left = Left.by(model, search.theta(u), base.reference, quick)
+            # Not of the exponentials: by the part in a thousand that they are off, the right effect
+            # could fall behind.
+            left = Left.by(model, search.theta(u), base.reference, parts)
         except UnfollowedError:
             # The exact response takes long: it is spent only where more than noise is left to
             # explain.
             if promises[0].drop < COSTLY * best or not before.misfit:
                 continue
-            parts = [_exact(part) for part in quick]
             try:
                 u, _ = search.near(parts, starts[:STARTS])
                 left = Left.by(model, search.theta(u), base.reference, parts)
@@ -346,12 +348,6 @@ def _nearly(
             continue
         tried.append(Tried(effect, model, search.theta(u), left, 0.0))
     return tried
-
-
-def _exact(part: Part) -> Part:
-    if isinstance(part, QuickPart):
-        return part.exact
-    return part
 
 
 def _exactly(

@@ -246,11 +246,6 @@ class QuickPart(InTimePart):
             return cls(part.test, part.scale, part.noise)
         return cls(part.test, part.scale, part.noise, (made.omega, made.magnitude))
 
-    @property
-    def exact(self) -> InTimePart:
-        """The part with its exact response."""
-        return InTimePart(self.test, self.scale, self.noise)
-
     def with_scale(self, scale: float) -> QuickPart:
         """The same with larger noise; what is known already is kept."""
         if scale == self.scale:

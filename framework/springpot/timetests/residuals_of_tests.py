@@ -283,11 +283,8 @@ def at_tests(effect: Effect, tests: Sequence[Test]) -> list[Effect]:
     forms, sweeps = [there], [test for test in tests if isinstance(test, Measurement)]
     if there.in_time and sweeps:
         forms.append(there.at(SWEEPS))
-    # Of three rigs and more one alone may have it; of two both or that of the sweeps, as one sweep
-    # is all sweeps.
-    apart = [
-        test for test in tests if len(tests) > 2 and there.applies_to(test) and [test] != sweeps
-    ]
+    # One rig alone may have it; one sweep is all sweeps.
+    apart = [test for test in tests if there.applies_to(test) and [test] != sweeps]
     return forms + [there.of_one(name) for name in dict.fromkeys(test.name for test in apart)]
 
 

@@ -188,8 +188,9 @@ class Scan:
         values = np.array([[little, *place] for place in places])
         change = _Change(self.model, self.theta, effect, values)
         # A specimen that swings answers a small mass by large ringing: no linear step leads there.
-        if any(view.swings(change) for view in self.views):
-            return self._swinging(effect, places)
+        swinging = [view for view in self.views if isinstance(view, View) and view.swings(change)]
+        if swinging:
+            return self._swinging(effect, places, swinging[0])
         whole = np.concatenate([view.of_change(change, scale) for view in self.views])
         powers = np.array(
             [float(bool(parameter.unit.stiffness)) for parameter in effect.element.parameters]
@@ -220,13 +221,13 @@ class Scan:
             for each, column in zip(values, whole.T, strict=True)
         ]
 
-    def _swinging(self, effect: Effect, places: Sequence[tuple[float, ...]]) -> list[Atom]:
-        """An effect at the sizes at which it balances the rest at some frequency."""
+    def _swinging(
+        self, effect: Effect, places: Sequence[tuple[float, ...]], view: View
+    ) -> list[Atom]:
+        """An effect at the sizes at which it balances the rest of what swings in a test."""
         # It rings at the frequency at which it balances the rest: the record may show any that it
         # resolves.
         omega = np.geomspace(1.0 / self.scales.longest, 1.0 / self.scales.shortest, RESONANCES)
-        # Of a test in time, as only these swing.
-        view = next(view for view in self.views if isinstance(view, View))
         at = points_at(omega, view.kelvin, self.base.reference)
         stiffness = np.abs(stiffness_of(self.base, at, view.part.test))
         atoms = []
@@ -527,10 +528,6 @@ class SweepView:
         own = stiffness_of(self.base, at, self.part.test)
         by_place = network.respond(change.theta[:, places], at).value - own
         return np.concatenate([by_place.real, by_place.imag], axis=1).T * self.weight[:, None]
-
-    def swings(self, change: _Change) -> bool:
-        """At frequencies nothing does."""
-        return False
 
     def of_course(self, effect: Effect, values: Real) -> Real:
         """Nothing."""
