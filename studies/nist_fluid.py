@@ -25,8 +25,8 @@ from springpot.benchmark import Interval, Study, Table, save_table
 from springpot.benchmark.tables import Entry
 from springpot.identification import Identification
 from springpot.measurement import DataSet
-from springpot.report.curves import Fit
 from springpot.report.figures import figure_identification
+from springpot.report.views import DrawnFit
 
 ALL = "nist-srm2491"
 TEMPERATURES = (0, 10, 20, 30, 40, 50)
@@ -67,7 +67,7 @@ def finish(path: Path, folder: Path) -> None:
         for suffix in ("png", "svg"):
             data = open_measurement(ALL)
             figure_identification(
-                data, [Fit(best.model, best.theta)], folder / f"all_temperatures.{suffix}"
+                data, [DrawnFit(best.model, best.theta)], folder / f"all_temperatures.{suffix}"
             )
 
 

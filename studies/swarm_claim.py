@@ -18,7 +18,7 @@ import numpy as np
 from paper.draw import COLOURS, INK, can_draw, legend_above, logarithmic, sheet
 from paper.published import MODELS
 from springpot.benchmark import Findings, Store, Study, Table, save_table
-from springpot.benchmark.comparison import Ranking, races_of, rank
+from springpot.benchmark.comparison import MeanRanks, races_of, rank
 from springpot.benchmark.statistics import Interval, wilson
 from springpot.benchmark.tables import Entry
 from springpot_plugins.optimisers.swarm import PaperSwarm
@@ -70,7 +70,7 @@ def swarm_at(budget: int) -> str:
     return SHORT.get(budget, SWARM)
 
 
-def ranking(findings: Findings, name: str, mark: int) -> Ranking:
+def ranking(findings: Findings, name: str, mark: int) -> MeanRanks:
     """Ranks over the problems of one class, with the swarm of that budget only."""
     swarm = swarm_at(findings.scale.marks[mark])
     data = {f"artificial-{model}{suffix}" for model in MODELS for suffix in CLASSES[name]}
@@ -90,7 +90,7 @@ def success(findings: Findings, name: str, label: str, budget: int) -> Interval 
     return wilson(int((hits <= budget).sum()), len(hits))
 
 
-def overview(findings: Findings, found: dict[tuple[str, int], Ranking]) -> Table:
+def overview(findings: Findings, found: dict[tuple[str, int], MeanRanks]) -> Table:
     """Place by mean rank and success, one row for each optimiser."""
     marks = findings.scale.marks
     rows: list[tuple[Entry, ...]] = []
@@ -110,13 +110,13 @@ def overview(findings: Findings, found: dict[tuple[str, int], Ranking]) -> Table
     return Table("The paper's swarm among others", columns, rows, note)
 
 
-def _doubts(found: dict[tuple[str, int], Ranking]) -> str:
+def _doubts(found: dict[tuple[str, int], MeanRanks]) -> str:
     """Why there are no asterisks, where there can be none."""
     doubts = dict.fromkeys(ranked.doubt for ranked in found.values() if ranked.doubt)
     return "".join(f"; {doubt} {len(RIVALS) + 1} optimisers apart" for doubt in doubts)
 
 
-def _place(findings: Findings, ranked: Ranking, label: str) -> str:
+def _place(findings: Findings, ranked: MeanRanks, label: str) -> str:
     own = swarm_at(ranked.budget)
     label = own if label == SWARM else label
     i, swarm = ranked.labels.index(label), ranked.labels.index(own)
@@ -126,7 +126,7 @@ def _place(findings: Findings, ranked: Ranking, label: str) -> str:
     return f"{place}.{told} {100 * rate.value:.0f} %" if rate else f"{place}.{told}"
 
 
-def details(findings: Findings, found: dict[tuple[str, int], Ranking]) -> Table:
+def details(findings: Findings, found: dict[tuple[str, int], MeanRanks]) -> Table:
     """Mean ranks, success, and the chance that the swarm ends below each rival."""
     rows: list[tuple[Entry, ...]] = []
     for (name, _), ranked in found.items():
@@ -163,7 +163,7 @@ def details(findings: Findings, found: dict[tuple[str, int], Ranking]) -> Table:
     return Table("The paper's swarm: ranks", columns, rows, note)
 
 
-def draw_ranks(findings: Findings, found: dict[tuple[str, int], Ranking], folder: Path) -> None:
+def draw_ranks(findings: Findings, found: dict[tuple[str, int], MeanRanks], folder: Path) -> None:
     """Mean ranks against the budget; some rivals by colour, the others in grey."""
     marks = findings.scale.marks
     with sheet(folder, "swarm_ranks", 8.6, 4.6) as page:
@@ -187,7 +187,7 @@ def draw_ranks(findings: Findings, found: dict[tuple[str, int], Ranking], folder
         legend_above(page, panels[0], "The paper's swarm among others, five models", columns=4)
 
 
-def _mean_rank(ranked: Ranking, label: str) -> float:
+def _mean_rank(ranked: MeanRanks, label: str) -> float:
     return float(
         ranked.means[ranked.labels.index(swarm_at(ranked.budget) if label == SWARM else label)]
     )

@@ -241,7 +241,7 @@ def test_an_alias_that_is_the_own_name_is_reported(install: Install):
 
 
 def test_a_name_that_a_family_has_for_its_member_is_in_dispute(install: Install):
-    family = "from springpot.rheology.family import Family\n"
+    family = "from springpot.rheology.model import Family\n"
     found = install(
         one=family
         + MODELS.format("Family('row-N', lambda n: model(f'row-{n}'), aliases=('chain-N',))"),

@@ -20,13 +20,13 @@ from springpot.diagnosis.ladder import discover as discover_objects
 from springpot.diagnosis.result import Diagnosis
 from springpot.errors import DataError, ModelError, OptionError
 from springpot.identification.fitting import identify as identify_objects
-from springpot.identification.objective import Objective
-from springpot.identification.optimiser import Optimiser
+from springpot.identification.problem import Objective
 from springpot.identification.result import Identification
+from springpot.identification.runs import Optimiser
 from springpot.identification.space import require_conditions
 from springpot.measurement.joining import joined
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.selection import Test
+from springpot.measurement.opening import Test
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.material import any_material
 from springpot.registry import open_tests, parse_model, plugins
@@ -35,14 +35,14 @@ from springpot.rheology.model import Model
 from springpot.superposition.curve import MasterCurve
 from springpot.superposition.curve import mastercurve as mastercurve_of
 from springpot.superposition.words import level_of
-from springpot.timetests.comparing import compare as compare_in_time
 from springpot.timetests.diagnosis import diagnose as diagnose_in_time
 from springpot.timetests.discovery import discover as discover_in_time
+from springpot.timetests.fitting import compare as compare_in_time
 from springpot.timetests.fitting import identify as identify_in_time
-from springpot.timetests.predicted_test import TestPrediction
 from springpot.timetests.prediction import predict_test
 from springpot.timetests.residuals_of_tests import units_of
 from springpot.timetests.result import TimeIdentification
+from springpot.timetests.where import TestPrediction
 
 from .judgement import standing_of
 from .thresholds import INTERVAL, INTERVALS

@@ -12,14 +12,13 @@ from typing import Any, Generic, TypeVar
 
 from springpot.errors import PluginError
 from springpot.hooks import Chapter, SolverFormat
-from springpot.identification.objective import Objective
-from springpot.identification.optimiser import Optimiser, OptimiserFamily
-from springpot.measurement.catalogue import DataSet
+from springpot.identification.problem import Objective
+from springpot.identification.runs import Optimiser, OptimiserFamily
+from springpot.measurement.opening import DataSet
 from springpot.measurement.reader import Reader
 from springpot.measurement.timereader import TimeReader
 from springpot.rheology.effect import Effect
-from springpot.rheology.family import Family
-from springpot.rheology.model import Model
+from springpot.rheology.model import Family, Model
 
 T = TypeVar("T")
 

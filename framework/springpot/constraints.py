@@ -11,8 +11,8 @@ from dataclasses import fields
 from typing import Any, TypeVar
 
 from springpot.errors import ModelError, OptionError
-from springpot.identification.optimiser import Optimiser
-from springpot.measurement.selection import Test, conditions, tests_without
+from springpot.identification.runs import Optimiser
+from springpot.measurement.opening import Test, conditions, tests_without
 from springpot.measurement.units import Units
 from springpot.registry import plugins
 from springpot.rheology.model import Model

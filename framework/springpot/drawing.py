@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 # As names, not as imports: the rooms below must not know the one above.
 DRAWS, TELLS, SHOWS = (
     "springpot.report.result_plots",
-    "springpot.report.short_text",
+    "springpot.report.ladder_text",
     "springpot.report.notebook",
 )
 

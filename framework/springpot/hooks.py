@@ -14,14 +14,13 @@ import pluggy
 
 # For type checkers only: the rooms below need not be loaded to say what a hook is called.
 if TYPE_CHECKING:
-    from springpot.identification.objective import Objective
-    from springpot.identification.optimiser import Optimiser, OptimiserFamily
-    from springpot.measurement.catalogue import DataSet
+    from springpot.identification.problem import Objective
+    from springpot.identification.runs import Optimiser, OptimiserFamily
+    from springpot.measurement.opening import DataSet
     from springpot.measurement.reader import Reader
     from springpot.measurement.timereader import TimeReader
     from springpot.rheology.effect import Effect
-    from springpot.rheology.family import Family
-    from springpot.rheology.model import Model
+    from springpot.rheology.model import Family, Model
 
 GROUP = "springpot"
 

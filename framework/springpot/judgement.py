@@ -6,7 +6,7 @@ import numpy as np
 
 from springpot.comparison.comparing import ONLY_NOISE, compare
 from springpot.errors import DataError
-from springpot.identification.objective import default_objective
+from springpot.identification.problem import default_objective
 from springpot.identification.result import Identification, Standing
 from springpot.identification.specimens import Specimens
 from springpot.misfit.material import lowest_error

@@ -16,7 +16,7 @@ from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Diagnosis
 from springpot.errors import DataError, ModelError
 from springpot.identification.kept import measurement_of
-from springpot.identification.objective import Objective, default_objective
+from springpot.identification.problem import Objective, default_objective
 from springpot.identification.result import Identification
 from springpot.inputs import json_of, text_in
 from springpot.registry import parse_model, plugins

@@ -16,19 +16,17 @@ import pluggy
 import springpot.hooks as hooks  # not from the package, whose table of names leads back here
 from springpot.errors import DataError, ModelError, OutputError, PluginError, SpringpotError
 from springpot.files import write_text
-from springpot.identification.optimiser import Optimiser
+from springpot.identification.runs import Optimiser
 from springpot.measurement.from_signals import OneTest
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.question import OpenQuestion
-from springpot.measurement.reader import Part
-from springpot.measurement.selection import Test
+from springpot.measurement.opening import Test
+from springpot.measurement.reader import OpenQuestion, Part
 from springpot.measurement.timereader import open_in_time as in_time_by
 from springpot.measurement.timetest import TimeTest
 from springpot.owners import use_owners
 from springpot.rheology.effect import Effect
-from springpot.rheology.family import Family
 from springpot.rheology.lookup import use_finder
-from springpot.rheology.model import Model
+from springpot.rheology.model import Family, Model
 from springpot.surroundings import kept_surroundings
 
 from .catalogue import KINDS, Kind, Owner, Shelf

@@ -12,10 +12,9 @@ from springpot.diagnosis import Ladder, Step
 from springpot.measurement import Measurement
 from springpot.report import views
 from springpot.report.canvas import blank, save
-from springpot.report.curves import Fit
 from springpot.report.figures import headed
 from springpot.report.ladder import draw_ladder
-from springpot.report.views import Scene
+from springpot.report.views import DrawnFit, Scene
 
 
 def draw(ladder: Ladder, path: Path) -> None:
@@ -44,4 +43,4 @@ def _scene(step: Step) -> Scene:
     """Averaged data with the standard deviations of the noise, and the model of one rung."""
     fit = step.case.search.base
     data: Measurement = replace(fit.data.mean, sd=fit.noise.sd)
-    return Scene(data, [Fit(fit.model, fit.theta)])
+    return Scene(data, [DrawnFit(fit.model, fit.theta)])

@@ -12,8 +12,8 @@ from springpot.benchmark import Findings, Store, run_study
 from springpot.benchmark.comparison import (
     OVER_ALL,
     CellScores,
-    Race,
-    Scale,
+    JudgingScale,
+    ProblemRace,
     choose,
     profiles,
     quality,
@@ -29,12 +29,12 @@ from springpot.benchmark.summary import CellRow, ProblemRow
 from springpot.benchmark.trial import at
 
 INF = np.inf
-SCALE = Scale(1e-6, 2000)
+SCALE = JudgingScale(1e-6, 2000)
 
 
 def race(
     problem: int, values: dict[str, np.ndarray], hits: dict[str, np.ndarray] | None = None
-) -> Race:
+) -> ProblemRace:
     """A race in which each entrant ends at `values` (n,) at every mark."""
     row = ProblemRow(
         problem,
@@ -70,12 +70,12 @@ def race(
 
 
 def test_marks_end_with_the_budget():
-    assert Scale(1e-6, 2000).marks == (100, 500, 2000)
-    assert Scale(1e-6, 40_000).marks == (500, 2000, 8000, 40_000)
-    assert Scale(1e-6, 60).marks == (60,)
-    assert set(Scale(1e-6, 3000).marks) <= set(Scale(1e-6, 3000).grid.tolist())
-    assert Scale(1e-4, 60).targets[-1] == 1e-4
-    assert (np.diff(Scale(1e-4, 60).targets) < 0).all()
+    assert JudgingScale(1e-6, 2000).marks == (100, 500, 2000)
+    assert JudgingScale(1e-6, 40_000).marks == (500, 2000, 8000, 40_000)
+    assert JudgingScale(1e-6, 60).marks == (60,)
+    assert set(JudgingScale(1e-6, 3000).marks) <= set(JudgingScale(1e-6, 3000).grid.tolist())
+    assert JudgingScale(1e-4, 60).targets[-1] == 1e-4
+    assert (np.diff(JudgingScale(1e-4, 60).targets) < 0).all()
 
 
 def test_the_better_is_chosen_and_the_next_is_named(rng):
@@ -235,7 +235,7 @@ def test_a_problem_that_somebody_has_not_tried_is_left_out():
 def test_only_common_repetitions_race(tmp_path):
     outcome = run_study(small_study(), engine="serial", out=tmp_path, quiet=True)
     with Store(outcome.store) as store:
-        scale, cells, trials = Scale.of(store), store.cells(), dict(store.trials())
+        scale, cells, trials = JudgingScale.of(store), store.cells(), dict(store.trials())
         best = store.bests()[cells[0].problem.id]
     one = score_cell(cells[0], trials[cells[0].id][1:], best, scale)
     two = score_cell(cells[1], trials[cells[1].id][:3], best, scale)

@@ -11,7 +11,7 @@ from springpot.benchmark import Store, Study, run_study
 from springpot.benchmark.plan import BLOCK, digest_of, stream_of
 from springpot.errors import DataError, ModelError, StudyError
 from springpot.identification import Problem, run
-from springpot.identification.optimiser import BatchedOptimiser
+from springpot.identification.runs import BatchedOptimiser
 
 
 @dataclass(frozen=True)

@@ -11,12 +11,12 @@ import pytest
 from benchmark_fakes import small_study
 
 from springpot.benchmark import run_study
-from springpot.benchmark.runner import Lines
+from springpot.benchmark.runner import ProgressLines
 
 
 def test_lines_are_few_and_the_last_one_is_complete():
     stream = io.StringIO()
-    lines = Lines("small", 1000, stream)
+    lines = ProgressLines("small", 1000, stream)
     for done in range(1001):
         lines.update(done, done // 500)
     lines.close()

@@ -15,10 +15,10 @@ from benchmark_fakes import Moody, Walk, artificial, small_study
 from springpot.benchmark import Findings, Store, run_study
 from springpot.benchmark.report.plot import (
     Dot,
-    Line,
     Pen,
+    PlotAxis,
     Ranked,
-    Scale,
+    StepLine,
     critical_differences,
     plot,
     scatter,
@@ -148,8 +148,8 @@ def numbers(path: str) -> list[float]:
 def test_steps_stay_in_the_frame_and_skip_what_is_infinite():
     x = np.geomspace(1, 1000, 30)
     y = np.where(x < 10, np.inf, 1.0 / x)
-    line = Line("a < b", x, y, Pen(0), np.stack([0.5 * y, np.full_like(y, np.inf)]))
-    picture = plot([line], Scale("n", 1, 1000, True), Scale("f", 1e-3, 1, True), "t")
+    line = StepLine("a < b", x, y, Pen(0), np.stack([0.5 * y, np.full_like(y, np.inf)]))
+    picture = plot([line], PlotAxis("n", 1, 1000, True), PlotAxis("f", 1e-3, 1, True), "t")
     [path] = re.findall(r'd="(M[^Z"]*)"', picture)
     assert "a &lt; b" in picture
     assert max(numbers(path)) <= 420
@@ -161,9 +161,9 @@ def test_steps_stay_in_the_frame_and_skip_what_is_infinite():
 
 def test_a_flat_line_has_one_step():
     picture = plot(
-        [Line("a", np.arange(1.0, 50), np.ones(49), Pen(9))],
-        Scale("n", 1, 49),
-        Scale("f", 0, 2),
+        [StepLine("a", np.arange(1.0, 50), np.ones(49), Pen(9))],
+        PlotAxis("n", 1, 49),
+        PlotAxis("f", 0, 2),
         "t",
     )
     [path] = re.findall(r'd="(M[^"]*)"', picture)
@@ -224,7 +224,9 @@ def test_accuracy_stands_against_time(tmp_path):
 
 def test_a_point_beyond_the_axes_is_drawn_at_their_end():
     dots = [Dot("far", 1e9, 1e9, Pen(0), large=True, name="far"), Dot("near", 1e-9, 1e-9, Pen(8))]
-    picture = scatter(dots, Scale("s", 0.1, 10.0, True), Scale("excess", 1e-3, 1.0, True), "t")
+    picture = scatter(
+        dots, PlotAxis("s", 0.1, 10.0, True), PlotAxis("excess", 1e-3, 1.0, True), "t"
+    )
     assert all(
         0.0 <= value <= 420.0
         for value in numbers(" ".join(re.findall(r'c[xy]="([^"]*)"', picture)))

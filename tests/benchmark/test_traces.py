@@ -11,7 +11,7 @@ from springpot import parse_model, plugins
 from springpot.benchmark import Status, Store, run_study
 from springpot.benchmark.schema import SCHEMA, columns, trials_of
 from springpot.benchmark.store import seal
-from springpot.benchmark.trial import Bench, at, geometric_grid, improvements
+from springpot.benchmark.trial import TwinProblem, at, geometric_grid, improvements
 from springpot.errors import StudyError
 from springpot.identification import Problem, Recorder, all_points, run, run_batch
 
@@ -74,7 +74,7 @@ def test_points_of_each_kind_are_counted_apart():
 def test_noisy_data_have_a_recommendation_and_an_oracle_trace(tmp_path):
     study = small_study(datasets=[NOISY], models=["own"], optimisers=[Walk()], budget=400)
     plan = study.plan()
-    noisy = Bench(plan.cases[0]).problem
+    noisy = TwinProblem(plan.cases[0]).problem
     clean = replace(noisy, measurement=measurement())
     for row in rows_of(study, tmp_path, "walk"):
         again = run(

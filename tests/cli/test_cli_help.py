@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from springpot import __version__
-from springpot.cli.table import commands
+from springpot.cli.group import commands
 
 LISTS_MODULES = """
 import sys

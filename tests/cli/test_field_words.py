@@ -66,10 +66,12 @@ def test_json_stays_in_hertz(springpot, rheometer, write):
 def test_a_share_beyond_all_is_written_out():
     """A stiffness that is twentyfold too high is off by 1900 %, not by 1.9e+03 %."""
     from springpot import Measurement
-    from springpot.misfit.where import Part, _place
+    from springpot.misfit.where import PlaneOfFit, _place
 
     data = Measurement(OMEGA, np.full(15, 100.0 + 1.0j))
-    part = Part(data.units.storage, np.full(15, -1900.0), np.full(15, -19.0), np.full(15, -50.0))
+    part = PlaneOfFit(
+        data.units.storage, np.full(15, -1900.0), np.full(15, -19.0), np.full(15, -50.0)
+    )
     assert _place(data, [], part, np.arange(15), "stiffness").says.startswith(
         "storage modulus 1900 % of |G*| too high"
     )

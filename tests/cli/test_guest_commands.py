@@ -4,7 +4,7 @@ from importlib.metadata import EntryPoint
 
 import pytest
 
-from springpot.cli import table
+from springpot.cli import group as table
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from springpot.errors import DataError
 from springpot.measurement import Measurement, Units
 from springpot.misfit.floor import beyond_floor
 from springpot.report.jsontext import jsonable
-from springpot.report.ranking import ranked_text
+from springpot.report.ladder_text import ranked_text
 from springpot.thresholds import COMPARISON, SEARCH
 
 OMEGA = 2.0 * np.pi * np.geomspace(0.3, 30.0, 25)

@@ -7,8 +7,8 @@ from hidden_data import KELVIN, SWEEP, exact, hidden, measured
 
 import springpot
 from springpot.diagnosis import examine
+from springpot.diagnosis.examination import better_start
 from springpot.diagnosis.scan import Scan
-from springpot.diagnosis.searched_data import better_start
 from springpot.misfit.refit import Refit
 from springpot.registry import plugins
 

@@ -9,7 +9,7 @@ from hidden_data import TEMPERATURES, WARM, design, measured
 import springpot
 from springpot.measurement import Measurement
 from springpot.misfit.floor import fitted_to_floor
-from springpot.misfit.frame import Frame
+from springpot.misfit.frame import NoiseFrame
 from springpot.misfit.residual_causes import causal_evidence, discrepancy, log_shift_of
 
 LEVEL = 0.005
@@ -40,7 +40,7 @@ def left(off, temperatures=(), points=45, seed=1, level=LEVEL, sd=1.0):
     )
     slopes = np.array([np.ones(len(w)), reduced**0.4, 40.0 * reduced**0.4 * np.log(reduced)])
     weights = (1.0 + 1.0j) / (sd * level * np.abs(modelled))
-    frame = Frame(data, modelled, weights, slopes)
+    frame = NoiseFrame(data, modelled, weights, slopes)
     return frame, log_shift if temperatures else None
 
 
@@ -146,7 +146,7 @@ def test_the_size_is_that_beyond_the_noise():
 def test_the_evidence_does_not_depend_on_units():
     frame, _ = left(CAUSAL["resonance"])
     n = len(frame.measurement)
-    tenfold = Frame(
+    tenfold = NoiseFrame(
         Measurement(frame.measurement.omega, 10 * frame.measurement.stiffness),
         10 * frame.model_stiffness,
         frame.weights / 10,
@@ -197,7 +197,7 @@ def test_one_frequency_is_no_ground_for_a_word_on_causality():
     data = Measurement(
         w, np.full(20, 110.0 + 10j), conditions={"amplitude": np.geomspace(0.1, 1.0, 20)}
     )
-    frame = Frame(
+    frame = NoiseFrame(
         data, np.full(20, 100.0 + 10j), np.full(20, 1.0 + 1.0j), np.zeros((0, 20), dtype=complex)
     )
     [said] = discrepancy(frame)

@@ -10,12 +10,11 @@ from hidden_data import AMPLITUDES, KELVIN, SWEEP, design, exact, hidden, measur
 import springpot
 from soaked import soaked
 from springpot.diagnosis import examine
-from springpot.diagnosis.actions import actions
 from springpot.diagnosis.evidence import Evidence, Explanation
-from springpot.diagnosis.experiment import Clash
+from springpot.diagnosis.experiment import Clash, actions
 from springpot.diagnosis.grown import Grown
 from springpot.identification import Window, shown
-from springpot.misfit.shapes import orthonormal
+from springpot.misfit.frame import orthonormal
 from springpot.registry import plugins
 from springpot.report.ladder_text import doubt_text
 

@@ -7,7 +7,7 @@ import pytest
 
 import springpot
 from springpot.identification import fit
-from springpot.identification.alignment import aligned
+from springpot.identification.material_fit import aligned
 from springpot.registry import parse_model
 
 TEMPERATURES = np.array([0.0, 15.0, 30.0, 45.0, 60.0])

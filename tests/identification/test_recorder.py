@@ -23,7 +23,7 @@ from springpot.identification import (
     run,
     run_batch,
 )
-from springpot.identification.ledger import Ledger
+from springpot.identification.recorder import Ledger
 
 NAMES = [
     "springpot",

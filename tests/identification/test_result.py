@@ -14,7 +14,7 @@ from springpot.errors import DataError, ModelError, OptionError, OutputError, Sp
 from springpot.identification import Identification
 from springpot.registry import plugins
 from springpot.report.jsontext import to_json
-from springpot.rheology.family import Family
+from springpot.rheology.model import Family
 
 pytestmark = pytest.mark.usefixtures("asked_once")
 

@@ -8,8 +8,14 @@ import pytest
 from native_problems import OMEGA, POINTS, noisy, relative_weights, setup
 
 from springpot.identification import Window, settings
-from springpot.identification.branches import Branches, interleaved, non_negative, project
-from springpot.identification.starts import low_discrepancy, thinned
+from springpot.identification.starts import (
+    Branches,
+    interleaved,
+    low_discrepancy,
+    non_negative,
+    project,
+    thinned,
+)
 from springpot.identification.task import Task
 from springpot.registry import parse_model
 from springpot.rheology import GRADIENT, Dimension, Parameter

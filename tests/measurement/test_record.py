@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from springpot.measurement import record
-from springpot.measurement.record import BLOCK, Record
+from springpot.measurement import steady as record
+from springpot.measurement.steady import BLOCK, MendedSignals
 
 STATUS = Path("/proc/self/status")
 
@@ -27,7 +27,7 @@ def test_a_mapped_record_needs_no_more_memory_than_a_few_blocks(tmp_path, monkey
         np.arange(rows, dtype=float).tofile(tmp_path / name)
     # As arrays of numpy's own class, which is how they come from the evaluation.
     channels = [np.asarray(np.memmap(tmp_path / name, dtype=float, mode="r")) for name in "txf"]
-    long = Record(*channels, name="long")
+    long = MendedSignals(*channels, name="long")
     before, peak, total = mapped_memory(), 0, 0.0
     for time, both in long.blocks():
         total += float(time.sum() + both.sum())

@@ -6,7 +6,7 @@ What was set parts the rows, what was swept or only wandered does not.
 import numpy as np
 
 from springpot import Measurement
-from springpot.measurement.runs import runs_of
+from springpot.measurement.mixed_tests import runs_of
 
 FREQUENCIES = np.geomspace(1.0, 100.0, 12)
 

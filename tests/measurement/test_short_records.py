@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from springpot.measurement.record import Record
-from springpot.measurement.steady import coarse_frequency
+from springpot.measurement.steady import MendedSignals, coarse_frequency
 
 DURATION = 8.0
 LINE = 2.0 * np.pi / DURATION
@@ -16,7 +15,7 @@ LINE = 2.0 * np.pi / DURATION
 def test_of_few_cycles_the_frequency_is_good_to_an_eightieth_of_a_cycle(cycles, phase):
     time = np.linspace(0.0, DURATION, 600)
     moved = np.sin(cycles * LINE * time + phase) + 0.4 * time + 2.0
-    found = coarse_frequency(Record(time, moved, moved, "short"))
+    found = coarse_frequency(MendedSignals(time, moved, moved, "short"))
     # Half of what lies between two of the frequencies that are tried, one and a half lines to
     # either side.
     assert abs(found / LINE - cycles) < 1.0 / 79.0

@@ -11,7 +11,7 @@ from scipy import stats
 from soaked import soaked
 from springpot.errors import DataError
 from springpot.measurement import Signals, harmonics_of, measurement_from_signals, steady
-from springpot.measurement.motion import highest_of_noise
+from springpot.measurement.signals import highest_of_noise
 from springpot.thresholds import SIGNALS
 
 STIFFNESS = 300.0 + 120.0j

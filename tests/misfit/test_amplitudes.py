@@ -5,7 +5,7 @@ import pytest
 
 import springpot
 from springpot.diagnosis import examine
-from springpot.misfit.amplitudes import notes_on_amplitudes
+from springpot.misfit.material import notes_on_amplitudes
 
 FREQUENCY = np.geomspace(0.1, 50.0, 15)
 AMPLITUDES = (0.05, 0.2, 0.6, 1.5)

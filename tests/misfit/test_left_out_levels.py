@@ -6,7 +6,7 @@ Inner levels of what was set, and nothing of what merely drifted.
 import numpy as np
 
 from springpot import Measurement
-from springpot.misfit.cross_validation import folds_of
+from springpot.misfit.refit import folds_of
 
 
 def measured(**conditions):

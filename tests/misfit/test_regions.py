@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from springpot.misfit.regions import Axis, Blocks, rare, scales
+from springpot.misfit.regions import Blocks, MeasuredAxis, rare, scales
 
 ALARM = 0.003
 
@@ -26,7 +26,7 @@ def furthest(n, dof, draws=30000):
 @pytest.mark.parametrize(("n", "dof"), [(5, 3.0), (6, 5.0), (12, 15.0), (12, np.inf)])
 @pytest.mark.parametrize("seed", range(3))
 def test_the_threshold_has_the_chance_it_claims(n, dof, seed):
-    blocks = Blocks([Axis("frequency", np.arange(n))])
+    blocks = Blocks([MeasuredAxis("frequency", np.arange(n))])
     threshold = blocks.threshold(ALARM, scales(dof), np.random.default_rng(seed))
     assert 0.1 * ALARM < np.mean(furthest(n, dof) > threshold) < 1.4 * ALARM
 

@@ -8,7 +8,7 @@ import pytest
 
 from soaked import soaked
 from springpot.measurement import Measurement, Units
-from springpot.misfit.frame import Frame
+from springpot.misfit.frame import NoiseFrame
 from springpot.misfit.where import MOST, condition_axes, periodic, where
 
 LEVEL = 0.01
@@ -43,7 +43,7 @@ def frame(
         2 * np.pi * f, modelled + misfit + noise, conditions=conditions, units=Units("kN/m", "mm")
     )
     weights = (1.0 + 1.0j) / (scale * sd)
-    return Frame(data, modelled, weights, np.zeros((0, len(f)), dtype=complex), dof)
+    return NoiseFrame(data, modelled, weights, np.zeros((0, len(f)), dtype=complex), dof)
 
 
 def says(fit):

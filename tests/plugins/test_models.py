@@ -18,7 +18,7 @@ from springpot.identification.space import paper_box
 from springpot.measurement import Measurement, Units
 from springpot.registry import parse_model, plugins
 from springpot.rheology import Dimension, Model, Parameter, Points, drawing_of
-from springpot.rheology.family import Family
+from springpot.rheology.model import Family
 
 OF_THE_NETWORK = [each.name for each in plugins().items("effect") if not each.of_test]
 

@@ -8,11 +8,10 @@ import pytest
 import springpot
 from springpot.format_numbers import number
 from springpot.measurement import Measurement, Units
-from springpot.report.answers import beside_floor, diagnosis_text, worth_showing
+from springpot.report.answers import beside_floor, diagnosis_text, reference_note, worth_showing
 from springpot.report.html import report_html
 from springpot.report.ladder_text import change, changes_text, ladder_text
 from springpot.report.numbers import percent
-from springpot.report.reference import reference_note
 from springpot.report.residuals import set_aside
 
 pytest.importorskip("matplotlib")

@@ -7,17 +7,15 @@ import springpot
 from springpot.measurement import Measurement, Units
 from springpot.registry import parse_model
 from springpot.report import canvas, residuals, views
-from springpot.report.bands import SHARED, alike
-from springpot.report.curves import Fit
 from springpot.report.residuals import PLANES, draw_plane
-from springpot.report.scene import Scene
+from springpot.report.views import SHARED, DrawnFit, Scene, alike
 
 pytest.importorskip("matplotlib")
 
 HERTZ = np.geomspace(0.1, 30.0, 14)
 CELSIUS = (0.0, 20.0, 40.0)
 STIFFNESS, COMPLIANCE, LOG, _ = PLANES
-WARM = Fit(
+WARM = DrawnFit(
     parse_model("fractional-zener + arrhenius-shift"), np.array([20.0, 400.0, 60.0, 0.5, 120.0])
 )
 

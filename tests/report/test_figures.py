@@ -9,16 +9,15 @@ import springpot
 from springpot.errors import OutputError
 from springpot.measurement import Measurement, Units
 from springpot.registry import parse_model
-from springpot.report import canvas, curves, figures, scene, spectrum, views
-from springpot.report.curves import Fit, axis_of, sweeps_of
-from springpot.report.floors import beside_floors
-from springpot.report.scene import Scene
+from springpot.report import canvas, figures, views
+from springpot.report.figures import beside_floors
+from springpot.report.views import DrawnFit, Scene, axis_of, sweeps_of
 
 pytest.importorskip("matplotlib")
 
 OMEGA = 2 * np.pi * np.geomspace(0.1, 100.0, 12)
-MAXWELL = Fit(parse_model("fractional-maxwell"), np.array([900.0, 60.0, 0.5]))
-KELVIN = Fit(parse_model("fractional-kelvin"), np.array([90.0, 30.0, 0.6]), "the other one")
+MAXWELL = DrawnFit(parse_model("fractional-maxwell"), np.array([900.0, 60.0, 0.5]))
+KELVIN = DrawnFit(parse_model("fractional-kelvin"), np.array([90.0, 30.0, 0.6]), "the other one")
 
 
 def _sweep(fit=MAXWELL, **given):
@@ -69,7 +68,9 @@ def test_the_residual_is_measured_minus_fitted_in_per_cent():
 
 
 def test_negative_storage_is_drawn_with_crosses_not_dropped():
-    heavy = Fit(parse_model("fractional-maxwell + inertia"), np.array([900.0, 60.0, 0.5, 0.05]))
+    heavy = DrawnFit(
+        parse_model("fractional-maxwell + inertia"), np.array([900.0, 60.0, 0.5, 0.05])
+    )
     data = _sweep(heavy)
     assert (data.storage < 0).any()
     with canvas.blank() as figure:
@@ -180,14 +181,14 @@ def test_many_points_stay_small(tmp_path):
     data = Measurement(omega, MAXWELL.model.stiffness(MAXWELL.theta, omega))
     path = figures.figure_identification(data, [MAXWELL], tmp_path / "a.svg")
     assert path.stat().st_size < 1_000_000
-    assert len(data) > scene.MANY_POINTS
-    assert curves.SMOOTH < scene.MANY_POINTS
+    assert len(data) > views.MANY_POINTS
+    assert views.SMOOTH < views.MANY_POINTS
 
 
 @pytest.mark.soak
 def test_the_picture_of_a_material_shows_its_spectrum_with_a_band(tmp_path):
     from springpot import identify
-    from springpot.report.spectrum import draw_spectrum, figure_material, in_words
+    from springpot.report.figures import draw_spectrum, figure_material, in_words
 
     found = identify(_sweep(), "material")
     with canvas.blank() as figure:
@@ -207,7 +208,7 @@ def test_residuals_stand_beside_the_material_floor(tmp_path):
 
     rng = np.random.default_rng(2)
     data = _sweep(
-        Fit(parse_model("fractional-maxwell + inertia"), np.array([900.0, 60.0, 0.5, 2e-3]))
+        DrawnFit(parse_model("fractional-maxwell + inertia"), np.array([900.0, 60.0, 0.5, 2e-3]))
     )
     data = Measurement(
         data.omega, data.stiffness * (1 + 0.01 * rng.normal(size=12)), units=data.units
@@ -232,7 +233,7 @@ def test_residuals_stand_beside_the_material_floor(tmp_path):
 def test_the_error_of_a_fit_stands_beside_both_floors(model, monkeypatch):
     """In the picture as in the text."""
     kept = []
-    for module in (figures, spectrum):
+    for module in (figures,):
         monkeypatch.setattr(
             module,
             "finished",

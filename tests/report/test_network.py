@@ -11,7 +11,7 @@ from springpot.registry import plugins
 from springpot.report.network import LETTER, Label, marks, network_png, network_svg, size
 from springpot.rheology import Node, chain, dashpot, mass, parallel, series, spring, springpot
 from springpot.rheology.drawing import sketch
-from springpot.rheology.family import Family
+from springpot.rheology.model import Family
 
 SVG = "{http://www.w3.org/2000/svg}"
 NETWORKS = [

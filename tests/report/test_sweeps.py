@@ -10,15 +10,14 @@ import pytest
 from springpot.measurement import Measurement, Units
 from springpot.registry import parse_model
 from springpot.report import canvas, figures, views
-from springpot.report.curves import Fit, axis_of, sweeps_of
-from springpot.report.panels import keys
+from springpot.report.residuals import keys
 from springpot.report.sweeps import MOST_DRAWN, travels
-from springpot.report.views import Scene
+from springpot.report.views import DrawnFit, Scene, axis_of, sweeps_of
 
 pytest.importorskip("matplotlib")
 
 HERTZ = np.geomspace(0.1, 30.0, 12)
-WARM = Fit(
+WARM = DrawnFit(
     parse_model("fractional-zener + arrhenius-shift"), np.array([80.0, 400.0, 60.0, 0.5, 60.0])
 )
 

@@ -26,7 +26,7 @@ from springpot.rheology import (
     spring,
     springpot,
 )
-from springpot.rheology.family import Family
+from springpot.rheology.model import Family
 
 OF_THE_NETWORK = [each.name for each in plugins().items("effect") if not each.of_test]
 

@@ -11,7 +11,7 @@ from springpot.rheology import Effect, on_response, parallel, spring
 from springpot.timetests import diagnose, identify, recorded
 from springpot.timetests.exponentials import quick_parts
 from springpot.timetests.residuals_of_tests import parts_of_specimen
-from springpot.timetests.score import Scan
+from springpot.timetests.score import TimeScan
 
 OMEGA = np.geomspace(0.1, 100.0, 25)
 T = np.geomspace(0.01, 100.0, 60)
@@ -67,7 +67,7 @@ def test_the_scan_looks_at_each_test_with_its_own_effects():
     model = springpot.parse_model("fractional-maxwell + series-spring:a")
     tests = [sweep("a"), sweep("b"), relaxation()]
     fit = identify(tests, model, seeds=[np.append(THETA, 500.0)], thorough=False)
-    scan = Scan(fit, quick_parts(parts_of_specimen(tests)))
+    scan = TimeScan(fit, quick_parts(parts_of_specimen(tests)))
     other = springpot.parse_model("fractional-maxwell")
     # In a test that the spring is not in, a dashpot changes as much as without it.
     expected = fit.theta[:3]

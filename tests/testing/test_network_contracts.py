@@ -27,7 +27,7 @@ from springpot.rheology import (
     springpot,
     stiffness,
 )
-from springpot.rheology.family import Family
+from springpot.rheology.model import Family
 from springpot.testing import check_effect, check_model
 
 GOOD = Model(

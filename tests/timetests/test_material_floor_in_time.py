@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import springpot
 from springpot import Measurement, TimeTest, parse_model
 from springpot.timetests import identify
-from springpot.timetests.convex import relaxation_of
+from springpot.timetests.material import relaxation_of
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 
 DATA = (

@@ -13,9 +13,9 @@ from springpot.rheology.effect import SWEEPS
 from springpot.timetests import diagnose, identify
 from springpot.timetests.exponentials import quick_parts
 from springpot.timetests.residuals_of_tests import parts_of_specimen
-from springpot.timetests.scan_scores import Promise
-from springpot.timetests.scatter import Scatter, scatter_of, scatter_of_sweep
-from springpot.timetests.score import Scan, _different
+from springpot.timetests.scatter import ResidualScatter, scatter_of, scatter_of_sweep
+from springpot.timetests.score import TimeScan, _different
+from springpot.timetests.verdict import Promise
 
 TIME = np.geomspace(0.01, 100.0, 120)
 
@@ -54,7 +54,10 @@ def test_a_ripple_over_a_few_points_of_a_sweep_is_misfit(seed):
 def test_noise_that_is_hardly_known_makes_weak_evidence():
     """A residual that is large throughout speaks for more noise too."""
     residual = np.full(20, 2.0)
-    known, told = Scatter(1.0, 0.0, 0.0, 1.0), Scatter(1.0, 0.0, 0.0, 1.0, worth=4.0)
+    known, told = (
+        ResidualScatter(1.0, 0.0, 0.0, 1.0),
+        ResidualScatter(1.0, 0.0, 0.0, 1.0, worth=4.0),
+    )
     gain = [each.surprise(residual) - each.surprise(0.7 * residual) for each in (known, told)]
     assert gain[0] == pytest.approx(40.8)
     assert gain[1] == pytest.approx(24.0 * np.log((4.0 + 80.0) / (4.0 + 39.2)))
@@ -104,7 +107,7 @@ def test_what_gives_in_series_promises_something_in_tests_in_time():
         TimeTest.of_compliance(TIME, crept + 0.01 * crept.max() * noise(2), "kPa", name="c"),
     ]
     fit = identify(tests, parse_model("springpot"))
-    scan = Scan(fit, quick_parts(parts_of_specimen(tests)))
+    scan = TimeScan(fit, quick_parts(parts_of_specimen(tests)))
     [promise, *_] = scan.promises([plugins().effect("series-spring")])["series-spring"]
     assert promise.drop > 0.2 * float(scan.residual @ scan.residual)
 

@@ -20,8 +20,13 @@ import springpot
 from springpot.diagnosis import Ladder
 from springpot.errors import DataError, ModelError
 from springpot.measurement import Measurement
-from springpot.report.interactive.answers import proposed_points
-from springpot.report.interactive.scene import MOST_POINTS, PageScene, relative_error, rounded
+from springpot.report.interactive.answers import (
+    MOST_POINTS,
+    PageScene,
+    proposed_points,
+    relative_error,
+    rounded,
+)
 from springpot.report.jsontext import to_json
 from springpot.web import leaving, tasks
 from springpot.web.sessions import (

@@ -6,9 +6,9 @@ Two trials are compared at a budget by the excess they had reached by then; belo
 it no longer counts, so that two trials which reached the target are equal. Trials that failed come
 last.
 
-On one problem, trials are compared (`Choice`); over several, problems are (`Ranking`), because
-trials of one problem say nothing of the next. Every table, diagram and sentence about who is better
-is one of these two.
+On one problem, trials are compared (`OptimiserChoice`); over several, problems are (`MeanRanks`),
+because trials of one problem say nothing of the next. Every table, diagram and sentence about who
+is better is one of these two.
 
 What comparisons are made of: each cell's trials as arrays, read off the store in one pass.
 
@@ -105,7 +105,7 @@ class CellScores:
 
 
 @dataclass(frozen=True, eq=False)
-class Scale:
+class JudgingScale:
     """How a study is judged.
 
     Parameters
@@ -120,7 +120,7 @@ class Scale:
     budget: int
 
     @classmethod
-    def of(cls, store: Store) -> Scale:
+    def of(cls, store: Store) -> JudgingScale:
         """That of a store's study."""
         facts = store.facts()
         return cls(float(facts["target"]), int(facts["budget"]))
@@ -158,7 +158,9 @@ def goal_of(problem: ProblemRow, best: float, target: float) -> float:
     return target_value(best, problem.reference, target)
 
 
-def score_cell(cell: CellRow, trials: Sequence[TrialRow], best: float, scale: Scale) -> CellScores:
+def score_cell(
+    cell: CellRow, trials: Sequence[TrialRow], best: float, scale: JudgingScale
+) -> CellScores:
     """Scores of a cell on a problem whose best known objective is `best`."""
     goal = goal_of(cell.problem, best, scale.target)
     along = np.full((len(trials), len(scale.grid)), np.inf)
@@ -202,7 +204,7 @@ def _excess(values: Real, best: float, reference: float) -> Real:
     return np.where((above > 0.0) | np.isinf(values), np.inf, 0.0)
 
 
-def _clean(trials: Sequence[TrialRow], scale: Scale) -> Real | None:
+def _clean(trials: Sequence[TrialRow], scale: JudgingScale) -> Real | None:
     """Quartiles of the noise-free objective of what was recommended, where the data have noise."""
     if not any(trial.recommended for trial in trials):
         return None
@@ -214,7 +216,7 @@ def _clean(trials: Sequence[TrialRow], scale: Scale) -> Real | None:
 
 
 @dataclass(frozen=True, eq=False)
-class Race:
+class ProblemRace:
     """All entrants on one problem, in the repetitions that every one of them has finished.
 
     Parameters
@@ -246,7 +248,7 @@ class Race:
         return max(scores.dimension for scores in self.cells)
 
 
-def races_of(scores: Iterable[CellScores]) -> list[Race]:
+def races_of(scores: Iterable[CellScores]) -> list[ProblemRace]:
     """The races of a study, without problems on which some entrant has finished nothing yet."""
     by_problem: dict[int, list[CellScores]] = {}
     for found in scores:
@@ -258,7 +260,7 @@ def races_of(scores: Iterable[CellScores]) -> list[Race]:
     return [race for race in complete if race.hits.shape[1]]
 
 
-def _race(cells: Sequence[CellScores]) -> Race:
+def _race(cells: Sequence[CellScores]) -> ProblemRace:
     # Only where all have run: an entrant must not win by the repetitions that others have still to
     # do.
     common = set.intersection(*(set(scores.repetitions.tolist()) for scores in cells))
@@ -269,7 +271,7 @@ def _race(cells: Sequence[CellScores]) -> Race:
             [getattr(scores, name)[chosen] for scores, chosen in zip(cells, rows, strict=True)]
         )
 
-    return Race(
+    return ProblemRace(
         cells[0].cell.problem, tuple(cells), stacked("hits"), stacked("spent"), stacked("values")
     )
 
@@ -284,12 +286,12 @@ OVER_ALL = "all problems"
 
 
 @dataclass(frozen=True, eq=False)
-class Choice:
+class OptimiserChoice:
     """Which optimiser to use for one problem at one budget.
 
     Parameters
     ----------
-    race : Race
+    race : ProblemRace
         The problem.
     budget : int
         Evaluations.
@@ -312,7 +314,7 @@ class Choice:
         Whether there were enough trials to tell any optimiser from the best.
     """
 
-    race: Race
+    race: ProblemRace
     budget: int
     label: str | None
     success: Interval
@@ -324,7 +326,7 @@ class Choice:
     decided: bool
 
 
-def quality(race: Race, mark: int, target: float) -> Real:
+def quality(race: ProblemRace, mark: int, target: float) -> Real:
     """What each trial had reached at a mark, (entrants, n).
 
     No better than the target, infinite if it failed.
@@ -334,7 +336,7 @@ def quality(race: Race, mark: int, target: float) -> Real:
     return clipped
 
 
-def choices(races: Sequence[Race], scale: Scale) -> list[Choice]:
+def choices(races: Sequence[ProblemRace], scale: JudgingScale) -> list[OptimiserChoice]:
     """The choice for every problem at every mark."""
     chosen = []
     for race in races:
@@ -342,7 +344,7 @@ def choices(races: Sequence[Race], scale: Scale) -> list[Choice]:
     return chosen
 
 
-def choose(race: Race, mark: int, scale: Scale) -> Choice:
+def choose(race: ProblemRace, mark: int, scale: JudgingScale) -> OptimiserChoice:
     """The choice for one problem at one mark."""
     from scipy.stats import rankdata
 
@@ -379,7 +381,7 @@ def choose(race: Race, mark: int, scale: Scale) -> Choice:
     # All trials of one below all of the other, times the number of pairs (Holm): if even that is
     # too large, more trials are needed and not a better optimiser.
     least = 2 * least_mann_whitney(trials, trials) * max(pairs_of(len(ranks)), 1)
-    return Choice(
+    return OptimiserChoice(
         race,
         budget,
         best_name,
@@ -399,7 +401,7 @@ def pairs_of(entrants: int) -> int:
 
 
 @dataclass(frozen=True, eq=False)
-class Ranking:
+class MeanRanks:
     """Mean ranks of all optimisers over some problems at one budget.
 
     Of a single problem its repetitions are ranked, and nothing is said beyond that problem.
@@ -475,13 +477,13 @@ class Ranking:
         return tuple(self.labels[j] for j in order if j != i and not self.told(i, int(j)))
 
 
-def scopes(races: Sequence[Race]) -> Iterator[tuple[str, list[Race]]]:
+def scopes(races: Sequence[ProblemRace]) -> Iterator[tuple[str, list[ProblemRace]]]:
     """All problems, then those of each model and of each data set.
 
     What holds one problem is left to the choices.
     """
     yield OVER_ALL, list(races)
-    ways: tuple[Callable[[Race], str], ...] = (
+    ways: tuple[Callable[[ProblemRace], str], ...] = (
         lambda race: f"model {race.problem.model}",
         lambda race: f"data {race.problem.dataset}",
     )
@@ -491,7 +493,7 @@ def scopes(races: Sequence[Race]) -> Iterator[tuple[str, list[Race]]]:
             yield name, [race for race in races if way(race) == name]
 
 
-def rankings(races: Sequence[Race], scale: Scale) -> list[Ranking]:
+def rankings(races: Sequence[ProblemRace], scale: JudgingScale) -> list[MeanRanks]:
     """The ranking in every scope at every mark; none with fewer than two optimisers."""
     if not races or len(races[0].labels) < 2:
         return []
@@ -501,7 +503,7 @@ def rankings(races: Sequence[Race], scale: Scale) -> list[Ranking]:
     return ranked
 
 
-def rank(scope: str, races: Sequence[Race], mark: int, scale: Scale) -> Ranking:
+def rank(scope: str, races: Sequence[ProblemRace], mark: int, scale: JudgingScale) -> MeanRanks:
     """The ranking over some races at one mark."""
     from scipy.stats import rankdata
 
@@ -535,7 +537,7 @@ def rank(scope: str, races: Sequence[Race], mark: int, scale: Scale) -> Ranking:
         # A bootstrap of a few problems is too sure of them.
         ends = zip(within.mean(axis=0), within.min(axis=0), within.max(axis=0), strict=True)
         ranks = [Interval(*map(float, each)) for each in ends]
-    return Ranking(
+    return MeanRanks(
         scope,
         scale.marks[mark],
         labels,
@@ -575,7 +577,7 @@ class Profiles:
     performance: Real
 
 
-def profiles(races: Sequence[Race], simplex: Real, ratios: Real) -> Profiles:
+def profiles(races: Sequence[ProblemRace], simplex: Real, ratios: Real) -> Profiles:
     """Profiles over all races.
 
     Each repetition counts as a problem, as its random numbers are shared.

@@ -22,7 +22,7 @@ from typing import Any, Protocol
 from springpot.errors import SpringpotError, StudyError
 
 from .fork_server import Parcel
-from .plan import Plan, Task
+from .plan import Plan, WorkOrder
 from .supervisor import Audit, LocalEngine
 from .trial import Status, TrialResult, Workshop, failure
 
@@ -42,7 +42,7 @@ class _Keeper:
         self._engine: LocalEngine | None = None
         self._rest = threading.Timer(IDLE, self.close)
 
-    def run(self, parcel: Parcel, tasks: list[Task]) -> list[TrialResult]:
+    def run(self, parcel: Parcel, tasks: list[WorkOrder]) -> list[TrialResult]:
         """The results of tasks."""
         with self._lock:
             self._rest.cancel()
@@ -82,7 +82,7 @@ class _Here(threading.local):
 _here = _Here()
 
 
-def run_tasks(parcel: Parcel, tasks: list[Task]) -> list[TrialResult]:
+def run_tasks(parcel: Parcel, tasks: list[WorkOrder]) -> list[TrialResult]:
     """Run tasks anywhere: what an executor's workers are given."""
     return _here.keeper.run(parcel, tasks)
 
@@ -102,7 +102,7 @@ beside the trials."""
 class Engine(Protocol):
     """Runs tasks and gives their results as they come."""
 
-    def run(self, tasks: Iterable[Task]) -> Iterator[list[TrialResult]]:
+    def run(self, tasks: Iterable[WorkOrder]) -> Iterator[list[TrialResult]]:
         """Results in no order."""
         ...
 
@@ -121,7 +121,7 @@ class SerialEngine:
     def __init__(self, plan: Plan, quiet: bool = False) -> None:
         self._shop, self._audit, self._quiet = Workshop(plan), Audit(plan), quiet
 
-    def run(self, tasks: Iterable[Task]) -> Iterator[list[TrialResult]]:
+    def run(self, tasks: Iterable[WorkOrder]) -> Iterator[list[TrialResult]]:
         """Results in the order of the tasks."""
         for task in tasks:
             with ExitStack() as stack:
@@ -169,7 +169,7 @@ class ExecutorEngine:
         self._executor, self._parcel, self._width, self._batch = executor, parcel, width, batch
         self._close, self._complaint = close, complaint
 
-    def run(self, tasks: Iterable[Task]) -> Iterator[list[TrialResult]]:
+    def run(self, tasks: Iterable[WorkOrder]) -> Iterator[list[TrialResult]]:
         """Results in no order; a batch whose worker dies is tried once more, task by task.
 
         Raises
@@ -178,7 +178,7 @@ class ExecutorEngine:
             If the executor itself is broken.
         """
         queue = iter(tasks)
-        busy: dict[Future[list[TrialResult]], list[Task]] = {}
+        busy: dict[Future[list[TrialResult]], list[WorkOrder]] = {}
         try:
             while True:
                 # Not all at once: a study of a million trials would fill the scheduler's memory.
@@ -198,14 +198,18 @@ class ExecutorEngine:
             if self._close is not None:
                 self._close()
 
-    def _submit(self, busy: dict[Future[list[TrialResult]], list[Task]], batch: list[Task]) -> None:
+    def _submit(
+        self, busy: dict[Future[list[TrialResult]], list[WorkOrder]], batch: list[WorkOrder]
+    ) -> None:
         try:
             busy[self._executor.submit(run_tasks, self._parcel, batch)] = batch
         except (BrokenExecutor, RuntimeError) as error:
             raise StudyError(f"the executor takes no more work: {error}") from error
 
     def _collect(
-        self, busy: dict[Future[list[TrialResult]], list[Task]], future: Future[list[TrialResult]]
+        self,
+        busy: dict[Future[list[TrialResult]], list[WorkOrder]],
+        future: Future[list[TrialResult]],
     ) -> Iterator[list[TrialResult]]:
         batch = busy.pop(future)
         if future.cancelled():

@@ -52,7 +52,7 @@ _HEAD = (
 
 
 @dataclass
-class Scale:
+class PrecisionScale:
     """How a problem's objective becomes a precision.
 
     Parameters
@@ -118,14 +118,14 @@ def write_coco(store: Store, folder: Path) -> Export:
     )
 
 
-def _scales(store: Store) -> dict[int, Scale]:
+def _scales(store: Store) -> dict[int, PrecisionScale]:
     """Scale of every problem by its number: noise-free if every trial of it knows that."""
-    scales: dict[int, Scale] = {}
+    scales: dict[int, PrecisionScale] = {}
     lowest: dict[int, float] = {}
     made = {cell.problem.id for cell in store.cells() if cell.problem.known is not None}
     for block in blocks(store):
         problem = block.cell.problem
-        scale = scales.setdefault(problem.id, Scale(block.best, problem.reference, True))
+        scale = scales.setdefault(problem.id, PrecisionScale(block.best, problem.reference, True))
         for row in block.trials:
             trace = row.oracle_trace()
             # One trial without it, and the whole problem is told by its measured objective: a scale
@@ -144,7 +144,7 @@ def _scales(store: Store) -> dict[int, Scale]:
     return scales
 
 
-def _text(row: TrialRow, scale: Scale, grid: bool) -> str:
+def _text(row: TrialRow, scale: PrecisionScale, grid: bool) -> str:
     """A run's lines: at improvements in the .dat file, at a geometric grid in the .tdat file."""
     measured, shown = row.improvements(), _shown(row, scale)
     # The first and the last evaluation too, so that the trace has both ends of the run.
@@ -160,7 +160,7 @@ def _rows(numbers: NDArray[np.int64], precision: Real, best: Real) -> Iterator[s
         yield f"{number} 0 {gap:+10.9e} {value:+10.9e} {value:+10.9e}\n"
 
 
-def _info_file(block: Block, scale: Scale, data: str) -> str:
+def _info_file(block: Block, scale: PrecisionScale, data: str) -> str:
     """The .info file; without COCO's newest key ``settings``, at which iohinspector 0.0.8 fails."""
     keys = {
         "suite": f"'{SUITE}'",
@@ -188,7 +188,7 @@ def _info_file(block: Block, scale: Scale, data: str) -> str:
     )
 
 
-def _shown(row: TrialRow, scale: Scale) -> tuple[NDArray[np.int64], Real]:
+def _shown(row: TrialRow, scale: PrecisionScale) -> tuple[NDArray[np.int64], Real]:
     """Evaluations and objectives of improvements, noise-free ones where every trial knows them."""
     if not scale.noise_free:
         return row.improvements()
@@ -197,7 +197,7 @@ def _shown(row: TrialRow, scale: Scale) -> tuple[NDArray[np.int64], Real]:
     return trace
 
 
-def _final(row: TrialRow, scale: Scale) -> float:
+def _final(row: TrialRow, scale: PrecisionScale) -> float:
     return float(scale.precision(_shown(row, scale)[1][-1:])[0])
 
 

@@ -35,7 +35,7 @@ from springpot.processes import (
     unpacked,
 )
 
-from .plan import Plan, Task
+from .plan import Plan, WorkOrder
 from .summary import load_script
 from .trial import Status, TrialResult, Workshop, failure
 
@@ -131,7 +131,7 @@ def serve(connection: Connection, shop: Workshop) -> None:
     limit_memory(shop.plan.memory)
     while True:
         try:
-            tasks: list[Task] = connection.recv()
+            tasks: list[WorkOrder] = connection.recv()
         except (EOFError, OSError):
             return
         for task in tasks:
@@ -146,7 +146,7 @@ def serve(connection: Connection, shop: Workshop) -> None:
 
 
 def _result(
-    shop: Workshop, task: Task, begun: Callable[[], None]
+    shop: Workshop, task: WorkOrder, begun: Callable[[], None]
 ) -> tuple[list[TrialResult], bool]:
     """The results of a task, and whether its process changed and must not be used again."""
     try:

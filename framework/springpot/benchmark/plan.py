@@ -13,8 +13,8 @@ from hashlib import sha256
 
 import numpy as np
 
-from springpot.identification.objective import Objective
-from springpot.identification.optimiser import BatchedOptimiser, Optimiser, options_of
+from springpot.identification.problem import Objective
+from springpot.identification.runs import BatchedOptimiser, Optimiser, options_of
 from springpot.measurement.measurement import Measurement
 
 SCHEME = 1
@@ -130,7 +130,7 @@ class Cell:
 
 
 @dataclass(frozen=True, slots=True)
-class Task:
+class WorkOrder:
     """What a worker is told to do: repetitions of one cell, by number."""
 
     cell: int
@@ -176,13 +176,13 @@ class Plan:
             return -np.inf
         return case.optimum + self.target * (case.reference - case.optimum)
 
-    def flown_together(self, task: Task) -> bool:
+    def flown_together(self, task: WorkOrder) -> bool:
         """Whether its repetitions are run side by side."""
         optimiser = self.entrants[self.cells[task.cell].entrant].optimiser
         stochastic = optimiser.card.stochastic
         return isinstance(optimiser, BatchedOptimiser) and stochastic and len(task.repetitions) > 1
 
-    def runs_of(self, task: Task) -> int:
+    def runs_of(self, task: WorkOrder) -> int:
         """How many runs a task is."""
         # One stands for all of an optimiser without randomness.
         if not self.entrants[self.cells[task.cell].entrant].optimiser.card.stochastic:
@@ -190,7 +190,7 @@ class Plan:
         # One of those flown together is run alone as well, for its time.
         return len(task.repetitions) + self.flown_together(task)
 
-    def tasks(self, finished: Callable[[Cell], set[int]]) -> Iterator[Task]:
+    def tasks(self, finished: Callable[[Cell], set[int]]) -> Iterator[WorkOrder]:
         """The work still to do, lazily: a study of a million trials needs no list of them.
 
         It goes from optimiser to optimiser, because trials of two never share a process.
@@ -214,10 +214,10 @@ class Plan:
                     if missing and not optimiser.card.stochastic:
                         missing = block
                     if missing:
-                        yield Task(cell.index, missing)
+                        yield WorkOrder(cell.index, missing)
             else:
                 yield from (
-                    Task(cell.index, (r,)) for r in range(self.repetitions) if r not in done
+                    WorkOrder(cell.index, (r,)) for r in range(self.repetitions) if r not in done
                 )
 
 

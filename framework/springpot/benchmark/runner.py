@@ -51,7 +51,7 @@ class Silent:
         """Nothing."""
 
 
-class Lines:
+class ProgressLines:
     """A line at every tenth of the way, or every ten seconds, whichever is rarer.
 
     Parameters
@@ -144,7 +144,7 @@ def make_progress(name: str, total: int) -> Progress:
     """A bar where standard error is a terminal, lines elsewhere."""
     if sys.stderr.isatty():
         return Bar(name, total)
-    return Lines(name, total)
+    return ProgressLines(name, total)
 
 
 @dataclass(frozen=True)

@@ -17,10 +17,10 @@ from springpot.errors import StudyError
 from .comparison import (
     OVER_ALL,
     CellScores,
-    Choice,
-    Race,
-    Ranking,
-    Scale,
+    JudgingScale,
+    MeanRanks,
+    OptimiserChoice,
+    ProblemRace,
     choices,
     goal_of,
     judged,
@@ -48,11 +48,11 @@ RATIOS = (1.0, 2.0, 5.0, 10.0, 30.0, 100.0)
 WHERE = ("model", "data set", "objective")
 
 
-def _where(race: Race) -> tuple[Entry, ...]:
+def _where(race: ProblemRace) -> tuple[Entry, ...]:
     return race.problem.model, race.problem.dataset, race.problem.objective
 
 
-def choice_table(name: str, chosen: Sequence[Choice], target: float) -> Table:
+def choice_table(name: str, chosen: Sequence[OptimiserChoice], target: float) -> Table:
     """Which optimiser to use for each model, data set and budget."""
     rows = [
         (
@@ -83,7 +83,7 @@ CHOICE_NOTE = (
 )
 
 
-def rank_table(name: str, rankings_shown: Sequence[Ranking]) -> Table:
+def rank_table(name: str, rankings_shown: Sequence[MeanRanks]) -> Table:
     """Mean ranks over problems, with their certainty."""
     rows: list[tuple[Entry, ...]] = []
     for ranking in rankings_shown:
@@ -117,7 +117,7 @@ def rank_table(name: str, rankings_shown: Sequence[Ranking]) -> Table:
     return Table(f"{name}: ranks", columns, rows, note)
 
 
-def pair_table(name: str, rankings_shown: Sequence[Ranking]) -> Table:
+def pair_table(name: str, rankings_shown: Sequence[MeanRanks]) -> Table:
     """All pairs over all problems: effect sizes with adjusted p-values."""
     rows: list[tuple[Entry, ...]] = []
     for ranking in (each for each in rankings_shown if each.scope == OVER_ALL):
@@ -148,7 +148,7 @@ def pair_table(name: str, rankings_shown: Sequence[Ranking]) -> Table:
     return Table(f"{name}: pairs", columns, rows, note)
 
 
-def profile_table(name: str, races: Sequence[Race], scale: Scale) -> Table:
+def profile_table(name: str, races: Sequence[ProblemRace], scale: JudgingScale) -> Table:
     """Data and performance profiles as numbers."""
     simplex = np.array(SIMPLEX)
     head = tuple(f"{s:g} (d+1)" for s in SIMPLEX) + tuple(f"{r:g} x best" for r in RATIOS)
@@ -170,7 +170,7 @@ def profile_table(name: str, races: Sequence[Race], scale: Scale) -> Table:
     return Table(f"{name}: profiles", ("optimiser", *head), rows, note)
 
 
-def progress_table(name: str, scores: Sequence[CellScores], scale: Scale) -> Table:
+def progress_table(name: str, scores: Sequence[CellScores], scale: JudgingScale) -> Table:
     """Anytime curves as numbers.
 
     Quartiles of the excess, and the share of targets reached, at each mark.
@@ -214,7 +214,7 @@ class Findings:
     ----------
     facts : mapping of str to str
         Name, versions, machine, command.
-    scale : Scale
+    scale : JudgingScale
         How it is judged.
     summaries : tuple of CellSummary
         Every cell in numbers, in the order of the study.
@@ -223,7 +223,7 @@ class Findings:
     """
 
     facts: Mapping[str, str]
-    scale: Scale
+    scale: JudgingScale
     summaries: tuple[CellSummary, ...]
     scores: tuple[CellScores, ...]
 
@@ -238,7 +238,7 @@ class Findings:
         scored : bool
             Whether optimisers will be compared.
         """
-        facts, scale = store.facts(), Scale.of(store)
+        facts, scale = store.facts(), JudgingScale.of(store)
         summaries: dict[int, CellSummary] = {}
         scores: dict[int, CellScores] = {}
         # One cell at a time: a study of a million trials does not fit into memory.
@@ -267,17 +267,17 @@ class Findings:
         return self.facts["name"]
 
     @cached_property
-    def races(self) -> list[Race]:
+    def races(self) -> list[ProblemRace]:
         """All entrants on each problem."""
         return races_of(self.scores)
 
     @cached_property
-    def choices(self) -> list[Choice]:
+    def choices(self) -> list[OptimiserChoice]:
         """Which optimiser to use for each problem at each budget."""
         return choices(self.races, self.scale)
 
     @cached_property
-    def rankings(self) -> list[Ranking]:
+    def rankings(self) -> list[MeanRanks]:
         """Mean ranks over all problems, by model and by data set, at each budget."""
         return rankings(self.races, self.scale)
 

@@ -18,14 +18,11 @@ from typing import TypeAlias, TypeGuard
 import numpy as np
 
 from springpot.errors import StudyError
-from springpot.identification.bounded import minima_in_box
-from springpot.identification.native import fit
-from springpot.identification.objective import Objective
-from springpot.identification.optimiser import Optimiser, options_of
-from springpot.identification.problem import Problem
-from springpot.measurement.catalogue import DataSet
+from springpot.identification.native import fit, minima_in_box
+from springpot.identification.problem import Objective, Problem
+from springpot.identification.runs import Optimiser, options_of
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.opening import open_measurement
+from springpot.measurement.opening import DataSet, open_measurement
 from springpot.registry import parse_model, plugins
 
 from .plan import Case, Cell, Entrant, Plan, Source, cell_digest

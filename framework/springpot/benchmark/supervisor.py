@@ -22,12 +22,12 @@ from typing import Any
 import numpy as np
 
 from springpot.errors import StudyError
-from springpot.identification.record import AGREE, miscounted, mistraced, same
+from springpot.identification.runs import AGREE, miscounted, mistraced, same
 from springpot.processes import end_group
 
 from .fork_server import BEGUN, BORN, BROKEN, ENDED, READY, Nursery, Parcel, answer
-from .plan import Plan, Task
-from .trial import Bench, Status, TrialResult, failure, unpack
+from .plan import Plan, WorkOrder
+from .trial import Status, TrialResult, TwinProblem, failure, unpack
 
 KEPT = 256
 """Problems that are kept ready: a study of more builds them again, each in about a millisecond."""
@@ -44,9 +44,9 @@ class Audit:
 
     def __init__(self, plan: Plan) -> None:
         self._plan = plan
-        self._bench = lru_cache(KEPT)(lambda case: Bench(plan.cases[case]))
+        self._bench = lru_cache(KEPT)(lambda case: TwinProblem(plan.cases[case]))
 
-    def __call__(self, task: Task, results: Sequence[TrialResult]) -> list[TrialResult]:
+    def __call__(self, task: WorkOrder, results: Sequence[TrialResult]) -> list[TrialResult]:
         """The results, those that contradict themselves or the problem replaced by failures."""
         if [(r.cell, r.repetition) for r in results] != [(task.cell, r) for r in task.repetitions]:
             return failure(task, Status.CHANGED, "its process answered for other trials")
@@ -65,7 +65,7 @@ class Audit:
         if not complaint:
             return result
         return failure(
-            Task(result.cell, (result.repetition,)), Status.CHANGED, complaint, result.seconds
+            WorkOrder(result.cell, (result.repetition,)), Status.CHANGED, complaint, result.seconds
         )[0]
 
     def _complaint(self, result: TrialResult) -> str:
@@ -141,12 +141,12 @@ class Worker:
     entrant: int
     connection: Connection
     since: float = field(default_factory=monotonic)
-    tasks: deque[Task] = field(default_factory=deque)
+    tasks: deque[WorkOrder] = field(default_factory=deque)
     deaf: bool = False
     begun: bool = False
     pid: int | None = None
 
-    def give(self, tasks: list[Task]) -> None:
+    def give(self, tasks: list[WorkOrder]) -> None:
         """Send tasks; the clock of the first starts now if the worker was idle."""
         if not self.tasks:
             self.since = monotonic()
@@ -169,26 +169,26 @@ class Backlog:
     ----------
     plan : Plan
         The study.
-    tasks : iterable of Task
+    tasks : iterable of WorkOrder
         Those of one optimiser after those of another, so that workers seldom change.
     """
 
-    def __init__(self, plan: Plan, tasks: Iterable[Task] = ()) -> None:
+    def __init__(self, plan: Plan, tasks: Iterable[WorkOrder] = ()) -> None:
         self._plan, self._stream = plan, iter(tasks)
-        self._returned: deque[Task] = deque()
-        self._head: Task | None = next(self._stream, None)
+        self._returned: deque[WorkOrder] = deque()
+        self._head: WorkOrder | None = next(self._stream, None)
 
-    def entrant_of(self, task: Task) -> int:
+    def entrant_of(self, task: WorkOrder) -> int:
         """Whose trials they are."""
         return self._plan.cells[task.cell].entrant
 
-    def first(self) -> Task | None:
+    def first(self) -> WorkOrder | None:
         """The task that should be done next, which stays here."""
         if self._returned:
             return self._returned[0]
         return self._head
 
-    def take(self, entrant: int) -> Task | None:
+    def take(self, entrant: int) -> WorkOrder | None:
         """The next task of an entrant, if it stands in front."""
         task = self.first()
         if task is None or self.entrant_of(task) != entrant:
@@ -198,7 +198,7 @@ class Backlog:
         self._head = next(self._stream, None)
         return task
 
-    def put_back(self, tasks: Iterable[Task]) -> None:
+    def put_back(self, tasks: Iterable[WorkOrder]) -> None:
         """Take tasks back that were not begun."""
         self._returned.extendleft(reversed(list(tasks)))
 
@@ -224,12 +224,12 @@ class LocalEngine:
         self._numbers = count(1)
         self._nursery: Nursery | None = None
         self._asked = 0.0
-        self._orphaned: Counter[Task | None] = Counter()
-        self._suspects: deque[Task] = deque()
+        self._orphaned: Counter[WorkOrder | None] = Counter()
+        self._suspects: deque[WorkOrder] = deque()
         self._means: dict[int, float] = {}
         self._silent: set[int] = set()
 
-    def run(self, tasks: Iterable[Task]) -> Iterator[list[TrialResult]]:
+    def run(self, tasks: Iterable[WorkOrder]) -> Iterator[list[TrialResult]]:
         """Results as they come, in no order; a worker that is lost is replaced.
 
         Raises
@@ -242,7 +242,7 @@ class LocalEngine:
         finally:
             self.close()
 
-    def work(self, tasks: Iterable[Task]) -> Iterator[list[TrialResult]]:
+    def work(self, tasks: Iterable[WorkOrder]) -> Iterator[list[TrialResult]]:
         """The same, with server and workers kept for more; `close` ends them."""
         self._backlog = Backlog(self._plan, tasks)
         while self._staff():
@@ -307,7 +307,7 @@ class LocalEngine:
         # Refilled at half, so that there is something to do while the refill is on its way.
         if len(worker.tasks) > depth // 2:
             return
-        more: list[Task] = []
+        more: list[WorkOrder] = []
         while (
             len(worker.tasks) + len(more) < depth
             and (task := self._backlog.take(worker.entrant)) is not None
@@ -439,7 +439,7 @@ class LocalEngine:
         if not nursery.ready:
             raise StudyError(f"study {self._plan.name}: workers die at the start ({cause})")
         running = [worker for worker in self._workers.values() if worker.tasks]
-        alone: Task | None = None
+        alone: WorkOrder | None = None
         if len(running) == 1:
             alone = running[0].tasks[0]
         # With several under way nobody knows whose trial ended the server: they are tried one at a

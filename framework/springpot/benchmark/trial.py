@@ -27,16 +27,14 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.identification.ledger import all_points
-from springpot.identification.optimiser import Card, Optimiser
 from springpot.identification.problem import Problem, watched
-from springpot.identification.recorder import Recorder
-from springpot.identification.runs import Run, run, run_batch
+from springpot.identification.recorder import Recorder, all_points
+from springpot.identification.runs import Card, Optimiser, Run, run, run_batch
 from springpot.measurement.measurement import Measurement
 from springpot.registry import parse_model
 from springpot.rheology.points import Real
 
-from .plan import Case, Cell, Plan, Source, Task
+from .plan import Case, Cell, Plan, Source, WorkOrder
 from .study import truth_fits
 
 BUDGET = 4
@@ -275,7 +273,9 @@ class TrialResult:
     factor: float = 1.0
 
 
-def failure(task: Task, status: Status, reason: str, seconds: float = 0.0) -> list[TrialResult]:
+def failure(
+    task: WorkOrder, status: Status, reason: str, seconds: float = 0.0
+) -> list[TrialResult]:
     """The results of a task that came to nothing."""
     # One line, as it is shown in a table.
     line = " ".join(reason.split())[:LONGEST_REASON]
@@ -298,7 +298,7 @@ class Workshop:
         self._warm: set[type] = set()
         self._benches = [_built(case) for case in plan.cases]
 
-    def run(self, task: Task) -> list[TrialResult]:
+    def run(self, task: WorkOrder) -> list[TrialResult]:
         """The results of a task; whatever an optimiser raises becomes a status."""
         cell = self.plan.cells[task.cell]
         bench = self._benches[cell.case]
@@ -320,7 +320,7 @@ class Workshop:
             return failure(task, Status.CHANGED, complaint)
         return results
 
-    def _race(self, task: Task, cell: Cell, bench: Bench) -> list[TrialResult]:
+    def _race(self, task: WorkOrder, cell: Cell, bench: TwinProblem) -> list[TrialResult]:
         entrant = self.plan.entrants[cell.entrant]
         # A generator for each repetition: a trial is the same alone, in a batch, and on another
         # worker.
@@ -344,7 +344,7 @@ class Workshop:
             for result, time in zip(results, times, strict=True)
         ]
 
-    def warm_up(self, task: Task, begun: Callable[[], None] = lambda: None) -> None:
+    def warm_up(self, task: WorkOrder, begun: Callable[[], None] = lambda: None) -> None:
         """Let the optimiser of a task import what it needs before it is timed.
 
         Its trial reports what goes wrong.
@@ -384,10 +384,10 @@ class Bell:
             action()
 
 
-def _built(case: Case) -> Bench | Exception:
+def _built(case: Case) -> TwinProblem | Exception:
     """A problem ready to run, or why it cannot: that is told by its trials."""
     try:
-        bench = Bench(case)
+        bench = TwinProblem(case)
         bench.witness  # noqa: B018  taken now, while no optimiser has run
     except Exception as error:
         return error
@@ -395,7 +395,7 @@ def _built(case: Case) -> Bench | Exception:
 
 
 @dataclass(frozen=True)
-class Judged:
+class PointWorth:
     """What a point of a problem is worth.
 
     Parameters
@@ -414,7 +414,7 @@ class Judged:
     oracle: float | None
 
 
-class Bench:
+class TwinProblem:
     """A problem with its noise-free twin and its true parameters.
 
     Parameters
@@ -444,7 +444,7 @@ class Bench:
         """What the problem answers before any optimiser has run."""
         return Witness.of(self.problem)
 
-    def judged(self, point: Real) -> Judged:
+    def judged(self, point: Real) -> PointWorth:
         """What a search point (d,) is worth, the order kinf > k0 restored."""
         # What is reported is a point that thermodynamics allows; its value is that of the point
         # that was evaluated.
@@ -457,7 +457,7 @@ class Bench:
                 error = relative_error(theta, self.truth)
             if self.clean is not None:
                 oracle = float(self.clean.evaluate(x))
-        return Judged(
+        return PointWorth(
             value, dict(zip(self.problem.model.names, theta.tolist(), strict=True)), error, oracle
         )
 

@@ -249,7 +249,7 @@ def quoted(text: str) -> str:
 
 def with_rows(named: str, chosen: str) -> str:
     """Data as a user named them, of which only the rows that have a condition are wanted."""
-    from springpot.measurement.naming import is_file
+    from springpot.measurement.reader import is_file
 
     # A file may have an @ in its name; in what is no file it begins the conditions that were asked
     # for already.

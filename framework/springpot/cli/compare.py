@@ -90,7 +90,7 @@ def _show(comparison: Comparison, data: str, models: Sequence[str], figure: Path
     """The answer, and the command that goes on from it."""
     from springpot.comparison.ranking import Ranking
     from springpot.report.answers import comparison_text
-    from springpot.report.ranking import ranked_text
+    from springpot.report.ladder_text import ranked_text
 
     if isinstance(comparison, Ranking):
         print(ranked_text(comparison, window()))

@@ -12,8 +12,8 @@ from .common import emit, geometry_option, json_option, of_each, opened, seen_th
 
 if TYPE_CHECKING:
     from springpot.measurement.measurement import Measurement
+    from springpot.measurement.mixed_tests import ConditionRun
     from springpot.measurement.reader import Part
-    from springpot.measurement.runs import Run
     from springpot.rheology.points import Real
 
 
@@ -65,8 +65,8 @@ def _inspect(data: str, geometry: str | None, as_json: bool, line: bool) -> None
 
 def described(measurement: Measurement, parts: Sequence[Part] = ()) -> dict[str, Any]:
     """What a measurement holds, schema ``springpot.inspection/1``."""
+    from springpot.measurement.mixed_tests import runs_of
     from springpot.measurement.reader import parts_as_opened
-    from springpot.measurement.runs import runs_of
 
     units = {"temperature": "degC", "amplitude": measurement.units.amplitude}
     provenance = {}
@@ -98,7 +98,7 @@ def described(measurement: Measurement, parts: Sequence[Part] = ()) -> dict[str,
     }
 
 
-def _sweep(measurement: Measurement, run: Run) -> dict[str, Any]:
+def _sweep(measurement: Measurement, run: ConditionRun) -> dict[str, Any]:
     amplitude = None
     if "amplitude" in measurement.conditions:
         amplitude = _range(

@@ -12,7 +12,7 @@ from . import completion, timetests
 from .common import DATA, FILE, emit, geometry_option, json_option, opened, window
 
 if TYPE_CHECKING:
-    from springpot.measurement.selection import Test
+    from springpot.measurement.opening import Test
     from springpot.superposition.curve import MasterCurve
 
 

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from springpot.identification.result import Identification
     from springpot.measurement.timetest import TimeTest
     from springpot.rheology.model import Model
-    from springpot.timetests.predicted_test import TestPrediction
     from springpot.timetests.residuals_of_tests import Test
     from springpot.timetests.result import TimeIdentification
+    from springpot.timetests.where import TestPrediction
 
 WHERE = ("within", "outside")
 """What tables say of a point that lies within, or outside of, what was measured."""
@@ -203,7 +203,7 @@ def _show_diagnosis(
 
 def _turned(tests: Sequence[Test], data: Sequence[str]) -> list[str]:
     """The data, each with its force turned where that seems to count the other way."""
-    from springpot.measurement.naming import file_and_choice
+    from springpot.measurement.reader import file_and_choice
 
     others = [other for test in tests if (other := turned(test.provenance))]
     return [
@@ -312,7 +312,7 @@ def _asked(spec: str, temperature: float | None, geometry: str | None) -> Test:
     from dataclasses import replace
 
     from springpot.errors import DataError
-    from springpot.measurement.naming import with_part
+    from springpot.measurement.reader import with_part
     from springpot.registry import open_in_time
 
     # Behind the first question mark answers are parted by commas.

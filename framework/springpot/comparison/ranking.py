@@ -22,17 +22,16 @@ from springpot.diagnosis.examination import Progress, silent
 from springpot.diagnosis.ladder import Ladder, discover
 from springpot.errors import DataError
 from springpot.identification.material import is_material
-from springpot.identification.objective import weighted
+from springpot.identification.problem import weighted
+from springpot.measurement.independence import at_one_frequency
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.one_frequency import at_one_frequency
 from springpot.misfit.floor import beyond_floor, fitted_to_floor, is_arithmetic
 from springpot.misfit.frame import chance_of_squares
 from springpot.misfit.material import MaterialFloor, any_material, error_of, material_floor
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.residual_causes import column_behind, one_test_of
 from springpot.rheology.effect import Effect
-from springpot.rheology.family import Family
-from springpot.rheology.model import Model
+from springpot.rheology.model import Family, Model
 from springpot.thresholds import COMPARISON, SEARCH, VERDICT
 
 from .comparing import Comparison, Judgement, effects_of, harmonics_of, judgements, material_floors

@@ -12,15 +12,14 @@ from functools import cached_property
 import numpy as np
 
 from springpot.identification.passive import is_passive
-from springpot.measurement.one_frequency import at_one_frequency
-from springpot.misfit.frame import Frame
+from springpot.measurement.independence import at_one_frequency
+from springpot.misfit.frame import NoiseFrame
 from springpot.misfit.refit import Refit
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE
 
-from .grown import Grown, Search
+from .grown import Grown, Search, SweepDrift, drift_in_place
 from .marginal import harmonic_evidence, marginal, unknown_marginal
-from .swept import SweepDrift, drift_in_place
 
 
 @dataclass(frozen=True, eq=False)
@@ -465,7 +464,7 @@ def best_with(search: Search) -> dict[str, Refit]:
     return best
 
 
-def distance(frame: Frame, first: Refit, second: Refit) -> float:
+def distance(frame: NoiseFrame, first: Refit, second: Refit) -> float:
     """Root mean square difference of two fitted curves in units of the noise."""
     difference: Real = frame.whiten(first.stiffness - second.stiffness)
     return float(np.sqrt(np.mean(difference**2)))

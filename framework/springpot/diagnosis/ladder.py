@@ -14,8 +14,7 @@ from springpot.identification.part_result import PartResult, in_floors, parts_of
 from springpot.identification.space import require_conditions
 from springpot.identification.value import Value, values_of
 from springpot.measurement.measurement import Measurement
-from springpot.misfit.cross_validation import prediction_gain
-from springpot.misfit.refit import refit
+from springpot.misfit.refit import prediction_gain, refit
 from springpot.misfit.values import printed
 from springpot.misfit.words import over_floor
 from springpot.plain_data import alive, jsonable, number

@@ -13,12 +13,10 @@ from scipy.special import logsumexp
 
 from springpot.identification.ranges import Window, shown
 from springpot.identification.uncertainty import Uncertainty, held_costs
-from springpot.measurement.independence import telling
+from springpot.measurement.independence import distinct_log_omega, telling
 from springpot.measurement.measurement import CONDITIONS
-from springpot.measurement.one_frequency import distinct_log_omega
-from springpot.misfit.frame import LEAST_SEEN, Frame
+from springpot.misfit.frame import DRIFT_DEGREE, LEAST_SEEN, NoiseFrame, orthonormal
 from springpot.misfit.refit import Refit
-from springpot.misfit.shapes import DRIFT_DEGREE, orthonormal
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import EVIDENCE, VERDICT
 
@@ -110,12 +108,12 @@ class Unknown:
         return float(np.max(self.drops))
 
 
-def unknowns(frame: Frame) -> Iterator[Unknown]:
+def unknowns(frame: NoiseFrame) -> Iterator[Unknown]:
     """Kinds of structure that may be left by a fit, each with what it would explain.
 
     Parameters
     ----------
-    frame : Frame
+    frame : NoiseFrame
         The fit.
     """
     # With and without what sweeps share: a slow misfit must not pay for a shape at each frequency.
@@ -137,7 +135,7 @@ def unknowns(frame: Frame) -> Iterator[Unknown]:
     yield from _step(frame)
 
 
-def _stand_by_a_condition(frame: Frame) -> bool:
+def _stand_by_a_condition(frame: NoiseFrame) -> bool:
     """Whether the levels of a condition follow one another, up or down, in order of the rows."""
     for name in telling(frame.measurement) & set(CONDITIONS):
         steps = np.diff(frame.measurement.levels(name))
@@ -146,12 +144,12 @@ def _stand_by_a_condition(frame: Frame) -> bool:
     return False
 
 
-def _family(frame: Frame, curves: Real | Complex, says: str) -> Unknown:
+def _family(frame: NoiseFrame, curves: Real | Complex, says: str) -> Unknown:
     basis = frame.beyond(frame.whiten(frame.model_stiffness * curves).T)
     return Unknown(says, _explained(frame, basis), int(basis.shape[1]))
 
 
-def _own_levels(frame: Frame, name: str) -> Real:
+def _own_levels(frame: NoiseFrame, name: str) -> Real:
     """Shapes (m, n) that are one at one level of a condition, else zero, for all but the first.
 
     No shapes where there are fewer than three levels, or so few points at each that they could
@@ -176,7 +174,7 @@ def _creep(along: Real) -> Real:
     return curves
 
 
-def _settling(frame: Frame, order: Real) -> Iterator[Unknown]:
+def _settling(frame: NoiseFrame, order: Real) -> Iterator[Unknown]:
     """A gain or a phase that settles exponentially from row to row, as a rig that warms up does."""
     x = order / len(order)
     curves = np.exp(-x / np.array(SETTLING_TIMES)[:, None])
@@ -184,7 +182,7 @@ def _settling(frame: Frame, order: Real) -> Iterator[Unknown]:
         yield Unknown(f"a {word} that settles {ROW_BY_ROW}", _each_alone(frame, factor * curves), 1)
 
 
-def _each_alone(frame: Frame, curves: Complex) -> Real:
+def _each_alone(frame: NoiseFrame, curves: Complex) -> Real:
     """Drop of the sum of squares (m,) by each of some relative changes of K (m, n) alone."""
     columns = frame.whiten(frame.model_stiffness * curves).T
     left = frame.project(columns)
@@ -195,7 +193,7 @@ def _each_alone(frame: Frame, curves: Complex) -> Real:
     return np.where(seen, drop, 0.0)
 
 
-def _step(frame: Frame) -> Iterator[Unknown]:
+def _step(frame: NoiseFrame) -> Iterator[Unknown]:
     """A gain that differs between two ranges of frequency."""
     levels = distinct_log_omega(frame.measurement)
     if len(levels) < 4:
@@ -212,7 +210,7 @@ def _step(frame: Frame) -> Iterator[Unknown]:
     yield Unknown(f"a gain that steps at {frame.measurement.units.at(hertz)}", drops, 1)
 
 
-def _explained(frame: Frame, basis: Real) -> Real:
+def _explained(frame: NoiseFrame, basis: Real) -> Real:
     """Drop of the sum of squares (1,) by all shapes of a basis together."""
     return np.array([np.sum((basis.T @ frame.rest) ** 2)])
 

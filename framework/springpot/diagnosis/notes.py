@@ -11,20 +11,23 @@ from numpy.typing import NDArray
 from springpot.distributions import chi2_sf
 from springpot.identification.allowed_shifts import refused_in_words
 from springpot.identification.value import Value
-from springpot.measurement.independence import moved_along
+from springpot.measurement.independence import at_one_frequency, moved_along
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import TIME
-from springpot.measurement.one_frequency import at_one_frequency
 from springpot.measurement.replicates import Averaged
 from springpot.measurement.sign import said_of_sign
 from springpot.measurement.units import PRESSURE_UNITS
-from springpot.misfit.amplitudes import notes_on_amplitudes
-from springpot.misfit.cross_validation import validation
-from springpot.misfit.drift_in_time import Course
-from springpot.misfit.drift_search import moves_with_frequency
+from springpot.misfit.drift_search import Course, moves_with_frequency
 from springpot.misfit.floor import is_arithmetic, scatter_about
-from springpot.misfit.material import NAME, MaterialFloor, beyond_any_material, notes_on_levels
+from springpot.misfit.material import (
+    NAME,
+    MaterialFloor,
+    beyond_any_material,
+    notes_on_amplitudes,
+    notes_on_levels,
+)
 from springpot.misfit.outliers import Outlier
+from springpot.misfit.refit import validation
 from springpot.misfit.residual_battery import Finding
 from springpot.misfit.residual_causes import Column, EqualRows, discrepancy, log_shift_of
 from springpot.misfit.words import percent, plain, times

@@ -21,7 +21,7 @@ from springpot.identification.ranges import Window, settings
 from springpot.measurement.independence import telling
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.scatter import LEAST_RELATIVE
-from springpot.misfit.frame import DRAWN, FURTHER, LEAST_SEEN, Frame, near_an_alarm
+from springpot.misfit.frame import DRAWN, FURTHER, LEAST_SEEN, NoiseFrame, near_an_alarm
 from springpot.misfit.refit import Refit
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
@@ -154,7 +154,7 @@ class Directions:
     share: float
 
     @classmethod
-    def of(cls, frame: Frame, influence: Influence) -> Directions:
+    def of(cls, frame: NoiseFrame, influence: Influence) -> Directions:
         """The directions of an effect at a fit."""
         # Below the least, differences of K are rounding; above the most, a change is no tangent any
         # more.
@@ -220,7 +220,7 @@ class Scan:
 
 
 def scan(
-    frame: Frame,
+    frame: NoiseFrame,
     influences: Sequence[Influence],
     rng: np.random.Generator | None,
     threshold: float = inf,
@@ -229,7 +229,7 @@ def scan(
 
     Parameters
     ----------
-    frame : Frame
+    frame : NoiseFrame
         The fit.
     influences : sequence of Influence
         What each effect could change.
@@ -300,7 +300,7 @@ def enough_for(base: Refit, model: Model) -> bool:
 
 def scan_effects(
     base: Refit,
-    frame: Frame,
+    frame: NoiseFrame,
     effects: Sequence[Effect],
     rng: np.random.Generator | None = None,
     threshold: float = inf,
@@ -313,7 +313,9 @@ def scan_effects(
     return scan(frame, [each for each in influences if len(each.theta)], rng, threshold)
 
 
-def _simulated_maxima(frame: Frame, tried: Sequence[Directions], rng: np.random.Generator) -> Real:
+def _simulated_maxima(
+    frame: NoiseFrame, tried: Sequence[Directions], rng: np.random.Generator
+) -> Real:
     """Largest score over the library in each of many draws of noise alone, shape (draws,)."""
     # All directions against the same draws: their kinship is then in the largest of them.
     unit = np.concatenate(
@@ -329,7 +331,9 @@ def _simulated_maxima(frame: Frame, tried: Sequence[Directions], rng: np.random.
     return np.asarray(np.square(np.maximum(maxima, 0.0)), dtype=np.float64)
 
 
-def _score(frame: Frame, influence: Influence, directions: Directions, threshold: float) -> Score:
+def _score(
+    frame: NoiseFrame, influence: Influence, directions: Directions, threshold: float
+) -> Score:
     along = np.maximum(frame.rest @ directions.unit, 0.0)
     score = float(np.max(along**2, initial=0.0))
     # A change is seen at threshold plus power, in standard deviations along what the parameters
@@ -390,13 +394,13 @@ class Pair:
 
 
 def best_pairs(
-    frame: Frame, scores: Sequence[Score], model: Model, theta: Real, count: int
+    frame: NoiseFrame, scores: Sequence[Score], model: Model, theta: Real, count: int
 ) -> list[Pair]:
     """The pairs of effects that should leave least, best first.
 
     Parameters
     ----------
-    frame : Frame
+    frame : NoiseFrame
         A fit.
     scores : sequence of Score
         The scan on it.
@@ -444,7 +448,7 @@ def best_pairs(
     return pairs
 
 
-def _representatives(frame: Frame, score: Score) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+def _representatives(frame: NoiseFrame, score: Score) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
     """Directions of an effect that differ.
 
     The one along the residual, then ever the least like those kept.

@@ -15,13 +15,11 @@ from springpot.identification.material import is_material
 from springpot.identification.native import Effort
 from springpot.identification.passive import within_material
 from springpot.identification.ranges import EDGE
-from springpot.measurement.independence import moved_along, telling
+from springpot.measurement.independence import at_one_frequency, moved_along, telling
 from springpot.measurement.measurement import CONDITIONS
-from springpot.measurement.one_frequency import at_one_frequency
 from springpot.misfit.floor import beyond_floor
 from springpot.misfit.refit import Refit, refit
-from springpot.misfit.repeats import repeats_structure
-from springpot.misfit.residual_battery import battery
+from springpot.misfit.residual_battery import battery, repeats_structure
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real

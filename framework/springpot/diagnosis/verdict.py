@@ -10,11 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.measurement.independence import moved_along
-from springpot.measurement.sweeps import sweeps_of
+from springpot.measurement.mixed_tests import sweeps_of
 from springpot.misfit.floor import beyond_floor, is_arithmetic, is_hardly_known, undragged
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import Refit
-from springpot.misfit.repeats import NEIGHBOURS, sets_apart
+from springpot.misfit.residual_battery import NEIGHBOURS, sets_apart
 from springpot.misfit.residual_causes import Column, EqualRows
 from springpot.misfit.words import percent, times
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
@@ -105,7 +105,7 @@ class Facts:
         return self.gain >= VERDICT.clear_evidence
 
 
-class Rule(NamedTuple):
+class VerdictRule(NamedTuple):
     """One line of the table."""
 
     reason: str
@@ -115,81 +115,87 @@ class Rule(NamedTuple):
 
 RULES = (
     # Before the alarms: the residual of computed data has a pattern, but no scatter to judge it by.
-    Rule("nothing is left but arithmetic", lambda f: f.exact and not f.outliers, "adequate"),
+    VerdictRule("nothing is left but arithmetic", lambda f: f.exact and not f.outliers, "adequate"),
     # First without an alarm: a point set aside may be an interference; nothing is adequate then.
-    Rule("only points that stand out", lambda f: not f.alarm and f.outliers, "unexplained"),
+    VerdictRule("only points that stand out", lambda f: not f.alarm and f.outliers, "unexplained"),
     # Before all that weighs the size of an error: so few numbers tell neither it nor the floor.
-    Rule("too few data", lambda f: not f.alarm and f.few, "inconclusive"),
+    VerdictRule("too few data", lambda f: not f.alarm and f.few, "inconclusive"),
     # The next two before "an effect would help": an effect fitted to a notch would make it a maybe.
-    Rule(
+    VerdictRule(
         "more than the noise, by neighbours",
         lambda f: not f.alarm and f.exceeds and f.together,
         "unexplained",
     ),
-    Rule(
+    VerdictRule(
         "more than the noise, of a kind",
         lambda f: not f.alarm and f.exceeds and f.unknown,
         "unexplained",
     ),
     # Never "effect-missing" without an alarm: of all that was tried, something helps by chance.
-    Rule(
+    VerdictRule(
         "an effect would help, or it is noise",
         lambda f: not f.alarm and f.clear and f.something,
         "inconclusive",
     ),
     # After effects beside the free spectrum: one that helps clearly leaves open what is missing.
-    Rule(
+    VerdictRule(
         "a material follows, but no effect mends the model",
         lambda f: not f.alarm and f.material,
         "unexplained",
     ),
     # Only where no test is alarmed: drift raises the floor, and what shows above it is real.
-    Rule("what repeats differ by is no noise", lambda f: not f.alarm and f.repeats, "unexplained"),
+    VerdictRule(
+        "what repeats differ by is no noise", lambda f: not f.alarm and f.repeats, "unexplained"
+    ),
     # After its two cases with a pattern: what is left may be noise with long tails.
-    Rule("more than the noise, in no pattern", lambda f: not f.alarm and f.exceeds, "inconclusive"),
+    VerdictRule(
+        "more than the noise, in no pattern", lambda f: not f.alarm and f.exceeds, "inconclusive"
+    ),
     # After "of a kind": without an error beyond the floor such a kind may as well follow the noise.
-    Rule(
+    VerdictRule(
         "something without a name would help, or it is noise",
         lambda f: not f.alarm and f.unknown,
         "inconclusive",
     ),
     # The last without an alarm: all that could be missing was asked for. Below, something is.
-    Rule("noise explains all", lambda f: not f.alarm, "adequate"),
+    VerdictRule("noise explains all", lambda f: not f.alarm, "adequate"),
     # Before "structure is left": an effect may take nearly all of a fault's misfit.
-    Rule(
+    VerdictRule(
         "a fault of the measuring chain explains more",
         lambda f: f.unknown and f.chain,
         "unexplained",
     ),
     # Before any name: the best wrong effect takes most of a misfit too, but it leaves structure.
-    Rule("structure is left", lambda f: (f.left or f.unknown) and not f.nearly_all, "unexplained"),
+    VerdictRule(
+        "structure is left", lambda f: (f.left or f.unknown) and not f.nearly_all, "unexplained"
+    ),
     # Before the name too: structure is certain, and no effect is clearly better than none.
-    Rule(
+    VerdictRule(
         "no effect helps clearly",
         lambda f: f.by_battery and not f.clear and not f.nearly_all,
         "unexplained",
     ),
     # A weak gain is enough where the alarm is beyond doubt: then something is missing.
-    Rule(
+    VerdictRule(
         "an effect is named",
         lambda f: f.named and (f.clear or (f.certain and f.gain > 0.0)),
         "effect-missing",
     ),
     # After the name: outliers set aside beside a found effect do not take it back.
-    Rule("no name, and points that stand out", lambda f: f.outliers, "unexplained"),
+    VerdictRule("no name, and points that stand out", lambda f: f.outliers, "unexplained"),
     # The battery is sure of structure whatever the library holds; the scan, which is not, is last.
-    Rule(
+    VerdictRule(
         "structure, and no effect that is preferred to nothing",
         lambda f: f.by_battery,
         "unexplained",
     ),
     # Always holds, so that there is a verdict for any facts.
-    Rule("something, but not what", lambda f: True, "inconclusive"),
+    VerdictRule("something, but not what", lambda f: True, "inconclusive"),
 )
 """The first rule that holds gives the verdict."""
 
 
-def rule_for(facts: Facts) -> Rule:
+def rule_for(facts: Facts) -> VerdictRule:
     """The first rule that holds."""
     return next(rule for rule in RULES if rule.holds(facts))
 

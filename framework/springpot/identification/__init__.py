@@ -8,24 +8,20 @@ from springpot.lazy import offered
 
 if TYPE_CHECKING:
     from .batch import fit_batch
-    from .bounded import BoundedDescent, minima_in_box
     from .fitting import best_run, identify, searched
     from .held_material import intervals_beside_material
     from .leastsquares import Solution, levenberg_marquardt
-    from .ledger import BudgetSpent, all_points
     from .material import is_material, own_parameters
     from .material_fit import least_error
-    from .native import Effort, Fit, fit, scanned_starts
-    from .objective import Objective, default_objective, weighted
-    from .optimiser import BatchedOptimiser, Card, Optimiser, OptimiserFamily
+    from .native import BoundedDescent, Effort, Fit, fit, minima_in_box, scanned_starts
     from .passive import is_passive, within_material
     from .prediction import Prediction
-    from .problem import Problem, Searched
+    from .problem import Objective, Problem, Searched, default_objective, weighted
     from .ranges import EDGE, Window, settings, shown
-    from .recorder import Recorder, RecorderGroup
+    from .recorder import BudgetSpent, Recorder, RecorderGroup, all_points
     from .regularisation import Spectrum, regularised
     from .result import Identification, Standing
-    from .runs import Run, run, run_batch
+    from .runs import BatchedOptimiser, Card, Optimiser, OptimiserFamily, Run, run, run_batch
     from .simulated import bootstrap
     from .space import SearchSpace, box_of, paper_box, require_conditions
     from .uncertainty import Uncertainty, held_costs, profile
@@ -87,17 +83,17 @@ __all__ = [
 ]
 
 _WHERE = {
-    "BatchedOptimiser": "springpot.identification.optimiser",
-    "BoundedDescent": "springpot.identification.bounded",
-    "BudgetSpent": "springpot.identification.ledger",
-    "Card": "springpot.identification.optimiser",
+    "BatchedOptimiser": "springpot.identification.runs",
+    "BoundedDescent": "springpot.identification.native",
+    "BudgetSpent": "springpot.identification.recorder",
+    "Card": "springpot.identification.runs",
     "EDGE": "springpot.identification.ranges",
     "Effort": "springpot.identification.native",
     "Fit": "springpot.identification.native",
     "Identification": "springpot.identification.result",
-    "Objective": "springpot.identification.objective",
-    "Optimiser": "springpot.identification.optimiser",
-    "OptimiserFamily": "springpot.identification.optimiser",
+    "Objective": "springpot.identification.problem",
+    "Optimiser": "springpot.identification.runs",
+    "OptimiserFamily": "springpot.identification.runs",
     "Prediction": "springpot.identification.prediction",
     "Problem": "springpot.identification.problem",
     "Recorder": "springpot.identification.recorder",
@@ -111,11 +107,11 @@ _WHERE = {
     "Uncertainty": "springpot.identification.uncertainty",
     "Value": "springpot.identification.value",
     "Window": "springpot.identification.ranges",
-    "all_points": "springpot.identification.ledger",
+    "all_points": "springpot.identification.recorder",
     "best_run": "springpot.identification.fitting",
     "bootstrap": "springpot.identification.simulated",
     "box_of": "springpot.identification.space",
-    "default_objective": "springpot.identification.objective",
+    "default_objective": "springpot.identification.problem",
     "fit": "springpot.identification.native",
     "fit_batch": "springpot.identification.batch",
     "held_costs": "springpot.identification.uncertainty",
@@ -125,7 +121,7 @@ _WHERE = {
     "is_passive": "springpot.identification.passive",
     "least_error": "springpot.identification.material_fit",
     "levenberg_marquardt": "springpot.identification.leastsquares",
-    "minima_in_box": "springpot.identification.bounded",
+    "minima_in_box": "springpot.identification.native",
     "own_parameters": "springpot.identification.material",
     "paper_box": "springpot.identification.space",
     "profile": "springpot.identification.uncertainty",
@@ -137,7 +133,7 @@ _WHERE = {
     "searched": "springpot.identification.fitting",
     "settings": "springpot.identification.ranges",
     "shown": "springpot.identification.ranges",
-    "weighted": "springpot.identification.objective",
+    "weighted": "springpot.identification.problem",
     "within_material": "springpot.identification.passive",
 }
 

@@ -21,7 +21,7 @@ from springpot.rheology.thermal import LARGEST_SHIFT
 
 from .levels_alone import Alone, each_alone
 from .native import Fit
-from .objective import relative_objective
+from .problem import relative_objective
 
 DECADE = float(np.log(10.0))
 ROOM = 2.0

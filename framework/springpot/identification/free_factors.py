@@ -20,7 +20,7 @@ from .expected_factors import Expected
 from .levels_alone import alike
 from .material import is_material
 from .native import Fit
-from .objective import weighted
+from .problem import weighted
 
 LOST = 1e-5
 """Singular value over the largest below which a direction of the factors is not determined."""

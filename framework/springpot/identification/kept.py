@@ -21,7 +21,7 @@ from springpot.rheology.points import Real
 from .estimate import Estimate
 from .material import is_material
 from .native import Fit
-from .objective import Objective
+from .problem import Objective
 from .uncertainty import Uncertainty
 
 

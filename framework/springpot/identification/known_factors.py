@@ -19,7 +19,7 @@ from .flat_sweeps import flat_levels
 from .free_factors import Factors, Rows, columns_of_factors, factors_of
 from .levels_alone import FEW, Alone, each_alone
 from .material import is_material
-from .objective import relative_objective
+from .problem import relative_objective
 from .uncertainty import Uncertainty
 
 FURTHEST = 2.0 * WIDEST

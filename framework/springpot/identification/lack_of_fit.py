@@ -19,7 +19,7 @@ from springpot.thresholds import SUPERPOSITION
 
 from .allowed_shifts import laws_of_shift
 from .levels_alone import alike
-from .objective import weighted
+from .problem import weighted
 from .uncertainty import RANK, Uncertainty
 
 ROUNDING = 1e-20

@@ -7,15 +7,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.measurement.independence import frequency_numbers
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.one_frequency import frequency_numbers
 from springpot.rheology.continuum import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import SUPERPOSITION
 
 from .native import fit
-from .objective import Objective
+from .problem import Objective
 
 TINY = 1e-24
 """Least variance: exact data leave rounding."""

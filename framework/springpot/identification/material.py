@@ -32,7 +32,7 @@ from springpot.rheology.nodes import (
 from springpot.rheology.points import Complex, Points, Real
 
 from .coordinates import Coordinates
-from .objective import Objective, numbers_of, weighted
+from .problem import Objective, numbers_of, weighted
 
 PER_DECADE = 3
 """Lines a decade of the first lattice.

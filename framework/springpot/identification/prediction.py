@@ -16,7 +16,7 @@ from springpot.errors import DataError, ModelError
 from springpot.markup import table, tag
 from springpot.measurement.covered import Covered
 from springpot.measurement.measurement import Measurement, points_at
-from springpot.measurement.parts_of_stiffness import Moduli
+from springpot.measurement.rows import Moduli
 from springpot.measurement.units import Units
 from springpot.rheology.levels import held
 from springpot.rheology.model import Model

@@ -23,7 +23,7 @@ from springpot.thresholds import INTERVAL
 
 from .material import BEYOND, is_material, reduced_range
 from .native import Fit
-from .objective import weighted
+from .problem import weighted
 
 PER_DECADE = 8
 """Lines a decade: closer than the eye tells apart, and far closer than data can."""

@@ -1,22 +1,182 @@
-"""One supervised run of an optimiser, and what came of it according to the ledger."""
+"""One supervised run of an optimiser, and what came of it according to the ledger.
+
+What an optimiser is: a frozen dataclass of options with a capability card and one method.
+
+Whether the record of a run contradicts itself or the problem.
+
+What another process can still check.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, is_dataclass
+from enum import Enum
 from math import inf
 from time import perf_counter, process_time
-from typing import NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from springpot.errors import OptionError
+from springpot.errors import OptionError, StudyError
 from springpot.rheology.points import Real
 
-from .ledger import BudgetSpent, Diary, Ledger
-from .optimiser import BatchedOptimiser, Optimiser
 from .problem import Searched
-from .recorder import Recorder, RecorderGroup
+from .recorder import BudgetSpent, Diary, Ledger, Recorder, RecorderGroup
+
+
+@dataclass(frozen=True)
+class Card:
+    """What an optimiser needs and can do.
+
+    Parameters
+    ----------
+    summary : str
+        One sentence on the method.
+    citation : str
+        Its source.
+    globally : bool
+        Searches the whole box rather than descending from one point.
+    gradient : bool
+        Uses exact derivatives.
+    batched : bool
+        Carries several repetitions side by side: a `BatchedOptimiser`.
+    stochastic : bool
+        Depends on the generator.
+    distribution : str
+        The installed distribution that does the work, whose version is written beside results.
+    """
+
+    summary: str
+    citation: str = ""
+    globally: bool = True
+    gradient: bool = False
+    batched: bool = False
+    stochastic: bool = True
+    distribution: str = ""
+
+
+class Optimiser(ABC):
+    """Base of all optimisers; a plugin is a frozen dataclass of this with its options as fields."""
+
+    name: ClassVar[str]
+    card: ClassVar[Card]
+
+    @abstractmethod
+    def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
+        """Search until done or until the recorder ends the run.
+
+        Parameters
+        ----------
+        problem : Recorder
+            Call it for values; it counts, keeps the best point and raises when the budget is spent.
+        budget : int
+            Evaluations that will be counted before that.
+        rng : numpy.random.Generator
+            The only source of randomness.
+        """
+
+    def _require(self, option: str, holds: bool, rule: str) -> None:
+        """Check an option in ``__post_init__``.
+
+        Raises
+        ------
+        OptionError
+            If the rule does not hold.
+        """
+        if not holds:
+            raise OptionError(
+                f"{self.name}: option {option} is {getattr(self, option)!r} but must be {rule}"
+            )
+
+
+class BatchedOptimiser(Optimiser):
+    """An optimiser that carries several runs side by side; a single run is a batch of one."""
+
+    @abstractmethod
+    def minimise_batch(
+        self, problems: RecorderGroup, budget: int, rngs: Sequence[np.random.Generator]
+    ) -> None:
+        """Search as `minimise` does for each run, with bit-identical results.
+
+        Parameters
+        ----------
+        problems : RecorderGroup
+            Values of all runs in one call.
+        budget : int
+            Evaluations of each run.
+        rngs : sequence of numpy.random.Generator
+            The only source of randomness of each run.
+        """
+
+    def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
+        """Search with a batch of one run."""
+        self.minimise_batch(RecorderGroup([problem]), budget, [rng])
+
+
+@dataclass(frozen=True)
+class OptimiserFamily:
+    """The optimisers of a large library, imported only when one of them is asked for.
+
+    Parameters
+    ----------
+    name : str
+        As listed: what all their names begin with, and ``NAME``, such as ``optimagic-NAME``.
+    summary : str
+        One sentence on the library.
+    members : callable
+        Imports the library and gives its optimisers by name.
+    """
+
+    name: str
+    summary: str
+    members: Callable[[], Mapping[str, type[Optimiser]]]
+
+    @property
+    def prefix(self) -> str:
+        """What all their names begin with."""
+        return self.name.removesuffix("NAME")
+
+
+def options_of(optimiser: Optimiser) -> dict[str, Any]:
+    """An optimiser's options as plain values.
+
+    Raises
+    ------
+    StudyError
+        If one of them is no plain value: it could not be told from another.
+    """
+    # An optimiser without options need not be one.
+    if not is_dataclass(optimiser):
+        return {}
+    return {
+        f.name: _plain(getattr(optimiser, f.name), f"{optimiser.name}.{f.name}")
+        for f in fields(optimiser)
+    }
+
+
+def _plain(value: Any, where: str) -> Any:
+    if value is None or isinstance(value, bool | int | float | str):
+        # A word of an enumeration may be a string as well.
+        if isinstance(value, Enum):
+            return value.value
+        return value
+    if isinstance(value, Enum):
+        return _plain(value.value, where)
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item, where) for key, item in value.items()}
+    if isinstance(value, tuple | list):
+        return [_plain(item, where) for item in value]
+    if is_dataclass(value) and not isinstance(value, type):
+        return {f.name: _plain(getattr(value, f.name), where) for f in fields(value)}
+    kind = type(value).__name__
+    raise StudyError(
+        f"option {where} is a {kind}: options must be numbers, texts or sequences of them"
+    )
 
 
 class Unrecorded(Exception):
@@ -228,3 +388,60 @@ def _status(ledger: Ledger, fault: BaseException | None) -> str:
     if ledger.spent:
         return "budget"
     return "converged"
+
+
+AGREE, ROUNDING = 1e-9, 1e-12
+"""Roots of two sums of squares are the same within this share of them and this share of the
+problem's own size: stacked and single evaluations differ in their last bits, 1e-16 of |K| in a
+residual, and a model may lose four digits of them.
+"""
+
+
+def miscounted(evaluations: int, gradients: int, batched: int, budget: int) -> str:
+    """What is wrong with the counts of a run, or nothing."""
+    if not 1 <= evaluations <= budget:
+        return f"its record counts {evaluations} evaluations of {budget}"
+    if not 0 <= max(gradients, batched) <= evaluations:
+        return "its record counts more evaluations of one kind than of all"
+    return ""
+
+
+def mistraced(numbers: ArrayLike, values: ArrayLike, evaluations: int, best: float) -> str:
+    """What is wrong with a trace of improvements (n,), or nothing."""
+    at, improvements = np.asarray(numbers), np.asarray(values)
+    rising = at[0] >= 1 and at[-1] <= evaluations and np.all(np.diff(at) > 0)
+    if not (rising and np.all(np.diff(improvements) < 0)):
+        return "its trace contradicts its count of evaluations"
+    # Not but for rounding: both are one number that was written down twice.
+    if improvements[-1] != best:
+        return "its best value is not the last of its trace"
+    return ""
+
+
+def same(claimed: float | None, evaluated: float, size: float) -> bool:
+    """Whether two sums of squares agree but for rounding, `size` being that of the data."""
+    if claimed is None:
+        return False
+    # By their roots, the sizes of residuals: squares near zero would agree by no share of
+    # themselves.
+    one, other, own = (
+        np.sqrt(claimed),
+        np.sqrt(evaluated),
+        float(np.nan_to_num(np.sqrt(size), posinf=0.0)),
+    )
+    return bool(abs(one - other) <= AGREE * other + ROUNDING * own)
+
+
+def contradiction(run: Run, problem: Searched, budget: int) -> str:
+    """What is wrong with a run that claims to have come to something, or nothing."""
+    numbers, values = zip(*run.trace, strict=True)
+    wrong = miscounted(run.evaluations, run.gradients, run.batched, budget)
+    wrong = wrong or mistraced(numbers, values, run.evaluations, run.best)
+    if wrong:
+        return wrong
+    with np.errstate(all="ignore"):
+        evaluated = float(problem.evaluate(run.point)) * run.factor
+        size = float(problem.evaluate(0.5 * (problem.lower + problem.upper)))
+    if not same(run.best, evaluated, size):
+        return f"its best point has the objective {evaluated:.6g}, not {run.best:.6g}"
+    return ""

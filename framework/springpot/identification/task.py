@@ -11,11 +11,19 @@ from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Complex, Points, Real
 
-from .branches import Branches, branches_of, interleaved, plane_data, project
 from .coordinates import Coordinates
-from .derivative import require_derivative
 from .leastsquares import ALIKE, FLAT, Evaluate, Rows, Solution, levenberg_marquardt
-from .starts import Grid, shapes_of, thinned
+from .problem import require_derivative
+from .starts import (
+    Branches,
+    Grid,
+    branches_of,
+    interleaved,
+    plane_data,
+    project,
+    shapes_of,
+    thinned,
+)
 
 SCAN_POINTS = 64
 """Points at which shapes are scanned: a start need only lie in the right valley."""

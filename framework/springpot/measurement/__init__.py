@@ -12,7 +12,6 @@ if TYPE_CHECKING:
 
     from . import geometry
     from .budget import MOST_CELLS, MOST_COLUMNS, MOST_TABLES, Budget, budget_of, within_budget
-    from .catalogue import DataSet
     from .covered import RATE, Covered
     from .csv_safe import guarded, guarded_line, unguarded, unguarded_line
     from .followed import Record
@@ -20,25 +19,45 @@ if TYPE_CHECKING:
     from .geometry import Geometry
     from .geometry_text import parse_geometry
     from .imposed import Loading
-    from .independence import Spread, independent, moved_along, spread_of, steadied, telling
-    from .interface import as_modulus, as_stiffness, through
-    from .joining import FILE, joined
-    from .measurement import CONDITIONS, Measurement, misspelt, points_at
-    from .mixed_tests import TIME, largest_test, settings_of, tests_together
-    from .noise import with_noise
-    from .one_frequency import (
+    from .independence import (
         HELD_ALIKE,
+        Spread,
         at_one_frequency,
         distinct_log_omega,
         frequency_numbers,
         held_frequency_numbers,
+        independent,
+        moved_along,
         rounded_log_omega,
+        spread_of,
+        steadied,
+        telling,
     )
-    from .opening import open_measurement, parts_of, pick_reader
-    from .parts_of_stiffness import Moduli
-    from .question import OpenQuestion, Question
-    from .reader import Choice, Part, Reader, parts_as_opened
+    from .interface import as_modulus, as_stiffness, through
+    from .joining import FILE, joined
+    from .measurement import CONDITIONS, Measurement, misspelt, points_at
+    from .mixed_tests import (
+        TIME,
+        Sweep,
+        largest_test,
+        settings_of,
+        sweeps_of,
+        temperatures_differ,
+        tests_together,
+    )
+    from .noise import with_noise
+    from .opening import (
+        DataSet,
+        conditions,
+        open_measurement,
+        parts_of,
+        pick_reader,
+        select,
+        without,
+    )
+    from .reader import Choice, OpenQuestion, Part, Question, Reader, parts_as_opened
     from .replicates import Averaged, average_repeats, noise_of_repeats, thinned
+    from .rows import Moduli
     from .scatter import (
         LEAST_RELATIVE,
         Noise,
@@ -50,9 +69,7 @@ if TYPE_CHECKING:
         robust_noise_shape,
         rounding_step,
     )
-    from .selection import conditions, select, without
     from .signals import Harmonics, Signals, harmonics_of
-    from .sweeps import Sweep, sweeps_of, temperatures_differ
     from .timenoise import SignalNoise, noise_of, relative_scatter
     from .timereader import TimeReader, open_in_time
     from .timetest import TimeTest
@@ -196,13 +213,13 @@ _WHERE = {
     "CONDITIONS": "springpot.measurement.measurement",
     "Choice": "springpot.measurement.reader",
     "Covered": "springpot.measurement.covered",
-    "DataSet": "springpot.measurement.catalogue",
+    "DataSet": "springpot.measurement.opening",
     "FILE": "springpot.measurement.joining",
     "FORCE_UNITS": "springpot.measurement.units",
     "FREQUENCY_UNITS": "springpot.measurement.units",
     "Geometry": "springpot.measurement.geometry",
     "HELD": "springpot.rheology.levels",
-    "HELD_ALIKE": "springpot.measurement.one_frequency",
+    "HELD_ALIKE": "springpot.measurement.independence",
     "Harmonics": "springpot.measurement.signals",
     "KELVIN": "springpot.rheology.points",
     "LEAST_RELATIVE": "springpot.measurement.scatter",
@@ -213,13 +230,13 @@ _WHERE = {
     "MOST_COLUMNS": "springpot.measurement.budget",
     "MOST_TABLES": "springpot.measurement.budget",
     "Measurement": "springpot.measurement.measurement",
-    "Moduli": "springpot.measurement.parts_of_stiffness",
+    "Moduli": "springpot.measurement.rows",
     "Noise": "springpot.measurement.scatter",
     "OneTest": "springpot.measurement.from_signals",
-    "OpenQuestion": "springpot.measurement.question",
+    "OpenQuestion": "springpot.measurement.reader",
     "PRESSURE_UNITS": "springpot.measurement.units",
     "Part": "springpot.measurement.reader",
-    "Question": "springpot.measurement.question",
+    "Question": "springpot.measurement.reader",
     "RATE": "springpot.measurement.covered",
     "Reader": "springpot.measurement.reader",
     "Record": "springpot.measurement.followed",
@@ -229,7 +246,7 @@ _WHERE = {
     "SignalNoise": "springpot.measurement.timenoise",
     "Signals": "springpot.measurement.signals",
     "Spread": "springpot.measurement.independence",
-    "Sweep": "springpot.measurement.sweeps",
+    "Sweep": "springpot.measurement.mixed_tests",
     "TEMPERATURE_UNITS": "springpot.measurement.units",
     "TIME": "springpot.measurement.mixed_tests",
     "TIME_UNITS": "springpot.measurement.units",
@@ -240,19 +257,19 @@ _WHERE = {
     "as_modulus": "springpot.measurement.interface",
     "as_stiffness": "springpot.measurement.interface",
     "at_least_rounding": "springpot.measurement.scatter",
-    "at_one_frequency": "springpot.measurement.one_frequency",
+    "at_one_frequency": "springpot.measurement.independence",
     "average_repeats": "springpot.measurement.replicates",
     "budget_of": "springpot.measurement.budget",
     "bytes_of": "springpot.inputs",
     "checked_noise": "springpot.measurement.scatter",
-    "conditions": "springpot.measurement.selection",
-    "distinct_log_omega": "springpot.measurement.one_frequency",
-    "frequency_numbers": "springpot.measurement.one_frequency",
+    "conditions": "springpot.measurement.opening",
+    "distinct_log_omega": "springpot.measurement.independence",
+    "frequency_numbers": "springpot.measurement.independence",
     "geometry": "springpot.measurement.geometry",
     "guarded": "springpot.measurement.csv_safe",
     "guarded_line": "springpot.measurement.csv_safe",
     "harmonics_of": "springpot.measurement.signals",
-    "held_frequency_numbers": "springpot.measurement.one_frequency",
+    "held_frequency_numbers": "springpot.measurement.independence",
     "independent": "springpot.measurement.independence",
     "joined": "springpot.measurement.joining",
     "json_of": "springpot.inputs",
@@ -278,16 +295,16 @@ _WHERE = {
     "points_at": "springpot.measurement.measurement",
     "relative_scatter": "springpot.measurement.timenoise",
     "robust_noise_shape": "springpot.measurement.scatter",
-    "rounded_log_omega": "springpot.measurement.one_frequency",
+    "rounded_log_omega": "springpot.measurement.independence",
     "rounding_step": "springpot.measurement.scatter",
-    "select": "springpot.measurement.selection",
+    "select": "springpot.measurement.opening",
     "settings_of": "springpot.measurement.mixed_tests",
     "spread_of": "springpot.measurement.independence",
     "steadied": "springpot.measurement.independence",
-    "sweeps_of": "springpot.measurement.sweeps",
+    "sweeps_of": "springpot.measurement.mixed_tests",
     "telling": "springpot.measurement.independence",
     "temperature_in_celsius": "springpot.measurement.units",
-    "temperatures_differ": "springpot.measurement.sweeps",
+    "temperatures_differ": "springpot.measurement.mixed_tests",
     "tests_together": "springpot.measurement.mixed_tests",
     "thinned": "springpot.measurement.replicates",
     "through": "springpot.measurement.interface",
@@ -296,7 +313,7 @@ _WHERE = {
     "unguarded_line": "springpot.measurement.csv_safe",
     "with_noise": "springpot.measurement.noise",
     "within_budget": "springpot.measurement.budget",
-    "without": "springpot.measurement.selection",
+    "without": "springpot.measurement.opening",
 }
 
 __getattr__, __dir__ = offered(__name__, _WHERE)

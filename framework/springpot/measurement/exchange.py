@@ -16,7 +16,7 @@ from springpot.nonnegative import non_negative
 from springpot.rheology.points import Complex, Real
 
 from .measurement import Measurement
-from .sweeps import sweeps_of
+from .mixed_tests import sweeps_of
 
 NOTE = "note exchange"
 """Key of the note in a measurement's provenance."""

@@ -13,8 +13,8 @@ from springpot.limits import uncounted
 from springpot.thresholds import SIGNALS
 
 from .measurement import Measurement
-from .record import Signals
 from .signals import Harmonics, harmonics_of
+from .steady import Signals
 from .units import (
     ANGLE_UNITS,
     FORCE_UNITS,

@@ -20,10 +20,8 @@ from springpot.rheology.levels import HELD
 from springpot.rheology.points import KELVIN, ROOM, Complex, Points, Real
 from springpot.terminal_safe import plain
 
-from .conversion import Conversion, to_modulus, to_stiffness
-from .display import html_of
-from .geometry import Geometry
-from .geometry_text import words_of
+from .geometry import Conversion, Geometry, to_modulus, to_stiffness
+from .geometry_text import html_of, words_of
 from .rows import Rows, rows_without
 from .units import Units
 

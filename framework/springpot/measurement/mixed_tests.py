@@ -1,23 +1,38 @@
 """Whether rows of several tests stand together in one table, and which columns tell them apart.
 
 Nobody fits them as one without a word, and nobody takes what sets them apart for noise.
+
+The runs of a measurement.
+
+Rows in which one thing was swept while all that is said of the others stayed.
+
+The lines along which measured points follow one another.
+
+One notion of a sweep for all that look at neighbours.
 """
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
-from functools import lru_cache
-from typing import Protocol
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.rheology.levels import levels_of
 from springpot.rheology.points import Real
-from springpot.thresholds import COURSE
+from springpot.thresholds import COURSE, VARIED
 
+from .independence import (
+    DECIMALS,
+    at_one_frequency,
+    frequency_numbers,
+    held_frequency_numbers,
+    independent,
+)
 from .measurement import CONDITIONS, Measurement
-from .one_frequency import frequency_numbers
 
 NOTE = "note together"
 """Key of the note in a measurement's provenance."""
@@ -62,7 +77,7 @@ A rig's own rounding, 0.400 and
 0.401 mrad, is no setting. Rheometers hold what was set within 1 to 2 %."""
 
 
-class Rows(Hashable, Protocol):
+class TestRows(Hashable, Protocol):
     """What of a measurement tells its tests and its sweeps."""
 
     @property
@@ -155,7 +170,7 @@ def tests_together(measurement: Measurement) -> list[str]:
     ]
 
 
-def settings_of(data: Rows) -> dict[str, NDArray[np.int64]]:
+def settings_of(data: TestRows) -> dict[str, NDArray[np.int64]]:
     """Columns that no effect knows and that hold a setting, test or specimen, few values first.
 
     Parameters
@@ -196,7 +211,7 @@ def settings_of(data: Rows) -> dict[str, NDArray[np.int64]]:
     return dict(sorted(numbered.items(), key=lambda each: int(each[1].max())))
 
 
-def _is_an_age(data: Rows) -> bool:
+def _is_an_age(data: TestRows) -> bool:
     """Whether a time stands for whole sweeps, few of them.
 
     A waiting time that was chosen, not that of a point.
@@ -238,7 +253,7 @@ def _names_a_condition(number: NDArray[np.intp], conditions: Mapping[str, Real])
 
 # Every look at neighbours asks anew, of the same data: of a few it is remembered.
 @lru_cache(maxsize=8)
-def told_apart(data: Rows) -> dict[str, NDArray[np.int64]]:
+def told_apart(data: TestRows) -> dict[str, NDArray[np.int64]]:
     """The settings (n,) without which rows alike in frequency and conditions would be one point.
 
     Such rows are neither repeats of each other nor points of one sweep. Names set apart what is no
@@ -278,3 +293,260 @@ def told_apart(data: Rows) -> dict[str, NDArray[np.int64]]:
             break
         apart[name] = settings[name]
     return apart
+
+
+@dataclass(frozen=True, eq=False)
+class ConditionRun:
+    """Rows that were measured under one set of conditions.
+
+    Parameters
+    ----------
+    conditions : dict of str to str or float
+        What tells them from other rows: step, run, repeat, temperature and amplitude (the means),
+        as far as known.
+    rows : ndarray of int
+        Their numbers.
+    """
+
+    conditions: dict[str, str | float]
+    rows: NDArray[np.int64]
+
+    @property
+    def name(self) -> str:
+        """Such as ``temperature 20, repeat 1``; ``all`` where nothing tells the rows apart."""
+        parts = []
+        for name, value in self.conditions.items():
+            if not isinstance(value, str):
+                value = f"{value:.4g}"
+            parts.append(f"{name} {value}")
+        return ", ".join(parts) or "all"
+
+
+def runs_of(data: TestRows) -> Iterator[ConditionRun]:
+    """The sweeps, by runs and conditions.
+
+    By the names of parts and runs in the order of the file, then by temperature, amplitude and
+    repeat.
+
+    A condition that was itself swept or only wandered does not part them: a temperature ramp is one
+    sweep, and so is a frequency sweep in which the strain follows the frequency.
+
+    Parameters
+    ----------
+    data : Measurement
+        The data.
+    """
+    # Names first, since they were given; levels of conditions are only read off the numbers.
+    parts = [np.arange(len(data.omega))]
+    for column in _named(data):
+        parts = _split(parts, partial(_by_value, column))
+    for name in ("temperature", "amplitude"):
+        if name in data.conditions:
+            parts = _split(parts, partial(_by_level, data, name))
+    # Last: a repeat is one of a sweep, under conditions that are the same.
+    if data.repeat is not None:
+        parts = _split(parts, partial(_by_repeat, data.repeat))
+    for rows in parts:
+        yield ConditionRun(_conditions(data, rows, len(parts)), rows)
+
+
+def _split(
+    parts: list[NDArray[np.int64]], divide: Callable[[NDArray[np.int64]], list[NDArray[np.int64]]]
+) -> list[NDArray[np.int64]]:
+    """The finer parts that each of some parts consists of."""
+    finer: list[NDArray[np.int64]] = []
+    for rows in parts:
+        finer += divide(rows)
+    return finer
+
+
+def _by_value(column: NDArray[np.str_] | Real, rows: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    """The rows of each value, in the order of the file."""
+    return [rows[column[rows] == value] for value in dict.fromkeys(column[rows].tolist())]
+
+
+def _by_repeat(repeat: NDArray[np.int64], rows: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    """The rows of each repeat, ascending."""
+    return [rows[repeat[rows] == value] for value in np.unique(repeat[rows])]
+
+
+def _named(data: TestRows) -> list[NDArray[np.str_] | Real]:
+    """Columns that name parts and runs."""
+    columns: list[NDArray[np.str_] | Real] = []
+    for name, words in data.labels.items():
+        if name == "step" or len(np.unique(words)) <= MOST_NAMES * len(words):
+            columns.append(words)
+    apart = told_apart(data)
+    return [
+        *columns,
+        *(column for name, column in data.conditions.items() if name in RUNS or name in apart),
+    ]
+
+
+def _by_level(data: TestRows, name: str, rows: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    """The rows of each level, ascending, where frequencies were swept at each.
+
+    Else all as they are.
+    """
+    level = levels_of(name, data.conditions[name][rows])
+    count = int(level.max()) + 1
+    frequency = held_frequency_numbers(data.omega[rows])
+    pairs = len(np.unique(np.column_stack([level, frequency]), axis=0))
+    # A level at which one frequency was measured is no sweep.
+    if count == 1 or pairs < 2 * count:
+        return [rows]
+    if name == "amplitude" and pairs < VARIED.recurs * len(np.unique(frequency)):
+        return [rows]
+    return [rows[level == number] for number in range(count)]
+
+
+def _conditions(data: TestRows, rows: NDArray[np.int64], count: int) -> dict[str, str | float]:
+    """What holds for all of the rows."""
+    shared: dict[str, str | float] = {}
+    for name, words in data.labels.items():
+        if name == "step" or (
+            count > 1 and len(set(words[rows])) == 1 and len(np.unique(words)) > 1
+        ):
+            shared[name] = str(words[rows[0]])
+    for name in ("temperature", "amplitude"):
+        column = data.conditions.get(name)
+        # The amplitude is told only where it was set: it wanders in every sweep.
+        if column is not None and (name == "temperature" or _is_set(column, rows)):
+            shared[name] = float(np.mean(column[rows]))
+    names = RUNS | told_apart(data).keys()
+    shared |= {
+        name: float(data.conditions[name][rows[0]]) for name in data.conditions if name in names
+    }
+    if data.repeat is not None:
+        shared["repeat"] = float(data.repeat[rows[0]])
+    return shared
+
+
+def _is_set(column: Real, rows: NDArray[np.int64]) -> bool:
+    """Whether the rows are one level of an amplitude that has several."""
+    return (
+        int(levels_of("amplitude", column[rows]).max()) == 0
+        and int(levels_of("amplitude", column).max()) > 0
+    )
+
+
+SCALES: dict[str, Callable[[Real], Real]] = {"amplitude": np.log, "temperature": np.asarray}
+"""Conditions that can be swept at one frequency, each with the scale on which K changes slowly."""
+
+
+class Sweep(NamedTuple):
+    """Points of one sweep.
+
+    Attributes
+    ----------
+    rows : ndarray of int, shape (m,)
+        Row numbers, in the order of `x`.
+    x : ndarray, shape (m,)
+        ln omega, or where only a condition varies ln amplitude or the temperature.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.measurement import sweeps_of
+    >>> sweep = sweeps_of(springpot.read("artificial-hidden"))[0]
+    >>> len(sweep.rows), sweep.x[:2].round(3)
+    (40, array([1.145, 1.281]))
+    """
+
+    rows: NDArray[np.int64]
+    x: Real
+
+
+def temperatures_differ(measurement: Measurement) -> bool:
+    """Whether there is more than the drift about one set temperature.
+
+    Examples
+    --------
+    >>> from springpot import Measurement
+    >>> from springpot.measurement import temperatures_differ
+    >>> conditions = {"temperature": [20.0, 20.3]}
+    >>> temperatures_differ(Measurement([1.0, 2.0], [1j, 2j], conditions=conditions))
+    False
+    """
+    column = measurement.conditions.get("temperature")
+    return column is not None and float(np.ptp(column)) >= VARIED.temperature_chosen
+
+
+def sweeps_of(measurement: Measurement) -> list[Sweep]:
+    """Frequency sweeps, else amplitude or temperature sweeps.
+
+    All rows are one sweep where each differs in all.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.measurement import Measurement
+    >>> omega = np.array([1.0, 2.0, 4.0, 1.0, 2.0, 4.0])
+    >>> temperature = np.array([20.0] * 3 + [40.0] * 3)
+    >>> data = Measurement(omega, np.ones(6) + 1j, conditions={"temperature": temperature})
+    >>> [sweep.rows.tolist() for sweep in sweeps_of(data)]
+    [[0, 1, 2], [3, 4, 5]]
+    """
+    # A sweep of fewer than three points has no course of its own: then the points follow another
+    # condition.
+    most = max(1, len(measurement) // 3)
+    log_omega = np.log(measurement.omega)
+    apart = list(told_apart(measurement).values())
+    # First by every condition; then an amplitude that moved along with the frequency, as where the
+    # force is held, does not part the points of a sweep, of which it would make one for each.
+    for held in (CONDITIONS, [name for name in CONDITIONS if independent(measurement, name)]):
+        groups = [
+            part for _, rows in measurement.sweeps(held=held) for part in _parted(rows, apart)
+        ]
+        if len(groups) <= most and not at_one_frequency(measurement):
+            return [_ordered(rows, log_omega) for rows in groups]
+    for name, scale in SCALES.items():
+        column = measurement.conditions.get(name)
+        if column is None or np.ptp(column) == 0:
+            continue
+        groups = list(_at_constant(measurement, name))
+        if len(groups) <= most:
+            return [_ordered(rows, scale(column)) for rows in groups]
+    # Nothing was held while something else was swept: all points in the order of frequency are the
+    # best there is.
+    return [_ordered(np.arange(len(measurement)), log_omega)]
+
+
+def _parted(
+    rows: NDArray[np.int64], columns: list[NDArray[np.int64]]
+) -> Iterator[NDArray[np.int64]]:
+    """The rows of each set of values of some columns (n,)."""
+    if not columns:
+        yield rows
+        return
+    _, which = np.unique(
+        np.column_stack([column[rows] for column in columns]), axis=0, return_inverse=True
+    )
+    for group in range(int(which.max()) + 1):
+        yield rows[which.ravel() == group]
+
+
+def _at_constant(measurement: Measurement, swept: str) -> Iterator[NDArray[np.int64]]:
+    """Rows at one frequency and equal conditions but for the swept one."""
+    # A frequency that was held is told as it was measured, now a little higher and now a little
+    # lower.
+    columns = [held_frequency_numbers(measurement.omega).astype(float)]
+    for name in SCALES:
+        if name != swept and name in measurement.conditions:
+            columns.append(np.round(measurement.conditions[name], DECIMALS))
+    columns += [number.astype(float) for number in told_apart(measurement).values()]
+    if measurement.repeat is not None:
+        columns.append(measurement.repeat.astype(float))
+    _, which = np.unique(np.column_stack(columns), axis=0, return_inverse=True)
+    for group in range(int(which.max()) + 1):
+        yield np.flatnonzero(which.ravel() == group)
+
+
+def _ordered(rows: NDArray[np.int64], x: Real) -> Sweep:
+    order = np.argsort(x[rows], kind="stable")
+    return Sweep(rows[order], x[rows[order]])

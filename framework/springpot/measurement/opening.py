@@ -4,41 +4,327 @@ A file of any known format or a registered data set, with conditions chosen by `
 
 Of a file, ``#`` chooses a part and ``?`` says what it leaves open:
 ``FILE#2?frequency=Hz@temperature=20``.
+
+Rows of a measurement, chosen or left out by what was set.
+
+``temperature=20``, ``frequency=1..10``, ``row=3``.
+
+Registered data sets: what they are and how to load them.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from itertools import islice
 from pathlib import Path
-from typing import TypeVar
+from typing import TypeAlias, TypeVar
 
-from springpot.errors import DataError
+from springpot.errors import DataError, SpringpotError
 from springpot.files import keep_input
 from springpot.inputs import require_regular
-from springpot.owners import owned
+from springpot.owners import described, owned
 
 from .budget import within_budget
-from .catalogue import DataSet
 from .from_signals import OneTest, measurement_of_tests, one_test
 from .measurement import Measurement
-from .naming import (
+from .mixed_tests import NOTE, runs_together
+from .reader import (
     LISTED,
+    Choice,
+    Part,
+    Reader,
     file_and_choice,
+    guarded,
     in_quotes,
     is_file,
     names_file,
     short,
+    surest,
     temperature_offer,
+    to_type,
     without_rows,
 )
-from .reader import Choice, Part, Reader
-from .recognition import guarded, surest, to_type
-from .selection import conditions, select
+from .rows import rows_with
 from .signals import Signals
+from .timetest import TimeTest
+
+Test: TypeAlias = Measurement | TimeTest
+"""What was measured on one specimen: a sweep, or a test in time."""
+EXAMPLE = "temperature=20,amplitude=1 or frequency=1..10"
+
+
+def conditions(text: str, where: str) -> dict[str, str]:
+    """Conditions and their values, of text such as ``temperature=20,frequency=1..10``.
+
+    Parameters
+    ----------
+    text : str
+        The conditions, with commas between them; a value of words may hold commas too.
+    where : str
+        What they stand in, for the message.
+
+    Raises
+    ------
+    DataError
+        If a part of it is none.
+
+    Examples
+    --------
+    >>> from springpot.measurement import conditions
+    >>> conditions("temperature=20,frequency=1..10", "FILE@temperature=20,frequency=1..10")
+    {'temperature': '20', 'frequency': '1..10'}
+    """
+    wanted = {}
+    # A comma that no further condition follows belongs to a value, which may be anybody's words.
+    for part in re.split(r",(?=[^,=]*=)", text):
+        key, equals, value = (piece.strip() for piece in part.partition("="))
+        # A value may be empty, as a remark is that was not written.
+        if not (key and equals):
+            raise DataError(f"'{where}': write conditions as {EXAMPLE}")
+        wanted[key] = value
+    return wanted
+
+
+def select(measurement: Measurement, wanted: Mapping[str, str]) -> Measurement:
+    """The rows that have all the wanted conditions.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+    wanted : mapping of str to str
+        Condition, label, ``repeat``, ``frequency`` in Hz, ``omega`` in rad/s or ``row`` (the first
+        is 1), and its value or range: ``1..10``, ``..10`` or ``1..``, ends included. Numbers match
+        within 0.5 K for ``temperature``, 5 % for ``amplitude`` and 1 % otherwise; words match
+        whole, or by their beginning.
+
+    Raises
+    ------
+    DataError
+        If there is no such column or value, with those that there are.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.measurement import select
+    >>> select(springpot.read("artificial-hidden"), {"frequency": "1..10"})
+    <Measurement artificial-hidden@frequency=1..10: 17 points, 1.13 to 9.93 Hz>
+    """
+    rows = rows_with(measurement, wanted)
+    if not rows.any():
+        # Each condition alone has rows, or one of them would have been refused by name.
+        chosen = ", ".join(f"{key}={value}" for key, value in wanted.items())
+        raise DataError(f"{measurement.name}: no row has {chosen} together")
+    chosen = ",".join(f"{key}={value}" for key, value in wanted.items())
+    part = measurement.subset(rows, f"{measurement.name}@{chosen}")
+    if NOTE not in part.provenance:
+        return part
+    # Of the tests that stood together fewer may be left, or one.
+    known = {key: value for key, value in part.provenance.items() if key != NOTE}
+    named_already = frozenset[str]()
+    if "note parts" in known:
+        named_already = frozenset({"step"})
+    return replace(
+        part, provenance={**known, **runs_together(part.conditions, part.labels, named_already)}
+    )
+
+
+def without(measurement: Measurement, unwanted: Mapping[str, str]) -> Measurement:
+    """The rows that lack one of the conditions, as part of the same data; see `select`.
+
+    Raises
+    ------
+    DataError
+        If there is no such column or value, or nothing would be left.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.measurement import without
+    >>> len(without(springpot.read("artificial-hidden"), {"frequency": "1..10"}))
+    23
+    """
+    left = tests_without([measurement], unwanted)
+    assert isinstance(left[0], Measurement)
+    return left[0]
+
+
+def tests_without(tests: Sequence[Test], unwanted: Mapping[str, str]) -> list[Test]:
+    """Tests of one specimen without the rows, or samples, that have all of these conditions.
+
+    Parameters
+    ----------
+    tests : sequence of Measurement or TimeTest
+        The tests.
+    unwanted : mapping of str to str
+        As in `select`; of a test in time also ``time`` in s and ``sample``, and of several tests
+        ``test``, a name or its beginning, alone for the whole of it. What names no test is left out
+        of all that know the column.
+
+    Raises
+    ------
+    DataError
+        If no test has such a column or value, or nothing would be left.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.measurement.opening import tests_without
+    >>> test = springpot.TimeTest.of_relaxation([0.1, 1.0, 10.0], [3.0, 2.0, 1.0])
+    >>> tests_without([test], {"time": "..0.5"})
+    [<TimeTest relaxation: relaxation, 2 samples, 1 to 10 s>]
+    """
+    meant, rest = _meant(tests, unwanted)
+    left: list[Test] = []
+    faults: list[DataError] = []
+    for test in tests:
+        if test not in meant:
+            left.append(test)
+            continue
+        try:
+            kept = ~rows_with(test, rest)
+        except DataError as error:
+            # Another test may have what this one lacks.
+            faults.append(error)
+            left.append(test)
+            continue
+        if kept.any():
+            left.append(test.subset(kept))
+    if len(faults) == len(meant):
+        raise faults[0]
+    if not left:
+        raise DataError(f"{tests[0].name}: nothing would be left")
+    return left
+
+
+def _meant(tests: Sequence[Test], unwanted: Mapping[str, str]) -> tuple[list[Test], dict[str, str]]:
+    """The tests that are named, or all of them, and the conditions on their rows."""
+    rest = dict(unwanted)
+    # A column of words may have that name, and then it is meant.
+    if "test" not in rest or any("test" in test.labels for test in tests):
+        return list(tests), rest
+    name = rest.pop("test")
+    for fits in (str.__eq__, str.startswith):
+        if named := [test for test in tests if fits(test.name, name)]:
+            return named, rest
+    known = ", ".join(test.name for test in tests)
+    raise DataError(f"there is no test '{name}' (there are: {known})")
+
+
+@dataclass(frozen=True)
+class DataSet:
+    """A data set that can be named instead of a file.
+
+    Parameters
+    ----------
+    name : str
+        What users type.
+    summary : str
+        One sentence on what was measured, or that nothing was.
+    load : callable
+        Gives the measurement; called only when the set is used.
+    kind : str
+        ``measured``, ``artificial`` or ``reconstruction`` (computed from published parameters,
+        never measured).
+    licence : str
+        Terms under which the numbers may be used.
+    citation : str
+        Who measured, where it was published.
+    doi, origin : str
+        Of the publication, and where the numbers can be got.
+    size : int
+        Number of points, 0 if unknown before loading.
+    truth : mapping of str to float
+        Element parameters behind artificial data and reconstructions.
+    model : str
+        Model behind them, or the one used in the literature.
+    fit : str
+        What the literature found with it.
+    test : str
+        Instrument, geometry and kind of test.
+    columns : tuple of str
+        What is given, with units: ``omega [rad/s]``.
+    stiffness_scale : float or None
+        The paper's k-bar for these data.
+    physics : tuple of str
+        What is known to be in the data: friction, a shift with temperature, an artefact of the
+        instrument.
+    aliases : tuple of str
+        Other names.
+    remote : str
+        Address from which it is downloaded when it is first used; empty where it is on this
+        machine.
+    unavailable : str
+        Empty, or why the set cannot be loaded here and how to mend it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot import Measurement
+    >>> from springpot.measurement import DataSet
+    >>> two_points = Measurement([1.0, 2.0], [1j, 2j])
+    >>> DataSet("two-points", "made up", lambda: two_points, kind="artificial").open()
+    <Measurement measurement: 2 points, 0.159 to 0.318 Hz>
+    """
+
+    name: str
+    summary: str
+    load: Callable[[], Measurement]
+    kind: str = "measured"
+    licence: str = ""
+    citation: str = ""
+    doi: str = ""
+    origin: str = ""
+    size: int = 0
+    truth: dict[str, float] = field(default_factory=dict)
+    model: str = ""
+    fit: str = ""
+    test: str = ""
+    columns: tuple[str, ...] = ()
+    stiffness_scale: float | None = None
+    physics: tuple[str, ...] = ()
+    aliases: tuple[str, ...] = ()
+    remote: str = ""
+    unavailable: str = ""
+
+    @property
+    def where(self) -> str:
+        """In one word: ``here``, ``download``, or ``missing``."""
+        if self.unavailable:
+            return "missing"
+        if self.remote:
+            return "download"
+        return "here"
+
+    def open(self) -> Measurement:
+        """The measurement.
+
+        Raises
+        ------
+        DataError
+            If the set is unavailable here, or its plugin fails.
+        """
+        if self.unavailable:
+            raise DataError(f"data set '{self.name}' is unavailable: {self.unavailable}")
+        try:
+            loaded = self.load()
+        except DataError as error:
+            raise DataError(f"{owned('data set', self.name)}: {error}") from error
+        except (SpringpotError, MemoryError):
+            raise
+        except Exception as error:
+            raise DataError(
+                f"{owned('data set', self.name)} cannot be loaded: {described(error)}"
+            ) from error
+        if not isinstance(loaded, Measurement):
+            raise DataError(
+                f"{owned('data set', self.name)} gives {loaded!r:.80}, which is no measurement"
+            )
+        return loaded
+
 
 T = TypeVar("T")
 

@@ -17,11 +17,10 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import REPEATS
 
+from .independence import frequency_numbers
 from .measurement import CONDITIONS, Measurement
-from .mixed_tests import told_apart
-from .one_frequency import frequency_numbers
+from .mixed_tests import sweeps_of, told_apart
 from .scatter import LEAST_RELATIVE, Noise, Scatter, noise_shape
-from .sweeps import sweeps_of
 
 Rows: TypeAlias = NDArray[np.int64]
 

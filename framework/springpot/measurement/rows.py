@@ -1,22 +1,72 @@
 """Rows of a test and what is known of each, and which of them have what a user asks for.
 
 ``temperature=20``.
+
+Complex stiffness against frequency, as whoever asks for it wants to see it.
+
+Hz, storage, loss, magnitude.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
-from springpot.rheology.points import Real
+from springpot.rheology.points import Complex, Real
 
-from .parts_of_stiffness import Moduli
 from .units import Units
+
+
+class Moduli:
+    """What has a complex stiffness at angular frequencies, measured or predicted.
+
+    Attributes
+    ----------
+    omega : ndarray, shape (n,)
+        In rad/s.
+    stiffness : ndarray of complex, shape (n,)
+        K = K' + i K''.
+
+    Examples
+    --------
+    >>> from springpot import Measurement
+    >>> data = Measurement([62.83185307179586], [3.0 + 4.0j])
+    >>> data.frequency, data.magnitude
+    (array([10.]), array([5.]))
+    """
+
+    omega: Real
+    stiffness: Complex
+
+    def __len__(self) -> int:
+        return len(self.omega)
+
+    @property
+    def frequency(self) -> Real:
+        """Frequency f = omega / 2 pi in Hz, shape (n,)."""
+        return self.omega / (2.0 * np.pi)
+
+    @property
+    def storage(self) -> Real:
+        """Storage modulus K', shape (n,)."""
+        return self.stiffness.real
+
+    @property
+    def loss(self) -> Real:
+        """Loss modulus K'', shape (n,)."""
+        return self.stiffness.imag
+
+    @cached_property
+    def magnitude(self) -> Real:
+        """|K|, shape (n,)."""
+        return np.abs(self.stiffness)
+
 
 KELVINS = 0.5
 """Temperatures that agree to this belong to one choice."""

@@ -1,6 +1,10 @@
 """Step one of the paper: from signals against time to K' and K'' with their uncertainty, eq.
 
 (36)-(43).
+
+The transient with which a test starts: its time constant by variable projection.
+
+Whether anything oscillates in a record, or noise was taken for an oscillation.
 """
 
 from __future__ import annotations
@@ -12,12 +16,205 @@ from numpy.typing import ArrayLike
 
 from springpot.errors import DataError
 from springpot.rheology.points import Complex, Real
+from springpot.thresholds import SIGNALS
 
-from .fit import Basis, Fit, refined_frequency
-from .motion import require_motion, tried
-from .record import Record, Signals, in_order
-from .steady import Steady, coarse_frequency, excerpt_span, steady_part
-from .transient import fit_with_transient, unsteady_cycles
+from .fit import GONE, Basis, HarmonicFit, fit_harmonics, refined_frequency
+from .steady import (
+    MendedSignals,
+    Signals,
+    Steady,
+    coarse_frequency,
+    excerpt_span,
+    in_order,
+    steady_part,
+)
+
+STEP = 1.25
+"""Ratio of neighbouring time constants.
+
+The fit's second transient column makes up for what lies between them.
+"""
+LONGEST = 4.0
+"""Periods; what dies away more slowly than that is a drift and cannot pass for a harmonic."""
+ROUNDING = 1e-20
+"""Share of the square of exact signals that is left over."""
+
+
+def fit_with_transient(record: MendedSignals, basis: Basis) -> tuple[Basis, HarmonicFit]:
+    """Least squares with a decaying transient from the beginning of the part on, if there is one.
+
+    The evidence is what the transient takes from the squared residuals, counted in the noise that
+    it leaves near omega: slow noise of the same colour is not mistaken for it.
+    """
+    from scipy.special import chdtri, fdtri
+
+    # Two sieves, the cheap one first: most records have no transient, and are spared the second
+    # fit.
+    trial, gain, noise = _strongest(record, basis)
+    if np.any(gain > chdtri(1, SIGNALS.transient_alarm) * noise):
+        fit = fit_harmonics(record, trial)
+        if np.any(gain > fdtri(1, fit.freedom, 1 - SIGNALS.transient_alarm) * fit.noise[:2]):
+            return trial, fit
+    return basis, fit_harmonics(record, basis)
+
+
+def unsteady_cycles(fit: HarmonicFit) -> int:
+    """How many leading groups of cycles have a stiffness unlike that of the second half.
+
+    Compared with the mean and scatter of the second half (F test); what comes after the first
+    steady group is scatter and stays.
+    """
+    from scipy.special import fdtri
+
+    each = fit.groups[:, 1] / fit.groups[:, 0]
+    # A transient dies away, so that the later half is what the first cycles are measured by.
+    settled = each[len(each) // 2 :]
+    n = len(settled)
+    if n < 3 or not np.isfinite(each).all():
+        return 0
+    centre = settled.mean()
+    scatter = float(np.sum(np.abs(settled - centre) ** 2))
+    # Computed signals scatter by rounding only, which must not make every cycle an exception.
+    variance = max(scatter / (2 * (n - 1)), ROUNDING * float(abs(centre)) ** 2)
+    limit = 2 * variance * (1 + 1 / n) * fdtri(2, 2 * (n - 1), 1 - SIGNALS.first_cycle_alarm)
+    unlike = np.abs(each[: len(each) // 2] - centre) ** 2 > limit
+    # Only an unbroken beginning is a transient; what comes later is scatter.
+    return int(np.argmin(np.append(unlike, False)))
+
+
+def _strongest(record: MendedSignals, basis: Basis) -> tuple[Basis, Real, Real]:
+    """The basis with the transient that explains most, its gain and the noise variance.
+
+    The variance is (2,), of the channels.
+
+    A transient is linear but for its time constant, so that this alone is searched: each trial is
+    one more column, made orthogonal to the rest (variable projection, doi:10.1137/0710036).
+    """
+    period = 2 * np.pi / basis.omega
+    # In a short part even less: what lasts through it cannot be told from level and drift.
+    longest = min(LONGEST * period, (basis.stop - basis.start) / 4)
+    # By equal ratios: nobody knows beforehand how fast it dies.
+    trials = np.exp(np.arange(np.log(period / 16), np.log(longest), np.log(STEP)))
+    size = basis.size
+    total = size + len(trials)
+    normal, right, square, count = np.zeros((total, total)), np.zeros((total, 2)), np.zeros(2), 0
+    for time, both in record.blocks(basis.start, basis.stop):
+        if not len(time):
+            continue
+        columns = basis.columns(time)
+        # Later blocks hold nothing of it but rounding.
+        if time[0] - basis.start < GONE * longest:
+            columns = np.concatenate(
+                [columns, np.exp(-(time - basis.start)[:, None] / trials)], axis=1
+            )
+        have = columns.shape[1]
+        normal[:have, :have] += columns.T @ columns
+        right[:have] += columns.T @ both
+        square += np.sum(both**2, axis=0)
+        count += len(time)
+    gain, explained = _gains(normal, right, size)
+    left = np.maximum(square - explained, ROUNDING * square) + np.finfo(float).tiny
+    best = int(np.argmax(np.sum(gain / left, axis=1)))
+    noise = np.maximum(left - gain[best], ROUNDING * square) / max(count - size - 2, 1)
+    # Too few samples to tell a transient from what the other columns leave.
+    if count <= 2 * size:
+        return basis, np.zeros(2), np.ones(2)
+    return replace(basis, transient=float(trials[best])), gain[best], noise
+
+
+def _gains(normal: Real, right: Real, size: int) -> tuple[Real, Real]:
+    """What each trial takes from the squared residuals, (t, 2).
+
+    Also what the columns before them explain, (2,).
+    """
+    # Columns of one size: a transient that dies at once is small beside a level, which would cost
+    # digits.
+    scale = np.sqrt(np.maximum(np.diag(normal), np.finfo(float).tiny))
+    normal, right = normal / np.outer(scale, scale), right / scale[:, None]
+    shared = np.linalg.lstsq(
+        normal[:size, :size], np.column_stack([right[:size], normal[:size, size:]]), rcond=1e-13
+    )[0]
+    remaining = 1 - np.sum(normal[:size, size:] * shared[:, 2:], axis=0)
+    reach = right[size:] - normal[size:, :size] @ shared[:, :2]
+    # A trial that the other columns can imitate gains nothing.
+    gain = np.where(remaining[:, None] > 1e-3, reach**2 / np.maximum(remaining, 1e-3)[:, None], 0.0)
+    return gain, np.sum(right[:size] * shared[:, :2], axis=0)
+
+
+def tried(record: MendedSignals, frequency: bool, part: bool) -> float:
+    """Of how many candidates the searched frequency and part are the best, as far as noise has any.
+
+    Parameters
+    ----------
+    record : MendedSignals
+        The signals.
+    frequency, part : bool
+        Whether these were searched.
+    """
+    count = 1.0
+    # Noise of n samples has about n / 2 oscillations of its own, and a part may begin at any
+    # sample.
+    if frequency:
+        count *= max(0.5 * len(record.time), 1.0)
+        if part:
+            count *= len(record.time)
+    return count
+
+
+def highest_of_noise(freedom: float, candidates: float) -> float:
+    """Quantile of F(2, `freedom`) that the best of so many noise candidates exceeds in 0.1 %.
+
+    Its tail is a power, chance = (1 + 2 F / nu)^(-nu / 2). Solved for F, for the complement of a
+    chance of 1e-17 is rounded to one: six million samples have so many candidates.
+
+    Examples
+    --------
+    >>> from springpot.measurement.signals import highest_of_noise
+    >>> round(highest_of_noise(20.0, 1.0), 2), round(highest_of_noise(1e7, 5e13), 1)
+    (9.95, 38.5)
+    """
+    chance = (1.0 - SIGNALS.motion) / candidates
+    return 0.5 * freedom * float(np.expm1(-2.0 / freedom * np.log(chance)))
+
+
+def require_motion(
+    record: MendedSignals, basis: Basis, fit: HarmonicFit, candidates: float
+) -> None:
+    """Refuse a frequency at which the displacement is no more than its noise there (F test, 0.1 %).
+
+    Parameters
+    ----------
+    record : MendedSignals
+        The signals.
+    basis : Basis
+        What was fitted.
+    fit : HarmonicFit
+        What it gave.
+    candidates : float
+        Of how many candidates this one is the best; 1 where the frequency was given.
+
+    Raises
+    ------
+    DataError
+        If the displacement does not oscillate.
+    """
+    # Variance of cosine and sine together: noise alone makes an amplitude of this size.
+    noise = float(fit.noise[0]) * float(np.trace(fit.inverse))
+    if abs(fit.amplitude[0, 0]) ** 2 > highest_of_noise(fit.freedom, candidates) * noise:
+        return
+    if candidates > 1.0:
+        raise DataError(
+            f"{record.name}: nothing oscillates in this record, the displacement scatters about its"
+            " level; where it does, say when and how fast: --window START STOP --frequency HZ"
+            " (window, omega in Python)"
+        )
+    moving = coarse_frequency(record)
+    raise DataError(
+        f"{record.name}: the displacement does not oscillate at {basis.omega:.4g} rad/s "
+        f"({basis.omega / (2 * np.pi):.4g} Hz); give the frequency at which it does, "
+        f"{moving:.4g} rad/s ({moving / (2 * np.pi):.4g} Hz), or none"
+    )
+
 
 BENT = 0.05
 """Third harmonic of a displacement, over its first, from which it is told to be no sinusoid."""
@@ -201,7 +398,7 @@ def harmonics_of(
     return _summary(basis, sd, fit, notes, record)
 
 
-def _given_part(record: Record, window: tuple[float, float]) -> Steady:
+def _given_part(record: MendedSignals, window: tuple[float, float]) -> Steady:
     start, stop = window
     if not start < stop or stop <= record.time[0] or start >= record.time[-1]:
         raise DataError(
@@ -215,7 +412,7 @@ def _given_part(record: Record, window: tuple[float, float]) -> Steady:
 
 
 def _basis(
-    record: Record, part: Steady, omega: float, refine: bool, harmonics: int, trim: bool
+    record: MendedSignals, part: Steady, omega: float, refine: bool, harmonics: int, trim: bool
 ) -> tuple[Basis, float]:
     """The basis of the final fit.
 
@@ -251,7 +448,7 @@ def _basis(
     return basis, sd
 
 
-def _nested(record: Record, basis: Basis) -> float:
+def _nested(record: MendedSignals, basis: Basis) -> float:
     """The frequency refined over longer and longer parts.
 
     Over all of a long record the first guess is cycles off.
@@ -264,7 +461,7 @@ def _nested(record: Record, basis: Basis) -> float:
     return omega
 
 
-def _affordable(record: Record, part: Steady, omega: float, harmonics: int) -> int:
+def _affordable(record: MendedSignals, part: Steady, omega: float, harmonics: int) -> int:
     # Complete samples only: a gap tells nothing of a harmonic.
     count = sum(len(time) for time, _ in record.blocks(part.start, part.stop))
     cycles = (part.stop - part.start) * omega / (2 * np.pi)
@@ -294,7 +491,7 @@ def _whole_cycles(basis: Basis) -> Basis:
 
 
 def _summary(
-    basis: Basis, omega_sd: float, fit: Fit, notes: tuple[str, ...], record: Record
+    basis: Basis, omega_sd: float, fit: HarmonicFit, notes: tuple[str, ...], record: MendedSignals
 ) -> Harmonics:
     moved, force = fit.amplitude
     if not abs(moved[0]) > 0:
@@ -340,7 +537,7 @@ def _summary(
     )
 
 
-def _propagated(moved: complex, fit: Fit) -> complex:
+def _propagated(moved: complex, fit: HarmonicFit) -> complex:
     """Standard deviations of K' and K'' by dK = (dU - K dX) / X.
 
     What matters is the noise of u - K x near omega, with K turning the displacement's noise: its

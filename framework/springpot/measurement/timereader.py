@@ -7,10 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from .budget import within_budget
-from .naming import file_and_choice, is_file, without_rows
 from .opening import read_head
-from .reader import Choice
-from .recognition import guarded, surest, to_type
+from .reader import Choice, file_and_choice, guarded, is_file, surest, to_type, without_rows
 from .timetest import TimeTest
 
 SURE = 0.5

@@ -15,9 +15,8 @@ from springpot.errors import DataError
 from springpot.rheology.points import KELVIN, Real
 from springpot.terminal_safe import plain
 
-from .conversion import Conversion, to_modulus, to_stiffness
 from .from_signals import stiffness_unit
-from .geometry import Geometry
+from .geometry import Conversion, Geometry, to_modulus, to_stiffness
 from .geometry_text import words_of
 from .imposed import SHORT, STEADY, Loading, controlled, from_rest, is_released
 from .units import (

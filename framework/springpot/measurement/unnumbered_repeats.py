@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from springpot.thresholds import VARIED
 
+from .independence import frequency_numbers
 from .measurement import Measurement
 from .mixed_tests import NOTE as TOGETHER
 from .mixed_tests import RUNS, largest_test, told_apart
-from .one_frequency import frequency_numbers
 
 NOTE = "note repeats"
 """Key of the note in a measurement's provenance."""

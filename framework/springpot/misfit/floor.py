@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from springpot.distributions import f_quantile, f_sf
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.mixed_tests import sweeps_of
 from springpot.measurement.replicates import Averaged, average_repeats, noise_of_repeats
 from springpot.measurement.scatter import (
     Noise,
@@ -24,14 +25,13 @@ from springpot.measurement.scatter import (
     plausible_variance,
     robust_noise_shape,
 )
-from springpot.measurement.sweeps import sweeps_of
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import SCATTER, VERDICT
 
-from .frame import Frame
+from .frame import NoiseFrame
+from .outliers import Trimmed, trimmed
 from .refit import Refit, refit
-from .robust_scatter import Trimmed, trimmed
 
 STARTS = 16
 """Starts of a first fit, of whose parameters nothing is known."""
@@ -320,7 +320,7 @@ def _of_residual(fitted: Refit, scatter: Trimmed) -> Noise:
     return Noise(sd, scatter.dof, "estimated")
 
 
-def scatter_about(frame: Frame) -> tuple[float, float]:
+def scatter_about(frame: NoiseFrame) -> tuple[float, float]:
     """Variance of whitened scatter and its degrees of freedom.
 
     What neither the fit nor structure can follow.

@@ -4,6 +4,10 @@ Below it lies what a spring, dashpot, springpot or mode may mend; above it what 
 one temperature and amplitude: a mass, the instrument, temperature, amplitude, history. A free
 spectrum at each temperature alone shows which of them are none of a material, and one with free
 factors at each whether any shift could join the others.
+
+Whether the amplitude matters, and how, without a model.
+
+A material for each amplitude beside one for all.
 """
 
 from __future__ import annotations
@@ -15,9 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import f_sf
+from springpot.format_numbers import number
 from springpot.identification.material import is_material
 from springpot.identification.material_fit import least_error
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.mixed_tests import temperatures_differ
 from springpot.rheology.continuum import Continuum
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
@@ -212,7 +218,7 @@ def beyond_any_material(floor: MaterialFloor) -> Iterator[str]:
 
 
 @dataclass(frozen=True, eq=False)
-class Level:
+class ConditionLevel:
     """One level of a condition, followed by a free spectrum of its own.
 
     Attributes
@@ -271,7 +277,7 @@ def notes_on_levels(base: Refit, library: Sequence[Effect]) -> Iterator[str]:
             yield from _joined(base, name, sound, joining)
 
 
-def each_alone(base: Refit, name: str) -> list[Level]:
+def each_alone(base: Refit, name: str) -> list[ConditionLevel]:
     """Every level of a condition that has enough points, with its own material."""
     measurement = base.fit.measurement
     number = measurement.levels(name)
@@ -285,11 +291,13 @@ def each_alone(base: Refit, name: str) -> list[Level]:
         # follows.
         fitted = refit(any_material(), base.data.without(~inside), base.noise.of(inside))
         value = float(np.mean(measurement.conditions[name][inside]))
-        found.append(Level(value, np.flatnonzero(inside), fitted))
+        found.append(ConditionLevel(value, np.flatnonzero(inside), fitted))
     return found
 
 
-def fitted_together(base: Refit, levels: Sequence[Level], effects: Sequence[Effect] = ()) -> Refit:
+def fitted_together(
+    base: Refit, levels: Sequence[ConditionLevel], effects: Sequence[Effect] = ()
+) -> Refit:
     """One material, with these effects, fitted to all levels' rows in the noise of the whole."""
     inside = np.zeros(len(base.fit.measurement), dtype=bool)
     inside[np.concatenate([level.rows for level in levels])] = True
@@ -297,14 +305,14 @@ def fitted_together(base: Refit, levels: Sequence[Level], effects: Sequence[Effe
     return refit(model, base.data.without(~inside), base.noise.of(inside))
 
 
-def needs_each(together: Refit, levels: Sequence[Level]) -> bool:
+def needs_each(together: Refit, levels: Sequence[ConditionLevel]) -> bool:
     """Whether a material for each level explains more than chance by its freedom (Fisher's test).
 
     Parameters
     ----------
     together : Refit
         One material for all levels.
-    levels : sequence of Level
+    levels : sequence of ConditionLevel
         Each with its own.
     """
     apart = sum(level.fitted.rss for level in levels)
@@ -316,7 +324,7 @@ def needs_each(together: Refit, levels: Sequence[Level]) -> bool:
     return ratio > 1.0 and float(f_sf(ratio, spent, spare)) < VERDICT.sentence_alarm
 
 
-def levels_of_no_material(levels: Sequence[Level]) -> list[Level]:
+def levels_of_no_material(levels: Sequence[ConditionLevel]) -> list[ConditionLevel]:
     """Levels at which a free spectrum fails far more than at the others.
 
     Beyond what scatter makes of such few.
@@ -340,7 +348,7 @@ def levels_of_no_material(levels: Sequence[Level]) -> list[Level]:
 
 
 def _joined(
-    base: Refit, name: str, levels: Sequence[Level], free: Sequence[Effect]
+    base: Refit, name: str, levels: Sequence[ConditionLevel], free: Sequence[Effect]
 ) -> Iterator[str]:
     """A sentence where each level is a material, and no factors of time and modulus join them."""
     together = fitted_together(base, levels, free)
@@ -358,7 +366,7 @@ def _joined(
     )
 
 
-def error_of_each(levels: Sequence[Level]) -> float:
+def error_of_each(levels: Sequence[ConditionLevel]) -> float:
     """Relative error of all levels, each followed by its own material."""
     # Weighted by points, so that it stands beside the error of one fit to all of them.
     squares: Real = np.array([level.error**2 for level in levels])
@@ -366,7 +374,10 @@ def error_of_each(levels: Sequence[Level]) -> float:
 
 
 def strange_in_words(
-    measurement: Measurement, name: str, levels: Sequence[Level], strange: Sequence[Level]
+    measurement: Measurement,
+    name: str,
+    levels: Sequence[ConditionLevel],
+    strange: Sequence[ConditionLevel],
 ) -> str:
     """A sentence on levels that are no material by themselves.
 
@@ -378,7 +389,7 @@ def strange_in_words(
         The data.
     name : str
         Of the condition.
-    levels, strange : sequence of Level
+    levels, strange : sequence of ConditionLevel
         All, and those that stand out.
     """
     places = " and ".join(
@@ -395,3 +406,86 @@ def strange_in_words(
         f"no linear passive material behaves as at {places}: a free spectrum at that {name} alone"
         f" is {errors} off, elsewhere {usual}; {causes}"
     )
+
+
+FEWEST_COMMON = 3
+"""Frequencies shared by the lowest amplitude and all others, at which moduli are compared."""
+STAYS = 0.05
+"""Share of a loss factor by which it may differ over amplitudes and be one in two digits."""
+TURNS = 0.1
+"""Share of its range by which a course goes beyond both of its ends to be told as one that turns.
+"""
+
+
+def notes_on_amplitudes(base: Refit) -> Iterator[str]:
+    """Sentences on what the amplitude does.
+
+    None where it was not varied, or where temperatures differ as well.
+
+    Parameters
+    ----------
+    base : Refit
+        A fit that leaves structure; its data and their noise are used, its model is not.
+    """
+    measurement = base.fit.measurement
+    # At several temperatures one material could not follow them at one amplitude either.
+    if "amplitude" not in measurement.conditions or temperatures_differ(measurement):
+        return
+    levels = each_alone(base, "amplitude")
+    if len(levels) < 2:
+        return
+    one, each = fitted_together(base, levels), error_of_each(levels)
+    beside = f"one material for all {len(levels)} amplitudes is {percent(one.relative_rms)} off"
+    if not needs_each(one, levels):
+        yield f"{beside}, one for each {percent(each)}: the amplitude does not matter"
+        return
+    yield f"{beside}, one for each {percent(each)}: {_course(measurement, levels)}"
+    strange = levels_of_no_material(levels)
+    if len(levels) > 2 and strange:
+        yield strange_in_words(measurement, "amplitude", levels, strange)
+
+
+def _course(measurement: Measurement, levels: Sequence[ConditionLevel]) -> str:
+    """How modulus and loss factor go with the amplitude, at frequencies that all levels share."""
+    low = max(float(measurement.omega[level.rows].min()) for level in levels)
+    high = min(float(measurement.omega[level.rows].max()) for level in levels)
+    own = measurement.omega[levels[0].rows]
+    omega = np.unique(own[(own >= low) & (own <= high)])
+    if len(omega) < FEWEST_COMMON:
+        return "the amplitude matters"
+    curves = [level.fitted.model.stiffness(level.fitted.theta, omega) for level in levels]
+    places = [with_unit(measurement, "amplitude", level.value) for level in levels]
+    # In logarithms: a modulus is compared by ratios, over frequencies at which it differs by
+    # decades.
+    sizes = np.array(
+        [float(np.exp(np.mean(np.log(np.abs(curve / curves[0]))))) for curve in curves]
+    )
+    tangents = np.array([float(np.tan(np.mean(np.angle(curve)))) for curve in curves])
+    change = "rises"
+    if sizes[-1] < 1.0:
+        change = "falls"
+    size = (
+        f"{measurement.units.magnitude} {change} by"
+        f" {percent(abs(sizes[-1] - 1.0))}{_turn(sizes, places)}"
+    )
+    loss = (
+        f"the loss factor goes from {number(tangents[0], 2)} to"
+        f" {number(tangents[-1], 2)}{_turn(tangents, places)}"
+    )
+    if float(np.ptp(tangents)) < STAYS * float(np.max(tangents)):
+        loss = f"the loss factor stays at {number(float(np.mean(tangents)), 2)}"
+    return f"from {places[0]} to {places[-1]} {size}, and {loss}"
+
+
+def _turn(values: Real, places: Sequence[str]) -> str:
+    """Where between its ends a course lies beyond both of them; empty where it goes one way."""
+    inner = values[1:-1]
+    ends = min(values[0], values[-1]), max(values[0], values[-1])
+    beyond = np.maximum(inner - ends[1], ends[0] - inner)
+    if not len(inner) or float(np.max(beyond)) < TURNS * float(np.ptp(values)):
+        return ""
+    at = int(np.argmax(beyond))
+    extreme = "least"
+    if inner[at] > ends[1]:
+        extreme = "most"
+    return f" ({extreme} at {places[1 + at]})"

@@ -42,7 +42,7 @@ SCALES = 2000
 
 
 @dataclass(frozen=True, eq=False)
-class Axis:
+class MeasuredAxis:
     """One direction in which a measurement extends.
 
     Attributes
@@ -89,11 +89,11 @@ class Blocks:
 
     Parameters
     ----------
-    axes : sequence of Axis
+    axes : sequence of MeasuredAxis
         Directions in which it extends.
     """
 
-    def __init__(self, axes: Sequence[Axis]) -> None:
+    def __init__(self, axes: Sequence[MeasuredAxis]) -> None:
         self.axes = tuple(axes)
         self.shape = tuple(axis.count for axis in axes)
         self._cell = np.ravel_multi_index(tuple(axis.level for axis in axes), self.shape)

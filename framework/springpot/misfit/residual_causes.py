@@ -14,22 +14,27 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
 from springpot.distributions import f_sf, normal_quantile
-from springpot.measurement.measurement import Measurement
-from springpot.measurement.mixed_tests import TIME, largest_test, settings_of, tests_together
-from springpot.measurement.one_frequency import (
+from springpot.measurement.independence import (
     at_one_frequency,
     distinct_log_omega,
     frequency_numbers,
 )
-from springpot.measurement.sweeps import sweeps_of, temperatures_differ
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.mixed_tests import (
+    TIME,
+    largest_test,
+    settings_of,
+    sweeps_of,
+    temperatures_differ,
+    tests_together,
+)
 from springpot.measurement.unnumbered_repeats import ADVICE, stands_again
 from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import VERDICT
 
-from .frame import LEAST_SEEN, Frame, chance_of_squares
+from .frame import LEAST_SEEN, NoiseFrame, chance_of_squares, orthonormal
 from .refit import Refit
-from .shapes import orthonormal
 from .where import where
 from .words import percent, plain
 
@@ -60,14 +65,14 @@ PATTERNS = {
 }
 
 
-def causal_evidence(frame: Frame, x: Real, groups: Sequence[Rows]) -> float:
+def causal_evidence(frame: NoiseFrame, x: Real, groups: Sequence[Rows]) -> float:
     """Log-evidence for causality against independent K' and K''.
 
     Near zero where the data cannot tell.
 
     Parameters
     ----------
-    frame : Frame
+    frame : NoiseFrame
         The fit whose residual is judged.
     x : ndarray, shape (n,)
         Ln omega along which it is a curve, reduced by temperature or not.
@@ -102,7 +107,7 @@ def causal_evidence(frame: Frame, x: Real, groups: Sequence[Rows]) -> float:
     return top.pop("causal") - max(top.values())
 
 
-def step_of(frame: Frame) -> float:
+def step_of(frame: NoiseFrame) -> float:
     """Distance of neighbouring measured frequencies in ln omega, within reason."""
     distinct = distinct_log_omega(frame.measurement)
     if len(distinct) < 2:
@@ -110,7 +115,7 @@ def step_of(frame: Frame) -> float:
     return float(max(np.median(np.diff(distinct)), np.ptp(distinct) / MOST_STEPS))
 
 
-def _bumps(frame: Frame, x: Real, rows: Rows, width: float) -> Iterator[tuple[str, Real]]:
+def _bumps(frame: NoiseFrame, x: Real, rows: Rows, width: float) -> Iterator[tuple[str, Real]]:
     """Columns (2m, q) of the causal curve and of those whose parts are independent, whitened."""
     stiffness = frame.model_stiffness[rows]
     shapes = np.array(list(_shapes(x[rows], stiffness, width)))
@@ -236,14 +241,14 @@ class EqualRows:
         return f"rows measured under the same conditions differ by {percent(self.difference)}"
 
 
-def equal_rows_behind(frame: Frame, measurement: Measurement) -> EqualRows | None:
+def equal_rows_behind(frame: NoiseFrame, measurement: Measurement) -> EqualRows | None:
     """Rows of one frequency between which most of a misfit lies; None where it lies elsewhere.
 
     What rows under the same conditions differ by is no lack of fit: it needs no model to be seen.
 
     Parameters
     ----------
-    frame : Frame
+    frame : NoiseFrame
         The fit of the best model.
     measurement : Measurement
         The data as given; rows of the fit may have been set aside.
@@ -269,7 +274,7 @@ def equal_rows_behind(frame: Frame, measurement: Measurement) -> EqualRows | Non
     return EqualRows(float(np.sqrt(np.sum(off**2) / (len(number) - len(count)))), share)
 
 
-def column_behind(frame: Frame) -> Column | None:
+def column_behind(frame: NoiseFrame) -> Column | None:
     """The column of the file with which a misfit goes.
 
     None where there is none, or it takes too little.
@@ -280,7 +285,7 @@ def column_behind(frame: Frame) -> Column | None:
 
     Parameters
     ----------
-    frame : Frame
+    frame : NoiseFrame
         The fit of the best model.
     """
     misfit, spare = float(frame.rest @ frame.rest), frame.size - int(frame.absorbed.shape[1])
@@ -359,14 +364,14 @@ class _Seen:
         return max(self.energy - self.size, 0.0)
 
 
-def discrepancy(frame: Frame, log_shift: Real | None = None) -> list[str]:
+def discrepancy(frame: NoiseFrame, log_shift: Real | None = None) -> list[str]:
     """Sentences on what a model leaves.
 
     None where that is noise, and none on what the data cannot tell.
 
     Parameters
     ----------
-    frame : Frame
+    frame : NoiseFrame
         The fit of the best model.
     log_shift : ndarray, shape (n,), optional
         Its ln a_T at the points, see `log_shift_of`; without it nothing is said of temperature.
@@ -401,7 +406,7 @@ def log_shift_of(found: Refit) -> Real | None:
     return total
 
 
-def _size_in_words(frame: Frame, place: str) -> str:
+def _size_in_words(frame: NoiseFrame, place: str) -> str:
     off = np.abs(frame.measurement.stiffness - frame.model_stiffness) / frame.measurement.magnitude
     noise = (
         1.0 / frame.weights.real**2 + 1.0 / frame.weights.imag**2
@@ -419,7 +424,7 @@ def _size_in_words(frame: Frame, place: str) -> str:
     return f"what is left is {much}: {place}"
 
 
-def _seen(frame: Frame, basis: Real) -> _Seen:
+def _seen(frame: NoiseFrame, basis: Real) -> _Seen:
     return _Seen(float(np.sum((basis.T @ frame.rest) ** 2)), int(basis.shape[1]), frame.scale_dof)
 
 
@@ -429,7 +434,7 @@ def _basis_without(basis: Real, other: Real) -> Real:
     return orthonormal(left[:, np.linalg.norm(left, axis=0) > LEAST_SEEN], LEAST_SEEN)
 
 
-def _curve(frame: Frame, x: Real) -> Real:
+def _curve(frame: NoiseFrame, x: Real) -> Real:
     """Basis (2n, q) of any one curve along x, in size and phase of K."""
     step = step_of(frame)
     knots = x.min() + step * np.arange(-3, np.ptp(x) / step + 5.0)
@@ -439,7 +444,7 @@ def _curve(frame: Frame, x: Real) -> Real:
     return frame.beyond(frame.relative(splines), LEAST_SEEN)
 
 
-def _pattern(frame: Frame, log_shift: Real | None) -> str:
+def _pattern(frame: NoiseFrame, log_shift: Real | None) -> str:
     """Whether the residual is one curve of frequency (fixed) or reduced frequency (moving)."""
     # Where the shift is small beside the band, one curve is as good as the other.
     if (
@@ -466,7 +471,7 @@ def _explains_alone(one: _Seen, other: _Seen) -> bool:
     return one.chance < VERDICT.sentence_alarm and other.excess < VERDICT.rival_rest * one.excess
 
 
-def _causality(frame: Frame, pattern: str, log_shift: Real | None) -> str:
+def _causality(frame: NoiseFrame, pattern: str, log_shift: Real | None) -> str:
     x, groups = (
         np.log(frame.measurement.omega),
         [sweep.rows for sweep in sweeps_of(frame.measurement)],
@@ -496,7 +501,7 @@ def _causality(frame: Frame, pattern: str, log_shift: Real | None) -> str:
     return ""
 
 
-def _no_rougher(frame: Frame) -> Frame:
+def _no_rougher(frame: NoiseFrame) -> NoiseFrame:
     """The frame with noise as large as neighbours differ.
 
     Scatter beyond the stated one is no breach of causality.
@@ -511,7 +516,7 @@ def _no_rougher(frame: Frame) -> Frame:
     return replace(frame, weights=frame.weights / max(scatter, 1.0))
 
 
-def _is_one(frame: Frame, curve: Real) -> bool:
+def _is_one(frame: NoiseFrame, curve: Real) -> bool:
     """Whether one curve is all that the residual has beside noise.
 
     Else each sweep is judged by itself.
@@ -521,7 +526,7 @@ def _is_one(frame: Frame, curve: Real) -> bool:
     return _Seen(left, free, frame.scale_dof).chance > VERDICT.all_of_it
 
 
-def _with_resonance(frame: Frame, x: Real) -> Frame:
+def _with_resonance(frame: NoiseFrame, x: Real) -> NoiseFrame:
     """The frame of a model that has one resonance more.
 
     Too narrow for the points, it would not look causal.

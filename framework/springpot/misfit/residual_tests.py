@@ -9,15 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.measurement.measurement import CONDITIONS
-from springpot.measurement.sweeps import sweeps_of
+from springpot.measurement.mixed_tests import sweeps_of
 from springpot.rheology.points import Real
 from springpot.thresholds import OUTLIERS
 
-from .cross_validation import unseen_error, unseen_in_words
-from .frame import Frame
+from .frame import Drawn, NoiseFrame, spectrum
 from .mains_hum import near_mains
 from .outliers import point_in_words
-from .shapes import Drawn, spectrum
+from .refit import unseen_error, unseen_in_words
 from .words import plain, times
 
 Rows: TypeAlias = NDArray[np.int64]
@@ -45,19 +44,19 @@ class ResidualTest(NamedTuple):
     """
 
     name: str
-    statistic: Callable[[Frame, Drawn], Real | None]
-    says: Callable[[Frame], tuple[float, str]]
+    statistic: Callable[[NoiseFrame, Drawn], Real | None]
+    says: Callable[[NoiseFrame], tuple[float, str]]
 
 
 # Too much scatter: noise that was estimated from it cannot be exceeded, but one part may exceed the
 # other.
-def _scatter(frame: Frame, sample: Drawn) -> Real | None:
+def _scatter(frame: NoiseFrame, sample: Drawn) -> Real | None:
     if frame.estimated:
         return None
     return np.asarray(np.einsum("ij,ij->i", sample, sample), dtype=np.float64)
 
 
-def _scatter_in_words(frame: Frame) -> tuple[float, str]:
+def _scatter_in_words(frame: NoiseFrame) -> tuple[float, str]:
     value, free = float(frame.rest @ frame.rest), frame.size - frame.absorbed.shape[1]
     ratio = times(np.sqrt(value / max(free, 1)))
     says = (
@@ -69,8 +68,8 @@ def _scatter_in_words(frame: Frame) -> tuple[float, str]:
 
 # An estimated noise is brought to unit scatter over both parts together: one of them may still be
 # too large.
-def _part(number: int) -> Callable[[Frame, Drawn], Real]:
-    def statistic(frame: Frame, sample: Drawn) -> Real:
+def _part(number: int) -> Callable[[NoiseFrame, Drawn], Real]:
+    def statistic(frame: NoiseFrame, sample: Drawn) -> Real:
         n = len(frame.measurement)
         return np.asarray(
             np.sum(sample[:, number * n : (number + 1) * n] ** 2, axis=1), dtype=np.float64
@@ -79,8 +78,8 @@ def _part(number: int) -> Callable[[Frame, Drawn], Real]:
     return statistic
 
 
-def _part_in_words(number: int, word: str) -> Callable[[Frame], tuple[float, str]]:
-    def says(frame: Frame) -> tuple[float, str]:
+def _part_in_words(number: int, word: str) -> Callable[[NoiseFrame], tuple[float, str]]:
+    def says(frame: NoiseFrame) -> tuple[float, str]:
         n = len(frame.measurement)
         rows = slice(number * n, (number + 1) * n)
         # What the parameters follow of this part alone: a fit may spend nearly all of its freedom
@@ -94,8 +93,8 @@ def _part_in_words(number: int, word: str) -> Callable[[Frame], tuple[float, str
 
 # Structure along sweeps: slow curves, of each sweep or of all, and errors that all sweeps share at
 # a frequency.
-def _along(basis_of: Callable[[Frame], Real]) -> Callable[[Frame, Drawn], Real | None]:
-    def statistic(frame: Frame, sample: Drawn) -> Real | None:
+def _along(basis_of: Callable[[NoiseFrame], Real]) -> Callable[[NoiseFrame, Drawn], Real | None]:
+    def statistic(frame: NoiseFrame, sample: Drawn) -> Real | None:
         basis = basis_of(frame)
         if basis.shape[1] == 0:
             return None
@@ -106,9 +105,9 @@ def _along(basis_of: Callable[[Frame], Real]) -> Callable[[Frame, Drawn], Real |
 
 
 def _along_in_words(
-    basis_of: Callable[[Frame], Real], word: str
-) -> Callable[[Frame], tuple[float, str]]:
-    def says(frame: Frame) -> tuple[float, str]:
+    basis_of: Callable[[NoiseFrame], Real], word: str
+) -> Callable[[NoiseFrame], tuple[float, str]]:
+    def says(frame: NoiseFrame) -> tuple[float, str]:
         basis = basis_of(frame)
         there = float(np.sum((basis.T @ frame.rest) ** 2)) / basis.shape[1]
         scatter = float(frame.rough @ frame.rough) / max(frame.rough_dof, 1)
@@ -118,30 +117,30 @@ def _along_in_words(
     return says
 
 
-def _smooth(frame: Frame) -> Real:
+def _smooth(frame: NoiseFrame) -> Real:
     return frame.smooth
 
 
-def _shared(frame: Frame) -> Real:
+def _shared(frame: NoiseFrame) -> Real:
     return frame.shared
 
 
-def _common(frame: Frame) -> Real:
+def _common(frame: NoiseFrame) -> Real:
     return frame.common
 
 
 # Neighbours that are alike, along frequency and in the order in which they were measured; and what
 # swings.
-def _along_frequency(frame: Frame) -> list[Rows]:
+def _along_frequency(frame: NoiseFrame) -> list[Rows]:
     return [sweep.rows for sweep in sweeps_of(frame.measurement)]
 
 
-def _in_order(frame: Frame) -> list[Rows]:
+def _in_order(frame: NoiseFrame) -> list[Rows]:
     return [np.arange(len(frame.measurement))]
 
 
-def _alike(orders: Callable[[Frame], list[Rows]]) -> Callable[[Frame, Drawn], Real]:
-    def statistic(frame: Frame, sample: Drawn) -> Real:
+def _alike(orders: Callable[[NoiseFrame], list[Rows]]) -> Callable[[NoiseFrame, Drawn], Real]:
+    def statistic(frame: NoiseFrame, sample: Drawn) -> Real:
         n = len(frame.measurement)
         total: Real = np.zeros(len(sample))
         for rows in orders(frame):
@@ -161,9 +160,9 @@ def kinship(rows: Drawn) -> Real:
 
 
 def _alike_in_words(
-    orders: Callable[[Frame], list[Rows]], word: str
-) -> Callable[[Frame], tuple[float, str]]:
-    def says(frame: Frame) -> tuple[float, str]:
+    orders: Callable[[NoiseFrame], list[Rows]], word: str
+) -> Callable[[NoiseFrame], tuple[float, str]]:
+    def says(frame: NoiseFrame) -> tuple[float, str]:
         n, rest = len(frame.measurement), frame.rest
         pairs = [(rows[:-1] + k, rows[1:] + k) for rows in orders(frame) for k in (0, n)]
         first, second = (np.concatenate(side) for side in zip(*pairs, strict=True))
@@ -175,7 +174,7 @@ def _alike_in_words(
     return says
 
 
-def _ripple(frame: Frame, sample: Drawn) -> Real:
+def _ripple(frame: NoiseFrame, sample: Drawn) -> Real:
     """Largest energy of a periodic residual along the sweeps, of one period in all of them.
 
     Where the noise is told by these data, as a share of all: the scatter beside slow curves holds
@@ -192,7 +191,7 @@ def _ripple(frame: Frame, sample: Drawn) -> Real:
     return np.asarray(largest)
 
 
-def _ripple_in_words(frame: Frame) -> tuple[float, str]:
+def _ripple_in_words(frame: NoiseFrame) -> tuple[float, str]:
     power = spectrum(frame.measurement, frame.rest[None])[0]
     # The place 0 is a constant, of no period at all.
     peak = max(int(np.argmax(power)), 1)
@@ -201,19 +200,19 @@ def _ripple_in_words(frame: Frame) -> tuple[float, str]:
 
 
 # What stands out: one frequency in all sweeps, single points, multiples of the mains.
-def _one_frequency(frame: Frame, sample: Drawn) -> Real:
+def _one_frequency(frame: NoiseFrame, sample: Drawn) -> Real:
     narrow = frame.narrow.astype(sample.dtype)
     return np.asarray(np.max(np.abs(sample @ narrow), axis=1, initial=0.0), dtype=np.float64)
 
 
-def _one_frequency_in_words(frame: Frame) -> tuple[float, str]:
+def _one_frequency_in_words(frame: NoiseFrame) -> tuple[float, str]:
     along = np.abs(frame.rest @ frame.narrow)
     size = float(np.max(along, initial=0.0))
     words = "at one frequency, with its neighbours or alone, the residual is off by"
     return size, f"{words} {plain(size, 2)} sd in all sweeps"
 
 
-def _largest(frame: Frame, sample: Drawn) -> Real | None:
+def _largest(frame: NoiseFrame, sample: Drawn) -> Real | None:
     """The furthest point.
 
     Where the data's own scatter is dealt out, it is dealt out too, and tells nothing.
@@ -223,12 +222,12 @@ def _largest(frame: Frame, sample: Drawn) -> Real | None:
     return np.asarray(np.max(np.abs(sample), axis=1), dtype=np.float64)
 
 
-def _largest_in_words(frame: Frame) -> tuple[float, str]:
+def _largest_in_words(frame: NoiseFrame) -> tuple[float, str]:
     size = float(np.max(np.abs(frame.rest)))
     return size, f"the furthest point is off by {plain(size, 2)} sd"
 
 
-def points_in_words(frame: Frame, points: Sequence[int]) -> tuple[float, float, bool, str]:
+def points_in_words(frame: NoiseFrame, points: Sequence[int]) -> tuple[float, float, bool, str]:
     """Size, chance and sentence of points that stand out by the rule of `outliers`."""
     rows = list(points)
     n = len(frame.measurement)
@@ -246,7 +245,7 @@ def points_in_words(frame: Frame, points: Sequence[int]) -> tuple[float, float, 
     return size, OUTLIERS.rare, True, f"{verb} at {places}"
 
 
-def _bends(frame: Frame) -> tuple[Rows, Rows, Rows]:
+def _bends(frame: NoiseFrame) -> tuple[Rows, Rows, Rows]:
     """Every inner point of a sweep with its neighbours, in both parts: rows of (2n,)."""
     n = len(frame.measurement)
     lines = [rows + k for rows in _along_frequency(frame) for k in (0, n)]
@@ -258,7 +257,7 @@ def _bends(frame: Frame) -> tuple[Rows, Rows, Rows]:
     return before, here, after
 
 
-def _hum(frame: Frame, sample: Drawn) -> Real | None:
+def _hum(frame: NoiseFrame, sample: Drawn) -> Real | None:
     """Whether points at mains multiples stand off from their neighbours more than others do."""
     before, here, after = _bends(frame)
     near = np.tile(near_mains(frame.measurement.frequency), 2)[here]
@@ -271,7 +270,7 @@ def _hum(frame: Frame, sample: Drawn) -> Real | None:
     return np.asarray(at_mains / np.maximum(others, 1e-300), dtype=np.float64)
 
 
-def _hum_in_words(frame: Frame) -> tuple[float, str]:
+def _hum_in_words(frame: NoiseFrame) -> tuple[float, str]:
     value = _hum(frame, frame.rest[None])
     ratio = 1.0
     if value is not None:
@@ -287,15 +286,15 @@ def _hum_in_words(frame: Frame) -> tuple[float, str]:
 
 
 # Trends with a condition that the model does not follow.
-def _trend_basis(name: str) -> Callable[[Frame], Real]:
-    def basis(frame: Frame) -> Real:
+def _trend_basis(name: str) -> Callable[[NoiseFrame], Real]:
+    def basis(frame: NoiseFrame) -> Real:
         return frame.trends[name]
 
     return basis
 
 
-def _trend_in_words(name: str) -> Callable[[Frame], tuple[float, str]]:
-    def says(frame: Frame) -> tuple[float, str]:
+def _trend_in_words(name: str) -> Callable[[NoiseFrame], tuple[float, str]]:
+    def says(frame: NoiseFrame) -> tuple[float, str]:
         x = frame.condition(name)
         assert x is not None, "the test was made"
         # All that is seen against the model, not its part beyond the parameters: the user can look

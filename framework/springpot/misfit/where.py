@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from springpot.distributions import chi2_sf
+from springpot.measurement.independence import HELD_ALIKE, frequency_numbers
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.one_frequency import HELD_ALIKE, frequency_numbers
-from springpot.measurement.sweeps import sweeps_of, temperatures_differ
+from springpot.measurement.mixed_tests import sweeps_of, temperatures_differ
 from springpot.measurement.units import Units
 from springpot.plain_data import jsonable, number
 from springpot.rheology.levels import HELD
@@ -19,9 +19,8 @@ from springpot.rheology.nodes import Chain, Parallel, Response, Series
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import WHERE
 
-from .frame import Frame
-from .regions import DRAWS, Axis, Blocks, Region, Rows, rare, scales
-from .shapes import spectrum
+from .frame import NoiseFrame, spectrum
+from .regions import DRAWS, Blocks, MeasuredAxis, Region, Rows, rare, scales
 from .words import plain
 
 WIDE = 0.7
@@ -83,7 +82,7 @@ class Where:
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class PlaneOfFit:
     """K' or K'' of a fit.
 
     Attributes
@@ -100,7 +99,7 @@ class Part:
     whitened: Real
 
 
-def condition_axes(measurement: Measurement, most: int) -> list[Axis]:
+def condition_axes(measurement: Measurement, most: int) -> list[MeasuredAxis]:
     """The conditions that vary, with `most` levels at most."""
     found = []
     for name in HELD:
@@ -112,7 +111,7 @@ def condition_axes(measurement: Measurement, most: int) -> list[Axis]:
         if count > 1:
             if count > most:
                 number = number * most // count
-            found.append(Axis(name, number))
+            found.append(MeasuredAxis(name, number))
     return found
 
 
@@ -139,7 +138,7 @@ def _set_values(measurement: Measurement, name: str, most: int) -> Rows:
     )
 
 
-def level_words(measurement: Measurement, axis: Axis, rows: Rows) -> str:
+def level_words(measurement: Measurement, axis: MeasuredAxis, rows: Rows) -> str:
     """Which levels some points hold: ``at 40 degC and above``; nothing where they hold all."""
     column, level = measurement.conditions[axis.name], axis.level[rows]
     if level.min() == 0 and level.max() == axis.count - 1:
@@ -174,7 +173,7 @@ def _number(value: float) -> str:
 
 
 def dependences(
-    measurement: Measurement, axes: list[Axis], part: Part, rows: Rows
+    measurement: Measurement, axes: list[MeasuredAxis], part: PlaneOfFit, rows: Rows
 ) -> Iterator[str]:
     """Whether the misfit of some points changes with the conditions.
 
@@ -186,7 +185,9 @@ def dependences(
             yield _dependence(measurement, axis.name, part, rows, level.ravel())
 
 
-def _dependence(measurement: Measurement, name: str, part: Part, rows: Rows, level: Rows) -> str:
+def _dependence(
+    measurement: Measurement, name: str, part: PlaneOfFit, rows: Rows, level: Rows
+) -> str:
     count = np.bincount(level)
     relative = np.bincount(level, part.relative[rows]) / count
     whitened = np.bincount(level, part.whitened[rows]) / count
@@ -255,7 +256,7 @@ def in_plane(plane: str, measured: Complex, modelled: Complex) -> Complex:
     return PLANES[plane].residual(measured, Response(modelled))
 
 
-def where(frame: Frame) -> list[Where]:
+def where(frame: NoiseFrame) -> list[Where]:
     """Places at which a fit fails, the most telling first, at most `MOST`.
 
     Empty where noise explains the residual.
@@ -265,7 +266,7 @@ def where(frame: Frame) -> list[Where]:
 
     Parameters
     ----------
-    frame : Frame
+    frame : NoiseFrame
         The fit.
     """
     rng = np.random.default_rng(0)  # the same fit is told of in the same words
@@ -305,18 +306,18 @@ def where(frame: Frame) -> list[Where]:
     return places[:MOST]
 
 
-def _length(frequencies: Axis, region: Region) -> float:
+def _length(frequencies: MeasuredAxis, region: Region) -> float:
     """Points of one sweep that a region spans."""
     first, stop = region.spans[0]
     return (stop - first) * frequencies.points_of_each
 
 
-def periodic(frame: Frame) -> Where:
+def periodic(frame: NoiseFrame) -> Where:
     """A misfit that swings along the sweeps, whose mean over any band is nothing.
 
     Parameters
     ----------
-    frame : Frame
+    frame : NoiseFrame
         A fit whose residual has this kind of structure.
     """
     power = spectrum(frame.measurement, frame.rest[None])[0]
@@ -341,7 +342,7 @@ def periodic(frame: Frame) -> Where:
     return Where("stiffness", _conditions(frame.measurement), low, high, size, says)
 
 
-def _period(frame: Frame, rng: np.random.Generator) -> tuple[float, float]:
+def _period(frame: NoiseFrame, rng: np.random.Generator) -> tuple[float, float]:
     """Period, in points, of a misfit that is a ripple, and its standard deviations.
 
     Zero where it is none.
@@ -370,25 +371,27 @@ def _period(frame: Frame, rng: np.random.Generator) -> tuple[float, float]:
     return 2.0 * (len(power) - 1) / peak, float(np.sqrt(power[peak]))
 
 
-def _parts(frame: Frame) -> Iterator[Part]:
+def _parts(frame: NoiseFrame) -> Iterator[PlaneOfFit]:
     n = len(frame.measurement)
     residual = frame.measurement.stiffness - frame.model_stiffness
     size = frame.measurement.magnitude
     units = frame.measurement.units
-    yield Part(units.storage, residual.real, residual.real / size, frame.residual[:n])
-    yield Part(units.loss, residual.imag, residual.imag / size, frame.residual[n:])
+    yield PlaneOfFit(units.storage, residual.real, residual.real / size, frame.residual[:n])
+    yield PlaneOfFit(units.loss, residual.imag, residual.imag / size, frame.residual[n:])
 
 
-def _frequencies(measurement: Measurement, most: int) -> Axis:
+def _frequencies(measurement: Measurement, most: int) -> MeasuredAxis:
     """Bands holding equally many distinct frequencies."""
     # Not equally wide: where frequencies lie dense a band would hold many of them, elsewhere none.
     which = frequency_numbers(measurement)
     distinct = int(which.max()) + 1
     bands = min(most, distinct)
-    return Axis("frequency", (which * bands) // distinct, distinct / bands)
+    return MeasuredAxis("frequency", (which * bands) // distinct, distinct / bands)
 
 
-def _place(measurement: Measurement, axes: list[Axis], part: Part, rows: Rows, plane: str) -> Where:
+def _place(
+    measurement: Measurement, axes: list[MeasuredAxis], part: PlaneOfFit, rows: Rows, plane: str
+) -> Where:
     frequency, conditions = measurement.frequency, axes[1:]
     low, high = float(frequency[rows].min()), float(frequency[rows].max())
     size = float(np.mean(part.relative[rows]))
@@ -424,7 +427,7 @@ def _range(low: float, high: float, frequency: Real, units: Units) -> str:
     return f"between {units.on_clock(low):.3g} and {units.at(high)}"
 
 
-def _growth(measurement: Measurement, part: Part, rows: Rows) -> str:
+def _growth(measurement: Measurement, part: PlaneOfFit, rows: Rows) -> str:
     """How the residual changes with frequency, where the range is wide enough to say."""
     omega = measurement.omega[rows]
     # Points that scatter to the other side have no logarithm, and say nothing of how the misfit
@@ -446,7 +449,7 @@ def _conditions(measurement: Measurement) -> str:
     return f"{sweeps} sweeps"
 
 
-def _simplest_plane(frame: Frame) -> str:
+def _simplest_plane(frame: NoiseFrame) -> str:
     """The plane in which a straight line in omega^0, omega^1 or omega^2 explains most misfit."""
     modelled = Response(frame.model_stiffness)
     share: dict[str, float] = {}

@@ -1,22 +1,41 @@
 """Blank figures in one style, and how they reach a file.
 
 The only place that knows matplotlib's set-up.
+
+A figure that shows itself at the end of a notebook's cell, without pyplot's global state.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from io import BytesIO
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
+
+from matplotlib.figure import Figure
 
 from springpot.errors import OutputError
 from springpot.files import require_writable, write_with
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+
+
+SCREEN = 110
+"""Dots per inch of a picture in a notebook: text of 10 points stays readable at a column's width.
+"""
+
+
+class Picture(Figure):
+    """A figure of its own; notebooks ask it for its PNG."""
+
+    def _repr_png_(self) -> bytes:
+        stream = BytesIO()
+        self.savefig(stream, format="png", dpi=SCREEN)
+        return stream.getvalue()
+
 
 SUFFIXES = (".png", ".svg", ".pdf")
 
@@ -97,8 +116,6 @@ def blank(width: float = 7.2, height: float = 5.4) -> Iterator[Figure]:
     """An empty figure of a size in inches in the house style, without pyplot's global state."""
     require_matplotlib()
     from matplotlib import rc_context
-
-    from .picture import Picture
 
     # Only while it is drawn: the style of a user's own figures stays as it is.
     with rc_context(STYLE):

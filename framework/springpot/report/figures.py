@@ -1,4 +1,11 @@
-"""Whole figures: a few views with one legend, written to a file."""
+"""Whole figures: a few views with one legend, written to a file.
+
+The spectrum of any material: a picture with its band, and a sentence.
+
+The two levels against which every error is drawn.
+
+What noise leaves, and what any material leaves.
+"""
 
 from __future__ import annotations
 
@@ -8,19 +15,80 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from springpot.format_numbers import number
+from springpot.identification.regularisation import Spectrum
+from springpot.identification.result import Identification
 from springpot.measurement.measurement import Measurement
+from springpot.rheology.points import Real
 
 from . import views
-from .canvas import INK, blank, finished, save
-from .curves import Fit
-from .floors import DASHES
+from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic, save
 from .numbers import percent
-from .scene import Scene
 from .text import cut
+from .views import WIDE_RANGE, DrawnFit, Scene
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
+
+
+MATERIAL = "#444444"
+"""Dashes in no colour that stands for a model."""
+DASHES: dict[str, Any] = {"color": MATERIAL, "linestyle": "--", "linewidth": 1.4}
+
+
+def beside_floors(identified: Identification) -> str:
+    """The error beside what noise alone and what any material leaves, where the data can tell."""
+    standing = identified.standing
+    if standing is None or not standing.noise_floor > 0.0:
+        return ""
+    ratio = number(identified.relative_rms / standing.noise_floor, 2)
+    noise = (
+        f"{ratio} x the noise floor of {percent(standing.noise_floor, 2)} ({standing.noise_source})"
+    )
+    return f", {noise}; material floor {percent(standing.material_floor, 2)}"
+
+
+def draw_floors(axes: Axes, noise: Real, material: Real, after: float = 0.0) -> None:
+    """The noise floor as a band that reaches the bottom, the material floor as dashes, by place.
+
+    Parameters
+    ----------
+    axes : Axes
+        Whose places are 0, 1, ...
+    noise, material : ndarray, shape (m,)
+        In per cent of |K|.
+    after : float
+        Room behind the last place.
+    """
+    # Half a place to either side of each mark.
+    ends = np.arange(len(noise) + 1) - 0.5
+    ends[-1] += after
+    # Each place its own level, as wide as its share of the axis: a slope between two would mean
+    # nothing.
+    edges = np.repeat(ends, 2)[1:-1]
+    axes.fill_between(
+        edges,
+        np.repeat(noise, 2),
+        0.0,
+        color="#DDDDDD",
+        linewidth=0.0,
+        label="noise floor",
+        zorder=0.5,
+    )
+    axes.hlines(
+        material,
+        ends[:-1],
+        ends[1:],
+        color=MATERIAL,
+        linestyle="--",
+        linewidth=1.4,
+        label="material floor",
+        zorder=2.5,
+    )
+    axes.set_xlim(edges[0], edges[-1])
+
 
 MARK_WIDTH = 1.75
 """Inches for one entry of a legend, at least."""
@@ -32,7 +100,10 @@ TITLE_WIDTH = 78
 
 
 def figure_identification(
-    measurement: Measurement, fits: Sequence[Fit], path: str | Path | None = None, beside: str = ""
+    measurement: Measurement,
+    fits: Sequence[DrawnFit],
+    path: str | Path | None = None,
+    beside: str = "",
 ) -> Figure | Path:
     """Storage and loss with the models' curves, and the residuals below.
 
@@ -40,7 +111,7 @@ def figure_identification(
     ----------
     measurement : Measurement
         The data.
-    fits : sequence of Fit
+    fits : sequence of DrawnFit
         The models with their parameters.
     path : str or Path, optional
         Where to write; what is returned and raised is told by `springpot.report.canvas.finished`.
@@ -57,7 +128,7 @@ def figure_identification(
         return finished(figure, path)
 
 
-def figure_comparison(measurement: Measurement, fits: Sequence[Fit], path: str | Path) -> Path:
+def figure_comparison(measurement: Measurement, fits: Sequence[DrawnFit], path: str | Path) -> Path:
     """All the views that rheologists use, of data and models.
 
     Parameters as in `figure_identification`.
@@ -199,3 +270,84 @@ def _mark(label: str, color: str, **style: Any) -> Line2D:
 def literal(text: str) -> str:
     """Text from data, in which a dollar sign must not start a formula."""
     return text.replace("$", r"\$")
+
+
+DECADES = 4.0
+"""Decades of H below its peak that a logarithmic axis shows: what is smaller is as good as nothing.
+"""
+MOST_PEAKS = 4
+"""Peaks that the sentence names, the highest."""
+
+
+def figure_material(identified: Identification, path: str | Path | None = None) -> Figure | Path:
+    """Data and fit, the residuals, and the regularised spectrum with its band below.
+
+    Parameters
+    ----------
+    identified : Identification
+        Of a model whose spectrum the data choose.
+    path : str or Path, optional
+        Where to write; what is returned and raised is told by `springpot.report.canvas.finished`.
+    """
+    scene = Scene(identified.measurement, [DrawnFit(identified.model, identified.theta)])
+    with blank(7.2, 8.6) as figure:
+        above, middle, below = figure.subplots(3, 1, height_ratios=(3, 1.4, 2.6))
+        views.storage_and_loss(above, scene)
+        views.residual(middle, scene)
+        # The rates of the spectrum are no frequencies of the test: only these two share an axis.
+        middle.sharex(above)
+        above.set_xlabel("")
+        if identified.spectrum is not None:
+            draw_spectrum(below, identified.spectrum, identified.measurement.units.stiffness)
+        headed(figure, scene, beside=beside_floors(identified))
+        return finished(figure, path)
+
+
+def draw_spectrum(axes: Axes, spectrum: Spectrum, unit: str) -> None:
+    """H(r) with its band; grey where no frequency was measured."""
+    rates, density = spectrum.rates, spectrum.density
+    axes.fill_between(
+        rates,
+        spectrum.low,
+        spectrum.high,
+        color=COLOURS[0],
+        alpha=0.25,
+        linewidth=0.0,
+        label="95 % of noise",
+    )
+    axes.plot(rates, density, color=COLOURS[0], label="smoothest H that the data allow")
+    for start, stop, label in (
+        (rates[0], spectrum.seen[0], "not measured"),
+        (spectrum.seen[1], rates[-1], None),
+    ):
+        axes.axvspan(start, stop, color=QUIET, alpha=0.18, linewidth=0.0, label=label, zorder=0.5)
+    axes.set_xlim(rates[0], rates[-1])
+    logarithmic(axes, "x")
+    # What lies beyond the measured frequencies is the smoothest guess, and must not set the axis.
+    inside = density[(rates >= spectrum.seen[0]) & (rates <= spectrum.seen[1])]
+    top = float(spectrum.high.max())
+    if len(inside) and inside.max() > WIDE_RANGE * inside.min():
+        axes.set_ylim(max(0.3 * float(inside.min()), top * 10.0**-DECADES), 3.0 * top)
+        logarithmic(axes, "y")
+    else:
+        axes.set_ylim(0.0, 1.25 * top)
+    axes.set(xlabel="rate r [rad/s]", ylabel=f"H(r) [{unit}]")
+    axes.legend(loc="best")
+
+
+def in_words(spectrum: Spectrum, unit: str) -> str:
+    """Where the relaxing stiffness lies, and the peaks of H that the data bear out."""
+    total = float(np.sum(spectrum.density)) * spectrum.step
+    if not total > 0.0:
+        return "nothing relaxes: a spring beside a dashpot"
+    low, high = (number(end, 2) for end in spectrum.within(0.5))
+    half = f"half of the relaxing {number(total, 3)} {unit} at rates from {low} to {high} rad/s"
+    # Two digits: no peak of such a spectrum is known better.
+    shown = [f"{number(spectrum.rates[i], 2)}" for i in spectrum.peaks[:MOST_PEAKS]]
+    if not shown:
+        return f"{half}; no peak within what was measured"
+    word = "the peak"
+    if len(shown) > 1:
+        word = f"{len(shown)} peaks, the highest first,"
+    height = number(float(spectrum.density[spectrum.peaks[0]]), 2)
+    return f"{half}; {word} of H at {', '.join(shown)} rad/s, {height} {unit} high"

@@ -17,10 +17,9 @@ from springpot.identification.value import Value
 from springpot.misfit.words import over_floor
 from springpot.rheology.drawing import drawing_of
 
-from .floors import beside_floors
+from .answers import reference_note
+from .figures import beside_floors, in_words
 from .numbers import percent, seconds, told_range
-from .reference import reference_note
-from .spectrum import in_words
 from .text import Table, cut, indented, paragraphs, wrapped
 from .values import OPEN, shown
 

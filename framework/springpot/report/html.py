@@ -16,34 +16,41 @@ from springpot.files import require_writable, write_text
 from springpot.format_numbers import number
 from springpot.markup import Html, joined, table, tag
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.selection import Test
+from springpot.measurement.opening import Test
 from springpot.misfit.words import over_floor
 from springpot.versions import versions
 
 from .answers import (
     absent_effects,
     beside_floor,
+    effects_note,
     nowhere,
     probability,
+    reference_note,
     times,
     value_text,
     worth_showing,
 )
 from .canvas import require_matplotlib
-from .curves import Fit
-from .interactive.answers import rungs
-from .interactive.bench import Bench, bench_of
-from .interactive.scene import PageScene
+from .interactive.answers import PageScene, rungs
+from .interactive.bench import PageParts, bench_of
 from .ladder import draw_ladder
 from .ladder_text import accepted_name, moves_text
 from .network import network_svg
 from .numbers import percent, told_range, with_interval
-from .page import page
-from .panels import data_and_model, framed, keys, other_views, panel, residual_planes
-from .reference import effects_note, reference_note
-from .residuals import set_aside, with_noise_of
-from .scene import Scene
+from .residuals import (
+    data_and_model,
+    framed,
+    keys,
+    other_views,
+    panel,
+    residual_planes,
+    set_aside,
+    with_noise_of,
+)
+from .style import page
 from .timetests import figure_tests, fits_in_time
+from .views import DrawnFit, Scene
 
 SUFFIXES = (".html", ".htm")
 RANKED = 10
@@ -171,7 +178,7 @@ READING = (
 )
 
 
-def _bench(ladder: Ladder, measurement: Measurement) -> Bench:
+def _bench(ladder: Ladder, measurement: Measurement) -> PageParts:
     """The panels of the workbench, with every step of the ladder."""
     # The same scene as the workbench, so that a report and the page cannot say different things.
     scene = PageScene(measurement)
@@ -202,10 +209,10 @@ def _scenes(ladder: Ladder, measurement: Measurement) -> dict[str, Scene]:
     data = with_noise_of(last.data.mean, last.noise.sd)
     aside = set_aside(measurement, last.data.raw)
     if len(ladder.steps) == 1:
-        return {"the model": Scene(data, [Fit(first.model, first.theta)], aside)}
+        return {"the model": Scene(data, [DrawnFit(first.model, first.theta)], aside)}
     return {
-        "before": Scene(data, [Fit(first.model, first.theta)], aside),
-        "after": Scene(data, [Fit(last.model, last.theta)], aside),
+        "before": Scene(data, [DrawnFit(first.model, first.theta)], aside),
+        "after": Scene(data, [DrawnFit(last.model, last.theta)], aside),
     }
 
 

@@ -14,7 +14,7 @@ from shlex import quote
 from typing import Any
 
 from springpot.format_numbers import counted, number
-from springpot.measurement.naming import with_part
+from springpot.measurement.reader import with_part
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units
 

@@ -14,7 +14,7 @@ from springpot.diagnosis.ladder import Ladder, Step
 from springpot.misfit.words import plain
 
 from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic
-from .floors import draw_floors
+from .figures import draw_floors
 from .numbers import percent
 
 if TYPE_CHECKING:

@@ -24,7 +24,7 @@ Point: TypeAlias = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Line:
+class Stroke:
     """A line through points, closed to an outline or open."""
 
     points: tuple[Point, ...]
@@ -41,7 +41,7 @@ class Label:
     text: str
 
 
-Mark: TypeAlias = Line | Label
+Mark: TypeAlias = Stroke | Label
 
 
 @dataclass(frozen=True)
@@ -96,30 +96,30 @@ def _spring(x: float, y: float) -> list[Mark]:
         if i % 2 == 0:
             tip = y - 9
         teeth.append((x - 15 + 6 * i, tip))
-    return [Line((*teeth, (x + 18, y), (x + 22, y)))]
+    return [Stroke((*teeth, (x + 18, y), (x + 22, y)))]
 
 
 def _dashpot(x: float, y: float) -> list[Mark]:
-    pot = Line(((x + 12, y - 11), (x - 12, y - 11), (x - 12, y + 11), (x + 12, y + 11)))
+    pot = Stroke(((x + 12, y - 11), (x - 12, y - 11), (x - 12, y + 11), (x + 12, y + 11)))
     return [
         pot,
-        Line(((x - 22, y), (x - 12, y))),
-        Line(((x + 2, y - 8), (x + 2, y + 8))),
-        Line(((x + 2, y), (x + 22, y))),
+        Stroke(((x - 22, y), (x - 12, y))),
+        Stroke(((x + 2, y - 8), (x + 2, y + 8))),
+        Stroke(((x + 2, y), (x + 22, y))),
     ]
 
 
 def _springpot(x: float, y: float) -> list[Mark]:
-    rhombus = Line(((x - 16, y), (x, y - 12), (x + 16, y), (x, y + 12)), closed=True)
-    return [rhombus, Line(((x - 22, y), (x - 16, y))), Line(((x + 16, y), (x + 22, y)))]
+    rhombus = Stroke(((x - 16, y), (x, y - 12), (x + 16, y), (x, y + 12)), closed=True)
+    return [rhombus, Stroke(((x - 22, y), (x - 16, y))), Stroke(((x + 16, y), (x + 22, y)))]
 
 
 def _mass(x: float, y: float) -> list[Mark]:
-    block = Line(
+    block = Stroke(
         ((x - 15, y - 12), (x + 15, y - 12), (x + 15, y + 12), (x - 15, y + 12)), closed=True
     )
-    hatch = [Line(((x - 15 + 10 * i, y + 12), (x - 5 + 10 * i, y - 12))) for i in range(3)]
-    return [block, *hatch, Line(((x - 22, y), (x - 15, y))), Line(((x + 15, y), (x + 22, y)))]
+    hatch = [Stroke(((x - 15 + 10 * i, y + 12), (x - 5 + 10 * i, y - 12))) for i in range(3)]
+    return [block, *hatch, Stroke(((x - 22, y), (x - 15, y))), Stroke(((x + 15, y), (x + 22, y)))]
 
 
 SYMBOLS = {"spring": _spring, "dashpot": _dashpot, "springpot": _springpot, "mass": _mass}
@@ -132,7 +132,7 @@ Any other kind is a box with its name.
 def _wire(x1: float, x2: float, y: float, dashed: bool = False) -> list[Mark]:
     if x2 <= x1:
         return []
-    return [Line(((x1, y), (x2, y)), dashed=dashed)]
+    return [Stroke(((x1, y), (x2, y)), dashed=dashed)]
 
 
 def _leaf_marks(leaf: Leaf, x: float, y: float, width: float, operation: str) -> list[Mark]:
@@ -149,7 +149,7 @@ def _leaf_marks(leaf: Leaf, x: float, y: float, width: float, operation: str) ->
             (centre + half, y + 13),
             (centre - half, y + 13),
         )
-        symbol = [Line(corners, closed=True), Label(centre, y, text)]
+        symbol = [Stroke(corners, closed=True), Label(centre, y, text)]
     leads = _wire(x, centre - half, y, bool(operation)) + _wire(
         centre + half, x + width, y, bool(operation)
     )
@@ -185,7 +185,7 @@ def _stack_marks(part: Stack, x: float, y: float, width: float) -> list[Mark]:
     right = left + own.width - RAIL
     top = y - wires[-1] / 2
     drawn = _wire(x, left, y) + _wire(right, x + width, y)
-    drawn += [Line(((rail, top), (rail, top + wires[-1]))) for rail in (left, right)]
+    drawn += [Stroke(((rail, top), (rail, top + wires[-1]))) for rail in (left, right)]
     for child, wire in zip(part.parts, wires, strict=True):
         drawn += marks(child, left, top + wire, right - left)
     return drawn
@@ -198,7 +198,7 @@ def _picture(node: Node) -> tuple[float, float, list[Mark]]:
     return room.width + 2 * MARGIN, room.up + room.down + 2 * MARGIN, drawn
 
 
-def _svg_line(line: Line) -> str:
+def _svg_line(line: Stroke) -> str:
     kind = "polyline"
     if line.closed:
         kind = "polygon"
@@ -228,7 +228,7 @@ def network_svg(node: Node) -> str:
         XML text; lines take the colour of the text around them.
     """
     width, height, drawn = _picture(node)
-    lines = "\n".join(_svg_line(mark) for mark in drawn if isinstance(mark, Line))
+    lines = "\n".join(_svg_line(mark) for mark in drawn if isinstance(mark, Stroke))
     # Text instead of outlines: it can be searched, copied and read aloud.
     labels = "\n".join(_svg_label(mark) for mark in drawn if isinstance(mark, Label))
     named = ", ".join(mark.text for mark in drawn if isinstance(mark, Label))

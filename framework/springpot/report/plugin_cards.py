@@ -7,17 +7,16 @@ from dataclasses import MISSING, dataclass, fields
 from typing import Any
 
 from springpot.hooks import SolverFormat
-from springpot.identification.objective import Objective
-from springpot.identification.optimiser import Optimiser, OptimiserFamily
-from springpot.measurement.catalogue import DataSet
+from springpot.identification.problem import Objective
+from springpot.identification.runs import Optimiser, OptimiserFamily
+from springpot.measurement.opening import DataSet
 from springpot.measurement.reader import Reader
 from springpot.measurement.timereader import TimeReader
 from springpot.measurement.units import Units
 from springpot.registry import Registry
 from springpot.rheology.drawing import drawing_of
 from springpot.rheology.effect import Effect
-from springpot.rheology.family import Family
-from springpot.rheology.model import Model
+from springpot.rheology.model import Family, Model
 from springpot.rheology.parameters import Parameter
 
 from .text import Table, indented

@@ -40,7 +40,7 @@ MOST_BINS = 40
 
 
 @dataclass(frozen=True, eq=False)
-class Sweep:
+class DrawnSweep:
     """Rows measured under the same conditions, in order along the axis.
 
     Parameters
@@ -82,7 +82,7 @@ def travels(along: Real, column: Real) -> bool:
     return way > PROFILE * whole or float(np.max(high - low)) > 0.5 * whole > 0.0
 
 
-def all_sweeps(measurement: Measurement, column: str, along: Real) -> list[Sweep]:
+def all_sweeps(measurement: Measurement, column: str, along: Real) -> list[DrawnSweep]:
     """Every sweep of a measurement, by repeat, temperature and amplitude in ascending order.
 
     Where a condition was not held but wandered, its points are taken together in levels or, if
@@ -116,10 +116,12 @@ def all_sweeps(measurement: Measurement, column: str, along: Real) -> list[Sweep
             telling.append((name, values))
         parts = finer
     ordered = [rows[np.argsort(along[rows], kind="stable")] for rows in parts]
-    return [Sweep(_label(rows, telling, measurement.units.amplitude), rows) for rows in ordered]
+    return [
+        DrawnSweep(_label(rows, telling, measurement.units.amplitude), rows) for rows in ordered
+    ]
 
 
-def chosen(sweeps: list[Sweep]) -> list[Sweep]:
+def chosen(sweeps: list[DrawnSweep]) -> list[DrawnSweep]:
     """At most `MOST_DRAWN` of the sweeps, evenly spread, the first and the last among them."""
     if len(sweeps) <= MOST_DRAWN:
         return sweeps

@@ -15,10 +15,10 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units
 from springpot.rheology.points import Real
-from springpot.timetests.predicted_test import TestPrediction
 from springpot.timetests.recording import recorded
 from springpot.timetests.residuals_of_tests import InTimePart, Test, parts_of_specimen
 from springpot.timetests.result import TimeIdentification
+from springpot.timetests.where import TestPrediction
 
 from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .balance import BalancedSeries, Compliant, balanced_series, hardening_spring, slip_film
     from .continuum import Continuum
     from .drawing import draw, drawing_of
     from .effect import AppliesTo, Effect, InstrumentConstant, Layer
@@ -43,13 +42,19 @@ if TYPE_CHECKING:
         Scaled,
         Series,
         Shift,
+        SpecimenWave,
         chain,
+        fixed_side_wave,
+        moving_side_wave,
         parallel,
         series,
         shift,
     )
     from .nonlinear import (
+        BalancedSeries,
+        Compliant,
         amplitude_gain,
+        balanced_series,
         coulomb_friction,
         crosstalk_force,
         cubic_dashpot,
@@ -57,9 +62,11 @@ if TYPE_CHECKING:
         damping_function,
         elasto_sliding,
         gapped_spring,
+        hardening_spring,
         payne_softening,
         play,
         power_law_damper,
+        slip_film,
         thinning,
     )
     from .parameters import (
@@ -96,7 +103,6 @@ if TYPE_CHECKING:
         vogel,
         wlf,
     )
-    from .wave import SpecimenWave, fixed_side_wave, moving_side_wave
 
 __all__ = [
     "ROOM",
@@ -228,10 +234,10 @@ _WHERE = {
     "AMPLITUDE": "springpot.rheology.parameters",
     "Answered": "springpot.rheology.stages",
     "AppliesTo": "springpot.rheology.effect",
-    "BalancedSeries": "springpot.rheology.balance",
+    "BalancedSeries": "springpot.rheology.nonlinear",
     "Chain": "springpot.rheology.nodes",
     "Complex": "springpot.rheology.points",
-    "Compliant": "springpot.rheology.balance",
+    "Compliant": "springpot.rheology.nonlinear",
     "Composing": "springpot.rheology.nodes",
     "Composition": "springpot.rheology.nodes",
     "Continuum": "springpot.rheology.continuum",
@@ -274,7 +280,7 @@ _WHERE = {
     "Series": "springpot.rheology.nodes",
     "Shift": "springpot.rheology.nodes",
     "Slopes": "springpot.rheology.spectrum",
-    "SpecimenWave": "springpot.rheology.wave",
+    "SpecimenWave": "springpot.rheology.nodes",
     "Spectrum": "springpot.rheology.spectrum",
     "Springpot": "springpot.rheology.elements",
     "TIME_FORM": "springpot.rheology.forms",
@@ -283,7 +289,7 @@ _WHERE = {
     "VISCOSITY": "springpot.rheology.parameters",
     "amplitude_gain": "springpot.rheology.nonlinear",
     "arrhenius": "springpot.rheology.thermal",
-    "balanced_series": "springpot.rheology.balance",
+    "balanced_series": "springpot.rheology.nonlinear",
     "basset": "springpot.rheology.linear",
     "chain": "springpot.rheology.nodes",
     "clock": "springpot.rheology.signal",
@@ -301,20 +307,20 @@ _WHERE = {
     "elasto_sliding": "springpot.rheology.nonlinear",
     "entropic_spring": "springpot.rheology.thermal",
     "filter_mismatch": "springpot.rheology.signal",
-    "fixed_side_wave": "springpot.rheology.wave",
+    "fixed_side_wave": "springpot.rheology.nodes",
     "force_resonance": "springpot.rheology.signal",
     "free_factors": "springpot.rheology.levels",
     "free_vertical_factors": "springpot.rheology.levels",
     "gain": "springpot.rheology.signal",
     "gapped_spring": "springpot.rheology.nonlinear",
-    "hardening_spring": "springpot.rheology.balance",
+    "hardening_spring": "springpot.rheology.nonlinear",
     "heated": "springpot.rheology.thermal",
     "heating": "springpot.rheology.thermal",
     "hysteretic": "springpot.rheology.linear",
     "levels_of": "springpot.rheology.levels",
     "limits_form": "springpot.rheology.forms",
     "mass": "springpot.rheology.elements",
-    "moving_side_wave": "springpot.rheology.wave",
+    "moving_side_wave": "springpot.rheology.nodes",
     "network_of": "springpot.rheology.history",
     "on_clock": "springpot.rheology.stages",
     "on_loading": "springpot.rheology.stages",
@@ -334,7 +340,7 @@ _WHERE = {
     "rows": "springpot.rheology.forms",
     "series": "springpot.rheology.nodes",
     "shift": "springpot.rheology.nodes",
-    "slip_film": "springpot.rheology.balance",
+    "slip_film": "springpot.rheology.nonlinear",
     "smooth_hysteresis": "springpot.rheology.hysteresis",
     "sorted_out": "springpot.rheology.history",
     "spring": "springpot.rheology.elements",

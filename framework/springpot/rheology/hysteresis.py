@@ -41,7 +41,7 @@ BLOCK = 2**12
 """Loops that are integrated at once: what fits a processor's cache."""
 
 
-class Rule(NamedTuple):
+class QuadratureRule(NamedTuple):
     """Integration over (0, 1).
 
     Attributes
@@ -60,7 +60,7 @@ class Rule(NamedTuple):
     beyond: Real
 
 
-def flat_rule() -> Rule:
+def flat_rule() -> QuadratureRule:
     """Gauss's rule in t; the node y = I(t; 4, 4), an incomplete beta, is flat at 0 and 1."""
     at, weight = legendre.leggauss(NODES)
     t = 0.5 * (at + 1.0)
@@ -76,7 +76,7 @@ def flat_rule() -> Rule:
         [legendre.legval(at, legendre.legint(one, lbnd=-1)) for one in np.eye(NODES)], axis=1
     )
     up_to = integrated @ to_series * slope
-    return Rule(log_node, weight * slope, up_to, up_to[::-1, ::-1])
+    return QuadratureRule(log_node, weight * slope, up_to, up_to[::-1, ::-1])
 
 
 RULE = flat_rule()

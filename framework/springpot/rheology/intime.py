@@ -18,8 +18,8 @@ from springpot.errors import ModelError
 from .elements import HALF_PI
 from .nodes import FULL, Node
 from .points import Points, Real
+from .rational import inside, settled
 from .recursion import Modes, driven
-from .roots import inside, settled
 from .spectrum import Slopes, Spectrum, Sum, summed
 
 FAR = 300.0

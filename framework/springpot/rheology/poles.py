@@ -5,21 +5,174 @@ At single rates (poles at s = -r), or spread over all of them (a cut).
 Both are found from the reciprocal J = 1/K, an analytic function of u = ln r on the upper edge of
 the negative axis: a line of K is a zero of J on that edge, a peak of its continuous spectrum a zero
 of J a little beyond it.
+
+A network taken apart into branches side by side, readable anywhere in the complex s-plane.
+
+Every network is analytic in ln s, so that a branch evaluates at a complex `log_omega`: s = i
+exp(log_omega). With ``log_omega = ln r + i pi/2`` it is read at s = -r, on the upper edge of the
+cut on which its relaxation lives.
+
+The trapezoidal rule in ln r.
+
+Where its nodes lie, and which of its modes a band of frequencies needs.
 """
 
 from __future__ import annotations
 
 import warnings
-from typing import NamedTuple
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .branches import Branch
-from .elements import HALF_PI
-from .nodes import FULL, GRADIENT
-from .points import Complex, Real
-from .roots import inside, settled
+from .elements import HALF_PI, FixedPower, KnownMass
+from .nodes import (
+    FULL,
+    GRADIENT,
+    VALUE,
+    Chain,
+    Composition,
+    Mapped,
+    Node,
+    Parallel,
+    Renamed,
+    Response,
+    Scaled,
+    Series,
+    Shift,
+)
+from .points import Complex, Points, Real
+from .rational import inside, settled
+
+Anywhere: TypeAlias = NDArray[np.inexact[Any]]
+"""Real or complex logarithms of a frequency."""
+
+
+@dataclass(frozen=True)
+class Branch:
+    """One of the branches whose stiffnesses (or compliances) add up to the whole network's.
+
+    Parameters
+    ----------
+    node : Node
+        Its network.
+    theta : ndarray, shape (b,)
+        Its own parameters.
+    chain : ndarray, shape (b, p)
+        Their derivative by the parameters of the whole.
+    conditions : Points
+        Temperature and reference temperature; its frequencies are not used.
+    compliance : bool
+        Read 1/K as a function of p = 1/s, which has the form of a stiffness: then "log_omega" means
+        that of p.
+    """
+
+    node: Node
+    theta: Real
+    chain: Real
+    conditions: Points
+    compliance: bool = False
+
+    def respond(self, log_omega: Anywhere, depth: int = VALUE) -> Response:
+        """The branch (n,), its derivative (p, n) by the whole's parameters and its slope (n,)."""
+        where = log_omega
+        if self.compliance:
+            # s = 1/p, so that i exp(where) = 1 / (i exp(log_omega)).
+            where = -log_omega - 1j * np.pi
+        at = replace(self.conditions, log_omega=where)  # type: ignore[arg-type]
+        response = self.node.respond(self.theta, at, depth)
+        by_theta = response.by_theta
+        if depth >= GRADIENT:
+            by_theta = self.chain.T @ by_theta
+        if not self.compliance:
+            return Response(response.value, by_theta, response.by_log_omega)
+        value = 1.0 / response.value
+        if depth == VALUE:
+            return Response(value)
+        # d(1/K) = -dK / K^2, and ln p falls where ln s grows.
+        square = value**2
+        if depth < FULL:
+            return Response(value, -square * by_theta)
+        return Response(value, -square * by_theta, square * response.by_log_omega)
+
+    @property
+    def is_mass(self) -> bool:
+        """Whether it is nothing but a mass."""
+        element = _innermost(self.node)
+        return isinstance(element, KnownMass) or (
+            isinstance(element, FixedPower) and element.exponent == 2.0
+        )
+
+    @property
+    def is_layer(self) -> bool:
+        """Whether it is a fluid layer set in motion (Basset), between a dashpot and a mass."""
+        element = _innermost(self.node)
+        return isinstance(element, FixedPower) and 1.0 < element.exponent < 2.0
+
+    def mass(self) -> tuple[float, Real]:
+        """The constant of a mass and its derivative (p,), read at s = i."""
+        # There s^2 = -1: minus the stiffness is the mass itself.
+        response = self.respond(np.zeros(1), GRADIENT)
+        return -float(response.value[0].real), -response.by_theta[:, 0].real
+
+
+def _innermost(node: Node) -> Node:
+    while isinstance(node, Renamed | Scaled | Shift | Chain):
+        if isinstance(node, Composition):
+            node = node.children[0]
+        else:
+            node = node.node
+    return node
+
+
+def branches(
+    network: Node, theta: Real, conditions: Points, *, compliance: bool = False
+) -> list[Branch]:
+    """The branches of a network side by side, or, for the compliance, one after the other.
+
+    Parameters
+    ----------
+    network : Node
+        Of the whole model.
+    theta : ndarray, shape (p,)
+        Its parameters.
+    conditions : Points
+        Temperature and reference temperature.
+    compliance : bool
+        Take it apart in series instead, and let each branch give its compliance.
+    """
+    kind: type[Composition] = Parallel
+    if compliance:
+        kind = Series
+    # Branch by branch: each may be a line, a mass or spread, and is then treated for what it is.
+    parts = _split(network, theta, np.eye(len(theta)), kind)
+    return [Branch(node, own, chain, conditions, compliance) for node, own, chain in parts]
+
+
+def _split(
+    node: Node, theta: Real, chain: Real, kind: type[Composition]
+) -> Iterator[tuple[Node, Real, Real]]:
+    if isinstance(node, Renamed):
+        yield from _split(node.node, theta, chain, kind)
+    elif isinstance(node, Scaled):
+        for inner, own, link in _split(node.node, theta, chain, kind):
+            yield Scaled(inner, node.factor), own, link
+    elif isinstance(node, Mapped):
+        yield from _split(node.node, node.forward(theta), node.jacobian(theta) @ chain, kind)
+    elif isinstance(node, kind):
+        for child, cut in zip(node.children, node.cuts, strict=True):
+            yield from _split(child, theta[cut], chain[cut], kind)
+    elif isinstance(node, Shift | Chain):
+        # A shift, or a factor, of the whole is one of every branch.
+        first, second = node.cuts
+        for inner, own, link in _split(node.children[0], theta[first], chain[first], kind):
+            together = np.concatenate([own, theta[second]]), np.concatenate([link, chain[second]])
+            yield type(node)((inner, node.children[1])), *together
+    else:
+        yield node, theta, chain
+
 
 STEP = 0.05
 """Step in ln r of the search.
@@ -249,3 +402,81 @@ def all_peaks_of(branch: Branch, edge: Edge) -> Complex:
     within = (u.imag > SAME) & (u.imag < NARROW) & (u.real > edge.u[0]) & (u.real < edge.u[-1])
     # One pole may be found twice, apart by rounding.
     return np.unique(np.round(u[within], 9))
+
+
+NARROWEST = 1e-12
+"""Half width of a peak in ln r at least.
+
+That of a line by itself is none, by which nothing can be divided.
+"""
+CUT_OFF = 0.1
+"""Share of the tolerance that may be cut off at each end.
+
+It is not seen beside the error of the step.
+"""
+
+
+def nodes_of(low: float, high: float, step: float, peaks: Complex) -> tuple[Real, Real]:
+    """Nodes u of the trapezoidal rule from `low` to `high`, closer together at narrow peaks.
+
+    With their share of it.
+
+    With x = u + sum of a arcsinh((u - u_p) / d_p), a peak of half width d_p is as wide in x as the
+    kernel, pi/2.
+    """
+    # The rule converges as its integrand is wide: what is narrow is stretched until it is as wide
+    # as the kernel.
+    widths = np.maximum(peaks.imag, NARROWEST)
+    # A peak as wide as the kernel needs no stretching; the narrower, the more.
+    strengths = np.clip(1.0 - 2.0 * widths / np.pi, 0.0, 1.0)
+
+    def stretched(u: Real) -> tuple[Real, Real]:
+        away = (u[:, None] - peaks.real) / widths
+        x = u + np.arcsinh(away) @ strengths
+        return x, 1.0 + (1.0 / np.sqrt(1.0 + away**2)) @ (strengths / widths)
+
+    # Newton below needs starts near the nodes: they are read backwards off a table of x.
+    table = [np.arange(low - step, high + step, 0.25 * step)]
+    # Evenly in arcsinh, as the narrowest peak must be seen by the table too.
+    table += [
+        p.real + d * np.sinh(np.arange(-30.0, 30.0, 0.1))
+        for p, d in zip(peaks, widths, strict=True)
+    ]
+    coarse = np.unique(np.concatenate(table))
+    coarse = coarse[(coarse >= low - step) & (coarse <= high + step)]
+    x_coarse, _ = stretched(coarse)
+    first, last = stretched(np.array([low, high]))[0]
+    x = step * np.arange(np.ceil(first / step), last / step)
+    u = np.interp(x, x_coarse, coarse)
+    # Without a peak x is u itself, and there is nothing to refine.
+    if not len(peaks):
+        return u, np.full(len(u), step)
+    # Newton from the table: each step squares the error that interpolation has left.
+    for _ in range(4):
+        here, slope = stretched(u)
+        u = u - (here - x) / slope
+    return u, step / stretched(u)[1]
+
+
+def needed_on(
+    modes: Lines,
+    sizes: tuple[float, float],
+    band: tuple[float, float],
+    tolerance: float,
+    order: int,
+) -> NDArray[np.bool_]:
+    """Modes that the band sees as more than a spring or, to that order, a dashpot.
+
+    Slower ones would be a spring, faster ones a dashpot.
+    """
+    low, high = np.exp(band)
+    rates, weights = modes.rates, np.abs(modes.weights)
+    # What a mode adds to K at the end of the band beyond that spring or dashpot, by the next term
+    # of its series.
+    slow = weights * rates / low * (rates < low)
+    fast = weights * (high / rates) ** order * (rates > high)
+    # Summed from the outside: many that are nothing each may be something together.
+    lost_slow = (np.cumsum(slow) < CUT_OFF * tolerance * sizes[0]) & (rates < low)
+    lost_fast = (np.cumsum(fast[::-1])[::-1] < CUT_OFF * tolerance * sizes[1]) & (rates > high)
+    needed: NDArray[np.bool_] = ~(lost_slow | lost_fast)
+    return needed

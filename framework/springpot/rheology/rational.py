@@ -5,19 +5,41 @@ A spring, a dashpot and Maxwell modes side by side, exactly.
 Networks in parallel add their modes; those in series add the modes of their compliances, and the
 compliance of such a network is one of the same kind in p = 1/s, whose rates are the zeros of K
 (they lie between its poles).
+
+Newton's method for many roots at once, each held between two ends of different sign.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .continuum import Continuum
 from .elements import FixedPower
 from .nodes import GRADIENT, Chain, Mapped, Node, Parallel, Renamed, Scaled, Series, Shift
 from .points import Points, Real
-from .roots import inside, settled
+
+
+def inside(newton: NDArray[np.inexact[Any]], low: Real, high: Real) -> Real:
+    """The next places to look at, shape (n,).
+
+    Newton's where it lies between the ends, else their middle.
+    """
+    # Newton ends in few steps, where it stays inside; half the interval always ends.
+    places: Real = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
+    return places
+
+
+def settled(moved: Real, u: Real, rounding: float) -> bool:
+    """Whether no place has moved from `u` by more than rounding.
+
+    A further step would change the last digits only.
+    """
+    return bool(np.all(np.abs(moved - u) <= rounding * (1.0 + np.abs(u))))
+
 
 SAME = 1e-14
 """Relative distance below which two rates are one."""

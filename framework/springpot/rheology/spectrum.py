@@ -17,14 +17,25 @@ import numpy as np
 
 from springpot.errors import ModelError
 
-from .branches import Anywhere, Branch, branches
 from .effect import Effect, Layer
 from .elements import HALF_PI
 from .named import NamedNetwork
 from .nodes import FULL, GRADIENT, VALUE, Chain, Node, Parallel, Series, Shift
 from .points import ROOM, Complex, Points, Real
-from .poles import Edge, Lines, all_peaks_of, edge_of, lines_of, peaks_of, resolved
-from .quadrature import needed_on, nodes_of
+from .poles import (
+    Anywhere,
+    Branch,
+    Edge,
+    Lines,
+    all_peaks_of,
+    branches,
+    edge_of,
+    lines_of,
+    needed_on,
+    nodes_of,
+    peaks_of,
+    resolved,
+)
 from .rational import Rational, rational_of
 
 FINEST = 2

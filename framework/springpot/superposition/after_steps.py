@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.identification.objective import Objective
+from springpot.identification.problem import Objective
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
 from springpot.rheology.points import Complex, Real

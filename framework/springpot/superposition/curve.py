@@ -19,10 +19,10 @@ from springpot.identification.free_factors import Factors, Rows, factors_of, tol
 from springpot.identification.known_factors import Known, interval_of, known_factors
 from springpot.identification.levels_alone import Alone, each_alone
 from springpot.identification.native import Fit, fit
-from springpot.identification.objective import Objective, default_objective, relative_objective
+from springpot.identification.problem import Objective, default_objective, relative_objective
 from springpot.markup import Html, table, tag
+from springpot.measurement.independence import at_one_frequency
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.one_frequency import at_one_frequency
 from springpot.measurement.timetest import TimeTest
 from springpot.rheology.continuum import Continuum, Relaxation
 from springpot.rheology.effect import Effect, Layer

@@ -13,7 +13,7 @@ from springpot.identification.expected_factors import whitening
 from springpot.identification.free_factors import Factors
 from springpot.identification.held_material import intervals_beside_material
 from springpot.identification.native import fit
-from springpot.identification.objective import Objective
+from springpot.identification.problem import Objective
 from springpot.identification.uncertainty import Uncertainty
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.continuum import Continuum

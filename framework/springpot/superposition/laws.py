@@ -137,7 +137,7 @@ class LawFit:
         }
 
 
-class Judged(NamedTuple):
+class JudgedLaws(NamedTuple):
     """What the factors say of the laws of temperature.
 
     Attributes
@@ -158,7 +158,7 @@ def judged_laws(
     told: NDArray[np.bool_],
     direct: DirectFit,
     allowed: Allowed,
-) -> Judged:
+) -> JudgedLaws:
     """All laws of temperature, none for another column.
 
     Parameters
@@ -177,7 +177,7 @@ def judged_laws(
         How far neighbouring levels can be shifted.
     """
     if factors.column != "temperature":
-        return Judged([], [])
+        return JudgedLaws([], [])
     # The factor of the reference is one by definition: a law that goes through it has shown
     # nothing.
     judging = placed & (np.arange(len(factors)) != factors.reference)
@@ -201,7 +201,9 @@ def judged_laws(
         else:
             fits.append(judged)
     # WLF and VFT are one curve: which of them comes first is not left to rounding.
-    return Judged(sorted(fits, key=lambda one: (one.law.vertical, round(one.evidence, 3))), refused)
+    return JudgedLaws(
+        sorted(fits, key=lambda one: (one.law.vertical, round(one.evidence, 3))), refused
+    )
 
 
 def slower_when_hot(factors: Factors, determined: NDArray[np.bool_]) -> list[str]:

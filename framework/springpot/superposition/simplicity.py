@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from springpot.distributions import f_sf, normal_sf
 from springpot.identification.free_factors import Rows, without
 from springpot.identification.levels_alone import TINY, Alone
-from springpot.identification.objective import weighted
+from springpot.identification.problem import weighted
 from springpot.rheology.points import Real
 from springpot.thresholds import SUPERPOSITION
 

@@ -12,9 +12,9 @@ from dataclasses import replace
 import numpy as np
 
 from springpot.distributions import f_sf
-from springpot.identification.alignment import aligned
 from springpot.identification.expected_factors import Expected, expectation
 from springpot.identification.free_factors import Rows, told_by_data
+from springpot.identification.material_fit import aligned
 from springpot.identification.native import Fit, fit
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.levels import Levels

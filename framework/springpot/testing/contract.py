@@ -20,9 +20,9 @@ import numpy as np
 
 from springpot.errors import DataError
 from springpot.hooks import GROUP
-from springpot.identification.objective import Objective
-from springpot.measurement.catalogue import DataSet
+from springpot.identification.problem import Objective
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.opening import DataSet
 from springpot.measurement.units import AMPLITUDE_UNITS, MODULUS_UNITS
 from springpot.registry import Registry, parse_model
 from springpot.rheology.model import Model

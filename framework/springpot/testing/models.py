@@ -11,8 +11,7 @@ from springpot.identification.material import is_material
 from springpot.identification.native import fit
 from springpot.rheology.continuum import Continuum
 from springpot.rheology.drawing import drawing_of
-from springpot.rheology.family import Family
-from springpot.rheology.model import Model
+from springpot.rheology.model import Family, Model
 
 from .networks import (
     EXACT,

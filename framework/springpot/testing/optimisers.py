@@ -9,10 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from springpot.identification.objective import Objective
-from springpot.identification.optimiser import BatchedOptimiser, Optimiser, options_of
-from springpot.identification.problem import Problem, watched
-from springpot.identification.runs import Run, run, run_batch
+from springpot.identification.problem import Objective, Problem, watched
+from springpot.identification.runs import (
+    BatchedOptimiser,
+    Optimiser,
+    Run,
+    options_of,
+    run,
+    run_batch,
+)
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.units import Units
 from springpot.rheology.points import Real

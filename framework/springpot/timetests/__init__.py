@@ -7,17 +7,15 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .comparing import compare
     from .diagnosis import diagnose, examine
     from .discovery import discover
-    from .fitting import identify
+    from .fitting import compare, identify
     from .known import Known
-    from .predicted_test import TestPrediction
     from .prediction import predict_test
-    from .recording import recorded
+    from .recording import predicted, recorded
     from .residuals_of_tests import Test
-    from .response import predicted
     from .result import TimeIdentification
+    from .where import TestPrediction
 
 __all__ = [
     "Known",
@@ -37,15 +35,15 @@ __all__ = [
 _WHERE = {
     "Known": "springpot.timetests.known",
     "Test": "springpot.timetests.residuals_of_tests",
-    "TestPrediction": "springpot.timetests.predicted_test",
+    "TestPrediction": "springpot.timetests.where",
     "TimeIdentification": "springpot.timetests.result",
-    "compare": "springpot.timetests.comparing",
+    "compare": "springpot.timetests.fitting",
     "diagnose": "springpot.timetests.diagnosis",
     "discover": "springpot.timetests.discovery",
     "examine": "springpot.timetests.diagnosis",
     "identify": "springpot.timetests.fitting",
     "predict_test": "springpot.timetests.prediction",
-    "predicted": "springpot.timetests.response",
+    "predicted": "springpot.timetests.recording",
     "recorded": "springpot.timetests.recording",
 }
 

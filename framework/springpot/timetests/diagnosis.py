@@ -27,8 +27,7 @@ from springpot.rheology.points import Real
 
 from .exponentials import UnfollowedError, quick_parts
 from .fitting import identify
-from .information_criterion import Left, delta_bic, independent
-from .native import Search
+from .native import TimeSearch
 from .residuals_of_tests import (
     InTimePart,
     Part,
@@ -38,10 +37,9 @@ from .residuals_of_tests import (
     parts_of_specimen,
 )
 from .result import TimeIdentification, sampled_scatter
-from .scan_scores import Promise
-from .scatter import Scatter, scatter_of
-from .score import Scan
-from .verdict import TimeCase, Tried, answer_of
+from .scatter import Left, ResidualScatter, delta_bic, independent, scatter_of
+from .score import TimeScan
+from .verdict import Promise, TimeCase, Tried, answer_of
 
 LEADING = 14
 """Effects that are fitted, nearly: the others fell behind by a linear step already."""
@@ -198,7 +196,7 @@ def _judged(
     # exponentials, exact fits.
     before = Left.by(base.model, base.theta, base.reference, parts)
     beside = [effect for effect in effects if not _within(base.model, effect)]
-    promises = Scan(base, quick).promises(beside)
+    promises = TimeScan(base, quick).promises(beside)
     leading = _leading(promises, before)
     left_out: dict[str, str] = {}
     if is_material(base.model):
@@ -323,7 +321,7 @@ def _nearly(
         seeds.append(promises[0].start(base, model))
         # The model's own fit with a trace of the effect is the last seed: an effect that does
         # nothing ends there.
-        search = Search(model, quick, base.reference, seeds, thorough=False)
+        search = TimeSearch(model, quick, base.reference, seeds, thorough=False)
         # Without the effect a parameter may have gone where nothing tells the way back.
         starts = [*(search.centred(u) for u in search.starts()[:-1]), search.starts()[-1]]
         try:
@@ -392,7 +390,11 @@ def _exactly(
 
 
 def _near(
-    each: Tried, best: Tried, before: Left, noise: Sequence[Scatter], base: TimeIdentification
+    each: Tried,
+    best: Tried,
+    before: Left,
+    noise: Sequence[ResidualScatter],
+    base: TimeIdentification,
 ) -> bool:
     """Whether a nearly fitted effect may be in the class of the best."""
     worse = each.left.squares(noise) - best.left.squares(noise)
@@ -400,7 +402,9 @@ def _near(
     return min(worse, apart) <= MARGIN
 
 
-def _delta(before: Left, each: Tried, noise: Sequence[Scatter], base: TimeIdentification) -> float:
+def _delta(
+    before: Left, each: Tried, noise: Sequence[ResidualScatter], base: TimeIdentification
+) -> float:
     return delta_bic(before, each.left, noise, len(each.theta) - len(base.theta))
 
 
@@ -435,7 +439,7 @@ def _power(left: Left) -> float:
     return sum(float(np.sum(value**2)) for value in left.residuals)
 
 
-def _noise(before: Left, best: Left) -> list[Scatter]:
+def _noise(before: Left, best: Left) -> list[ResidualScatter]:
     """The noise of each test: read where the least else is left."""
     noise = list(before.scatters)
     for i, (old, new) in enumerate(zip(before.residuals, best.residuals, strict=True)):

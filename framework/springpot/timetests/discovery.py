@@ -11,11 +11,11 @@ from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 
-from .answer import NAN
 from .diagnosis import diagnose, examine
 from .fitting import identify
 from .residuals_of_tests import Test
 from .result import TimeIdentification
+from .verdict import NAN
 
 MOST = 6
 """Effects that are added at most: more than a record has ever told apart."""

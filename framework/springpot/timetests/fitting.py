@@ -1,4 +1,13 @@
-"""Identification from tests in time, alone or with frequency sweeps of the same specimen."""
+"""Identification from tests in time, alone or with frequency sweeps of the same specimen.
+
+Models against the same tests in time.
+
+Which of them follows them best, for its number of parameters.
+
+Tests in time as a problem for any optimiser.
+
+The same sum of squares that the native solver minimises.
+"""
 
 from __future__ import annotations
 
@@ -8,14 +17,19 @@ from time import perf_counter
 
 import numpy as np
 
-from springpot.errors import ModelError, SpringpotError
+from springpot.comparison.comparing import ONLY_NOISE, Comparison, Judgement
+from springpot.errors import DataError, ModelError, SpringpotError
 from springpot.identification.coordinates import Coordinates
 from springpot.identification.fitting import NATIVE, best_run, refuse_search, start_at
 from springpot.identification.material import is_material
-from springpot.identification.objective import Objective
-from springpot.identification.optimiser import Optimiser
+from springpot.identification.problem import Objective, Searched
+from springpot.identification.runs import Optimiser
+from springpot.identification.space import box_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
+from springpot.misfit.where import Where
+from springpot.misfit.words import times
+from springpot.registry import parse_model
 from springpot.rheology.history import sorted_out
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
@@ -23,7 +37,7 @@ from springpot.rheology.points import Real
 from .exponentials import quick_parts
 from .intervals import with_intervals
 from .material import spectral
-from .native import DOUBTFUL, Minimum, Search
+from .native import DOUBTFUL, Minimum, TimeSearch
 from .residuals_of_tests import (
     InTimePart,
     Part,
@@ -36,8 +50,78 @@ from .residuals_of_tests import (
     weighed_by,
 )
 from .result import TimeIdentification
-from .score import Scan
-from .searched import InTimeProblem
+from .scatter import Left, ResidualScatter
+from .score import TimeScan
+from .verdict import error_of, where_missed
+
+FASTEST = 10.0
+"""By how much the stiffness of the shortest time may exceed what was measured.
+
+Glass lies beyond it.
+"""
+
+
+class InTimeProblem(Searched):
+    """Minimise the residuals of tests over their noise.
+
+    Parameters
+    ----------
+    model : Model
+        What is fitted.
+    parts : sequence of Part
+        To what, each with its weight.
+    reference : float
+        Temperature in kelvin at which shifts are one.
+    size, reach : float
+        Typical stiffness and largest displacement of the tests.
+    """
+
+    def __init__(
+        self, model: Model, parts: Sequence[Part], reference: float, size: float, reach: float
+    ) -> None:
+        self.model, self.parts, self.reference = model, list(parts), reference
+        slowest = min(_slowest(part) for part in parts)
+        self.space = box_of(model, FASTEST * size, max(1.0, 1.0 / slowest), reach)
+
+    def evaluate(self, x: Real) -> Real:
+        """Sum of squares (...) at search points (..., d).
+
+        Endless where the model cannot be followed.
+        """
+        rows = x.reshape(-1, x.shape[-1])
+        squares = np.array([float(np.sum(self._one(row)[0] ** 2)) for row in rows])
+        return squares.reshape(x.shape[:-1])
+
+    def residuals_and_jacobian(self, x: Real) -> tuple[Real, Real]:
+        """Residuals (..., m) and their derivative (..., m, d)."""
+        rows = x.reshape(-1, x.shape[-1])
+        pairs = [self._one(row) for row in rows]
+        value = np.stack([residual for residual, _ in pairs]).reshape(*x.shape[:-1], -1)
+        slopes = np.stack([by_x for _, by_x in pairs])
+        return value, slopes.reshape(*value.shape, x.shape[-1])
+
+    def _one(self, x: Real) -> tuple[Real, Real]:
+        theta = self.space.theta(x)
+        # Counted here, where every evaluation passes, so that none goes past the recorder.
+        self.tally.points += 1
+        try:
+            residuals = [part.residual(self.model, theta, self.reference) for part in self.parts]
+        except SpringpotError:
+            # Somewhere in the box a model may leave what can be followed: an optimiser goes on from
+            # elsewhere.
+            count = sum(part.count() for part in self.parts)
+            return np.full(count, np.inf), np.zeros((count, len(x)))
+        value = np.concatenate([each.value for each in residuals])
+        by_theta = np.concatenate([each.by_theta for each in residuals])
+        return value, by_theta @ self.space.jacobian(x)
+
+
+def _slowest(part: Part) -> float:
+    """Lowest angular frequency, or one over the longest time, that a part tells something of."""
+    if isinstance(part, InTimePart):
+        return part.test.seen[0]
+    return float(part.test.omega.min())
+
 
 BUDGET = 2000
 """Evaluations of an optimiser.
@@ -199,7 +283,7 @@ def _fitted(
         result = search.result(found, perf_counter() - began)
         return with_intervals(result, search, found, intervals, effort[2] or 0)
     # Without a seed there is no other place to begin at.
-    search = Search(model, parts, reference, seeds, thorough or not len(seeds))
+    search = TimeSearch(model, parts, reference, seeds, thorough or not len(seeds))
     found = _native(search, near)
     result = search.result(found, perf_counter() - began)
     if optimiser is not None and optimiser.name != NATIVE:
@@ -207,7 +291,7 @@ def _fitted(
     return with_intervals(result, search, found, intervals, effort[2] or 0)
 
 
-def _native(search: Search, near: bool) -> Minimum:
+def _native(search: TimeSearch, near: bool) -> Minimum:
     """All tests together; where there are several, each weighs as it is missed alone."""
     parts, starts = search.parts, search.starts()
     if near:
@@ -228,7 +312,7 @@ def _native(search: Search, near: bool) -> Minimum:
 
 
 def _by_optimiser(
-    search: Search,
+    search: TimeSearch,
     native: Minimum,
     optimiser: Optimiser,
     effort: tuple[int, int | None, int | None],
@@ -261,7 +345,7 @@ def _by_optimiser(
 def _weighed(
     parts: Sequence[Part],
     together: Sequence[float],
-    fitted: Callable[[Part], tuple[Search, Real, int]],
+    fitted: Callable[[Part], tuple[TimeSearch, Real, int]],
 ) -> tuple[list[Part], list[float], int]:
     """Parts that weigh as each is missed even when fitted alone.
 
@@ -294,7 +378,7 @@ def _scanned(
     last = beside[-1].effect
     try:
         base = identify(given, model - last, noise=noise)
-        promises = Scan(base, quick_parts(parts)).promises([last])
+        promises = TimeScan(base, quick_parts(parts)).promises([last])
     except SpringpotError:
         # It has no law in such a test, or nothing is left to fit: the search begins at natural
         # sizes.
@@ -310,10 +394,10 @@ def _scanned(
 
 def _of_material(
     model: Model, parts: Sequence[Part], reference: float, seeds: Sequence[Real]
-) -> tuple[Search, Minimum]:
+) -> tuple[TimeSearch, Minimum]:
     """Any linear passive material, whose spectrum the tests choose."""
     # For its sizes only: the spectrum has a way of its own to its minimum.
-    typical = Search(model, parts, reference)
+    typical = TimeSearch(model, parts, reference)
     around = len(model.material.parameters)
     coordinates = Coordinates.of(
         model.parameters[around:],
@@ -324,9 +408,9 @@ def _of_material(
 
     own = [seed[len(seed) - len(model.parameters) + around :] for seed in seeds]
 
-    def fitted(some: Sequence[Part]) -> tuple[Search, Real, int]:
+    def fitted(some: Sequence[Part]) -> tuple[TimeSearch, Real, int]:
         with_lines, theta, spent = spectral(model, some, reference, coordinates, own)
-        search = Search(with_lines, parts, reference, thorough=False)
+        search = TimeSearch(with_lines, parts, reference, thorough=False)
         return search, search.coordinates.u(theta, search.size), spent
 
     # The lines are chosen anew by each fit: every one has a search of its own, in other
@@ -338,3 +422,108 @@ def _of_material(
         search, u, more = fitted(parts)
         evaluations += spent + more
     return search, Minimum(u, parts, alone, evaluations, True)
+
+
+MORE = "what is left is more than noise"
+"""What is said of a model that is missed nowhere in particular."""
+
+
+def compare(
+    tests: Sequence[Test],
+    models: Sequence[Model | str],
+    progress: Callable[[str], None] | None = None,
+) -> Comparison:
+    """Judge models of tests in time, each fitted to all of them together.
+
+    Parameters
+    ----------
+    tests : sequence of TimeTest or Measurement
+        Of one specimen, at least one in time.
+    models : sequence of Model or str
+        Those that have no law in time, or lack a condition, are named as left out.
+    progress : callable, optional
+        Told in a few words what is being done.
+
+    Returns
+    -------
+    Comparison
+        Best first.
+
+    Raises
+    ------
+    SpringpotError
+        If none of the models can be fitted.
+
+    Notes
+    -----
+    Misses count in units of the noise, or of what the best model leaves where that is more: between
+    models that are both far off, precision that none of them can use is no evidence.
+    """
+    fits: list[TimeIdentification] = []
+    left_out: dict[str, str] = {}
+    # All expressions first: one that is mistyped is told before minutes are spent on the others.
+    parsed = [_parsed(each) for each in models]
+    for model in parsed:
+        if progress is not None:
+            progress(f"fitting {model.name}")
+        try:
+            fits.append(identify(tests, model))
+        except SpringpotError as error:
+            # One model that cannot be followed must not keep the others from being compared.
+            left_out[model.name] = str(error)
+    if not fits:
+        raise DataError(next(iter(left_out.values()), "there is no model to compare"))
+    # All models were fitted to the same samples.
+    points = sum(test.points for test in fits[0].tests)
+    # By what the best model leaves, where that is more than noise: see the notes.
+    scale = max(1.0, min(fit.power for fit in fits) / points)
+    criteria = [fit.power / scale + len(fit.theta) * np.log(points) for fit in fits]
+    least = min(criteria)
+    ranked = sorted(zip(criteria, fits, strict=True), key=lambda pair: pair[0])
+    parts = parts_of_specimen(list(tests))
+    # One noise for all, that about the best model.
+    noise = _left(ranked[0][1], parts).scatters
+    judged = [_judgement(fit, float(value - least), parts, noise) for value, fit in ranked]
+    names = " + ".join(test.name for test in fits[0].tests)
+    comparison = Comparison(names, tuple(judged), (), (), "", left_out=left_out)
+    vars(comparison).update(magnitude="the signal")
+    return comparison
+
+
+def _left(fit: TimeIdentification, parts: Sequence[Part]) -> Left:
+    return Left.by(fit.model, fit.theta, fit.reference, parts)
+
+
+def _judgement(
+    fit: TimeIdentification, delta: float, parts: Sequence[Part], noise: Sequence[ResidualScatter]
+) -> Judgement:
+    """One model against the tests; `delta` is its information criterion above the best."""
+    left = _left(fit, parts)
+    error = error_of(parts, left, noise)
+    where: tuple[Where, ...] = ()
+    says = ONLY_NOISE
+    if left.misfit:
+        where, says = where_missed(parts, left, noise), MORE
+    if where:
+        says = where[0].says
+    known = {
+        "model": fit.model,
+        "chi_square": fit.power,
+        "degrees_of_freedom": sum(test.points for test in fit.tests) - len(fit.theta),
+        "free_parameters": len(fit.theta),
+        "fails": left.misfit,
+        "unclear": False,
+        "says": f"error {times(error.over_floor)} the noise; {says}",
+        "parameters": fit.parameters,
+        "where": where,
+        "by_test": fit.tests,
+        "findings": (),
+        "notes": fit.notes,
+    }
+    return Judgement.told(fit, error, delta, known)
+
+
+def _parsed(model: Model | str) -> Model:
+    if isinstance(model, str):
+        return parse_model(model)
+    return model

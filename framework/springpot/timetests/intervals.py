@@ -16,7 +16,7 @@ from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
 from .exponentials import UnfollowedError, quick_parts
-from .native import Minimum, Search
+from .native import Minimum, TimeSearch
 from .residuals_of_tests import Part
 from .result import TimeIdentification, sampled_scatter
 
@@ -25,7 +25,7 @@ FIRST = 1e-3
 
 
 def with_intervals(
-    result: TimeIdentification, search: Search, found: Minimum, kind: str, seed: int
+    result: TimeIdentification, search: TimeSearch, found: Minimum, kind: str, seed: int
 ) -> TimeIdentification:
     """The result with the ends of its intervals by ``profile`` or ``bootstrap``.
 
@@ -57,13 +57,13 @@ class _Valley:
     As in the covariance: samples whose misses are alike count once.
     """
 
-    search: Search
+    search: TimeSearch
     parts: Sequence[Part]
     u: Real
     weight: Real
 
     @classmethod
-    def of(cls, search: Search, found: Minimum) -> _Valley:
+    def of(cls, search: TimeSearch, found: Minimum) -> _Valley:
         plain = copy(search)
         plain.coordinates = replace(search.coordinates, pairs=())
         u = plain.coordinates.u(search.theta(found.u).copy(), plain.size)

@@ -5,6 +5,15 @@ Its spectrum by non-negative least squares, what surrounds it too.
 A relaxation is linear in the weights of the lines, a creep is not: Gauss-Newton steps serve both,
 whose weights come from non-negative least squares and the parameters of effects from what these
 leave (Golub & Pereyra 2003, doi:10.1088/0266-5611/19/2/201).
+
+A test in time as exponentials of amounts that are not negative.
+
+For these a convex problem, with one solution.
+
+After a step of displacement, and under any history of it, the force is linear in the weights of
+relaxation; under a force the displacement is linear in those of retardation, J_g + t/eta + sum of
+L_j (1 - exp(-t/tau_j)). Either tells the other: the poles of K are the zeros of 1/K, one between
+each two of its own poles (N. W. Tschoegl, 1989, doi:10.1007/978-3-642-73602-5).
 """
 
 from __future__ import annotations
@@ -23,9 +32,134 @@ from springpot.rheology.continuum import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
-from .convex import FASTER, SLOWER, Lines, lines_of
-from .residuals_of_tests import InTimePart, Part
-from .trial_values import Scales, tries_of
+from .residuals_of_tests import InTimePart, Part, Scales, tries_of
+from .start import answers_of
+
+SLOWER, FASTER = 1.0, 0.5
+"""Decades beyond the times of the tests.
+
+What relaxes more slowly is a spring there, and of what is gone before the
+first sample, but for a few per cent, any amount could have been."""
+CLOSER = (0.25, 0.0625)
+"""Spacings, over that of the first lattice, at which lines are looked for about those that carry.
+"""
+APART = 0.2
+"""Least distance of lines in ln tau.
+
+The exact response tells those apart that differ by more than a twentieth.
+"""
+MOST = 2000
+"""Samples that the lines are read off: more take longer and show no more."""
+HALVINGS = 100
+"""Of an interval between two rates, until nothing but rounding is left of it."""
+
+
+class ConvexSpectrum(NamedTuple):
+    """K = K_e + c s + sum of weight s / (s + rate), none of them negative."""
+
+    equilibrium: float
+    viscosity: float
+    rates: Real
+    weights: Real
+
+    def among(self, others: Real) -> tuple[Real, Real]:
+        """Rates (m,) of these lines and of others apart from them, and all weights (2 + m,)."""
+        far = [rate for rate in others if np.all(np.abs(np.log(self.rates / rate)) > APART)]
+        rates = np.concatenate([self.rates, far])
+        weights = np.concatenate([self.weights, np.zeros(len(far))])
+        order = np.argsort(rates)
+        return rates[order], np.concatenate([[self.equilibrium, self.viscosity], weights[order]])
+
+
+def lines_of(part: InTimePart) -> ConvexSpectrum:
+    """The material that a test shows when nothing but a material has made it."""
+    test = part.test
+    low, high = test.seen
+    step = float(np.log(10.0)) / PER_DECADE
+    ends = -np.log(high * 10.0**FASTER), -np.log(low * 10.0**-SLOWER)
+    logs = np.arange(ends[0], ends[1] + step, step)
+    amounts = _amounts(part, logs)
+    for share in CLOSER:
+        carrying = logs[amounts[2:] > 0.0]
+        near = carrying[:, None] + share * step * np.arange(-4.0, 5.0)
+        logs = np.unique(np.round(near.ravel() / (share * step))) * share * step
+        logs = logs[(logs > ends[0] - share * step) & (logs < ends[1] + share * step)]
+        amounts = _amounts(part, logs)
+    logs = _apart(logs[amounts[2:] > 0.0], amounts[2:][amounts[2:] > 0.0])
+    amounts = _amounts(part, logs)
+    kept = amounts[2:] > 0.0
+    times, weights = np.exp(logs[kept]), amounts[2:][kept]
+    if test.control == "displacement":
+        return ConvexSpectrum(float(amounts[0]), float(amounts[1]), 1.0 / times, weights)
+    return relaxation_of(float(amounts[0]), float(amounts[1]), times, weights)
+
+
+def relaxation_of(glass: float, fluidity: float, times: Real, weights: Real) -> ConvexSpectrum:
+    """The relaxation of a retardation J = glass + fluidity t + sum of weight (1 - exp(-t / time)).
+
+    Parameters
+    ----------
+    glass, fluidity : float
+        J_g in 1/Pa, and 1/eta in 1/(Pa s).
+    times, weights : ndarray, shape (m,)
+        Of retardation, in s and 1/Pa.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.timetests.material import relaxation_of
+    >>> found = relaxation_of(0.5, 0.0, np.array([2.0]), np.array([0.5]))
+    >>> found.equilibrium, found.viscosity, found.rates.round(6), found.weights.round(6)
+    (1.0, 0.0, array([1.]), array([1.]))
+    """
+    poles = np.sort(1.0 / times)
+    amounts = (weights / times)[np.argsort(1.0 / times)]
+    # A flow is a retardation without end.
+    if fluidity > 0.0:
+        poles, amounts = np.append(0.0, poles), np.append(fluidity, amounts)
+    equilibrium = viscosity = 0.0
+    if not fluidity > 0.0:
+        equilibrium = 1.0 / (glass + float(weights.sum()))
+    if not glass > 0.0 and len(poles):
+        viscosity = 1.0 / float(amounts.sum())
+    # J at s = -r rises from one of its poles to the next, and beyond the last towards J_g.
+    low = poles[: len(poles) - (not glass > 0.0)]
+    high = poles[1:]
+    if glass > 0.0 and len(poles):
+        high = np.append(high, poles[-1] + amounts.sum() / glass)
+    for _ in range(HALVINGS):
+        middle = np.where(low > 0.0, np.sqrt(low * high), 0.5 * high)
+        below = glass - np.sum(amounts / (middle[:, None] - poles), axis=1) < 0.0
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    rates = np.where(low > 0.0, np.sqrt(low * high), high)
+    slopes = np.sum(amounts / (rates[:, None] - poles) ** 2, axis=1)
+    return ConvexSpectrum(equilibrium, viscosity, rates, 1.0 / (rates * slopes))
+
+
+def _amounts(part: InTimePart, logs: Real) -> Real:
+    """Amounts (2 + m,) of spring, dashpot and exponentials of these times nearest to a test."""
+    test = part.test
+    rows = np.unique(np.linspace(0, len(test) - 1, min(len(test), MOST)).astype(int))
+    rows = rows[~np.isin(test.time[rows], test.loading.jumps[0])]
+    answers = answers_of(test.loading, test.control, np.exp(logs), test.time[rows])
+    # Without the mass, which is no part of such a sum.
+    columns = np.delete(answers, 2, axis=1) / part.sd[rows, None]
+    return non_negative(columns, test.response[rows] / part.sd[rows])[0]
+
+
+def _apart(logs: Real, amounts: Real) -> Real:
+    """Places of lines, those that stand too near to one another as one in their middle."""
+    placed: list[float] = []
+    held: list[float] = []
+    for log, amount in zip(logs, amounts, strict=True):
+        if placed and log - placed[-1] < APART:
+            placed[-1] = (held[-1] * placed[-1] + amount * log) / (held[-1] + amount)
+            held[-1] += amount
+        else:
+            placed.append(float(log))
+            held.append(float(amount))
+    return np.array(placed)
+
 
 WITHIN = 3.0
 """Rates over one a step at which relaxation beside a straight motion is still told from a dashpot.
@@ -126,7 +260,7 @@ A thousandth of the best transducer's noise.
 """
 
 
-class Place(NamedTuple):
+class MaterialPoint(NamedTuple):
     """Weights of the lines, coordinates of the effects, and the sum of squares there."""
 
     weights: Real
@@ -143,7 +277,7 @@ class _Search:
         parts: Sequence[Part],
         reference: float,
         coordinates: Coordinates,
-        lines: Lines | None = None,
+        lines: ConvexSpectrum | None = None,
     ) -> None:
         self.parts, self.reference = list(parts), reference
         self.coordinates, self.size = coordinates, coordinates.size[0]
@@ -167,7 +301,7 @@ class _Search:
         """Parameters of the effects at u."""
         return self.coordinates.theta(u, self.size)
 
-    def start(self) -> Place:
+    def start(self) -> MaterialPoint:
         """Lines that are known, or all alike and as stiff as what was measured.
 
         Effects of their natural size.
@@ -183,10 +317,10 @@ class _Search:
             small = np.where(self.coordinates.log, u + np.log(share), u)
             cost = self.cost(weights, small)
             if np.isfinite(cost):
-                return Place(weights, small, cost)
+                return MaterialPoint(weights, small, cost)
         raise ModelError(f"{self.model.name} cannot be followed in these tests")
 
-    def seeded(self, seeds: Sequence[Real]) -> list[Place]:
+    def seeded(self, seeds: Sequence[Real]) -> list[MaterialPoint]:
         """Starts with these parameters of the effects, all lines alike.
 
         Those that cannot be followed are none.
@@ -195,10 +329,10 @@ class _Search:
         starts = []
         for seed in seeds:
             u = self.coordinates.u(np.asarray(seed, dtype=float).copy(), self.size)
-            starts.append(Place(weights, u, self.cost(weights, u)))
+            starts.append(MaterialPoint(weights, u, self.cost(weights, u)))
         return [start for start in starts if np.isfinite(start.cost)]
 
-    def placed(self, start: Place) -> Place:
+    def placed(self, start: MaterialPoint) -> MaterialPoint:
         """A start with each effect of the tests where it does most good, of its possible places."""
         tests = [part.test for part in self.parts if isinstance(part, InTimePart)]
         scales = Scales.of(self.parts)
@@ -211,7 +345,7 @@ class _Search:
                 theta = self.own(start.u)
                 theta[own] = values
                 there = self.coordinates.u(theta, self.size)
-                begun = Place(start.weights, there, self.cost(start.weights, there))
+                begun = MaterialPoint(start.weights, there, self.cost(start.weights, there))
                 if np.isfinite(begun.cost):
                     reached.append(self.descended(begun, BRIEF))
             start = min(reached, key=lambda each: each.cost)
@@ -222,7 +356,7 @@ class _Search:
         """Where the coordinates of effects of tests begin, behind those of effects of the rig."""
         return len(self.model.of_specimen.parameters) - self.count
 
-    def descended(self, place: Place, steps: int) -> Place:
+    def descended(self, place: MaterialPoint, steps: int) -> MaterialPoint:
         """Gauss-Newton steps, until one changes nothing that is printed."""
         for _ in range(steps):
             better = self.step(place, *self.slopes(place.weights, place.u))
@@ -301,7 +435,9 @@ class _Search:
                         " name a model in place of 'material', or add a test of another kind"
                     )
 
-    def step(self, place: Place, value: Real, by_weights: Real, by_u: Real) -> Place | None:
+    def step(
+        self, place: MaterialPoint, value: Real, by_weights: Real, by_u: Real
+    ) -> MaterialPoint | None:
         """A better place, or None where none is found on the way to that of the linear problem."""
         weights, u, cost = place
         if not all(np.all(np.isfinite(each)) for each in (by_weights, by_u)):
@@ -325,7 +461,7 @@ class _Search:
             nearer = weights + share * (wanted - weights)
             lower = self.cost(nearer, there)
             if lower < cost:
-                return Place(nearer, there, lower)
+                return MaterialPoint(nearer, there, lower)
             share *= 0.3
         return None
 

@@ -24,11 +24,10 @@ from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
 from .exponentials import QuickPart, UnfollowedError
-from .residuals_of_tests import InTimePart, Part, runs_against
+from .residuals_of_tests import InTimePart, Part, Scales, runs_against, tries_of
 from .result import TimeIdentification, part_result, sampled_scatter
-from .sizes import rms
 from .start import start_of
-from .trial_values import Scales, tries_of
+from .where import rms
 
 QUICK = 20
 """Steps with some of the samples."""
@@ -95,7 +94,7 @@ class Minimum:
     converged: bool
 
 
-class Search:
+class TimeSearch:
     """A model and the tests of a specimen, in the coordinates of the native solver.
 
     Parameters

@@ -29,11 +29,10 @@ from springpot.rheology.points import Points, Real
 from springpot.thresholds import INTERVAL
 
 from .known import Known, reach
-from .predicted_test import TestPrediction
+from .recording import predicted
 from .residuals_of_tests import SweepPart, Test
-from .response import predicted
 from .result import TimeIdentification
-from .sizes import rms
+from .where import TestPrediction, rms
 
 NEAR = 2.0
 """Factor by which a time may lie beyond those that a fit saw and still be one of them."""

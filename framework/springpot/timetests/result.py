@@ -19,10 +19,10 @@ from springpot.errors import ModelError
 from springpot.identification.kept import bounds_of, constrained_as
 from springpot.identification.part_result import SWEEP, PartResult, parts_of
 from springpot.identification.prediction import Prediction
-from springpot.identification.printed import all_parameters
+from springpot.identification.result import all_parameters
 from springpot.identification.value import Value
 from springpot.measurement.covered import Covered
-from springpot.measurement.selection import Test
+from springpot.measurement.opening import Test
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units
 from springpot.plain_data import jsonable, number
@@ -33,7 +33,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
 from .known import Known
-from .sizes import rms
+from .where import rms
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,17 +7,23 @@ transducer has a memory too, of a few samples. So the noise is read from the upp
 residual's spectrum alone, as an autoregression of first order, and what lies above its continuation
 at low frequencies is misfit. Fitted by Whittle's likelihood (Whittle 1953, doi:10.1007/BF02590998):
 periodogram ordinates are exponential around the spectrum.
+
+How likely each model is where the size of the noise is unknown and neighbours may be alike.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.rheology.model import Model
 from springpot.rheology.points import Real
+
+from .residuals_of_tests import InTimePart, Part
 
 FEWEST = 40
 """Samples below which a spectrum tells nothing.
@@ -70,7 +76,7 @@ NORMAL = 1.482602218505602
 
 
 @dataclass(frozen=True)
-class Scatter:
+class ResidualScatter:
     """Noise in a residual.
 
     Attributes
@@ -124,7 +130,7 @@ class Scatter:
         return np.asarray(white, dtype=float)
 
 
-def scatter_of(residual: Real) -> Scatter:
+def scatter_of(residual: Real) -> ResidualScatter:
     """The noise in a residual over its presumed noise.
 
     Parameters
@@ -134,14 +140,14 @@ def scatter_of(residual: Real) -> Scatter:
 
     Returns
     -------
-    Scatter
+    ResidualScatter
         Of few samples: white noise of the presumed size.
     """
     residual = residual[_scattered(residual)]
     n = len(residual)
     if n < FEWEST:
         worth = 0.5 * CLIP * n
-        return Scatter(1.0, 0.0, 0.0, _chance(float(np.mean(residual**2)), n, worth), worth)
+        return ResidualScatter(1.0, 0.0, 0.0, _chance(float(np.mean(residual**2)), n, worth), worth)
     power, omega = _periodogram(residual)
     # Three stories: noise alone at all frequencies, noise above and something smooth below, or
     # noise and one jump.
@@ -165,10 +171,10 @@ def scatter_of(residual: Real) -> Scatter:
     size, memory = alone
     if excess > PLAIN or local < LOCAL:
         size, memory = above
-    return Scatter(size, memory, float(excess), local)
+    return ResidualScatter(size, memory, float(excess), local)
 
 
-def scatter_of_sweep(residual: Real, known: bool) -> Scatter:
+def scatter_of_sweep(residual: Real, known: bool) -> ResidualScatter:
     """The noise in the residual (2 n,) of a sweep, K' then K'', over its standard deviations.
 
     A sweep is too short for a spectrum. Its standard deviations are believed where they are
@@ -195,7 +201,7 @@ def scatter_of_sweep(residual: Real, known: bool) -> Scatter:
     # Where nothing is missed all that is left is noise.
     if told and local >= LOCAL:
         apart, worth = max(float(np.sqrt(power)), 1e-300), np.inf
-    return Scatter(apart, 0.0, 0.0, local, worth)
+    return ResidualScatter(apart, 0.0, 0.0, local, worth)
 
 
 def times_noise(residual: Real, size: float) -> float:
@@ -333,3 +339,84 @@ def _chance(ratio: float, above: float, below: float) -> float:
     if np.isinf(below):
         return float(chdtrc(above, above * ratio))
     return float(fdtrc(above, max(below, 1.0), ratio))
+
+
+PLAINLY = 10.0
+"""Difference of the Bayesian information criterion that is very strong evidence
+(Kass & Raftery 1995, doi:10.1080/01621459.1995.10476572)."""
+HINT = 6.0
+"""The same where it is strong evidence: neither proof nor nothing."""
+ALIKE = 6.0
+"""Difference within which two effects cannot be told from one another (the same scale)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Left:
+    """What a fit leaves of each test.
+
+    Attributes
+    ----------
+    count : int
+        Parameters of the model.
+    residuals : tuple of ndarray
+        Of each test over the noise of its signal.
+    scatters : tuple of ResidualScatter
+        The noise in them.
+    """
+
+    count: int
+    residuals: tuple[Real, ...]
+    scatters: tuple[ResidualScatter, ...]
+
+    @classmethod
+    def by(cls, model: Model, theta: Real, reference: float, parts: Sequence[Part]) -> Left:
+        """What a model with these parameters leaves of these tests."""
+        # By its noise alone, whatever the test weighed in a fit.
+        plain = [part.with_scale(1.0) for part in parts]
+        residuals = [part.residual(model, theta, reference).value for part in plain]
+        scatters = []
+        for value, part in zip(residuals, parts, strict=True):
+            if isinstance(part, InTimePart):
+                scatters.append(scatter_of(value))
+            else:
+                scatters.append(scatter_of_sweep(value, part.test.sd is not None))
+        return cls(len(theta), tuple(residuals), tuple(scatters))
+
+    @property
+    def misfit(self) -> bool:
+        """Whether some test is missed by more than noise."""
+        return any(scatter.misfit for scatter in self.scatters)
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether some test may well be missed by more than noise."""
+        return any(scatter.doubtful for scatter in self.scatters)
+
+    def squares(self, noise: Sequence[ResidualScatter]) -> float:
+        """Sum of squares over that noise, a sample counted for what it adds to its neighbours."""
+        pairs = zip(self.residuals, noise, strict=True)
+        return sum(scatter.surprise(value) for value, scatter in pairs)
+
+    def over(self, noise: Sequence[ResidualScatter]) -> float:
+        """Error over that noise, of the worst test."""
+        pairs = zip(self.residuals, noise, strict=True)
+        return max(times_noise(value, scatter.size) for value, scatter in pairs)
+
+
+def independent(residuals: Sequence[Real], noise: Sequence[ResidualScatter]) -> float:
+    """Number of samples, counting once those whose noise is alike.
+
+    Bayley & Hammersley (1946, doi:10.2307/2983560).
+    """
+    pairs = zip(residuals, noise, strict=True)
+    counts = [
+        len(value) * (1.0 - scatter.memory) / (1.0 + scatter.memory) for value, scatter in pairs
+    ]
+    # Two at least: the logarithm of their number is what a parameter costs.
+    return max(float(sum(counts)), 2.0)
+
+
+def delta_bic(base: Left, other: Left, noise: Sequence[ResidualScatter], more: int) -> float:
+    """By how much the Bayesian information criterion falls with `more` parameters."""
+    gain = base.squares(noise) - other.squares(noise)
+    return float(gain - more * np.log(independent(base.residuals, noise)))

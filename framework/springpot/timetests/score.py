@@ -19,7 +19,7 @@ import numpy as np
 
 from springpot.errors import SpringpotError
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.selection import Test
+from springpot.measurement.opening import Test
 from springpot.rheology.effect import Effect
 from springpot.rheology.history import network_of, sorted_out
 from springpot.rheology.model import Model
@@ -29,12 +29,10 @@ from springpot.rheology.points import KELVIN, Complex, Points, Real
 from springpot.rheology.stages import acting, on_loading, on_response
 
 from .exponentials import QuickPart, points_at
-from .recording import Clock, reached, recorded
-from .residuals_of_tests import SweepPart
-from .response import TOLERANCE
+from .recording import TOLERANCE, Clock, reached, recorded
+from .residuals_of_tests import Scales, SweepPart, tries_of
 from .result import TimeIdentification
-from .scan_scores import Atom, Promise
-from .trial_values import Scales, tries_of
+from .verdict import Atom, Promise
 
 STEEP = 1.2
 """Power of omega from which a change of K makes a specimen under a force swing.
@@ -63,7 +61,7 @@ ABSORBED = 1e-5
 """Share of a column left once the model has taken its part, below which nothing is to be seen."""
 
 
-class Scan:
+class TimeScan:
     """A fitted model, its tests, and what each of many effects would change.
 
     Parameters

@@ -1,4 +1,9 @@
-"""What the effects that were tried on tests in time say together: verdict, classes, chances."""
+"""What the effects that were tried on tests in time say together: verdict, classes, chances.
+
+What a diagnosis of tests in time says: its error, its sentence, and which effect to add.
+
+What a scan finds of one effect: what it would add to the residuals, and what that promises.
+"""
 
 from __future__ import annotations
 
@@ -17,13 +22,158 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
-from .answer import NAN, error_of, leading_of, sentence
-from .information_criterion import ALIKE, HINT, PLAINLY, Left
 from .residuals_of_tests import InTimePart, Part
 from .result import TimeIdentification
-from .scan_scores import Promise
-from .scatter import Scatter
-from .where import places, worst_first
+from .scatter import ALIKE, HINT, PLAINLY, Left, ResidualScatter, times_noise
+from .where import places, rms, worst_first
+
+NAN = float("nan")
+
+
+def error_of(parts: Sequence[Part], left: Left, noise: Sequence[ResidualScatter]) -> Error:
+    """The error of a model beside the noise, of the test that it misses most."""
+    errors = []
+    for part, residual, scatter in zip(parts, left.residuals, noise, strict=True):
+        error = rms(residual * part.relative_sd)
+        ratio = times_noise(residual, scatter.size)
+        floor = 0.0
+        # A fit that leaves nothing at all says nothing of the noise.
+        if ratio:
+            floor = error / ratio
+        # Of few samples the presumed noise is believed as it is: its size is one, to the last bit.
+        source = "residual"
+        if scatter.size == 1.0:
+            source = "signal"
+        # Of no material: none was looked for.
+        told = Error(error, floor, source, "", NAN, NAN, noise_memory=scatter.memory)
+        errors.append((ratio, told))
+    # A model is as good as it is for the test that it misses most.
+    return max(errors, key=lambda each: each[0])[1]
+
+
+def leading_of(candidates: Sequence[Candidate]) -> tuple[str, ...]:
+    """The effects that should be added, which the tests cannot tell apart; empty if none should.
+
+    The class of the first, where the evidence for it is beyond doubt.
+    """
+    # By evidence alone: the first of several candidates always fits best, which is no proof.
+    if not candidates or candidates[0].delta_bic <= PLAINLY:
+        return ()
+    return candidates[0].alike
+
+
+def sentence(
+    error: Error, verdict: Verdict, candidates: Sequence[Candidate], where: Sequence[Where]
+) -> str:
+    """The verdict in one sentence."""
+    size = f"the error is {error.over_floor:.2g} x the noise"
+    # Where it fails is the best advice there is, as long as nobody knows what is missing.
+    place = ""
+    if where:
+        place = f"; {where[0].says}"
+    names = " or ".join(leading_of(candidates))
+    if verdict == "adequate":
+        return f"{size}: nothing is missing that these tests could show"
+    if verdict == "inconclusive":
+        hint = "what is left is hardly noise alone"
+        if candidates and candidates[0].delta_bic > HINT:
+            hint = f"{candidates[0].effect} would help a little"
+        return f"{size}: {hint}, which may be chance; measure longer or repeat it{place}"
+    if not names:
+        return (
+            f"{size}, and no known effect explains it:"
+            f" something is missing that is not in the library{place}"
+        )
+    after = f"{candidates[0].over_floor:.2g} x with it"
+    if verdict == "unexplained":
+        helps = f"{names} helps ({after}) but is not all"
+        return f"{size}, and no single known effect explains it: {helps}{place}"
+    return f"{size}; missing is {names}: {after}{place}"
+
+
+@dataclass(frozen=True, eq=False)
+class Promise:
+    """One effect at one place of its parameters.
+
+    Attributes
+    ----------
+    effect : Effect
+        The effect.
+    values : tuple of float
+        Its parameters, as large as the record asks for.
+    theta : ndarray, shape (p,)
+        Parameters of the model beside it.
+    drop : float
+        By how much the sum of squares would fall.
+    amount : float
+        Of what was tried: far from one, it is no longer the effect that was tried.
+    direction : ndarray, shape (m,)
+        What it adds to the residuals that the model cannot take over, of length one.
+    """
+
+    effect: Effect
+    values: tuple[float, ...]
+    theta: Real
+    drop: float
+    amount: float
+    direction: Real
+
+    def start(self, base: TimeIdentification, model: Model, *, moved: bool = False) -> Real:
+        """A start (p,) for the model with the effect.
+
+        What it promises beside the parameters of the fit.
+
+        Parameters
+        ----------
+        base : TimeIdentification
+            The fit that was scanned.
+        model : Model
+            Its model with the effect.
+        moved : bool
+            Let the parameters of the fit make way for the effect, as far as a linear step says.
+        """
+        theta = base.theta
+        if moved:
+            theta = self.theta
+        known = dict(zip(base.model.names, theta.tolist(), strict=True))
+        new = [parameter for parameter in model.parameters if parameter.name not in known]
+        for parameter, value in zip(new, self.values, strict=True):
+            known[parameter.name] = float(np.clip(value, parameter.lower, parameter.upper))
+        # Lines of a free spectrum, which the fit has and the model not yet, are found anew.
+        return model.vector({name: known[name] for name in model.names})
+
+
+@dataclass(frozen=True, eq=False)
+class Atom:
+    """A column: what an effect adds to the residuals of all tests, for an amount of one.
+
+    Attributes
+    ----------
+    effect : Effect
+        The effect.
+    values : ndarray, shape (q,)
+        Its parameters at that amount.
+    powers : ndarray, shape (q,)
+        With which power of the amount each of them goes.
+    column : ndarray, shape (m,)
+        The change of the residuals.
+    signed : bool
+        Whether a negative amount makes sense.
+    """
+
+    effect: Effect
+    values: Real
+    powers: Real
+    column: Real
+    signed: bool
+
+    def at(self, amount: float) -> tuple[float, ...]:
+        """Its parameters for an amount."""
+        # A force grows with the amount; a time or an order, whose power is zero, stays what it is.
+        size = abs(amount) ** self.powers
+        sign = np.where((self.powers != 0.0) & (amount < 0.0), -1.0, 1.0)
+        return tuple((self.values * size * sign).tolist())
+
 
 TWINS = 0.995
 """Cosine between what two effects leave in a record from which they are one to it, whatever the
@@ -86,7 +236,7 @@ def answer_of(
     base: TimeIdentification,
     before: Left,
     tried: Sequence[Tried],
-    noise: Sequence[Scatter],
+    noise: Sequence[ResidualScatter],
     promises: dict[str, list[Promise]],
     left_out: dict[str, str],
 ) -> TimeCase:
@@ -153,7 +303,7 @@ def _verdict(before: Left, tried: Sequence[Tried]) -> Verdict:
 
 
 def where_missed(
-    parts: Sequence[Part], before: Left, noise: Sequence[Scatter]
+    parts: Sequence[Part], before: Left, noise: Sequence[ResidualScatter]
 ) -> tuple[Where, ...]:
     """Where the model fails in all tests in time, the worst first."""
     located: list[Where] = []
@@ -164,7 +314,7 @@ def where_missed(
 
 
 def _class(
-    tried: Sequence[Tried], promises: dict[str, list[Promise]], noise: Sequence[Scatter]
+    tried: Sequence[Tried], promises: dict[str, list[Promise]], noise: Sequence[ResidualScatter]
 ) -> list[str]:
     """The best effect and those that these tests cannot tell from it."""
     # By what the tests say alone: how common an effect is makes it no worse an explanation of them.
@@ -181,7 +331,7 @@ def _class(
     return names + [name for name in _twins(best.effect.name, promises) if name not in fitted]
 
 
-def _as_well(each: Tried, best: Tried, noise: Sequence[Scatter]) -> bool:
+def _as_well(each: Tried, best: Tried, noise: Sequence[ResidualScatter]) -> bool:
     """Whether an effect explains the tests as well as the best one.
 
     More parameters do not exclude it.

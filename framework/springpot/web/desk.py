@@ -22,7 +22,7 @@ PROGRAM = "from springpot.web.worker import main; main()"
 Line = bytes
 
 
-class Worker:
+class DeskWorker:
     """One process, which does one task after another."""
 
     def __init__(self) -> None:
@@ -123,8 +123,8 @@ class Desk:
     """
 
     def __init__(self, long: int = 2) -> None:
-        self._lanes = {"short": [Worker()], "long": [Worker() for _ in range(long)]}
-        self._free: dict[str, asyncio.Queue[Worker]] = {}
+        self._lanes = {"short": [DeskWorker()], "long": [DeskWorker() for _ in range(long)]}
+        self._free: dict[str, asyncio.Queue[DeskWorker]] = {}
         self._running: dict[str, _Running] = {}
         self._closing = False
         self._kept: OrderedDict[str, Line] = OrderedDict()

@@ -25,19 +25,16 @@ from springpot.diagnosis.ladder import Ladder
 from springpot.errors import DataError, SpringpotError
 from springpot.inputs import bytes_of
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.question import OpenQuestion
-from springpot.measurement.reader import Part, parts_as_opened
-from springpot.measurement.runs import runs_of
+from springpot.measurement.mixed_tests import runs_of
+from springpot.measurement.reader import OpenQuestion, Part, parts_as_opened
 from springpot.owners import blamed, described
 from springpot.registry import open_measurement, parse_model, parts_of, plugins
-from springpot.report.interactive.answers import drawn
-from springpot.report.interactive.scene import PageScene, relative_error
+from springpot.report.interactive.answers import PageScene, drawn, relative_error
 from springpot.report.network import network_svg
 from springpot.report.plugin_cards import EXAMPLE_MEMBER
 from springpot.report.plugin_cards import effect as effect_card
 from springpot.report.plugin_cards import model as model_card
-from springpot.rheology.family import Family
-from springpot.rheology.model import Model
+from springpot.rheology.model import Family, Model
 
 from . import leaving
 from .held import hand_of, theta_of

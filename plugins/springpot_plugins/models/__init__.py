@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from springpot.hooks import hookimpl
 from springpot.rheology import Model
-from springpot.rheology.family import Family
+from springpot.rheology.model import Family
 
 from . import asphalt, classical, fluids, fractional, paper, passive, relaxation, spectra
 

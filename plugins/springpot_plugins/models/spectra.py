@@ -18,7 +18,7 @@ from springpot.rheology import (
     spring,
     stiffness,
 )
-from springpot.rheology.family import Family
+from springpot.rheology.model import Family
 
 from .classical import TSCHOEGL
 

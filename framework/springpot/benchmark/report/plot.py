@@ -55,7 +55,7 @@ class Pen:
 
 
 @dataclass(frozen=True, eq=False)
-class Line:
+class StepLine:
     """A step line, with a band if there is one.
 
     Parameters
@@ -104,7 +104,7 @@ class Dot:
 
 
 @dataclass(frozen=True)
-class Scale:
+class PlotAxis:
     """One axis.
 
     Parameters
@@ -143,14 +143,14 @@ class Scale:
         return [10.0**power for power in range(first, last + 1, step)]
 
 
-def plot(lines: Sequence[Line], x: Scale, y: Scale, title: str) -> Html:
+def plot(lines: Sequence[StepLine], x: PlotAxis, y: PlotAxis, title: str) -> Html:
     """The lines in one frame; the first are drawn last, above the others.
 
     Parameters
     ----------
-    lines : sequence of Line
+    lines : sequence of StepLine
         Best first.
-    x, y : Scale
+    x, y : PlotAxis
         The axes.
     title : str
         Read aloud where the picture cannot be seen.
@@ -172,14 +172,14 @@ def plot(lines: Sequence[Line], x: Scale, y: Scale, title: str) -> Html:
     )
 
 
-def scatter(dots: Sequence[Dot], x: Scale, y: Scale, title: str) -> Html:
+def scatter(dots: Sequence[Dot], x: PlotAxis, y: PlotAxis, title: str) -> Html:
     """Points in one frame; large ones are drawn last, above the others.
 
     Parameters
     ----------
     dots : sequence of Dot
         The points; what lies beyond an axis is drawn at its end.
-    x, y : Scale
+    x, y : PlotAxis
         The axes.
     title : str
         Read aloud where the picture cannot be seen.
@@ -193,7 +193,7 @@ def scatter(dots: Sequence[Dot], x: Scale, y: Scale, title: str) -> Html:
     return tag("svg", tag("title", title), *frame, *drawn, viewBox=box, role="img", class_="plot")
 
 
-def _dot(dot: Dot, x: Scale, y: Scale) -> Iterator[Html]:
+def _dot(dot: Dot, x: PlotAxis, y: PlotAxis) -> Iterator[Html]:
     across, down = float(_across(x, np.array(dot.x))), float(_down(y, np.array(dot.y)))
     # Hollow where lines of this pen are dashed: colours alone are too few.
     inside = "white"
@@ -251,15 +251,15 @@ def _tick(value: float) -> str:
     return f"{value:.0e}".replace("e-0", "e-").replace("e+0", "e")
 
 
-def _across(x: Scale, values: Real) -> Real:
+def _across(x: PlotAxis, values: Real) -> Real:
     return LEFT + (WIDTH - LEFT - RIGHT) * x.place(values)
 
 
-def _down(y: Scale, values: Real) -> Real:
+def _down(y: PlotAxis, values: Real) -> Real:
     return HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * y.place(values)
 
 
-def _frame(x: Scale, y: Scale) -> Iterator[Html]:
+def _frame(x: PlotAxis, y: PlotAxis) -> Iterator[Html]:
     floor_, right = HEIGHT - BOTTOM, WIDTH - RIGHT
     for value, place in zip(x.ticks(), _across(x, np.array(x.ticks())), strict=True):
         yield _rule(place, TOP, place, floor_)
@@ -294,7 +294,7 @@ def _text(
     )
 
 
-def _line(line: Line, x: Scale, y: Scale) -> Iterator[Html]:
+def _line(line: StepLine, x: PlotAxis, y: PlotAxis) -> Iterator[Html]:
     # Endless where most trials have failed: the line begins where it comes into sight.
     shown = np.isfinite(line.y)
     if shown.any():
@@ -314,7 +314,7 @@ def _steps(across: Real, down: Real) -> str:
     return "".join([*corners, f"H{across[-1]:.1f}"])
 
 
-def _band(line: Line, x: Scale, y: Scale) -> Html:
+def _band(line: StepLine, x: PlotAxis, y: PlotAxis) -> Html:
     assert line.band is not None
     low, high = line.band
     shown = np.isfinite(low) & np.isfinite(line.y)
@@ -371,7 +371,7 @@ def critical_differences(
     bars = 7.0 * len(cliques) + 8.0
     height = ROW * len(rows) + 34.0
     # An axis of one rank alone would have no length.
-    axis = Scale("mean rank", 1.0, float(max(len(rows), 2)))
+    axis = PlotAxis("mean rank", 1.0, float(max(len(rows), 2)))
     inner = WIDTH - NAMES - bars - 12.0
     places = NAMES + inner * axis.place(np.array([[row.low, row.rank, row.high] for row in rows]))
     marks = np.unique(np.linspace(axis.low, axis.high, min(len(rows), 6)).round())

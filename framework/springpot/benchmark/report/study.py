@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from springpot.benchmark.comparison import OVER_ALL, Choice, Ranking, scopes
+from springpot.benchmark.comparison import OVER_ALL, MeanRanks, OptimiserChoice, scopes
 from springpot.benchmark.standings import CHOICE_NOTE, COMPARING, PLAIN, Findings
 from springpot.benchmark.statistics import Interval
 from springpot.benchmark.store import Store
@@ -18,7 +18,7 @@ from springpot.files import write_text
 from springpot.format_numbers import counted, number
 from springpot.markup import Html, joined, table, tag
 from springpot.report.numbers import seconds
-from springpot.report.page import page
+from springpot.report.style import page
 
 from .study_plots import (
     Pens,
@@ -142,7 +142,7 @@ def _head(findings: Findings) -> Iterator[Html]:
 def _choices(findings: Findings) -> Iterator[Html]:
     marks = findings.scale.marks
     headers = ("model", "data", *(f"{mark} evaluations" for mark in marks))
-    by_problem: dict[int, list[Choice]] = {}
+    by_problem: dict[int, list[OptimiserChoice]] = {}
     for choice in findings.choices:
         by_problem.setdefault(choice.race.problem.id, []).append(choice)
     rows = []
@@ -197,7 +197,7 @@ def _all_problems(findings: Findings) -> tuple[str, ...]:
     return ("all", f"all {len(findings.races)} problems", *cells)
 
 
-def _chosen(choice: Choice, graded: set[str]) -> Html:
+def _chosen(choice: OptimiserChoice, graded: set[str]) -> Html:
     if choice.label is None:
         return tag("div", "none: all failed")
     # Where no trial reached the target there is no share to tell: how near the best came is.
@@ -262,7 +262,7 @@ def _rankings(findings: Findings) -> Iterator[Html]:
         yield tag("details", tag("summary", "By model and by data set"), pair(diagrams))
 
 
-def _over_all(findings: Findings) -> list[Ranking]:
+def _over_all(findings: Findings) -> list[MeanRanks]:
     """The rankings over all problems, by ascending budget."""
     return [ranking for ranking in findings.rankings if ranking.scope == OVER_ALL]
 
@@ -322,7 +322,7 @@ def _pairs(findings: Findings) -> Iterator[Html]:
     yield tag("div", tag("table", tag("thead", head), tag("tbody", *rows)), class_="scroll heat")
 
 
-def _heat(ranking: Ranking, i: int, j: int) -> Html:
+def _heat(ranking: MeanRanks, i: int, j: int) -> Html:
     if i == j:
         return tag("td", "")
     chance = float(ranking.chances[i, j])

@@ -17,15 +17,15 @@ from springpot.format_numbers import number
 from springpot.markup import Html, joined, tag
 from springpot.rheology.points import Real
 
-from ..comparison import OVER_ALL, CellScores, Race, Ranking, profiles
+from ..comparison import OVER_ALL, CellScores, MeanRanks, ProblemRace, profiles
 from ..standings import Findings
 from ..statistics import Interval, cliques, expected_running_time, wilson
-from .plot import Dot, Line, Pen, Ranked, Scale, critical_differences, key, plot, scatter
+from .plot import Dot, Pen, PlotAxis, Ranked, StepLine, critical_differences, key, plot, scatter
 
 BANDS = 3
 """Optimisers whose quartiles are drawn on a problem; more would hide each other."""
 
-SHARE = Scale("share of trials", 0.0, 1.0)
+SHARE = PlotAxis("share of trials", 0.0, 1.0)
 
 
 def figure(picture: Html, caption: str) -> Html:
@@ -33,7 +33,7 @@ def figure(picture: Html, caption: str) -> Html:
     return tag("figure", picture, tag("figcaption", caption))
 
 
-def diagram(ranking: Ranking) -> Html:
+def diagram(ranking: MeanRanks) -> Html:
     """Critical differences of a ranking."""
     order = np.argsort(ranking.means, kind="stable")
     rows = []
@@ -52,7 +52,7 @@ def diagram(ranking: Ranking) -> Html:
     )
 
 
-def attained(findings: Findings, races: Sequence[Race]) -> list[tuple[str, Real]]:
+def attained(findings: Findings, races: Sequence[ProblemRace]) -> list[tuple[str, Real]]:
     """Share of trials and targets reached along the grid, over some races, by optimiser.
 
     Best first.
@@ -83,12 +83,18 @@ class Pens:
         return key(list(self._pens), list(self._pens.values()))
 
 
-def distribution(findings: Findings, races: Sequence[Race], pens: Pens, caption: str) -> Html:
+def distribution(
+    findings: Findings, races: Sequence[ProblemRace], pens: Pens, caption: str
+) -> Html:
     """Share of trials and targets reached against evaluations."""
-    x = Scale("evaluations", 1.0, float(findings.scale.budget), logarithmic=True)
+    x = PlotAxis("evaluations", 1.0, float(findings.scale.budget), logarithmic=True)
     grid = findings.scale.grid.astype(float)
-    lines = [Line(label, grid, share, pens[label]) for label, share in attained(findings, races)]
-    return figure(plot(lines, x, Scale("share of trials and targets", 0.0, 1.0), caption), caption)
+    lines = [
+        StepLine(label, grid, share, pens[label]) for label, share in attained(findings, races)
+    ]
+    return figure(
+        plot(lines, x, PlotAxis("share of trials and targets", 0.0, 1.0), caption), caption
+    )
 
 
 def profile_figures(findings: Findings, pens: Pens) -> Iterator[Html]:
@@ -104,10 +110,10 @@ def profile_figures(findings: Findings, pens: Pens) -> Iterator[Html]:
     yield figure(
         plot(
             [
-                Line(profile.labels[i], budgets, profile.data[i], pens[profile.labels[i]])
+                StepLine(profile.labels[i], budgets, profile.data[i], pens[profile.labels[i]])
                 for i in order
             ],
-            Scale("evaluations / (d + 1)", 1.0, float(budgets[-1]), logarithmic=True),
+            PlotAxis("evaluations / (d + 1)", 1.0, float(budgets[-1]), logarithmic=True),
             SHARE,
             "data profile",
         ),
@@ -116,10 +122,10 @@ def profile_figures(findings: Findings, pens: Pens) -> Iterator[Html]:
     yield figure(
         plot(
             [
-                Line(profile.labels[i], ratios, profile.performance[i], pens[profile.labels[i]])
+                StepLine(profile.labels[i], ratios, profile.performance[i], pens[profile.labels[i]])
                 for i in order
             ],
-            Scale("evaluations / those of the best", 1.0, 1000.0, logarithmic=True),
+            PlotAxis("evaluations / those of the best", 1.0, 1000.0, logarithmic=True),
             SHARE,
             "performance profile",
         ),
@@ -128,7 +134,7 @@ def profile_figures(findings: Findings, pens: Pens) -> Iterator[Html]:
     )
 
 
-def progress(findings: Findings, race: Race, pens: Pens) -> Iterator[Html]:
+def progress(findings: Findings, race: ProblemRace, pens: Pens) -> Iterator[Html]:
     """Anytime curves on one problem: the excess, and on noisy data the noise-free error too."""
     target = findings.scale.target
     # The axis reaches the highest median, and one at least: that is where every search begins.
@@ -136,14 +142,14 @@ def progress(findings: Findings, race: Race, pens: Pens) -> Iterator[Html]:
     for scores in race.cells:
         median = scores.curve[1]
         top = max(top, float(median[np.isfinite(median)].max(initial=1.0)))
-    y = Scale("excess, median", target, max(10.0 * target, top), logarithmic=True)
+    y = PlotAxis("excess, median", target, max(10.0 * target, top), logarithmic=True)
     yield _curves(findings, race, pens, [s.curve for s in race.cells], y, "Excess with quartiles")
     clean = [scores.clean for scores in race.cells]
     known = [curve for curve in clean if curve is not None]
     if known:
         values = np.concatenate([curve[1] for curve in known])
         values = values[np.isfinite(values) & (values > 0)]
-        y = Scale(
+        y = PlotAxis(
             "noise-free objective, median",
             float(values.min()),
             float(values.max()),
@@ -163,9 +169,14 @@ def progress(findings: Findings, race: Race, pens: Pens) -> Iterator[Html]:
 
 
 def _curves(
-    findings: Findings, race: Race, pens: Pens, curves: Sequence[Real], y: Scale, caption: str
+    findings: Findings,
+    race: ProblemRace,
+    pens: Pens,
+    curves: Sequence[Real],
+    y: PlotAxis,
+    caption: str,
 ) -> Html:
-    x = Scale("evaluations", 1.0, float(findings.scale.budget), logarithmic=True)
+    x = PlotAxis("evaluations", 1.0, float(findings.scale.budget), logarithmic=True)
     grid = findings.scale.grid.astype(float)
     best = sorted(range(len(curves)), key=lambda i: _area(race.cells[i], findings.scale.target))
     lines = []
@@ -173,7 +184,7 @@ def _curves(
         label, band = race.labels[i], None
         if n < BANDS:
             band = curves[i][[0, 2]]
-        lines.append(Line(label, grid, curves[i][1], pens[label], band))
+        lines.append(StepLine(label, grid, curves[i][1], pens[label], band))
     return figure(
         plot(lines, x, y, f"{caption}, {race.problem.model} on {race.problem.dataset}"),
         f"{caption}",
@@ -220,7 +231,7 @@ def accuracy_against_time(findings: Findings, pens: Pens) -> Html:
             Dot(f"{label}, median of {len(places[label])}", x, y, pens[label], True, written)
         )
     times = np.array([dot.x for dot in dots])
-    across = Scale(
+    across = PlotAxis(
         "processor time of a trial alone, median [s]",
         0.8 * float(times.min()),
         1.25 * float(times.max()),
@@ -232,7 +243,7 @@ def accuracy_against_time(findings: Findings, pens: Pens) -> Html:
         " by none in both"
     )
     picture = scatter(
-        dots, across, Scale("excess, median", target, 1.0, True), "accuracy against time"
+        dots, across, PlotAxis("excess, median", target, 1.0, True), "accuracy against time"
     )
     return figure(picture, caption)
 
@@ -249,7 +260,7 @@ class Pool:
     As a `Choice`, but over all of them.
     """
 
-    ranking: Ranking
+    ranking: MeanRanks
     label: str
     success: Interval
     running_time: float
@@ -261,7 +272,7 @@ def pools(findings: Findings) -> list[Pool]:
     return [_pool(findings, ranking) for ranking in findings.rankings if ranking.scope == OVER_ALL]
 
 
-def _pool(findings: Findings, ranking: Ranking) -> Pool:
+def _pool(findings: Findings, ranking: MeanRanks) -> Pool:
     """The cheapest of the optimisers that cannot be told from the first in rank."""
     budget, best = ranking.budget, int(np.argmin(ranking.means))
     names = (ranking.labels[best], *ranking.alike(best))
@@ -315,7 +326,7 @@ def _others(pool: Pool) -> list[int]:
     return [j for j, label in enumerate(pool.ranking.labels) if label != pool.label]
 
 
-def _too_few(ranking: Ranking) -> str:
+def _too_few(ranking: MeanRanks) -> str:
     """What a ranking of too few blocks can say: that it can say nothing, and by how much."""
     text = (
         f"{ranking.doubt} {len(ranking.labels)} optimisers apart: the least p-value that they can"

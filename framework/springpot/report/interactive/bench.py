@@ -1,6 +1,8 @@
 """The panels of the workbench inside a page that has no server.
 
 Every rung of a ladder with all its previews.
+
+The ES modules and style sheets that every page shares, read once.
 """
 
 from __future__ import annotations
@@ -9,12 +11,29 @@ import base64
 import hashlib
 import re
 from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
 from typing import Any
 
 from springpot.markup import Html, tag
-from springpot.report.jsontext import to_json
 
-from .assets import modules
+from ..jsontext import to_json
+
+
+def assets_in(package: str, folder: str) -> dict[str, bytes]:
+    """Content of each file in a folder of a package, by name."""
+    return {
+        item.name: item.read_bytes()
+        for item in (files(package) / folder).iterdir()
+        if item.is_file()
+    }
+
+
+@cache
+def modules() -> dict[str, bytes]:
+    """Content of each shared module and style sheet, by name."""
+    return assets_in("springpot.report.interactive", "modules")
+
 
 ORDER = (
     "dom.js",
@@ -33,7 +52,7 @@ EXPORT = re.compile(r"^export ((?:async )?(?:function|class|const) (\w+))", re.M
 
 
 @dataclass(frozen=True)
-class Bench:
+class PageParts:
     """Parts of a page that belong together.
 
     Parameters
@@ -51,7 +70,7 @@ class Bench:
     policy: str
 
 
-def bench_of(given: dict[str, Any]) -> Bench:
+def bench_of(given: dict[str, Any]) -> PageParts:
     """The panels of a report.
 
     Parameters
@@ -69,7 +88,7 @@ def bench_of(given: dict[str, Any]) -> Bench:
     body = Html(f"{tag('div', id='bench')}{data}{tag('script', Html(program))}")
     # By its digest: a script that slipped in with the data would have another, and no browser would
     # run it.
-    return Bench(body, style, f"'{_digest(program)}'")
+    return PageParts(body, style, f"'{_digest(program)}'")
 
 
 def _as_function(name: str) -> str:
