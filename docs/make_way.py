@@ -58,9 +58,9 @@ ROOMS = [
     Room(
         "report",
         "words, tables, pictures, pages and JSON of a result",
-        "report/text.py  views.py  page.py  jsontext.py",
+        "report/text.py  views.py  jsontext.py",
     ),
-    Room("Command line, Python", "what was asked is answered", "cli/table.py  api.py"),
+    Room("Command line, Python", "what was asked is answered", "cli/group.py  api.py"),
 ]
 """From above to below. A module without a folder lies in the folder that was named before it."""
 

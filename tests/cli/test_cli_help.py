@@ -35,7 +35,6 @@ def test_help_loads_no_library_and_no_room():
             "cli",
             "cli.faults",
             "cli.group",
-            "cli.table",
             "errors",
             "lazy",
             "limits",

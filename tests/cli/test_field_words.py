@@ -177,3 +177,12 @@ def test_an_answer_in_time_fits_the_window():
     assert max(map(len, told.splitlines())) <= 80
     assert "m 0.25 kg" in told
     assert "cannot tell apart: inertia, specimen-inertia" in told
+
+
+@pytest.mark.parametrize(
+    ("model", "biased"),
+    [("fractional-maxwell", True), ("fractional-maxwell + inertia + time-delay", False)],
+)
+def test_intervals_of_a_model_that_misses_something_say_so(springpot, model: str, biased: bool):
+    told = springpot("identify", "artificial-hidden", "--model", model).out
+    assert ("what it misses may move its parameters" in " ".join(told.split())) == biased

@@ -20,11 +20,6 @@ if TYPE_CHECKING:
 
 WHERE = ("within", "outside")
 """What tables say of a point that lies within, or outside of, what was measured."""
-FAR_OFF = 2.0
-"""Error over noise floor from which something is missing.
-
-Below, the estimate of the noise may be to blame.
-"""
 
 
 def named_tests(data: Sequence[str], geometry: str | None) -> list[Test] | None:
@@ -99,7 +94,7 @@ def identify(
 def _show(
     identified: TimeIdentification, figure: Path | None, data: Sequence[str], expression: str
 ) -> None:
-    from springpot.report.fit_text import fitted_in_time_text
+    from springpot.report.fit_text import FAR_OFF, fitted_in_time_text
 
     print(fitted_in_time_text(identified, window()))
     if figure is not None:

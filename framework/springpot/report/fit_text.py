@@ -29,6 +29,14 @@ if TYPE_CHECKING:
 FAR = log(1e6)
 """Log of the ratio to the data's natural size from which a parameter's size leaves no trace."""
 
+FAR_OFF = 2.0
+"""Error of a test in time over its noise floor from which something is missing.
+
+Below, the estimate of the noise may be to blame.
+"""
+BIASED = (
+    "the intervals are those of this model as it is: what it misses may move its parameters by more"
+)
 NAME = 12
 """Letters that are left of a test's name."""
 
@@ -83,7 +91,10 @@ def fitted_in_time_text(identified: TimeIdentification, width: int = 120) -> str
     names = " + ".join(test.name for test in identified.tests)
     spent = f"{identified.evaluations} evaluations in {seconds(identified.seconds)}"
     lines = [f"search      {identified.optimiser}: {identified.ended}, {spent}"]
-    lines += [f"note        {note}" for note in identified.notes]
+    notes = list(identified.notes)
+    if max(test.over_floor for test in identified.tests) > FAR_OFF:
+        notes.append(BIASED)
+    lines += [f"note        {note}" for note in notes]
     parts = [
         wrapped(f"{identified.model.name} fitted to {names} ({count})", width),
         indented(drawing_of(identified.model)),
@@ -256,7 +267,12 @@ def _lines(identified: Identification, verbose: bool) -> list[str]:
     if verbose or identified.optimiser != "native" or identified.status != "converged":
         lines.append(f"objective   {identified.fit.objective.name}, {number(identified.fit.cost)}")
         lines.append(f"optimiser   {identified.optimiser}, {identified.status}, {spent}")
-    notes = (*identified.notes, *unused(identified), *_of_floor(identified))
+    notes = (
+        *identified.notes,
+        *unused(identified),
+        *_of_floor(identified),
+        *_of_intervals(identified),
+    )
     return lines + [f"note        {note}" for note in notes]
 
 
@@ -278,6 +294,13 @@ def _of_floor(identified: Identification) -> list[str]:
         "the noise floor is estimated from the scatter about this model:"
         " diagnose may find a lower one"
     ]
+
+
+def _of_intervals(identified: Identification) -> list[str]:
+    """What no width of an interval makes up for: the bias of a model that misses something."""
+    if identified.standing is None or identified.standing.good_enough:
+        return []
+    return [BIASED]
 
 
 def unused(identified: Identification) -> list[str]:
