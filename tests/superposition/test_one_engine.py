@@ -12,7 +12,7 @@ from sweeps import C1, C2, LOG_A, REFERENCE, TEMPERATURES, material, measured, s
 import springpot
 from springpot.identification import fit
 from springpot.identification.allowed_shifts import allowed_shifts, refused_in_words
-from springpot.identification.free_factors import Rows, factors_of
+from springpot.identification.free_factors import FactorRows, factors_of
 from springpot.identification.levels_alone import each_alone
 from springpot.superposition import laws
 
@@ -101,7 +101,7 @@ def test_a_law_that_shifts_sweeps_apart_which_have_moduli_in_common_is_refused()
     """As WLF far below the glass transition: near its pole it goes through a hundred decades."""
     data = measured(simple)
     curve = springpot.mastercurve(data)
-    rows = Rows.of(curve.fit)
+    rows = FactorRows.of(curve.fit)
     own = each_alone(data, rows.number, curve.fit.objective)
     allowed = allowed_shifts(data, rows.elements[0], factors_of(rows).log_b[rows.number], own)
     assert allowed.broken_by(curve.factors.log_a) == ""

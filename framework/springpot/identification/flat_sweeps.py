@@ -12,7 +12,7 @@ from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL, SUPERPOSITION
 
 if TYPE_CHECKING:
-    from .free_factors import Rows
+    from .free_factors import FactorRows
 
 FEWEST = 3
 """Points of a sweep that a slope and its scatter take up."""
@@ -21,7 +21,7 @@ EXACT = 1e-9
 DECADE = float(np.log(10.0))
 
 
-def flat_levels(rows: Rows) -> NDArray[np.bool_]:
+def flat_levels(rows: FactorRows) -> NDArray[np.bool_]:
     """Levels (m,) whose storage and loss neither rise nor fall with frequency beyond scatter."""
     data = rows.fit.measurement
     flat = np.zeros(len(rows.elements[0].values), dtype=np.bool_)

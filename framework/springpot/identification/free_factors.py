@@ -102,7 +102,7 @@ class Factors:
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class FactorRows:
     """What the factors of a fitted model are judged by: rows of the weighted residual (2n,).
 
     Attributes
@@ -126,7 +126,7 @@ class Rows:
     expected: Expected | None = None
 
     @classmethod
-    def of(cls, fit: Fit, expected: Expected | None = None, column: str = "") -> Rows:
+    def of(cls, fit: Fit, expected: Expected | None = None, column: str = "") -> FactorRows:
         """Of a fit of a model with free factors of a column, the first one's by default."""
         column = column or columns_of_factors(fit.model)[0]
         elements: list[Levels] = []
@@ -314,7 +314,7 @@ def _names_of(effect: Effect) -> list[str]:
     return [f"{effect.name}.{parameter.name}" for parameter in effect.element.parameters]
 
 
-def factors_of(rows: Rows) -> Factors:
+def factors_of(rows: FactorRows) -> Factors:
     """The factors with the covariance that the exact slopes give, the spectrum free to follow.
 
     The scatter of each level is its own: where a level is not followed its factors are that much
@@ -323,14 +323,14 @@ def factors_of(rows: Rows) -> Factors:
     return _spread(rows, _covariance(rows, rows.expected))
 
 
-def told_by_data(rows: Rows, reference: int) -> NDArray[np.bool_]:
+def told_by_data(rows: FactorRows, reference: int) -> NDArray[np.bool_]:
     """Levels (m,) whose vertical factor the data tell more nearly than was expected of it.
 
     All, where nothing was.
 
     Parameters
     ----------
-    rows : Rows
+    rows : FactorRows
         The fitted material with its factors.
     reference : int
         Number of the level where the factors are one.
@@ -345,7 +345,7 @@ def told_by_data(rows: Rows, reference: int) -> NDArray[np.bool_]:
     return np.asarray(told, dtype=np.bool_)
 
 
-def _covariance(rows: Rows, expected: Expected | None) -> Real:
+def _covariance(rows: FactorRows, expected: Expected | None) -> Real:
     """Covariance (q, q) of the logarithms of the free factors."""
     # What the spectrum could do in a factor's place tells nothing of the factor.
     sd = np.sqrt(rows.alike) * rows.scale
@@ -371,7 +371,7 @@ def _covariance(rows: Rows, expected: Expected | None) -> Real:
     return np.asarray(covariance + OPEN**2 * lost @ lost.T, dtype=np.float64)
 
 
-def _noise_of_slopes(rows: Rows, sd: Real) -> Real:
+def _noise_of_slopes(rows: FactorRows, sd: Real) -> Real:
     """Products (q, q) of the errors of the slopes by the factors.
 
     The curve follows some noise, and so do they.
@@ -382,7 +382,7 @@ def _noise_of_slopes(rows: Rows, sd: Real) -> Real:
 
     Parameters
     ----------
-    rows : Rows
+    rows : FactorRows
         The fitted material with its factors.
     sd : ndarray, shape (2n,)
         Standard deviation of each row.
@@ -443,7 +443,7 @@ def without(basis: Real, columns: Real) -> Real:
     return columns - left @ (left.T @ columns)
 
 
-def _spread(rows: Rows, covariance: Real) -> Factors:
+def _spread(rows: FactorRows, covariance: Real) -> Factors:
     """Over all levels, those with the factor one included."""
     first = rows.elements[0]
     m = len(first.values)

@@ -16,7 +16,7 @@ from .allowed_shifts import ROOM, meeting, ranges, scatter_between
 from .coordinates import WIDEST
 from .expected_factors import spread_between
 from .flat_sweeps import flat_levels
-from .free_factors import Factors, Rows, columns_of_factors, factors_of
+from .free_factors import FactorRows, Factors, columns_of_factors, factors_of
 from .levels_alone import FEW, Alone, each_alone
 from .material import is_material
 from .problem import relative_objective
@@ -32,7 +32,7 @@ ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Known:
+class KnownFactors:
     """What is known of the factors of frequency.
 
     Attributes
@@ -74,7 +74,7 @@ def ends_of_factors(known: Uncertainty) -> Iterator[tuple[list[int], tuple[Real,
     if fit.dof <= 0 or known.specimens is not None:
         return
     for column in columns_of_factors(fit.model):
-        rows = Rows.of(fit, column=column)
+        rows = FactorRows.of(fit, column=column)
         factors = replace(factors_of(rows), quantile=student(known.level, fit.dof))
         of_a = interval_of(factors.log_a, factors.reach_a)
         of_b = interval_of(factors.log_b, factors.reach_b)
@@ -93,12 +93,12 @@ def ends_of_factors(known: Uncertainty) -> Iterator[tuple[list[int], tuple[Real,
             start += len(element.free)
 
 
-def known_factors(rows: Rows, fitted: Factors, factors: Factors, own: Alone) -> Known:
+def known_factors(rows: FactorRows, fitted: Factors, factors: Factors, own: Alone) -> KnownFactors:
     """Which factors are determined.
 
     Parameters
     ----------
-    rows : Rows
+    rows : FactorRows
         The fitted material with its factors.
     fitted, factors : Factors
         As they were searched, and referred to the level that was asked for.
@@ -128,10 +128,10 @@ def known_factors(rows: Rows, fitted: Factors, factors: Factors, own: Alone) -> 
     ):
         reasons[which & others] = why
     low, high = _ends(rows, factors, connected, flat | (ended & connected))
-    return Known(tuple(reasons.tolist()), low, high, joined)
+    return KnownFactors(tuple(reasons.tolist()), low, high, joined)
 
 
-def overlaps(rows: Rows, own: Alone) -> NDArray[np.bool_]:
+def overlaps(rows: FactorRows, own: Alone) -> NDArray[np.bool_]:
     """Which levels (m, m) share moduli, within scatter and what is expected of vertical factors.
 
     |K| of a passive material rises with the frequency (K is a complete Bernstein function, whose
@@ -146,7 +146,7 @@ def overlaps(rows: Rows, own: Alone) -> NDArray[np.bool_]:
     return meeting(low, high, ROOM * np.sqrt(variance))
 
 
-def _frequencies(rows: Rows) -> NDArray[np.int64]:
+def _frequencies(rows: FactorRows) -> NDArray[np.int64]:
     """Distinct frequencies (m,) of each level."""
     omega = rows.fit.measurement.omega
     return np.array([len(np.unique(omega[rows.number == i])) for i in range(rows.number.max() + 1)])
@@ -162,7 +162,7 @@ def reached_from(reference: int, touching: NDArray[np.bool_]) -> NDArray[np.bool
 
 
 def _ends(
-    rows: Rows, factors: Factors, connected: NDArray[np.bool_], open_: NDArray[np.bool_]
+    rows: FactorRows, factors: Factors, connected: NDArray[np.bool_], open_: NDArray[np.bool_]
 ) -> tuple[Real, Real]:
     """Ends (m,) of the intervals of ln a.
 

@@ -15,8 +15,8 @@ from springpot.drawing import draw
 from springpot.errors import DataError
 from springpot.format_numbers import number
 from springpot.identification.allowed_shifts import Allowed, allowed_shifts
-from springpot.identification.free_factors import Factors, Rows, factors_of, told_by_data
-from springpot.identification.known_factors import Known, interval_of, known_factors
+from springpot.identification.free_factors import FactorRows, Factors, factors_of, told_by_data
+from springpot.identification.known_factors import KnownFactors, interval_of, known_factors
 from springpot.identification.levels_alone import Alone, each_alone
 from springpot.identification.native import Fit, fit
 from springpot.identification.problem import Objective, default_objective, relative_objective
@@ -104,7 +104,7 @@ class MasterCurve:
         Laws of temperature, the best first; those of vertical factors last.
     simplicity : Simplicity
         Whether one curve is enough, and where not.
-    known : Known
+    known : KnownFactors
         Levels whose factor is determined, why the others' is not, and where each may lie.
     notes : tuple of str
         What a user should know.
@@ -119,7 +119,7 @@ class MasterCurve:
     error_without_vertical: float
     laws: tuple[LawFit, ...]
     simplicity: Simplicity
-    known: Known
+    known: KnownFactors
     notes: tuple[str, ...]
     seconds: float
 
@@ -146,7 +146,7 @@ class MasterCurve:
     @property
     def levels(self) -> list[Level]:
         """The levels in ascending order."""
-        counts = np.bincount(Rows.of(self.fit).number)
+        counts = np.bincount(FactorRows.of(self.fit).number)
         factors, rest, known = self.factors, self.simplicity, self.known
         lowest, highest = interval_of(factors.log_b, factors.reach_b)
         rows = []
@@ -162,7 +162,7 @@ class MasterCurve:
     @property
     def columns(self) -> tuple[str, ...]:
         """What was measured: ``omega``, ``storage`` and ``loss``, or ``time``, ``relaxation``."""
-        return Rows.of(self.fit).material.columns
+        return FactorRows.of(self.fit).material.columns
 
     def drawn(self, omega: Real, stiffness: Complex) -> tuple[Real, ...]:
         """Points or a curve (n,) in these columns, in SI and the unit of the data."""
@@ -186,7 +186,7 @@ class MasterCurve:
     @property
     def _to_reference(self) -> tuple[float, float]:
         """Factors a and b of the reference as fitted."""
-        fitted, reference = factors_of(Rows.of(self.fit)), self.factors.reference
+        fitted, reference = factors_of(FactorRows.of(self.fit)), self.factors.reference
         return float(np.exp(fitted.log_a[reference])), float(np.exp(fitted.log_b[reference]))
 
     def __repr__(self) -> str:
@@ -324,7 +324,7 @@ def _fits(
     vertical: bool,
     weighing: Objective,
     unfitted: Continuum,
-) -> tuple[Fit, Rows]:
+) -> tuple[Fit, FactorRows]:
     """The material with a shift, and where asked for a vertical factor, for each level."""
     sideways = Effect(
         "shift", shift, Levels(column, "a", True), "a factor for each level", Layer.TEMPERATURE
@@ -332,16 +332,20 @@ def _fits(
     # Shifts first: vertical factors could otherwise do what belongs to a shift (see `lifted`).
     alone = fit(Model("material", unfitted, effects=(sideways,)), measurement, weighing)
     if not vertical:
-        return alone, Rows.of(alone)
+        return alone, FactorRows.of(alone)
     return alone, lifted(alone, column)
 
 
-def _allowed(rows: Rows, fitted: Factors, own: Alone) -> Allowed:
+def _allowed(rows: FactorRows, fitted: Factors, own: Alone) -> Allowed:
     return allowed_shifts(rows.fit.measurement, rows.elements[0], fitted.log_b[rows.number], own)
 
 
 def _laws(
-    rows: Rows, factors: Factors, known: Known, told: NDArray[np.bool_], allowed: Allowed
+    rows: FactorRows,
+    factors: Factors,
+    known: KnownFactors,
+    told: NDArray[np.bool_],
+    allowed: Allowed,
 ) -> tuple[list[LawFit], list[str]]:
     """Laws of temperature and what is said of them.
 
@@ -459,7 +463,9 @@ def _reference(factors: Factors, wanted: float | None) -> tuple[int, list[str]]:
     return nearest, [f"nothing was measured at {asked}: the reference is the nearest level, {used}"]
 
 
-def _reduced(rows: Rows, fitted: Factors, factors: Factors, known: Known) -> Measurement:
+def _reduced(
+    rows: FactorRows, fitted: Factors, factors: Factors, known: KnownFactors
+) -> Measurement:
     """All points at the reference, each with what is known of its factor."""
     data, reference = rows.fit.measurement, factors.reference
     factor, x = rows.reduced

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.identification.free_factors import Factors, Rows
-from springpot.identification.known_factors import Known
+from springpot.identification.free_factors import FactorRows, Factors
+from springpot.identification.known_factors import KnownFactors
 from springpot.identification.levels_alone import FEW, Alone
 from springpot.rheology.levels import level_text
 from springpot.thresholds import SUPERPOSITION
@@ -35,7 +35,7 @@ WHY = {
 """What is said of the levels whose factor is not determined, by its reason."""
 
 
-def undetermined(factors: Factors, known: Known) -> list[str]:
+def undetermined(factors: Factors, known: KnownFactors) -> list[str]:
     """One sentence for each reason for which factors are not determined."""
     reasons = np.array(known.reason)
     notes = []
@@ -73,7 +73,7 @@ def vertical_range(factors: Factors, told: NDArray[np.bool_]) -> list[str]:
     ]
 
 
-def repeats_in_words(rows: Rows, own: Alone) -> list[str]:
+def repeats_in_words(rows: FactorRows, own: Alone) -> list[str]:
     """A sentence where repeated sweeps differ, which no curve can follow."""
     scatter = own.repeats
     far = np.flatnonzero(scatter > SUPERPOSITION.repeats_differ)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import f_sf, normal_sf
-from springpot.identification.free_factors import Rows, without
+from springpot.identification.free_factors import FactorRows, without
 from springpot.identification.levels_alone import TINY, Alone
 from springpot.identification.problem import weighted
 from springpot.rheology.points import Real
@@ -105,12 +105,12 @@ class Simplicity:
         }
 
 
-def simplicity(rows: Rows, alone: Alone) -> Simplicity:
+def simplicity(rows: FactorRows, alone: Alone) -> Simplicity:
     """Test superposition.
 
     Parameters
     ----------
-    rows : Rows
+    rows : FactorRows
         The fitted material with its factors.
     alone : Alone
         Each level by itself, at the same weights.
@@ -158,7 +158,7 @@ def simplicity(rows: Rows, alone: Alone) -> Simplicity:
     )
 
 
-def _variance(alone: Alone, rows: Rows) -> Real:
+def _variance(alone: Alone, rows: FactorRows) -> Real:
     """Variance (m,) of a weighted residual at each level.
 
     That of its own material, else of the common one.
@@ -168,19 +168,19 @@ def _variance(alone: Alone, rows: Rows) -> Real:
     return np.maximum(np.where(alone.judged, own, common), TINY)
 
 
-def _excess(alone: Alone, rows: Rows) -> Real:
+def _excess(alone: Alone, rows: FactorRows) -> Real:
     """Chi-square (m,) that the common material leaves at each level beyond that level's own."""
     left = np.bincount(rows.level_of_row, rows.residual**2) / _variance(alone, rows)
     return np.where(alone.judged, left - alone.dof, 0.0)
 
 
-def _mean(rows: Rows, error: Real, which: NDArray[np.bool_]) -> float:
+def _mean(rows: FactorRows, error: Real, which: NDArray[np.bool_]) -> float:
     """Root mean square of errors (m,) over the points of some levels."""
     counts = np.bincount(rows.number)[which]
     return float(np.sqrt(np.sum(error[which] ** 2 * counts) / counts.sum()))
 
 
-def _relative(rows: Rows) -> Real:
+def _relative(rows: FactorRows) -> Real:
     """Relative error (n,) of each point."""
     data = rows.fit.measurement
     return np.asarray(
@@ -188,11 +188,11 @@ def _relative(rows: Rows) -> Real:
     )
 
 
-def _level_errors(rows: Rows) -> Real:
+def _level_errors(rows: FactorRows) -> Real:
     return np.sqrt(np.bincount(rows.number, _relative(rows) ** 2) / np.bincount(rows.number))
 
 
-def _chance(rows: Rows, alone: Alone) -> float:
+def _chance(rows: FactorRows, alone: Alone) -> float:
     """That one material for all levels leaves so much more than one for each, by Fisher's test.
 
     Each level is measured in units of its own scatter, so that one noisy level does not hide the
@@ -209,7 +209,7 @@ def _chance(rows: Rows, alone: Alone) -> float:
     return float(f_sf(max(extra, 0.0) / (spare - inner), spare - inner, inner))
 
 
-def _no_material(rows: Rows, alone: Alone) -> list[Failure]:
+def _no_material(rows: FactorRows, alone: Alone) -> list[Failure]:
     """Levels at which no material at all comes as near as elsewhere."""
     judged = alone.judged
     usual = float(np.median(alone.error[judged]))
@@ -231,7 +231,7 @@ def _no_material(rows: Rows, alone: Alone) -> list[Failure]:
     return sorted(failures, key=lambda one: -one.size)
 
 
-def _missed_parts(rows: Rows, alone: Alone) -> list[Failure]:
+def _missed_parts(rows: FactorRows, alone: Alone) -> list[Failure]:
     """Levels at which the line misses storage or loss by as much as it is, and not by its scatter.
 
     The misfit counts relative to |K|: of a glass, whose loss is a hundredth of |K| and less, the
@@ -268,7 +268,7 @@ def _missed_parts(rows: Rows, alone: Alone) -> list[Failure]:
     return sorted(failures, key=lambda one: -one.size)
 
 
-def _levels(rows: Rows, alone: Alone, error: Real) -> list[Failure]:
+def _levels(rows: FactorRows, alone: Alone, error: Real) -> list[Failure]:
     """Levels that a material of their own follows and the common one does not."""
     excess, judged = _excess(alone, rows), alone.judged
     whole = _total(excess)
@@ -304,7 +304,7 @@ def _of_all(share: float) -> str:
     return f" ({100.0 * min(share, 1.0):.0f} % of what is left)"
 
 
-def _storage_and_loss(rows: Rows, alone: Alone) -> list[Failure]:
+def _storage_and_loss(rows: FactorRows, alone: Alone) -> list[Failure]:
     """Levels at which the loss would have to be shifted otherwise than the storage."""
     data = rows.fit.measurement
     # After a step there is one function, not two.
@@ -329,7 +329,7 @@ def _storage_and_loss(rows: Rows, alone: Alone) -> list[Failure]:
     return failures
 
 
-def _branches(rows: Rows, alone: Alone) -> list[Failure]:
+def _branches(rows: FactorRows, alone: Alone) -> list[Failure]:
     """Decades of relaxation times whose factors depend on the level more, or less, than others."""
     material = rows.material
     data, (factor, x) = rows.fit.measurement, rows.reduced
@@ -370,7 +370,9 @@ def _inside(band: int, x: Real) -> bool:
     return bool((band + 1) * BAND > x.min() and band * BAND < x.max())
 
 
-def _one_step(rows: Rows, alone: Alone, columns: NDArray[np.complex128]) -> tuple[Real, Real, Real]:
+def _one_step(
+    rows: FactorRows, alone: Alone, columns: NDArray[np.complex128]
+) -> tuple[Real, Real, Real]:
     """Size (c,), chance and share of the excess of one least-squares step in each direction.
 
     All that spectrum and factors can do is taken out; each row is weighted by the scatter of its

@@ -13,7 +13,7 @@ import numpy as np
 
 from springpot.distributions import f_sf
 from springpot.identification.expected_factors import Expected, expectation
-from springpot.identification.free_factors import Rows, told_by_data
+from springpot.identification.free_factors import FactorRows, told_by_data
 from springpot.identification.material_fit import aligned
 from springpot.identification.native import Fit, fit
 from springpot.rheology.effect import Effect, Layer
@@ -23,7 +23,7 @@ from springpot.rheology.nodes import chain
 from springpot.thresholds import SUPERPOSITION
 
 
-def lifted(alone: Fit, column: str) -> Rows:
+def lifted(alone: Fit, column: str) -> FactorRows:
     """With vertical factors, begun where the shifts alone have ended.
 
     Parameters
@@ -37,7 +37,7 @@ def lifted(alone: Fit, column: str) -> Rows:
     upwards = Effect(
         "vertical", chain, Levels(column, "b", False), "a factor for each level", Layer.TEMPERATURE
     )
-    unfitted = replace(Rows.of(alone).material, rates=())
+    unfitted = replace(FactorRows.of(alone).material, rates=())
     model = (replace(alone.model, material=unfitted) + upwards).bound_to(data.points)
     own = alone.theta[len(alone.model.material.parameters) :]
     unlifted = np.concatenate([own, np.ones(len(own))])
@@ -46,13 +46,13 @@ def lifted(alone: Fit, column: str) -> Rows:
     free = fit(model, data, alone.objective, seeds_theta=[unlifted, read_off])
     # What the freest factors leave is the scatter that departures from the expected are weighed
     # against.
-    rows = Rows.of(free)
+    rows = FactorRows.of(free)
     expected = Expected(expectation(rows.elements), rows.unit)
     seeds = [unlifted, read_off, free.theta]
-    best = Rows.of(
+    best = FactorRows.of(
         fit(model, data, alone.objective, seeds_theta=seeds, expected=expected.weighted), expected
     )
-    flat = Rows.of(_with_factors_of_one(alone, model), expected)
+    flat = FactorRows.of(_with_factors_of_one(alone, model), expected)
     if _needless(flat, best):
         return flat
     return best
@@ -66,7 +66,7 @@ def _with_factors_of_one(alone: Fit, model: Model) -> Fit:
     return replace(alone, model=replace(model, material=material), theta=theta)
 
 
-def _needless(flat: Rows, best: Rows) -> bool:
+def _needless(flat: FactorRows, best: FactorRows) -> bool:
     """Whether vertical factors of one do as well as those found."""
     # The lines are refined after the search for the factors, each time elsewhere: that can end
     # above where it began.
