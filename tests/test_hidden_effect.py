@@ -104,6 +104,7 @@ def test_the_gate_forgives_one_case_and_not_two():
     assert worse(figures(), figures(false_alarms=[])) == []
 
 
+@pytest.mark.soak_cases("2")
 @pytest.mark.slow
 @pytest.mark.parametrize("cases", [2, soaked(len(GATE_SEEDS))])
 def test_the_fixed_part_is_as_good_as_it_was(cases):

@@ -48,6 +48,7 @@ def test_one_test_of_several_is_chosen_before_their_parameters(springpot, ages):
     )
 
 
+@pytest.mark.soak
 def test_what_diagnose_would_accept_is_offered_where_nothing_was(springpot, hardening):
     said = f"next: springpot discover {hardening} --accept free-shift"
     assert following(springpot("diagnose", hardening)) == said

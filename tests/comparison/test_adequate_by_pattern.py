@@ -25,6 +25,7 @@ def whole():
     return data, springpot.compare(data)
 
 
+@pytest.mark.soak
 def test_the_simplest_adequate_model_is_adequate_to_diagnose_too(whole):
     data, ranking = whole
     assert ranking.adequate

@@ -12,6 +12,7 @@ from soaked import soaked
 OMEGA = 2.0 * np.pi * np.geomspace(0.1, 10.0, 20)
 
 
+@pytest.mark.soak_cases("kelvin-stiffness0")
 @pytest.mark.parametrize(
     ("name", "stiffness"),
     [

@@ -250,6 +250,7 @@ def test_a_column_whose_values_follow_one_another_in_time_is_told_as_such():
     assert "in the order of time, as which cycle stands, storage rises from" in said(found)
 
 
+@pytest.mark.soak
 def test_discovery_accepts_no_effect_in_its_place():
     ladder = springpot.discover(measured(HERTZ, network(HERTZ) * cured(TIMES), TIMES))
     assert [step.accepted for step in ladder.steps] == [None]

@@ -29,6 +29,7 @@ def test_a_factor_at_each_level_can_be_accepted(gelling):
     assert ladder.steps[-1].relative_rms < 0.005
 
 
+@pytest.mark.soak
 def test_they_are_named_before_a_law_that_leaves_most(gelling):
     """A power of the temperature takes half of the error.
 

@@ -49,6 +49,7 @@ def test_no_law_explains_it_and_a_factor_at_each_takes_it_to_the_noise(found):
     assert "a factor of its own at each temperature, which no law joins" in found.says
 
 
+@pytest.mark.soak
 def test_the_next_command_accepts_it(found):
     command = _next_command(found, "steps.csv", MODEL)
     assert command == f"discover steps.csv --model '{MODEL}' --accept free-vertical-shift"

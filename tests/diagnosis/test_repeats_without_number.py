@@ -1,6 +1,7 @@
 """Sweeps of several specimens in one table, with no column that tells them apart."""
 
 import numpy as np
+import pytest
 
 import springpot
 
@@ -21,6 +22,7 @@ def swept(gains, seed=3):
     )
 
 
+@pytest.mark.soak
 def test_specimens_that_differ_are_no_missing_effect():
     found = springpot.diagnose(swept([0.97, 1.0, 1.03]))
     assert found.verdict == "unexplained"

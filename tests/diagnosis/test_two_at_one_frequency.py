@@ -32,6 +32,7 @@ def found():
     return springpot.diagnose(softened((3.0, 1.6), (13.0, 1.3)))
 
 
+@pytest.mark.soak
 def test_two_effects_leave_room_for_another_shape(found):
     """Several pairs do as well: none of them is certain."""
     assert found.verdict != "adequate"

@@ -320,6 +320,7 @@ def _complaint_about(reader, path):
     return ""
 
 
+@pytest.mark.soak
 @given(BYTES)
 @settings(max_examples=400, deadline=None)
 def test_arbitrary_bytes_never_crash(tmp_path_factory, data):

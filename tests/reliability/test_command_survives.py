@@ -44,6 +44,7 @@ def springpot(*arguments, **environment):
     return subprocess.run(command, text=True, capture_output=True, env=os.environ | environment)
 
 
+@pytest.mark.soak_cases("local")
 @pytest.mark.parametrize("engine", ["local", soaked("serial")])
 def test_what_others_print_is_not_in_the_json(tmp_path, engine):
     done = springpot("run", script(tmp_path), "--engine", engine, "--json", "--out", tmp_path)

@@ -70,6 +70,7 @@ def check(found, undisturbed, deeds, repetitions=3):
             assert (reason != "") == (status in TOLD), deed
 
 
+@pytest.mark.soak_cases("some")
 @pytest.mark.parametrize(
     ("deeds", "repetitions"), [(DIFFERENT, 1), soaked(QUICK, 3)], ids=["some", "all"]
 )

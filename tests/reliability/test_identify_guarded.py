@@ -106,6 +106,7 @@ def done(tmp_path_factory):
 
 
 @pytest.mark.soak_cases("success without a result-the process ended with exit code 0")
+@pytest.mark.soak
 @pytest.mark.parametrize(("deed", "told"), DEEDS.items())
 def test_a_faulty_optimiser_is_one_line_and_no_result(done, deed, told):
     found = done[deed]
@@ -119,6 +120,7 @@ def test_a_faulty_optimiser_is_one_line_and_no_result(done, deed, told):
     assert told in found.stderr
 
 
+@pytest.mark.soak
 def test_what_an_optimiser_prints_is_not_in_the_json(done):
     found = done["shout"]
     assert found.returncode == 0
@@ -126,6 +128,7 @@ def test_what_an_optimiser_prints_is_not_in_the_json(done):
     assert "{}{}" in found.stderr
 
 
+@pytest.mark.soak
 def test_an_innocent_optimiser_finds_what_it_finds_without_protection(done):
     one = json.loads(done[""].stdout)
     from faulty_optimisers import Innocent

@@ -35,6 +35,7 @@ def test_a_command_ends_what_takes_too_long(dense):
     assert done.stderr.count("\n") == 1
 
 
+@pytest.mark.soak
 def test_a_worker_of_the_page_ends_what_takes_too_long(dense):
     content = base64.b64encode(dense.read_bytes()).decode()
     asked = {"task": "understand", "arguments": {"name": "dense.xlsx", "content": content}}

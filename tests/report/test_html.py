@@ -135,6 +135,7 @@ def test_every_rung_is_in_it_with_what_each_effect_would_do(page, ladder):
     assert given["excluded"] == []
 
 
+@pytest.mark.soak
 @pytest.mark.usefixtures("unpainted")
 def test_only_the_first_step_and_the_last_are_unfolded():
     three = springpot.discover(measured(), "kelvin", accept=["inertia", "relaxation-mode"])

@@ -47,6 +47,7 @@ def test_a_shift_alone_has_one_answer_in_all_commands(sweep):
     )
 
 
+@pytest.mark.soak
 def test_diagnose_gives_the_constants_of_the_curve():
     data = measured(without_lift, seed=3)
     law = wlf_of(springpot.mastercurve(data, vertical=False))
@@ -87,6 +88,7 @@ def test_a_law_that_its_levels_depart_from_is_known_as_nearly_as_they_scatter():
     assert (many[0, 2] - many[0, 1]) > 0.7 * (few[0, 2] - few[0, 1])
 
 
+@pytest.mark.soak_cases("without_lift")
 @pytest.mark.parametrize("sweep", [without_lift])
 def test_constants_hold_the_truth_as_often_as_they_say(sweep):
     """12 series: 95 % of 12 intervals of C1, less three standard deviations of that count."""
@@ -124,6 +126,7 @@ def test_a_law_beyond_its_pole_is_told_with_the_model():
     assert "none of a material" in note
 
 
+@pytest.mark.soak
 def test_the_reference_of_the_laws_is_that_of_the_curve():
     moved = wlf_of(springpot.mastercurve(measured(simple), reference=60.0))
     at_30 = wlf_of(springpot.mastercurve(measured(simple)))

@@ -450,6 +450,7 @@ def test_time_signals_of_several_files_are_one_test(page: Open):
     assert here.page.locator("#plot-view .mark").count() == 20
 
 
+@pytest.mark.soak
 def test_a_lost_server_is_told_and_the_page_stays(browser: Any, named: Workbench):
     context = browser.new_context()
     here = Page(context, named)
