@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from springpot.cli.common import FILE, emit, json_option
+from springpot.cli.common import FOLDER, emit, json_option
 
 if TYPE_CHECKING:
     from springpot.hooks import Chapter, Race
@@ -22,7 +22,7 @@ SHOWN = ("data set", "optimiser", "success", "evaluations to target", "parameter
 @click.command("demo", epilog="Example: springpot demo --out results/demo")
 @click.option(
     "--out",
-    type=FILE,
+    type=FOLDER,
     default=Path("results/demo"),
     show_default=True,
     metavar="DIR",
