@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from springpot import Units
 from springpot.registry import parse_model
 from springpot.structure import Damper, Frame, Record, artificial, modes_of, motion_of, simulate
 
@@ -166,7 +167,7 @@ def test_units_and_a_slope_change_nothing_but_the_numbers():
     si = Damper(model, np.array([K, C, 1e5, 0.5]))
     # F is the force at one mm/s here, and that in kN.
     small = Damper(
-        model, np.array([K * 1e-6, C * 1e-6, 1e2 * 1e-3**0.5, 0.5]), unit=1e6, length=1e-3
+        model, np.array([K * 1e-6, C * 1e-6, 1e2 * 1e-3**0.5, 0.5]), units=Units("kN/mm", "mm")
     )
     braces = [Frame([MASS], [MASS * OMEGA**2], 0.0, (each,)) for each in (si, small)]
     record = shaken()

@@ -14,7 +14,7 @@ from springpot.errors import DataError, ModelError, SpringpotError
 from springpot.identification.prediction import require_known
 from springpot.identified import fitted, lesser, stated
 from springpot.inputs import text_in, toml_in
-from springpot.measurement.units import AMPLITUDE_UNITS, STIFFNESS_UNITS
+from springpot.measurement.units import STIFFNESS_UNITS
 from springpot.rheology.points import KELVIN, Real
 from springpot.structure.motion import STRONGEST
 from springpot.timetests.known import Known
@@ -147,8 +147,8 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
         covariance,
         temperature,
         known.reference,
-        STIFFNESS_UNITS[known.units.stiffness],
-        AMPLITUDE_UNITS[known.units.amplitude],
+        known.units,
+        known.covered,
         cosine,
     )
 

@@ -11,7 +11,8 @@ from springpot.cli.common import DATA, FILE, INPUT, emit, json_option
 from springpot.cli.predict import numbers
 
 if TYPE_CHECKING:
-    from springpot.structure.frame import Steady
+    from springpot.rheology.points import Real
+    from springpot.structure.frame import Frame, Steady
     from springpot.structure.motion import Simulation
 
 
@@ -126,7 +127,22 @@ def described_steady(steady: Steady) -> dict[str, Any]:
     return {
         "schema": "springpot.steady-state/2",
         "points": [dict(zip(columns, row, strict=True)) for row in rows],
+        "notes": _notes(steady.frame, steady.omega, "frequencies"),
     }
+
+
+def _notes(frame: Frame, omega: Real, of: str) -> list[str]:
+    """A line for each damper that is used outside of what it was measured at."""
+    remarks = [damper.remark(omega, of) for damper in frame.dampers]
+    return [f"damper {i}: {remark}" for i, remark in enumerate(remarks, 1) if remark]
+
+
+def _last_lines(notes: list[str], figure: Path | None) -> list[str]:
+    """What is said below the tables."""
+    lines = [f"note        {note}" for note in notes]
+    if figure is not None:
+        lines.append(f"figure      {figure}")
+    return lines
 
 
 def _show_steady(steady: Steady, figure: Path | None) -> None:
@@ -145,7 +161,8 @@ def _show_steady(steady: Steady, figure: Path | None) -> None:
     for title, _, which in shown.values():
         headers += [title.format(i) for i in which]
     rows = []
-    for point in described_steady(steady)["points"]:
+    described = described_steady(steady)
+    for point in described["points"]:
         cells = [point["frequency"]]
         for name, (_, factor, _) in shown.items():
             cells += [factor * value for value in point[name]]
@@ -156,8 +173,8 @@ def _show_steady(steady: Steady, figure: Path | None) -> None:
     )
     print("all of a storey along the floor, and the energy that each kind takes in a cycle\n")
     Table(tuple(headers), rows, frozenset(headers)).show()
-    if figure is not None:
-        print(f"\nfigure      {figure}")
+    if last := _last_lines(described["notes"], figure):
+        print("", *last, sep="\n")
 
 
 def described(simulation: Simulation) -> dict[str, Any]:
@@ -170,6 +187,7 @@ def described(simulation: Simulation) -> dict[str, Any]:
 
     motion = simulation.motion
     low, high = simulation.band()
+    swinging = 2.0 * np.pi * np.array([mode.frequency for mode in simulation.modes])
     return {
         "schema": "springpot.simulation/2",
         "record": {
@@ -209,6 +227,7 @@ def described(simulation: Simulation) -> dict[str, Any]:
         ],
         "energy": {name: float(each[-1]) for name, each in motion.energy.items()},
         "draws": len(simulation.drifts),
+        "notes": _notes(motion.frame, swinging, "modes"),
     }
 
 
@@ -276,7 +295,7 @@ def _show(simulation: Simulation, figure: Path | None) -> None:
     share = 100.0 * energy["dampers"] / energy["input"]
     print(
         f"energy      {number(energy['input'] / 1e3)} kJ put in, {share:.3g} % of it taken by the"
-        " dampers"
+        " dampers",
+        *_last_lines(result["notes"], figure),
+        sep="\n",
     )
-    if figure is not None:
-        print(f"figure      {figure}")
