@@ -15,6 +15,7 @@ from springpot.comparison.ranking import Ranking
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Diagnosis
 from springpot.errors import DataError, ModelError
+from springpot.files import keep_input
 from springpot.identification.problem import Objective, default_objective
 from springpot.identification.result import Identification
 from springpot.inputs import json_of, text_in
@@ -77,6 +78,8 @@ def load(path: str | Path) -> Loaded:
 
 
 def _read(path: Path) -> Any:
+    # A structure names its fits, which no argument of the command line does.
+    keep_input(path)
     try:
         return json_of(text_in(path), finite=True)
     except ValueError as error:

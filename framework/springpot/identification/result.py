@@ -40,7 +40,7 @@ from .native import Fit
 from .part_result import PartResult, parts_of, spare
 from .prediction import Known
 from .problem import Objective, sizes
-from .regularisation import Spectrum, regularised
+from .regularisation import SmoothSpectrum, regularised
 from .uncertainty import Uncertainty, ends, lost_and_known, spread_of
 from .value import Value
 
@@ -410,7 +410,7 @@ class Identification(Known):
         return self.standing.noise_floor
 
     @cached_property
-    def spectrum(self) -> Spectrum | None:
+    def spectrum(self) -> SmoothSpectrum | None:
         """The smoothest spectrum that the data allow, where these choose it.
 
         None for a network of elements.
@@ -591,7 +591,7 @@ class Identification(Known):
             **told,
         )
 
-    def _spectrum(self, spectrum: Spectrum) -> dict[str, Any]:
+    def _spectrum(self, spectrum: SmoothSpectrum) -> dict[str, Any]:
         """K = equilibrium + viscosity s + sum of weight s / (s + rate), as printed, with a band."""
         units = self.measurement.units
         (size, unit), (flow, flow_unit) = units.of(EQUILIBRIUM.unit), units.of(VISCOSITY.unit)
