@@ -1,10 +1,10 @@
 """Tables as text."""
 
-from springpot.report.text import Table, cut, indented, paragraphs, width
+from springpot.report.text import TextTable, cut, indented, paragraphs, width
 
 
 def test_columns_line_up():
-    table = Table(("name", "size"), [["α", "1"], ["long name", "23"]], frozenset({"size"}))
+    table = TextTable(("name", "size"), [["α", "1"], ["long name", "23"]], frozenset({"size"}))
     assert table.plain().splitlines() == [
         "name       size",
         "---------  ----",
@@ -24,7 +24,7 @@ def test_indented_keeps_empty_lines_empty():
 
 def test_markup_in_data_is_printed_as_it_is(capsys, monkeypatch):
     monkeypatch.setattr("sys.stdout.isatty", lambda: True)
-    Table(("name",), [["[red]not markup[/red]"]]).show()
+    TextTable(("name",), [["[red]not markup[/red]"]]).show()
     assert "[red]not markup[/red]" in capsys.readouterr().out
 
 
@@ -34,6 +34,6 @@ def test_a_long_name_is_cut_to_its_place():
 
 
 def test_sentences_are_broken_and_tables_stay_as_they_are():
-    table = Table(("a long name of a column", "size"), [["x", "1"]]).plain()
+    table = TextTable(("a long name of a column", "size"), [["x", "1"]]).plain()
     told = paragraphs(["one two three", "", table], 8)
     assert told == f"one two\n  three\n\n{table}"

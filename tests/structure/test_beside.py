@@ -11,7 +11,15 @@ from scipy.integrate import solve_ivp
 
 from springpot import Units
 from springpot.registry import parse_model
-from springpot.structure import Damper, Frame, Record, artificial, modes_of, motion_of, simulate
+from springpot.structure import (
+    Damper,
+    Frame,
+    GroundMotion,
+    artificial,
+    modes_of,
+    motion_of,
+    simulate,
+)
 
 MASS, OMEGA = 1e5, 2 * np.pi * 1.5
 K, C = 2e6, 1e5
@@ -26,11 +34,11 @@ def oscillator(expression: str, **own: float) -> Frame:
     return Frame([MASS], [MASS * OMEGA**2], 0.0, (Damper(model, theta),))
 
 
-def shaken(peak: float = 3.0) -> Record:
+def shaken(peak: float = 3.0) -> GroundMotion:
     return artificial(np.random.default_rng(3), duration=3.0, step=0.01, peak=peak)
 
 
-def integrated(record: Record, force, memory: float = 0.0):
+def integrated(record: GroundMotion, force, memory: float = 0.0):
     """Displacement by an adaptive integrator that knows nothing of steps or exponentials."""
 
     def rate(t, y):
@@ -107,7 +115,7 @@ def struck():
         (Damper(model, model.vector({"k": K, "friction.F": FRICTION})),),
     )
     pulse = np.where(np.arange(1500) < 30, 3.0, 0.0)
-    record = Record(0.005, pulse)
+    record = GroundMotion(0.005, pulse)
     return motion_of(frame, record), MASS * OMEGA**2 + K
 
 

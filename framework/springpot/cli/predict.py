@@ -155,7 +155,7 @@ def show(predicted: Prediction) -> None:
     """Print the prediction for people."""
     from springpot.format_numbers import number
     from springpot.report.numbers import with_interval
-    from springpot.report.text import Table
+    from springpot.report.text import TextTable
 
     unit, given = predicted.units.stiffness, predicted.conditions
     units = {"temperature": "degC", "amplitude": predicted.units.amplitude}
@@ -171,7 +171,7 @@ def show(predicted: Prediction) -> None:
         places = [number(rate), *(number(float(column[i])) for column in given.values())]
         rows.append([*places, *storage, *loss, timetests.WHERE[int(predicted.outside[i])]])
     print(f"{predicted.model}\n")
-    table = Table(headers, rows, frozenset(headers) - {band, f"{band} ", "measured"})
+    table = TextTable(headers, rows, frozenset(headers) - {band, f"{band} ", "measured"})
     if not predicted.outside.any():
         table = table.lacking("measured")
     table.show()

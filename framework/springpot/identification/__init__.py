@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from .problem import Objective, Problem, Searched, default_objective, weighted
     from .ranges import EDGE, Window, settings, shown
     from .recorder import BudgetSpent, Recorder, RecorderGroup, all_points
-    from .regularisation import Spectrum, regularised
+    from .regularisation import SmoothSpectrum, regularised
     from .result import Identification, Standing
     from .runs import BatchedOptimiser, Card, Optimiser, OptimiserFamily, Run, run, run_batch
     from .simulated import bootstrap
@@ -47,7 +47,7 @@ __all__ = [
     "SearchSpace",
     "Searched",
     "Solution",
-    "Spectrum",
+    "SmoothSpectrum",
     "Standing",
     "Uncertainty",
     "Value",
@@ -102,7 +102,7 @@ _WHERE = {
     "SearchSpace": "springpot.identification.space",
     "Searched": "springpot.identification.problem",
     "Solution": "springpot.identification.leastsquares",
-    "Spectrum": "springpot.identification.regularisation",
+    "SmoothSpectrum": "springpot.identification.regularisation",
     "Standing": "springpot.identification.result",
     "Uncertainty": "springpot.identification.uncertainty",
     "Value": "springpot.identification.value",

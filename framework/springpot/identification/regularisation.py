@@ -38,7 +38,7 @@ EXACT = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Spectrum:
+class SmoothSpectrum:
     """A regularised relaxation spectrum: K = K_e + c s + integral H(r) s / (s + r) dln r.
 
     Attributes
@@ -104,7 +104,7 @@ class Spectrum:
         return bool(self.density[i] > 0.0) and all(valley < self.low[i] for valley in valleys)
 
 
-def regularised(fit: Fit, rng: np.random.Generator, draws: int = DRAWS) -> Spectrum:
+def regularised(fit: Fit, rng: np.random.Generator, draws: int = DRAWS) -> SmoothSpectrum:
     """The smoothest spectrum that the data allow.
 
     Where a material stands behind effects these keep their parameters, and K is taken as linear in
@@ -143,7 +143,7 @@ def regularised(fit: Fit, rng: np.random.Generator, draws: int = DRAWS) -> Spect
     # belongs to.
     low, high = np.minimum(low, best[2:]), np.maximum(high, best[2:])
     ends = float(best[0]), float(best[1])
-    return Spectrum(system.rates, best[2:], low, high, *ends, smoothing, system.seen)
+    return SmoothSpectrum(system.rates, best[2:], low, high, *ends, smoothing, system.seen)
 
 
 @dataclass(frozen=True, eq=False)

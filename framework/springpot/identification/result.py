@@ -32,7 +32,7 @@ from .material import is_material
 from .part_result import PartResult
 from .prediction import Prediction, predict
 from .problem import Objective, sizes
-from .regularisation import Spectrum, regularised
+from .regularisation import SmoothSpectrum, regularised
 from .uncertainty import ends, lost_and_known, spread_of
 from .value import Value
 
@@ -316,7 +316,7 @@ class Identification(Estimate):
         return self.standing.noise_floor
 
     @cached_property
-    def spectrum(self) -> Spectrum | None:
+    def spectrum(self) -> SmoothSpectrum | None:
         """The smoothest spectrum that the data allow, where these choose it.
 
         None for a network of elements.
@@ -500,7 +500,7 @@ class Identification(Estimate):
             judge=judge,
         )
 
-    def _spectrum(self, spectrum: Spectrum) -> dict[str, Any]:
+    def _spectrum(self, spectrum: SmoothSpectrum) -> dict[str, Any]:
         """K = equilibrium + viscosity s + sum of weight s / (s + rate), as printed, with a band."""
         units = self.measurement.units
         (size, unit), (flow, flow_unit) = units.of(EQUILIBRIUM.unit), units.of(VISCOSITY.unit)

@@ -26,7 +26,7 @@ from springpot.rheology.nodes import Node
 from springpot.rheology.points import KELVIN, Points, Real
 
 from .numbers import percent
-from .text import Table, paragraphs, wrapped
+from .text import TextTable, paragraphs, wrapped
 from .values import OPEN, shown
 
 PROBES = (290.0, 330.0)
@@ -317,7 +317,7 @@ def ranking_text(
     return "\n\n".join(part for part in (table.plain(), note, physics) if part)
 
 
-def _ranking(rows: list[Candidate], floor: float, brief: bool = False) -> Table:
+def _ranking(rows: list[Candidate], floor: float, brief: bool = False) -> TextTable:
     """All columns; `brief` without the intervals of the parameters."""
     headers = (
         "effect",
@@ -344,7 +344,7 @@ def _ranking(rows: list[Candidate], floor: float, brief: bool = False) -> Table:
         )
         for row in rows
     ]
-    return Table(headers, cells, RANKED)
+    return TextTable(headers, cells, RANKED)
 
 
 def probability(value: float) -> str:
@@ -410,7 +410,7 @@ def comparison_text(comparison: Comparison, width: int = USUAL) -> str:
             f"{comparison.data}: noise floor {percent(error.noise_floor)} of {size}"
             f" ({error.noise_source})"
         ),
-        Table(headers, rows, frozenset(headers[1:]))
+        TextTable(headers, rows, frozenset(headers[1:]))
         .without(("chi2/dof", "parameters", "delta BIC"), width)
         .plain(),
     ]

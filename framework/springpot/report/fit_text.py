@@ -20,7 +20,7 @@ from springpot.rheology.drawing import drawing_of
 from .answers import reference_note
 from .figures import beside_floors, in_words
 from .numbers import percent, seconds, told_range
-from .text import Table, cut, indented, paragraphs, wrapped
+from .text import TextTable, cut, indented, paragraphs, wrapped
 from .values import OPEN, shown
 
 if TYPE_CHECKING:
@@ -120,7 +120,7 @@ def compared_in_time_text(comparison: Comparison) -> str:
         rows.append([judged.model.name, error, *ratios, delta, count])
     parts = [
         f"{comparison.data}: {comparison.best.model.name} is best",
-        Table(headers, rows, frozenset(headers[1:])).plain(),
+        TextTable(headers, rows, frozenset(headers[1:])).plain(),
     ]
     if comparison.left_out:
         parts.append("\n".join(f"left out    {reason}" for reason in comparison.left_out.values()))
@@ -135,7 +135,7 @@ def climbed_in_time_text(ladder: Ladder, width: int = 120) -> str:
         error, floor = step.relative_rms, step.noise_floor
         rows.append([str(i), step.model.name, percent(error), over_floor(error, floor, 2)])
     parts = [
-        Table(headers, rows, frozenset(headers[2:])).plain(),
+        TextTable(headers, rows, frozenset(headers[2:])).plain(),
         parameters_text("parameter", ladder.steps[-1].parameters),
         wrapped(ladder.diagnosis.says, width),
     ]
@@ -166,7 +166,7 @@ def diagnosed_in_time_text(diagnosis: Diagnosis, width: int = 120) -> str:
     ranked = ""
     if rows:
         ranked = (
-            Table(headers, rows, frozenset(headers[2:4])).without(("delta BIC",), width).plain()
+            TextTable(headers, rows, frozenset(headers[2:4])).without(("delta BIC",), width).plain()
         )
     parts = [
         f"{diagnosis.model.name}: {diagnosis.verdict}\n{diagnosis.says}",
@@ -205,7 +205,7 @@ def _tests(identified: TimeIdentification, width: int) -> str:
             number(test.over_floor_alone, 2),
         ]
         rows.append([test.name, test.kind, str(test.points), *errors])
-    table = Table(headers, rows, frozenset(headers[2:]))
+    table = TextTable(headers, rows, frozenset(headers[2:]))
     # A single test is fitted alone in any case.
     if len(identified.tests) == 1:
         table = table.lacking("alone")
@@ -216,7 +216,7 @@ def _tests(identified: TimeIdentification, width: int) -> str:
         longest = max(len(row[0]) for row in table.rows)
         most = max(longest - excess, NAME)
         shortened = [[cut(row[0], most), *row[1:]] for row in table.rows]
-        table = Table(table.headers, shortened, table.right)
+        table = TextTable(table.headers, shortened, table.right)
     text = table.plain()
     # Only then has a narrow window not dropped the column.
     if "alone" in table.headers:
@@ -235,7 +235,9 @@ def parameters_text(
         if name in open_ones:
             size, interval = "-", OPEN
         rows.append([name, size, interval, value.unit])
-    return Table((heading, "value", "95 % interval", "unit"), rows, frozenset({"value"})).plain()
+    return TextTable(
+        (heading, "value", "95 % interval", "unit"), rows, frozenset({"value"})
+    ).plain()
 
 
 def gone(identified: Identification) -> set[str]:
@@ -332,7 +334,7 @@ def many_text(fits: Sequence[Identification]) -> str:
         "good enough",
         *(_header(fits[0], name) for name in names),
     ]
-    return Table(headers, rows, frozenset(headers[1:3] + headers[4:])).plain()
+    return TextTable(headers, rows, frozenset(headers[1:3] + headers[4:])).plain()
 
 
 def many_csv(fits: Sequence[Identification | TimeIdentification]) -> str:

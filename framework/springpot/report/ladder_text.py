@@ -42,7 +42,7 @@ from .fit_text import (
     identification_text,
 )
 from .numbers import percent
-from .text import Table, paragraphs
+from .text import TextTable, paragraphs
 from .values import shown
 
 FAR = 1e3
@@ -84,7 +84,7 @@ def ladder_text(ladder: Ladder, width: int = USUAL, verbose: bool = False) -> st
     return paragraphs(parts, width)
 
 
-def _steps(ladder: Ladder, brief: bool = False) -> Table:
+def _steps(ladder: Ladder, brief: bool = False) -> TextTable:
     """A row for each step; `brief` names what was accepted in place of the whole model."""
     headers = ("step", "model", "predicted", "error", "x floor", "noise floor", "material floor")
     rows = []
@@ -103,7 +103,7 @@ def _steps(ladder: Ladder, brief: bool = False) -> Table:
             percent(step.material_floor, 2),
         )
         rows.append(row)
-    return Table(headers, rows, frozenset(headers[2:]))
+    return TextTable(headers, rows, frozenset(headers[2:]))
 
 
 def floor_moved(ladder: Ladder) -> str:
@@ -129,7 +129,7 @@ def data_of(step: Step) -> Measurement | None:
 def parameters_text(step: Step) -> str:
     """The parameters of a step with their intervals."""
     rows = [(name, *shown(value), value.unit) for name, value in step.parameters.items()]
-    return Table(
+    return TextTable(
         ("parameter", "value", "95 % interval", "unit"), rows, frozenset({"value"})
     ).plain()
 
@@ -251,7 +251,7 @@ def _table(ranking: Ranking, width: int) -> str:
         rows.append(_row(group[0], verdict))
     rows += [_row(one, "not enough") for one in ranking.next]
     table = (
-        Table(HEADERS, rows, frozenset(HEADERS[2:]))
+        TextTable(HEADERS, rows, frozenset(HEADERS[2:]))
         .without(("parameters", "delta BIC"), width)
         .plain()
     )

@@ -15,7 +15,7 @@ from springpot.superposition.laws import LawFit
 
 from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic
 from .numbers import percent, seconds, with_interval
-from .text import Table, fitted_to
+from .text import TextTable, fitted_to
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -86,7 +86,7 @@ def _other_errors(master: MasterCurve) -> str:
     return text
 
 
-def _levels(master: MasterCurve) -> Table:
+def _levels(master: MasterCurve) -> TextTable:
     a_name, b_name = _factor(master, "a"), _factor(master, "b")
     headers = [
         f"{master.factors.column}{_in_unit(master.unit)}",
@@ -130,7 +130,7 @@ def _levels(master: MasterCurve) -> Table:
         at = headers.index("determined")
         headers = [*headers[:at], *headers[at + 1 :]]
         rows = [[*row[:at], *row[at + 1 :]] for row in rows]
-    return Table(headers, rows, frozenset({headers[0], a_name, b_name, "error", "alone"}))
+    return TextTable(headers, rows, frozenset({headers[0], a_name, b_name, "error", "alone"}))
 
 
 def _in_unit(unit: str) -> str:
@@ -139,7 +139,7 @@ def _in_unit(unit: str) -> str:
     return f" [{unit}]"
 
 
-def _laws(master: MasterCurve) -> Table:
+def _laws(master: MasterCurve) -> TextTable:
     headers = ["law", "of", "parameters", "off by", "most at", "chance", "verdict"]
     rows = []
     for law in master.laws:
@@ -161,7 +161,7 @@ def _laws(master: MasterCurve) -> Table:
         rows.append(
             [law.law.name, factor, ", ".join(words), off, most, number(law.chance, 2), law.verdict]
         )
-    return Table(headers, rows, frozenset({"off by", "chance"}))
+    return TextTable(headers, rows, frozenset({"off by", "chance"}))
 
 
 def figure_mastercurve(master: MasterCurve, path: str | Path | None = None) -> Figure | Path:

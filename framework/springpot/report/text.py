@@ -13,7 +13,7 @@ from springpot.terminal_safe import below, plain
 
 
 @dataclass(frozen=True)
-class Table:
+class TextTable:
     """A table of strings.
 
     Parameters
@@ -41,14 +41,14 @@ class Table:
         """Columns that it takes on a terminal."""
         return max(map(width, self.plain().splitlines()))
 
-    def lacking(self, header: str) -> Table:
+    def lacking(self, header: str) -> TextTable:
         """The table without one column."""
         kept = [i for i, name in enumerate(self.headers) if name != header]
         headers = [self.headers[i] for i in kept]
         rows = [[row[i] for i in kept] for row in self.rows]
-        return Table(headers, rows, self.right)
+        return TextTable(headers, rows, self.right)
 
-    def without(self, spare: Sequence[str], columns: int) -> Table:
+    def without(self, spare: Sequence[str], columns: int) -> TextTable:
         """The table without its first spare columns, as many as make it fit so many characters."""
         table = self
         for header in spare:

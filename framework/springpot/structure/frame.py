@@ -423,7 +423,7 @@ def _newton(frame: Frame, s: complex, shape: Complex, share: float) -> tuple[com
 
 
 @dataclass(frozen=True, eq=False)
-class Steady:
+class SteadyState:
     """A frame that the ground shakes with one amplitude at each of some frequencies.
 
     Attributes
@@ -482,7 +482,7 @@ class Steady:
         return self.drift[:, [damper.storey - 1 for damper in self.frame.dampers]]
 
 
-def steady_of(frame: Frame, omega: Real, acceleration: float = 1.0) -> Steady:
+def steady_of(frame: Frame, omega: Real, acceleration: float = 1.0) -> SteadyState:
     """The steady state of a frame; see `steady_state`.
 
     Raises
@@ -507,7 +507,7 @@ def steady_of(frame: Frame, omega: Real, acceleration: float = 1.0) -> Steady:
                 " it out"
             )
     omega = np.atleast_1d(np.asarray(omega, dtype=float))
-    return Steady(frame, omega, steady_state(frame, omega, acceleration))
+    return SteadyState(frame, omega, steady_state(frame, omega, acceleration))
 
 
 def steady_state(frame: Frame, omega: Real, acceleration: float = 1.0) -> Complex:

@@ -20,7 +20,7 @@ from springpot.structure.motion import STRONGEST
 from springpot.timetests.known import Known
 
 from .frame import Damper, Frame
-from .motion import Record, artificial
+from .motion import GroundMotion, artificial
 
 ACCELERATIONS = {
     "m/s^2": 1.0,
@@ -226,7 +226,7 @@ def _count(value: object, what: str, most: int) -> int:
     )
 
 
-def read_record(spec: str, rng: np.random.Generator) -> Record:
+def read_record(spec: str, rng: np.random.Generator) -> GroundMotion:
     """The record that a user names.
 
     A CSV file, or ``artificial``, or ``artificial:3.0`` with its peak in m/s^2.
@@ -269,7 +269,7 @@ def read_record(spec: str, rng: np.random.Generator) -> Record:
     if values.ndim != 2 or values.shape[1:] != (2,):
         raise DataError(f"{path}: a record has two columns, time [s] and acceleration [m/s^2]")
     try:
-        return Record.of(values[:, 0], factor * values[:, 1], path.stem)
+        return GroundMotion.of(values[:, 0], factor * values[:, 1], path.stem)
     except SpringpotError as error:
         # The name of the record is the path, which stands before it already.
         raise DataError(f"{path}: {str(error).removeprefix(f'{path.stem}: ')}") from None

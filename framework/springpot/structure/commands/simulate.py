@@ -12,7 +12,7 @@ from springpot.cli.predict import numbers
 
 if TYPE_CHECKING:
     from springpot.rheology.points import Real
-    from springpot.structure.frame import Frame, Steady
+    from springpot.structure.frame import Frame, SteadyState
     from springpot.structure.motion import Simulation
 
 
@@ -103,7 +103,7 @@ def _steady(structure: Path, frequency: str, figure: Path | None, as_json: bool)
     emit(described_steady(steady), as_json, lambda: _show_steady(steady, figure))
 
 
-def described_steady(steady: Steady) -> dict[str, Any]:
+def described_steady(steady: SteadyState) -> dict[str, Any]:
     """As plain data, schema ``springpot.steady-state/2``.
 
     Amplitudes at 1 m/s^2 of the ground, energies a cycle.
@@ -145,9 +145,9 @@ def _last_lines(notes: list[str], figure: Path | None) -> list[str]:
     return lines
 
 
-def _show_steady(steady: Steady, figure: Path | None) -> None:
+def _show_steady(steady: SteadyState, figure: Path | None) -> None:
     from springpot.format_numbers import number
-    from springpot.report.text import Table
+    from springpot.report.text import TextTable
 
     storeys, dampers = range(1, len(steady.frame) + 1), range(1, len(steady.frame.dampers) + 1)
     shown = {
@@ -172,7 +172,7 @@ def _show_steady(steady: Steady, figure: Path | None) -> None:
         " the force of"
     )
     print("all of a storey along the floor, and the energy that each kind takes in a cycle\n")
-    Table(tuple(headers), rows, frozenset(headers)).show()
+    TextTable(tuple(headers), rows, frozenset(headers)).show()
     if last := _last_lines(described["notes"], figure):
         print("", *last, sep="\n")
 
@@ -234,7 +234,7 @@ def described(simulation: Simulation) -> dict[str, Any]:
 def _show_dampers(result: dict[str, Any]) -> None:
     """What one damper of each kind must bear and move, and what all of a storey pull together."""
     from springpot.format_numbers import number
-    from springpot.report.text import Table
+    from springpot.report.text import TextTable
 
     rows = [
         [
@@ -248,11 +248,11 @@ def _show_dampers(result: dict[str, Any]) -> None:
         for damper in result["dampers"]
     ]
     headers = ("storey", "damper", "count", "slope [deg]", "axial force [kN]", "stroke [mm]")
-    Table(headers, rows, frozenset(headers) - {"storey", "damper"}).show()
+    TextTable(headers, rows, frozenset(headers) - {"storey", "damper"}).show()
     print("each: one damper along its axis; all of a storey together along the floor:\n")
     braced = sorted({damper["storey"] for damper in result["dampers"]})
     sums = [[str(i), number(1e-3 * result["storeys"][i - 1]["damper_force"])] for i in braced]
-    Table(
+    TextTable(
         ("storey", "force of its dampers [kN]"), sums, frozenset({"force of its dampers [kN]"})
     ).show()
     print()
@@ -260,7 +260,7 @@ def _show_dampers(result: dict[str, Any]) -> None:
 
 def _show(simulation: Simulation, figure: Path | None) -> None:
     from springpot.format_numbers import number
-    from springpot.report.text import Table
+    from springpot.report.text import TextTable
 
     result = described(simulation)
     record = result["record"]
@@ -276,7 +276,7 @@ def _show(simulation: Simulation, figure: Path | None) -> None:
         ]
         for i, row in enumerate(result["storeys"], 1)
     ]
-    drifts = Table(("storey", "drift [mm]", "95 % band"), rows, frozenset({"drift [mm]"}))
+    drifts = TextTable(("storey", "drift [mm]", "95 % band"), rows, frozenset({"drift [mm]"}))
     # Parameters that were stated have no uncertainty: a band of no width would claim that they are
     # known.
     if not result["draws"]:
@@ -287,7 +287,7 @@ def _show(simulation: Simulation, figure: Path | None) -> None:
         [str(i), number(mode["frequency"]), f"{100 * mode['damping']:.3g} %"]
         for i, mode in enumerate(result["modes"], 1)
     ]
-    Table(("mode", "f [Hz]", "damping"), modes, frozenset({"f [Hz]", "damping"})).show()
+    TextTable(("mode", "f [Hz]", "damping"), modes, frozenset({"f [Hz]", "damping"})).show()
     print()
     if result["dampers"]:
         _show_dampers(result)
