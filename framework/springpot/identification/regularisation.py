@@ -206,6 +206,8 @@ class _System:
         target = weighted(data - response.value, weights) + lines @ slopes[:count]
         columns = np.concatenate([slopes[:2], step * slopes[count:]]).T
         size = np.abs(material.respond(lines, Points(log_rates)).value)
+        # Where a channel counts the other way no line has weight, and K is nowhere.
+        size[size == 0.0] = np.mean(np.abs(data))
         rounding = weighted(EXACT * data, weights)
         variance = max(fit.cost / max(fit.dof, 1), float(np.mean(rounding**2)))
         # Reduced once to as many rows as columns, because every halving and every draw solves it
