@@ -29,8 +29,8 @@ class Answered(NamedTuple):
         What was recorded.
     by_parameters : sequence of ndarray, shape (n,)
         Its derivative by each parameter of the effect.
-    by_response : ndarray, shape (n,)
-        Its derivative by the response itself.
+    by_response : ndarray, shape (n,) or (n, n)
+        Its derivative by the response itself: at the same instant, or at all of them.
     """
 
     value: Real

@@ -335,7 +335,10 @@ def shown(
     """What is recorded of a response (n,) whose derivatives (n, p) are known."""
     for effect, _, own in at_stage(mine, on_response):
         value, columns, by_response = acting(effect.element, theta[own], record, value)
-        by_theta = by_theta * by_response[:, None]
+        if by_response.ndim == 1:
+            by_theta = by_theta * by_response[:, None]
+        else:
+            by_theta = by_response @ by_theta
         for i, column in zip(own, columns, strict=True):
             by_theta[:, i] = column
     return Traced(value, by_theta)

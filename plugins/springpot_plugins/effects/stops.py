@@ -1,4 +1,4 @@
-"""What harmonics hide: forces that are not the same on both sides of the middle."""
+"""What harmonics hide: forces unlike on both sides of the middle, and a maximum on the way up."""
 
 from __future__ import annotations
 
@@ -19,6 +19,12 @@ from springpot.rheology import (
     stiffness,
 )
 
+FEWEST = 8
+"""Samples of a start-up from which a maximum on the way is looked for."""
+FADINGS = (0.3, 1.0, 3.0, 10.0)
+"""Exponents at the largest strain at which a fading network is sought."""
+SMALLEST = 1e-9
+"""Share of the largest strain that is no motion."""
 SOFTEST = 0.3
 """Stiffness of a stop at the start of the search, over that of the specimen.
 
@@ -54,6 +60,45 @@ def damped(record: Record, response: Any, c2: Any) -> Answered:
     """The response and a force by the size of the speed: more drag one way than the other."""
     speed = np.abs(record.rate)
     return Answered(response + c2 * speed, (speed,), np.ones_like(response))
+
+
+def disentangled(record: Record, response: Any, n: Any) -> Answered:
+    """The stress at start-up of a network that fades with the strain, from that of a linear one.
+
+    By K-BKZ with a damping function h the stress grows by G(t) d(gamma h) where that of a linear
+    material grows by G(t) d gamma, so that each further strain counts by the slope of gamma h.
+    """
+    strain = np.abs(record.imposed)
+    ends = np.concatenate([[0.0], strain])
+    with np.errstate(under="ignore"):
+        left = np.exp(-n * ends)
+    step = np.diff(ends)
+    moves = np.maximum(step, SMALLEST * strain.max())
+    # Between two samples the mean of the slope, which is exact; where nothing moved, the slope.
+    counts = np.where(
+        step > moves * 0.5, np.diff(ends * left) / moves, (1.0 - n * strain) * left[1:]
+    )
+    by_n = np.where(
+        step > moves * 0.5,
+        np.diff(-(ends**2) * left) / moves,
+        (n * strain**2 - 2.0 * strain) * left[1:],
+    )
+    grows = np.diff(response, prepend=0.0)
+    later = np.append(counts[1:], 0.0)
+    by_response = np.tril(np.broadcast_to(counts - later, (len(counts), len(counts))), -1)
+    return Answered(
+        np.cumsum(counts * grows), (np.cumsum(by_n * grows),), by_response + np.diag(counts)
+    )
+
+
+def _starts_up(test: TimeTest) -> bool:
+    """Whether a motion began and went on: in a step a strain that fades is a smaller one."""
+    return test.kind == "startup" and not len(test.loading.jumps[0]) and len(test.time) >= FEWEST
+
+
+def _fadings(test: TimeTest) -> tuple[tuple[float], ...]:
+    largest = float(np.abs(test.loading.value).max())
+    return tuple((fading / largest,) for fading in FADINGS)
 
 
 def _moves(test: TimeTest) -> bool:
@@ -112,5 +157,18 @@ EFFECTS = (
         signature="one side of the loop is fuller than the other, most where the speed is highest",
         aliases=("bump-and-rebound",),
         prior=0.5,
+    ),
+    Effect(
+        "damping-function",
+        on_response,
+        StageLaw(
+            disentangled, (Parameter("n", "n", Dimension(amplitude=-1), typical=0.3),), _fadings
+        ),
+        "a network that fades with the strain: at start-up the stress goes over a maximum, which no"
+        " linear material's does",
+        citation="Wagner 1976, doi:10.1007/BF01517505: h = exp(-n gamma) in the K-BKZ equation",
+        applies_to=AppliesTo(("displacement",), _starts_up),
+        signature="below the linear response from a strain on, whatever the rate; an overshoot",
+        aliases=("overshoot",),
     ),
 )
