@@ -324,7 +324,9 @@ def test_a_discovery_from_tests_in_time_is_reported_and_drawn_as_one_of_sweeps(
     assert "nan" not in text.lower().replace("nanometer", "")
     ladder = package.discover(relaxed, "fractional-kelvin", accept="series-spring")
     compared = package.compare(relaxed, ["maxwell", "fractional-maxwell"])
-    for i, answer in enumerate((ladder, ladder.diagnosis, compared, ladder.steps[-1].examined)):
+    for i, answer in enumerate(
+        (ladder, ladder.diagnosis, compared, ladder.steps[-1].examined.base)
+    ):
         assert answer.plot(tmp_path / f"{i}.png").stat().st_size > 10_000
         assert "<" in answer._repr_html_()
         assert len(str(answer).splitlines()) > 2

@@ -144,37 +144,6 @@ def diagnose(
     emit(diagnosis, as_json, lambda: _show_diagnosis(diagnosis, tests, data, named))
 
 
-def discover(
-    tests: Sequence[Test],
-    figure: Path | None,
-    report: Path | None,
-    again: list[str],
-    as_json: bool,
-    arguments: Any,
-) -> None:
-    """``springpot discover`` from tests in time."""
-    from springpot.api import discover as discovered
-    from springpot.report.fit_text import climbed_in_time_text
-
-    from .waiting import Waiting
-
-    with Waiting() as waiting:
-        ladder: Any = discovered(tests, **arguments, progress=waiting.told)
-    if figure is not None:
-        from springpot.report.timetests import figure_tests, fits_in_time
-
-        fits = fits_in_time(step.examined for step in reversed(ladder.steps))
-        figure_tests(fits[::-1], tests, figure)
-    if report is not None:
-        from springpot.report.html import write_report
-
-        write_report(ladder, tests, report, again)
-    emit(ladder, as_json, lambda: print(climbed_in_time_text(ladder, window())))
-    for path in (figure, report):
-        if path is not None and not as_json:
-            print(f"\nwritten: {path}")
-
-
 def _show_diagnosis(
     diagnosis: Diagnosis, tests: Sequence[Test], data: Sequence[str], model: str | None
 ) -> None:

@@ -16,7 +16,7 @@ from springpot.files import require_writable, write_text
 from springpot.format_numbers import number
 from springpot.markup import Html, joined, table, tag
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.opening import Test
+from springpot.measurement.opening import Test, sweep_of
 from springpot.misfit.words import over_floor
 from springpot.versions import versions
 
@@ -103,15 +103,15 @@ def write_report(
 
 def report_html(ladder: Ladder, data: Measurement | Sequence[Test], command: Sequence[str]) -> Html:
     """The report as text; parameters as in `write_report`."""
-    tests: Sequence[Test]
-    if isinstance(data, Measurement):
-        bench, tests = _bench(ladder, data), [data]
+    tests: Sequence[Test] = [data] if isinstance(data, Measurement) else data
+    if (sweep := sweep_of(tests)) is not None:
+        bench = _bench(ladder, sweep)
         pointing = [tag("h2", "Point at it"), tag("p", POINTING, class_="quiet"), bench.body]
-        style, script, scenes = bench.style, bench.policy, _scenes(ladder, data)
+        style, script, scenes = bench.style, bench.policy, _scenes(ladder, sweep)
         pictures = [*_seen(scenes), *_places(ladder), *_planes(scenes)]
     else:
-        pointing, style, script, tests = [], "", "", data
-        pictures = [*_drawn_tests(ladder, data), *_places(ladder)]
+        pointing, style, script = [], "", ""
+        pictures = [*_drawn_tests(ladder, tests), *_places(ladder)]
     body = [
         # The answer first, then what can be pointed at, then the evidence, and last how to repeat
         # it.

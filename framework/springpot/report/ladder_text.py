@@ -56,6 +56,8 @@ NOTHING = 1e-6
 
 def ladder_text(ladder: Ladder, width: int = USUAL, verbose: bool = False) -> str:
     """Each step with its error, forecast and what it changed, then the last diagnosis."""
+    if in_time(ladder.diagnosis.tests):
+        return climbed_in_time_text(ladder, width)
     table = _steps(ladder)
     if table.width > width:  # each model is the one above it and what was accepted
         table = _steps(ladder, brief=True).without(("material floor", "predicted"), width)
@@ -304,6 +306,7 @@ def told(result: object) -> str:
 # shows.
 told.register(Identification, identification_text)
 told.register(Ranking, ranked_text)
+told.register(Ladder, ladder_text)
 
 
 @told.register
@@ -311,13 +314,6 @@ def _diagnosis(result: Diagnosis) -> str:
     if in_time(result.tests):
         return diagnosed_in_time_text(result)
     return diagnosis_text(result)
-
-
-@told.register
-def _ladder(result: Ladder) -> str:
-    if in_time(result.diagnosis.tests):
-        return climbed_in_time_text(result)
-    return ladder_text(result)
 
 
 @told.register

@@ -18,6 +18,7 @@ from springpot.measurement.units import Units
 from springpot.rheology.points import Real
 from springpot.timetests.recording import recorded
 from springpot.timetests.residuals_of_tests import InTimePart, Test, parts_of_specimen
+from springpot.timetests.verdict import TimeCase
 from springpot.timetests.where import TestPrediction
 
 from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic
@@ -74,8 +75,8 @@ def figure_tests(
 
 def fits_in_time(behind: Iterable[object]) -> list[Identification]:
     """The first few fits of tests in time behind answers; none of an answer about sweeps."""
-    fits = [fit for fit in behind if isinstance(fit, Identification)]
-    return fits[:MOST_DRAWN]
+    bases = [each.base if isinstance(each, TimeCase) else each for each in behind]
+    return [fit for fit in bases if isinstance(fit, Identification)][:MOST_DRAWN]
 
 
 def _draw_test(row: Sequence[Axes], part: InTimePart, fits: Sequence[Identification]) -> None:
