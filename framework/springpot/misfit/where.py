@@ -19,7 +19,7 @@ from springpot.rheology.nodes import Chain, Parallel, Response, Series
 from springpot.rheology.points import Real
 from springpot.thresholds import WHERE
 
-from .frame import NoiseFrame, spectrum
+from .frame import NoiseFrame, relative_to, spectrum
 from .regions import DRAWS, Blocks, MeasuredAxis, Region, Rows, rare, scales
 from .words import plain
 
@@ -438,7 +438,7 @@ def _conditions(measurement: Measurement) -> str:
 
 def _simplest_plane(frame: NoiseFrame) -> str:
     """The plane in which a straight line in omega^0, omega^1 or omega^2 explains most misfit."""
-    modelled = Response(frame.model_stiffness)
+    modelled = Response(relative_to(frame.model_stiffness, frame.measurement))
     share: dict[str, float] = {}
     # Over their geometric mean, so that no power of the frequencies is beyond what numbers hold.
     scale = frame.measurement.omega / np.exp(np.mean(np.log(frame.measurement.omega)))

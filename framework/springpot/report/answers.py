@@ -27,7 +27,7 @@ from springpot.rheology.points import KELVIN, Points, Real
 
 from .document import Listing, Passage, Prose
 from .numbers import percent
-from .text import Table
+from .text import TextTable
 from .values import OPEN, shown
 
 PROBES = (290.0, 330.0)
@@ -316,7 +316,7 @@ def ranking(rows: Sequence[Candidate], floor: float, whole: bool = True) -> Pass
     return replace(_ranking(rows, floor), whole=whole, brief=_ranking(rows, floor, brief=True))
 
 
-def _ranking(rows: Sequence[Candidate], floor: float, brief: bool = False) -> Table:
+def _ranking(rows: Sequence[Candidate], floor: float, brief: bool = False) -> TextTable:
     """All columns; `brief` without the intervals of the parameters."""
     headers = (
         "effect",
@@ -341,7 +341,7 @@ def _ranking(rows: Sequence[Candidate], floor: float, brief: bool = False) -> Ta
         )
         for row in rows
     ]
-    return Table(headers, cells, RANKED, SPARE)
+    return TextTable(headers, cells, RANKED, SPARE)
 
 
 def physics(rows: Sequence[Candidate], most: int = EXPLAINED) -> Listing:
@@ -427,7 +427,7 @@ def comparison_document(comparison: Comparison) -> list[Passage]:
     ]
 
 
-def _compared(comparison: Comparison) -> Table:
+def _compared(comparison: Comparison) -> TextTable:
     """A row for each model; of several tests each has its own column."""
     tests = comparison.tests
     by_test = tuple(f"x floor of {test.name}" for test in tests if len(tests) > 1)
@@ -450,7 +450,7 @@ def _compared(comparison: Comparison) -> Table:
         )
         rows.append(row)
     spare = ("chi2/dof", "parameters", "delta BIC", "material floor")
-    return Table(headers, rows, frozenset(headers[1:]), spare)
+    return TextTable(headers, rows, frozenset(headers[1:]), spare)
 
 
 def _state(judged: Judgement) -> str:

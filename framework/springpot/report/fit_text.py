@@ -7,7 +7,6 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from io import StringIO
 from math import log
-from typing import TYPE_CHECKING
 
 from springpot.format_numbers import counted, number
 from springpot.identification.result import Identification
@@ -18,20 +17,12 @@ from .answers import reference_note
 from .document import Listing, Passage, Preformatted, Prose
 from .figures import beside_floors, in_words
 from .numbers import percent, seconds, told_range
-from .text import Table
+from .text import TextTable
 from .values import OPEN, shown
-
-if TYPE_CHECKING:
-    from springpot.timetests.result import TimeIdentification
 
 FAR = log(1e6)
 """Log of the ratio to the data's natural size from which a parameter's size leaves no trace."""
 
-FAR_OFF = 2.0
-"""Error of a test in time over its noise floor from which something is missing.
-
-Below, the estimate of the noise may be to blame.
-"""
 BIASED = (
     "the intervals are those of this model as it is: what it misses may move its parameters by more"
 )
@@ -40,7 +31,7 @@ HANG = " " * 12
 
 
 def fit_document(identified: Identification, verbose: bool = False) -> list[Passage]:
-    """Parameters with intervals, the error beside its floors, and whether the model is good enough.
+    """Parameters with intervals, each test or the error beside its floors, and what to know.
 
     Parameters
     ----------
@@ -49,51 +40,37 @@ def fit_document(identified: Identification, verbose: bool = False) -> list[Pass
     verbose : bool
         Whether to tell the search form, the objective and the optimiser too.
     """
-    data = identified.measurement
     search: Passage = Prose()
     # The search form is how the model was searched, not what it is: most need it never.
     if verbose and identified.search_parameters:
         search = parameters_table("search form", identified.search_parameters)
+    tests: Passage = Prose()
+    if identified.sweep is None:
+        tests = _tests(identified)
     return [
-        Prose(
-            f"{identified.model.name} fitted to {data.name} ({len(data)} points,"
-            f" {told_range(data)})"
-        ),
+        Prose(f"{identified.model.name} fitted to {identified.name} ({_size(identified)})"),
         Preformatted(drawing_of(identified.model)),
         parameters_table("parameter", identified.parameters, gone(identified)),
         search,
-        Prose(reference_note(data, [identified.model.network])),
+        Prose(reference_note(identified.sweep, [identified.model.network])),
         Prose(_spectrum(identified)),
+        tests,
         Listing(_lines(identified, verbose), hang=HANG),
     ]
 
 
-def fit_in_time_document(identified: TimeIdentification) -> list[Passage]:
-    """Parameters identified from tests in time, and each test beside its noise floor."""
+def _size(identified: Identification) -> str:
+    """How much was measured."""
+    if identified.sweep is not None:
+        return f"{len(identified.sweep)} points, {told_range(identified.sweep)}"
     count = f"{sum(test.points for test in identified.tests)} points"
     # A count of one says nothing.
     if len(identified.tests) > 1:
         count = f"{counted(len(identified.tests), 'test')}, {count}"
-    names = " + ".join(test.name for test in identified.tests)
-    spent = f"{identified.evaluations} evaluations in {seconds(identified.seconds)}"
-    lines = [f"search      {identified.optimiser}: {identified.ended}, {spent}"]
-    notes = list(identified.notes)
-    if max(test.over_floor for test in identified.tests) > FAR_OFF:
-        notes.append(BIASED)
-    return [
-        Prose(f"{identified.model.name} fitted to {names} ({count})"),
-        Preformatted(drawing_of(identified.model)),
-        parameters_table("parameter", identified.parameters),
-        _tests(identified),
-        Listing([*lines, *_notes(notes)], hang=HANG),
-    ]
+    return count
 
 
-def _notes(notes: Sequence[str]) -> list[str]:
-    return [f"note        {note}" for note in notes]
-
-
-def _tests(identified: TimeIdentification) -> Table:
+def _tests(identified: Identification) -> TextTable:
     """A row for each test; in a narrow window the last columns go, and long names are cut."""
     headers = ("test", "kind", "points", "error", "noise floor", "x floor", "alone")
     rows = []
@@ -106,7 +83,7 @@ def _tests(identified: TimeIdentification) -> Table:
         ]
         rows.append([test.name, test.kind, str(test.points), *errors])
     legend = {"alone": "x floor where the test has parameters of its own"}
-    table = Table(headers, rows, frozenset(headers[2:]), ("alone", "points"), legend, cuts=True)
+    table = TextTable(headers, rows, frozenset(headers[2:]), ("alone", "points"), legend, cuts=True)
     # A single test is fitted alone in any case.
     if len(rows) == 1:
         return replace(table.lacking("alone"), spare=("points",))
@@ -115,7 +92,7 @@ def _tests(identified: TimeIdentification) -> Table:
 
 def parameters_table(
     heading: str, parameters: Mapping[str, Value], open_ones: Collection[str] = ()
-) -> Table:
+) -> TextTable:
     """A table of values with their intervals; one that the data leave open is called so."""
     rows = []
     for name, value in parameters.items():
@@ -124,11 +101,13 @@ def parameters_table(
         if name in open_ones:
             size, interval = "-", OPEN
         rows.append([name, size, interval, value.unit])
-    return Table((heading, "value", "95 % interval", "unit"), rows, frozenset({"value"}))
+    return TextTable((heading, "value", "95 % interval", "unit"), rows, frozenset({"value"}))
 
 
 def gone(identified: Identification) -> set[str]:
     """Parameters that grew out of all proportion to the data, whatever their interval says."""
+    if identified.uncertainty is None:
+        return set()
     far = identified.fit.task.coordinates.log & (identified.fit.u > FAR)
     return {name for name, one in zip(identified.model.names, far, strict=True) if one}
 
@@ -141,11 +120,13 @@ def _spectrum(identified: Identification) -> str:
 
 def _lines(identified: Identification, verbose: bool) -> list[str]:
     """What is told of a fit, a line for each thing."""
-    size = identified.measurement.units.magnitude
-    lines = [
-        f"error       {percent(identified.relative_rms)} of {size} (relative"
-        f" rms){beside_floors(identified)}"
-    ]
+    lines = []
+    # Of tests in time their table tells it.
+    if identified.sweep is not None:
+        lines.append(
+            f"error       {percent(identified.relative_rms)} of {identified.magnitude} (relative"
+            f" rms){beside_floors(identified)}"
+        )
     if identified.standing is not None:
         verdict = "not good enough"
         if identified.standing.good_enough:
@@ -154,7 +135,7 @@ def _lines(identified: Identification, verbose: bool) -> list[str]:
     spent = f"{identified.evaluations} evaluations in {seconds(identified.seconds)}"
     # The usual way to the usual end is worth no line; whatever was chosen or went otherwise is.
     if verbose or identified.optimiser != "native" or identified.status != "converged":
-        lines.append(f"objective   {identified.fit.objective.name}, {number(identified.fit.cost)}")
+        lines.append(f"objective   {identified.objective}, {number(identified.cost)}")
         lines.append(f"optimiser   {identified.optimiser}, {identified.status}, {spent}")
     notes = (
         *identified.notes,
@@ -162,7 +143,7 @@ def _lines(identified: Identification, verbose: bool) -> list[str]:
         *_of_floor(identified),
         *_of_intervals(identified),
     )
-    return lines + _notes(notes)
+    return lines + [f"note        {note}" for note in notes]
 
 
 def _reason(identified: Identification) -> str:
@@ -193,8 +174,10 @@ def _of_intervals(identified: Identification) -> list[str]:
 
 
 def unused(identified: Identification) -> list[str]:
-    """Conditions that vary in the data and that the model does not know."""
-    notes = []
+    """Conditions that vary in a sweep and that the model does not know."""
+    notes: list[str] = []
+    if identified.sweep is None:
+        return notes
     for name in ("temperature", "amplitude"):
         if name not in identified.measurement.conditions or name in identified.model.needs:
             continue
@@ -213,7 +196,7 @@ def many_text(fits: Sequence[Identification]) -> str:
     names, rows = _columns(fits), []
     for fit in fits:
         cells = [_cell(fit, name) for name in names]
-        rows.append([fit.measurement.name, percent(fit.relative_rms), *_verdict(fit), *cells])
+        rows.append([fit.name, percent(fit.relative_rms), *_verdict(fit), *cells])
     headers = [
         "data",
         "error",
@@ -221,10 +204,10 @@ def many_text(fits: Sequence[Identification]) -> str:
         "good enough",
         *(_header(fits[0], name) for name in names),
     ]
-    return Table(headers, rows, frozenset(headers[1:3] + headers[4:])).plain()
+    return TextTable(headers, rows, frozenset(headers[1:3] + headers[4:])).plain()
 
 
-def many_csv(fits: Sequence[Identification | TimeIdentification]) -> str:
+def many_csv(fits: Sequence[Identification]) -> str:
     """The same as CSV, with both ends of each interval; units stand in the header."""
     names, stream = _columns(fits), StringIO()
     write = csv.writer(stream, lineterminator="\n").writerow
@@ -240,27 +223,22 @@ def many_csv(fits: Sequence[Identification | TimeIdentification]) -> str:
                 value = fit.parameters[name]
                 # `repr` keeps every digit: another program reads them.
                 cells += [repr(value.value), repr(value.low), repr(value.high)]
-        name, floor, good = _named_and_judged(fit)
-        write([name, fit.model.name, repr(fit.relative_rms), floor, good, *cells])
+        row = [fit.name, fit.model.name, repr(fit.relative_rms), *_judged(fit), *cells]
+        write(row)
     return stream.getvalue()
 
 
-def _named_and_judged(fit: Identification | TimeIdentification) -> tuple[str, str, str]:
-    """Data, noise floor and whether the fit is good enough.
+def _judged(fit: Identification) -> tuple[str, str]:
+    """Noise floor and whether the fit is good enough.
 
     Left empty where that is not judged: any word would be taken for a verdict.
     """
-    if not isinstance(fit, Identification):
-        # A model is as good as it is for the test that it misses most.
-        worst = max(fit.tests, key=lambda test: test.over_floor)
-        return " + ".join(test.name for test in fit.tests), repr(worst.noise_floor), ""
     if fit.standing is None:
-        return fit.measurement.name, "", ""
-    good = str(fit.standing.good_enough).lower()
-    return fit.measurement.name, repr(fit.standing.noise_floor), good
+        return "", ""
+    return repr(fit.standing.noise_floor), str(fit.standing.good_enough).lower()
 
 
-def _columns(fits: Sequence[Identification | TimeIdentification]) -> list[str]:
+def _columns(fits: Sequence[Identification]) -> list[str]:
     # Of all files: a model of levels may have more parameters in one than in another.
     return list(dict.fromkeys(name for fit in fits for name in fit.parameters))
 

@@ -25,7 +25,7 @@ from .answers import (
 from .document import Listing, Passage, Prose
 from .fit_text import parameters_table
 from .numbers import percent
-from .text import Table
+from .text import TextTable
 
 FAR = 1e3
 """Factor beyond which a parameter's move is told in words."""
@@ -59,13 +59,13 @@ def ladder_document(ladder: Ladder, verbose: bool = False) -> list[Passage]:
     ]
 
 
-def steps_table(ladder: Ladder) -> Table:
+def steps_table(ladder: Ladder) -> TextTable:
     """A row for each step; a narrow window names what was accepted in place of the whole model."""
     # Each model is the one above it and what was accepted.
     return replace(_steps(ladder), brief=replace(_steps(ladder, brief=True), spare=SPARE))
 
 
-def _steps(ladder: Ladder, brief: bool = False) -> Table:
+def _steps(ladder: Ladder, brief: bool = False) -> TextTable:
     """All columns; `brief` names what was accepted in place of the whole model."""
     headers = ("step", "model", "predicted", "error", "x floor", "noise floor", "material floor")
     rows = []
@@ -84,7 +84,7 @@ def _steps(ladder: Ladder, brief: bool = False) -> Table:
             percent(step.material_floor, 2),
         )
         rows.append(row)
-    return Table(headers, rows, frozenset(headers[2:]))
+    return TextTable(headers, rows, frozenset(headers[2:]))
 
 
 def remarks(ladder: Ladder) -> Listing:
@@ -236,7 +236,10 @@ def _table(ranking: Ranking) -> list[Passage]:
     more = ""
     if left:
         more = f"{left} more are not enough; --json has all"
-    return [Table(HEADERS, rows, frozenset(HEADERS[2:]), ("parameters", "delta BIC")), Prose(more)]
+    return [
+        TextTable(HEADERS, rows, frozenset(HEADERS[2:]), ("parameters", "delta BIC")),
+        Prose(more),
+    ]
 
 
 def _row(judged: Judgement, verdict: str) -> tuple[str, ...]:

@@ -16,7 +16,7 @@ from springpot.superposition.laws import LawFit
 from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic
 from .document import Listing, Passage, Prose
 from .numbers import percent, seconds, with_interval
-from .text import Table
+from .text import TextTable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -89,7 +89,7 @@ def _other_errors(master: MasterCurve) -> str:
     return text
 
 
-def _levels(master: MasterCurve) -> Table:
+def _levels(master: MasterCurve) -> TextTable:
     a_name, b_name = _factor(master, "a"), _factor(master, "b")
     headers = [
         f"{master.factors.column}{_in_unit(master.unit)}",
@@ -133,7 +133,7 @@ def _levels(master: MasterCurve) -> Table:
         at = headers.index("determined")
         headers = [*headers[:at], *headers[at + 1 :]]
         rows = [[*row[:at], *row[at + 1 :]] for row in rows]
-    return Table(
+    return TextTable(
         headers, rows, frozenset({headers[0], a_name, b_name, "error", "alone"}), ("alone",)
     )
 
@@ -144,7 +144,7 @@ def _in_unit(unit: str) -> str:
     return f" [{unit}]"
 
 
-def _laws(master: MasterCurve) -> Table:
+def _laws(master: MasterCurve) -> TextTable:
     headers = ["law", "of", "parameters", "off by", "most at", "chance", "verdict"]
     rows = []
     for law in master.laws:
@@ -166,7 +166,9 @@ def _laws(master: MasterCurve) -> Table:
         rows.append(
             [law.law.name, factor, ", ".join(words), off, most, number(law.chance, 2), law.verdict]
         )
-    return Table(headers, rows, frozenset({"off by", "chance"}), ("chance", "most at", "off by"))
+    return TextTable(
+        headers, rows, frozenset({"off by", "chance"}), ("chance", "most at", "off by")
+    )
 
 
 def figure_mastercurve(master: MasterCurve, path: str | Path | None = None) -> Figure | Path:

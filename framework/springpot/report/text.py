@@ -20,7 +20,7 @@ LEAST = 12
 
 
 @dataclass(frozen=True)
-class Table:
+class TextTable:
     """A table of strings.
 
     Parameters
@@ -35,7 +35,7 @@ class Table:
         Headers of columns that a narrow window goes without, the first first.
     legend : dict of str to str
         What some columns mean, told below the table.
-    brief : Table, optional
+    brief : TextTable, optional
         What a window shows that is too narrow even without spare columns.
     cuts : bool
         Whether names in the first column are cut as a last resort.
@@ -48,7 +48,7 @@ class Table:
     right: frozenset[str] = frozenset()
     spare: Sequence[str] = ()
     legend: Mapping[str, str] = field(default_factory=dict)
-    brief: Table | None = None
+    brief: TextTable | None = None
     cuts: bool = False
     whole: bool = False
 
@@ -63,11 +63,11 @@ class Table:
         """Columns that it takes on a terminal."""
         return max(map(width, self.plain().splitlines()))
 
-    def lacking(self, header: str) -> Table:
+    def lacking(self, header: str) -> TextTable:
         """The table without one column."""
         return self._with([i for i, name in enumerate(self.headers) if name != header])
 
-    def telling(self) -> Table:
+    def telling(self) -> TextTable:
         """The table without columns that say nothing in any row; the first names the rows."""
         silent = {
             place for place in range(1, len(self.headers)) if SILENT.issuperset(self._cells(place))
@@ -77,12 +77,12 @@ class Table:
     def _cells(self, place: int) -> list[str]:
         return [row[place] for row in self.rows]
 
-    def _with(self, places: Sequence[int]) -> Table:
+    def _with(self, places: Sequence[int]) -> TextTable:
         """Only these columns."""
         headers = [self.headers[i] for i in places]
         return replace(self, headers=headers, rows=[[row[i] for i in places] for row in self.rows])
 
-    def fitted(self, columns: int) -> Table:
+    def fitted(self, columns: int) -> TextTable:
         """The table as it fits so many characters, as far as it can be made to."""
         table = self.telling()
         if self.whole:

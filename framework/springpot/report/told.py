@@ -11,11 +11,10 @@ from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Diagnosis
 from springpot.identification.result import Identification
 from springpot.superposition.curve import MasterCurve
-from springpot.timetests.result import TimeIdentification
 
 from .answers import comparison_document, diagnosis_document
 from .document import Passage, Prose, as_html, as_text
-from .fit_text import fit_document, fit_in_time_document
+from .fit_text import fit_document
 from .ladder_text import ladder_document, ranking_document
 from .mastercurve import mastercurve_document
 
@@ -30,7 +29,6 @@ def document_of(result: object, **asked: Any) -> list[Passage]:
 
 
 document_of.register(Identification, fit_document)
-document_of.register(TimeIdentification, fit_in_time_document)
 document_of.register(Diagnosis, diagnosis_document)
 document_of.register(Ladder, ladder_document)
 document_of.register(Comparison, comparison_document)
