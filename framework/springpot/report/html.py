@@ -6,6 +6,7 @@ import platform
 import shlex
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
+from math import isfinite
 from pathlib import Path
 
 from springpot.diagnosis.examination import Case
@@ -219,11 +220,15 @@ def _head(ladder: Ladder) -> Iterator[Html]:
     first, last = ladder.steps[0], ladder.steps[-1]
     error = ladder.diagnosis.error
     added = [accepted_name(step) for step in ladder.steps[1:]]
+    material = []
+    # Where no material was looked for there is nothing to tell.
+    if isfinite(last.material_floor):
+        material = [("material floor", percent(last.material_floor))]
     facts = [
         ("error of the model given", percent(first.relative_rms)),
         ("error at the end", percent(last.relative_rms)),
         (f"noise floor ({error.noise_source})", percent(last.noise_floor)),
-        ("material floor", percent(last.material_floor)),
+        *material,
         ("error against the floor", times(last.relative_rms, error).replace(" x ", " × ")),
         ("accepted", joined(tag("span", name, class_="whole") for name in added) or "nothing"),
     ]

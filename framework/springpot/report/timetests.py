@@ -153,7 +153,7 @@ def _draw_sweep(row: Sequence[Axes], sweep: Measurement, fits: Sequence[Identifi
     for colour, k in zip(_colours_of_residuals(fits), computed, strict=False):
         missed = 100.0 * np.abs(k - sweep.stiffness) / sweep.magnitude
         row[2].plot(rate, missed, ".", color=colour)
-    row[2].set(xlabel=clock, ylabel="error [% of |K|]")
+    row[2].set(xlabel=clock, ylabel=f"error [% of {sweep.units.magnitude}]")
     row[2].axhline(0.0, color=INK, lw=0.5)
     logarithmic(row[2], "x")
 
