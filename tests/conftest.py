@@ -6,7 +6,6 @@ Being here it also puts this folder's helper modules within reach of every test.
 from __future__ import annotations
 
 import signal
-import threading
 from collections.abc import Iterator
 from io import BytesIO
 from typing import Any
@@ -94,13 +93,3 @@ def hears_ctrl_c() -> Iterator[None]:
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
-
-
-@pytest.fixture(autouse=True, scope="module")
-def leaves_no_thread() -> Iterator[None]:
-    """A thread that outlives its tests changes all later ones: no process with one is copied."""
-    before = set(threading.enumerate())
-    yield
-    for thread in set(threading.enumerate()) - before:
-        thread.join(5.0)
-        assert not thread.is_alive(), f"a test left the thread {thread.name} running"
