@@ -15,7 +15,7 @@ from springpot.measurement import Loading, Record, TimeTest
 from springpot.registry import parse_model, plugins
 from springpot.rheology import FORCE, Answered, Effect, Parameter, StageLaw, on_response
 from springpot.testing import check_effect
-from springpot.timetests import identify, recorded
+from springpot.timetests import diagnose, identify, recorded
 
 MODEL = parse_model("fractional-zener")
 THETA = MODEL.theta(k1=50.0, k2=400.0, c=60.0, alpha=0.55)
@@ -113,6 +113,39 @@ def test_stiffening_is_told_from_any_material():
     noisy = clean + 0.005 * np.abs(clean).max() * rng.standard_normal(len(clean))
     fit = identify(replace(test, response=noisy), parse_model("material + strain-stiffening"))
     assert fit["strain-stiffening.B"].value == pytest.approx(10.0, rel=0.1)
+
+
+def start_up(n: float, rate: float = 1.0) -> TimeTest:
+    """A Maxwell material (G = 2 kPa, tau = 2 s) whose network fades as exp(-n gamma).
+
+    By the K-BKZ integral at a constant rate: what lay there before the start is strained by all of
+    gamma, what came a time s ago by rate s (doi:10.1007/BF01517505).
+    """
+    stress = []
+    for t in T[1:]:
+        s = np.linspace(0.0, t, 4001)
+        memory = np.exp(-s / 2.0) * rate * s * np.exp(-n * rate * s)
+        before = 2.0 * np.exp(-t / 2.0) * rate * t * np.exp(-n * rate * t)
+        stress.append(before + np.trapezoid(memory, s))
+    ramp = Loading(np.array([0.0, T[-1]]), np.array([0.0, rate * T[-1]]))
+    return TimeTest(T[1:], np.array(stress), ramp, force_unit="kPa")
+
+
+def test_a_network_that_fades_answers_to_a_start_up_as_its_integral_says():
+    test = start_up(0.4)
+    model = parse_model("maxwell + damping-function")
+    theta = model.theta(k=2.0, c=4.0, **{"damping-function.n": 0.4})
+    value = recorded(model, theta, test).value
+    assert value == pytest.approx(test.response, rel=2e-4)
+
+
+def test_an_overshoot_is_a_fading_network_as_much_as_any_other_effect_that_does_it():
+    rng = np.random.default_rng(5)
+    test = start_up(0.4)
+    noisy = test.response + 0.002 * test.response.max() * rng.standard_normal(len(test.response))
+    found = diagnose(replace(test, response=noisy), parse_model("material"))
+    [first, *_] = found.classes
+    assert "damping-function" in first
 
 
 def test_a_bearing_that_holds_lets_less_through_and_holds_back():

@@ -117,9 +117,9 @@ def test_of_two_places_of_one_effect_each_rig_keeps_its_own():
     effect = plugins().effect("inertia")
     sweeps, direction = replace(effect, applies_to=SWEEPS), np.array([1.0, 0.0])
     promises = [
-        Promise(effect, (3.8,), np.ones(3), 354.0, 1.0, direction),
-        Promise(sweeps, (0.0017,), np.ones(3), 353.0, 1.0, direction),
-        Promise(sweeps, (0.0018,), np.ones(3), 350.0, 1.0, direction),
+        Promise(effect, (3.8,), np.ones(3), 354.0, 1.0, direction, True),
+        Promise(sweeps, (0.0017,), np.ones(3), 353.0, 1.0, direction, True),
+        Promise(sweeps, (0.0018,), np.ones(3), 350.0, 1.0, direction, True),
     ]
     assert _different(promises) == promises[:2]
 

@@ -84,6 +84,10 @@ class TimeScan:
         # One long row for all tests: an effect must explain them together, with one size.
         self.residual = np.concatenate([view.residual for view in self.views])
         slopes = np.concatenate([view.slopes for view in self.views])
+        # A parameter that its bound holds takes nothing over: it would have to go below.
+        lower = np.array([parameter.lower for parameter in self.model.parameters])
+        held = (self.theta <= lower) & (slopes.T @ self.residual > 0.0)
+        slopes = np.where(held, 0.0, slopes)
         size = np.linalg.norm(slopes, axis=0)
         # A parameter that changes nothing in these tests has a column of nothing.
         self.size = np.where(size > 0.0, size, 1.0)
@@ -143,6 +147,7 @@ class TimeScan:
                 drop,
                 _as_tried(atom, amount),
                 columns[:, k] / left[k],
+                bool(atom.powers.any()),
             )
             promises.setdefault(atom.effect.name, []).append(promise)
         return {name: _different(each) for name, each in promises.items()}

@@ -105,6 +105,8 @@ class Promise:
         Of what was tried: far from one, it is no longer the effect that was tried.
     direction : ndarray, shape (m,)
         What it adds to the residuals that the model cannot take over, of length one.
+    as_its_size : bool
+        Whether it grows as a parameter of it does, so that a linear step leads to it.
     """
 
     effect: Effect
@@ -113,6 +115,7 @@ class Promise:
     drop: float
     amount: float
     direction: Real
+    as_its_size: bool
 
     def start(self, base: Identification, model: Model, *, moved: bool = False) -> Real:
         """A start (p,) for the model with the effect.
