@@ -25,7 +25,7 @@ from springpot.measurement import (
 )
 from springpot.rheology import Real
 
-from .blocks import Block, is_dynamic, lacking
+from .blocks import Block, lacking
 from .choices import CURVES, ask_base, ask_meaning, ask_units, doubt, with_choice
 from .cleaning import bare_name, cleaned, is_blank, rows_of, with_unit_of_cells
 from .columns import measurement_of, sign_note
@@ -37,7 +37,7 @@ from .names import FREQUENCIES
 from .proposals import condition_name, offers, unit_proposal
 from .swing import SWINGING, counts_whole_swing, halved, unit_of_amplitude
 from .table import Column
-from .titles import UNITS, Heading, heading
+from .titles import UNITS, Heading, heading, is_dynamic
 from .written import as_measured, value_of
 
 KEPT = ("time", "gap", "normal_force", "torque", "displacement", "raw_phase", "stress")
@@ -68,7 +68,7 @@ Much more than
 rows of one column, which come from one instrument."""
 RATIOS = ("loss_factor", "damping_ratio")
 """Plain numbers, which need no unit."""
-_MEANT = {*UNITS, "repeat"} - {"time"}
+_MEANT = {*UNITS, "repeat"} - {"time", "relaxation", "compliance"}
 
 
 def measurement_from(

@@ -14,7 +14,7 @@ from pathlib import Path
 from springpot.errors import DataError
 from springpot.measurement import Choice, Measurement, OpenQuestion, Part, Reader
 
-from .blocks import Block, blocks_of, is_data, is_dynamic, is_header, lacking
+from .blocks import Block, blocks_of, is_data, is_header, lacking
 from .channels import UNITS as CHANNELS
 from .channels import found_in
 from .choices import ask_columns, ask_each, numbered
@@ -30,7 +30,7 @@ from .rearranged import needs_rearranging, rearranged
 from .side_by_side import apart
 from .signals_csv import read as read_record
 from .text import head_text, text_of
-from .titles import Heading
+from .titles import Heading, is_dynamic
 from .transposed import upright
 
 _REARRANGED = 0.5

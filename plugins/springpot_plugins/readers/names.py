@@ -209,10 +209,12 @@ _WORDS = {
         logat at log10at shiftfactor shiftfactors logshiftfactor logalphat
     """,
     "relaxation": """
-        erelax grelax relaxationmodulus relaxationsmodul modulederelaxation g(t) e(t)
+        relaxation erelax grelax relaxationmodulus relaxationstiffness relaxationfunction
+        relaxationsmodul modulederelaxation g(t) e(t) k(t) gt
     """,
-    "creep": """
-        creepcompliance j(t) kriechnachgiebigkeit complaisancedefluage
+    "compliance": """
+        compliance creepcompliance creep creepfunction recoverablecompliance
+        creeprecoverycompliance j(t) d(t) kriechnachgiebigkeit complaisance complaisancedefluage
     """,
     "flow": """
         shearrate viscosity scherrate viskositat gradientdecisaillement viscosite
@@ -234,7 +236,7 @@ MODULI = frozenset(
         "damping",
     }
 )
-ROLES = frozenset(NAMES) - {"shift", "relaxation", "creep", "flow"}
+ROLES = frozenset(NAMES) - {"shift", "relaxation", "compliance", "flow"}
 """What a user may say that a column is."""
 
 _PRIMES = str.maketrans(
