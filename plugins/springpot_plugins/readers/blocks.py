@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -32,6 +33,8 @@ _NEAR, _SENTENCE = 4, 80
 """
 _DRIVEN = frozenset({"amplitude", "stress", "torque", "displacement"})
 """What is set or followed in a test in time."""
+_COUNT = re.compile(r"\s*\d+\s*")
+"""The number of a sensor, which has no decimals."""
 _PATIENCE = 50_000
 """Cells without any number that are tried as names of columns before giving up."""
 
@@ -164,7 +167,7 @@ def blocks_of(
     i, rows, tried = 0, grid.rows, 0
     while i < len(rows):
         require_tables(len(blocks))
-        worded = not any(map(holds_number, rows[i][:_WIDEST]))
+        worded = _is_worded(rows[i])
         start = None
         if worded:
             tried += len(rows[i])
@@ -238,7 +241,7 @@ def _goes_on(
 
 def is_header(row: Sequence[str], words: Vocabulary = SWEEPS) -> bool:
     """Whether a row names columns: at least two roles and no number."""
-    if len(row) < 2 or any(holds_number(cell) for cell in row[:_WIDEST]):
+    if len(row) < 2 or not _is_worded(row):
         return False
     headings = [words.heading(unquoted(cell.strip())) for cell in uncommented(row)[:_WIDEST]]
     roles = {each.role for each in headings if each.role}
@@ -246,6 +249,12 @@ def is_header(row: Sequence[str], words: Vocabulary = SWEEPS) -> bool:
         roles.add("modulus")
     # A table of several curves may have but the frequency in common: G'_A, G''_A, G'_B, G''_B.
     return len(roles) > 1 or len({words.plainly(each).role for each in headings} - {None}) > 2
+
+
+def _is_worded(row: Sequence[str]) -> bool:
+    """Whether a row holds words and no number; a sensor may be called by that of its kind."""
+    numbers = [cell for cell in row[:_WIDEST] if holds_number(cell)]
+    return not numbers or (len(numbers) <= len(row) // 3 and all(map(_COUNT.fullmatch, numbers)))
 
 
 def is_data(row: Sequence[str]) -> bool:

@@ -163,9 +163,7 @@ def unquoted(cell: str) -> str:
     return cell
 
 
-def _rejoined(
-    titles: list[str], names: Sequence[str], width: int, words: Vocabulary
-) -> list[str]:
+def _rejoined(titles: list[str], names: Sequence[str], width: int, words: Vocabulary) -> list[str]:
     """Names with spaces in a file separated by spaces: joined where only the whole is known."""
     while width < len(titles) < min(4 * width + 8, _MOST_JOINED):
         known = [bool(words.heading(title).role) for title in titles]

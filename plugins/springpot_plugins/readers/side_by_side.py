@@ -245,9 +245,7 @@ def _clock(curves: Sequence[tuple[CurveName, Columns]], words: Vocabulary) -> Co
     return columns[:first]
 
 
-def _with_shared(
-    columns: Columns, shared: Columns, clock: Columns, words: Vocabulary
-) -> Columns:
+def _with_shared(columns: Columns, shared: Columns, clock: Columns, words: Vocabulary) -> Columns:
     roles = {heading_.role for _, heading_ in columns}
     if not roles & words.clocks and not any(each.role in words.clocks for _, each in shared):
         shared = [*shared, *clock]

@@ -6,7 +6,7 @@ Its role, its name, and its unit in any of the ways in which units are written.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -26,7 +26,7 @@ from springpot.measurement import (
 )
 
 from .curve_names import CurveName, curve_in_suffix, curve_in_title, logarithm
-from .names import FREQUENCIES, MODULI, role_of
+from .names import FREQUENCIES, MODULI, ROLES, role_of
 from .peaks import without_swing
 from .written import DECIBEL, INVERSE, OPPOSITE, PER_PERIOD, decibel_of
 
@@ -98,6 +98,11 @@ USUAL = {
     "energy": "N mm",
     "storage_compliance": "1/Pa",
     "loss_compliance": "1/Pa",
+    "relaxation": "Pa",
+    "compliance": "1/Pa",
+    "displacement": "mm",
+    "force": "N",
+    "time": "s",
     "phase": "deg",
     "temperature": "degC",
     "amplitude": "%",
@@ -184,8 +189,10 @@ class Vocabulary:
         From a title of name and unit to its heading.
     by_unit : callable
         From a heading to the one that its unit makes of it.
-    units : mapping of str to mapping of str to float
+    units : mapping of str to dict of str to float
         The units of each role that has any.
+    said : collection of str
+        Roles that a user may say of a column.
     clocks, values : frozenset of str
         Roles along which a curve runs, and those that differ from curve to curve.
     complete : callable
@@ -195,7 +202,8 @@ class Vocabulary:
     role: Callable[[str], str | None]
     plain: Callable[[str], Heading]
     by_unit: Callable[[Heading], Heading]
-    units: Mapping[str, Mapping[str, float]]
+    units: Mapping[str, dict[str, float]]
+    said: Collection[str]
     clocks: frozenset[str]
     values: frozenset[str]
     complete: Callable[[set[str]], bool]
@@ -216,9 +224,7 @@ class Vocabulary:
         # title.
         unit = unbracketed(below.strip()).strip()
         role = self.role(title) or own.role
-        return self.by_unit(
-            Heading(title, name, role, unit, written=own.written, curve=own.curve)
-        )
+        return self.by_unit(Heading(title, name, role, unit, written=own.written, curve=own.curve))
 
     @lru_cache(maxsize=4096)  # noqa: B019
     def plainly(self, named: Heading) -> Heading:
@@ -440,7 +446,5 @@ def is_dynamic(roles: set[str]) -> bool:
     return modulus and bool(roles & FREQUENCIES)
 
 
-SWEEPS = Vocabulary(
-    role_of, plain_title, _by_unit, UNITS, FREQUENCIES, VALUES, is_dynamic
-)
+SWEEPS = Vocabulary(role_of, plain_title, _by_unit, UNITS, ROLES, FREQUENCIES, VALUES, is_dynamic)
 """Tables of a frequency and a complex modulus."""
