@@ -91,7 +91,7 @@ def with_choice(headings: Sequence[Heading], choice: Choice, words: Vocabulary =
             continue
         # By the file's own words: storage and loss can be exchanged in one line.
         place = _place(headings, name, meaning, words)
-        columns[place] = _meant(columns[place], meaning, words)
+        columns[place] = as_said(columns[place], meaning, words)
         named.add(place)
     meant = {str(columns[place].role) for place in named} | {
         title.partition(" ")[0] for title in constants
@@ -195,7 +195,14 @@ def doubt(heading_: Heading, words: Vocabulary = SWEEPS) -> tuple[bool, int]:
     return foreign, rank(heading_.name)
 
 
-def _meant(heading_: Heading, meaning: str, words: Vocabulary) -> Heading:
+def as_said(heading_: Heading, meaning: str, words: Vocabulary) -> Heading:
+    """A column of which a user says unit or meaning.
+
+    Raises
+    ------
+    DataError
+        If it is neither.
+    """
     base, taken = "", logarithm(meaning)
     if taken and taken[0] != "?":
         base, meaning = taken

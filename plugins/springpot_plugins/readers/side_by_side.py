@@ -18,10 +18,10 @@ from itertools import groupby
 from springpot.measurement import Choice, normal_unit
 
 from .blocks import Block
-from .choices import CURVES, WHOLE
+from .choices import CURVES, WHOLE, as_said
 from .curve_names import CurveName, curve_in_cell, curve_of_number
 from .grid import is_number
-from .names import FREQUENCIES, ROLES, fold
+from .names import FREQUENCIES, fold
 from .titles import UNITS, Heading, Vocabulary, heading
 
 _COPY = re.compile(r"\.(\d{1,3})\Z")
@@ -48,13 +48,21 @@ def apart(blocks: Iterable[Block], choice: Choice | None = None) -> list[Block]:
     given: Mapping[str, str] = {}
     if choice is not None:
         given = choice.columns
-    # Numbers and titles are those of the file: in the parts the columns stand elsewhere.
-    if any(key not in ROLES and key not in WHOLE for key in given):
-        return list(blocks)
     title = given.get(CURVES, "")
     parts: list[Block] = []
     for block in blocks:
-        for segment in _segments(block):
+        named = [each.title for each in block.headings]
+        shared = {key: meaning for key, meaning in given.items() if named.count(key) > 1}
+        # Numbers and titles are those of the file: in the parts the columns stand elsewhere. But a
+        # title that stands above a column of each curve means all of them.
+        if any(key not in (*block.words.said, *WHOLE, *shared) for key in given):
+            parts.append(block)
+            continue
+        headings = list(block.headings)
+        for i, each in enumerate(headings):
+            if each.title in shared:
+                headings[i] = as_said(each, shared[each.title], block.words)
+        for segment in _segments(replace(block, headings=tuple(headings))):
             parts += _apart(segment, title)
     return parts
 

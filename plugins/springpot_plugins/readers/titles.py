@@ -30,6 +30,15 @@ from .names import FREQUENCIES, MODULI, ROLES, role_of
 from .peaks import without_swing
 from .written import DECIBEL, INVERSE, OPPOSITE, PER_PERIOD, decibel_of
 
+
+def _inverses(unit: str) -> tuple[str, ...]:
+    """How one over a unit of pressure is written: ``1/Pa``, ``Pa^-1``, ``mm^2/N``."""
+    over, slash, under = unit.partition("/")
+    if slash:
+        return (f"{under}/{over}",)
+    return f"1/{unit}", f"{unit}^-1"
+
+
 VISCOSITY_UNITS = {"Pa s": 1.0, "mPa s": 1e-3, "kPa s": 1e3, "MPa s": 1e6, "P": 0.1, "cP": 1e-3}
 RECEPTANCE_UNITS = {
     f"{length}/{force}": metre / newton
@@ -37,15 +46,9 @@ RECEPTANCE_UNITS = {
     for force, newton in FORCE_UNITS.items()
 }
 """Displacement over force, as modal tests measure it."""
-_OVER_PRESSURE = {
-    "1/Pa": 1.0,
-    "1/kPa": 1e-3,
-    "1/MPa": 1e-6,
-    "1/GPa": 1e-9,
-    "Pa^-1": 1.0,
-    "MPa^-1": 1e-6,
+COMPLIANCE_UNITS = RECEPTANCE_UNITS | {
+    inverse: 1.0 / pascal for unit, pascal in PRESSURE_UNITS.items() for inverse in _inverses(unit)
 }
-COMPLIANCE_UNITS = _OVER_PRESSURE | RECEPTANCE_UNITS
 DAMPING_UNITS = {
     f"{force}{space}s/{length}": newton / metre
     for force, newton in FORCE_UNITS.items()

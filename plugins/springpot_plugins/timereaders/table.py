@@ -47,19 +47,15 @@ from ..readers.grid import grid_of
 from ..readers.moduli import letter_of
 from ..readers.table import Column
 from ..readers.text import text_of
+from ..readers.titles import COMPLIANCE_UNITS
 from ..readers.written import OPPOSITE
 from .lacking import EXAMPLES, lacking
-from .tables import holds_sweep, in_seconds, recognises, tables_of
+from .tables import holds_sweep, in_seconds, recognises, tables_of, without_ties
 
 ANSWERS = ("relaxation", "compliance", "force")
 """Columns whose titles tell which modulus it is of."""
 STEADY = 0.5
 """Kelvin by which a temperature may wander and still be one."""
-MOST_TIED = 0.5
-"""Share of rows that may repeat the printed time of the row before.
-
-More is no rounding, but another table.
-"""
 _CONSTANT = re.compile(r"^([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*\[([^\]]*)\]$")
 
 
@@ -185,7 +181,7 @@ def _test(block: Block, choice: Choice, manner: Manner, name: str, path: Path) -
     roles, others, notes = cleaned(_used(columns, block, manner), warm)
     origin |= notes
     clock = _clock(roles.pop("time"))
-    kept = _without_ties(clock, origin)
+    kept = without_ties(clock, origin)
     temperature: float | Real | None = manner.temperature
     if temperature is None and others:
         temperature = _temperature(others[0], kept, origin)
@@ -293,31 +289,12 @@ def _pair(moved: Sequence[Column], pulled: Sequence[Column]) -> tuple[Column, Co
     return min(pairs, key=lambda pair: pair[0].unit not in STRAIN_UNITS, default=None)
 
 
-def _without_ties(clock: Real, origin: dict[str, str]) -> NDArray[np.bool_]:
-    """Which rows stay: those whose time is not that of the row before, as printed digits make it.
-
-    Times of a test have to rise.
-    """
-    tied = np.concatenate([[False], np.diff(clock) == 0.0])
-    if not tied.any() or tied.mean() >= MOST_TIED:
-        return np.ones(len(clock), dtype=bool)
-    origin["note time"] = (
-        f"{int(tied.sum())} of {len(clock)} rows have the time of the row before and are left out"
-    )
-    return ~tied
-
-
 def _inverse(unit: str) -> str:
-    """The stiffness that a compliance in this unit is one over.
-
-    ``1/Pa`` and ``mm/N`` give ``Pa`` and ``N/mm``.
-    """
-    text = unit.removesuffix("^-1")
-    if text != unit:
-        return text.strip()
-    over, slash, under = unit.partition("/")
-    if not slash:
-        raise DataError(f"[{unit}] is no unit of a compliance: write 1/Pa or mm/N")
+    """The stiffness that a compliance in this unit is one over: ``Pa`` of ``1/Pa``."""
+    known = known_unit(unit, COMPLIANCE_UNITS, "a compliance")
+    over, _, under = known.partition("/")
+    if not under:
+        return over.removesuffix("^-1")
     if over == "1":
         return under
     return f"{under}/{over}"

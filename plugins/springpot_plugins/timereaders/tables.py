@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from springpot.errors import DataError
 from springpot.measurement import Choice
+from springpot.rheology import Real
 
 from ..readers.blocks import Block, blocks_of
 from ..readers.channels import found_in
@@ -32,6 +33,11 @@ from .words import DYNAMIC, IN_TIME, MEASURED
 
 _BOOK = 0.3
 """Confidence of a workbook's reader from which a file is looked into."""
+MOST_TIED = 0.5
+"""Share of rows that may repeat the printed time of the row before.
+
+More is no rounding, but another table.
+"""
 _FEW = 0.5
 """Share of rows that may begin another run: more are no tests one below the other."""
 
@@ -84,7 +90,11 @@ def tables_of(path: Path, choice: Choice) -> list[Block]:
         return _in_workbook(path, choice)
     text = text_of(path)
     grid = grid_of(text)
-    named = [block for block in tables_in(grid, choice) if is_test(block)]
+    tables = tables_in(grid, choice)
+    if any(block.roles & DYNAMIC for block in tables):
+        # Farther below than what the file was recognised by.
+        return []
+    named = [block for block in tables if is_test(block)]
     if not named and (unnamed := _unnamed(grid, choice)) is not None:
         named = apart([unnamed], choice)
     timed = [_with_time(block, choice, text[: 1 << 13]) for block in named]
@@ -176,15 +186,15 @@ def _runs(block: Block, choice: Choice) -> list[Block]:
     if (not len(starts) and onwards >= 0.0) or len(starts) >= _FEW * len(times):
         return [block]
     runs = np.split(np.arange(len(times)), starts)
+    if len(runs) == 1:
+        return [_rows(block, runs[0][::-1], "")]
     others = [each for i, each in enumerate(columns) if i != place and each.name not in MEASURED]
-    name = next((name for each in others if (name := _told_apart(each, runs)) is not None), None)
+    told = (_told_apart(each, runs) for each in others)
+    names = next((each for each in told if each is not None), None)
     # A record whose clock slipped is none of these.
-    if len(runs) > 1 and name is None:
+    if names is None:
         return [block]
-    return [
-        _rows(block, run[:: int(onwards) or 1], name[i] if name and len(runs) > 1 else "")
-        for i, run in enumerate(runs)
-    ]
+    return [_rows(block, run[:: int(onwards)], name) for run, name in zip(runs, names, strict=True)]
 
 
 def _told_apart(column: Column, runs: Sequence[NDArray[np.intp]]) -> list[str] | None:
@@ -205,6 +215,20 @@ def _told_apart(column: Column, runs: Sequence[NDArray[np.intp]]) -> list[str] |
 def _rows(block: Block, run: NDArray[np.intp], name: str) -> Block:
     rows, lines = [block.rows[i] for i in run], [block.lines[i] for i in run]
     return replace(block, name=name or block.name, rows=rows, lines=lines)
+
+
+def without_ties(clock: Real, origin: dict[str, str]) -> NDArray[np.bool_]:
+    """Which rows stay: those whose time is not that of the row before, as printed digits make it.
+
+    Times of a test have to rise.
+    """
+    tied = np.concatenate([[False], np.diff(clock) == 0.0])
+    if not tied.any() or tied.mean() >= MOST_TIED:
+        return np.ones(len(clock), dtype=bool)
+    origin["note time"] = (
+        f"{int(tied.sum())} of {len(clock)} rows have the time of the row before and are left out"
+    )
+    return ~tied
 
 
 def in_seconds(clock: Column) -> Column:
