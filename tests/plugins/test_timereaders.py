@@ -88,7 +88,7 @@ REFUSED = {
     ),
     "time [s],displacement [mm]\n1,2\n2,3\n": "a displacement without a force",
     "time [s],displacement [mm],force [Pa]\n1,2,1\n2,3,1\n": "units that make no stiffness",
-    "time [s],compliance [Pa]\n1,2\n2,3\n": "no unit of a compliance",
+    "time [s],compliance [Pa]\n1,2\n2,3\n": r"unknown unit \[Pa\] for a compliance",
     "time [kg],relaxation [Pa]\n1,2\n2,3\n": r"unknown unit \[kg\] for time",
 }
 

@@ -214,7 +214,8 @@ _WORDS = {
     """,
     "compliance": """
         compliance creepcompliance creep creepfunction recoverablecompliance
-        creeprecoverycompliance j(t) d(t) kriechnachgiebigkeit complaisance complaisancedefluage
+        creeprecoverycompliance j(t) d(t) kriechnachgiebigkeit nachgiebigkeit complaisance
+        complaisancedefluage
     """,
     "flow": """
         shearrate viscosity scherrate viskositat gradientdecisaillement viscosite
@@ -268,7 +269,7 @@ def fold(name: str) -> str:
 _ROLE_OF = {fold(name): role for role, names in reversed(NAMES.items()) for name in names}
 _RANK = {fold(name): i for names in NAMES.values() for i, name in enumerate(names)}
 _MEANS = ("mean", "avg")
-AVERAGED = MODULI | {"phase", "loss_factor", "damping_ratio"}
+AVERAGED = MODULI | {"phase", "loss_factor", "damping_ratio", "relaxation", "compliance"}
 """What may be the mean of several measurements: ``G'_mean``."""
 _QUALIFIED = re.compile(
     r"(?<!\w)(?:actual|measured|ist|istwert|gemessen|mesur[ée]e?|r[ée]elle?|medid[ao]|misurat[ao]|実測|实测|실측)(?!\w)",

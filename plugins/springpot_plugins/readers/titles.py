@@ -234,7 +234,7 @@ class Vocabulary:
         """A title such as ``G'_A [Pa]`` as that of one of several curves; others as they are."""
         if named.role is None and (marked := curve_in_suffix(named.name)) is not None:
             name, curve = marked
-            role = self.role(name)
+            role = self.by_unit(replace(named, name=name, role=self.role(name))).role
             # Time, temperature and amplitude are shared by the curves, or several sensors'.
             if role in self.units and role not in ("time", "temperature", "amplitude"):
                 return replace(named, role=role, name=name, curve=curve)

@@ -174,7 +174,10 @@ def _runs(block: Block, choice: Choice) -> list[Block]:
     or the name of a specimen.
     """
     try:
-        columns = columns_of(block, with_choice(block.headings, choice, block.words))
+        chosen = with_choice(block.headings, choice, block.words)
+        if any(each.written == "?" for each in chosen.headings):
+            return [block]
+        columns = columns_of(block, chosen)
         place, clock = next((i, each) for i, each in enumerate(columns) if each.name == "time")
         times = in_seconds(clock).numbers(gaps=True)
     except (DataError, StopIteration):

@@ -71,10 +71,15 @@ def _by_unit(named: Heading) -> Heading:
     elif names_a_modulus(named.name) and unit in MODULUS_UNITS:
         # Against time a modulus is that of a relaxation.
         role = "relaxation"
+    elif role is None and unit in COMPLIANCE_UNITS:
+        role = "compliance"
     elif role in CHANNELS and named.unit and unit not in CHANNELS[role]:
         other = role_of(named.name)
         if unit in UNITS.get(str(other), {}):
             role = other
+        elif role == "displacement" and unit in CHANNELS["force"]:
+            # G_A [Pa] is no amplitude gamma_a.
+            role = None
     return replace(named, role=role)
 
 
