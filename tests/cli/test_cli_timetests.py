@@ -251,7 +251,7 @@ def test_discover_is_for_tests_in_time_too(springpot, relaxed):
 def test_without_a_model_any_material_is_judged(springpot, relaxed):
     told = springpot("diagnose", relaxed)
     assert told.code == 0, told.err
-    assert told.out.startswith("material: adequate")
+    assert told.out.startswith("material of relaxation: adequate")
 
 
 def test_of_several_tests_the_one_that_lacks_a_unit_is_named(springpot, relaxed, write):

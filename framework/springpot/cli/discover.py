@@ -95,7 +95,7 @@ def command(
     Ctrl-C ends with the answer of the last step that was reached.
     """
     from springpot.registry import parse_model, plugins
-    from springpot.report.ladder_text import ladder_text
+    from springpot.report.told import told
 
     accept = (*accept, *more)  # as in: --accept inertia time-delay
     _require_one_choice(auto, accept)
@@ -112,12 +112,12 @@ def command(
     tests = timetests.named_tests([data], geometry)
     if tests is not None:
         asked = {"model": expression, **arguments}
-        timetests.discover(tests, figure, report, again, as_json, asked)
+        timetests.discover(tests, figure, report, again, as_json, verbose, asked)
         return 0
     measurement = opened(data, geometry)
     ladder, code = _climbed(measurement, expression, **arguments)
     _write(ladder, measurement, figure, report, again)
-    emit(ladder, as_json, lambda: print(ladder_text(ladder, window(), verbose)))
+    emit(ladder, as_json, lambda: print(told(ladder, window(), verbose=verbose)))
     # A program that reads the JSON reads nothing else.
     if not as_json:
         _tell_written(figure, report)

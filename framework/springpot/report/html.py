@@ -10,34 +10,33 @@ from pathlib import Path
 
 from springpot.diagnosis.examination import Case
 from springpot.diagnosis.ladder import Ladder, Step
-from springpot.diagnosis.result import Candidate, Diagnosis
+from springpot.diagnosis.result import Diagnosis
 from springpot.errors import OutputError
 from springpot.files import require_writable, write_text
-from springpot.format_numbers import number
 from springpot.markup import Html, joined, table, tag
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test
-from springpot.misfit.words import over_floor
 from springpot.versions import versions
 
 from .answers import (
-    absent_effects,
-    beside_floor,
+    absent_text,
     effects_note,
-    nowhere,
-    probability,
+    left_out,
+    physics,
+    places_failed,
+    ranking,
     reference_note,
     times,
-    value_text,
     worth_showing,
 )
 from .canvas import require_matplotlib
+from .fit_text import parameters_table
 from .interactive.answers import PageScene, rungs
 from .interactive.bench import PageParts, bench_of
 from .ladder import draw_ladder
-from .ladder_text import accepted_name, moves_text
+from .ladder_text import accepted_name, remarks, steps_table
 from .network import network_svg
-from .numbers import percent, told_range, with_interval
+from .numbers import percent, told_range
 from .residuals import (
     data_and_model,
     framed,
@@ -278,25 +277,8 @@ def _ladder(ladder: Ladder) -> Iterator[Html]:
         3.6,
     )
     yield tag("div", picture, class_="alone")
-    rows = []
-    for i, step in enumerate(ladder.steps):
-        name = "start"
-        if step.accepted:
-            name = accepted_name(step)
-        row = (
-            str(i),
-            name,
-            beside_floor(step.predicted_error, step.noise_floor, sign="×"),
-            percent(step.relative_rms),
-            over_floor(step.relative_rms, step.noise_floor, 3),
-            percent(step.noise_floor),
-            percent(step.material_floor),
-            moves_text(step) or "-",
-        )
-        rows.append(row)
-    numbers = ("predicted error", "error", "× floor", "noise floor", "material floor")
-    headers = ("step", "accepted", *numbers, "old parameters changed")
-    yield tag("div", table(headers, rows, numbers), class_="scroll")
+    yield steps_table(ladder).as_html()
+    yield remarks(ladder).as_html()
 
 
 def _places(ladder: Ladder) -> Iterator[Html]:
@@ -312,10 +294,7 @@ def _places(ladder: Ladder) -> Iterator[Html]:
             continue
         diagnosis = judged[step]
         yield tag("h3", step.model.name)
-        if diagnosis.where:
-            yield tag("ul", *(tag("li", _capital(place.says), ".") for place in diagnosis.where))
-        else:
-            yield tag("p", f"{_capital(nowhere(diagnosis))}.")
+        yield places_failed(diagnosis).as_html()
 
 
 def _rankings(ladder: Ladder) -> Iterator[Html]:
@@ -342,44 +321,13 @@ def _rankings(ladder: Ladder) -> Iterator[Html]:
 def _ranking(step: Step, diagnosis: Diagnosis) -> Iterator[Html]:
     yield tag("p", f"{_capital(diagnosis.says)}.")
     shown = worth_showing(diagnosis, RANKED)
-    rows = [_candidate(row, diagnosis.error.noise_floor) for row in shown]
-    headers = (
-        "effect",
-        "verdict",
-        "probability",
-        "ΔBIC",
-        "predicted",
-        "after",
-        "parameters",
-        "physics",
-    )
-    if rows:
-        yield tag("div", table(headers, rows, headers[2:6]), class_="scroll")
+    yield ranking(shown, diagnosis.error.noise_floor).as_html()
+    yield physics(shown, RANKED).as_html()
     if isinstance(step.examined, Case):
         raw = step.case.search.base.data.raw
-        yield from _note(effects_note(raw, (row.effect for row in shown), "°C"))
-    for name, reason in diagnosis.left_out.items():
-        yield tag("p", f"Left out: {name}: {reason}.", class_="quiet")
-    absent = absent_effects(diagnosis)
-    if absent:
-        named = ", ".join(f"{row.effect} ({percent(row.bound, 2)})" for row in absent)
-        yield tag(
-            "p", f"Absent, or it would have been seen from this size on: {named}.", class_="quiet"
-        )
-
-
-def _candidate(row: Candidate, floor: float) -> tuple[str, ...]:
-    values = "; ".join(f"{name} {value_text(value)}" for name, value in row.parameters.items())
-    return (
-        row.effect,
-        row.verdict,
-        probability(row.probability),
-        number(row.delta_bic, 3),
-        beside_floor(row.predicted_error, floor, 2, "×"),
-        beside_floor(row.error_after, floor, 2, "×"),
-        values,
-        tag("div", row.says, class_="physics"),
-    )
+        yield from _note(effects_note(raw, (row.effect for row in shown)))
+    yield left_out(diagnosis.left_out).as_html()
+    yield from _note(absent_text(diagnosis))
 
 
 def _classes(ladder: Ladder) -> Iterator[Html]:
@@ -443,23 +391,15 @@ def _models(ladder: Ladder) -> Iterator[Html]:
         yield tag("h3", name)
         # Made here with every label escaped, so that it may enter the page as it is.
         yield tag("div", Html(network_svg(step.model.network)), class_="scroll")
-        yield tag("div", _parameters(step), class_="scroll")
+        yield parameters_table("parameter", step.parameters).as_html()
         if isinstance(step.examined, Case):
             raw = step.case.search.base.data.raw
-            yield from _note(reference_note(raw, [step.model.network], "°C"))
+            yield from _note(reference_note(raw, [step.model.network]))
 
 
 def _note(text: str) -> Iterator[Html]:
     if text:
         yield tag("p", f"{_capital(text)}.", class_="quiet")
-
-
-def _parameters(step: Step) -> Html:
-    rows = [
-        (name, *with_interval(value.value, value.low, value.high), value.unit)
-        for name, value in step.parameters.items()
-    ]
-    return table(("parameter", "value", "95 % interval", "unit"), rows, ("value",))
 
 
 def _repeat(ladder: Ladder, tests: Sequence[Test], command: Sequence[str]) -> Iterator[Html]:
