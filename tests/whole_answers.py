@@ -41,6 +41,8 @@ def plain(part: Any) -> Any:
         return {str(key): plain(value) for key, value in part.items()}
     if dataclasses.is_dataclass(part):
         return {each.name: plain(getattr(part, each.name)) for each in dataclasses.fields(part)}
+    if hasattr(part, "savefig"):
+        return [_of_axes(axes) for axes in part.axes]
     if hasattr(part, "_asdict"):
         return plain(part._asdict())
     return [plain(each) for each in part]
@@ -54,6 +56,27 @@ def _of_array(values: np.ndarray) -> Any:
     sums = [flat.sum(), np.abs(flat).sum(), flat @ along, flat @ along**2]
     kept = sums if np.iscomplexobj(values) else [each.real for each in sums]
     return {"shape": list(values.shape), "sums": [plain(complex(each)) for each in kept]}
+
+
+def _of_axes(axes: Any) -> dict[str, Any]:
+    """What a reader of a figure sees: the axes, what is written, and where the curves run."""
+    legend = axes.get_legend()
+    return {
+        "title": axes.get_title(),
+        "x": [axes.get_xlabel(), axes.get_xscale(), *plain(np.array(axes.get_xlim()))],
+        "y": [axes.get_ylabel(), axes.get_yscale(), *plain(np.array(axes.get_ylim()))],
+        "legend": [text.get_text() for text in legend.get_texts()] if legend else [],
+        "texts": [text.get_text() for text in axes.texts],
+        "lines": [
+            [str(line.get_color()), line.get_linewidth(), plain(np.array(line.get_xydata()))]
+            for line in axes.lines
+        ],
+        "areas": [
+            plain(np.concatenate([path.vertices for path in each.get_paths()] or [np.zeros(0)]))
+            for each in axes.collections
+        ],
+        "patches": [plain(np.array(patch.get_extents().size)) for patch in axes.patches],
+    }
 
 
 def moved(before: Any, after: Any, within: float, place: str = "") -> Iterator[str]:
