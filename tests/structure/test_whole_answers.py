@@ -21,14 +21,13 @@ THETA = MAXWELL.theta(k=4e6, c=6e5, alpha=0.55)
 COVARIANCE = np.diag((0.05 * THETA) ** 2)
 
 
-def damper(storey, expression="fractional-maxwell", covariance=None, count=3, slope=30.0, **own):
+def damper(storey, expression="fractional-maxwell", covariance=None, count=3.0, slope=30.0, **own):
     model = parse_model(expression)
-    given = {name.replace("__", "."): value for name, value in own.items()}
-    theta = model.vector({**dict(zip(MAXWELL.names, THETA.tolist())), **given}) if (
-        expression.startswith("fractional-maxwell")
-    ) else model.vector(given)
-    angle = np.cos(np.radians(slope))
-    return Damper(model, theta, storey, count * angle**2, covariance)
+    theta = THETA
+    if own:
+        theta = model.vector({name.replace("__", "."): value for name, value in own.items()})
+    cosine = float(np.cos(np.radians(slope)))
+    return Damper(model, theta, storey, count, covariance, cosine=cosine)
 
 
 def frame(*dampers, damping=0.02):
