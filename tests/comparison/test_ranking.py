@@ -144,7 +144,7 @@ def test_members_of_a_family_are_tried_up_to_six_while_each_says_more():
     family = next(
         item for item in springpot.registry.plugins().items("model") if item.name == "prony-N"
     )
-    omega = np.geomspace(1e-3, 1e3, 40)
+    omega = np.geomspace(1e-3, 1e3, 20)
     ranking = ranked(measured("springpot", [100.0, 0.5], omega=omega, level=1e-4), [family], ())
     names = {one.model.name for one in ranking.judgements}
     assert names == {f"prony-{number}" for number in range(2, 7)}

@@ -5,9 +5,16 @@ import pytest
 
 import springpot
 from springpot.measurement import Measurement, Units
-from springpot.misfit import drift_search, floor, material, outliers, regions, residual_causes
-from springpot.misfit import refit as refits
-from springpot.misfit import residual_battery, values, where
+from springpot.misfit import (
+    drift_search,
+    floor,
+    material,
+    outliers,
+    residual_battery,
+    residual_causes,
+    values,
+    where,
+)
 
 OMEGA = 2.0 * np.pi * np.geomspace(0.1, 20.0, 16)
 UNITS = Units("kN/m", "mm")

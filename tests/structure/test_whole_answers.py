@@ -99,7 +99,7 @@ def test_artificial_record(stays):
 
 
 def test_simulation_with_its_band(stays):
-    found = simulate(STRUCTURES["two dampers"], shaken(0.05), np.random.default_rng(3), 4)
+    found = simulate(STRUCTURES["two dampers"], shaken(0.05, 1.0), np.random.default_rng(3), 2)
     stays({"band": found.band(), "drift": found.motion.peak_drift})
 
 
@@ -127,8 +127,8 @@ RECORD = "time [s],acceleration [g]\n" + "".join(
 def test_simulate(springpot, write, stays, undrawn, asked, json):
     structure, record = write(STEEP, "frame.toml"), write(RECORD, "record.csv")
     options = {
-        "record": ("--record", record, "--draws", 3),
-        "artificial": ("--record", "artificial:7", "--draws", 3),
+        "record": ("--record", record, "--draws", 2),
+        "artificial": ("--record", "artificial:7", "--draws", 2),
         "steady": ("--frequency", "0.5,4,20"),
     }[asked]
     picture = record.parent / "picture.svg"

@@ -1,4 +1,4 @@
-"""Laws judged beside factors that are known: by their scatter, and by what sweeps have in common."""
+"""Laws judged beside known factors: by their scatter, and by what sweeps have in common."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,9 @@ def factors(log_a, sd=0.02, log_b=None, levels=CELSIUS, column="temperature"):
     variance = np.full(2 * m, sd**2)
     variance[[2, m + 2]] = 0.0
     covariance = np.diag(variance) + 0.3 * np.outer(np.sqrt(variance), np.sqrt(variance))
-    return Factors(column, levels, 2, log_a, np.zeros(m) if log_b is None else log_b, covariance, 2.0)
+    return Factors(
+        column, levels, 2, log_a, np.zeros(m) if log_b is None else log_b, covariance, 2.0
+    )
 
 
 def as_found(element, theta):

@@ -7,7 +7,7 @@ import pytest
 from sweeps import mass, measured, phase_error, simple, two_branches
 
 import springpot
-from springpot.measurement import Measurement, Units
+from springpot.measurement import Measurement
 
 
 def repeated():
@@ -26,9 +26,7 @@ def repeated():
 def given(factor):
     data = measured(simple)
     sd = factor * np.abs(data.stiffness) * (1 + 1j)
-    return Measurement(
-        data.omega, data.stiffness, sd=sd, conditions=data.conditions, name="given"
-    )
+    return Measurement(data.omega, data.stiffness, sd=sd, conditions=data.conditions, name="given")
 
 
 def flat(i, omega):
@@ -63,7 +61,6 @@ CASES = {
     "glassy": (by_pressure(glassy), {}),
     "given": (by_pressure(given(0.005)), {}),
     "shared": (by_pressure(given(0.05)), {}),
-    "heated": (measured(simple, points=5), {}),
 }
 
 
