@@ -49,16 +49,16 @@ FLOORS = {
     "timetests": 10,
     "comparison": 9,
     "testing": 11,
-    "judgement": 10,
-    "api": 11,
-    "loading": 11,
-    "identified": 12,
-    "report": 12,
-    "cli": 13,
-    "benchmark": 14,
-    "solvers": 14,
-    "structure": 14,
-    "web": 15,
+    "judgement": 11,
+    "api": 12,
+    "loading": 10,
+    "identified": 13,
+    "report": 13,
+    "cli": 14,
+    "benchmark": 15,
+    "solvers": 15,
+    "structure": 15,
+    "web": 16,
 }
 """A room may import from rooms below it and from itself; two rooms on one floor do not meet."""
 
@@ -249,9 +249,9 @@ def test_a_file_can_be_read(path: Path, package: str):
             assert code_lines(node) <= SCREEN, f"{node.name} does not fit a screen: name its steps"
 
 
-DEEPEST = 40
+DEEPEST = 39
 """Files of the longest chain of imports; may only fall (53 before imports named their files)."""
-TWICE = 5
+TWICE = 0
 """Names of classes that stand for two things or more; may only fall."""
 
 

@@ -294,6 +294,9 @@ import atexit, os, sys
 from fractions import Fraction
 import numpy as np
 os.chdir("/")
+sys.path.insert(0, "/rude")
+os.environ["RUDE"] = "1"
+del os.environ["POLITE"]
 sys.setrecursionlimit(7777)
 np.seterr(all="raise")
 sys.excepthook = print
@@ -314,6 +317,7 @@ def test_what_a_plugin_does_to_the_program_when_it_is_loaded_is_undone_and_named
 
     left = []
     monkeypatch.setattr(atexit, "unregister", left.append)
+    monkeypatch.setenv("POLITE", "as it was")
     before = surroundings()
     found = install(rude=RUDE + MODELS.format("model('polite')"))
     assert surroundings() == before
@@ -321,11 +325,27 @@ def test_what_a_plugin_does_to_the_program_when_it_is_loaded_is_undone_and_named
     for told in (
         "the recursion limit",
         "the working folder",
+        "where modules are looked for",
+        "the environment's variables",
         "way with errors",
         "what runs at the exit",
     ):
         assert told in fault.reason
     assert [function.__name__ for function in left] == ["farewell"]
+    assert found.names("model") == ["polite"]
+
+
+BUSY = """
+import threading
+threading.Thread(target=threading.Event().wait, name="busy", daemon=True).start()
+"""
+
+
+def test_a_thread_that_a_plugin_leaves_running_is_named(install: Install):
+    found = install(busy=BUSY + MODELS.format("model('polite')"))
+    [fault] = found.faults
+    assert fault.distribution == "dist-busy"
+    assert "leaves a thread running (busy)" in fault.reason
     assert found.names("model") == ["polite"]
 
 

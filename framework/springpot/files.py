@@ -3,7 +3,7 @@
 So that a crash or a full disk never leaves half a result.
 
 A link is followed, a device or pipe is written to, and no output replaces a file that the same run
-reads.
+reads or writes.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
 from tempfile import NamedTemporaryFile
@@ -21,26 +22,65 @@ from typing import IO
 
 from springpot.errors import OutputError
 
-_INPUTS: ContextVar[set[tuple[int, int]] | None] = ContextVar("inputs", default=None)
-"""Device and number of each file that this run reads; None where nobody runs a command."""
+
+@dataclass(frozen=True)
+class _Run:
+    """Files of one command: device and number of each that is read, the places of its outputs."""
+
+    inputs: set[tuple[int, int]] = field(default_factory=set)
+    outputs: set[Path] = field(default_factory=set)
+
+
+_RUN: ContextVar[_Run | None] = ContextVar("run", default=None)
+"""None where nobody runs a command."""
 
 
 @contextmanager
 def one_run() -> Iterator[None]:
-    """Let nothing that is written meanwhile replace what is named by `keep_input`."""
-    token = _INPUTS.set(set())
+    """Let nothing that is written meanwhile replace what `keep_input` or `keep_output` named."""
+    token = _RUN.set(_Run())
     try:
         yield
     finally:
-        _INPUTS.reset(token)
+        _RUN.reset(token)
 
 
 def keep_input(path: str | Path) -> None:
-    """Let no output of this run replace this file, if it is one."""
-    kept = _INPUTS.get()
+    """Let no output of this run replace this file, if it is one.
+
+    Raises
+    ------
+    OutputError
+        If one of those named before would.
+    """
+    run = _RUN.get()
     found = _found(Path(path))
-    if kept is not None and found is not None and stat.S_ISREG(found.st_mode):
-        kept.add((found.st_dev, found.st_ino))
+    if run is None or found is None or not stat.S_ISREG(found.st_mode):
+        return
+    run.inputs.add((found.st_dev, found.st_ino))
+    # Named within another file, it may be known only now.
+    if _target(Path(path)) in run.outputs:
+        require_writable(path)
+
+
+def keep_output(path: str | Path) -> None:
+    """Let no other output of this run go to the same file.
+
+    Raises
+    ------
+    OutputError
+        If one goes there already, by whatever name or link.
+    """
+    run = _RUN.get()
+    # Devices and pipes take one after the other.
+    if run is None or _is_stream(Path(path)):
+        return
+    target = _target(Path(path))
+    if target in run.outputs:
+        raise OutputError(
+            f"cannot write {path}: another output of this command goes there; give another name"
+        )
+    run.outputs.add(target)
 
 
 def require_writable(path: str | Path) -> Path:
@@ -61,8 +101,8 @@ def require_writable(path: str | Path) -> Path:
         raise OutputError(f"cannot write {path}: it is a link to itself")
     if not folder.is_dir():
         raise OutputError(f"cannot write {path}: there is no folder {folder}, create it first")
-    found = _found(target)
-    if found is not None and (found.st_dev, found.st_ino) in (_INPUTS.get() or ()):
+    found, run = _found(target), _RUN.get()
+    if run and found is not None and (found.st_dev, found.st_ino) in run.inputs:
         raise OutputError(
             f"cannot write {path}: it is read by this very command; give another name"
         )

@@ -108,7 +108,7 @@ def _descendants(pid: int) -> list[int]:
 def settings() -> tuple[object, ...]:
     """What foreign code may leave changed in a process, to the harm of whatever runs there next."""
     timers = tuple(signal.getitimer(timer) != (0.0, 0.0) for timer in TIMERS)
-    return (tuple(sys.path), threading.active_count(), timers, surroundings())
+    return (threading.active_count(), timers, surroundings())
 
 
 def cause_of(status: int) -> str:

@@ -108,15 +108,13 @@ class Registry:
     @contextmanager
     def _undone(self, owner: Owner, module: str) -> Iterator[None]:
         """Undo what a plugin does to the program when it is loaded, and list it."""
-        package, changed = module.partition(".")[0], list[str]()
-        try:
-            with kept_surroundings(changed.append, lambda of: of.partition(".")[0] == package):
-                yield
-        finally:
-            if changed:
-                self._fault(
-                    owner, f"when it is loaded it changes {', '.join(changed)}: that is undone"
-                )
+        package = module.partition(".")[0]
+
+        def tell(what: str) -> None:
+            self._fault(owner, f"when it is loaded {what}")
+
+        with kept_surroundings(tell, lambda of: of.partition(".")[0] == package):
+            yield
 
     def _fault(self, owner: Owner, reason: str) -> None:
         # One line of it: a plugin's message may be of any length, and every list of faults shows

@@ -7,6 +7,7 @@ import locale
 import os
 import signal
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Any
@@ -26,9 +27,20 @@ def _handler(number: int) -> tuple[Callable[[], Any], Callable[[Any], Any]]:
     return lambda: signal.getsignal(number), lambda was: signal.signal(number, was)
 
 
+def _put_environment(was: dict[str, str]) -> None:
+    for name in set(os.environ) - set(was):
+        del os.environ[name]
+    os.environ.update(was)
+
+
 KEPT: dict[str, tuple[Callable[[], Any], Callable[[Any], Any]]] = {
     "the recursion limit": (sys.getrecursionlimit, sys.setrecursionlimit),
     "the working folder": (_folder, os.chdir),
+    "where modules are looked for": (
+        lambda: list(sys.path),
+        lambda was: sys.path.__setitem__(slice(None), was),
+    ),
+    "the environment's variables": (lambda: dict(os.environ), _put_environment),
     "NumPy's way with errors": (np.geterr, lambda was: np.seterr(**was)),
     "the locale": (
         lambda: locale.setlocale(locale.LC_ALL),
@@ -54,17 +66,18 @@ def surroundings() -> tuple[Any, ...]:
 
 @contextmanager
 def kept_surroundings(tell: Callable[[str], None], owns: Callable[[str], bool]) -> Iterator[None]:
-    """Put back what is changed meanwhile, and tell of it in a word for each.
+    """Put back what is changed meanwhile, and tell of it in a sentence.
 
     Parameters
     ----------
     tell : callable
-        Given what was changed.
+        Given what was changed and undone; and what was left running, which cannot be.
     owns : callable
         Whether a module is that of the code: only its own functions are taken from those that run
         at the exit.
     """
-    before, late = surroundings(), []
+    before, late, changed = surroundings(), list[Callable[..., Any]](), list[str]()
+    running = set(threading.enumerate())
     register = atexit.register
 
     def noted(function: Callable[..., Any], *given: Any, **named: Any) -> Callable[..., Any]:
@@ -81,9 +94,13 @@ def kept_surroundings(tell: Callable[[str], None], owns: Callable[[str], bool]) 
                 # What cannot be put back, such as a folder that is gone, is told all the same.
                 with suppress(Exception):
                     put(was)
-                tell(name)
+                changed.append(name)
         own = [function for function in late if owns(str(getattr(function, "__module__", "")))]
         for function in own:
             atexit.unregister(function)
         if own:
-            tell("what runs at the exit of the program")
+            changed.append("what runs at the exit of the program")
+        if changed:
+            tell(f"it changes {', '.join(changed)}: that is undone")
+        if left := [thread.name for thread in threading.enumerate() if thread not in running]:
+            tell(f"it leaves a thread running ({', '.join(left)}), which nothing can end")

@@ -44,6 +44,39 @@ def test_no_output_replaces_what_the_command_reads(springpot, write, arguments):
     assert path.read_text() == TRIVIAL
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        "discover {data} --auto --figure d.svg --report d.svg",
+        "predict {data} --frequency 1 -o d.svg --figure ./d.svg",
+        "predict {data} --frequency 1 -o link.svg --figure d.svg",
+        "mastercurve {data} -o d.svg --figure sub/../d.svg",
+    ],
+)
+def test_no_two_outputs_go_to_one_file(springpot, write, monkeypatch, arguments):
+    data = write(TRIVIAL)
+    monkeypatch.chdir(data.parent)
+    os.mkdir("sub")
+    os.symlink("d.svg", "link.svg")
+    answer = springpot(*arguments.format(data=data).split())
+    assert answer.is_one_line("cannot write", "another output of this command goes there")
+    assert not os.path.exists("d.svg")
+
+
+def test_several_outputs_may_go_to_one_device(springpot, damper):
+    to_null = ["-o", "/dev/null", "--figure", "/dev/null"]
+    answer = springpot("predict", damper, "--frequency", "1", *to_null)
+    assert answer.is_one_line("a figure's name must end in")
+
+
+def test_a_fit_named_within_a_structure_is_an_input_too(springpot, write):
+    inside = '[structure]\nmass = 1\nstiffness = 1\n[[damper]]\nfit = "fit.svg"\n'
+    structure, fit = write(inside, "frame.toml"), write("{}", "fit.svg")
+    answer = springpot("simulate", structure, "--record", "artificial", "--figure", fit)
+    assert answer.is_one_line("cannot write", "read by this very command")
+    assert fit.read_text() == "{}"
+
+
 def test_what_a_data_set_was_read_from_is_an_input_too(damper):
     with one_run():
         open_measurement(damper)

@@ -76,3 +76,28 @@ def test_a_sweep_of_a_force_that_counts_the_other_way_is_diagnosed_the_other_way
     assert answer.out.count("wrong sign") == 0
     kept = json.loads(springpot("diagnose", damper, "--model", "maxwell", "--json").out)
     assert any("wrong sign" in note for note in kept["notes"])
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        "identify {data} --model material --figure {figure}",
+        pytest.param("discover {data} --model kelvin --auto", marks=pytest.mark.soak),
+    ],
+)
+def test_a_model_without_any_stiffness_is_judged_as_others_are(
+    springpot, write, rng, tmp_path, arguments
+):
+    """Any material's best answer to a turned force is none: it is off by 100 %, not a fault."""
+    omega = np.geomspace(1.0, 300.0, 16)
+    stiffness = -50.0 * (1.0 + 0.01 * rng.normal(size=16)) - 1j * omega**0.3
+    rows = [
+        f"{w!r},{k.real!r},{k.imag!r}"
+        for w, k in zip(omega.tolist(), stiffness.tolist(), strict=True)
+    ]
+    data = write("\n".join(["omega [rad/s],storage [kN/m],loss [kN/m]", *rows]) + "\n")
+    asked = arguments.format(data=data, figure=tmp_path / "f.svg").split()
+    answer = springpot(*asked, "--json").json
+    error = answer.get("relative_rms") or answer["steps"][0]["relative_rms"]
+    assert error == pytest.approx(1.0, rel=1e-3)
+    assert answer.get("verdict", "unexplained") == "unexplained"

@@ -9,8 +9,17 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from springpot import Units
 from springpot.registry import parse_model
-from springpot.structure import Damper, Frame, Record, artificial, modes_of, motion_of, simulate
+from springpot.structure import (
+    Damper,
+    Frame,
+    GroundMotion,
+    artificial,
+    modes_of,
+    motion_of,
+    simulate,
+)
 
 MASS, OMEGA = 1e5, 2 * np.pi * 1.5
 K, C = 2e6, 1e5
@@ -25,11 +34,11 @@ def oscillator(expression: str, **own: float) -> Frame:
     return Frame([MASS], [MASS * OMEGA**2], 0.0, (Damper(model, theta),))
 
 
-def shaken(peak: float = 3.0) -> Record:
+def shaken(peak: float = 3.0) -> GroundMotion:
     return artificial(np.random.default_rng(3), duration=3.0, step=0.01, peak=peak)
 
 
-def integrated(record: Record, force, memory: float = 0.0):
+def integrated(record: GroundMotion, force, memory: float = 0.0):
     """Displacement by an adaptive integrator that knows nothing of steps or exponentials."""
 
     def rate(t, y):
@@ -106,7 +115,7 @@ def struck():
         (Damper(model, model.vector({"k": K, "friction.F": FRICTION})),),
     )
     pulse = np.where(np.arange(1500) < 30, 3.0, 0.0)
-    record = Record(0.005, pulse)
+    record = GroundMotion(0.005, pulse)
     return motion_of(frame, record), MASS * OMEGA**2 + K
 
 
@@ -166,7 +175,7 @@ def test_units_and_a_slope_change_nothing_but_the_numbers():
     si = Damper(model, np.array([K, C, 1e5, 0.5]))
     # F is the force at one mm/s here, and that in kN.
     small = Damper(
-        model, np.array([K * 1e-6, C * 1e-6, 1e2 * 1e-3**0.5, 0.5]), unit=1e6, length=1e-3
+        model, np.array([K * 1e-6, C * 1e-6, 1e2 * 1e-3**0.5, 0.5]), units=Units("kN/mm", "mm")
     )
     braces = [Frame([MASS], [MASS * OMEGA**2], 0.0, (each,)) for each in (si, small)]
     record = shaken()

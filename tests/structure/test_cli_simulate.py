@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
+
+from springpot.measurement.covered import Covered
+from springpot.registry import parse_model
+from springpot.structure import Damper
 
 FRAME = """[structure]
 storeys = 2
@@ -180,3 +185,26 @@ def test_a_bad_description_is_one_line(springpot, frame, change, says):
 )
 def test_a_bad_record_is_one_line(springpot, frame, write, text, says):
     springpot("simulate", frame, "--record", write(text, "record.csv")).is_one_line(says)
+
+
+def test_a_damper_used_beyond_what_it_was_measured_at_is_told(springpot, frame, write):
+    """At frequencies, in the modes of a record as well, and at its temperature."""
+    steady = springpot("simulate", frame, "--frequency", "10,100", "--json").json
+    (note,) = steady["notes"]
+    assert note.startswith("damper 1: beyond the measured 0.5 to 50 Hz (1 of 2 frequencies)")
+    assert note in springpot("simulate", frame, "--frequency", "10,100").out
+    assert springpot("simulate", frame, "--frequency", "1,10", "--json").json["notes"] == []
+    stiff = FRAME.replace("stiffness = [8e7, 7e7]", "stiffness = [8e10, 7e10]")
+    record = ("--record", write(RECORD, "record.csv"), "--draws", "0")
+    told = springpot("simulate", write(stiff, "stiff.toml"), *record)
+    assert "damper 1: beyond the measured 0.5 to 50 Hz (2 of 2 modes)" in told.out
+    assert springpot("simulate", frame, *record, "--json").json["notes"] == []
+
+
+def test_a_damper_used_at_another_temperature_is_told():
+    covered = Covered((1.0, 10.0), {"temperature": (20.0, 30.0)})
+    model = parse_model("kelvin + arrhenius-shift")
+    theta = model.vector({"k": 1.0, "c": 1.0, "arrhenius-shift.Ea": 50.0})
+    damper = Damper(model, theta, temperature=-10.0, covered=covered)
+    said = damper.remark(np.array([2.0]), "modes")
+    assert said.startswith("beyond the measured temperature of 20 to 30 [degC] (1 of 1 modes)")

@@ -10,7 +10,7 @@ from springpot.registry import parse_model
 from springpot.structure import (
     Damper,
     Frame,
-    Record,
+    GroundMotion,
     artificial,
     modes_of,
     motion_of,
@@ -41,7 +41,7 @@ def shaken(step=0.01):
 def test_a_bare_oscillator_is_the_textbook_one():
     """A constant acceleration from rest: the step response of a damped oscillator."""
     bare, t = oscillator(), np.arange(400) * 0.01
-    found = motion_of(bare, Record(0.01, np.ones(400))).displacement[:, 0]
+    found = motion_of(bare, GroundMotion(0.01, np.ones(400))).displacement[:, 0]
     damped = OMEGA * np.sqrt(1 - 0.02**2)
     swing = np.cos(damped * t) + 0.02 / np.sqrt(1 - 0.02**2) * np.sin(damped * t)
     assert found == pytest.approx(-(1 - np.exp(-0.02 * OMEGA * t) * swing) / OMEGA**2, abs=1e-12)
@@ -107,7 +107,7 @@ def test_modes_solve_the_nonlinear_problem_and_tell_how_free_vibrations_fade():
     [mode] = modes_of(one)
     pulse = np.zeros(3000)
     pulse[:10] = 1.0
-    fading = motion_of(one, Record(0.001, pulse)).displacement[:, 0]
+    fading = motion_of(one, GroundMotion(0.001, pulse)).displacement[:, 0]
     turns = np.flatnonzero(np.diff(np.sign(np.diff(fading))) != 0) + 1
     # From turn to turn, so that what creeps back slowly beside the swing does not count.
     ways = np.abs(np.diff(fading[turns[2:7]]))
@@ -146,9 +146,9 @@ def test_what_makes_no_structure_is_refused():
     with pytest.raises(ModelError, match="less than 90 degrees"):
         Damper(MODEL, THETA, cosine=np.cos(np.radians(90.0)))
     with pytest.raises(DataError, match=r"steps are not equal \(0.5 s after sample 2"):
-        Record.of(np.array([0.0, 0.1, 0.6, 0.7]), np.zeros(4))
+        GroundMotion.of(np.array([0.0, 0.1, 0.6, 0.7]), np.zeros(4))
     with pytest.raises(DataError, match="sample 2 is no number"):
-        Record.of(np.array([0.0, 0.1]), np.array([0.0, np.nan]))
+        GroundMotion.of(np.array([0.0, 0.1]), np.array([0.0, np.nan]))
 
 
 SLOPE = np.radians(60.0)
@@ -167,7 +167,7 @@ def test_an_inclined_damper_is_in_equilibrium_with_its_frame_by_hand():
         [mass], [storey], 0.3, (Damper(spring, np.array([k]), count=3.0, cosine=np.cos(SLOPE)),)
     )
     # A load that rises within many periods ends at rest.
-    motion = motion_of(frame, Record(0.1, a * np.minimum(np.arange(2000) / 1000.0, 1.0)))
+    motion = motion_of(frame, GroundMotion(0.1, a * np.minimum(np.arange(2000) / 1000.0, 1.0)))
     x = mass * a / (storey + 3.0 * k * np.cos(SLOPE) ** 2)
     assert motion.drift[-1, 0] == pytest.approx(-x, rel=1e-9)
     assert motion.stroke[-1, 0] == pytest.approx(-x * np.cos(SLOPE), rel=1e-9)
@@ -215,7 +215,7 @@ def test_peaks_between_samples_are_found(friction: bool):
     Its samples miss the peak by up to a third, the method by 0.1 %.
     """
     frame, step = braced(friction=friction), 0.08
-    record = Record(step, shaken(step).acceleration[:100])
+    record = GroundMotion(step, shaken(step).acceleration[:100])
     coarse, fine = motion_of(frame, record), motion_of(frame, record.finer(200))
     exact = np.abs(fine.drift).max(axis=0)
     within = 3e-3 if friction else 2e-4

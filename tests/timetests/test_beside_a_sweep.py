@@ -12,7 +12,7 @@ import springpot
 from springpot.errors import ModelError
 from springpot.measurement import Measurement, TimeTest
 from springpot.registry import parse_model, plugins
-from springpot.report.fit_text import climbed_in_time_text
+from springpot.report.told import told
 from springpot.rheology import Effect, Points, chain
 from springpot.rheology.formula import Formula
 from springpot.timetests import diagnose, discover, identify
@@ -106,7 +106,7 @@ def test_the_kept_fit_of_a_sweep_and_a_relaxation_predicts_a_relaxation(tmp_path
     again = springpot.load(path)
     at = np.array([0.5, 2.0])
     expected = parse_model("fractional-maxwell").relaxation(fit.theta[:3], at)
-    assert np.allclose(again.known.model.relaxation(again.known.theta, at), expected)
+    assert np.allclose(again.of_specimen.model.relaxation(again.of_specimen.theta, at), expected)
 
 
 def test_a_fault_in_an_effect_is_no_answer():
@@ -134,4 +134,4 @@ def test_an_effect_that_cannot_be_gone_on_from_is_told_and_loses_no_rung(monkeyp
     ladder = discover(house(1), "fractional-maxwell", some)
     assert [step.accepted for step in ladder.steps] == [None, "inertia"]
     assert ladder.to_dict()["left_out"] == {"time-delay": "nothing follows it"}
-    assert "left out: time-delay: nothing follows it" in climbed_in_time_text(ladder)
+    assert "left out: time-delay: nothing follows it" in told(ladder)

@@ -66,7 +66,7 @@ class Source:
 
 
 @dataclass(frozen=True, eq=False)
-class Case:
+class RaceCase:
     """One problem of a study: data, a model and an objective.
 
     Parameters
@@ -142,7 +142,7 @@ class Plan:
     """A study with everything looked up; see `Study` for the meaning of the fields."""
 
     name: str
-    cases: tuple[Case, ...]
+    cases: tuple[RaceCase, ...]
     entrants: tuple[Entrant, ...]
     cells: tuple[Cell, ...]
     repetitions: int
@@ -170,7 +170,7 @@ class Plan:
         # Common random numbers: what differs between two optimisers is then less often luck.
         return stream_of(self.seed, case.source.name, case.model, case.objective.name, repetition)
 
-    def stop_value(self, case: Case) -> float:
+    def stop_value(self, case: RaceCase) -> float:
         """Objective at which a run may end."""
         if not self.stop_at_target or case.optimum is None:
             return -np.inf
@@ -227,7 +227,7 @@ def stream_of(seed: int, *names: object) -> np.random.SeedSequence:
     return np.random.SeedSequence(int(digest_of("stream", SCHEME, seed, *names)[:32], 16))
 
 
-def cell_digest(case: Case, entrant: Entrant, budget: int, seed: int, stop: float) -> str:
+def cell_digest(case: RaceCase, entrant: Entrant, budget: int, seed: int, stop: float) -> str:
     """Digest of a cell: the problem, the optimiser with its options, the budget and the seed."""
     stop_text = None
     # JSON, of which the digest is made, has no word for infinity.

@@ -17,7 +17,7 @@ from dataclasses import fields
 from functools import cache
 from typing import Any
 
-from .plan import Case, Cell, Plan
+from .plan import Cell, Plan, RaceCase
 from .summary import ProblemRow, TrialRow
 from .trial import Status, TrialResult
 
@@ -229,7 +229,7 @@ FROM trial LEFT JOIN trace USING (cell, repetition) ORDER BY cell, repetition"""
 ALL_TRIALS = trials_of(expected()["trial"])
 
 
-def problem_columns(case: Case) -> dict[str, Any]:
+def problem_columns(case: RaceCase) -> dict[str, Any]:
     """A problem under the names of the columns."""
     source = case.source
     # What tables say of a problem is kept, not its data: these may be large, and their digest tells

@@ -25,7 +25,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import DataSet, open_measurement
 from springpot.registry import parse_model, plugins
 
-from .plan import Case, Cell, Entrant, Plan, Source, cell_digest
+from .plan import Cell, Entrant, Plan, RaceCase, Source, cell_digest
 
 
 def main(study: object, arguments: Sequence[str] | None = None) -> None:
@@ -255,7 +255,7 @@ class Study:
         given = {key: getattr(self, key) for key in REQUIREMENTS}
         return {key: float(value) for key, value in given.items() if value is not None}
 
-    def _cases(self, sources: tuple[Source, ...]) -> tuple[Case, ...]:
+    def _cases(self, sources: tuple[Source, ...]) -> tuple[RaceCase, ...]:
         objectives = [_objective(given) for given in self.objectives]
         # The optimum is looked for only where trials end by it: many descents are made for that.
         wanted = None
@@ -385,7 +385,7 @@ def _unique(word: str, names: list[str], study: str) -> None:
         )
 
 
-def _case(source: Source, expression: str, objective: Objective, target: float | None) -> Case:
+def _case(source: Source, expression: str, objective: Objective, target: float | None) -> RaceCase:
     model = parse_model(expression)
     # Here already: a model that does not fit its data is told before the first trial.
     problem = Problem.of(model, source.measurement, objective, source.stiffness_scale)
@@ -398,7 +398,7 @@ def _case(source: Source, expression: str, objective: Objective, target: float |
     optimum = None
     if target is not None:
         optimum = _optimum(problem, reference, known, target)
-    return Case(source, model.name, objective, reference, known, optimum)
+    return RaceCase(source, model.name, objective, reference, known, optimum)
 
 
 def _reference(problem: Problem) -> float:

@@ -34,7 +34,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.registry import parse_model
 from springpot.rheology.points import Real
 
-from .plan import Case, Cell, Plan, Source, WorkOrder
+from .plan import Cell, Plan, RaceCase, Source, WorkOrder
 from .study import truth_fits
 
 BUDGET = 4
@@ -384,7 +384,7 @@ class Bell:
             action()
 
 
-def _built(case: Case) -> TwinProblem | Exception:
+def _built(case: RaceCase) -> TwinProblem | Exception:
     """A problem ready to run, or why it cannot: that is told by its trials."""
     try:
         bench = TwinProblem(case)
@@ -419,11 +419,11 @@ class TwinProblem:
 
     Parameters
     ----------
-    case : Case
+    case : RaceCase
         The problem's description.
     """
 
-    def __init__(self, case: Case) -> None:
+    def __init__(self, case: RaceCase) -> None:
         source = case.source
         model = parse_model(case.model)
         self.problem = Problem.of(model, source.measurement, case.objective, source.stiffness_scale)

@@ -26,8 +26,8 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 NARROWEST, USUAL, WIDEST = 60, 120, 140
 """Columns between which text is laid out: below, tables cannot be read; above, sentences cannot."""
-FILE = click.Path(path_type=Path)
-"""A file or folder that a command writes."""
+FOLDER = click.Path(path_type=Path)
+"""Where a command puts files, or finds those of earlier ones."""
 POSITIVE = click.IntRange(min=1)
 
 
@@ -47,6 +47,18 @@ class _Input(click.Path):
         return self.coerce_path_result(value)
 
 
+class _Output(click.Path):
+    """A file that a command writes, and nothing else of it."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The path, after a check that no other output goes there."""
+        from springpot.files import keep_output
+
+        keep_output(value)
+        return super().convert(value, param, ctx)
+
+
+FILE = _Output(path_type=Path)
 DATA, INPUT = _Input(path_type=str), _Input(path_type=Path)
 """What is read: data as a user names them, and any other file."""
 

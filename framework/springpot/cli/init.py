@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from .common import FILE, emit, json_option
+from .common import FOLDER, emit, json_option
 
 KINDS: dict[str, dict[str, str]] = {
     "study": {"study": "race.py"},
@@ -29,7 +29,7 @@ NEXT = {
 @click.command("init", epilog="Example: springpot init study")
 @click.argument("kind", type=click.Choice(list(KINDS)), metavar="KIND")
 @click.option(
-    "--folder", type=FILE, default=Path(), metavar="DIR", help="Where to write; here by default."
+    "--folder", type=FOLDER, default=Path(), metavar="DIR", help="Where to write; here by default."
 )
 @json_option
 def command(kind: str, folder: Path, as_json: bool) -> None:

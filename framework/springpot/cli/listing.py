@@ -64,7 +64,7 @@ def command(kind: str, names: Sequence[str], verbose: bool, as_json: bool) -> No
 
 def _show(kind: str, result: dict[str, Any], whole: bool) -> None:
     from springpot.report import plugin_cards as cards
-    from springpot.report.text import Table
+    from springpot.report.text import TextTable
 
     if whole:
         print("\n\n".join(cards.card(item) for item in result["items"]))
@@ -72,7 +72,7 @@ def _show(kind: str, result: dict[str, Any], whole: bool) -> None:
         columns = cards.KINDS[kind].columns
         headers = [column.replace("_", " ") for column in columns]
         rows = [[cards.cell(item[column]) for column in columns] for item in result["items"]]
-        Table(headers, rows, frozenset({"size", "points"})).show()
+        TextTable(headers, rows, frozenset({"size", "points"})).show()
     else:
         print(f"no {kind} are installed")
     # Below every list: what somebody misses there may be what could not be loaded.

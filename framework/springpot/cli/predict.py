@@ -83,7 +83,6 @@ def command(
     from springpot.identification.result import Identification
     from springpot.loading import load
     from springpot.report.canvas import check_figure_path
-    from springpot.timetests.result import TimeIdentification
 
     # A path that cannot be written is told before anything is worked out.
     if output is not None:
@@ -92,7 +91,7 @@ def command(
         check_figure_path(figure)
     _require_one_question(frequency, omega, history, geometry)
     known = load(fit)
-    if not isinstance(known, Identification | TimeIdentification):
+    if not isinstance(known, Identification):
         raise DataError(f"{fit} is no fit: give the output of 'springpot identify ... --json'")
     if history is not None:
         timetests.predict(known, history, temperature, level, geometry, output, figure, as_json)
@@ -155,7 +154,7 @@ def show(predicted: Prediction) -> None:
     """Print the prediction for people."""
     from springpot.format_numbers import number
     from springpot.report.numbers import with_interval
-    from springpot.report.text import Table
+    from springpot.report.text import TextTable
 
     unit, given = predicted.units.stiffness, predicted.conditions
     units = {"temperature": "degC", "amplitude": predicted.units.amplitude}
@@ -171,7 +170,7 @@ def show(predicted: Prediction) -> None:
         places = [number(rate), *(number(float(column[i])) for column in given.values())]
         rows.append([*places, *storage, *loss, timetests.WHERE[int(predicted.outside[i])]])
     print(f"{predicted.model}\n")
-    table = Table(headers, rows, frozenset(headers) - {band, f"{band} ", "measured"})
+    table = TextTable(headers, rows, frozenset(headers) - {band, f"{band} ", "measured"})
     if not predicted.outside.any():
         table = table.lacking("measured")
     table.show()

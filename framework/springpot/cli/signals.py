@@ -114,7 +114,7 @@ def described(measured: Measurement, files: tuple[str, ...], output: Path | None
 
 def _show(result: dict[str, Any]) -> None:
     from springpot.format_numbers import number
-    from springpot.report.text import Table
+    from springpot.report.text import TextTable
 
     units = result["units"]
     headers = (
@@ -132,7 +132,7 @@ def _show(result: dict[str, Any]) -> None:
     for row in result["rows"]:
         numbers = [number(row[key], digits.get(key, 5)) for key in keys]
         rows.append([*numbers, row["file"]])
-    Table((*headers, "file"), rows, frozenset(headers)).show()
+    TextTable((*headers, "file"), rows, frozenset(headers)).show()
     for key, value in result["provenance"].items():
         if "note" in key:
             print(f"{key}: {value}")

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from springpot.measurement.timetest import TimeTest
     from springpot.rheology.model import Model
     from springpot.timetests.residuals_of_tests import Test
-    from springpot.timetests.result import TimeIdentification
     from springpot.timetests.where import TestPrediction
 
 WHERE = ("within", "outside")
@@ -92,16 +91,14 @@ def identify(
 
 
 def _show(
-    identified: TimeIdentification, figure: Path | None, data: Sequence[str], expression: str
+    identified: Identification, figure: Path | None, data: Sequence[str], expression: str
 ) -> None:
-    from springpot.report.fit_text import FAR_OFF, fitted_in_time_text
+    from springpot.report.told import told
 
-    print(fitted_in_time_text(identified, window()))
+    print(told(identified, window()))
     if figure is not None:
         print(f"figure      {figure}")
-    # The worst of the tests decides: a long record must not hide a short one that the model misses.
-    judged = max(test.over_floor for test in identified.tests)
-    if judged > FAR_OFF:
+    if identified.standing is not None and not identified.standing.good_enough:
         named = " ".join(map(quoted, data))
         print(f"\nnext: springpot diagnose {named} --model {quoted(expression)}")
 
@@ -114,7 +111,7 @@ def compare(
     Without any, all installed ones that have a fixed size.
     """
     from springpot.api import compare as compared
-    from springpot.report.fit_text import compared_in_time_text
+    from springpot.report.told import told
 
     from .waiting import Waiting
 
@@ -122,7 +119,7 @@ def compare(
         comparison: Any = compared(tests, models or None, progress=waiting.told)
     if figure is not None:
         comparison.plot(figure)
-    emit(comparison, as_json, lambda: print(compared_in_time_text(comparison)))
+    emit(comparison, as_json, lambda: print(told(comparison, window())))
     if figure is not None and not as_json:
         print(f"\nwritten: {figure}")
 
@@ -132,6 +129,7 @@ def diagnose(
     data: Sequence[str],
     named: str | None,
     as_json: bool,
+    verbose: bool,
     arguments: Any,
 ) -> None:
     """``springpot diagnose`` of the tests in time that DATA name.
@@ -144,46 +142,19 @@ def diagnose(
 
     with Waiting() as waiting:
         diagnosis: Any = diagnosed(tests, **arguments, progress=waiting.told)
-    emit(diagnosis, as_json, lambda: _show_diagnosis(diagnosis, tests, data, named))
-
-
-def discover(
-    tests: Sequence[Test],
-    figure: Path | None,
-    report: Path | None,
-    again: list[str],
-    as_json: bool,
-    arguments: Any,
-) -> None:
-    """``springpot discover`` from tests in time."""
-    from springpot.api import discover as discovered
-    from springpot.report.fit_text import climbed_in_time_text
-
-    from .waiting import Waiting
-
-    with Waiting() as waiting:
-        ladder: Any = discovered(tests, **arguments, progress=waiting.told)
-    if figure is not None:
-        from springpot.report.timetests import figure_tests, fits_in_time
-
-        fits = fits_in_time(step.examined for step in reversed(ladder.steps))
-        figure_tests(fits[::-1], tests, figure)
-    if report is not None:
-        from springpot.report.html import write_report
-
-        write_report(ladder, tests, report, again)
-    emit(ladder, as_json, lambda: print(climbed_in_time_text(ladder, window())))
-    for path in (figure, report):
-        if path is not None and not as_json:
-            print(f"\nwritten: {path}")
+    emit(diagnosis, as_json, lambda: _show_diagnosis(diagnosis, tests, data, named, verbose))
 
 
 def _show_diagnosis(
-    diagnosis: Diagnosis, tests: Sequence[Test], data: Sequence[str], model: str | None
+    diagnosis: Diagnosis,
+    tests: Sequence[Test],
+    data: Sequence[str],
+    model: str | None,
+    verbose: bool,
 ) -> None:
-    from springpot.report.fit_text import diagnosed_in_time_text
+    from springpot.report.told import told
 
-    print(diagnosed_in_time_text(diagnosis, window()))
+    print(told(diagnosis, window(), verbose=verbose))
     judged = ""
     if model is not None:
         judged = f" --model {quoted(model)}"
@@ -270,7 +241,7 @@ def inspect(tests: Sequence[TimeTest], spec: str, as_json: bool, line: bool) -> 
 
 
 def predict(
-    identified: Identification | TimeIdentification,
+    identified: Identification,
     spec: str,
     temperature: float | None,
     level: float,

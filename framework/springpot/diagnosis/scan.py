@@ -21,7 +21,14 @@ from springpot.identification.ranges import Window, settings
 from springpot.measurement.independence import telling
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.scatter import LEAST_RELATIVE
-from springpot.misfit.frame import DRAWN, FURTHER, LEAST_SEEN, NoiseFrame, near_an_alarm
+from springpot.misfit.frame import (
+    DRAWN,
+    FURTHER,
+    LEAST_SEEN,
+    NoiseFrame,
+    near_an_alarm,
+    relative_to,
+)
 from springpot.misfit.refit import Refit
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
@@ -126,7 +133,8 @@ def influence(
         with_effect = model.fixed_at(theta) + effect
         change = with_effect.network.respond(grid, measurement.points).value - stiffness
         change = np.where(np.isfinite(change), change, np.nan)
-    relative = np.sqrt(np.mean(np.abs(change / stiffness) ** 2, axis=-1))
+    whole = relative_to(stiffness, measurement)
+    relative = np.sqrt(np.mean(np.abs(change / whole) ** 2, axis=-1))
     usable = np.isfinite(relative) & (relative > LEAST_RELATIVE)
     names = tuple(parameter.name for parameter in added)
     return Influence(effect, grown, full[usable], change[usable], relative[usable], names)

@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from .material_fit import least_error
     from .native import BoundedDescent, Effort, Fit, fit, minima_in_box, scanned_starts
     from .passive import is_passive, within_material
-    from .prediction import Prediction
+    from .prediction import Known, Prediction
     from .problem import Objective, Problem, Searched, default_objective, weighted
     from .ranges import EDGE, Window, settings, shown
     from .recorder import BudgetSpent, Recorder, RecorderGroup, all_points
-    from .regularisation import Spectrum, regularised
+    from .regularisation import SmoothSpectrum, regularised
     from .result import Identification, Standing
     from .runs import BatchedOptimiser, Card, Optimiser, OptimiserFamily, Run, run, run_batch
     from .simulated import bootstrap
@@ -36,6 +36,7 @@ __all__ = [
     "Effort",
     "Fit",
     "Identification",
+    "Known",
     "Objective",
     "Optimiser",
     "OptimiserFamily",
@@ -47,7 +48,7 @@ __all__ = [
     "SearchSpace",
     "Searched",
     "Solution",
-    "Spectrum",
+    "SmoothSpectrum",
     "Standing",
     "Uncertainty",
     "Value",
@@ -91,6 +92,7 @@ _WHERE = {
     "Effort": "springpot.identification.native",
     "Fit": "springpot.identification.native",
     "Identification": "springpot.identification.result",
+    "Known": "springpot.identification.prediction",
     "Objective": "springpot.identification.problem",
     "Optimiser": "springpot.identification.runs",
     "OptimiserFamily": "springpot.identification.runs",
@@ -102,7 +104,7 @@ _WHERE = {
     "SearchSpace": "springpot.identification.space",
     "Searched": "springpot.identification.problem",
     "Solution": "springpot.identification.leastsquares",
-    "Spectrum": "springpot.identification.regularisation",
+    "SmoothSpectrum": "springpot.identification.regularisation",
     "Standing": "springpot.identification.result",
     "Uncertainty": "springpot.identification.uncertainty",
     "Value": "springpot.identification.value",

@@ -38,7 +38,7 @@ EXACT = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Spectrum:
+class SmoothSpectrum:
     """A regularised relaxation spectrum: K = K_e + c s + integral H(r) s / (s + r) dln r.
 
     Attributes
@@ -104,7 +104,7 @@ class Spectrum:
         return bool(self.density[i] > 0.0) and all(valley < self.low[i] for valley in valleys)
 
 
-def regularised(fit: Fit, rng: np.random.Generator, draws: int = DRAWS) -> Spectrum:
+def regularised(fit: Fit, rng: np.random.Generator, draws: int = DRAWS) -> SmoothSpectrum:
     """The smoothest spectrum that the data allow.
 
     Where a material stands behind effects these keep their parameters, and K is taken as linear in
@@ -143,7 +143,7 @@ def regularised(fit: Fit, rng: np.random.Generator, draws: int = DRAWS) -> Spect
     # belongs to.
     low, high = np.minimum(low, best[2:]), np.maximum(high, best[2:])
     ends = float(best[0]), float(best[1])
-    return Spectrum(system.rates, best[2:], low, high, *ends, smoothing, system.seen)
+    return SmoothSpectrum(system.rates, best[2:], low, high, *ends, smoothing, system.seen)
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,6 +206,8 @@ class _System:
         target = weighted(data - response.value, weights) + lines @ slopes[:count]
         columns = np.concatenate([slopes[:2], step * slopes[count:]]).T
         size = np.abs(material.respond(lines, Points(log_rates)).value)
+        # Where a channel counts the other way no line has weight, and K is nowhere.
+        size[size == 0.0] = np.mean(np.abs(data))
         rounding = weighted(EXACT * data, weights)
         variance = max(fit.cost / max(fit.dof, 1), float(np.mean(rounding**2)))
         # Reduced once to as many rows as columns, because every halving and every draw solves it

@@ -108,16 +108,21 @@ class Covered:
         return np.asarray(np.any([np.zeros(omega.shape, dtype=bool), *masks], axis=0))
 
     def remark(
-        self, omega: Real, conditions: Mapping[str, Real], units: Units, room: float = ROUNDED
+        self,
+        omega: Real,
+        conditions: Mapping[str, Real],
+        units: Units,
+        room: float = ROUNDED,
+        of: str = "points",
     ) -> str:
-        """One line on the points that lie outside; nothing where all are inside."""
+        """One line on the points (or modes, ...) that lie outside; nothing where all are inside."""
         beyond = self.beyond(omega, conditions, room)
         if not beyond:
             return ""
         count = int(np.any(list(beyond.values()), axis=0).sum())
         said = " and ".join(self.span(name, units) for name in beyond)
         return (
-            f"beyond the measured {said} ({count} of {len(omega)} points) the band holds only if"
+            f"beyond the measured {said} ({count} of {len(omega)} {of}) the band holds only if"
             " the model does"
         )
 

@@ -39,6 +39,14 @@ DRIFT_DEGREE = 3
 Drawn: TypeAlias = NDArray[np.floating]
 
 
+def relative_to(stiffness: Complex, measurement: Measurement) -> Complex:
+    """What deviations (n,) are relative to: K of a model, the measured one where it has none.
+
+    A material has none where a channel counts the other way.
+    """
+    return np.where(stiffness == 0.0, measurement.stiffness, stiffness)
+
+
 def orthonormal(columns: Real, tolerance: float = 1e-9) -> Real:
     """Orthonormal basis of the columns, scaled first, so that their units do not matter."""
     size = np.sqrt(np.sum(columns * columns, axis=0))
@@ -367,13 +375,10 @@ class NoiseFrame:
 
     def _in_their_places(self, deviations: NDArray[np.complexfloating]) -> Drawn:
         """Whitened residuals (m, 2n) of relative deviations (m, n), by the noise at their place."""
-        size = self._relative_sd * np.abs(self.model_stiffness)
-        turned = deviations * (self.model_stiffness / np.abs(self.model_stiffness)).astype(
-            np.complex64
-        )
+        turned = deviations * self._phase.astype(np.complex64)
         by_part = [
-            (self.weights.real * size).astype(DRAWN),
-            (self.weights.imag * size).astype(DRAWN),
+            (self.weights.real * self._sd).astype(DRAWN),
+            (self.weights.imag * self._sd).astype(DRAWN),
         ]
         return np.concatenate([turned.real * by_part[0], turned.imag * by_part[1]], axis=-1)
 
@@ -400,12 +405,18 @@ class NoiseFrame:
         return self.estimated and self.rough_dof >= FEWEST_OWN
 
     @cached_property
-    def _relative_sd(self) -> Real:
-        """Standard deviation (n,) of each point relative to |K|, the mean of both parts."""
+    def _sd(self) -> Real:
+        """Standard deviation (n,) of each point, the mean of both parts."""
         # One for both parts: a deviation is turned with K when it falls elsewhere, and storage
         # becomes loss.
         variance = 0.5 * (1.0 / self.weights.real**2 + 1.0 / self.weights.imag**2)
-        return np.asarray(np.sqrt(variance) / np.abs(self.model_stiffness), dtype=np.float64)
+        return np.asarray(np.sqrt(variance), dtype=np.float64)
+
+    @cached_property
+    def _phase(self) -> Complex:
+        """K over |K| (n,)."""
+        whole = relative_to(self.model_stiffness, self.measurement)
+        return np.asarray(whole / np.abs(whole), dtype=np.complex128)
 
     @cached_property
     def _deviations(self) -> Complex:
@@ -418,7 +429,7 @@ class NoiseFrame:
         """
         n = self.size // 2
         rest = self.rest[:n] / self.weights.real + 1j * self.rest[n:] / self.weights.imag
-        relative = rest / (self.model_stiffness * self._relative_sd)
+        relative = rest / (self._phase * self._sd)
         free = max(self.size - self.absorbed.shape[1], 1)
         return np.asarray(relative * np.sqrt(self.size / free), dtype=np.complex128)
 

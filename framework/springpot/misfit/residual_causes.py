@@ -33,7 +33,7 @@ from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import VERDICT
 
-from .frame import LEAST_SEEN, NoiseFrame, chance_of_squares, orthonormal
+from .frame import LEAST_SEEN, NoiseFrame, chance_of_squares, orthonormal, relative_to
 from .refit import Refit
 from .where import where
 from .words import percent, plain
@@ -81,7 +81,9 @@ def causal_evidence(frame: NoiseFrame, x: Real, groups: Sequence[Rows]) -> float
     """
     n, step = len(x), step_of(frame)
     off = frame.measurement.stiffness - frame.model_stiffness
-    size = float(np.sqrt(np.mean(np.abs(off / frame.model_stiffness) ** 2)))
+    size = float(
+        np.sqrt(np.mean(np.abs(off / relative_to(frame.model_stiffness, frame.measurement)) ** 2))
+    )
     best: dict[str, Real] = {}
     # The width is not known: a bump narrower or broader than the residual's would call anything
     # unlikely.

@@ -13,7 +13,7 @@ from springpot.measurement.mixed_tests import sweeps_of
 from springpot.rheology.points import Real
 from springpot.thresholds import OUTLIERS
 
-from .frame import Drawn, NoiseFrame, spectrum
+from .frame import Drawn, NoiseFrame, relative_to, spectrum
 from .mains_hum import near_mains
 from .outliers import point_in_words
 from .refit import unseen_error, unseen_in_words
@@ -299,7 +299,8 @@ def _trend_in_words(name: str) -> Callable[[NoiseFrame], tuple[float, str]]:
         assert x is not None, "the test was made"
         # All that is seen against the model, not its part beyond the parameters: the user can look
         # that up.
-        off = np.log(frame.measurement.stiffness / frame.model_stiffness)
+        measured = frame.measurement.stiffness
+        off = np.log(measured / relative_to(frame.model_stiffness, frame.measurement))
         size, phase = (off.real @ x) / (x @ x), np.degrees((off.imag @ x) / (x @ x))
         verb = "loses"
         if size > 0:

@@ -16,10 +16,10 @@ from springpot.measurement.units import Units
 from springpot.plain_data import jsonable, number
 from springpot.rheology.levels import HELD
 from springpot.rheology.nodes import Chain, Parallel, Response, Series
-from springpot.rheology.points import Complex, Real
+from springpot.rheology.points import Real
 from springpot.thresholds import WHERE
 
-from .frame import NoiseFrame, spectrum
+from .frame import NoiseFrame, relative_to, spectrum
 from .regions import DRAWS, Blocks, MeasuredAxis, Region, Rows, rare, scales
 from .words import plain
 
@@ -243,19 +243,6 @@ def _power(amplitude: Real, residual: Real) -> str:
     return ""
 
 
-def in_plane(plane: str, measured: Complex, modelled: Complex) -> Complex:
-    """Residual in one of the planes: K, 1/K or ln K.
-
-    Parameters
-    ----------
-    plane : {"stiffness", "compliance", "log-complex"}
-        The plane.
-    measured, modelled : ndarray of complex, shape (n,)
-        K.
-    """
-    return PLANES[plane].residual(measured, Response(modelled))
-
-
 def where(frame: NoiseFrame) -> list[Where]:
     """Places at which a fit fails, the most telling first, at most `MOST`.
 
@@ -451,7 +438,7 @@ def _conditions(measurement: Measurement) -> str:
 
 def _simplest_plane(frame: NoiseFrame) -> str:
     """The plane in which a straight line in omega^0, omega^1 or omega^2 explains most misfit."""
-    modelled = Response(frame.model_stiffness)
+    modelled = Response(relative_to(frame.model_stiffness, frame.measurement))
     share: dict[str, float] = {}
     # Over their geometric mean, so that no power of the frequencies is beyond what numbers hold.
     scale = frame.measurement.omega / np.exp(np.mean(np.log(frame.measurement.omega)))

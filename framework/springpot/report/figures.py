@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from springpot.format_numbers import number
-from springpot.identification.regularisation import Spectrum
+from springpot.identification.regularisation import SmoothSpectrum
 from springpot.identification.result import Identification
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.points import Real
@@ -77,16 +77,9 @@ def draw_floors(axes: Axes, noise: Real, material: Real, after: float = 0.0) -> 
         label="noise floor",
         zorder=0.5,
     )
-    axes.hlines(
-        material,
-        ends[:-1],
-        ends[1:],
-        color=MATERIAL,
-        linestyle="--",
-        linewidth=1.4,
-        label="material floor",
-        zorder=2.5,
-    )
+    # Where no material was looked for a legend would name a line that is not there.
+    if np.any(np.isfinite(material)):
+        axes.hlines(material, ends[:-1], ends[1:], label="material floor", zorder=2.5, **DASHES)
     axes.set_xlim(edges[0], edges[-1])
 
 
@@ -303,7 +296,7 @@ def figure_material(identified: Identification, path: str | Path | None = None) 
         return finished(figure, path)
 
 
-def draw_spectrum(axes: Axes, spectrum: Spectrum, unit: str) -> None:
+def draw_spectrum(axes: Axes, spectrum: SmoothSpectrum, unit: str) -> None:
     """H(r) with its band; grey where no frequency was measured."""
     rates, density = spectrum.rates, spectrum.density
     axes.fill_between(
@@ -335,7 +328,7 @@ def draw_spectrum(axes: Axes, spectrum: Spectrum, unit: str) -> None:
     axes.legend(loc="best")
 
 
-def in_words(spectrum: Spectrum, unit: str) -> str:
+def in_words(spectrum: SmoothSpectrum, unit: str) -> str:
     """Where the relaxing stiffness lies, and the peaks of H that the data bear out."""
     total = float(np.sum(spectrum.density)) * spectrum.step
     if not total > 0.0:

@@ -19,7 +19,7 @@ from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units
 
 from .numbers import percent
-from .text import Table, cut, wrapped
+from .text import TextTable, cut, wrapped
 
 LONG = 24
 """Sweeps that are printed: a screen of them; JSON has all."""
@@ -119,7 +119,7 @@ def _columns(result: dict[str, Any], units: Units) -> str:
         [name, number(each["from"]), number(each["to"]), each["unit"]]
         for name, each in ranges.items()
     ]
-    return Table(("column", "from", "to", "unit"), rows, frozenset({"from", "to"})).plain()
+    return TextTable(("column", "from", "to", "unit"), rows, frozenset({"from", "to"})).plain()
 
 
 def _clocked(hertz: dict[str, Any], units: Units) -> dict[str, Any]:
@@ -157,10 +157,11 @@ def sweeps_text(
     for sweep in sweeps[:LONG]:
         entries = {**sweep, "frequency": _clocked(sweep["frequency"], units)}
         rows.append([numbers.get(sweep.get("step"), ""), *(_cell(entries[key]) for key in keys)])
-    table = Table(["part", *heads], rows, frozenset(heads) - {*labels, "step"})
+    spare = [head for head in heads if head.startswith("amplitude")]
+    table = TextTable(["part", *heads], rows, frozenset(heads) - {*labels, "step"}, spare)
     if not numbers:
         table = table.lacking("part")
-    text = table.without([head for head in heads if head.startswith("amplitude")], width).plain()
+    text = table.as_text(width)
     more = len(sweeps) - LONG
     if more > 0:
         text += f"\n... and {more} more; --json has all"
@@ -184,7 +185,7 @@ def parts_text(parts: Sequence[dict[str, Any]], width: int) -> str:
         if not part["usable"]:
             reason = part["says"]
         rows.append([f"#{part['number']}", cut(part["name"], LABEL), str(part["points"]), reason])
-    table = Table(("part", "name", "rows", "cannot be opened"), rows, frozenset({"rows"}))
+    table = TextTable(("part", "name", "rows", "cannot be opened"), rows, frozenset({"rows"}))
     if table.width <= width:
         return table.plain()
     # Reasons are sentences, too long for a column of a narrow window.

@@ -19,7 +19,7 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.model import Family, Model
 from springpot.rheology.parameters import Parameter
 
-from .text import Table, indented
+from .text import TextTable, indented
 
 EXAMPLE_UNITS = Units("N/m", "m")
 """The units in which a model's parameters are listed; results come in those of the data."""
@@ -274,4 +274,4 @@ def _parameter_table(of: list[dict[str, Any]]) -> str:
         [item["name"], item["symbol"], item["unit"], f"{item['lower']:g} to {item['upper']:g}"]
         for item in of
     ]
-    return Table(("parameter", "symbol", "unit (data in N/m)", "range"), rows).plain()
+    return TextTable(("parameter", "symbol", "unit (data in N/m)", "range"), rows).plain()

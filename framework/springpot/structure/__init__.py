@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .frame import Damper, Frame, Mode, Steady, modes_of, steady_of, steady_state
-    from .motion import Motion, Record, Simulation, artificial, motion_of, simulate
+    from .frame import Damper, Frame, Mode, SteadyState, modes_of, steady_of, steady_state
+    from .motion import GroundMotion, Motion, Simulation, artificial, motion_of, simulate
 
 __all__ = [
     "Damper",
     "Frame",
     "Mode",
     "Motion",
-    "Record",
+    "GroundMotion",
     "Simulation",
-    "Steady",
+    "SteadyState",
     "artificial",
     "modes_of",
     "motion_of",
@@ -34,9 +34,9 @@ _WHERE = {
     "Frame": "springpot.structure.frame",
     "Mode": "springpot.structure.frame",
     "Motion": "springpot.structure.motion",
-    "Record": "springpot.structure.motion",
+    "GroundMotion": "springpot.structure.motion",
     "Simulation": "springpot.structure.motion",
-    "Steady": "springpot.structure.frame",
+    "SteadyState": "springpot.structure.frame",
     "artificial": "springpot.structure.motion",
     "modes_of": "springpot.structure.frame",
     "motion_of": "springpot.structure.motion",

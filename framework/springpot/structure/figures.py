@@ -12,7 +12,7 @@ import numpy as np
 
 from springpot.report.canvas import COLOURS, QUIET, blank, logarithmic, save
 
-from .frame import Steady
+from .frame import SteadyState
 from .motion import Simulation
 
 if TYPE_CHECKING:
@@ -71,12 +71,12 @@ def figure_motion(simulation: Simulation, path: str | Path | None = None) -> Fig
     return figure
 
 
-def figure_steady(steady: Steady, path: str | Path | None = None) -> Figure:
+def figure_steady(steady: SteadyState, path: str | Path | None = None) -> Figure:
     """Drift of each storey and force of each damper over the frequency of the ground.
 
     Parameters
     ----------
-    steady : Steady
+    steady : SteadyState
         The steady state.
     path : str or Path, optional
         Where to write it.

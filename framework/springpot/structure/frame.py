@@ -5,7 +5,7 @@ Steady state and modes of a frame with dampers, exactly: no dashpot stands for a
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import ModelError
+from springpot.measurement.covered import Covered
+from springpot.measurement.units import AMPLITUDE_UNITS, STIFFNESS_UNITS, Units
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.history import sorted_out
 from springpot.rheology.model import Model
@@ -37,7 +39,7 @@ class Damper:
     model : Model
         Of a stiffness.
     theta : ndarray, shape (p,)
-        Its parameters, in SI units (N, m, s) unless `unit` and `length` say otherwise.
+        Its parameters, in SI units (N, m, s) unless `units` say otherwise.
     storey : int
         Which one it braces, 1 for the lowest.
     count : float
@@ -48,8 +50,10 @@ class Damper:
         In degC.
     reference : float
         Temperature in kelvin at which shifts are one.
-    unit, length : float
-        Stiffness in N/m and displacement in m of which theta counts one.
+    units : Units
+        Of stiffness and displacement, in which theta is.
+    covered : Covered
+        What it was measured at.
     cosine : float
         Of the slope against the floor.
 
@@ -77,8 +81,8 @@ class Damper:
     covariance: Real | None = None
     temperature: float | None = None
     reference: float = ROOM
-    unit: float = 1.0
-    length: float = 1.0
+    units: Units = field(default_factory=lambda: Units("N/m", "m"))
+    covered: Covered = field(default_factory=Covered)
     cosine: float = 1.0
 
     def __post_init__(self) -> None:
@@ -123,6 +127,31 @@ class Damper:
         """Stiffness in N/m along the floor of all dampers of this kind together, for a K of one."""
         # Once for the drift that reaches the damper, once for its force that is along the floor.
         return self.count * self.cosine**2 * self.unit
+
+    @property
+    def unit(self) -> float:
+        """Stiffness in N/m of which theta counts one."""
+        return STIFFNESS_UNITS[self.units.stiffness]
+
+    @property
+    def length(self) -> float:
+        """Displacement in m of which theta counts one."""
+        return AMPLITUDE_UNITS[self.units.amplitude]
+
+    def remark(self, omega: Real, of: str) -> str:
+        """One line on where it is used outside of what was measured; nothing where it is not.
+
+        Parameters
+        ----------
+        omega : ndarray, shape (n,)
+            At which it is used, in rad/s.
+        of : str
+            What these belong to, such as ``modes``.
+        """
+        conditions = {}
+        if self.temperature is not None:
+            conditions["temperature"] = np.array([self.temperature])
+        return self.covered.remark(omega, conditions, self.units, of=of)
 
     @property
     def kelvin(self) -> float | None:
@@ -394,7 +423,7 @@ def _newton(frame: Frame, s: complex, shape: Complex, share: float) -> tuple[com
 
 
 @dataclass(frozen=True, eq=False)
-class Steady:
+class SteadyState:
     """A frame that the ground shakes with one amplitude at each of some frequencies.
 
     Attributes
@@ -453,7 +482,7 @@ class Steady:
         return self.drift[:, [damper.storey - 1 for damper in self.frame.dampers]]
 
 
-def steady_of(frame: Frame, omega: Real, acceleration: float = 1.0) -> Steady:
+def steady_of(frame: Frame, omega: Real, acceleration: float = 1.0) -> SteadyState:
     """The steady state of a frame; see `steady_state`.
 
     Raises
@@ -478,7 +507,7 @@ def steady_of(frame: Frame, omega: Real, acceleration: float = 1.0) -> Steady:
                 " it out"
             )
     omega = np.atleast_1d(np.asarray(omega, dtype=float))
-    return Steady(frame, omega, steady_state(frame, omega, acceleration))
+    return SteadyState(frame, omega, steady_state(frame, omega, acceleration))
 
 
 def steady_state(frame: Frame, omega: Real, acceleration: float = 1.0) -> Complex:

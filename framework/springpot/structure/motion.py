@@ -178,7 +178,7 @@ EVEN = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Record:
+class GroundMotion:
     """Acceleration of the ground.
 
     Parameters
@@ -192,8 +192,8 @@ class Record:
 
     Examples
     --------
-    >>> from springpot.structure import Record
-    >>> Record.of([0.0, 0.01, 0.02], [0.0, 1.0, 0.0]).finer(2).acceleration
+    >>> from springpot.structure import GroundMotion
+    >>> GroundMotion.of([0.0, 0.01, 0.02], [0.0, 1.0, 0.0]).finer(2).acceleration
     array([0. , 0.5, 1. , 0.5, 0. ])
     """
 
@@ -206,14 +206,14 @@ class Record:
         """Of each sample, in s."""
         return np.arange(len(self.acceleration), dtype=float) * self.step
 
-    def finer(self, parts: int) -> Record:
+    def finer(self, parts: int) -> GroundMotion:
         """The same with so many steps for each of its own, straight between its samples."""
         time = self.time
         fine = np.linspace(time[0], time[-1], (len(time) - 1) * parts + 1)
-        return Record(self.step / parts, np.interp(fine, time, self.acceleration), self.name)
+        return GroundMotion(self.step / parts, np.interp(fine, time, self.acceleration), self.name)
 
     @classmethod
-    def of(cls, time: Real, acceleration: Real, name: str = "record") -> Record:
+    def of(cls, time: Real, acceleration: Real, name: str = "record") -> GroundMotion:
         """From samples at even times.
 
         Raises
@@ -254,7 +254,7 @@ class Record:
 
 def artificial(
     rng: np.random.Generator, duration: float = 20.0, step: float = 0.01, peak: float = 3.0
-) -> Record:
+) -> GroundMotion:
     """A ground motion as of an earthquake.
 
     White noise through the ground's own oscillator, rising and fading.
@@ -291,7 +291,7 @@ def artificial(
     # What the mass of an oscillator feels whose foot the noise shakes: the soil above the rock.
     shaken = lfilter(upper.ravel(), lower, rng.normal(size=len(t)))
     shaken = (shaken - shaken.mean()) * (t / duration) ** 2 * np.exp(-12.0 * t / duration)
-    return Record(step, peak * shaken / np.abs(shaken).max(), "artificial")
+    return GroundMotion(step, peak * shaken / np.abs(shaken).max(), "artificial")
 
 
 @dataclass(frozen=True, eq=False)
@@ -302,7 +302,7 @@ class Motion:
     ----------
     frame : Frame
         The frame.
-    record : Record
+    record : GroundMotion
         The record.
     displacement, velocity : ndarray, shape (t, n)
         Of the floors relative to the ground, in m and m/s.
@@ -314,7 +314,7 @@ class Motion:
     """
 
     frame: Frame
-    record: Record
+    record: GroundMotion
     displacement: Real
     velocity: Real
     force: Real
@@ -387,7 +387,7 @@ def _integral(rate: Real, step: float) -> Real:
     return whole
 
 
-def motion_of(frame: Frame, record: Record) -> Motion:
+def motion_of(frame: Frame, record: GroundMotion) -> Motion:
     """The motion of a frame that was at rest, exact where the acceleration is piecewise linear.
 
     What is not linear in a damper (friction, a slider, a stop, a power of the speed) is followed
@@ -397,7 +397,7 @@ def motion_of(frame: Frame, record: Record) -> Motion:
     ----------
     frame : Frame
         With its dampers.
-    record : Record
+    record : GroundMotion
         The acceleration of the ground.
 
     Raises
@@ -408,9 +408,9 @@ def motion_of(frame: Frame, record: Record) -> Motion:
     Examples
     --------
     >>> import numpy as np
-    >>> from springpot.structure import Frame, Record, motion_of
+    >>> from springpot.structure import Frame, GroundMotion, motion_of
     >>> frame = Frame([1000.0], [1000.0 * (2 * np.pi) ** 2], damping=0.02)
-    >>> pulse = Record(0.001, np.where(np.arange(2000) < 100, 1.0, 0.0))
+    >>> pulse = GroundMotion(0.001, np.where(np.arange(2000) < 100, 1.0, 0.0))
     >>> round(float(motion_of(frame, pulse).peak_drift[0]), 3)
     0.015
     """
@@ -439,7 +439,7 @@ def _seen(frame: Frame, parts: Sequence[_Part], size: int) -> Real:
 
 
 def _stepped(
-    frame: Frame, record: Record, system: System, besides: dict[int, Beside], seen: Real
+    frame: Frame, record: GroundMotion, system: System, besides: dict[int, Beside], seen: Real
 ) -> tuple[Real, Real, Real]:
     """States (t, m), forces (t, d) of what is not linear, and peaks.
 
@@ -542,7 +542,7 @@ def _part(damper: Damper, frame: Frame, band: tuple[float, float], start: int) -
     )
 
 
-def _system(frame: Frame, record: Record) -> tuple[Real, Real, list[_Part]]:
+def _system(frame: Frame, record: GroundMotion) -> tuple[Real, Real, list[_Part]]:
     """Matrix and load of y' = A y + b a; y: displacements, velocities, ways of the branches."""
     n = len(frame)
     # A short record leaves the frame swinging: its longest period counts as well.
@@ -602,14 +602,16 @@ class Simulation:
         return low, high
 
 
-def simulate(frame: Frame, record: Record, rng: np.random.Generator, draws: int = 40) -> Simulation:
+def simulate(
+    frame: Frame, record: GroundMotion, rng: np.random.Generator, draws: int = 40
+) -> Simulation:
     """Run a frame under a record, and again with dampers drawn from what is known of them.
 
     Parameters
     ----------
     frame : Frame
         With identified dampers.
-    record : Record
+    record : GroundMotion
         The acceleration of the ground.
     rng : numpy.random.Generator
         Of the draws.

@@ -11,16 +11,15 @@ from typing import Any
 import numpy as np
 
 from springpot.errors import DataError, ModelError, SpringpotError
-from springpot.identification.prediction import require_known
+from springpot.identification.prediction import Known, require_known
 from springpot.identified import fitted, lesser, stated
 from springpot.inputs import text_in, toml_in
-from springpot.measurement.units import AMPLITUDE_UNITS, STIFFNESS_UNITS
+from springpot.measurement.units import STIFFNESS_UNITS
 from springpot.rheology.points import KELVIN, Real
 from springpot.structure.motion import STRONGEST
-from springpot.timetests.known import Known
 
 from .frame import Damper, Frame
-from .motion import Record, artificial
+from .motion import GroundMotion, artificial
 
 ACCELERATIONS = {
     "m/s^2": 1.0,
@@ -137,8 +136,8 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
         raise DataError(f"{path}: {where}: {known.model.name} needs its temperature in degC")
     covariance = None
     # Parameters that were stated, not fitted, have no uncertainty to carry on.
-    if np.any(known.covariance != 0.0):
-        covariance = known.covariance
+    if np.any(known.theta_covariance != 0.0):
+        covariance = known.theta_covariance
     return Damper(
         known.model,
         known.theta,
@@ -147,8 +146,8 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
         covariance,
         temperature,
         known.reference,
-        STIFFNESS_UNITS[known.units.stiffness],
-        AMPLITUDE_UNITS[known.units.amplitude],
+        known.units,
+        known.covered,
         cosine,
     )
 
@@ -226,7 +225,7 @@ def _count(value: object, what: str, most: int) -> int:
     )
 
 
-def read_record(spec: str, rng: np.random.Generator) -> Record:
+def read_record(spec: str, rng: np.random.Generator) -> GroundMotion:
     """The record that a user names.
 
     A CSV file, or ``artificial``, or ``artificial:3.0`` with its peak in m/s^2.
@@ -269,7 +268,7 @@ def read_record(spec: str, rng: np.random.Generator) -> Record:
     if values.ndim != 2 or values.shape[1:] != (2,):
         raise DataError(f"{path}: a record has two columns, time [s] and acceleration [m/s^2]")
     try:
-        return Record.of(values[:, 0], factor * values[:, 1], path.stem)
+        return GroundMotion.of(values[:, 0], factor * values[:, 1], path.stem)
     except SpringpotError as error:
         # The name of the record is the path, which stands before it already.
         raise DataError(f"{path}: {str(error).removeprefix(f'{path.stem}: ')}") from None

@@ -42,7 +42,7 @@ from springpot.measurement import Choice, DataSet, Measurement, Reader, open_mea
 from ..readers import springpot_readers
 from ..readers.columns import ROLES, measurement_of
 from ..readers.joining import joined
-from ..readers.table import Column, Table, name_and_unit, table_of
+from ..readers.table import Column, ParsedTable, name_and_unit, table_of
 from ..readers.text import text_of
 from .download import fetched, file_name, kept, missing
 from .names import inside, is_name
@@ -227,7 +227,7 @@ class Manifest:
         others = [column for column in made if column.name not in ROLES]
         return measurement_of(roles, others, self.name, table.comments)
 
-    def _mapped(self, table: Table) -> Iterable[Column]:
+    def _mapped(self, table: ParsedTable) -> Iterable[Column]:
         by_title = {column.title: column for column in table.columns}
         for name, source in self.columns.items():
             title = source["from"]
@@ -241,7 +241,7 @@ class Manifest:
             yield Column(title, name, unit, cells, column.lines, column.decimal_comma)
 
 
-def _constants(values: dict[str, float], table: Table) -> Iterable[Column]:
+def _constants(values: dict[str, float], table: ParsedTable) -> Iterable[Column]:
     first = table.columns[0]
     for title, value in values.items():
         name, unit = name_and_unit(title)

@@ -135,7 +135,7 @@ def _complaint(cell: str) -> str:
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class ParsedTable:
     """A delimited text file.
 
     Parameters
@@ -195,7 +195,7 @@ def header_of(text: str) -> tuple[str, list[str]]:
     return ",", []
 
 
-def table_of(text: str) -> Table:
+def table_of(text: str) -> ParsedTable:
     """The table that a text holds.
 
     Raises
@@ -232,7 +232,7 @@ def table_of(text: str) -> Table:
         name, unit = name_and_unit(title)
         columns.append(Column(title, name, unit, column, numbers, separator != ","))
     _check_names(columns)
-    return Table(tuple(columns), comments)
+    return ParsedTable(tuple(columns), comments)
 
 
 def _cells(line: str, separator: str, number: int) -> list[str]:

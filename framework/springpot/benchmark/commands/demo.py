@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from springpot.cli.common import FILE, emit, json_option
+from springpot.cli.common import FOLDER, emit, json_option
 
 if TYPE_CHECKING:
     from springpot.hooks import Chapter, Race
@@ -22,7 +22,7 @@ SHOWN = ("data set", "optimiser", "success", "evaluations to target", "parameter
 @click.command("demo", epilog="Example: springpot demo --out results/demo")
 @click.option(
     "--out",
-    type=FILE,
+    type=FOLDER,
     default=Path("results/demo"),
     show_default=True,
     metavar="DIR",
@@ -94,7 +94,7 @@ def _run(race: Race, out: Path) -> str:
     from springpot.benchmark.store import Store
     from springpot.benchmark.study import Study
     from springpot.benchmark.tables import text
-    from springpot.report.text import Table
+    from springpot.report.text import TextTable
 
     study = Study(
         race.name,
@@ -110,5 +110,5 @@ def _run(race: Race, out: Path) -> str:
         summary = dict(study_tables(store, ["summary"]))["summary"]
     chosen = [summary.columns.index(column) for column in SHOWN]
     rows = [[text(row[k]) for k in chosen] for row in summary.rows]
-    shown = Table(SHOWN, rows, frozenset(SHOWN[2:])).plain()
+    shown = TextTable(SHOWN, rows, frozenset(SHOWN[2:])).plain()
     return f"{shown}\n\nall tables: {outcome.store.parent}\n"

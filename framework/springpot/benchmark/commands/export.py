@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from springpot.cli.common import DATA, FILE, emit, json_option
+from springpot.cli.common import DATA, FOLDER, emit, json_option
 
 FORMATS = ("ioh", "coco", "csv", "parquet")
 
@@ -20,13 +20,13 @@ FORMATS = ("ioh", "coco", "csv", "parquet")
     "-o",
     "--output",
     "folder",
-    type=FILE,
+    type=FOLDER,
     metavar="DIR",
     help="Folder; by default beside the results.",
 )
 @click.option(
     "--out",
-    type=FILE,
+    type=FOLDER,
     default=Path("results"),
     show_default=True,
     metavar="DIR",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from springpot.cli.common import FILE, INPUT, POSITIVE, F, emit, json_option
+from springpot.cli.common import FILE, FOLDER, INPUT, POSITIVE, F, emit, json_option
 
 if TYPE_CHECKING:
     from springpot.benchmark.gate.regression import Gate
@@ -21,7 +21,9 @@ def _shared(command: F) -> F:
         click.option(
             "--workers", type=POSITIVE, metavar="N", help="Processes; one for each core by default."
         ),
-        click.option("--out", type=FILE, default=out, show_default=True, metavar="DIR", help=text),
+        click.option(
+            "--out", type=FOLDER, default=out, show_default=True, metavar="DIR", help=text
+        ),
         click.option(
             "--baseline", type=FILE, metavar="FILE", help="By default OUT/NAME/baseline.json."
         ),

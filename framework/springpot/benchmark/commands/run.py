@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from springpot.cli.common import FILE, INPUT, POSITIVE, emit, json_option, own_stdout
+from springpot.cli.common import FOLDER, INPUT, POSITIVE, emit, json_option, own_stdout
 
 
 @click.command("run", epilog="Example: springpot run race.py --workers 2")
@@ -28,7 +28,7 @@ from springpot.cli.common import FILE, INPUT, POSITIVE, emit, json_option, own_s
 )
 @click.option(
     "--out",
-    type=FILE,
+    type=FOLDER,
     default=Path("results"),
     show_default=True,
     metavar="DIR",

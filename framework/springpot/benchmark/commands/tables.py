@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.cli.common import DATA, FILE, emit, json_option
+from springpot.cli.common import DATA, FOLDER, emit, json_option
 
 if TYPE_CHECKING:
     from springpot.benchmark.tables import Table
@@ -29,7 +29,7 @@ FORMATS = ("md", "csv", "latex", "html")
 )
 @click.option(
     "--out",
-    type=FILE,
+    type=FOLDER,
     default=Path("results"),
     show_default=True,
     metavar="DIR",

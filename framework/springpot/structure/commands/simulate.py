@@ -11,7 +11,8 @@ from springpot.cli.common import DATA, FILE, INPUT, emit, json_option
 from springpot.cli.predict import numbers
 
 if TYPE_CHECKING:
-    from springpot.structure.frame import Steady
+    from springpot.rheology.points import Real
+    from springpot.structure.frame import Frame, SteadyState
     from springpot.structure.motion import Simulation
 
 
@@ -102,7 +103,7 @@ def _steady(structure: Path, frequency: str, figure: Path | None, as_json: bool)
     emit(described_steady(steady), as_json, lambda: _show_steady(steady, figure))
 
 
-def described_steady(steady: Steady) -> dict[str, Any]:
+def described_steady(steady: SteadyState) -> dict[str, Any]:
     """As plain data, schema ``springpot.steady-state/2``.
 
     Amplitudes at 1 m/s^2 of the ground, energies a cycle.
@@ -126,12 +127,27 @@ def described_steady(steady: Steady) -> dict[str, Any]:
     return {
         "schema": "springpot.steady-state/2",
         "points": [dict(zip(columns, row, strict=True)) for row in rows],
+        "notes": _notes(steady.frame, steady.omega, "frequencies"),
     }
 
 
-def _show_steady(steady: Steady, figure: Path | None) -> None:
+def _notes(frame: Frame, omega: Real, of: str) -> list[str]:
+    """A line for each damper that is used outside of what it was measured at."""
+    remarks = [damper.remark(omega, of) for damper in frame.dampers]
+    return [f"damper {i}: {remark}" for i, remark in enumerate(remarks, 1) if remark]
+
+
+def _last_lines(notes: list[str], figure: Path | None) -> list[str]:
+    """What is said below the tables."""
+    lines = [f"note        {note}" for note in notes]
+    if figure is not None:
+        lines.append(f"figure      {figure}")
+    return lines
+
+
+def _show_steady(steady: SteadyState, figure: Path | None) -> None:
     from springpot.format_numbers import number
-    from springpot.report.text import Table
+    from springpot.report.text import TextTable
 
     storeys, dampers = range(1, len(steady.frame) + 1), range(1, len(steady.frame.dampers) + 1)
     shown = {
@@ -145,7 +161,8 @@ def _show_steady(steady: Steady, figure: Path | None) -> None:
     for title, _, which in shown.values():
         headers += [title.format(i) for i in which]
     rows = []
-    for point in described_steady(steady)["points"]:
+    described = described_steady(steady)
+    for point in described["points"]:
         cells = [point["frequency"]]
         for name, (_, factor, _) in shown.items():
             cells += [factor * value for value in point[name]]
@@ -155,9 +172,9 @@ def _show_steady(steady: Steady, figure: Path | None) -> None:
         " the force of"
     )
     print("all of a storey along the floor, and the energy that each kind takes in a cycle\n")
-    Table(tuple(headers), rows, frozenset(headers)).show()
-    if figure is not None:
-        print(f"\nfigure      {figure}")
+    TextTable(tuple(headers), rows, frozenset(headers)).show()
+    if last := _last_lines(described["notes"], figure):
+        print("", *last, sep="\n")
 
 
 def described(simulation: Simulation) -> dict[str, Any]:
@@ -170,6 +187,7 @@ def described(simulation: Simulation) -> dict[str, Any]:
 
     motion = simulation.motion
     low, high = simulation.band()
+    swinging = 2.0 * np.pi * np.array([mode.frequency for mode in simulation.modes])
     return {
         "schema": "springpot.simulation/2",
         "record": {
@@ -209,13 +227,14 @@ def described(simulation: Simulation) -> dict[str, Any]:
         ],
         "energy": {name: float(each[-1]) for name, each in motion.energy.items()},
         "draws": len(simulation.drifts),
+        "notes": _notes(motion.frame, swinging, "modes"),
     }
 
 
 def _show_dampers(result: dict[str, Any]) -> None:
     """What one damper of each kind must bear and move, and what all of a storey pull together."""
     from springpot.format_numbers import number
-    from springpot.report.text import Table
+    from springpot.report.text import TextTable
 
     rows = [
         [
@@ -229,11 +248,11 @@ def _show_dampers(result: dict[str, Any]) -> None:
         for damper in result["dampers"]
     ]
     headers = ("storey", "damper", "count", "slope [deg]", "axial force [kN]", "stroke [mm]")
-    Table(headers, rows, frozenset(headers) - {"storey", "damper"}).show()
+    TextTable(headers, rows, frozenset(headers) - {"storey", "damper"}).show()
     print("each: one damper along its axis; all of a storey together along the floor:\n")
     braced = sorted({damper["storey"] for damper in result["dampers"]})
     sums = [[str(i), number(1e-3 * result["storeys"][i - 1]["damper_force"])] for i in braced]
-    Table(
+    TextTable(
         ("storey", "force of its dampers [kN]"), sums, frozenset({"force of its dampers [kN]"})
     ).show()
     print()
@@ -241,7 +260,7 @@ def _show_dampers(result: dict[str, Any]) -> None:
 
 def _show(simulation: Simulation, figure: Path | None) -> None:
     from springpot.format_numbers import number
-    from springpot.report.text import Table
+    from springpot.report.text import TextTable
 
     result = described(simulation)
     record = result["record"]
@@ -257,7 +276,7 @@ def _show(simulation: Simulation, figure: Path | None) -> None:
         ]
         for i, row in enumerate(result["storeys"], 1)
     ]
-    drifts = Table(("storey", "drift [mm]", "95 % band"), rows, frozenset({"drift [mm]"}))
+    drifts = TextTable(("storey", "drift [mm]", "95 % band"), rows, frozenset({"drift [mm]"}))
     # Parameters that were stated have no uncertainty: a band of no width would claim that they are
     # known.
     if not result["draws"]:
@@ -268,7 +287,7 @@ def _show(simulation: Simulation, figure: Path | None) -> None:
         [str(i), number(mode["frequency"]), f"{100 * mode['damping']:.3g} %"]
         for i, mode in enumerate(result["modes"], 1)
     ]
-    Table(("mode", "f [Hz]", "damping"), modes, frozenset({"f [Hz]", "damping"})).show()
+    TextTable(("mode", "f [Hz]", "damping"), modes, frozenset({"f [Hz]", "damping"})).show()
     print()
     if result["dampers"]:
         _show_dampers(result)
@@ -276,7 +295,7 @@ def _show(simulation: Simulation, figure: Path | None) -> None:
     share = 100.0 * energy["dampers"] / energy["input"]
     print(
         f"energy      {number(energy['input'] / 1e3)} kJ put in, {share:.3g} % of it taken by the"
-        " dampers"
+        " dampers",
+        *_last_lines(result["notes"], figure),
+        sep="\n",
     )
-    if figure is not None:
-        print(f"figure      {figure}")
