@@ -4,8 +4,19 @@ import numpy as np
 import pytest
 
 from springpot.errors import SpringpotError
-from springpot.measurement import Measurement, TimeTest, Units, harmonics_of, noise_of, units
-from springpot.measurement import geometry_text, independence, mixed_tests, replicates, scatter
+from springpot.measurement import (
+    Measurement,
+    TimeTest,
+    Units,
+    geometry_text,
+    harmonics_of,
+    independence,
+    mixed_tests,
+    noise_of,
+    replicates,
+    scatter,
+    units,
+)
 from springpot.measurement.covered import Covered
 from springpot.measurement.exchange import exchange_note, material_misfit
 from springpot.measurement.followed import Record
@@ -293,7 +304,7 @@ def test_what_a_sweep_holds(case, stays):
             "settings": mixed_tests.settings_of(data),
             "together": mixed_tests.tests_together(data),
             "temperatures": mixed_tests.temperatures_differ(data),
-            "mean": [mean.mean.stiffness, mean.deviations, mean.own_gain],
+            "mean": [mean.mean.stiffness, mean.deviations(), mean.own_gain],
             "noise": noise,
             "thin": replicates.thinned(data).omega,
             "again": [again_note(data), stands_again(data)],

@@ -1,7 +1,6 @@
 """What every installed model and effect answers, in frequency and in time, as numbers."""
 
 import numpy as np
-import pytest
 
 import springpot
 from springpot.errors import SpringpotError
@@ -69,32 +68,28 @@ def models():
     return {item.name: item.build(3) if isinstance(item, Family) else item for item in items}
 
 
-@pytest.mark.parametrize("part", range(4))
-def test_models_in_frequency(part, stays):
+def test_models_in_frequency(stays):
     named = models()
-    stays({name: in_frequency(named[name]) for name in sorted(named)[part::4]})
+    stays({name: in_frequency(named[name]) for name in sorted(named)})
 
 
-@pytest.mark.parametrize("part", range(4))
-def test_effects_in_frequency(part, stays):
+def test_effects_in_frequency(stays):
     effects = sorted(plugins().items("effect"), key=lambda each: each.name)
     zener = parse_model("zener")
-    stays({each.name: in_frequency(zener + each) for each in effects[part::4]})
+    stays({each.name: in_frequency(zener + each) for each in effects})
 
 
-@pytest.mark.parametrize("part", range(2))
-def test_models_in_time(part, stays):
+def test_models_in_time(stays):
     named = models()
-    stays({name: in_time(named[name]) for name in sorted(named)[part::2]}, within=1e-3)
+    stays({name: in_time(named[name]) for name in sorted(named)}, within=1e-3)
 
 
-@pytest.mark.parametrize("part", range(2))
-def test_effects_in_time(part, stays):
+def test_effects_in_time(stays):
     effects = sorted(plugins().items("effect"), key=lambda each: each.name)
     zener = parse_model("zener")
     # Of these most of the time goes into finding that they are no sum of relaxations.
     asked = [each for each in effects if each.name not in ("diffusion", "frame-resonance")]
-    stays({each.name: in_time(zener + each) for each in asked[part::2]}, within=1e-3)
+    stays({each.name: in_time(zener + each) for each in asked}, within=1e-3)
 
 
 def test_networks_and_their_drawings(stays):

@@ -7,7 +7,7 @@ from springpot.registry import parse_model
 from springpot.structure import (
     Damper,
     Frame,
-    Record,
+    GroundMotion,
     artificial,
     modes_of,
     motion_of,
@@ -74,7 +74,7 @@ def test_motion_of_a_structure(case, stays):
 
 @pytest.mark.parametrize("step", [0.001, 0.3])
 def test_peaks_between_samples(step, stays):
-    record = Record(step, np.sin(np.arange(60) * 0.5), "sine")
+    record = GroundMotion(step, np.sin(np.arange(60) * 0.5), "sine")
     stays(motion_of(STRUCTURES["two dampers"], record).peaks)
 
 
