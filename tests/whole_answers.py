@@ -10,6 +10,7 @@ import dataclasses
 import json
 import math
 import os
+import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,11 @@ import pytest
 DIGITS = 7
 WITHIN = 1e-4
 """Relative difference that another machine's rounding may make."""
-NEXT_TO_NOTHING = 1e-9
+NEXT_TO_NOTHING = 1e-8
+NUMBER = re.compile(r"-?\d+\.\d{6,}(?:e[-+]\d+)?")
+"""One in full, as files hold them; what is rounded for a reader must stay to the letter."""
+MOST = 20
+"""Places that are told of an answer that moved."""
 LONGEST = 12
 """Numbers of an array that are kept one by one; of a longer one its size and four sums."""
 
@@ -46,6 +51,14 @@ def plain(part: Any) -> Any:
     if hasattr(part, "_asdict"):
         return plain(part._asdict())
     return [plain(each) for each in part]
+
+
+def _a_line_each(answer: Any) -> str:
+    """JSON with a line for each part, so that a change of one is a change of one line."""
+    if not isinstance(answer, dict):
+        return json.dumps(answer) + "\n"
+    lines = ",\n".join(f"{json.dumps(key)}: {json.dumps(part)}" for key, part in answer.items())
+    return f"{{\n{lines}\n}}\n"
 
 
 def _of_array(values: np.ndarray) -> Any:
@@ -90,6 +103,14 @@ def moved(before: Any, after: Any, within: float, place: str = "") -> Iterator[s
     elif isinstance(before, int | float) and isinstance(after, int | float):
         if not math.isclose(before, after, rel_tol=within, abs_tol=NEXT_TO_NOTHING):
             yield f"{place}: {before!r} -> {after!r}"
+    elif isinstance(before, str) and isinstance(after, str):
+        # Texts are alike where their words are, and their numbers but for rounding.
+        words = NUMBER.split(before) == NUMBER.split(after)
+        numbers = zip(NUMBER.findall(before), NUMBER.findall(after), strict=False)
+        if not words or any(
+            list(moved(float(old), float(new), within)) for old, new in numbers if old != new
+        ):
+            yield f"{place}: {before!r} -> {after!r}"
     elif before != after:
         yield f"{place}: {before!r} -> {after!r}"
 
@@ -105,8 +126,9 @@ def stays(request: pytest.FixtureRequest) -> Any:
         now = plain(answer)
         if "SPRINGPOT_KEEP" in os.environ:
             folder.mkdir(exist_ok=True)
-            file.write_text(json.dumps(now, indent=1) + "\n", encoding="utf-8")
+            file.write_text(_a_line_each(now), encoding="utf-8")
         before = json.loads(file.read_text(encoding="utf-8"))
-        assert list(moved(before, json.loads(json.dumps(now)), within)) == []
+        found = list(moved(before, json.loads(json.dumps(now)), within))
+        assert not found, "\n".join(found[:MOST])
 
     return check

@@ -71,6 +71,10 @@ def test_master_curve(case, stays):
     answer = found.to_dict()
     del answer["seconds"], answer["curve"]
     omega = np.geomspace(0.1, 10.0, 5)
+    conditions = dict(found.reduced.conditions)
+    if case == "glassy":
+        # A bound nobody has found: where the search for one gave up.
+        del conditions["a_high"]
     stays(
         {
             **answer,
@@ -79,7 +83,7 @@ def test_master_curve(case, stays):
             "drawn": found.drawn(omega, found.curve(omega)),
             "of each level": [found.simplicity.level_error, found.simplicity.level_alone],
             "law factors": [law.log_factors for law in found.laws],
-            "reduced": [found.reduced.omega, found.reduced.stiffness, found.reduced.conditions],
+            "reduced": [found.reduced.omega, found.reduced.stiffness, conditions],
             "covariance": found.factors.covariance,
         },
         within=1e-3,
