@@ -459,4 +459,5 @@ def _simplest_plane(frame: NoiseFrame) -> str:
         least = 1e-6 * np.sqrt(np.sum(lines**2, axis=0))
         along = (frame.rest @ left) / np.maximum(length, least)
         share[plane] = float(np.max(np.abs(along)))
-    return max(share, key=share.__getitem__)
+    # Of planes in which it is alike the first: rounding chooses nothing.
+    return max(share, key=lambda plane: float(f"{share[plane]:.5g}"))
