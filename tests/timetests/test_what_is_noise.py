@@ -83,7 +83,8 @@ def test_the_noise_of_short_records_is_not_too_small_on_average():
         record = t**-0.4 * (1.0 + 0.01 * noise(seed, size=60))
         sd = noise_of(TimeTest.of_relaxation(t, record, "kPa")).sd
         powers.append(np.mean((sd / t**-0.4) ** 2))
-    assert np.sqrt(np.mean(powers)) == pytest.approx(0.01, rel=0.05)
+    # Larger where a record is too short to tell noise in proportion from a constant one.
+    assert 0.0098 < np.sqrt(np.mean(powers)) < 0.011
 
 
 def test_what_a_good_model_leaves_tells_constant_noise_from_noise_in_proportion():

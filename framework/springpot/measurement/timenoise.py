@@ -190,7 +190,7 @@ def _two_parts(scatter: Real, level: Real, efficiency: float) -> tuple[float, fl
 
     From its robust size at each level of the signal, a sample of the scatter worth `efficiency`.
 
-    Both are taken only where one alone explains the levels plainly worse: a small part that is not
+    Both are fitted only where one alone explains the levels plainly worse: a small part that is not
     there would otherwise be found by chance, and make the noise too large where the signal is
     small.
     """
@@ -213,12 +213,16 @@ def _two_parts(scatter: Real, level: Real, efficiency: float) -> tuple[float, fl
     tried = [
         _fitted(columns * which, power, worth) for which in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))
     ]
-    alone = min(tried[:2], key=lambda each: each[1])
-    parts = alone[0]
+    alone, both = tried[:2], tried[2]
+    parts, cost = map(np.array, zip(*alone, strict=True))
     # Both kinds at once only where the data plainly ask for it.
-    if tried[2][1] < alone[1] - PLAINLY:
-        parts = tried[2][0]
-    return float(np.sqrt(parts[0])), float(np.sqrt(parts[1]))
+    if both[1] < cost.min() - PLAINLY:
+        return float(np.sqrt(both[0][0])), float(np.sqrt(both[0][1]))
+    # Where they do not tell one from the other, the mean of what these say: else a few small
+    # samples would count for all others.
+    chance = np.exp(-0.5 * (cost - cost.min()))
+    constant, in_proportion = chance @ parts / chance.sum()
+    return float(np.sqrt(constant)), float(np.sqrt(in_proportion))
 
 
 def _fitted(columns: Real, power: Real, worth: Real) -> tuple[Real, float]:

@@ -19,6 +19,7 @@ each two of its own poles (N. W. Tschoegl, 1989, doi:10.1007/978-3-642-73602-5).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -233,7 +234,15 @@ def spectral(
         other = _Search(model, parts, reference, coordinates, lines)
         ends.append((other, other.descended(other.placed(other.start()), STEPS)))
     evaluations = sum(each.evaluations for each in dict.fromkeys(each for each, _ in ends))
-    search, (weights, u, _) = min(ends, key=lambda end: end[1].cost)
+    search, place = min(ends, key=lambda end: end[1].cost)
+    if len(place.u):
+        # The convex form knows no effect: beside one, the lattice is as coarse as at the start.
+        for share in CLOSER:
+            nearer = search.closer(place, share)
+            evaluations += nearer[0].evaluations
+            if _with_lines(*nearer) < _with_lines(search, place):
+                search, place = nearer
+    weights, u, _ = place
     search.require_told(weights, u)
     # Lines without weight are no parameters: intervals would count them.
     kept = weights[2:] > 0.0
@@ -266,6 +275,13 @@ class MaterialPoint(NamedTuple):
     weights: Real
     u: Real
     cost: float
+
+
+def _with_lines(search: _Search, place: MaterialPoint) -> float:
+    """Schwarz' criterion of what is left and of the lines, which needs no size of the noise."""
+    samples = sum(len(_signal(part)) for part in search.parts)
+    lines = np.count_nonzero(place.weights)
+    return float(samples * np.log(place.cost) + lines * np.log(samples))
 
 
 class _Search:
@@ -350,6 +366,20 @@ class _Search:
                     reached.append(self.descended(begun, BRIEF))
             start = min(reached, key=lambda each: each.cost)
         return start
+
+    def closer(self, place: MaterialPoint, share: float) -> tuple[_Search, MaterialPoint]:
+        """A lattice closer by this share about the lines that carry, and the best place in it."""
+        step = share * np.log(10.0) / PER_DECADE
+        near = np.log(self.rates[place.weights[2:] > 0.0])[:, None] + step * np.arange(-4.0, 5.0)
+        search = copy(self)
+        search.evaluations = 0
+        logs = np.concatenate([np.log(self.rates), near.ravel()])
+        rates, first = np.unique(np.round(logs, 9), return_index=True)
+        before = np.concatenate([place.weights[2:], np.zeros(near.size)])
+        search.rates, search.count = np.exp(rates), 2 + len(rates)
+        search.model = with_rates(self.model, search.rates.tolist())
+        weights = np.concatenate([place.weights[:2], before[first]])
+        return search, search.descended(place._replace(weights=weights), STEPS)
 
     @property
     def first_of_tests(self) -> int:
@@ -453,10 +483,15 @@ class _Search:
             move = np.asarray(
                 np.linalg.lstsq(by_u, target - by_weights @ wanted, rcond=1e-8)[0], dtype=float
             )
-        move = np.clip(move, -LONGEST, LONGEST)
+        low, high = self.bounds[0][0], self.bounds[1][0]
+        allowed = np.clip(u + np.clip(move, -LONGEST, LONGEST), low, high) - u
+        if np.any(allowed != move):
+            # Lines for the step that is taken, not for the one that was too long.
+            move = allowed
+            wanted = non_negative(by_weights, target - by_u @ move)[0]
         share = 1.0
         while share > SHORTEST:
-            there = np.clip(u + share * move, self.bounds[0][0], self.bounds[1][0])
+            there = u + share * move
             # Between two sets of weights without a negative one there is none with one.
             nearer = weights + share * (wanted - weights)
             lower = self.cost(nearer, there)
