@@ -56,10 +56,18 @@ def _finite_or_none(value: float) -> float | None:
     return value
 
 
-def _with_infinity(ends: list[float | None], infinity: float) -> Real:
-    """What `_finite` gave, with infinity back in its place."""
-    numbers = np.array(ends, dtype=float)
-    return np.where(np.isnan(numbers), infinity, numbers)
+def ends_of(kept: Mapping[str, Any], count: int) -> tuple[Real, Real]:
+    """Both ends of the intervals of so many parameters, with infinity back in its place.
+
+    Raises
+    ------
+    ValueError
+        If they are not as many.
+    """
+    low, high = (np.array(kept[name], dtype=float) for name in ("low", "high"))
+    if low.shape != (count,) or high.shape != (count,):
+        raise ValueError(f"there are {count} parameters, and other intervals")
+    return np.where(np.isnan(low), -np.inf, low), np.where(np.isnan(high), np.inf, high)
 
 
 def bounds_of(model: Model) -> dict[str, list[float | None]]:
@@ -102,9 +110,11 @@ def measurement_of(kept: dict[str, Any]) -> Measurement:
     sd = None
     if kept["storage_sd"] is not None:
         sd = np.array(kept["storage_sd"]) + 1j * np.array(kept["loss_sd"])
-    repeat = None
+    repeat, reference = None, kept["reference"]
     if kept["repeat"] is not None:
         repeat = np.array(kept["repeat"])
+    if reference is not None:
+        reference = float(reference)
     conditions = {
         name: np.array(column, dtype=float) for name, column in kept["conditions"].items()
     }
@@ -116,7 +126,7 @@ def measurement_of(kept: dict[str, Any]) -> Measurement:
         repeat=repeat,
         units=Units(**kept["units"]),
         name=str(kept["name"]),
-        reference=kept["reference"],
+        reference=reference,
     )
 
 
@@ -140,7 +150,7 @@ def fit_of(
     """
     data = measurement_of(kept["measurement"])
     if is_material(model):
-        model = replace(model, material=Continuum(tuple(kept["rates"])))
+        model = replace(model, material=Continuum(tuple(map(float, kept["rates"]))))
     # As when it was fitted: first what is held, then the levels of the data.
     model = constrained_as(model, kept).bound_to(data.points)
     # Strictly: of a model that has changed since the numbers may mean something else, and it is
@@ -151,6 +161,8 @@ def fit_of(
         for p, value in zip(model.parameters, theta.tolist(), strict=True)
     ):
         raise ValueError(f"theta {theta.tolist()} is not within the bounds of {model.name}")
+    if not cost >= 0.0:
+        raise ValueError("the objective has no value")
     return Fit(model, data, objective, theta, cost, evaluations, bool(kept["converged"]))
 
 
@@ -162,8 +174,7 @@ def constrained_as(model: Model, kept: Mapping[str, Any]) -> Model:
 
 def uncertainty_of(kept: dict[str, Any], fit: Fit) -> tuple[Uncertainty, Real, Real]:
     """What is known of a fit, and the ends of its intervals, from what was kept."""
-    low, high = _with_infinity(kept["low"], -np.inf), _with_infinity(kept["high"], np.inf)
-    return Uncertainty(fit, bool(kept["absolute"])), low, high
+    return Uncertainty(fit, bool(kept["absolute"])), *ends_of(kept, len(fit.theta))
 
 
 def _ends(pair: list[float | None]) -> tuple[float, float]:

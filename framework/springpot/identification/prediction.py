@@ -20,7 +20,7 @@ from springpot.measurement.rows import Moduli
 from springpot.measurement.units import Units
 from springpot.rheology.levels import held
 from springpot.rheology.model import Model
-from springpot.rheology.points import KELVIN, Complex, Real
+from springpot.rheology.points import KELVIN, Complex, Points, Real
 
 from .uncertainty import Uncertainty, lost_and_known
 
@@ -179,8 +179,8 @@ def predict(
     # By the linear law of error propagation, as the intervals of the parameters are.
     value, sd = _value_and_sd(known, rate, conditions)
     # The band has the probability that is asked for, which need not be that of the intervals.
-    reach = Uncertainty(fit, known.absolute, level).quantile * sd
     with np.errstate(invalid="ignore"):
+        reach = Uncertainty(fit, known.absolute, level).quantile * sd
         low, high = (
             value.real + s * reach.real + 1j * (value.imag + s * reach.imag) for s in (-1.0, 1.0)
         )
@@ -316,16 +316,21 @@ def _at(
     fit = known.fit
     # At the reference of the fit: constants of shifts mean something there only.
     points = points_at(log_omega, conditions, fit.measurement.reference_temperature)
-    with np.errstate(all="ignore"):
-        value = fit.model.stiffness(fit.theta, points)
-        # At rest a derivative may be no number: what does not move K there adds nothing to the
-        # band.
-        slopes = np.nan_to_num(fit.model.jacobian(fit.theta, points))
-        by_u = slopes @ fit.task.coordinates.slopes(fit.theta, fit.task.coordinates.size[0])
+    value, slopes = value_and_slopes(fit.model, fit.theta, points)
+    by_u = slopes @ fit.task.coordinates.slopes(fit.theta, fit.task.coordinates.size[0])
     sd = np.array(
         [_spread(part, known.covariance, np.abs(value)) for part in (by_u.real, by_u.imag)]
     )
     return value, sd[0] + 1j * sd[1]
+
+
+def value_and_slopes(model: Model, theta: Real, points: Points) -> tuple[Complex, Complex]:
+    """K (n,) and its derivative (n, p), nothing where it is no number.
+
+    At rest, or where a part has no stiffness: what does not move K there adds nothing to a band.
+    """
+    with np.errstate(all="ignore"):
+        return model.stiffness(theta, points), np.nan_to_num(model.jacobian(theta, points))
 
 
 def _spread(by_u: Real, covariance: Real, size: Real) -> Real:

@@ -484,6 +484,8 @@ class Identification(Estimate):
             Finds the floors when they are asked for, as those of a fit that was just made.
         """
         kept, evaluations = answer["kept"], int(answer["evaluations"])
+        if kept["seed"] < 0:
+            raise ValueError("a seed is below zero")
         fit = fit_of(kept, model, objective, number(answer["objective"]["value"]), evaluations)
         uncertainty, low, high = uncertainty_of(kept, fit)
         return cls(

@@ -401,7 +401,9 @@ def comparison_text(comparison: Comparison, width: int = USUAL) -> str:
     for judged in comparison.judgements:
         error, dof = judged.error, judged.degrees_of_freedom
         ratio = over_floor(error.relative_rms, error.noise_floor, 2)
-        floor, chi_square = percent(error.material_floor), number(judged.chi_square / dof, 3)
+        # As many parameters as measured numbers leave none.
+        chi_square = number(judged.chi_square / max(dof, 1), 3)
+        floor = percent(error.material_floor)
         row = (percent(error.relative_rms), ratio, floor, chi_square, number(judged.delta_bic, 3))
         rows.append((judged.model.name, *row, str(judged.free_parameters)))
     error, size = comparison.judgements[0].error, comparison.magnitude

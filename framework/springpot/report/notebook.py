@@ -9,6 +9,7 @@ from typing import Any
 from springpot.comparison.comparing import Comparison
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Diagnosis
+from springpot.format_numbers import number
 from springpot.identification.part_result import in_time
 from springpot.markup import Html, html, table, tag
 from springpot.misfit.words import over_floor, percent
@@ -130,7 +131,7 @@ def _of_comparison(comparison: Comparison) -> Html:
                     for line in ("relative_rms", "noise_floor", "material_floor")
                 ),
                 over_floor(error["relative_rms"], error["noise_floor"]),
-                f"{one['delta_bic']:.3g}",
+                number(one["delta_bic"], 3),
                 word,
             )
         )

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from springpot.distributions import student
 from springpot.errors import DataError
-from springpot.identification.prediction import Prediction, require_known
+from springpot.identification.prediction import Prediction, require_known, value_and_slopes
 from springpot.identification.result import Identification
 from springpot.measurement.covered import Covered
 from springpot.measurement.units import Units
@@ -121,10 +121,7 @@ class Known:
         if temperature is not None:
             kelvin = conditions["temperature"] + KELVIN
         points = Points(np.log(omega), conditions.get("amplitude"), kelvin, self.reference)
-        value, slopes = (
-            self.model.stiffness(self.theta, points),
-            self.model.jacobian(self.theta, points),
-        )
+        value, slopes = value_and_slopes(self.model, self.theta, points)
         quantile = student(level, self.dof)
         real, imaginary = (
             quantile * reach(part, self.covariance) for part in (slopes.real, slopes.imag)

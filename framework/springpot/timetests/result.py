@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from springpot.drawing import draw, html_of, text_of
 from springpot.errors import ModelError
-from springpot.identification.kept import bounds_of, constrained_as
+from springpot.identification.kept import bounds_of, constrained_as, ends_of
 from springpot.identification.part_result import SWEEP, PartResult, parts_of
 from springpot.identification.prediction import Prediction
 from springpot.identification.result import all_parameters
@@ -25,7 +25,7 @@ from springpot.measurement.covered import Covered
 from springpot.measurement.opening import Test
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units
-from springpot.plain_data import jsonable, number
+from springpot.plain_data import jsonable
 from springpot.registry import parse_model
 from springpot.rheology.continuum import Continuum
 from springpot.rheology.effect import SWEEPS
@@ -322,8 +322,7 @@ class TimeIdentification:
         identified = cls(
             model,
             theta,
-            np.array([number(end, -np.inf) for end in kept["low"]]),
-            np.array([number(end, np.inf) for end in kept["high"]]),
+            *ends_of(kept, len(theta)),
             covariance,
             tests,
             float(kept["reference"]),
