@@ -27,7 +27,6 @@ from springpot.identification import Identification
 from springpot.measurement import Measurement, Units
 from springpot.rheology import Real
 from springpot.structure import Damper, Frame, artificial, modes_of, motion_of
-from springpot.timetests import Known
 
 TRUE = {"k": 400.0, "c": 60.0, "alpha": 0.55}
 CLAMP = 0.6e-3
@@ -79,7 +78,7 @@ def braced(model: springpot.Model, theta: Real) -> Frame:
 
 def as_identified(found: Identification) -> Frame:
     """The frame with the damper as it was identified; the clamp's mass stays in the laboratory."""
-    known = Known.of(found)
+    known = found.of_specimen
     model = found.model
     for effect in found.model.effects:
         model = model - effect

@@ -24,7 +24,8 @@ from statistics import median
 
 import springpot
 from springpot.errors import OutputError, SpringpotError
-from springpot.timetests import Test, TestPrediction, TimeIdentification, identify, predict_test
+from springpot.identification import Identification
+from springpot.timetests import Test, TestPrediction, identify, predict_test
 
 FOLDER = "polystyrene-three-tests"
 TEMPERATURES = (130, 145, 160, 175, 190)
@@ -108,7 +109,7 @@ def rows(temperatures: Sequence[int], models: Sequence[str]) -> Iterator[Row]:
 
 def together(
     temperatures: Sequence[int], models: Sequence[str]
-) -> Iterator[tuple[int, TimeIdentification]]:
+) -> Iterator[tuple[int, Identification]]:
     """All three tests with one set of parameters."""
     for temperature in temperatures:
         tests = list(tests_at(temperature).values())
@@ -143,7 +144,7 @@ def summary(found: Sequence[Row]) -> str:
     )
 
 
-def report(found: Sequence[Row], joint: Sequence[tuple[int, TimeIdentification]]) -> str:
+def report(found: Sequence[Row], joint: Sequence[tuple[int, Identification]]) -> str:
     """The page of results."""
     counts = {
         verdict: sum(row.found.verdict == verdict for row in found)

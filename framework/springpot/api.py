@@ -41,7 +41,6 @@ from springpot.timetests.fitting import compare as compare_in_time
 from springpot.timetests.fitting import identify as identify_in_time
 from springpot.timetests.prediction import predict_test
 from springpot.timetests.residuals_of_tests import units_of
-from springpot.timetests.result import TimeIdentification
 from springpot.timetests.where import TestPrediction
 
 from .judgement import standing_of
@@ -97,7 +96,7 @@ def identify(
     bounds: Mapping[str, Bounds] | None = None,
     start: Mapping[str, float] | None = None,
     exclude: str | Sequence[str] = (),
-) -> Identification | TimeIdentification:
+) -> Identification:
     """Identify the parameters of a model.
 
     Data, model, optimiser and objective may be given by name.
@@ -156,9 +155,10 @@ def identify(
     search |= {"intervals": intervals, "start": own_values(judged, units, start, "start")}
     data = sweep_of(tests)
     if data is None:
-        return identify_in_time(tests, judged, **search)
-    parts = [_model(part) for part in simpler]
-    fit = identify_objects(data, judged, simpler=parts, **search)
+        fit = identify_in_time(tests, judged, **search)
+    else:
+        parts = [_model(part) for part in simpler]
+        fit = identify_objects(data, judged, simpler=parts, **search)
     # Floors are judged by a room above identification, which must not know it: so its judge is
     # handed down.
     return replace(fit, judge=standing_of)
@@ -344,7 +344,7 @@ def compare(
 
 
 def predict(
-    fit: Identification | TimeIdentification,
+    fit: Identification,
     test: Test | str | Path,
     *,
     level: float = INTERVAL,
@@ -353,7 +353,7 @@ def predict(
 
     Parameters
     ----------
-    fit : Identification or TimeIdentification
+    fit : Identification
         Of a sweep or of tests in time; `load` reads one from its file.
     test : Measurement, TimeTest, str or Path
         Any test that it was not fitted to, or its name as for `read`.
@@ -372,7 +372,7 @@ def predict(
     >>> springpot.predict(fit, "artificial-hidden@frequency=5..").kind
     'sweep'
     """
-    if not isinstance(fit, Identification | TimeIdentification):
+    if not isinstance(fit, Identification):
         raise DataError(f"{_shown(fit)} is no fit: give what `identify` or `load` returned")
     asked = _tests(test)
     if len(asked) > 1:

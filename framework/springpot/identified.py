@@ -6,20 +6,18 @@ What solvers and structures take.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from springpot.errors import DataError, ModelError
+from springpot.identification.prediction import Known
 from springpot.identification.result import Identification
 from springpot.loading import load
 from springpot.measurement.units import MODULUS_UNITS, Units, known_unit
 from springpot.registry import parse_model, plugins
 from springpot.rheology.parameters import Dimension
 from springpot.rheology.points import ROOM
-from springpot.timetests.known import Known
-from springpot.timetests.result import TimeIdentification
 
 
 def fitted(path: str | Path) -> Known:
@@ -31,8 +29,8 @@ def fitted(path: str | Path) -> Known:
         If the file cannot be read or is no fit.
     """
     answer = load(path)
-    if isinstance(answer, Identification | TimeIdentification):
-        return Known.of(answer)
+    if isinstance(answer, Identification):
+        return answer.of_specimen
     raise DataError(f"{path} is no fit: give the output of 'springpot identify ... --json'")
 
 
@@ -73,7 +71,9 @@ def stated(expression: str, values: Mapping[str, float], unit: str | None, what:
         printed = printed / np.array(factors)
     # What a user states has no uncertainty to carry on.
     exact = np.zeros((len(printed), len(printed)))
-    return Known(model, printed, exact, units, ROOM, 0.0, 1.0)
+    return Known(
+        model=model, theta=printed, slopes=exact, spread=exact, units=units, reference=ROOM
+    )
 
 
 def _factor(units: Units, dimension: Dimension) -> float:
@@ -92,10 +92,4 @@ def lesser(known: Known, without: Iterable[str]) -> Known:
     SpringpotError
         If it has none of that name.
     """
-    model = known.model
-    for name in without:
-        model = model - plugins().effect(name)
-    kept = [known.model.names.index(name) for name in model.names]
-    return replace(
-        known, model=model, theta=known.theta[kept], covariance=known.covariance[np.ix_(kept, kept)]
-    )
+    return known.without(plugins().effect(name).name for name in without)

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from springpot.comparison.comparing import ONLY_NOISE, compare
-from springpot.errors import DataError
+from springpot.errors import DataError, SpringpotError
+from springpot.identification.material import is_material
 from springpot.identification.problem import default_objective
 from springpot.identification.result import Identification, Standing
 from springpot.identification.specimens import Specimens
-from springpot.misfit.material import lowest_error
+from springpot.misfit.material import any_material, is_of_material, lowest_error
+from springpot.timetests.fitting import identify, judgement_of
 
 FEWEST_SPARE = 4
 """Degrees of freedom from which the scatter about a model says how large the noise is."""
@@ -31,6 +35,8 @@ def standing_of(identified: Identification) -> Standing | None:
     identified : Identification
         The fit. The floors are those of `compare`, which fits the same model to the same data.
     """
+    if identified.uncertainty is None:
+        return _of_tests(identified)
     if identified.fit.dof < FEWEST_SPARE:
         return None
     try:
@@ -65,3 +71,27 @@ def standing_of(identified: Identification) -> Standing | None:
         identified.model, identified.measurement, identified.theta, identified.relative_rms
     )
     return Standing(error.noise_floor, error.noise_source, lowest, good, says)
+
+
+def _of_tests(identified: Identification) -> Standing:
+    """The same of tests of which one at least is in time."""
+    judged = judgement_of(identified, 0.0)
+    error = judged.error
+    good = not judged.fails
+    return Standing(error.noise_floor, error.noise_source, _lowest(identified), good, judged.says)
+
+
+def _lowest(identified: Identification) -> float:
+    """The least error of any material with the same effects; nan where none can be followed."""
+    model, error = identified.model, identified.relative_rms
+    if is_material(model):
+        return error
+    free = replace(any_material(), effects=model.effects)
+    try:
+        lowest = identify(identified.data, free).relative_rms
+    except SpringpotError:
+        return float("nan")
+    # Its lines stand apart: a model that is a material itself is a bound.
+    if lowest > error and is_of_material(model, identified.theta, identified.covered.rate, error):
+        return error
+    return lowest

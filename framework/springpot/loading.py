@@ -16,20 +16,17 @@ from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Diagnosis
 from springpot.errors import DataError, ModelError
 from springpot.files import keep_input
-from springpot.identification.kept import measurement_of
 from springpot.identification.problem import Objective, default_objective
 from springpot.identification.result import Identification
 from springpot.inputs import json_of, text_in
+from springpot.measurement.measurement import Measurement
 from springpot.plain_data import as_declared
 from springpot.registry import parse_model, plugins
-from springpot.timetests.result import TimeIdentification
-
-from .judgement import standing_of
 
 AGAIN = "give the output of a command of springpot with --json"
 
 
-Loaded: TypeAlias = Identification | TimeIdentification | Diagnosis | Ladder | Comparison
+Loaded: TypeAlias = Identification | Diagnosis | Ladder | Comparison
 
 
 def load(path: str | Path) -> Loaded:
@@ -42,7 +39,7 @@ def load(path: str | Path) -> Loaded:
 
     Returns
     -------
-    Identification, TimeIdentification, Diagnosis, Ladder or Comparison
+    Identification, Diagnosis, Ladder or Comparison
         By the schema that the file names: what the command or `to_dict` told of.
 
     Raises
@@ -93,17 +90,14 @@ def _read(path: Path) -> Any:
         ) from None
 
 
-def _fit(answer: dict[str, Any]) -> Identification | TimeIdentification:
-    # That of a sweep holds the measurement, so that residuals and pictures come back too.
-    if "measurement" not in answer["kept"]:
-        return TimeIdentification.from_dict(answer)
-    objective = _objective(answer["objective"]["name"], answer["kept"])
-    return Identification.from_dict(answer, parse_model(answer["model"]), objective, standing_of)
+def _fit(answer: dict[str, Any]) -> Identification:
+    model = parse_model(answer["model"])
+    return Identification.from_dict(answer, model, _objective)
 
 
-def _objective(name: str, kept: dict[str, Any]) -> Objective:
+def _objective(name: str, data: Measurement) -> Objective:
     # The objective that is taken where none is named need not be a plugin's, so it comes first.
-    standard = default_objective(measurement_of(kept["measurement"]))
+    standard = default_objective(data)
     if standard.name == name:
         return standard
     objective: Objective = plugins().find("objective", name)

@@ -11,7 +11,6 @@ from typing import Any
 import springpot
 from springpot.errors import SpringpotError
 from springpot.identification.result import Identification
-from springpot.timetests.result import TimeIdentification
 
 GONE = object()
 DEEP = "so many brackets"
@@ -65,7 +64,7 @@ def fault(path: Path) -> str:
     try:
         answer = springpot.load(path)
         str(answer), json.dumps(answer.to_dict(), allow_nan=False), answer._repr_html_()
-        if isinstance(answer, Identification | TimeIdentification):
+        if isinstance(answer, Identification):
             answer.predict(frequency=[1.0, 2.0], temperature=_needed(answer))
     except SpringpotError as error:
         if "\n" in str(error):
@@ -75,5 +74,5 @@ def fault(path: Path) -> str:
     return ""
 
 
-def _needed(answer: Identification | TimeIdentification) -> float | None:
+def _needed(answer: Identification) -> float | None:
     return 20.0 if "temperature" in answer.model.needs else None

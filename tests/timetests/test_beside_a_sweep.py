@@ -106,7 +106,7 @@ def test_the_kept_fit_of_a_sweep_and_a_relaxation_predicts_a_relaxation(tmp_path
     again = springpot.load(path)
     at = np.array([0.5, 2.0])
     expected = parse_model("fractional-maxwell").relaxation(fit.theta[:3], at)
-    assert np.allclose(again.known.model.relaxation(again.known.theta, at), expected)
+    assert np.allclose(again.of_specimen.model.relaxation(again.of_specimen.theta, at), expected)
 
 
 def test_a_fault_in_an_effect_is_no_answer():

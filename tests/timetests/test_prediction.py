@@ -10,9 +10,10 @@ import pytest
 
 import springpot
 from springpot.errors import DataError, ModelError
+from springpot.identification import Identification
 from springpot.measurement import Measurement, TimeTest, Units
 from springpot.registry import parse_model, plugins
-from springpot.timetests import Known, TimeIdentification, identify, predict_test
+from springpot.timetests import identify, predict_test
 
 MODEL = parse_model("fractional-zener")
 TRUE = MODEL.theta(k1=50.0, k2=400.0, c=60.0, alpha=0.55)
@@ -102,7 +103,7 @@ def test_what_was_written_predicts_the_same(fit, tmp_path):
     path = tmp_path / "fit.json"
     path.write_text(json.dumps(fit.to_dict()))
     again = springpot.load(path)
-    assert isinstance(again, TimeIdentification)
+    assert isinstance(again, Identification)
     assert np.array_equal(predict_test(again, crept()).high, predict_test(fit, crept()).high)
     predicted = again.predict(omega=[1.0])
     assert predicted.stiffness[0] == pytest.approx(MODEL.stiffness(fit.theta, np.ones(1))[0])
@@ -112,7 +113,8 @@ def test_what_was_written_predicts_the_same(fit, tmp_path):
 def test_a_covariance_belongs_to_the_numbers_that_are_printed(fit):
     """A mass in Mg, as kN/m have it, is printed in kg."""
     heavy = replace(fit, model=MODEL + plugins().effect("inertia"), units=Units("kN/m", "mm"))
-    heavy = replace(heavy, spread=np.eye(len(heavy.model.names)))
+    plain = np.eye(len(heavy.model.names))
+    heavy = replace(heavy, slopes=plain, spread=plain)
     assert heavy.covariance.diagonal().tolist() == [1.0, 1.0, 1.0, 1.0, 1e6]
 
 
@@ -171,7 +173,7 @@ def test_a_joint_fit_knows_what_its_tests_measured_and_keeps_it(tmp_path):
     path = tmp_path / "fit.json"
     path.write_text(json.dumps(joint.to_dict()))
     again = springpot.load(path)
-    for known in (Known.of(joint), Known.of(again)):
+    for known in (joint.of_specimen, again.of_specimen):
         assert known.covered.rate == pytest.approx((0.03, 1.0 / T[0]), rel=1e-6)
         assert known.covered.conditions["temperature"] == (20.0, 25.0)
         asked = np.array([1e-4, 1.0, 1e9])
@@ -193,7 +195,7 @@ def test_a_joint_fit_knows_what_its_tests_measured_and_keeps_it(tmp_path):
 def test_a_fit_of_one_modulus_is_no_prediction_of_another():
     shear = replace(relaxed(), letter="G")
     fit = identify(shear, MODEL)
-    assert Known.of(fit).units.modulus == "G"
+    assert fit.of_specimen.units.modulus == "G"
     assert Units(**fit.to_dict()["kept"]["units"]).modulus == "G"
     with pytest.raises(DataError, match="is a shear modulus and the test a Young's modulus"):
         predict_test(fit, replace(crept(), letter="E"))

@@ -83,7 +83,6 @@ def command(
     from springpot.identification.result import Identification
     from springpot.loading import load
     from springpot.report.canvas import check_figure_path
-    from springpot.timetests.result import TimeIdentification
 
     # A path that cannot be written is told before anything is worked out.
     if output is not None:
@@ -92,7 +91,7 @@ def command(
         check_figure_path(figure)
     _require_one_question(frequency, omega, history, geometry)
     known = load(fit)
-    if not isinstance(known, Identification | TimeIdentification):
+    if not isinstance(known, Identification):
         raise DataError(f"{fit} is no fit: give the output of 'springpot identify ... --json'")
     if history is not None:
         timetests.predict(known, history, temperature, level, geometry, output, figure, as_json)

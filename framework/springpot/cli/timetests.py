@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from springpot.measurement.timetest import TimeTest
     from springpot.rheology.model import Model
     from springpot.timetests.residuals_of_tests import Test
-    from springpot.timetests.result import TimeIdentification
     from springpot.timetests.where import TestPrediction
 
 WHERE = ("within", "outside")
@@ -92,16 +91,14 @@ def identify(
 
 
 def _show(
-    identified: TimeIdentification, figure: Path | None, data: Sequence[str], expression: str
+    identified: Identification, figure: Path | None, data: Sequence[str], expression: str
 ) -> None:
-    from springpot.report.fit_text import FAR_OFF, fitted_in_time_text
+    from springpot.report.fit_text import identification_text
 
-    print(fitted_in_time_text(identified, window()))
+    print(identification_text(identified, window()))
     if figure is not None:
         print(f"figure      {figure}")
-    # The worst of the tests decides: a long record must not hide a short one that the model misses.
-    judged = max(test.over_floor for test in identified.tests)
-    if judged > FAR_OFF:
+    if identified.standing is not None and not identified.standing.good_enough:
         named = " ".join(map(quoted, data))
         print(f"\nnext: springpot diagnose {named} --model {quoted(expression)}")
 
@@ -270,7 +267,7 @@ def inspect(tests: Sequence[TimeTest], spec: str, as_json: bool, line: bool) -> 
 
 
 def predict(
-    identified: Identification | TimeIdentification,
+    identified: Identification,
     spec: str,
     temperature: float | None,
     level: float,

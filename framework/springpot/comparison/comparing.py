@@ -71,7 +71,7 @@ class Judgement:
 
     Attributes
     ----------
-    fitted : Refit, TimeIdentification or None
+    fitted : Refit, Identification or None
         Its fit, in units of the noise, of tests in time with all that it found; a file does not
         hold it.
     error : Error

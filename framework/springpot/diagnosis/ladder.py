@@ -66,7 +66,7 @@ class Step:
         Each test beside its noise floor.
     alike : tuple of str
         Effects that the data could not tell from the accepted one, itself included.
-    examined : Case or TimeIdentification, optional
+    examined : Case or Identification, optional
         The examination of this rung's model, of tests in time its fit; a file does not hold it.
     """
 
@@ -76,7 +76,7 @@ class Step:
     noise_floor: float
     material_floor: float
     predicted_error: float | None
-    parameters: dict[str, Value]
+    parameters: Mapping[str, Value]
     changed: dict[str, float]
     material_chance: float
     tests: tuple[PartResult, ...]

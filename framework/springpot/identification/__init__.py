@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from .material_fit import least_error
     from .native import BoundedDescent, Effort, Fit, fit, minima_in_box, scanned_starts
     from .passive import is_passive, within_material
-    from .prediction import Prediction
+    from .prediction import Known, Prediction
     from .problem import Objective, Problem, Searched, default_objective, weighted
     from .ranges import EDGE, Window, settings, shown
     from .recorder import BudgetSpent, Recorder, RecorderGroup, all_points
@@ -36,6 +36,7 @@ __all__ = [
     "Effort",
     "Fit",
     "Identification",
+    "Known",
     "Objective",
     "Optimiser",
     "OptimiserFamily",
@@ -91,6 +92,7 @@ _WHERE = {
     "Effort": "springpot.identification.native",
     "Fit": "springpot.identification.native",
     "Identification": "springpot.identification.result",
+    "Known": "springpot.identification.prediction",
     "Objective": "springpot.identification.problem",
     "Optimiser": "springpot.identification.runs",
     "OptimiserFamily": "springpot.identification.runs",

@@ -230,9 +230,8 @@ def identify(
     low, high = _interval(known, intervals, seed or 0)
     notes = [*notes, *_references(model), *notes_on(known, low, high)]
     spent = perf_counter() - began
-    return Identification(
-        best, low, high, known, name, status, best.evaluations, spent, tuple(notes), seed or 0
-    )
+    told = {"evaluations": best.evaluations, "seconds": spent, "notes": tuple(notes)}
+    return Identification.of_sweep(known, low, high, name, status, **told, seed=seed or 0)
 
 
 def searched(

@@ -5,7 +5,7 @@ Theta and the data.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from math import isfinite
 from typing import Any
@@ -15,34 +15,16 @@ import numpy as np
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.units import Units
 from springpot.rheology.continuum import Continuum
+from springpot.rheology.effect import SWEEPS
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
-from .estimate import Estimate
-from .material import is_material
-from .native import Fit
-from .problem import Objective
-from .uncertainty import Uncertainty
 
-
-def kept(estimate: Estimate, seed: int) -> dict[str, Any]:
-    """Theta and intervals in the measurement's units, what was held or bounded, the measurement."""
-    model, rates = estimate.model, None
-    # The lines of a spectrum are placed by the data: the name of the model does not tell them.
-    if isinstance(model.material, Continuum):
-        rates = list(model.material.rates)
-    return {
-        "theta": estimate.theta.tolist(),
-        "low": _finite(estimate.low),
-        "high": _finite(estimate.high),
-        "held": model.held,
-        "bounds": bounds_of(model),
-        "rates": rates,
-        "absolute": estimate.uncertainty.absolute,
-        "converged": estimate.fit.converged,
-        "seed": seed,
-        "measurement": measurement_to_dict(estimate.measurement),
-    }
+def rates_of(model: Model) -> list[float] | None:
+    """Those of the lines of any material, which the tests place; of another model nothing."""
+    if not isinstance(model.material, Continuum):
+        return None
+    return list(model.material.rates)
 
 
 def _finite(ends: Real) -> list[float | None]:
@@ -54,20 +36,6 @@ def _finite_or_none(value: float) -> float | None:
     if not isfinite(value):
         return None
     return value
-
-
-def ends_of(kept: Mapping[str, Any], count: int) -> tuple[Real, Real]:
-    """Both ends of the intervals of so many parameters, with infinity back in its place.
-
-    Raises
-    ------
-    ValueError
-        If they are not as many.
-    """
-    low, high = (np.array(kept[name], dtype=float) for name in ("low", "high"))
-    if low.shape != (count,) or high.shape != (count,):
-        raise ValueError(f"there are {count} parameters, and other intervals")
-    return np.where(np.isnan(low), -np.inf, low), np.where(np.isnan(high), np.inf, high)
 
 
 def bounds_of(model: Model) -> dict[str, list[float | None]]:
@@ -130,29 +98,39 @@ def measurement_of(kept: dict[str, Any]) -> Measurement:
     )
 
 
-def fit_of(
-    kept: dict[str, Any], model: Model, objective: Objective, cost: float, evaluations: int
-) -> Fit:
-    """The fit as it was, from what was kept.
+def ends_of(kept: Mapping[str, Any], count: int) -> tuple[Real, Real]:
+    """Both ends of the intervals of so many parameters, with infinity back in its place.
 
-    Parameters
-    ----------
-    kept : dict
-        What `kept` gave.
-    model : Model
-        The model that its expression names.
-    objective : Objective
-        How the misfit was measured.
-    cost : float
-        The objective at the end.
-    evaluations : int
-        Spent on it.
+    Raises
+    ------
+    ValueError
+        If they are not as many.
     """
-    data = measurement_of(kept["measurement"])
-    if is_material(model):
+    low, high = (np.array(kept[name], dtype=float) for name in ("low", "high"))
+    if low.shape != (count,) or high.shape != (count,):
+        raise ValueError(f"there are {count} parameters, and other intervals")
+    return np.where(np.isnan(low), -np.inf, low), np.where(np.isnan(high), np.inf, high)
+
+
+def fitted_model(model: Model, kept: Mapping[str, Any]) -> tuple[Model, Real]:
+    """A model of that name with what its name does not tell, and its parameters (p,).
+
+    Raises
+    ------
+    ValueError
+        If they cannot be those of the model.
+    """
+    # Lines of a spectrum lie where the tests put them.
+    if kept["rates"] is not None:
         model = replace(model, material=Continuum(tuple(map(float, kept["rates"]))))
+    # Nor which effects are of the rig of the sweeps that stood beside tests in time.
+    alone = set(kept["only_sweeps"])
+    effects = [each.at(SWEEPS) if each.name in alone else each for each in model.effects]
+    bounds = {name: _ends(pair) for name, pair in kept["bounds"].items()}
     # As when it was fitted: first what is held, then the levels of the data.
-    model = constrained_as(model, kept).bound_to(data.points)
+    model = replace(model, effects=tuple(effects)).holding(kept["held"], bounds)
+    if "measurement" in kept:
+        model = model.bound_to(measurement_of(kept["measurement"]).points)
     # Strictly: of a model that has changed since the numbers may mean something else, and it is
     # refused.
     theta = model.vector(dict(zip(model.names, kept["theta"], strict=True)))
@@ -161,20 +139,23 @@ def fit_of(
         for p, value in zip(model.parameters, theta.tolist(), strict=True)
     ):
         raise ValueError(f"theta {theta.tolist()} is not within the bounds of {model.name}")
-    if not cost >= 0.0:
-        raise ValueError("the objective has no value")
-    return Fit(model, data, objective, theta, cost, evaluations, bool(kept["converged"]))
+    return model, theta
 
 
-def constrained_as(model: Model, kept: Mapping[str, Any]) -> Model:
-    """The model with what was held, and what was bounded, when it was fitted."""
-    bounds = {name: _ends(pair) for name, pair in kept["bounds"].items()}
-    return model.holding(kept["held"], bounds)
+def coordinates_of(rows: Sequence[Any], model: Model, units: Units) -> tuple[Real, Real]:
+    """Slopes and spread (p, p) of parameters, by their covariance as it is printed.
 
-
-def uncertainty_of(kept: dict[str, Any], fit: Fit) -> tuple[Uncertainty, Real, Real]:
-    """What is known of a fit, and the ends of its intervals, from what was kept."""
-    return Uncertainty(fit, bool(kept["absolute"])), *ends_of(kept, len(fit.theta))
+    Raises
+    ------
+    ValueError
+        If it cannot be that of the model.
+    """
+    covariance = np.array(rows, dtype=float)
+    count = len(model.parameters)
+    if covariance.shape != (count, count):
+        raise ValueError(f"the covariance cannot be that of {model.name}")
+    factor = np.array([units.of(each.unit)[0] for each in model.parameters])
+    return np.eye(count), covariance / np.outer(factor, factor)
 
 
 def _ends(pair: list[float | None]) -> tuple[float, float]:

@@ -290,8 +290,11 @@ class SpectrumSearch:
         with np.errstate(all="ignore"):
             return self.with_lines(trial.log_rates).network.respond(theta, self.points, GRADIENT)
 
-    def solve(self, u: Real, log_rates: Real | None = None) -> Trial:
-        """The best spectrum for the effects' `u`; of infinite cost where K is no number."""
+    def solve(self, u: Real, log_rates: Real | None = None, near: Trial | None = None) -> Trial:
+        """The best spectrum for the effects' `u`; of infinite cost where K is no number.
+
+        The weights of a trial nearby, if it has the same lines, are a start.
+        """
         if log_rates is None:
             log_rates = self.lattice(self.theta_of(u))
         count = 2 + len(log_rates)
@@ -301,6 +304,8 @@ class SpectrumSearch:
         start = np.zeros(count)
         if not self.linear:
             start = np.full(count, self.scale / count)
+            if near is not None and np.array_equal(near.log_rates, log_rates):
+                start = near.weights
         best = trial = Trial(u, log_rates, start, np.inf)
         foretold = np.inf
         surprise = self.surprise(self.theta_of(u))
@@ -354,7 +359,7 @@ class SpectrumSearch:
             moved = np.clip(trial.u + _step(*slopes, damping), self.low, self.high)
             if float(np.max(np.abs(moved - trial.u))) < SHORTEST:
                 return trial, True
-            other = self.solve(moved, lines)
+            other = self.solve(moved, lines, trial)
             drop = trial.cost - other.cost
             if not drop > 0.0:
                 # Not better, or no number: a shorter step, nearer to the steepest descent.

@@ -8,12 +8,16 @@ from math import inf, nan
 from typing import Any
 
 from springpot.plain_data import jsonable, number, some
+from springpot.rheology.points import Real
 
 SWEEP = "sweep"
 """Kind of a test at frequencies."""
 AGREE = 1.5
 """A test that the common parameters miss by this many times what its own would leave does not agree
 with the others: with the fifty numbers of a usual test that is beyond a chance of 1e-3 (F test)."""
+
+MOST_POINTS = 2**53
+"""Samples of all tests together: what a float counts exactly."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +76,20 @@ class PartResult:
 def parts_of(rows: Sequence[Mapping[str, Any]]) -> tuple[PartResult, ...]:
     """All tests of an answer, as their `to_dict` gave them."""
     return some(PartResult.from_dict(row) for row in rows)
+
+
+def spare(tests: Sequence[PartResult], theta: Real) -> int:
+    """Samples beyond the parameters (p,), one at least.
+
+    Raises
+    ------
+    ValueError
+        If no test can have so many.
+    """
+    points = sum(test.points for test in tests)
+    if not 0 < points < MOST_POINTS:
+        raise ValueError(f"{points} samples are none that tests can have")
+    return max(points - len(theta), 1)
 
 
 def in_time(tests: Sequence[PartResult]) -> bool:

@@ -1,9 +1,12 @@
-"""Another test than the measured one: what a fitted model says of it, and how surely."""
+"""A model whose parameters are known, and how well, whatever tests they were found from.
+
+What it says of another test than the measured one, and how surely.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from springpot.distributions import student
 from springpot.drawing import draw
 from springpot.errors import DataError, ModelError
 from springpot.markup import table, tag
@@ -20,15 +24,14 @@ from springpot.measurement.rows import Moduli
 from springpot.measurement.units import Units
 from springpot.rheology.levels import held
 from springpot.rheology.model import Model
-from springpot.rheology.points import KELVIN, Complex, Points, Real
+from springpot.rheology.points import KELVIN, Complex, Real
+from springpot.thresholds import INTERVAL
 
-from .uncertainty import Uncertainty, lost_and_known
+from .uncertainty import lost_and_known
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from .native import Fit
 
 SCHEMA = "springpot.prediction/2"
 AT_REST = (-80.0, -160.0, -320.0, -640.0)
@@ -51,6 +54,10 @@ The laws of temperature hold
 for about 100 K above the glass transition (Williams, Landel and Ferry 1955,
 doi:10.1021/ja01619a008).
 """
+ENDLESS = 1e12
+"""Variance of a coordinate that the tests do not determine: a million natural sizes."""
+TINY = 1e-300
+"""Angular frequency in place of none at all, whose logarithm would be no number."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,51 +162,156 @@ class Prediction(Moduli):
         return tag("div", tag("p", tag("b", title)), table(self._headers(), rows), notes)
 
 
-def predict(
-    known: Uncertainty,
-    frequency: ArrayLike | None = None,
-    omega: ArrayLike | None = None,
-    level: float = 0.95,
-    **given: ArrayLike | None,
-) -> Prediction:
-    """What the model of a fit says of another test; see `Identification.predict`."""
-    fit = known.fit
-    wanted = {name: column for name, column in given.items() if column is not None}
-    rate = _rate(fit.measurement, frequency, omega)
-    conditions = _conditions(fit, wanted, rate)
-    count = max([len(rate), *(len(column) for column in conditions.values())])
-    try:
-        rate = np.broadcast_to(rate, count)
-        conditions = {name: np.broadcast_to(column, count) for name, column in conditions.items()}
-    except ValueError:
-        lengths = ", ".join(f"{len(column)} of {name}" for name, column in conditions.items())
-        raise DataError(
-            f"give one value or as many as frequencies: there are {len(rate)}, and {lengths}"
-        ) from None
-    # By the linear law of error propagation, as the intervals of the parameters are.
-    value, sd = _value_and_sd(known, rate, conditions)
-    # The band has the probability that is asked for, which need not be that of the intervals.
-    with np.errstate(invalid="ignore"):
-        reach = Uncertainty(fit, known.absolute, level).quantile * sd
-        low, high = (
-            value.real + s * reach.real + 1j * (value.imag + s * reach.imag) for s in (-1.0, 1.0)
-        )
-    units = fit.measurement.units
-    # Told in the frequencies in which it was asked.
-    if omega is not None:
-        units = replace(units, clock="rad/s")
-    elif frequency is not None:
-        units = replace(units, clock="Hz")
-    covered = Covered.of([fit.measurement])
-    return Prediction(fit.model.name, rate, value, low, high, conditions, units, level, covered)
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Known:
+    """A model with its parameters and how well they are known.
+
+    Attributes
+    ----------
+    model : Model
+        The model.
+    theta : ndarray, shape (p,)
+        Its parameters, in `units`.
+    slopes : ndarray, shape (p, q)
+        Their derivative by the coordinates in which their uncertainty is told.
+    spread : ndarray, shape (q, q)
+        Covariance of these; infinite variance where the tests say nothing.
+    units : Units
+        Of the tests that they were fitted to.
+    reference : float
+        Temperature in kelvin at which shifts are one.
+    misfit : float
+        Relative error that the fit itself has.
+    dof : float
+        Degrees of freedom behind the covariance.
+    covered : Covered
+        What the fitted tests measured.
+    sweep : Measurement, optional
+        The sweep that was fitted, where it stands alone: its frequencies and conditions are meant
+        where none are given.
+    """
+
+    model: Model
+    theta: Real
+    slopes: Real
+    spread: Real
+    units: Units
+    reference: float
+    misfit: float = 0.0
+    dof: float = 1.0
+    covered: Covered = field(default_factory=Covered)
+    sweep: Measurement | None = None
+
+    @property
+    def of_specimen(self) -> Known:
+        """The model without what the tests did themselves: a drift does not go into another one."""
+        model = self.model.of_specimen
+        count = len(model.parameters)
+        told = {each.name: getattr(self, each.name) for each in fields(Known)}
+        told |= {"model": model, "theta": self.theta[:count], "slopes": self.slopes[:count]}
+        return Known(**told)
+
+    @property
+    def theta_covariance(self) -> Real:
+        """Covariance (p, p) of the parameters; what the tests leave open has a huge variance."""
+        # An endless variance times a slope of zero would be no number.
+        spread = np.nan_to_num(self.spread, nan=0.0, posinf=ENDLESS)
+        covariance: Real = self.slopes @ spread @ self.slopes.T
+        return covariance
+
+    def without(self, names: Iterable[str]) -> Known:
+        """The same without some of its effects, such as those of the rig that it was tested in.
+
+        Raises
+        ------
+        ModelError
+            If it has none of that name.
+        """
+        model = self.model
+        for name in names:
+            model = model - name
+        kept = [self.model.names.index(name) for name in model.names]
+        return replace(self, model=model, theta=self.theta[kept], slopes=self.slopes[kept])
+
+    def predict(
+        self,
+        frequency: ArrayLike | None = None,
+        *,
+        omega: ArrayLike | None = None,
+        temperature: ArrayLike | None = None,
+        amplitude: ArrayLike | None = None,
+        level: float = INTERVAL,
+        **columns: ArrayLike,
+    ) -> Prediction:
+        """What the model says of another test, with a band.
+
+        Parameters
+        ----------
+        frequency : array_like, shape (n,), optional
+            In Hz; zero gives the limit at rest. Without it and `omega` the measured ones of a
+            sweep.
+        omega : array_like, shape (n,), optional
+            Angular frequency in rad/s instead.
+        temperature : array_like, one or (n,), optional
+            In degC; constants of shifts refer to the reference temperature of the fit.
+        amplitude : array_like, one or (n,), optional
+            In the amplitude unit of the data.
+        level : float
+            Probability of the band.
+        **columns : array_like, one or (n,)
+            Other conditions by name.
+
+        Returns
+        -------
+        Prediction
+            With omega, storage, loss, low and high, in the unit of the data.
+
+        Raises
+        ------
+        DataError
+            If the columns cannot be, or one that the model needs is missing.
+        ModelError
+            If the model knows nothing of a condition whose change is asked for.
+        """
+        given = {"temperature": temperature, "amplitude": amplitude, **columns}
+        wanted = {name: column for name, column in given.items() if column is not None}
+        rate = _rate(self.sweep, frequency, omega)
+        conditions = _conditions(self, wanted, rate)
+        count = max([len(rate), *(len(column) for column in conditions.values())])
+        try:
+            rate = np.broadcast_to(rate, count)
+            conditions = {n: np.broadcast_to(column, count) for n, column in conditions.items()}
+        except ValueError:
+            lengths = ", ".join(f"{len(column)} of {name}" for name, column in conditions.items())
+            raise DataError(
+                f"give one value or as many as frequencies: there are {len(rate)}, and {lengths}"
+            ) from None
+        # By the linear law of error propagation, as the intervals of the parameters are.
+        value, sd = _value_and_sd(self, rate, conditions)
+        with np.errstate(invalid="ignore"):
+            reach = student(level, self.dof) * sd
+            low, high = (
+                value.real + s * reach.real + 1j * (value.imag + s * reach.imag)
+                for s in (-1.0, 1.0)
+            )
+        units = self.units
+        # Told in the frequencies in which it was asked.
+        if omega is not None:
+            units = replace(units, clock="rad/s")
+        elif frequency is not None:
+            units = replace(units, clock="Hz")
+        name, covered = self.model.name, self.covered
+        return Prediction(name, rate, value, low, high, conditions, units, level, covered)
 
 
-def _rate(data: Measurement, frequency: ArrayLike | None, omega: ArrayLike | None) -> Real:
+def _rate(sweep: Measurement | None, frequency: ArrayLike | None, omega: ArrayLike | None) -> Real:
     """Angular frequencies (n,) that are asked for; the measured ones where none are."""
     if frequency is not None and omega is not None:
         raise DataError("give frequency [Hz] or omega [rad/s], not both")
     if frequency is None and omega is None:
-        return data.omega
+        if sweep is None:
+            raise DataError("give frequency [Hz] or omega [rad/s]: tests in time have none")
+        return sweep.omega
     given = omega
     if given is None:
         given = frequency
@@ -214,36 +326,35 @@ def _rate(data: Measurement, frequency: ArrayLike | None, omega: ArrayLike | Non
     return column
 
 
-def _conditions(fit: Fit, given: Mapping[str, ArrayLike], rate: Real) -> dict[str, Real]:
+def _conditions(known: Known, given: Mapping[str, ArrayLike], rate: Real) -> dict[str, Real]:
     """Conditions that are asked for, each as a column of one value or one for each point."""
-    model, data = fit.model, fit.measurement
+    model, data = known.model, known.sweep
     own = {name: np.atleast_1d(np.asarray(column, dtype=float)) for name, column in given.items()}
     for name, column in own.items():
         if not np.all(np.isfinite(column)):
             raise DataError(f"{name} must be finite numbers")
-        _check_condition(fit, name, column)
+        _check_condition(known, name, column)
     for name in sorted(model.needs - set(own)):
-        measured = data.conditions[name]
+        if name not in known.covered.conditions:
+            raise DataError(f"{model.name} needs {name}: say {name}=...")
+        measured = np.array(known.covered.conditions[name])
         # At the measured frequencies each point has its own; elsewhere only what was the same for
         # all is known.
-        if len(rate) == len(data) and np.array_equal(rate, data.omega):
-            own[name] = measured
+        if data is not None and len(rate) == len(data) and np.array_equal(rate, data.omega):
+            own[name] = data.conditions[name]
         elif float(np.ptp(measured)) <= float(held(name, measured).max()):
             own[name] = np.array([float(np.mean(measured))])
         else:
-            span = Covered.of([data]).span(name, data.units)
+            span = known.covered.span(name, known.units)
             raise DataError(f"{model.name} depends on {name}, measured at a {span}: say {name}=...")
     return own
 
 
-def _check_condition(fit: Fit, name: str, column: Real) -> None:
+def _check_condition(known: Known, name: str, column: Real) -> None:
     """Refuse what would give a wrong number without a word."""
-    data, model = fit.measurement, fit.model
-    measured = data.conditions.get(name)
     if name == "temperature":
-        warmest = data.reference_temperature - KELVIN
-        if measured is not None:
-            warmest = float(measured.max())
+        reference = known.reference - KELVIN
+        _, warmest = known.covered.conditions.get(name, (reference, reference))
         if np.any(column < -KELVIN):
             raise DataError(
                 f"temperature={column.min():g} is below the absolute zero of -273.15 degC"
@@ -252,7 +363,7 @@ def _check_condition(fit: Fit, name: str, column: Real) -> None:
             raise DataError(
                 f"temperature={column.max():g} looks like kelvin: give it in degC, as in the data"
             )
-    require_known(model, Covered.of([data]), name, column)
+    require_known(known.model, known.covered, name, column)
 
 
 def require_known(model: Model, covered: Covered, name: str, column: Real) -> None:
@@ -283,7 +394,7 @@ def require_known(model: Model, covered: Covered, name: str, column: Real) -> No
 
 
 def _value_and_sd(
-    known: Uncertainty, rate: Real, conditions: Mapping[str, Real]
+    known: Known, rate: Real, conditions: Mapping[str, Real]
 ) -> tuple[Complex, Complex]:
     """K (n,) and the standard deviations of its parts (n,); at rest both are limits."""
     with np.errstate(divide="ignore"):
@@ -293,7 +404,8 @@ def _value_and_sd(
     if not np.any(still):
         return value, sd
     # At rest K may be zero, which limits approach but never reach: so little is none.
-    tiny = NOTHING * float(np.min(known.fit.measurement.magnitude))
+    slowest = np.where(still, np.log(max(known.covered.rate[0], TINY)), log_omega)
+    tiny = NOTHING * float(np.min(np.abs(_at(known, slowest, conditions)[0])))
     for place in AT_REST:
         nearer, spread = _at(known, np.where(still, place, log_omega), conditions)
         # A limit that is no number further out keeps the last one that was.
@@ -310,31 +422,21 @@ def _without_rounding(values: Complex, still: NDArray[np.bool_], tiny: float) ->
     return np.asarray(parts[0] + 1j * parts[1], dtype=np.complex128)
 
 
-def _at(
-    known: Uncertainty, log_omega: Real, conditions: Mapping[str, Real]
-) -> tuple[Complex, Complex]:
-    fit = known.fit
+def _at(known: Known, log_omega: Real, conditions: Mapping[str, Real]) -> tuple[Complex, Complex]:
     # At the reference of the fit: constants of shifts mean something there only.
-    points = points_at(log_omega, conditions, fit.measurement.reference_temperature)
-    value, slopes = value_and_slopes(fit.model, fit.theta, points)
-    by_u = slopes @ fit.task.coordinates.slopes(fit.theta, fit.task.coordinates.size[0])
-    sd = np.array(
-        [_spread(part, known.covariance, np.abs(value)) for part in (by_u.real, by_u.imag)]
-    )
+    points = points_at(log_omega, conditions, known.reference)
+    with np.errstate(all="ignore"):
+        value = known.model.stiffness(known.theta, points)
+        # At rest a derivative may be no number: what does not move K there adds nothing to the
+        # band.
+        by_theta = np.nan_to_num(known.model.jacobian(known.theta, points))
+        by_u = by_theta @ known.slopes
+    sd = np.array([_band(part, known.spread, np.abs(value)) for part in (by_u.real, by_u.imag)])
     return value, sd[0] + 1j * sd[1]
 
 
-def value_and_slopes(model: Model, theta: Real, points: Points) -> tuple[Complex, Complex]:
-    """K (n,) and its derivative (n, p), nothing where it is no number.
-
-    At rest, or where a part has no stiffness: what does not move K there adds nothing to a band.
-    """
-    with np.errstate(all="ignore"):
-        return model.stiffness(theta, points), np.nan_to_num(model.jacobian(theta, points))
-
-
-def _spread(by_u: Real, covariance: Real, size: Real) -> Real:
-    """Standard deviations (n,) of what depends on the search coordinates by `by_u` (n, p)."""
+def _band(by_u: Real, covariance: Real, size: Real) -> Real:
+    """Standard deviations (n,) of what depends on the coordinates by `by_u` (n, q)."""
     lost, known = lost_and_known(covariance)
     variance = np.einsum("ij,jk,ik->i", by_u, known, by_u)
     open_ended = np.any(np.abs(by_u[:, lost]) > SEEN * size[:, None], axis=1)

@@ -6,34 +6,43 @@ Parameters as they are printed, in the model's own form and in its published sea
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from springpot.drawing import draw, text_of
 from springpot.errors import ModelError
 from springpot.markup import table, tag
 from springpot.measurement.covered import Covered
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.opening import Test
 from springpot.measurement.units import Units
-from springpot.plain_data import number
+from springpot.plain_data import jsonable, number
 from springpot.rheology.continuum import EQUILIBRIUM, VISCOSITY
 from springpot.rheology.forms import SearchForm
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import Complex, Real
 
-from .estimate import Estimate
-from .kept import fit_of, kept, uncertainty_of
+from .kept import (
+    bounds_of,
+    coordinates_of,
+    ends_of,
+    fitted_model,
+    measurement_of,
+    measurement_to_dict,
+    rates_of,
+)
 from .material import is_material
-from .part_result import PartResult
-from .prediction import Prediction, predict
+from .native import Fit
+from .part_result import PartResult, parts_of, spare
+from .prediction import Known
 from .problem import Objective, sizes
 from .regularisation import SmoothSpectrum, regularised
-from .uncertainty import ends, lost_and_known, spread_of
+from .uncertainty import Uncertainty, ends, lost_and_known, spread_of
 from .value import Value
 
 if TYPE_CHECKING:
@@ -89,12 +98,12 @@ def all_parameters(
     return rows
 
 
-def search_parameters(estimate: Estimate) -> dict[str, Value]:
+def search_parameters(known: Uncertainty, ends_low: Real, ends_high: Real) -> dict[str, Value]:
     """The parameters in the model's published search form, by linear propagation.
 
     None where it has no such form.
     """
-    form = estimate.model.search
+    estimate, form = known.fit, known.fit.model.search
     if form is None:
         return {}
     q = len(form.parameters)
@@ -102,7 +111,7 @@ def search_parameters(estimate: Estimate) -> dict[str, Value]:
         # The elements come first in theta; what follows are effects, which the published form does
         # not know.
         x = form.from_elements(estimate.theta[:q])
-        reach = _reach(estimate, form, x)
+        reach = _reach(known, form, x)
         log = np.array([p.scale == "log" for p in form.parameters])
         bounds = (
             np.array([p.lower for p in form.parameters]),
@@ -111,48 +120,48 @@ def search_parameters(estimate: Estimate) -> dict[str, Value]:
         low, high = ends(x, np.where(np.isfinite(reach), reach, np.inf), log, bounds)
         # A slope tells nothing of a step away from a bound: there the ends themselves are carried
         # over.
-        for moved in _at_ends(estimate, q):
+        for moved in _at_ends(known, ends_low[:q], ends_high[:q]):
             other = np.nan_to_num(form.from_elements(moved), nan=np.inf)
             low, high = (
                 np.fmax(np.fmin(low, other), bounds[0]),
                 np.fmin(np.fmax(high, other), bounds[1]),
             )
     for i, j in _shared(estimate, form, x):
-        low[i], high[i] = estimate.low[j], estimate.high[j]
+        low[i], high[i] = ends_low[j], ends_high[j]
     return printed(form.parameters, x, low, high, estimate.measurement.units)
 
 
-def _at_ends(estimate: Estimate, q: int) -> list[Real]:
+def _at_ends(known: Uncertainty, low: Real, high: Real) -> list[Real]:
     """The parameters of the form, those at a bound put at both ends of their interval in turn."""
     moved = []
-    at_bound = estimate.uncertainty.at_bound[:q]
+    at_bound = known.at_bound[: len(low)]
     for i in np.flatnonzero(at_bound).tolist():
         # An upper end is often infinite, where the form has limits that its formulas do not reach.
-        places = [estimate.low[i]]
+        places = [low[i]]
         if at_bound[i] < 0:
-            places.append(estimate.high[i])
+            places.append(high[i])
         for place in places:
-            theta = estimate.theta[:q].copy()
+            theta = known.fit.theta[: len(low)].copy()
             theta[i] = place
             moved.append(theta)
     return moved
 
 
-def _shared(estimate: Estimate, form: SearchForm, x: Real) -> list[tuple[int, int]]:
+def _shared(fit: Fit, form: SearchForm, x: Real) -> list[tuple[int, int]]:
     """Places (in the form, in the model) of parameters that both have.
 
     These have one interval, not two.
     """
-    names = estimate.model.names[: len(form.parameters)]
+    names = fit.model.names[: len(form.parameters)]
     places = [(i, names.index(p.name)) for i, p in enumerate(form.parameters) if p.name in names]
-    return [(i, j) for i, j in places if np.isclose(x[i], estimate.theta[j], rtol=1e-12)]
+    return [(i, j) for i, j in places if np.isclose(x[i], fit.theta[j], rtol=1e-12)]
 
 
-def _reach(estimate: Estimate, form: SearchForm, x: Real) -> Real:
+def _reach(known: Uncertainty, form: SearchForm, x: Real) -> Real:
     """Half the width of the intervals of ln x (logarithmic parameters) or x."""
-    known, coordinates = estimate.uncertainty, estimate.fit.task.coordinates
+    coordinates = known.fit.task.coordinates
     q = len(form.parameters)
-    turn = coordinates.slopes(estimate.theta, coordinates.size[0])[:q]
+    turn = coordinates.slopes(known.fit.theta, coordinates.size[0])[:q]
     by_theta = form.jacobian(x)
     # Where several values of the form give the same elements, the data say nothing of its
     # parameters.
@@ -175,8 +184,8 @@ class Standing:
     ----------
     noise_floor : float
         Relative error that noise alone leaves.
-    noise_source : {"given", "repeats", "estimated"}
-        Where the noise comes from.
+    noise_source : {"given", "repeats", "estimated", "residual", "signal"}
+        Where the noise comes from; see `springpot.misfit.error.Error`.
     material_floor : float
         The least relative error that any linear passive material reaches beside the model's
         effects.
@@ -192,21 +201,39 @@ class Standing:
     good_enough: bool
     says: str
 
+    @classmethod
+    def judge_of(cls, answer: Mapping[str, Any]) -> Callable[[object], Standing | None]:
+        """What an `Identification` asks for it, where it was written to a file."""
+        row = answer.get("error")
+        standing = None
+        if row is not None:
+            floors = [number(row[name]) for name in ("noise_floor", "material_floor")]
+            standing = cls(
+                floors[0], row["noise_source"], floors[1], row["good_enough"], row["says"]
+            )
+        return lambda fit: standing
 
-@dataclass(frozen=True, eq=False)
-class Identification(Estimate):
-    """The parameters of a model identified from a measurement.
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Identification(Known):
+    """The parameters of a model identified from tests of one specimen, of any kind.
 
     Attributes
     ----------
-    fit : Fit
-        The fit, in the units of the measurement.
     low, high : ndarray, shape (p,)
         Ends of the 95 % intervals of theta; infinite where the data give none.
-    uncertainty : Uncertainty
-        What the Jacobian says.
+    data : tuple of Measurement or TimeTest
+        The tests, in common units; of tests in time a file does not hold them.
+    parts : tuple of PartResult
+        Each test beside its noise floor, where one in time is among them.
+    objective : str
+        By what points or samples weigh among each other.
+    cost : float
+        The objective at the end.
     optimiser, status : str
         Who searched, and how it ended.
+    converged : bool
+        Whether the search came to rest.
     evaluations : int
         Model evaluations of the search.
     seconds : float
@@ -215,6 +242,8 @@ class Identification(Estimate):
         Plain sentences on what the numbers do not say.
     seed : int
         Of the noise behind the band of a spectrum.
+    uncertainty : Uncertainty, optional
+        Of a sweep that stands alone: its fit, and what the Jacobian says.
     judge : callable, optional
         Finds the noise floor and the material floor when they are first asked for.
 
@@ -228,13 +257,72 @@ class Identification(Estimate):
     array([  0. , 219.1])
     """
 
+    low: Real
+    high: Real
+    data: tuple[Test, ...] = ()
+    parts: tuple[PartResult, ...] = ()
+    objective: str
+    cost: float
     optimiser: str
     status: str
+    converged: bool
     evaluations: int
     seconds: float
     notes: tuple[str, ...] = ()
     seed: int = 0
+    uncertainty: Uncertainty | None = None
     judge: Callable[[Identification], Standing | None] | None = None
+
+    @classmethod
+    def of_sweep(
+        cls, known: Uncertainty, low: Real, high: Real, optimiser: str, status: str, **told: Any
+    ) -> Identification:
+        """That of a sweep which stands alone, by its fit and the ends of the intervals (p,)."""
+        fit = known.fit
+        data, coordinates = fit.measurement, fit.task.coordinates
+        # Relative at each point, so that soft and stiff ends of a sweep count alike.
+        missed = np.abs(data.stiffness - fit.model.stiffness(fit.theta, data.points)) / sizes(data)
+        dof = known.freedom
+        if known.specimens is not None:
+            dof = known.specimens.count - 1
+        return cls(
+            model=fit.model,
+            theta=fit.theta,
+            slopes=coordinates.slopes(fit.theta, coordinates.size[0]),
+            spread=known.covariance,
+            units=data.units,
+            reference=data.reference_temperature,
+            misfit=float(np.sqrt(np.mean(missed**2))),
+            dof=dof,
+            covered=Covered.of([data]),
+            sweep=data,
+            low=low,
+            high=high,
+            data=(data,),
+            objective=fit.objective.name,
+            cost=fit.cost,
+            optimiser=optimiser,
+            status=status,
+            converged=fit.converged,
+            uncertainty=known,
+            **told,
+        )
+
+    @property
+    def fit(self) -> Fit:
+        """The fit of a sweep that stands alone, in the units of the measurement."""
+        return self._alone.fit
+
+    @property
+    def measurement(self) -> Measurement:
+        """The sweep that stands alone."""
+        return self._alone.fit.measurement
+
+    @property
+    def _alone(self) -> Uncertainty:
+        if self.uncertainty is None:
+            raise ModelError(f"{self.model.name} was fitted to tests in time: see `data`, `tests`")
+        return self.uncertainty
 
     @cached_property
     def parameters(self) -> Mapping[str, Value]:
@@ -242,12 +330,14 @@ class Identification(Estimate):
 
         Those that were held too.
         """
-        return all_parameters(self.model, self.theta, self.low, self.high, self.measurement.units)
+        return all_parameters(self.model, self.theta, self.low, self.high, self.units)
 
     @cached_property
     def search_parameters(self) -> Mapping[str, Value]:
-        """The same in the model's published search form, if it has one."""
-        return search_parameters(self)
+        """The same in the model's published search form, if it has one and a sweep stands alone."""
+        if self.uncertainty is None:
+            return {}
+        return search_parameters(self.uncertainty, self.low, self.high)
 
     def __getitem__(self, name: str) -> Value:
         """One parameter, of the model or of its search form.
@@ -271,20 +361,24 @@ class Identification(Estimate):
 
         Infinite where the data do not determine a parameter, zero where it rests on a bound.
         """
-        fit, known = self.fit, self.uncertainty.covariance
-        turn = fit.task.coordinates.slopes(fit.theta, fit.task.coordinates.size[0])
         # In the units of the values: a covariance in others would fit none of the printed numbers.
-        factor = np.array([self.measurement.units.of(p.unit)[0] for p in self.model.parameters])
-        lost, finite = lost_and_known(known)
-        covariance: Real = factor[:, None] * (turn @ finite @ turn.T) * factor
+        factor = self._factors
+        lost, finite = lost_and_known(self.spread)
+        inner = self.slopes @ finite @ self.slopes.T
+        covariance: Real = factor[:, None] * inner * factor
         # What hangs on a direction that the data do not determine is not determined either.
-        touched = np.any(np.abs(turn[:, lost]) > 0.0, axis=1)
+        touched = np.any(np.abs(self.slopes[:, lost]) > 0.0, axis=1)
         covariance[touched, touched] = np.inf
         return covariance
 
     @property
+    def _factors(self) -> Real:
+        """From own to printed units (p,)."""
+        return np.array([self.units.of(each.unit)[0] for each in self.model.parameters])
+
+    @property
     def residuals(self) -> Complex:
-        """Measured minus fitted complex stiffness, shape (n,), in the unit of the data."""
+        """Measured minus fitted complex stiffness of a sweep, shape (n,), in its unit."""
         # Measured less fitted, as a missing effect would add to the model.
         return self.measurement.stiffness - self.model.stiffness(
             self.theta, self.measurement.points
@@ -292,10 +386,11 @@ class Identification(Estimate):
 
     @property
     def relative_rms(self) -> float:
-        """Root mean square of |K_model - K| / |K|."""
-        # Relative at each point, so that soft and stiff ends of a sweep count alike.
-        share = np.abs(self.residuals) / sizes(self.measurement)
-        return float(np.sqrt(np.mean(share**2)))
+        """Root mean square of the residual over the signal, of a sweep of |K_model - K| / |K|.
+
+        Of several tests that of the worst.
+        """
+        return self.misfit
 
     @cached_property
     def standing(self) -> Standing | None:
@@ -321,70 +416,34 @@ class Identification(Estimate):
 
         None for a network of elements.
         """
-        if not is_material(self.model):
+        if self.uncertainty is None or not is_material(self.model):
             return None
         # The band is from simulated noise: with the seed that was kept, a file that is taken up
         # shows the same.
         return regularised(self.fit, np.random.default_rng(self.seed))
 
     @cached_property
-    def covered(self) -> Covered:
-        """What was measured: beyond it predictions rest on the model alone."""
-        return Covered.of([self.measurement])
+    def tests(self) -> tuple[PartResult, ...]:
+        """Each test beside its noise floor, together and alone."""
+        if self.parts:
+            return self.parts
+        data = self.measurement
+        return (PartResult.of_sweep(data.name, len(data), self.relative_rms, self.noise_floor),)
 
-    def predict(
-        self,
-        frequency: ArrayLike | None = None,
-        *,
-        omega: ArrayLike | None = None,
-        temperature: ArrayLike | None = None,
-        amplitude: ArrayLike | None = None,
-        level: float = 0.95,
-        **columns: ArrayLike,
-    ) -> Prediction:
-        """What the model says of another test, with a band.
+    @property
+    def name(self) -> str:
+        """Names of the tests."""
+        return " + ".join(test.name for test in self.parts or self.data)
 
-        Parameters
-        ----------
-        frequency : array_like, shape (n,), optional
-            In Hz; zero gives the limit at rest. Without it and `omega` the measured ones.
-        omega : array_like, shape (n,), optional
-            Angular frequency in rad/s instead.
-        temperature : array_like, one or (n,), optional
-            In degC; constants of shifts refer to the reference temperature of the fit.
-        amplitude : array_like, one or (n,), optional
-            In the amplitude unit of the data.
-        level : float
-            Probability of the band.
-        **columns : array_like, one or (n,)
-            Other conditions by name.
-
-        Returns
-        -------
-        Prediction
-            With omega, storage, loss, low and high, in the unit of the data.
-
-        Raises
-        ------
-        DataError
-            If the columns cannot be, or one that the model needs is missing.
-        ModelError
-            If the model knows nothing of a condition whose change is asked for.
-        """
-        return predict(
-            self.uncertainty,
-            frequency,
-            omega,
-            level,
-            temperature=temperature,
-            amplitude=amplitude,
-            **columns,
-        )
+    @property
+    def on_sweeps(self) -> tuple[str, ...]:
+        """Names of the effects that only the sweeps have."""
+        return tuple(effect.name for effect in self.model.effects if not effect.in_time)
 
     def plot(
         self, path: str | Path | None = None, *, ax: Axes | None = None
     ) -> Figure | Axes | Path:
-        """Data and fit, and the residuals below.
+        """Data and fit, and what is left of each test.
 
         See `Measurement.plot` for the arguments and what is returned.
         """
@@ -398,7 +457,7 @@ class Identification(Estimate):
             f"{name} {row.value:.4g} {row.unit}" for name, row in self.parameters.items()
         )
         error = f"error {100 * self.relative_rms:.3g} %"
-        return f"<Identification {self.model.name} of {self.measurement.name}: {values}; {error}>"
+        return f"<Identification {self.model.name} of {self.name}: {values}; {error}>"
 
     def _repr_html_(self) -> str:
         rows = []
@@ -409,7 +468,7 @@ class Identification(Estimate):
             if row.fixed:
                 unit = f"{unit} (fixed)"
             rows.append((name, f"{row.value:.4g}", *_interval(row), unit))
-        error = f"error {100 * self.relative_rms:.3g} % of |K|"
+        error = f"error {100 * self.relative_rms:.3g} % of {self.magnitude}"
         if self.standing is not None:
             error += (
                 f", noise floor {100 * self.standing.noise_floor:.3g} %"
@@ -417,58 +476,74 @@ class Identification(Estimate):
             )
         return tag(
             "div",
-            tag("p", tag("b", f"{self.model.name} of {self.measurement.name}")),
+            tag("p", tag("b", f"{self.model.name} of {self.name}")),
             table(("parameter", "value", "low", "high", "unit"), rows),
             tag("p", f"{error}, {self.optimiser}, {self.status}"),
             tag("ul", *(tag("li", note) for note in self.notes)),
         )
+
+    @property
+    def magnitude(self) -> str:
+        """What errors are shares of."""
+        if self.uncertainty is None:
+            return "the signal"
+        return self.units.magnitude
 
     def to_dict(self) -> dict[str, Any]:
         """The result as plain data, schema ``springpot.identification/2``.
 
         It holds all that `springpot.load` needs.
         """
-        spectrum: dict[str, Any] = {}
-        if self.spectrum is not None:
-            spectrum = {"spectrum": self._spectrum(self.spectrum)}
-        floors: dict[str, Any] = {}
-        if self.standing is not None:
-            floors = {"error": {"relative_rms": self.relative_rms, **vars(self.standing)}}
-        return {
+        answer = {
             "schema": SCHEMA,
             "model": self.model.name,
-            "data": self.measurement.name,
-            "parameters": {name: value.to_dict() for name, value in self.parameters.items()},
-            "search_parameters": {
-                name: value.to_dict() for name, value in self.search_parameters.items()
-            },
-            "objective": {"name": self.fit.objective.name, "value": self.fit.cost},
+            "data": self.name,
+            "parameters": self.parameters,
+            "search_parameters": self.search_parameters,
+            "objective": {"name": self.objective, "value": self.cost},
             "relative_rms": self.relative_rms,
-            "tests": [test.to_dict() for test in self.tests],
-            "measured": self.covered.to_dict(),
-            **floors,
+            "tests": self.tests,
+            "measured": self.covered,
+            "covariance": self.covariance,
             "evaluations": self.evaluations,
             "seconds": self.seconds,
             "optimiser": self.optimiser,
             "status": self.status,
-            "notes": list(self.notes),
-            **spectrum,
-            "kept": kept(self, self.seed),
+            "notes": self.notes,
+            "kept": self._kept(),
         }
+        if self.standing is not None:
+            answer["error"] = {"relative_rms": self.relative_rms, **vars(self.standing)}
+        if self.spectrum is not None:
+            answer["spectrum"] = self._spectrum(self.spectrum)
+        return dict(jsonable(answer))
 
-    @property
-    def tests(self) -> tuple[PartResult, ...]:
-        """The sweep that was fitted, beside its noise floor."""
-        data, error = self.measurement, self.relative_rms
-        return (PartResult.of_sweep(data.name, len(data), error, self.noise_floor),)
+    def _kept(self) -> dict[str, Any]:
+        """What people need not read: all in the units of the tests, and a sweep that is alone."""
+        kept = {
+            "theta": self.theta,
+            "low": self.low,
+            "high": self.high,
+            "units": asdict(self.units),
+            "reference": self.reference,
+            "converged": self.converged,
+            "seed": self.seed,
+            "held": self.model.held,
+            "bounds": bounds_of(self.model),
+            "only_sweeps": self.on_sweeps,
+            "rates": rates_of(self.model),
+        }
+        if self.uncertainty is not None:
+            absolute = self.uncertainty.absolute
+            kept |= {"absolute": absolute, "measurement": measurement_to_dict(self.measurement)}
+        return kept
 
     @classmethod
     def from_dict(
         cls,
         answer: Mapping[str, Any],
         model: Model,
-        objective: Objective,
-        judge: Callable[[Identification], Standing | None],
+        objective_of: Callable[[str, Measurement], Objective],
     ) -> Identification:
         """What `to_dict` gave: whole again, so that it predicts and draws as before.
 
@@ -478,28 +553,44 @@ class Identification(Estimate):
             The plain data.
         model : Model
             The one that its expression names.
-        objective : Objective
-            The one that it names.
-        judge : callable
-            Finds the floors when they are asked for, as those of a fit that was just made.
+        objective_of : callable
+            Finds the objective of that name for a sweep.
         """
-        kept, evaluations = answer["kept"], int(answer["evaluations"])
-        if kept["seed"] < 0:
-            raise ValueError("a seed is below zero")
-        fit = fit_of(kept, model, objective, number(answer["objective"]["value"]), evaluations)
-        uncertainty, low, high = uncertainty_of(kept, fit)
+        kept = answer["kept"]
+        model, theta = fitted_model(model, kept)
+        told: dict[str, Any] = {name: answer[name] for name in ("optimiser", "status")}
+        told |= {"seconds": float(answer["seconds"]), "notes": tuple(answer["notes"])}
+        told |= {"seed": int(kept["seed"]), "judge": Standing.judge_of(answer)}
+        told["evaluations"], cost = int(answer["evaluations"]), float(answer["objective"]["value"])
+        if told["seed"] < 0 or not cost >= 0.0:
+            raise ValueError("the seed or the objective has no value that it can have")
+        low, high = ends_of(kept, len(theta))
+        objective = str(answer["objective"]["name"])
+        if "measurement" in kept:
+            data = measurement_of(kept["measurement"])
+            by = objective_of(objective, data)
+            spent, converged = told["evaluations"], bool(kept["converged"])
+            fit = Fit(model, data, by, theta, cost, spent, converged)
+            return cls.of_sweep(Uncertainty(fit, bool(kept["absolute"])), low, high, **told)
+        units, tests = Units(**kept["units"]), parts_of(answer["tests"])
+        slopes, spread = coordinates_of(answer["covariance"], model, units)
         return cls(
-            fit,
-            low,
-            high,
-            uncertainty,
-            optimiser=str(answer["optimiser"]),
-            status=str(answer["status"]),
-            evaluations=evaluations,
-            seconds=float(answer["seconds"]),
-            notes=tuple(answer["notes"]),
-            seed=int(kept["seed"]),
-            judge=judge,
+            model=model,
+            theta=theta,
+            slopes=slopes,
+            spread=spread,
+            units=units,
+            reference=float(kept["reference"]),
+            misfit=number(answer["relative_rms"]),
+            dof=spare(tests, theta),
+            covered=Covered.read(answer["measured"]),
+            low=low,
+            high=high,
+            parts=tests,
+            objective=objective,
+            cost=cost,
+            converged=bool(kept["converged"]),
+            **told,
         )
 
     def _spectrum(self, spectrum: SmoothSpectrum) -> dict[str, Any]:

@@ -135,16 +135,29 @@ def lowest_error(model: Model, measurement: Measurement, theta: Real, error: flo
     lowest = least_error(free, measurement, [_own(model, theta)])
     # Lines stand apart, and a search beside effects may stop short; a model that is a material
     # itself is a bound.
-    if lowest > error and _is_of_material(model, measurement, theta, error):
+    rate = float(measurement.omega.min()), float(measurement.omega.max())
+    if lowest > error and is_of_material(model, theta, rate, error):
         return error
     return lowest
 
 
-def _is_of_material(model: Model, measurement: Measurement, theta: Real, error: float) -> bool:
-    """Whether the material of a model is a linear passive one, as closely as an error needs it."""
+def is_of_material(model: Model, theta: Real, rate: tuple[float, float], error: float) -> bool:
+    """Whether the material of a model is a linear passive one, as closely as an error needs it.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    theta : ndarray, shape (p,)
+        Its parameters.
+    rate : tuple of float
+        Lowest and highest angular frequency that was measured.
+    error : float
+        Relative error of the model.
+    """
     if model.material.needs:
         return False
-    omega = np.geomspace(measurement.omega.min() / AROUND, measurement.omega.max() * AROUND, PLACES)
+    omega = np.geomspace(rate[0] / AROUND, rate[1] * AROUND, PLACES)
     alone = replace(model, effects=())
     computed = Measurement(omega, alone.stiffness(theta[: len(alone.parameters)], omega))
     return (

@@ -6,7 +6,6 @@ import csv
 from collections.abc import Collection, Mapping, Sequence
 from io import StringIO
 from math import log
-from typing import TYPE_CHECKING
 
 from springpot.comparison.comparing import Comparison
 from springpot.diagnosis.ladder import Ladder
@@ -23,17 +22,9 @@ from .numbers import percent, seconds, told_range
 from .text import TextTable, cut, indented, paragraphs, wrapped
 from .values import OPEN, shown
 
-if TYPE_CHECKING:
-    from springpot.timetests.result import TimeIdentification
-
 FAR = log(1e6)
 """Log of the ratio to the data's natural size from which a parameter's size leaves no trace."""
 
-FAR_OFF = 2.0
-"""Error of a test in time over its noise floor from which something is missing.
-
-Below, the estimate of the noise may be to blame.
-"""
 BIASED = (
     "the intervals are those of this model as it is: what it misses may move its parameters by more"
 )
@@ -42,7 +33,7 @@ NAME = 12
 
 
 def identification_text(identified: Identification, width: int = 120, verbose: bool = False) -> str:
-    """Parameters with intervals, the error beside its floors, and whether the model is good enough.
+    """Parameters with intervals, each test or the error beside its floors, and what to know.
 
     Parameters
     ----------
@@ -53,56 +44,39 @@ def identification_text(identified: Identification, width: int = 120, verbose: b
     verbose : bool
         Whether to tell the search form, the objective and the optimiser too.
     """
-    data = identified.measurement
     search = ""
     # The search form is how the model was searched, not what it is: most need it never.
     if verbose and identified.search_parameters:
         search = parameters_text("search form", identified.search_parameters)
+    table, reference, lines = "", "", _lines(identified, verbose)
+    if identified.sweep is None:
+        table = _tests(identified, width)
+    else:
+        reference = reference_note(identified.measurement, [identified.model.network])
     parts = [
         wrapped(
-            f"{identified.model.name} fitted to {data.name} ({len(data)} points,"
-            f" {told_range(data)})",
-            width,
+            f"{identified.model.name} fitted to {identified.name} ({_size(identified)})", width
         ),
         indented(drawing_of(identified.model)),
         parameters_text("parameter", identified.parameters, gone(identified)),
         search,
-        reference_note(data, [identified.model.network]),
+        reference,
         _spectrum(identified),
-        "\n".join(wrapped(line, width, " " * 12) for line in _lines(identified, verbose)),
+        table,
+        "\n".join(wrapped(line, width, " " * 12) for line in lines),
     ]
     return "\n\n".join(part for part in parts if part)
 
 
-def fitted_in_time_text(identified: TimeIdentification, width: int = 120) -> str:
-    """Parameters identified from tests in time, and each test beside its noise floor.
-
-    Parameters
-    ----------
-    identified : TimeIdentification
-        The fit.
-    width : int
-        Columns of the window.
-    """
+def _size(identified: Identification) -> str:
+    """How much was measured."""
+    if identified.sweep is not None:
+        return f"{len(identified.sweep)} points, {told_range(identified.sweep)}"
     count = f"{sum(test.points for test in identified.tests)} points"
     # A count of one says nothing.
     if len(identified.tests) > 1:
         count = f"{len(identified.tests)} tests, {count}"
-    names = " + ".join(test.name for test in identified.tests)
-    spent = f"{identified.evaluations} evaluations in {seconds(identified.seconds)}"
-    lines = [f"search      {identified.optimiser}: {identified.ended}, {spent}"]
-    notes = list(identified.notes)
-    if max(test.over_floor for test in identified.tests) > FAR_OFF:
-        notes.append(BIASED)
-    lines += [f"note        {note}" for note in notes]
-    parts = [
-        wrapped(f"{identified.model.name} fitted to {names} ({count})", width),
-        indented(drawing_of(identified.model)),
-        parameters_text("parameter", identified.parameters),
-        _tests(identified, width),
-        "\n".join(wrapped(line, width, " " * 12) for line in lines),
-    ]
-    return "\n\n".join(parts)
+    return count
 
 
 def compared_in_time_text(comparison: Comparison) -> str:
@@ -193,7 +167,7 @@ def _briefly(parameters: Mapping[str, Value]) -> str:
     return ", ".join(f"{name} {row.value:.3g} {row.unit}" for name, row in parameters.items())
 
 
-def _tests(identified: TimeIdentification, width: int) -> str:
+def _tests(identified: Identification, width: int) -> str:
     """A row for each test; in a narrow window the last columns go, and long names are cut."""
     headers = ("test", "kind", "points", "error", "noise floor", "x floor", "alone")
     rows = []
@@ -242,6 +216,8 @@ def parameters_text(
 
 def gone(identified: Identification) -> set[str]:
     """Parameters that grew out of all proportion to the data, whatever their interval says."""
+    if identified.uncertainty is None:
+        return set()
     far = identified.fit.task.coordinates.log & (identified.fit.u > FAR)
     return {name for name, one in zip(identified.model.names, far, strict=True) if one}
 
@@ -254,11 +230,13 @@ def _spectrum(identified: Identification) -> str:
 
 def _lines(identified: Identification, verbose: bool) -> list[str]:
     """What is told of a fit, a line for each thing."""
-    size = identified.measurement.units.magnitude
-    lines = [
-        f"error       {percent(identified.relative_rms)} of {size} (relative"
-        f" rms){beside_floors(identified)}"
-    ]
+    lines = []
+    # Of tests in time their table tells it.
+    if identified.sweep is not None:
+        lines.append(
+            f"error       {percent(identified.relative_rms)} of {identified.magnitude} (relative"
+            f" rms){beside_floors(identified)}"
+        )
     if identified.standing is not None:
         verdict = "not good enough"
         if identified.standing.good_enough:
@@ -267,7 +245,7 @@ def _lines(identified: Identification, verbose: bool) -> list[str]:
     spent = f"{identified.evaluations} evaluations in {seconds(identified.seconds)}"
     # The usual way to the usual end is worth no line; whatever was chosen or went otherwise is.
     if verbose or identified.optimiser != "native" or identified.status != "converged":
-        lines.append(f"objective   {identified.fit.objective.name}, {number(identified.fit.cost)}")
+        lines.append(f"objective   {identified.objective}, {number(identified.cost)}")
         lines.append(f"optimiser   {identified.optimiser}, {identified.status}, {spent}")
     notes = (
         *identified.notes,
@@ -306,8 +284,10 @@ def _of_intervals(identified: Identification) -> list[str]:
 
 
 def unused(identified: Identification) -> list[str]:
-    """Conditions that vary in the data and that the model does not know."""
-    notes = []
+    """Conditions that vary in a sweep and that the model does not know."""
+    notes: list[str] = []
+    if identified.sweep is None:
+        return notes
     for name in ("temperature", "amplitude"):
         if name not in identified.measurement.conditions or name in identified.model.needs:
             continue
@@ -326,7 +306,7 @@ def many_text(fits: Sequence[Identification]) -> str:
     names, rows = _columns(fits), []
     for fit in fits:
         cells = [_cell(fit, name) for name in names]
-        rows.append([fit.measurement.name, percent(fit.relative_rms), *_verdict(fit), *cells])
+        rows.append([fit.name, percent(fit.relative_rms), *_verdict(fit), *cells])
     headers = [
         "data",
         "error",
@@ -337,7 +317,7 @@ def many_text(fits: Sequence[Identification]) -> str:
     return TextTable(headers, rows, frozenset(headers[1:3] + headers[4:])).plain()
 
 
-def many_csv(fits: Sequence[Identification | TimeIdentification]) -> str:
+def many_csv(fits: Sequence[Identification]) -> str:
     """The same as CSV, with both ends of each interval; units stand in the header."""
     names, stream = _columns(fits), StringIO()
     write = csv.writer(stream, lineterminator="\n").writerow
@@ -353,27 +333,22 @@ def many_csv(fits: Sequence[Identification | TimeIdentification]) -> str:
                 value = fit.parameters[name]
                 # `repr` keeps every digit: another program reads them.
                 cells += [repr(value.value), repr(value.low), repr(value.high)]
-        name, floor, good = _named_and_judged(fit)
-        write([name, fit.model.name, repr(fit.relative_rms), floor, good, *cells])
+        row = [fit.name, fit.model.name, repr(fit.relative_rms), *_judged(fit), *cells]
+        write(row)
     return stream.getvalue()
 
 
-def _named_and_judged(fit: Identification | TimeIdentification) -> tuple[str, str, str]:
-    """Data, noise floor and whether the fit is good enough.
+def _judged(fit: Identification) -> tuple[str, str]:
+    """Noise floor and whether the fit is good enough.
 
     Left empty where that is not judged: any word would be taken for a verdict.
     """
-    if not isinstance(fit, Identification):
-        # A model is as good as it is for the test that it misses most.
-        worst = max(fit.tests, key=lambda test: test.over_floor)
-        return " + ".join(test.name for test in fit.tests), repr(worst.noise_floor), ""
     if fit.standing is None:
-        return fit.measurement.name, "", ""
-    good = str(fit.standing.good_enough).lower()
-    return fit.measurement.name, repr(fit.standing.noise_floor), good
+        return "", ""
+    return repr(fit.standing.noise_floor), str(fit.standing.good_enough).lower()
 
 
-def _columns(fits: Sequence[Identification | TimeIdentification]) -> list[str]:
+def _columns(fits: Sequence[Identification]) -> list[str]:
     # Of all files: a model of levels may have more parameters in one than in another.
     return list(dict.fromkeys(name for fit in fits for name in fit.parameters))
 

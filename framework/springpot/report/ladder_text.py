@@ -21,7 +21,6 @@ from springpot.identification.part_result import in_time
 from springpot.identification.result import Identification
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.words import over_floor
-from springpot.timetests.result import TimeIdentification
 
 from .answers import (
     USUAL,
@@ -38,7 +37,6 @@ from .fit_text import (
     climbed_in_time_text,
     compared_in_time_text,
     diagnosed_in_time_text,
-    fitted_in_time_text,
     identification_text,
 )
 from .numbers import percent
@@ -305,7 +303,6 @@ def told(result: object) -> str:
 # The functions of the command line themselves: what Python prints cannot differ from what a shell
 # shows.
 told.register(Identification, identification_text)
-told.register(TimeIdentification, fitted_in_time_text)
 told.register(Ranking, ranked_text)
 
 

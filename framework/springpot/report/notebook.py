@@ -13,10 +13,8 @@ from springpot.format_numbers import number
 from springpot.identification.part_result import in_time
 from springpot.markup import Html, html, table, tag
 from springpot.misfit.words import over_floor, percent
-from springpot.timetests.result import TimeIdentification
 
 from .answers import probability, worth_showing
-from .fit_text import fitted_in_time_text
 
 SHOWN = 6
 """Candidates in a notebook's table."""
@@ -29,12 +27,6 @@ def shown(result: object) -> Html:
     """A result as HTML; of anything else its short form."""
     # `html` escapes it: a repr begins with <, and would be taken for an element.
     return html(repr(result))
-
-
-@shown.register
-def _fitted_in_time(result: TimeIdentification) -> Html:
-    """What the command line prints: its tables are as wide as they have to be."""
-    return tag("pre", fitted_in_time_text(result))
 
 
 @shown.register

@@ -22,7 +22,6 @@ from springpot.identification.prediction import Prediction
 from springpot.identification.result import Identification
 from springpot.measurement.measurement import Measurement
 from springpot.superposition.curve import MasterCurve
-from springpot.timetests.result import TimeIdentification
 from springpot.timetests.where import TestPrediction
 
 from . import views
@@ -147,6 +146,8 @@ def _measured_onto(result: Measurement, axes: Any) -> None:
 
 @whole.register
 def _fitted(result: Identification, path: Any) -> Any:
+    if result.sweep is None:
+        return figure_tests(result, result.data, path)
     # The spectrum is what such a fit is made for.
     if is_material(result.model):
         return figure_material(result, path)
@@ -220,11 +221,6 @@ def _compared(result: Comparison, path: Any) -> Any:
 @onto.register
 def _compared_onto(result: Comparison, axes: Any) -> None:
     _scene(axes, Scene(result.measurement, fits_of(result)))
-
-
-@whole.register
-def _fitted_in_time(result: TimeIdentification, path: Any) -> Any:
-    return figure_tests(result, result.data, path)
 
 
 @whole.register

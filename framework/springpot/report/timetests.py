@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from springpot.identification.result import Identification
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units
 from springpot.rheology.points import Real
 from springpot.timetests.recording import recorded
 from springpot.timetests.residuals_of_tests import InTimePart, Test, parts_of_specimen
-from springpot.timetests.result import TimeIdentification
 from springpot.timetests.where import TestPrediction
 
 from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic
@@ -39,7 +39,7 @@ DECADE = 10.0
 
 
 def figure_tests(
-    identified: TimeIdentification | Sequence[TimeIdentification],
+    identified: Identification | Sequence[Identification],
     tests: Sequence[Test],
     path: str | Path | None = None,
 ) -> Figure | Path:
@@ -49,14 +49,14 @@ def figure_tests(
 
     Parameters
     ----------
-    identified : TimeIdentification, or a sequence of them
+    identified : Identification, or a sequence of them
         The fits, of one model or of several.
     tests : sequence of TimeTest or Measurement
         What they were fitted to.
     path : str or Path, optional
         Where to write; what is returned and raised is told by `springpot.report.canvas.finished`.
     """
-    if isinstance(identified, TimeIdentification):
+    if isinstance(identified, Identification):
         fits = [identified]
     else:
         fits = list(identified)
@@ -72,13 +72,13 @@ def figure_tests(
         return finished(figure, path)
 
 
-def fits_in_time(behind: Iterable[object]) -> list[TimeIdentification]:
+def fits_in_time(behind: Iterable[object]) -> list[Identification]:
     """The first few fits of tests in time behind answers; none of an answer about sweeps."""
-    fits = [fit for fit in behind if isinstance(fit, TimeIdentification)]
+    fits = [fit for fit in behind if isinstance(fit, Identification)]
     return fits[:MOST_DRAWN]
 
 
-def _draw_test(row: Sequence[Axes], part: InTimePart, fits: Sequence[TimeIdentification]) -> None:
+def _draw_test(row: Sequence[Axes], part: InTimePart, fits: Sequence[Identification]) -> None:
     test = part.test
     shown = np.unique(np.linspace(0, len(test) - 1, min(DRAWN, len(test))).astype(int))
     # Computed at times of its own: between samples a curve is smooth where its points are few.
@@ -109,7 +109,7 @@ def _draw_test(row: Sequence[Axes], part: InTimePart, fits: Sequence[TimeIdentif
         logarithmic(row[2], "x")
 
 
-def _colours_of_residuals(fits: Sequence[TimeIdentification]) -> Sequence[str]:
+def _colours_of_residuals(fits: Sequence[Identification]) -> Sequence[str]:
     """Those of the models where there are several, else one that is no curve's."""
     if len(fits) > 1:
         return COLOURS
@@ -127,9 +127,7 @@ def _curve_times(test: TimeTest) -> tuple[Real, Real]:
     return log, np.linspace(test.time[0], test.time[-1], SMOOTH)
 
 
-def _draw_sweep(
-    row: Sequence[Axes], sweep: Measurement, fits: Sequence[TimeIdentification]
-) -> None:
+def _draw_sweep(row: Sequence[Axes], sweep: Measurement, fits: Sequence[Identification]) -> None:
     # A line through points in any order would go to and fro.
     order = np.argsort(sweep.omega)
     unit, clock = sweep.units.stiffness, CLOCKS[sweep.units.clock]

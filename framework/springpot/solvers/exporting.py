@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from springpot.errors import DataError, ModelError
-from springpot.identification.prediction import require_known
+from springpot.identification.prediction import Known, require_known
 from springpot.identified import fitted, lesser, stated
 from springpot.measurement.covered import RATE
 from springpot.measurement.units import (
@@ -26,7 +26,6 @@ from springpot.registry import plugins
 from springpot.rheology.effect import Layer
 from springpot.rheology.model import Model
 from springpot.rheology.points import KELVIN, Points, Real
-from springpot.timetests.known import Known
 
 from .handoff import Handoff, Writer
 from .prony import BULKS, Prony, prony_of

@@ -11,13 +11,12 @@ from typing import Any
 import numpy as np
 
 from springpot.errors import DataError, ModelError, SpringpotError
-from springpot.identification.prediction import require_known
+from springpot.identification.prediction import Known, require_known
 from springpot.identified import fitted, lesser, stated
 from springpot.inputs import text_in, toml_in
 from springpot.measurement.units import STIFFNESS_UNITS
 from springpot.rheology.points import KELVIN, Real
 from springpot.structure.motion import STRONGEST
-from springpot.timetests.known import Known
 
 from .frame import Damper, Frame
 from .motion import GroundMotion, artificial
@@ -137,8 +136,8 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
         raise DataError(f"{path}: {where}: {known.model.name} needs its temperature in degC")
     covariance = None
     # Parameters that were stated, not fitted, have no uncertainty to carry on.
-    if np.any(known.covariance != 0.0):
-        covariance = known.covariance
+    if np.any(known.theta_covariance != 0.0):
+        covariance = known.theta_covariance
     return Damper(
         known.model,
         known.theta,

@@ -10,18 +10,14 @@ if TYPE_CHECKING:
     from .diagnosis import diagnose, examine
     from .discovery import discover
     from .fitting import compare, identify
-    from .known import Known
     from .prediction import predict_test
     from .recording import predicted, recorded
     from .residuals_of_tests import Test
-    from .result import TimeIdentification
     from .where import TestPrediction
 
 __all__ = [
-    "Known",
     "Test",
     "TestPrediction",
-    "TimeIdentification",
     "compare",
     "diagnose",
     "discover",
@@ -33,10 +29,8 @@ __all__ = [
 ]
 
 _WHERE = {
-    "Known": "springpot.timetests.known",
     "Test": "springpot.timetests.residuals_of_tests",
     "TestPrediction": "springpot.timetests.where",
-    "TimeIdentification": "springpot.timetests.result",
     "compare": "springpot.timetests.fitting",
     "diagnose": "springpot.timetests.diagnosis",
     "discover": "springpot.timetests.discovery",

@@ -18,6 +18,7 @@ from springpot.diagnosis.result import Diagnosis
 from springpot.errors import SpringpotError
 from springpot.identification.material import is_material
 from springpot.identification.passive import within_material
+from springpot.identification.result import Identification
 from springpot.measurement.timenoise import noise_of
 from springpot.measurement.timetest import TimeTest
 from springpot.registry import parse_model, plugins
@@ -36,8 +37,14 @@ from .residuals_of_tests import (
     at_tests,
     parts_of_specimen,
 )
-from .result import TimeIdentification, sampled_scatter
-from .scatter import Left, ResidualScatter, delta_bic, independent, scatter_of
+from .scatter import (
+    Left,
+    ResidualScatter,
+    delta_bic,
+    independent,
+    sampled_scatter,
+    scatter_of,
+)
 from .score import TimeScan
 from .verdict import Promise, TimeCase, Tried, answer_of
 
@@ -123,7 +130,7 @@ def examine(
     model: Model | str,
     effects: Iterable[Effect] | None = None,
     *,
-    base: TimeIdentification | None = None,
+    base: Identification | None = None,
 ) -> TimeCase:
     """The same with the fits behind it; `base` is that of the model, where it is known already."""
     given = _listed(tests)
@@ -163,7 +170,7 @@ def _noise_beside(parts: Sequence[Part], first: TimeCase) -> list[Real | None] |
     return noise
 
 
-def _better_noise(part: Part, fit: TimeIdentification) -> Real | None:
+def _better_noise(part: Part, fit: Identification) -> Real | None:
     """The noise of one test as a fit shows it; None where what the signal told will do."""
     if not isinstance(part, InTimePart):
         return None
@@ -184,7 +191,7 @@ def _judged(
     given: Sequence[Test],
     model: Model,
     effects: Sequence[Effect],
-    base: TimeIdentification | None,
+    base: Identification | None,
     known: Sequence[Real | None] | None,
 ) -> TimeCase:
     """The diagnosis with a certain noise."""
@@ -279,7 +286,7 @@ def _by_rig(promises: dict[str, list[Promise]]) -> list[list[Promise]]:
 def _of_material(
     tests: Sequence[Test],
     parts: Sequence[Part],
-    base: TimeIdentification,
+    base: Identification,
     leading: Sequence[list[Promise]],
     known: Sequence[Real | None] | None,
     left_out: dict[str, str],
@@ -301,7 +308,7 @@ def _of_material(
 
 
 def _nearly(
-    base: TimeIdentification,
+    base: Identification,
     parts: Sequence[Part],
     quick: Sequence[Part],
     leading: Sequence[list[Promise]],
@@ -351,7 +358,7 @@ def _nearly(
 def _exactly(
     tests: Sequence[Test],
     parts: Sequence[Part],
-    base: TimeIdentification,
+    base: Identification,
     nearly: Sequence[Tried],
     before: Left,
     known: Sequence[Real | None] | None,
@@ -394,7 +401,7 @@ def _near(
     best: Tried,
     before: Left,
     noise: Sequence[ResidualScatter],
-    base: TimeIdentification,
+    base: Identification,
 ) -> bool:
     """Whether a nearly fitted effect may be in the class of the best."""
     worse = each.left.squares(noise) - best.left.squares(noise)
@@ -403,7 +410,7 @@ def _near(
 
 
 def _delta(
-    before: Left, each: Tried, noise: Sequence[ResidualScatter], base: TimeIdentification
+    before: Left, each: Tried, noise: Sequence[ResidualScatter], base: Identification
 ) -> float:
     return delta_bic(before, each.left, noise, len(each.theta) - len(base.theta))
 

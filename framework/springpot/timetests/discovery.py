@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from springpot.diagnosis.ladder import Ladder, Step, moves
 from springpot.diagnosis.result import Diagnosis
 from springpot.errors import SpringpotError
+from springpot.identification.result import Identification
 from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
@@ -14,7 +15,6 @@ from springpot.rheology.model import Model
 from .diagnosis import diagnose, examine
 from .fitting import identify
 from .residuals_of_tests import Test
-from .result import TimeIdentification
 from .verdict import NAN
 
 MOST = 6
@@ -130,7 +130,7 @@ def _climbed(
     return _ladder(steps, case.diagnosis, left_out)
 
 
-def _step(fit: TimeIdentification, before: Step | None = None, alike: tuple[str, ...] = ()) -> Step:
+def _step(fit: Identification, before: Step | None = None, alike: tuple[str, ...] = ()) -> Step:
     """A rung by its fit, with the effects that may have made it, the accepted one first."""
     # A model is as good as it is for the test that it misses most.
     worst = max(fit.tests, key=lambda test: test.over_floor)

@@ -23,6 +23,7 @@ from springpot.identification.coordinates import Coordinates
 from springpot.identification.fitting import NATIVE, best_run, refuse_search, start_at
 from springpot.identification.material import is_material
 from springpot.identification.problem import Objective, Searched
+from springpot.identification.result import Identification
 from springpot.identification.runs import Optimiser
 from springpot.identification.space import box_of
 from springpot.measurement.measurement import Measurement
@@ -49,7 +50,6 @@ from .residuals_of_tests import (
     rig_of_sweeps,
     weighed_by,
 )
-from .result import TimeIdentification
 from .scatter import Left, ResidualScatter
 from .score import TimeScan
 from .verdict import error_of, where_missed
@@ -123,6 +123,11 @@ def _slowest(part: Part) -> float:
     return float(part.test.omega.min())
 
 
+LOOSE = 100.0
+"""Ratio of the ends of an interval from which a parameter is hardly determined.
+
+A factor of ten either way.
+"""
 BUDGET = 2000
 """Evaluations of an optimiser.
 
@@ -147,7 +152,7 @@ def identify(
     start: Mapping[str, float] | None = None,
     intervals: str = "jacobian",
     objective: Objective | None = None,
-) -> TimeIdentification:
+) -> Identification:
     """Identify the parameters of a model from tests of one specimen, each weighed by its own noise.
 
     Parameters
@@ -182,7 +187,7 @@ def identify(
 
     Returns
     -------
-    TimeIdentification
+    Identification
         Parameters with intervals, and each test's error beside its noise floor, together and alone.
 
     Raises
@@ -224,7 +229,7 @@ def identify(
         ]
     effort = (budget or BUDGET, restarts, seed)
 
-    def fitted(model: Model) -> TimeIdentification:
+    def fitted(model: Model) -> Identification:
         return _fitted(given, model, seeds, thorough, optimiser, effort, noise, near, intervals)
 
     if thorough:
@@ -237,10 +242,10 @@ def identify(
 
 
 def _at_best_rig(
-    fitted: Callable[[Model], TimeIdentification],
+    fitted: Callable[[Model], Identification],
     model: Model,
     tests: Sequence[Test],
-) -> TimeIdentification:
+) -> Identification:
     """The fit with one rig for all tests; where that fails, with one that only the sweeps have."""
     apart = rig_of_sweeps(model, tests)
     if apart is None:
@@ -253,7 +258,7 @@ def _at_best_rig(
     if max(test.over_floor for test in one.tests) <= DOUBTFUL:
         return one
     other = fitted(apart)
-    if one.power < DOUBTFUL * other.power:
+    if one.cost < DOUBTFUL * other.cost:
         return one
     return other
 
@@ -268,7 +273,7 @@ def _fitted(
     noise: Sequence[Real | None] | None,
     near: bool,
     intervals: str,
-) -> TimeIdentification:
+) -> Identification:
     """The fit of a model whose effects act where they are marked to."""
     began = perf_counter()
     # Before any work: what cannot be fitted is told in one line.
@@ -281,14 +286,42 @@ def _fitted(
     if is_material(model):
         search, found = _of_material(model, parts, reference, seeds)
         result = search.result(found, perf_counter() - began)
-        return with_intervals(result, search, found, intervals, effort[2] or 0)
+        return _told(with_intervals(result, search, found, intervals, effort[2] or 0))
     # Without a seed there is no other place to begin at.
     search = TimeSearch(model, parts, reference, seeds, thorough or not len(seeds))
     found = _native(search, near)
     result = search.result(found, perf_counter() - began)
     if optimiser is not None and optimiser.name != NATIVE:
         result, found = _by_optimiser(search, found, optimiser, effort, began)
-    return with_intervals(result, search, found, intervals, effort[2] or 0)
+    return _told(with_intervals(result, search, found, intervals, effort[2] or 0))
+
+
+def _told(fit: Identification) -> Identification:
+    """The fit with notes on what its numbers do not say, the gravest first."""
+    notes = list(fit.notes)
+    if not fit.converged:
+        notes.append("the search did not come to rest: the parameters may be improved by more data")
+    for test in fit.parts:
+        if not test.agrees:
+            ratios = (
+                f"{test.over_floor:.2g} x its noise floor with common parameters,"
+                f" {test.over_floor_alone:.2g} x with its own"
+            )
+            notes.append(f"{test.name} does not agree with the other tests: {ratios}")
+    if fit.on_sweeps:
+        names = ", ".join(fit.on_sweeps)
+        notes.append(f"{names}: of the rig of the sweeps; the tests in time are free of it")
+    for parameter, value, low, high in zip(
+        fit.model.parameters, fit.theta, fit.low, fit.high, strict=True
+    ):
+        if parameter.detail:
+            continue
+        wide = parameter.scale == "log" and high > LOOSE * max(low, 1e-300)
+        if value in (parameter.lower, parameter.upper):
+            notes.append(f"{parameter.name} ends at its bound {value:g}")
+        elif not np.isfinite(high) or wide:
+            notes.append(f"{parameter.name} is hardly determined by these tests")
+    return replace(fit, notes=tuple(notes))
 
 
 def _native(search: TimeSearch, near: bool) -> Minimum:
@@ -317,7 +350,7 @@ def _by_optimiser(
     optimiser: Optimiser,
     effort: tuple[int, int | None, int | None],
     began: float,
-) -> tuple[TimeIdentification, Minimum]:
+) -> tuple[Identification, Minimum]:
     """The minimum that another optimiser finds; `effort`: its budget, restarts and seed."""
     model, parts = search.model, native.parts
     if model.of_tests:
@@ -337,7 +370,8 @@ def _by_optimiser(
         theta=best.theta,
         optimiser=optimiser.name,
         status=best.status,
-        said=(*result.said, *notes),
+        converged=found.converged,
+        notes=(*result.notes, *notes),
     )
     return told, found
 
@@ -459,7 +493,7 @@ def compare(
     Misses count in units of the noise, or of what the best model leaves where that is more: between
     models that are both far off, precision that none of them can use is no evidence.
     """
-    fits: list[TimeIdentification] = []
+    fits: list[Identification] = []
     left_out: dict[str, str] = {}
     # All expressions first: one that is mistyped is told before minutes are spent on the others.
     parsed = [_parsed(each) for each in models]
@@ -476,29 +510,40 @@ def compare(
     # All models were fitted to the same samples.
     points = sum(test.points for test in fits[0].tests)
     # By what the best model leaves, where that is more than noise: see the notes.
-    scale = max(1.0, min(fit.power for fit in fits) / points)
-    criteria = [fit.power / scale + len(fit.theta) * np.log(points) for fit in fits]
+    scale = max(1.0, min(fit.cost for fit in fits) / points)
+    criteria = [fit.cost / scale + len(fit.theta) * np.log(points) for fit in fits]
     least = min(criteria)
     ranked = sorted(zip(criteria, fits, strict=True), key=lambda pair: pair[0])
-    parts = parts_of_specimen(list(tests))
     # One noise for all, that about the best model.
-    noise = _left(ranked[0][1], parts).scatters
-    judged = [_judgement(fit, float(value - least), parts, noise) for value, fit in ranked]
+    noise = _left(ranked[0][1]).scatters
+    judged = [judgement_of(fit, float(value - least), noise) for value, fit in ranked]
     names = " + ".join(test.name for test in fits[0].tests)
     comparison = Comparison(names, tuple(judged), (), (), "", left_out=left_out)
     vars(comparison).update(magnitude="the signal")
     return comparison
 
 
-def _left(fit: TimeIdentification, parts: Sequence[Part]) -> Left:
-    return Left.by(fit.model, fit.theta, fit.reference, parts)
+def _left(fit: Identification) -> Left:
+    return Left.by(fit.model, fit.theta, fit.reference, parts_of_specimen(fit.data))
 
 
-def _judgement(
-    fit: TimeIdentification, delta: float, parts: Sequence[Part], noise: Sequence[ResidualScatter]
+def judgement_of(
+    fit: Identification, delta: float, noise: Sequence[ResidualScatter] | None = None
 ) -> Judgement:
-    """One model against the tests; `delta` is its information criterion above the best."""
-    left = _left(fit, parts)
+    """One model against the tests that it was fitted to.
+
+    Parameters
+    ----------
+    fit : Identification
+        Of tests of which one at least is in time.
+    delta : float
+        Its information criterion above that of the best model.
+    noise : sequence of ResidualScatter, optional
+        Of each test; by default that about this model.
+    """
+    parts, left = parts_of_specimen(fit.data), _left(fit)
+    if noise is None:
+        noise = left.scatters
     error = error_of(parts, left, noise)
     where: tuple[Where, ...] = ()
     says = ONLY_NOISE
@@ -508,7 +553,7 @@ def _judgement(
         says = where[0].says
     known = {
         "model": fit.model,
-        "chi_square": fit.power,
+        "chi_square": fit.cost,
         "degrees_of_freedom": sum(test.points for test in fit.tests) - len(fit.theta),
         "free_parameters": len(fit.theta),
         "fails": left.misfit,

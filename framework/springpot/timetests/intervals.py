@@ -11,6 +11,7 @@ import numpy as np
 from springpot.distributions import student
 from springpot.identification.fitting import RESAMPLES
 from springpot.identification.leastsquares import Rows, levenberg_marquardt
+from springpot.identification.result import Identification
 from springpot.identification.uncertainty import Path
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
@@ -18,20 +19,20 @@ from springpot.thresholds import INTERVAL
 from .exponentials import UnfollowedError, quick_parts
 from .native import Minimum, TimeSearch
 from .residuals_of_tests import Part
-from .result import TimeIdentification, sampled_scatter
+from .scatter import sampled_scatter
 
 FIRST = 1e-3
 """First step along a profile, in coordinates, where the slopes know none."""
 
 
 def with_intervals(
-    result: TimeIdentification, search: TimeSearch, found: Minimum, kind: str, seed: int
-) -> TimeIdentification:
+    result: Identification, search: TimeSearch, found: Minimum, kind: str, seed: int
+) -> Identification:
     """The result with the ends of its intervals by ``profile`` or ``bootstrap``.
 
     Parameters
     ----------
-    result : TimeIdentification
+    result : Identification
         With those of the slopes.
     search, found
         Where it comes from.
@@ -92,7 +93,7 @@ class _Valley:
         pairs = [self.at(one) for one in u]
         return np.stack([value for value, _ in pairs]), np.stack([slopes for _, slopes in pairs])
 
-    def profiled(self, result: TimeIdentification) -> tuple[Real, Real]:
+    def profiled(self, result: Identification) -> tuple[Real, Real]:
         """Ends (p,) where the objective has risen by the quantile's square, others refitted."""
         quantile = student(INTERVAL, max(len(self.weight) - len(self.u), 1))
         low, high = self.search.coordinates.bounds()
@@ -107,7 +108,7 @@ class _Valley:
         ]
         return np.array([end[0] for end in ends]), np.array([end[1] for end in ends])
 
-    def _step(self, result: TimeIdentification, i: int, quantile: float) -> float:
+    def _step(self, result: Identification, i: int, quantile: float) -> float:
         """A standard deviation of coordinate i by the slopes."""
         low, high = self.search.coordinates.u(
             np.array([result.low, result.high]), self.search.size

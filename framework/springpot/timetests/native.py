@@ -13,11 +13,14 @@ import numpy as np
 from springpot.distributions import student
 from springpot.errors import SpringpotError
 from springpot.identification.coordinates import Coordinates
+from springpot.identification.fitting import NATIVE
 from springpot.identification.leastsquares import Rows, Solution, levenberg_marquardt
 from springpot.identification.material import is_material
-from springpot.identification.part_result import PartResult
+from springpot.identification.part_result import SWEEP, PartResult, spare
+from springpot.identification.result import Identification
 from springpot.identification.uncertainty import ends, spread_of
 from springpot.measurement.covered import Covered
+from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units, one_modulus
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
@@ -25,7 +28,7 @@ from springpot.thresholds import INTERVAL
 
 from .exponentials import QuickPart, UnfollowedError
 from .residuals_of_tests import InTimePart, Part, Scales, runs_against, tries_of
-from .result import TimeIdentification, part_result, sampled_scatter
+from .scatter import sampled_scatter
 from .start import start_of
 from .where import rms
 
@@ -67,6 +70,7 @@ The figure that is printed has six digits.
 """
 ROUGHLY = 1e-5
 """The same of the first part of a search, which the last part goes on from."""
+ENDED = {True: "converged", False: "not converged"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -321,7 +325,7 @@ class TimeSearch:
         value = part.with_scale(1.0).residual(self.model, self.theta(u), self.reference).value
         return max(1.0, float(np.sqrt(sampled_scatter(value, part))))
 
-    def result(self, found: Minimum, seconds: float) -> TimeIdentification:
+    def result(self, found: Minimum, seconds: float) -> Identification:
         """The answer where a search ended."""
         theta = self.theta(found.u)
         rows = [
@@ -331,20 +335,30 @@ class TimeSearch:
         units = _units(found.parts)
         covariance = self._covariance(found.u, found.parts)
         slopes = self.coordinates.slopes(theta, self.size)
-        return TimeIdentification(
-            self.model,
-            theta,
-            *self._interval(theta, covariance, sum(row.points for row in rows)),
-            slopes @ covariance @ slopes.T,
-            tuple(rows),
-            self.reference,
-            found.evaluations,
-            found.converged,
-            seconds,
-            units,
-            said=_doubts(found.parts, rows),
+        low, high = self._interval(theta, covariance, sum(row.points for row in rows))
+        return Identification(
+            model=self.model,
+            theta=theta,
+            slopes=slopes,
+            spread=covariance,
+            units=units,
+            reference=self.reference,
+            misfit=max(row.relative_rms for row in rows),
+            # Samples whose misses are alike were counted once in the covariance already.
+            dof=spare(rows, theta),
             covered=Covered.of([part.test for part in found.parts], units),
+            low=low,
+            high=high,
             data=tuple(part.test for part in found.parts),
+            parts=tuple(rows),
+            objective="noise",
+            cost=sum(row.points * row.over_floor**2 for row in rows),
+            optimiser=NATIVE,
+            status=ENDED[found.converged],
+            converged=found.converged,
+            evaluations=found.evaluations,
+            seconds=seconds,
+            notes=_doubts(found.parts, rows),
         )
 
     def _interval(self, theta: Real, covariance: Real, points: int) -> tuple[Real, Real]:
@@ -390,6 +404,33 @@ def _quick(part: Part) -> Part:
     if type(part) is InTimePart:
         return QuickPart.of(part)
     return part
+
+
+def part_result(
+    part: Part, model: Model, theta: Real, reference: float, alone: float
+) -> PartResult:
+    """How far a model with these parameters is off in one part.
+
+    Parameters
+    ----------
+    part : Part
+        The test.
+    model : Model
+        The model.
+    theta : ndarray, shape (p,)
+        Its parameters.
+    reference : float
+        Temperature in kelvin at which shifts are one.
+    alone : float
+        Root mean square of the residuals over their noise with parameters of its own.
+    """
+    # By its noise alone, whatever it weighed in the fit.
+    weighted = part.with_scale(1.0).residual(model, theta, reference).value
+    kind = SWEEP
+    if isinstance(part.test, TimeTest):
+        kind = part.test.kind
+    error, floor = rms(weighted * part.relative_sd), rms(part.relative_sd)
+    return PartResult(part.test.name, kind, len(part.test), error, floor, rms(weighted), alone)
 
 
 def _doubts(parts: Sequence[Part], rows: Sequence[PartResult]) -> tuple[str, ...]:

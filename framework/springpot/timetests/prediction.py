@@ -12,7 +12,7 @@ import numpy as np
 
 from springpot.distributions import student
 from springpot.errors import DataError
-from springpot.identification.result import Identification
+from springpot.identification.prediction import Known
 from springpot.identification.space import require_columns
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timenoise import noise_of
@@ -28,24 +28,20 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Points, Real
 from springpot.thresholds import INTERVAL
 
-from .known import Known, reach
 from .recording import predicted
 from .residuals_of_tests import SweepPart, Test
-from .result import TimeIdentification
 from .where import TestPrediction, rms
 
 NEAR = 2.0
 """Factor by which a time may lie beyond those that a fit saw and still be one of them."""
 
 
-def predict_test(
-    known: Known | TimeIdentification | Identification, test: Test, level: float = INTERVAL
-) -> TestPrediction:
+def predict_test(known: Known, test: Test, level: float = INTERVAL) -> TestPrediction:
     """Predict a test and judge the prediction.
 
     Parameters
     ----------
-    known : Known, TimeIdentification or Identification
+    known : Identification or Known
         A fit to other tests of the specimen.
     test : TimeTest or Measurement
         The test.
@@ -75,8 +71,7 @@ def predict_test(
     >>> predict_test(fit, springpot.TimeTest.of_compliance(t, crept, "kPa")).holds
     True
     """
-    if not isinstance(known, Known):
-        known = Known.of(known)
+    known = known.of_specimen
     _require_its_conditions(known.model, test)
     # The fit is brought to the test, and not the test to the fit: what is printed is in the units
     # that were measured.
@@ -91,7 +86,7 @@ def predict_test(
         quantity, clock = "storage and loss", test.units.clock
     # Relative to the signal, so that tests in different units and of any kind are judged alike.
     share = (compared.value - compared.measured) / compared.size
-    known_sd = reach(compared.by_theta, covariance)
+    known_sd = _reach(compared.by_theta, covariance)
     wide = student(level, known.dof) * known_sd
     # Independent reasons to be off: what the parameters leave open and the noise of the test.
     known_error = np.hypot(known_sd, compared.noise) / compared.size
@@ -122,6 +117,13 @@ def predict_test(
         clock,
         level,
     )
+
+
+def _reach(slopes: Real, covariance: Real) -> Real:
+    """Standard deviation (m,) of what has the derivatives `slopes` (m, p) by the parameters."""
+    variance: Real = np.einsum("mi,ij,mj->m", slopes, covariance, slopes)
+    # Rounding takes a variance of nothing below zero.
+    return np.sqrt(np.maximum(variance, 0.0))
 
 
 def _rms_of(share: Real) -> float:
@@ -177,7 +179,7 @@ def _in_units_of(known: Known, units: Units) -> tuple[Real, Real]:
     ]
     factors = np.array([stiffer**stiffness * longer**amplitude for stiffness, amplitude in powers])
     _require_same_model(known, factors, stiffer, longer, units)
-    return known.theta * factors, known.covariance * np.outer(factors, factors)
+    return known.theta * factors, known.theta_covariance * np.outer(factors, factors)
 
 
 def _require_same_model(

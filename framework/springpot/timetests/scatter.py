@@ -341,6 +341,31 @@ def _chance(ratio: float, above: float, below: float) -> float:
     return float(fdtrc(above, max(below, 1.0), ratio))
 
 
+LIKENESS = 0.98
+"""Largest correlation of neighbouring residuals that is believed.
+
+Beyond, a test would be worth no sample at all.
+"""
+
+
+def sampled_scatter(residual: Real, part: Part) -> float:
+    """Mean square of residuals times the number of samples that make up one independent one.
+
+    For a first-order autoregression with the correlation r of neighbours that is (1 + r) / (1 - r)
+    (Bayley & Hammersley 1946, doi:10.2307/2983560).
+    """
+    rows = residual
+    # Of a sweep K' comes first and then K'': its neighbours are told by K' alone.
+    if not hasattr(part.test, "response"):
+        rows = residual[: len(residual) // 2]
+    power = float(np.mean(rows**2))
+    if len(rows) < 4 or power == 0.0:
+        return float(np.mean(residual**2))
+    # Misses that alternate would claim more than one independent number a sample.
+    likeness = float(np.clip(np.mean(rows[1:] * rows[:-1]) / power, 0.0, LIKENESS))
+    return float(np.mean(residual**2)) * (1.0 + likeness) / (1.0 - likeness)
+
+
 PLAINLY = 10.0
 """Difference of the Bayesian information criterion that is very strong evidence
 (Kass & Raftery 1995, doi:10.1080/01621459.1995.10476572)."""

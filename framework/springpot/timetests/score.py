@@ -18,6 +18,7 @@ from itertools import product
 import numpy as np
 
 from springpot.errors import SpringpotError
+from springpot.identification.result import Identification
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test
 from springpot.rheology.effect import Effect
@@ -31,7 +32,6 @@ from springpot.rheology.stages import acting, on_loading, on_response
 from .exponentials import QuickPart, points_at
 from .recording import TOLERANCE, Clock, reached, recorded
 from .residuals_of_tests import Scales, SweepPart, tries_of
-from .result import TimeIdentification
 from .verdict import Atom, Promise
 
 STEEP = 1.2
@@ -66,13 +66,13 @@ class TimeScan:
 
     Parameters
     ----------
-    base : TimeIdentification
+    base : Identification
         The fit.
     parts : sequence of Part
         Its tests.
     """
 
-    def __init__(self, base: TimeIdentification, parts: Sequence[QuickPart | SweepPart]) -> None:
+    def __init__(self, base: Identification, parts: Sequence[QuickPart | SweepPart]) -> None:
         self.base, self.model, self.theta = base, base.model, base.theta
         self.views: list[View | SweepView] = []
         for part in parts:
@@ -302,7 +302,7 @@ class TimeScan:
         return atoms
 
 
-def _with_effect(base: TimeIdentification, effect: Effect, values: Real) -> tuple[Model, Real]:
+def _with_effect(base: Identification, effect: Effect, values: Real) -> tuple[Model, Real]:
     """A fitted model with an effect, and its parameters.
 
     Those of the fit, and `values` (q,) of the effect.
@@ -379,7 +379,7 @@ def shown_in(model: Model, test: Test) -> tuple[Node, list[int]]:
     return network, [places[i] for i in inner]
 
 
-def stiffness_of(base: TimeIdentification, at: Points, test: Test) -> Complex:
+def stiffness_of(base: Identification, at: Points, test: Test) -> Complex:
     """K of a fitted model as a test shows it."""
     network, places = shown_in(base.model, test)
     return network.respond(base.theta[places], at).value
@@ -391,7 +391,7 @@ class View:
     Some of its samples, and what fixed exponentials answer there.
     """
 
-    def __init__(self, part: QuickPart, base: TimeIdentification) -> None:
+    def __init__(self, part: QuickPart, base: Identification) -> None:
         self.part, self.base, self.quick = part, base, part
         self.t, self.weight = self.quick.t, self.quick.weight
         # The exact answer once, for what is left; only the changes go by fixed exponentials.
@@ -499,7 +499,7 @@ class View:
 class SweepView:
     """A sweep at frequencies beside tests in time."""
 
-    def __init__(self, part: SweepPart, base: TimeIdentification) -> None:
+    def __init__(self, part: SweepPart, base: Identification) -> None:
         self.part, self.base = part, base
         left = part.residual(base.model, base.theta, base.reference)
         self.residual, self.slopes = left.value, left.by_theta

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.diagnosis.result import Candidate, Diagnosis, EffectVerdict, Verdict
+from springpot.identification.result import Identification
 from springpot.identification.value import Value
 from springpot.measurement.sign import said_of_sign
 from springpot.misfit.error import Error
@@ -23,7 +24,6 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
 from .residuals_of_tests import InTimePart, Part
-from .result import TimeIdentification
 from .scatter import ALIKE, HINT, PLAINLY, Left, ResidualScatter, times_noise
 from .where import places, rms, worst_first
 
@@ -118,14 +118,14 @@ class Promise:
     amount: float
     direction: Real
 
-    def start(self, base: TimeIdentification, model: Model, *, moved: bool = False) -> Real:
+    def start(self, base: Identification, model: Model, *, moved: bool = False) -> Real:
         """A start (p,) for the model with the effect.
 
         What it promises beside the parameters of the fit.
 
         Parameters
         ----------
-        base : TimeIdentification
+        base : Identification
             The fit that was scanned.
         model : Model
             Its model with the effect.
@@ -196,7 +196,7 @@ class Tried:
         What is left of the tests.
     delta : float
         By how much the Bayesian information criterion falls.
-    fit : TimeIdentification or None
+    fit : Identification or None
         The exact fit, where there is one.
     """
 
@@ -205,7 +205,7 @@ class Tried:
     theta: Real
     left: Left
     delta: float
-    fit: TimeIdentification | None = None
+    fit: Identification | None = None
 
     @property
     def evidence(self) -> float:
@@ -220,20 +220,20 @@ class TimeCase(NamedTuple):
     ----------
     diagnosis : Diagnosis
         What is said.
-    base : TimeIdentification
+    base : Identification
         The model that was judged.
-    best_fit : TimeIdentification
+    best_fit : Identification
         The model with the best effect, where one is missing; else the base.
     """
 
     diagnosis: Diagnosis
-    base: TimeIdentification
-    best_fit: TimeIdentification
+    base: Identification
+    best_fit: Identification
 
 
 def answer_of(
     parts: Sequence[Part],
-    base: TimeIdentification,
+    base: Identification,
     before: Left,
     tried: Sequence[Tried],
     noise: Sequence[ResidualScatter],
