@@ -19,7 +19,7 @@ from springpot.measurement.covered import Covered
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test
 from springpot.measurement.units import Units
-from springpot.plain_data import jsonable, number
+from springpot.plain_data import as_declared, jsonable, number
 from springpot.rheology.continuum import EQUILIBRIUM, VISCOSITY
 from springpot.rheology.forms import SearchForm
 from springpot.rheology.model import Model
@@ -207,9 +207,8 @@ class Standing:
         standing = None
         if row is not None:
             floors = [number(row[name]) for name in ("noise_floor", "material_floor")]
-            standing = cls(
-                floors[0], row["noise_source"], floors[1], row["good_enough"], row["says"]
-            )
+            source, says = row["noise_source"], row["says"]
+            standing = as_declared(cls(floors[0], source, floors[1], row["good_enough"], says))
         return lambda fit: standing
 
 
