@@ -237,11 +237,12 @@ def spectral(
     search, place = min(ends, key=lambda end: end[1].cost)
     if len(place.u):
         # The convex form knows no effect: beside one, the lattice is as coarse as at the start.
+        samples = sum(len(_signal(part)) for part in parts)
         for share in CLOSER:
-            nearer = search.closer(place, share)
-            evaluations += nearer[0].evaluations
-            if _with_lines(*nearer) < _with_lines(search, place):
-                search, place = nearer
+            closer, there = search.closer(place, share)
+            evaluations += closer.evaluations
+            if _pays(place, there, samples):
+                search, place = closer, there
     weights, u, _ = place
     search.require_told(weights, u)
     # Lines without weight are no parameters: intervals would count them.
@@ -277,11 +278,10 @@ class MaterialPoint(NamedTuple):
     cost: float
 
 
-def _with_lines(search: _Search, place: MaterialPoint) -> float:
-    """Schwarz' criterion of what is left and of the lines, which needs no size of the noise."""
-    samples = sum(len(_signal(part)) for part in search.parts)
-    lines = np.count_nonzero(place.weights)
-    return float(samples * np.log(place.cost) + lines * np.log(samples))
+def _pays(before: MaterialPoint, after: MaterialPoint, samples: int) -> bool:
+    """Whether lines at places of their own explain more than as many places cost (Schwarz)."""
+    lines = np.count_nonzero(after.weights[2:])
+    return bool(samples * np.log(before.cost / after.cost) > lines * np.log(samples))
 
 
 class _Search:
