@@ -15,9 +15,11 @@ from springpot.errors import ModelError
 
 from .holding import Fixed, Held
 from .levels import Levels
-from .nodes import Composing, Node, Parallel
+from .nodes import Composing, Node, Parallel, chain, parallel, series, shift
+from .physical import told
 from .points import Complex, Points, Real
 from .stages import Stage, StageLaw
+from .written import Written, size_of, written
 
 
 @dataclass(frozen=True)
@@ -70,6 +72,17 @@ class Test(Protocol):
     def control(self) -> str:
         """What was imposed, of `CONTROLS`."""
 
+
+PLANES = {"parallel": parallel, "series": series, "chain": chain, "shift": shift}
+"""Where a formula is put: it is a stiffness, a compliance, a factor of K, one of the frequency."""
+OF_PLANE = {
+    "parallel": (Layer.MATERIAL, "K + {0}"),
+    "series": (Layer.MATERIAL, "1 / (1 / K + {0})"),
+    "chain": (Layer.SIGNAL, "K * ({0})"),
+    "shift": (Layer.TEMPERATURE, "K(omega * ({0}))"),
+}
+"""The layer of a formula of which nothing else is said, and what is measured with it."""
+OF_WHOLE = "X is the amplitude of the whole, not the share that this part takes"
 
 IN_TIME = ("displacement", "force")
 CONTROLS = ("frequency", *IN_TIME)
@@ -125,6 +138,18 @@ class AppliesTo:
         if self.one:
             return f"one of several {told}"
         return told
+
+
+def _absent_at(element: Written) -> float:
+    """Where the first parameter of a formula makes it vanish."""
+    size = size_of(element)
+    if size is None:
+        names = ", ".join(each.name for each in element.free)
+        raise ModelError(
+            f"'{element.text:.80}' never vanishes: none of {names} does it alone, at zero or"
+            " infinity, so that it could not be missing"
+        )
+    return size[1]
 
 
 ALL, SWEEPS = AppliesTo(), AppliesTo(("frequency",))
@@ -191,6 +216,8 @@ class Effect:
         The tests that can have it: by default all, and at a stage all in time.
     signature : str
         How it shows in a record: one sentence.
+    expression : str
+        How it stands in a model expression; by default its name.
 
     Examples
     --------
@@ -217,8 +244,57 @@ class Effect:
     only_varied: bool = False
     applies_to: AppliesTo = ALL
     signature: str = ""
+    expression: str = ""
+
+    @classmethod
+    def from_formula(cls, name: str, formula: str, summary: str = "", **more: Any) -> Effect:
+        """An effect by its formula: units, bounds and the size that is found follow from it.
+
+        Parameters
+        ----------
+        name : str
+            What users type.
+        formula : str
+            ``PLANE: FORMULA``: what stands ``parallel`` is a stiffness, ``series`` a compliance,
+            ``chain`` a factor of K and ``shift`` one of the frequency.
+        summary : str
+            One sentence of physics; by default what kind of law it is.
+        **more
+            Whatever else an effect has: layer, citation, aliases, prior.
+
+        Raises
+        ------
+        ModelError
+            If it is no formula, its units do not fit, or no parameter of it alone makes it vanish.
+
+        Examples
+        --------
+        >>> from springpot.rheology import Effect
+        >>> Effect.from_formula("drag", "parallel: c*i*omega").equation
+        'K + c*i*omega'
+        """
+        plane, colon, text = (part.strip() for part in formula.partition(":"))
+        if not colon or plane not in PLANES:
+            raise ModelError(
+                f"'{formula:.80}': write PLANE: FORMULA, PLANE being one of {', '.join(PLANES)}"
+            )
+        element = written(text, PLANES[plane].kind.plane)
+        layer, equation = OF_PLANE[plane]
+        nonlinear = "amplitude" in element.needs
+        usual: dict[str, Any] = {
+            "summary": summary or f"{element.text}, a law of your own: {told(element)}",
+            "layer": layer,
+            "absent_at": _absent_at(element),
+            "equation": equation.format(element.text),
+            # Nothing here follows from a first harmonic in time, nor of what a signal went through.
+            "applies_to": SWEEPS if nonlinear or plane == "chain" else ALL,
+            "approximate": OF_WHOLE if nonlinear and plane != "parallel" else "",
+        }
+        return cls(name, PLANES[plane], element, **(usual | more))
 
     def __post_init__(self) -> None:
+        if not self.expression:
+            object.__setattr__(self, "expression", self.name)
         law = self.element
         # Values that are held, or all of them fixed, stand around it.
         while isinstance(law, Held | Fixed):
@@ -253,7 +329,8 @@ class Effect:
         """The same effect of one test alone, called ``NAME:TEST``."""
         test = in_expression(test)
         tests = replace(self.applies_to, test=test)
-        return replace(self, name=f"{self.name}:{test}", applies_to=tests, aliases=())
+        name = f"{self.name}:{test}"
+        return replace(self, name=name, expression=name, applies_to=tests, aliases=())
 
     @property
     def vanishes_at(self) -> float:
@@ -284,15 +361,23 @@ class Effect:
         return replace(
             self,
             name=f"{self.name}:{column}",
+            expression=f"{self.name}:{column}",
             element=replace(self.element, column=column),
             aliases=(),
         )
 
     def bound_to(self, at: Points) -> Effect:
-        """The effect with the levels of these points; itself where it is not by levels."""
-        if not isinstance(self.element, Levels) or self.element.values:
+        """The effect with the levels and columns of these points; itself where it has none."""
+        if not isinstance(self.element, Levels | Written):
             return self
-        return replace(self, element=self.element.bound_to(at))
+        bound = self.element.bound_to(at)
+        if bound is self.element:
+            return self
+        changed = replace(self, element=bound)
+        if isinstance(bound, Written):
+            # What was taken for a parameter may be a column of these data.
+            changed = replace(changed, absent_at=_absent_at(bound))
+        return changed
 
     @property
     def plane(self) -> str:
