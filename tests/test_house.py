@@ -249,7 +249,7 @@ def test_a_file_can_be_read(path: Path, package: str):
             assert code_lines(node) <= SCREEN, f"{node.name} does not fit a screen: name its steps"
 
 
-DEEPEST = 40
+DEEPEST = 39
 """Files of the longest chain of imports; may only fall (53 before imports named their files)."""
 TWICE = 0
 """Names of classes that stand for two things or more; may only fall."""

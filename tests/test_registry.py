@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
 from importlib import import_module
 from importlib.metadata import PathDistribution
 from itertools import count
@@ -337,10 +338,24 @@ def test_what_a_plugin_does_to_the_program_when_it_is_loaded_is_undone_and_named
 
 BUSY = """
 import threading
-threading.Thread(target=threading.Event().wait, name="busy", daemon=True).start()
+let_go = threading.Event()
+busy = threading.Thread(target=let_go.wait, name="busy", daemon=True)
+busy.let_go = let_go.set
+busy.start()
 """
 
 
+@pytest.fixture
+def let_go_of_busy() -> Iterator[None]:
+    """A thread that stays would be in the way of all later tests that copy their process."""
+    yield
+    for thread in threading.enumerate():
+        if thread.name == "busy":
+            thread.let_go()
+            thread.join()
+
+
+@pytest.mark.usefixtures("let_go_of_busy")
 def test_a_thread_that_a_plugin_leaves_running_is_named(install: Install):
     found = install(busy=BUSY + MODELS.format("model('polite')"))
     [fault] = found.faults

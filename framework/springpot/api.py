@@ -26,7 +26,7 @@ from springpot.identification.runs import Optimiser
 from springpot.identification.space import require_conditions
 from springpot.measurement.joining import joined
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.opening import Test
+from springpot.measurement.opening import Test, sweep_of
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.material import any_material
 from springpot.registry import open_tests, parse_model, plugins
@@ -287,6 +287,18 @@ def discover(
         data, begin, known, np.random.default_rng(seed), wanted, progress, reached=reached
     )
 
+    if data is None:
+        return discover_in_time(tests, begin, known, wanted, progress, reached)
+    grown = begin
+    # Grown as it will be: an effect may be refused because of one accepted before it.
+    for effect in wanted or ():
+        grown = grown.taking(effect)
+    # What cannot be accepted is told before the first fit, not after it.
+    require_conditions(grown, data)
+    return discover_objects(
+        data, begin, known, np.random.default_rng(seed), wanted, progress, reached=reached
+    )
+
 
 def compare(
     measurement: Data,
@@ -495,13 +507,6 @@ def _tests(data: Data) -> list[Test]:
     if len(tests) == len(sweeps) > 1:
         return [joined(sweeps)]
     return tests
-
-
-def sweep_of(tests: Sequence[Test]) -> Measurement | None:
-    """The sweep that stands alone; None where a test in time is among the tests."""
-    if isinstance(tests[0], Measurement) and len(tests) == 1:
-        return tests[0]
-    return None
 
 
 def _listed(given: Any) -> Sequence[Any]:

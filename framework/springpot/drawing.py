@@ -17,11 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # As names, not as imports: the rooms below must not know the one above.
-DRAWS, TELLS, SHOWS = (
-    "springpot.report.result_plots",
-    "springpot.report.ladder_text",
-    "springpot.report.notebook",
-)
+DRAWS, TELLS = "springpot.report.result_plots", "springpot.report.told"
 
 
 def draw(
@@ -61,5 +57,5 @@ def text_of(result: object) -> str:
 
 def html_of(result: object) -> str:
     """What a notebook shows of a result."""
-    page: str = import_module(SHOWS).shown(result)
+    page: str = import_module(TELLS).shown(result)
     return page

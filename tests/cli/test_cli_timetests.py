@@ -251,7 +251,7 @@ def test_discover_is_for_tests_in_time_too(springpot, relaxed):
 def test_without_a_model_any_material_is_judged(springpot, relaxed):
     told = springpot("diagnose", relaxed)
     assert told.code == 0, told.err
-    assert told.out.startswith("material: adequate")
+    assert told.out.startswith("material of relaxation: adequate")
 
 
 def test_of_several_tests_the_one_that_lacks_a_unit_is_named(springpot, relaxed, write):
@@ -324,7 +324,9 @@ def test_a_discovery_from_tests_in_time_is_reported_and_drawn_as_one_of_sweeps(
     assert "nan" not in text.lower().replace("nanometer", "")
     ladder = package.discover(relaxed, "fractional-kelvin", accept="series-spring")
     compared = package.compare(relaxed, ["maxwell", "fractional-maxwell"])
-    for i, answer in enumerate((ladder, ladder.diagnosis, compared, ladder.steps[-1].examined)):
+    for i, answer in enumerate(
+        (ladder, ladder.diagnosis, compared, ladder.steps[-1].examined.base)
+    ):
         assert answer.plot(tmp_path / f"{i}.png").stat().st_size > 10_000
         assert "<" in answer._repr_html_()
         assert len(str(answer).splitlines()) > 2

@@ -1,9 +1,21 @@
 """What is found is told in the words in which the data came: rad/s and G', Hz and stiffness."""
 
+import re
+from dataclasses import replace
+from html import unescape
+from math import inf, nan
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+
+from springpot.diagnosis.result import Candidate, Diagnosis
+from springpot.identification.part_result import PartResult
+from springpot.identification.value import Value
+from springpot.misfit.error import Error
+from springpot.misfit.where import Where
+from springpot.registry import parse_model, plugins
+from springpot.report.told import told
 
 pytestmark = pytest.mark.usefixtures("asked_once")
 
@@ -101,14 +113,13 @@ def test_far_from_the_noise_without_a_pattern_is_no_noise(springpot, write, rng)
 def test_where_the_floor_moves_a_line_says_why(springpot):
     """Amplitudes that differ from point to point leave no smooth curve to take scatter from."""
     import springpot as package
-    from springpot.report.ladder_text import ladder_text
 
     ladder = package.discover(
         "artificial-hidden", "fractional-maxwell", accept=["inertia", "time-delay"]
     )
     floors = [step.noise_floor for step in ladder.steps]
     assert max(floors) > 1.1 * min(floors)
-    said = ladder_text(ladder, 80)
+    said = told(ladder, 80)
     assert "the noise floor moved from 1.2 % to 0.85 %: it is estimated" in said
     assert "diagnose may find a lower one" in springpot("identify", "artificial-hidden", *MODEL).out
     table = said.split("\n\n")[1]
@@ -150,33 +161,62 @@ def test_a_master_curve_speaks_of_a_T(springpot, monkeypatch):
     assert max(map(len, lines)) <= 80
 
 
-def test_an_answer_in_time_fits_the_window():
-    from types import SimpleNamespace as Some
-
-    from springpot.report.fit_text import diagnosed_in_time_text
-
-    each = Some(
-        effect="inertia",
-        verdict="missing",
+def diagnosed_in_time() -> Diagnosis:
+    """A diagnosis of a record, with long sentences."""
+    inertia = Candidate(
+        plugins().effect("inertia"),
+        alike=("inertia", "specimen-inertia"),
+        probability=0.97,
         delta_bic=1234.5,
+        score=nan,
+        verdict="missing",
+        predicted_error=nan,
+        error_after=0.0051,
+        bound=inf,
         over_floor=1.02,
+        parameters={"m": Value(0.25, 0.24, 0.26, "kg")},
         says="a mass " * 20,
-        parameters={"m": Some(value=0.25, unit="kg")},
     )
-    found = Some(
-        model=Some(name="zener"),
+    says = "record is missed most " * 8
+    return Diagnosis(
+        data="record",
+        model=parse_model("zener"),
+        error=Error(0.1, 0.005, "residual", "", nan, nan),
         verdict="effect-missing",
         says="the error is " * 12,
-        where=[Some(says="record is missed most " * 8)],
-        candidates=[each],
+        split="",
+        where=(Where("signal", "record", 0.1, 0.2, 9.0, says),),
+        candidates=(inertia,),
+        classes=(("inertia", "specimen-inertia"),),
         leading=("inertia",),
-        classes=[("inertia", "specimen-inertia")],
-        left_out={},
+        tests=(PartResult("record", "history", 99, 0.1, 0.005, 20.0, 20.0),),
+        left_out={"gain-error": "nothing follows it"},
     )
-    told = diagnosed_in_time_text(found, 80)
-    assert max(map(len, told.splitlines())) <= 80
-    assert "m 0.25 kg" in told
-    assert "cannot tell apart: inertia, specimen-inertia" in told
+
+
+def test_an_answer_in_time_fits_the_window():
+    text = told(diagnosed_in_time(), 80)
+    assert max(map(len, text.splitlines())) <= 80
+    assert "m 0.250 [0.240, 0.260] kg" in text
+
+
+def test_terminal_and_notebook_tell_one_document():
+    """An answer was laid out several times, and each layout told something else."""
+    found = diagnosed_in_time()
+    page = unescape(re.sub(r"<[^>]+>", " ", found._repr_html_()))
+    words = [word for word in told(found, 400).split() if set(word) - {"-"}]
+    assert {word for word in words if word not in page} == set()
+    for said in ("specimen-inertia", "0.51 % (1.0 x)", "left out", "nothing follows it"):
+        assert said in page
+
+
+@pytest.mark.parametrize("verdict", ["adequate", "unexplained"])
+def test_a_column_that_says_nothing_is_left_out(verdict: str):
+    text = told(replace(diagnosed_in_time(), verdict=verdict), 400)
+    assert "predicted" not in text
+    assert "material floor" not in text
+    # Nor is there a ranking where nothing is missing.
+    assert ("probability" in text) is (verdict != "adequate")
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from springpot.errors import DataError
 from springpot.measurement import Measurement, Units
 from springpot.misfit.floor import beyond_floor
 from springpot.report.jsontext import jsonable
-from springpot.report.ladder_text import ranked_text
+from springpot.report.told import told
 from springpot.thresholds import COMPARISON, SEARCH
 
 OMEGA = 2.0 * np.pi * np.geomspace(0.3, 30.0, 25)
@@ -65,7 +65,7 @@ def test_the_truth_comes_first_with_what_no_material_can_do_without(heavy):
 def test_a_ranking_is_kept_drawn_and_told(heavy, tmp_path):
     again = pickle.loads(pickle.dumps(heavy))
     assert jsonable(again) == jsonable(heavy)
-    assert str(again) == ranked_text(heavy)
+    assert str(again) == told(heavy)
     path = tmp_path / "ranking.json"
     path.write_text(json.dumps(heavy.to_dict(), allow_nan=False), encoding="utf-8")
     loaded = springpot.load(path)
@@ -127,7 +127,7 @@ def test_where_nothing_holds_the_nearest_comes_first_and_is_called_so():
     assert ranking.adequate == ()
     assert ranking.best.delta_bic == 0.0
     assert ranking.says.startswith("no installed model follows these data")
-    assert "not enough" in ranked_text(ranking)
+    assert "not enough" in told(ranking)
     assert ranking.shown
 
 
@@ -168,7 +168,7 @@ def test_the_material_floor_of_a_model_is_that_with_its_own_effects(heavy):
 
 
 def test_the_text_tells_both_floors_and_the_first_model(heavy):
-    text = ranked_text(heavy)
+    text = told(heavy)
     first, _, floors = text.splitlines()[:3]
     assert first == f"made: {heavy.says}"
     assert floors.startswith("noise floor 0.")
@@ -229,7 +229,7 @@ def test_what_no_material_follows_to_the_noise_makes_no_model_adequate(mixed):
         "what is missing is no part of the material"
     )
     assert mixed.says == f"{mixed.best.model.name} {says}"
-    text = ranked_text(mixed)
+    text = told(mixed)
     assert "as any material" in text
     assert "adequate  " not in text
     assert jsonable(mixed)["ranking"]["near"] == [one.model.name for one in mixed.near]

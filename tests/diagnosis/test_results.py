@@ -130,7 +130,7 @@ def test_a_diagnosis_tells_the_parameters_of_the_model_that_it_judges(ladder, tm
     assert k.determined
     assert f"fitted: k {k.value:.0f} [" in str(diagnosis)
     assert str(ladder).count("fitted: ") == 0  # a discovery has them in a table already
-    assert ">alpha</td>" in diagnosis._repr_html_()
+    assert "; alpha 0." in diagnosis._repr_html_()
     path = tmp_path / "diagnosis.json"
     path.write_text(to_json(diagnosis), encoding="utf-8")
     assert springpot.load(path).parameters == diagnosis.parameters

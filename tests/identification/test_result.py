@@ -14,6 +14,7 @@ from springpot.errors import DataError, ModelError, OptionError, OutputError, Sp
 from springpot.identification import Identification
 from springpot.registry import plugins
 from springpot.report.jsontext import to_json
+from springpot.report.numbers import percent
 from springpot.rheology.model import Family
 
 pytestmark = pytest.mark.usefixtures("asked_once")
@@ -60,7 +61,7 @@ def test_residuals_and_floor_explain_the_error(fit: Identification):
     assert fit.noise_floor == pytest.approx(fit.relative_rms, rel=0.1)
     assert fit.standing is not None
     assert fit.standing.good_enough
-    assert f"noise floor {100 * fit.noise_floor:.3g} %" in fit._repr_html_()
+    assert f"noise floor of {percent(fit.noise_floor, 2)}" in fit._repr_html_()
 
 
 def test_a_prediction_is_the_model_with_a_band_that_holds_the_truth(fit: Identification):

@@ -80,6 +80,41 @@ def test_play_is_what_is_left_of_a_spring_with_a_slider():
     )
 
 
+PULL = np.interp(T, [0.0, 1.0, 3.0, 15.0], [0.0, 0.0, 0.3, 0.3])
+
+
+def test_tissue_relaxes_an_exponential_of_its_strain():
+    test = TimeTest.of_history(T, PULL, 3.0 * PULL, "mm", "N")
+    felt = TimeTest.of_history(T, np.expm1(6.0 * PULL) / 6.0, 3.0 * PULL, "mm", "N")
+    assert held("strain-stiffening", [6.0], test) == pytest.approx(
+        recorded(MODEL, THETA, felt).value, abs=1e-9
+    )
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_loose_specimen_feels_what_goes_beyond_its_length(side: float):
+    test = TimeTest.of_history(T, side * PULL, 3.0 * PULL, "mm", "N")
+    felt = TimeTest.of_history(T, side * np.maximum(PULL - 0.1, 0.0), 3.0 * PULL, "mm", "N")
+    assert held("slack", [0.1], test) == pytest.approx(recorded(MODEL, THETA, felt).value, abs=1e-9)
+
+
+def test_bump_and_rebound_differ_by_a_force_of_one_sign():
+    x = np.sin(1.3 * T)
+    test = TimeTest.of_history(T, x, 3.0 * x, "mm", "N")
+    extra = held("asymmetric-damping", [2.0], test) - recorded(MODEL, THETA, test).value
+    assert extra == pytest.approx(2.0 * np.abs(Record.of(test).rate), abs=1e-9)
+
+
+def test_stiffening_is_told_from_any_material():
+    rng = np.random.default_rng(3)
+    model = MODEL + plugins().effect("strain-stiffening")
+    test = TimeTest.of_history(T, PULL, PULL, "mm", "N")
+    clean = recorded(model, np.append(THETA, 10.0), test).value
+    noisy = clean + 0.005 * np.abs(clean).max() * rng.standard_normal(len(clean))
+    fit = identify(replace(test, response=noisy), parse_model("material + strain-stiffening"))
+    assert fit["strain-stiffening.B"].value == pytest.approx(10.0, rel=0.1)
+
+
 def test_a_bearing_that_holds_lets_less_through_and_holds_back():
     loading = Loading(np.array([0.0, 0.0, 7.0, 7.0, 15.0]), np.array([0.0, 1.0, 1.0, 0.0, 0.0]))
     test = TimeTest(T[1:], T[1:], loading, "force", "mm", "N")

@@ -7,8 +7,9 @@ import springpot
 from springpot.measurement import Measurement, Units
 from springpot.registry import parse_model
 from springpot.report import canvas, residuals, views
-from springpot.report.residuals import PLANES, draw_plane
+from springpot.report.residuals import draw_plane
 from springpot.report.views import SHARED, DrawnFit, Scene, alike
+from springpot.rheology.nodes import PLANES
 
 pytest.importorskip("matplotlib")
 
@@ -46,7 +47,7 @@ def _drawn(draw, scene):
         }
 
 
-@pytest.mark.parametrize("plane", [STIFFNESS, COMPLIANCE], ids=lambda plane: plane.name)
+@pytest.mark.parametrize("plane", [STIFFNESS, COMPLIANCE], ids=lambda plane: plane.plane)
 def test_each_sweep_has_its_own_band_where_they_differ(plane):
     scene = _scene()
     found = _drawn(lambda axes, shown: draw_plane(axes, shown, plane), scene)

@@ -52,3 +52,16 @@ def test_a_response_of_more_than_a_decade_has_a_logarithmic_axis(decades: float,
     assert [by_log_time.get_xscale(), by_log_time.get_yscale()] == ["log", scale]
     assert [by_time.get_xscale(), by_time.get_yscale()] == ["linear", "linear"]
     assert residual.get_yscale() == "linear"
+
+
+@pytest.mark.parametrize(("material", "named"), [([0.3, 0.2], True), ([np.nan, np.nan], False)])
+def test_a_legend_names_no_floor_that_is_not_drawn(material: list[float], named: bool):
+    pytest.importorskip("matplotlib")
+    from springpot.report.canvas import blank
+    from springpot.report.figures import draw_floors
+
+    with blank() as figure:
+        axes = figure.subplots()
+        draw_floors(axes, np.array([0.1, 0.1]), np.array(material))
+        labels = axes.get_legend_handles_labels()[1]
+    assert ("material floor" in labels) is named

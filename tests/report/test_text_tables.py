@@ -1,6 +1,9 @@
 """Tables as text."""
 
-from springpot.report.text import TextTable, cut, indented, paragraphs, width
+from dataclasses import replace
+
+from springpot.report.document import Listing, Prose, as_html, as_text
+from springpot.report.text import TextTable, cut, indented, width
 
 
 def test_columns_line_up():
@@ -34,6 +37,17 @@ def test_a_long_name_is_cut_to_its_place():
 
 
 def test_sentences_are_broken_and_tables_stay_as_they_are():
-    table = TextTable(("a long name of a column", "size"), [["x", "1"]]).plain()
-    told = paragraphs(["one two three", "", table], 8)
-    assert told == f"one two\n  three\n\n{table}"
+    table = TextTable(("a long name of a column", "size"), [["x", "1"]])
+    document = [Prose("one two three"), Prose(), Listing([]), table]
+    assert as_text(document, 8) == f"one two\n  three\n\n{table.plain()}"
+    assert as_html(document).startswith("<div><p>one two three</p><div")
+
+
+def test_a_narrow_window_goes_without_spare_columns_and_cuts_names_last():
+    table = TextTable(("name", "size", "note"), [["a long name of a test", "1", "more"]], cuts=True)
+    assert table.fitted(30).headers == ["name", "size", "note"]
+    spare = replace(table, spare=("note",), legend={"note": "what is said", "size": "in mm"})
+    assert spare.fitted(30).headers == ["name", "size"]
+    assert "note: what is said" not in spare.as_text(30)
+    assert spare.as_text(20).splitlines()[-2:] == ["a long name o…  1", "size: in mm"]
+    assert "note: what is said" in spare.as_html()

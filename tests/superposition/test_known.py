@@ -9,7 +9,7 @@ from sweeps import TEMPERATURES, material, measured, simple
 
 import springpot
 from springpot.identification.known_factors import FURTHEST
-from springpot.report.mastercurve import mastercurve_text
+from springpot.report.told import told
 
 
 def apart(i, omega):
@@ -75,7 +75,7 @@ def test_every_row_of_the_table_of_the_curve_is_marked(parted, tmp_path):
 
 
 def test_no_factor_is_left_out_of_the_text(parted):
-    lines = mastercurve_text(parted).splitlines()
+    lines = told(parted).splitlines()
     assert sum("no: no overlap" in line for line in lines) == 2
     assert not [line for line in lines if line.lstrip().startswith(("0  -", "15  -"))]
 

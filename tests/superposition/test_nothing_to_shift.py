@@ -8,7 +8,8 @@ import pytest
 from sweeps import TEMPERATURES, material, measured, simple
 
 import springpot
-from springpot.report.mastercurve import EXACT, mastercurve_text
+from springpot.report.mastercurve import EXACT
+from springpot.report.told import told
 
 
 def rubber(i, omega):
@@ -26,12 +27,12 @@ def test_flat_sweeps_have_nothing_to_shift_by(seed):
     assert all(name in note for name in said)
     assert not [note for note in curve.notes if "overlap" in note]
     # The table marks every factor that may be anything; the vertical one is what the plateau tells.
-    rows = [line for line in mastercurve_text(curve).splitlines() if "no: flat" in line]
+    rows = [line for line in told(curve).splitlines() if "no: flat" in line]
     assert len(rows) == 4
     assert all("1.0e-24, 1.0e+24" in row for row in rows)
     b = {level.value: level.b for level in curve.levels}
     assert b[60.0] / b[0.0] == pytest.approx(333.15 / 273.15, rel=0.05)
-    assert curve._repr_html_().count('data-label="determined">flat<') == 4
+    assert curve._repr_html_().count('data-label="determined">no: flat<') == 4
 
 
 def test_straight_sweeps_that_rise_are_not_called_flat():
@@ -43,7 +44,7 @@ def test_straight_sweeps_that_rise_are_not_called_flat():
 
 
 def test_sweeps_with_a_slope_keep_their_factors():
-    text = mastercurve_text(springpot.mastercurve(measured(simple)))
+    text = told(springpot.mastercurve(measured(simple)))
     assert "nothing to shift by" not in text
     assert "not determined" not in text
     assert EXACT not in text
@@ -53,7 +54,7 @@ def test_a_law_with_as_many_constants_as_factors_is_exact_by_construction():
     whole = measured(lambda i, omega: material(omega * np.exp(-0.05 * TEMPERATURES[i])))
     two = whole.subset(whole.conditions["temperature"] < 20.0)
     curve = springpot.mastercurve(two)
-    lines = [line for line in mastercurve_text(curve, 200).splitlines() if "cannot-tell" in line]
+    lines = [line for line in told(curve, 200).splitlines() if "cannot-tell" in line]
     assert lines
     for line in lines:
         assert EXACT in line

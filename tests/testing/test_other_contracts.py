@@ -7,6 +7,7 @@ import os
 import random
 import subprocess
 import sys
+import threading
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -16,12 +17,14 @@ import pytest
 from springpot.errors import DataError
 from springpot.identification import BatchedOptimiser, BudgetSpent, Card, Objective, Optimiser
 from springpot.measurement import DataSet, Measurement, Reader, Units
+from springpot.processes import can_copy
 from springpot.testing import (
     check_dataset,
     check_objective,
     check_optimiser,
     check_plugin,
     check_reader,
+    networks,
 )
 from springpot.testing.networks import kept_random_state
 
@@ -307,9 +310,28 @@ class Dying(Good):
 
 
 def test_a_plugin_that_hangs_or_dies_is_named_within_the_time_that_is_told():
+    assert can_copy(), "an earlier test left a thread running: no copy could die in our place"
     [hangs] = [says for says in check_optimiser(Looping, deadline=0.5) if "end" in says]
     assert hangs == "budget: does not end: all aspects together may take 0.5 s"
     assert "budget: the process ended with exit code 3" in check_optimiser(Dying)
+
+
+LET_GO = threading.Event()
+
+
+class Waiting(Good):
+    def minimise(self, problem, budget, rng):
+        LET_GO.wait()
+
+
+def test_a_plugin_that_hangs_is_named_where_threads_run_too(monkeypatch):
+    monkeypatch.setattr(networks, "can_copy", lambda: False)
+    before = set(threading.enumerate())
+    found = check_optimiser(Waiting, deadline=0.5)
+    assert "budget: does not end: all aspects together may take 0.5 s" in found
+    LET_GO.set()
+    for thread in set(threading.enumerate()) - before:
+        thread.join()
 
 
 # Data sets ----------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ import springpot
 from springpot.errors import ModelError
 from springpot.measurement import Measurement, TimeTest
 from springpot.registry import parse_model, plugins
-from springpot.report.fit_text import climbed_in_time_text
+from springpot.report.told import told
 from springpot.rheology import Effect, Points, chain
 from springpot.rheology.formula import Formula
 from springpot.timetests import diagnose, discover, identify
@@ -134,4 +134,4 @@ def test_an_effect_that_cannot_be_gone_on_from_is_told_and_loses_no_rung(monkeyp
     ladder = discover(house(1), "fractional-maxwell", some)
     assert [step.accepted for step in ladder.steps] == [None, "inertia"]
     assert ladder.to_dict()["left_out"] == {"time-delay": "nothing follows it"}
-    assert "left out: time-delay: nothing follows it" in climbed_in_time_text(ladder)
+    assert "left out: time-delay: nothing follows it" in told(ladder)

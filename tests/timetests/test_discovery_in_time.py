@@ -99,3 +99,33 @@ def test_an_answer_in_time_that_was_cut_short_is_told_in_one_line(tmp_path):
     path.write_text('{"schema": "springpot.discovery/2", "steps": []}', encoding="utf-8")
     with pytest.raises(DataError, match="damaged or of an older version"):
         springpot.load(path)
+
+
+def stopping_at(stage):
+    def progress(words):
+        if stage in words:
+            raise KeyboardInterrupt
+
+    return progress
+
+
+def test_rungs_that_were_reached_in_time_stay_when_the_rest_is_interrupted(drifting):
+    reached = []
+    with pytest.raises(KeyboardInterrupt):
+        discover(
+            [drifting],
+            MODEL,
+            [plugins().effect("force-drift")],
+            accept=[plugins().effect("force-drift")],
+            progress=stopping_at("step 1"),
+            reached=reached.append,
+        )
+    assert [len(ladder.steps) for ladder in reached] == [1]
+    assert reached[0].verdict == reached[0].diagnosis.verdict == "effect-missing"
+
+
+def test_a_rung_in_time_has_the_error_and_the_floor_of_its_diagnosis(drifting):
+    ladder = discover([drifting], MODEL, [plugins().effect("force-drift")])
+    for step in ladder.steps:
+        error = step.examined.diagnosis.error
+        assert (step.relative_rms, step.noise_floor) == (error.relative_rms, error.noise_floor)

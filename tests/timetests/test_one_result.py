@@ -51,3 +51,26 @@ def test_it_may_be_asked_at_rest(fit):
     assert still.storage[0] == pytest.approx(fit["k1"].value, rel=1e-6)
     assert still.loss[0] == 0.0
     assert still.low.real[0] == pytest.approx(fit["k1"].low, rel=0.01)
+
+
+@pytest.fixture(scope="module")
+def diagnosis(relaxed):
+    return springpot.diagnose(relaxed, "maxwell", effects=["parallel-spring", "force-drift"])
+
+
+def test_in_one_answer_a_test_has_one_noise_floor(fit, diagnosis):
+    told = diagnosis.error
+    assert (diagnosis.tests[0].noise_floor, diagnosis.tests[0].over_floor) == (
+        told.noise_floor,
+        told.over_floor,
+    )
+    assert fit.tests[0].noise_floor == fit.noise_floor
+    compared = springpot.compare(fit.data, [MODEL, "maxwell"])
+    for judged in compared.judgements:
+        assert judged.by_test[0].noise_floor == judged.error.noise_floor
+
+
+def test_its_chances_hold_nothing_and_something_unknown(diagnosis):
+    chances = [each.probability for each in diagnosis.candidates]
+    assert sum(chances) + sum(diagnosis.evidence.values()) == pytest.approx(1.0)
+    assert diagnosis.evidence["nothing"] < 1e-6

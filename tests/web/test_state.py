@@ -20,6 +20,7 @@ import springpot
 from springpot.diagnosis import Ladder
 from springpot.errors import DataError, ModelError
 from springpot.measurement import Measurement
+from springpot.report.interactive import answers
 from springpot.report.interactive.answers import (
     MOST_POINTS,
     PageScene,
@@ -27,7 +28,9 @@ from springpot.report.interactive.answers import (
     relative_error,
     rounded,
 )
+from springpot.report.interactive.bench import modules
 from springpot.report.jsontext import to_json
+from springpot.rheology.nodes import PLANES, Parallel
 from springpot.web import leaving, tasks
 from springpot.web.sessions import (
     State,
@@ -166,10 +169,37 @@ def test_every_candidate_comes_with_its_curve(first: dict, data: Measurement):
     grown = springpot.identify(data, f"{MODEL} + inertia")
     assert inertia["error"] == pytest.approx(candidates[0]["error_after"], rel=1e-6)
     assert inertia["error"] == pytest.approx(grown.relative_rms, rel=0.05)
-    points = np.array(inertia["points"]["storage"]) + 1j * np.array(inertia["points"]["loss"])
-    error = np.sqrt(np.mean(np.abs((points - data.stiffness) / data.stiffness) ** 2))
+    left = inertia["planes"]["stiffness"]
+    left = np.array(left["storage"]) + 1j * np.array(left["loss"])
+    error = np.sqrt(np.mean(np.abs(left / data.stiffness) ** 2))
     assert error == pytest.approx(inertia["error"], rel=1e-3)
     assert len(inertia["curves"]) == 1
+
+
+def test_a_plane_of_residuals_is_told_to_the_page_as_data(data: Measurement, monkeypatch):
+    """It was written a second time in JavaScript: a new composition needed both."""
+
+    class Squared(Parallel):
+        plane, symbol, unit, shows = "squared", "ΔK²", "({})²", "what adds up in squares"
+
+        @staticmethod
+        def residual(measured, modelled):
+            return measured**2 - modelled.value**2
+
+        @staticmethod
+        def slope(modelled):
+            return 0.5 / modelled.value
+
+    monkeypatch.setattr(answers, "PLANES", (*PLANES, Squared))
+    scene, model = answers.PageScene(data), springpot.parse_model("kelvin")
+    assert scene.to_dict()["planes"]["squared"]["label"] == "ΔK² [(kN/m)²]"
+    theta = model.theta(k=100.0, c=1.0)
+    told = scene.curve(model, theta, np.ones(len(data)))["planes"]["squared"]
+    modelled = model.stiffness(theta, data.points)
+    assert told["storage"] == pytest.approx((data.stiffness**2 - modelled**2).real, rel=1e-3)
+    assert told["width"] == pytest.approx(2.0 * data.magnitude, rel=1e-3)
+    for name, source in modules().items():
+        assert not [plane for plane in PLANES if f'"{plane.plane}"' in source.decode()], name
 
 
 def test_the_rivals_part_where_the_next_experiment_measures(first: dict, data: Measurement):
@@ -326,7 +356,7 @@ def test_a_fit_by_hand_keeps_what_was_fixed_and_is_otherwise_the_fit(data: Measu
     drawn = curve(
         print, state, text, {name: {"value": value} for name, value in free["values"].items()}
     )
-    assert drawn["points"] == free["points"]
+    assert drawn["planes"] == free["planes"]
     for wrong in ({"value": 400.0, "upper": 320.0}, {"value": -1.0}, {"value": None}, 3):
         with pytest.raises(ModelError, match=r"k = .* is not within|no value"):
             curve(print, state, text, hands | {"k": wrong})

@@ -88,14 +88,9 @@ def command(
 
 def _show(comparison: Comparison, data: str, models: Sequence[str], figure: Path | None) -> None:
     """The answer, and the command that goes on from it."""
-    from springpot.comparison.ranking import Ranking
-    from springpot.report.answers import comparison_text
-    from springpot.report.ladder_text import ranked_text
+    from springpot.report.told import told
 
-    if isinstance(comparison, Ranking):
-        print(ranked_text(comparison, window()))
-    else:
-        print(comparison_text(comparison, window()))
+    print(told(comparison, window()))
     if figure is not None:
         print(f"\nwritten: {figure}")
     print(f"\nnext: springpot {_next_command(comparison, data, models)}")

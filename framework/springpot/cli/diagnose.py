@@ -71,7 +71,7 @@ def command(
     arguments = {"model": expression, "seed": seed or 0, **known_from(options)}
     tests = timetests.named_tests(data, geometry)
     if tests is not None:
-        timetests.diagnose(tests, data, model, as_json, arguments)
+        timetests.diagnose(tests, data, model, as_json, verbose, arguments)
         return 0
 
     def answer(name: str) -> None:
@@ -112,10 +112,10 @@ def _text(
     diagnosis: Diagnosis, measurement: Measurement, verbose: bool, named: str, model: str | None
 ) -> None:
     """The answer, and the command that goes on from it."""
-    from springpot.report.answers import diagnosis_text
+    from springpot.report.told import told
 
     # At once: what is there stays, even where the rest is interrupted.
-    print(diagnosis_text(diagnosis, measurement, window(), verbose), flush=True)
+    print(told(diagnosis, window(), data=measurement, verbose=verbose), flush=True)
     if command := _next_command(diagnosis, named, model, turned(measurement.provenance)):
         print(f"\nnext: springpot {command}", flush=True)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -30,7 +31,7 @@ from .waiting import Waiting
 
 if TYPE_CHECKING:
     from springpot.diagnosis.ladder import Ladder
-    from springpot.measurement.measurement import Measurement
+    from springpot.measurement.opening import Test
     from springpot.rheology.model import Model
 
 E = TypeVar("E")
@@ -95,7 +96,7 @@ def command(
     Ctrl-C ends with the answer of the last step that was reached.
     """
     from springpot.registry import parse_model, plugins
-    from springpot.report.ladder_text import ladder_text
+    from springpot.report.told import told
 
     accept = (*accept, *more)  # as in: --accept inertia time-delay
     _require_one_choice(auto, accept)
@@ -109,15 +110,12 @@ def command(
     if not auto:
         effects = [plugins().effect(name) for name in accept]
     arguments = {"accept": effects, "seed": seed or 0, **known_from(options)}
-    tests = timetests.named_tests([data], geometry)
-    if tests is not None:
-        asked = {"model": expression, **arguments}
-        timetests.discover(tests, figure, report, again, as_json, asked)
-        return 0
-    measurement = opened(data, geometry)
-    ladder, code = _climbed(measurement, expression, **arguments)
-    _write(ladder, measurement, figure, report, again)
-    emit(ladder, as_json, lambda: print(ladder_text(ladder, window(), verbose)))
+    tests: Sequence[Test] | None = timetests.named_tests([data], geometry)
+    if tests is None:
+        tests = [opened(data, geometry)]
+    ladder, code = _climbed(tests, expression, **arguments)
+    _write(ladder, tests, figure, report, again)
+    emit(ladder, as_json, lambda: print(told(ladder, window(), verbose=verbose)))
     # A program that reads the JSON reads nothing else.
     if not as_json:
         _tell_written(figure, report)
@@ -127,20 +125,18 @@ def command(
 
 def _write(
     ladder: Ladder,
-    measurement: Measurement,
+    tests: Sequence[Test],
     figure: Path | None,
     report: Path | None,
     again: list[str],
 ) -> None:
     """Write the files that were asked for."""
     if figure is not None:
-        from springpot.report.ladder import figure_ladder
-
-        figure_ladder(ladder, figure)
+        ladder.plot(figure)
     if report is not None:
         from springpot.report.html import write_report
 
-        write_report(ladder, measurement, report, again)
+        write_report(ladder, tests, report, again)
 
 
 def _tell_written(*paths: Path | None) -> None:
@@ -199,7 +195,7 @@ def _next(ladder: Ladder, data: str, model: str | None) -> str:
     return f"springpot discover {quoted(data)}{judged} {accept}"
 
 
-def _climbed(measurement: Measurement, model: Model | None, **arguments: Any) -> tuple[Ladder, int]:
+def _climbed(tests: Sequence[Test], model: Model | None, **arguments: Any) -> tuple[Ladder, int]:
     """The ladder, as far as it was waited for, and the exit code that says which."""
     from springpot.api import discover
     from springpot.diagnosis.examination import within
@@ -207,10 +203,10 @@ def _climbed(measurement: Measurement, model: Model | None, **arguments: Any) ->
     # Ladders as far as they came, so that Ctrl-C costs the step that was under way and no more.
     reached: list[Ladder] = []
     with Waiting() as waiting:
-        progress = within(measurement.name, waiting.told)
+        progress = within(" + ".join(test.name for test in tests), waiting.told)
         try:
             arguments |= {"progress": progress, "reached": reached.append}
-            ladder: Any = discover(measurement, model, **arguments)
+            ladder: Any = discover(tests, model, **arguments)
             return ladder, 0
         except KeyboardInterrupt:
             if not reached:

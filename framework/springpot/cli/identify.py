@@ -198,9 +198,9 @@ def _show(
     figure: Path | None,
     verbose: bool,
 ) -> None:
-    from springpot.report.fit_text import identification_text
+    from springpot.report.told import told
 
-    print(identification_text(identified, window(), verbose))
+    print(told(identified, window(), verbose=verbose))
     if figure is not None:
         print(f"figure      {figure}")
     if identified.standing is not None and not identified.standing.good_enough and len(data) == 1:

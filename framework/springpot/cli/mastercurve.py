@@ -85,7 +85,7 @@ def command(
     from springpot.files import require_writable, write_text
     from springpot.registry import write_measurement
     from springpot.report.canvas import check_figure_path
-    from springpot.report.mastercurve import mastercurve_text
+    from springpot.report.told import told
 
     # A path that cannot be written is told before time is spent on the curve.
     if figure is not None:
@@ -107,7 +107,7 @@ def command(
             write_text(output, _table_text(curve))
     if figure is not None:
         curve.plot(figure)
-    emit(curve, as_json, lambda: _show(mastercurve_text(curve, window()), [output, figure]))
+    emit(curve, as_json, lambda: _show(told(curve, window()), [output, figure]))
 
 
 def _table_text(curve: MasterCurve) -> str:

@@ -93,9 +93,9 @@ def identify(
 def _show(
     identified: Identification, figure: Path | None, data: Sequence[str], expression: str
 ) -> None:
-    from springpot.report.fit_text import identification_text
+    from springpot.report.told import told
 
-    print(identification_text(identified, window()))
+    print(told(identified, window()))
     if figure is not None:
         print(f"figure      {figure}")
     if identified.standing is not None and not identified.standing.good_enough:
@@ -111,7 +111,7 @@ def compare(
     Without any, all installed ones that have a fixed size.
     """
     from springpot.api import compare as compared
-    from springpot.report.fit_text import compared_in_time_text
+    from springpot.report.told import told
 
     from .waiting import Waiting
 
@@ -119,7 +119,7 @@ def compare(
         comparison: Any = compared(tests, models or None, progress=waiting.told)
     if figure is not None:
         comparison.plot(figure)
-    emit(comparison, as_json, lambda: print(compared_in_time_text(comparison)))
+    emit(comparison, as_json, lambda: print(told(comparison, window())))
     if figure is not None and not as_json:
         print(f"\nwritten: {figure}")
 
@@ -129,6 +129,7 @@ def diagnose(
     data: Sequence[str],
     named: str | None,
     as_json: bool,
+    verbose: bool,
     arguments: Any,
 ) -> None:
     """``springpot diagnose`` of the tests in time that DATA name.
@@ -141,46 +142,19 @@ def diagnose(
 
     with Waiting() as waiting:
         diagnosis: Any = diagnosed(tests, **arguments, progress=waiting.told)
-    emit(diagnosis, as_json, lambda: _show_diagnosis(diagnosis, tests, data, named))
-
-
-def discover(
-    tests: Sequence[Test],
-    figure: Path | None,
-    report: Path | None,
-    again: list[str],
-    as_json: bool,
-    arguments: Any,
-) -> None:
-    """``springpot discover`` from tests in time."""
-    from springpot.api import discover as discovered
-    from springpot.report.fit_text import climbed_in_time_text
-
-    from .waiting import Waiting
-
-    with Waiting() as waiting:
-        ladder: Any = discovered(tests, **arguments, progress=waiting.told)
-    if figure is not None:
-        from springpot.report.timetests import figure_tests, fits_in_time
-
-        fits = fits_in_time(step.examined for step in reversed(ladder.steps))
-        figure_tests(fits[::-1], tests, figure)
-    if report is not None:
-        from springpot.report.html import write_report
-
-        write_report(ladder, tests, report, again)
-    emit(ladder, as_json, lambda: print(climbed_in_time_text(ladder, window())))
-    for path in (figure, report):
-        if path is not None and not as_json:
-            print(f"\nwritten: {path}")
+    emit(diagnosis, as_json, lambda: _show_diagnosis(diagnosis, tests, data, named, verbose))
 
 
 def _show_diagnosis(
-    diagnosis: Diagnosis, tests: Sequence[Test], data: Sequence[str], model: str | None
+    diagnosis: Diagnosis,
+    tests: Sequence[Test],
+    data: Sequence[str],
+    model: str | None,
+    verbose: bool,
 ) -> None:
-    from springpot.report.fit_text import diagnosed_in_time_text
+    from springpot.report.told import told
 
-    print(diagnosed_in_time_text(diagnosis, window()))
+    print(told(diagnosis, window(), verbose=verbose))
     judged = ""
     if model is not None:
         judged = f" --model {quoted(model)}"

@@ -15,6 +15,7 @@ from springpot.identification.passive import is_passive
 from springpot.measurement.independence import at_one_frequency
 from springpot.misfit.frame import NoiseFrame
 from springpot.misfit.refit import Refit
+from springpot.rheology.effect import Effect
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE
 
@@ -116,7 +117,8 @@ class Evidence:
         """
         tried = one_for_each_set(search.grown)
         logs = _log_weights(search, tried)
-        weights, unknown = _chances(logs, unknown_marginal(search) + _log_prior_unknown(search))
+        prior = log_prior_of_one(_size_of_scanned(search))
+        weights, unknown = chances_of(logs, unknown_marginal(search) + prior)
         pairs = zip(tried, weights[1:].tolist(), strict=True)
         explanations = [Explanation(grown, weight) for grown, weight in pairs]
         # What fits best only beyond what any specimen reaches tells that something is missing, but
@@ -216,15 +218,9 @@ class Evidence:
     def doubted(self, p_value: float) -> Evidence:
         """The same, where what the best model leaves has this chance of being noise.
 
-        Little if it is none of these.
-
-        The odds for something unknown are those before the test, times the most that such a chance
-        can speak for it (Sellke, Bayarri and Berger 2001, doi:10.1198/000313001300339950).
+        Little if it is none of these; see `unknown_odds`.
         """
-        # The bound holds below 1/e only; and the logarithm of a chance of zero would make the
-        # unknown certain.
-        p_value = min(max(p_value, 1e-12), float(np.exp(-1.0)))
-        odds = EVIDENCE.outside / (1.0 - EVIDENCE.outside) / (-np.e * p_value * np.log(p_value))
+        odds = unknown_odds(p_value)
         # Never less than the evidence says by itself: a test that sees nothing does not make it
         # known.
         return self._with_unknown(max(self.unknown, odds / (1.0 + odds)))
@@ -342,13 +338,13 @@ def _log_weights(search: Search, tried: Sequence[Grown]) -> Real:
     complete = (
         search.base.log_likelihood + harmonic_evidence(search.base) + np.log(EVIDENCE.prior_nothing)
     )
-    library = _size_of_library(search)
+    library = _size_of_scanned(search)
     return np.array(
         [complete, *(marginal(search, grown) + _log_prior(grown, library) for grown in tried)]
     )
 
 
-def _chances(logs: Real, log_unknown: float) -> tuple[Real, float]:
+def chances_of(logs: Real, log_unknown: float = -np.inf) -> tuple[Real, float]:
     """Probabilities (1 + m,) of what is known, and that of the unknown, which sum to one."""
     # The unknown is kept out of the sum first: beside it the rest may be too small for a
     # floating-point number.
@@ -379,17 +375,33 @@ def _leaning(tried: Sequence[Grown], logs: Real, imitators: frozenset[str]) -> f
     return frozenset(name for grown in tried for name in grown.names) - by_itself - imitators
 
 
-def _size_of_library(search: Search) -> float:
+def _size_of_scanned(search: Search) -> float:
+    return size_of_library(score.influence.effect for score in search.scan.scores)
+
+
+def size_of_library(effects: Iterable[Effect]) -> float:
     """Sum of the prior weights of the effects that were scanned.
 
     One that these data cannot show takes no share.
     """
-    return max(sum(score.influence.effect.prior for score in search.scan.scores), 1.0)
+    return max(sum(effect.prior for effect in effects), 1.0)
 
 
-def _log_prior_unknown(search: Search) -> float:
-    """Log prior of something without a name: that of one common effect of the library."""
-    return float(np.log((1.0 - EVIDENCE.prior_nothing) / _size_of_library(search)))
+def log_prior_of_one(library: float) -> float:
+    """Log prior of one common effect of a library, and so of something without a name."""
+    return float(np.log((1.0 - EVIDENCE.prior_nothing) / library))
+
+
+def unknown_odds(p_value: float) -> float:
+    """Odds for something unknown, where what the best model leaves has this chance of being noise.
+
+    Those before the test, times the most that such a chance can speak for it (Sellke, Bayarri and
+    Berger 2001, doi:10.1198/000313001300339950).
+    """
+    # The bound holds below 1/e only; and the logarithm of a chance of zero would make the unknown
+    # certain.
+    p_value = min(max(p_value, 1e-12), float(np.exp(-1.0)))
+    return float(EVIDENCE.outside / (1.0 - EVIDENCE.outside) / (-np.e * p_value * np.log(p_value)))
 
 
 def _without(names: Sequence[str], others: Sequence[str]) -> list[str]:

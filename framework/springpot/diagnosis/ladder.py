@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import numpy as np
 
 from springpot.drawing import draw, html_of, text_of
+from springpot.errors import SpringpotError
 from springpot.identification.part_result import PartResult, in_floors, parts_of
 from springpot.identification.space import require_conditions
 from springpot.identification.value import Value, values_of
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.refit import prediction_gain, refit
-from springpot.misfit.values import printed
 from springpot.misfit.words import over_floor
 from springpot.plain_data import alive, jsonable, number
 from springpot.registry import parse_model
@@ -39,6 +40,15 @@ SCHEMA = "springpot.discovery/2"
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+
+class Examined(Protocol):
+    """A model that was examined."""
+
+    @property
+    def diagnosis(self) -> Diagnosis:
+        """What is said of it."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,8 +76,8 @@ class Step:
         Each test beside its noise floor.
     alike : tuple of str
         Effects that the data could not tell from the accepted one, itself included.
-    examined : Case or Identification, optional
-        The examination of this rung's model, of tests in time its fit; a file does not hold it.
+    examined : Examined, optional
+        The examination of this rung's model; a file does not hold it.
     """
 
     model: Model
@@ -81,7 +91,7 @@ class Step:
     material_chance: float
     tests: tuple[PartResult, ...]
     alike: tuple[str, ...] = ()
-    examined: object | None = None
+    examined: Examined | None = None
 
     @property
     def over_floor(self) -> float:
@@ -92,6 +102,12 @@ class Step:
     def case(self) -> Case:
         """The examination of this rung's model: fit, noise, scan and diagnosis."""
         return alive(self.examined, Case, f"the step {self.model.name}")
+
+    @property
+    def diagnosis(self) -> Diagnosis:
+        """What is said of this rung's model."""
+        assert self.examined is not None
+        return self.examined.diagnosis
 
     def __repr__(self) -> str:
         return (
@@ -203,6 +219,125 @@ class Ladder:
 Reached: TypeAlias = Callable[[Ladder], None]
 
 
+class Rungs(Protocol):
+    """Tests of one specimen, of any kind: how a rung is examined, and what of it decides."""
+
+    def examined(
+        self, model: Model, progress: Progress, before: Step | None, effect: Effect | None
+    ) -> Examined:
+        """A model; where it is that of the rung before with an effect, by what that has found."""
+        ...
+
+    def wanted(self, steps: Sequence[Step], refused: Container[str]) -> Effect | None:
+        """The effect whose absence is beyond doubt, if there is one that was not refused."""
+        ...
+
+    def settled(self, steps: list[Step], progress: Progress) -> list[Step]:
+        """The rungs that stay, once no effect is wanted."""
+        ...
+
+
+def climbed(
+    rungs: Rungs,
+    model: Model,
+    accept: Sequence[Effect] | None = None,
+    progress: Progress = silent,
+    reached: Reached | None = None,
+) -> Ladder:
+    """Accept effects until nothing significant is left, or the given ones in order.
+
+    Parameters
+    ----------
+    rungs : Rungs
+        The tests, and by what rules of them the evidence decides.
+    model : Model
+        Where to begin.
+    accept : sequence of Effect, optional
+        Effects to accept in this order; without it every decision is taken by the evidence.
+    progress : callable
+        Told in a few words what is being done.
+    reached : callable, optional
+        Given the ladder as it stands after each rung, so that what was reached is there even if the
+        rest is interrupted. The ladder that is returned may be shorter: rungs that led nowhere are
+        taken back.
+
+    Raises
+    ------
+    SpringpotError
+        If the model, or one with an effect that was asked for, cannot be fitted.
+    """
+    steps: list[Step] = []
+    refused: dict[str, str] = {}
+
+    def climb(step: Step) -> None:
+        steps.append(step)
+        if reached is not None:
+            reached(_ladder(steps, refused))
+
+    # Every rung is examined in full: what is missing beside the last effect is asked of the grown
+    # model anew.
+    given = iter(accept or ())
+    climb(rung_of(rungs.examined(model, within("step 0", progress), None, None)))
+    while True:
+        # One effect a rung: which one is missing beside it is better told once it is there.
+        effect = next(given, None)
+        if accept is None and len(steps) <= LONGEST:
+            effect = rungs.wanted(steps, refused)
+        if effect is None:
+            break
+        before = steps[-1]
+        told = within(f"step {len(steps)}", progress)
+        try:
+            case = rungs.examined(before.model + effect, told, before, effect)
+        except SpringpotError as error:
+            # What a user asks for is refused; where the evidence decides, the rungs that were
+            # reached stay.
+            if accept is not None:
+                raise
+            refused[effect.name] = str(error)
+            continue
+        climb(rung_of(case, before, effect.name))
+    # Who chose the effects keeps them all; a machine's choice is looked over once more.
+    if accept is None:
+        steps = rungs.settled(steps, within(f"step {len(steps)}", progress))
+    return _ladder(steps, refused)
+
+
+def _ladder(steps: Sequence[Step], refused: Mapping[str, str]) -> Ladder:
+    """The ladder that ends with the last of these steps."""
+    last = steps[-1].diagnosis
+    return Ladder(last.data, tuple(steps), last.verdict, last, dict(refused))
+
+
+def rung_of(case: Examined, before: Step | None = None, accepted: str | None = None) -> Step:
+    """A rung, told beside the one before and what that foretold of the effect that was accepted."""
+    told, error = case.diagnosis, case.diagnosis.error
+    changed: dict[str, float] = {}
+    predicted, alike = None, tuple(filter(None, [accepted]))
+    if before is not None:
+        changed = moves(before.parameters, told.parameters)
+        for candidate in before.diagnosis.candidates:
+            if candidate.effect == accepted:
+                alike = candidate.alike
+                # Where nothing was foretold.
+                if isfinite(candidate.predicted_error):
+                    predicted = candidate.predicted_error
+    return Step(
+        model=told.model,
+        accepted=accepted,
+        relative_rms=error.relative_rms,
+        noise_floor=error.noise_floor,
+        material_floor=error.material_floor,
+        predicted_error=predicted,
+        parameters=told.parameters,
+        changed=changed,
+        material_chance=error.material_chance,
+        tests=told.tests,
+        alike=alike,
+        examined=case,
+    )
+
+
 def discover(
     measurement: Measurement,
     model: Model,
@@ -212,71 +347,72 @@ def discover(
     progress: Progress = silent,
     reached: Reached | None = None,
 ) -> Ladder:
-    """Accept effects until nothing significant is left, or the given ones in order.
+    """Accept effects that are missing from a model of a sweep; see `climbed`.
 
     Parameters
     ----------
     measurement : Measurement
         The data.
-    model : Model
-        Where to begin.
     library : sequence of Effect
         Effects that may be missing.
     rng : numpy.random.Generator
         For simulated noise.
-    accept : sequence of Effect, optional
-        Effects to accept in this order; without it every decision is taken by the evidence.
-    progress : callable
-        Told in a few words what is being done.
-    reached : callable, optional
-        Given the ladder as it stands after each rung, so that what was reached is there even if the
-        rest is interrupted. The ladder that is returned may be shorter: rungs that led nowhere are
-        taken back.
+    model, accept, progress, reached
+        As for `climbed`.
     """
-    steps: list[Step] = []
+    return climbed(SweepRungs(measurement, library, rng), model, accept, progress, reached)
 
-    def examined(model: Model, starts: Sequence[Real] = ()) -> Case:
-        return examine(
-            measurement, model, library, rng, starts, within(f"step {len(steps)}", progress)
-        )
 
-    def climb(step: Step) -> None:
-        steps.append(step)
-        if reached is not None:
-            reached(_ladder(measurement, steps))
+@dataclass(frozen=True, eq=False)
+class SweepRungs:
+    """A sweep that stands alone.
 
-    # Every rung is examined in full: what is missing beside the last effect is asked of the grown
-    # model anew.
-    given = iter(accept or ())
-    climb(_step(examined(model)))
-    while True:
-        # One effect a rung: which one is missing beside it is better told once it is there.
-        effect = next(given, None)
-        if accept is None:
-            effect = _decisive(steps)
-        if effect is None:
-            break
-        before = steps[-1].case
-        grown = before.search.base.model + effect
-        require_conditions(grown, measurement)
-        climb(_step(examined(grown, _starts(before, effect)), before, effect))
-    if accept is None:
-        # Who chose the effects keeps them all; a machine's choice is looked over once more.
+    Attributes
+    ----------
+    measurement : Measurement
+        The data.
+    effects : sequence of Effect
+        Effects that may be missing.
+    rng : numpy.random.Generator
+        For simulated noise.
+    """
+
+    measurement: Measurement
+    effects: Sequence[Effect]
+    rng: np.random.Generator
+
+    def examined(
+        self, model: Model, progress: Progress, before: Step | None, effect: Effect | None
+    ) -> Case:
+        """The examination of a model, begun where the rung before has led."""
+        starts: Sequence[Real] = ()
+        if before is not None and effect is not None:
+            require_conditions(model, self.measurement)
+            starts = _starts(before.case, effect)
+        return examine(self.measurement, model, self.effects, self.rng, starts, progress)
+
+    def wanted(self, steps: Sequence[Step], refused: Container[str]) -> Effect | None:
+        """The effect whose absence is beyond doubt, if there is one and a further rung could count.
+
+        See `_explained`.
+        """
+        effect = _decisive(steps)
+        if effect is None or effect.name in refused:
+            return None
+        return effect
+
+    def settled(self, steps: list[Step], progress: Progress) -> list[Step]:
+        """The rungs that explain something, without an effect that later ones make needless."""
         steps = _explained(steps)
         # After the rungs that led nowhere are taken back: beside them an earlier one may only have
         # seemed needless.
         needless = _needless(steps)
-        if needless:
-            before = steps[-1].case
-            case = examined(before.search.base.model - needless)
-            steps.append(replace(_step(case, before), accepted=f"-{needless}"))
-    return _ladder(measurement, steps)
-
-
-def _ladder(measurement: Measurement, steps: Sequence[Step]) -> Ladder:
-    """The ladder that ends with the last of these steps."""
-    diagnosis = steps[-1].case.diagnosis
-    return Ladder(measurement.name, tuple(steps), diagnosis.verdict, diagnosis)
+        if not needless:
+            return steps
+        before = steps[-1]
+        case = self.examined(before.model - needless, progress, None, None)
+        rung = rung_of(case, before, f"-{needless}")
+        return [*steps, replace(rung, alike=())]
 
 
 # Beside the starts read off the data: those know nothing of what the rung before has found.
@@ -294,12 +430,9 @@ def _starts(case: Case, effect: Effect) -> list[Real]:
 
 
 def _decisive(steps: Sequence[Step]) -> Effect | None:
-    """The effect whose absence is beyond doubt, if there is one and a further rung could count.
-
-    See `_explained`.
-    """
+    """The effect that the last rung asks for beyond doubt."""
     verdicts = [step.case.diagnosis.verdict for step in steps]
-    if len(steps) > LONGEST or "unexplained" in verdicts[:-MOST_HIDDEN]:
+    if "unexplained" in verdicts[:-MOST_HIDDEN]:
         return None
     case = steps[-1].case
     candidates = case.diagnosis.candidates
@@ -396,34 +529,6 @@ def _needless(steps: Sequence[Step]) -> str:
         if refit(base.model - name, base.data, base.noise).log_evidence > base.log_evidence:
             return name
     return ""
-
-
-def _step(case: Case, before: Case | None = None, accepted: Effect | None = None) -> Step:
-    """A rung, told beside the one before and what that foretold of the effect that was accepted."""
-    base, error = case.search.base, case.diagnosis.error
-    parameters = printed(base)
-    errors = error.relative_rms, error.noise_floor, error.material_floor
-    step = Step(
-        base.model,
-        None,
-        *errors,
-        None,
-        parameters,
-        {},
-        error.material_chance,
-        case.diagnosis.tests,
-        examined=case,
-    )
-    if before is None:
-        return step
-    step.changed.update(moves(printed(before.search.base), parameters))
-    if accepted is None:
-        return step
-    step = replace(step, accepted=accepted.name, alike=(accepted.name,))
-    for candidate in before.diagnosis.candidates:
-        if candidate.effect == accepted.name:
-            return replace(step, predicted_error=candidate.predicted_error, alike=candidate.alike)
-    return step
 
 
 def moves(before: Mapping[str, Value], after: Mapping[str, Value]) -> dict[str, float]:

@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from springpot.drawing import draw, text_of
+from springpot.drawing import draw, html_of, text_of
 from springpot.errors import ModelError
-from springpot.markup import table, tag
 from springpot.measurement.covered import Covered
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test
@@ -459,27 +458,7 @@ class Identification(Known):
         return f"<Identification {self.model.name} of {self.name}: {values}; {error}>"
 
     def _repr_html_(self) -> str:
-        rows = []
-        for name, row in self.parameters.items():
-            # A parameter that was held has no interval: it is told apart from one that is known
-            # exactly.
-            unit = row.unit
-            if row.fixed:
-                unit = f"{unit} (fixed)"
-            rows.append((name, f"{row.value:.4g}", *_interval(row), unit))
-        error = f"error {100 * self.relative_rms:.3g} % of {self.magnitude}"
-        if self.standing is not None:
-            error += (
-                f", noise floor {100 * self.standing.noise_floor:.3g} %"
-                f" ({self.standing.noise_source})"
-            )
-        return tag(
-            "div",
-            tag("p", tag("b", f"{self.model.name} of {self.name}")),
-            table(("parameter", "value", "low", "high", "unit"), rows),
-            tag("p", f"{error}, {self.optimiser}, {self.status}"),
-            tag("ul", *(tag("li", note) for note in self.notes)),
-        )
+        return html_of(self)
 
     @property
     def magnitude(self) -> str:
@@ -606,12 +585,3 @@ class Identification(Known):
             "viscosity": {"value": flow * spectrum.viscosity, "unit": flow_unit},
             "seen": list(spectrum.seen),
         }
-
-
-def _interval(row: Value) -> tuple[str, str]:
-    """The ends of an interval, or that there is none."""
-    if row.fixed:
-        return "-", "-"
-    if not row.determined:
-        return "not", "determined"
-    return f"{row.low:.4g}", f"{row.high:.4g}"

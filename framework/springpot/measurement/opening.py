@@ -56,6 +56,13 @@ Test: TypeAlias = Measurement | TimeTest
 EXAMPLE = "temperature=20,amplitude=1 or frequency=1..10"
 
 
+def sweep_of(tests: Sequence[Test]) -> Measurement | None:
+    """The sweep that stands alone; None where a test in time is among the tests."""
+    if isinstance(tests[0], Measurement) and len(tests) == 1:
+        return tests[0]
+    return None
+
+
 def conditions(text: str, where: str) -> dict[str, str]:
     """Conditions and their values, of text such as ``temperature=20,frequency=1..10``.
 

@@ -16,7 +16,7 @@ from springpot.measurement.units import Units
 from springpot.plain_data import jsonable, number
 from springpot.rheology.levels import HELD
 from springpot.rheology.nodes import Chain, Parallel, Response, Series
-from springpot.rheology.points import Complex, Real
+from springpot.rheology.points import Real
 from springpot.thresholds import WHERE
 
 from .frame import NoiseFrame, relative_to, spectrum
@@ -241,19 +241,6 @@ def _power(amplitude: Real, residual: Real) -> str:
     if abs(power - slope) < WHERE.close_power:
         return AMPLITUDE_POWERS[power]
     return ""
-
-
-def in_plane(plane: str, measured: Complex, modelled: Complex) -> Complex:
-    """Residual in one of the planes: K, 1/K or ln K.
-
-    Parameters
-    ----------
-    plane : {"stiffness", "compliance", "log-complex"}
-        The plane.
-    measured, modelled : ndarray of complex, shape (n,)
-        K.
-    """
-    return PLANES[plane].residual(measured, Response(modelled))
 
 
 def where(frame: NoiseFrame) -> list[Where]:

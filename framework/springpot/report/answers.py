@@ -1,13 +1,13 @@
-"""Diagnoses and comparisons as text for people.
+"""Documents of diagnoses and comparisons, and to which temperature shift constants refer.
 
-The temperature to which shift constants refer.
-
-Without it they cannot be compared with published ones.
+Without that temperature they cannot be compared with published ones.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from math import isfinite
 
 import numpy as np
 
@@ -25,8 +25,9 @@ from springpot.rheology.lookup import find_effect
 from springpot.rheology.nodes import Node
 from springpot.rheology.points import KELVIN, Points, Real
 
+from .document import Listing, Passage, Prose
 from .numbers import percent
-from .text import TextTable, paragraphs, wrapped
+from .text import TextTable
 from .values import OPEN, shown
 
 PROBES = (290.0, 330.0)
@@ -43,9 +44,7 @@ def refers(node: Node) -> bool:
     return not np.array_equal(one, other)
 
 
-def reference_note(
-    measurement: Measurement | None, nodes: Iterable[Node], unit: str = "degC"
-) -> str:
+def reference_note(measurement: Measurement | None, nodes: Iterable[Node]) -> str:
     """One sentence on the reference temperature; empty where no parameter shown refers to one.
 
     Parameters
@@ -54,8 +53,6 @@ def reference_note(
         The data, which set the reference; an answer from a file knows none.
     nodes : iterable of Node
         Networks or elements whose parameters are shown.
-    unit : {"degC", "°C"}
-        How degrees are written.
     """
     if measurement is None or "temperature" not in measurement.conditions:
         return ""
@@ -64,14 +61,14 @@ def reference_note(
     # The way through kelvin leaves rounding behind.
     celsius = round(measurement.reference_temperature - KELVIN, 2)
     return (
-        f"shift constants refer to T_ref = {celsius:g} {unit}, where the shift is 1; "
+        f"shift constants refer to T_ref = {celsius:g} °C, where the shift is 1; "
         "all other parameters are those at this temperature"
     )
 
 
-def effects_note(measurement: Measurement, names: Iterable[str], unit: str = "degC") -> str:
+def effects_note(measurement: Measurement | None, names: Iterable[str]) -> str:
     """`reference_note` for the parameters of effects given by name."""
-    return reference_note(measurement, _elements(names), unit)
+    return reference_note(measurement, _elements(names))
 
 
 def _elements(names: Iterable[str]) -> Iterator[Node]:
@@ -92,8 +89,6 @@ One in a hundred data sets.
 """
 PLACES, NOTES = 3, 2
 """Places of failure and notes that are told where not everything is asked for."""
-USUAL = 120
-"""Columns of a window, where none is known."""
 SPARE = ("delta BIC", "predicted", "verdict", "cannot be told from")
 """Columns that a narrow window goes without, the first first; the sentences say the same."""
 RANKED = frozenset({"probability", "delta BIC", "predicted", "after"})
@@ -101,70 +96,83 @@ SEEN_AT = 8
 """Absent effects that are named."""
 LEAST_CHANCE = 1e-6
 """Chance that is told at least: of a smaller one nobody can mean the number."""
+EXPLAINED = 3
+"""Effects whose physics is told."""
 
 
-def diagnosis_text(
+def diagnosis_document(
     diagnosis: Diagnosis,
-    measurement: Measurement | None = None,
-    width: int = USUAL,
+    data: Measurement | None = None,
     verbose: bool = False,
-) -> str:
+    lead: str = "",
+    fitted: bool = True,
+) -> list[Passage]:
     """The answer: verdict, error, where, parameters, effects that matter, what to measure next.
 
     Parameters
     ----------
     diagnosis : Diagnosis
-        The answer.
-    measurement : Measurement, optional
-        Its data, to say which temperature the constants of a shift refer to.
-    width : int
-        Columns of the window.
+        The answer, of sweeps, tests in time or both.
+    data : Measurement, optional
+        A sweep's data, to say which temperature the constants of a shift refer to.
     verbose : bool
         Everything that was found, not only what leads.
+    lead : str
+        Stands before the first line.
+    fitted : bool
+        Whether the parameters are told.
     """
     notes = diagnosis.notes
-    if measurement is not None:
+    if data is not None:
         # What was noted of the data has been told when they were opened.
-        notes = tuple(note for note in notes if note not in measurement.provenance.values())
+        notes = tuple(note for note in notes if note not in data.provenance.values())
     most, places = NOTES, PLACES
     if verbose:
         most, places = len(notes), len(diagnosis.where)
+    values, refers = "", ""
+    if fitted and diagnosis.parameters:
+        values = f"fitted: {_values(diagnosis.parameters)}"
+        refers = reference_note(data, [diagnosis.model.network])
+    failing = places_failed(diagnosis, places)
+    # That an adequate model fails nowhere its verdict has said.
+    if diagnosis.verdict == "adequate" and not diagnosis.where:
+        failing = Prose()
+    rows = ranked(diagnosis, verbose)
+    below = ""
+    # Told once: beside the fitted parameters, or else below the ranking.
+    if not refers:
+        below = effects_note(data, (row.effect for row in rows))
+    absent = ""
     # Of an adequate model the effects that are ruled out are the answer; beside a missing effect
     # they are detail.
-    absent = ""
     if verbose or diagnosis.verdict == "adequate":
-        absent = _absent(diagnosis)
-    fitted, refers = _fitted(diagnosis), ""
-    if fitted and measurement is not None:
-        refers = reference_note(measurement, [diagnosis.model.network])
-    # The temperature that constants refer to is told once: beside the fitted parameters, or else
-    # below the ranking.
-    to_refer_to = measurement
-    if refers:
-        to_refer_to = None
-    assumed = _held_values(diagnosis, measurement)
-    parts = [
-        (
-            f"{diagnosis.model.name} of {diagnosis.data}:"
-            f" {diagnosis.verdict}{assumed}\n{diagnosis.says}"
-        ),
-        "\n".join(filter(None, (error_line(diagnosis), diagnosis.split))),
-        where_text(diagnosis, places),
-        "\n".join(filter(None, (fitted, refers))),
-        ranking_text(diagnosis, to_refer_to, width, verbose),
-        absent,
-        _next(diagnosis),
-        "\n".join(f"note: {note}" for note in notes[:most]),
-        _more(diagnosis, verbose, len(notes) - most),
+        absent = absent_text(diagnosis, SEEN_AT)
+    title = f"{lead}{diagnosis.model.name} of {diagnosis.data}: {diagnosis.verdict}"
+    return [
+        Prose(f"{title}{_held_values(diagnosis, data)}", diagnosis.says),
+        Prose(error_line(diagnosis), diagnosis.split),
+        failing,
+        Prose(values, refers),
+        ranking(rows, diagnosis.error.noise_floor, verbose),
+        Prose(below),
+        physics(rows),
+        Prose(absent),
+        left_out(diagnosis.left_out),
+        Prose(_next(diagnosis)),
+        Listing(notes[:most], mark="note: "),
+        Prose(_more(diagnosis, verbose, len(notes) - most)),
     ]
-    return paragraphs(parts, width)
 
 
-def _held_values(diagnosis: Diagnosis, measurement: Measurement | None) -> str:
+def _values(parameters: Mapping[str, Value], brief: bool = False) -> str:
+    return "; ".join(f"{name} {value_text(value, brief)}" for name, value in parameters.items())
+
+
+def _held_values(diagnosis: Diagnosis, data: Measurement | None) -> str:
     """What a user held, which no test of the model could move."""
     units = Units()
-    if measurement is not None:
-        units = measurement.units
+    if data is not None:
+        units = data.units
     # Held parameters are none of the model's own any more: their units are those of the model with
     # all set free.
     known = {parameter.name: parameter for parameter in diagnosis.model.released().parameters}
@@ -178,14 +186,6 @@ def _held_values(diagnosis: Diagnosis, measurement: Measurement | None) -> str:
     if not assignments:
         return ""
     return f" (with {', '.join(assignments)} held)"
-
-
-def _fitted(diagnosis: Diagnosis) -> str:
-    """The model's parameters as fitted, without what is missing."""
-    if not diagnosis.parameters:
-        return ""
-    values = [f"{name} {value_text(value)}" for name, value in diagnosis.parameters.items()]
-    return f"fitted: {'; '.join(values)}"
 
 
 def _more(diagnosis: Diagnosis, verbose: bool, notes: int) -> str:
@@ -206,21 +206,21 @@ def _more(diagnosis: Diagnosis, verbose: bool, notes: int) -> str:
 def error_line(diagnosis: Diagnosis) -> str:
     """``error 8.3 % -> 1.1 % with inertia, 1.1 x floor``, and the two floors."""
     error, best = diagnosis.error, diagnosis.best
+    before = f"error {percent(error.relative_rms)}"
     if best is None:
-        return (
-            f"error {percent(error.relative_rms)},"
-            f" {times(error.relative_rms, error)}; {floors(error)}"
-        )
+        return f"{before}, {times(error.relative_rms, error)}; {floors(error)}"
     after = f"{percent(best.error_after)} with {best.effect}, {times(best.error_after, error)}"
-    return f"error {percent(error.relative_rms)} -> {after}; {floors(error)}"
+    return f"{before} -> {after}; {floors(error)}"
 
 
 def floors(error: Error) -> str:
-    """``noise floor 0.63 % (estimated).
+    """``noise floor 0.63 % (estimated); material floor 0.62 %``.
 
-    Material floor 0.62 %``: what noise leaves, and what any material.
+    What noise leaves, and what any material, where one was looked for.
     """
     noise = f"noise floor {percent(error.noise_floor)} ({error.noise_source})"
+    if not isfinite(error.material_floor):
+        return noise
     return f"{noise}; material floor {percent(error.material_floor)}"
 
 
@@ -249,16 +249,12 @@ def beside_floor(value: float | None, floor: float, digits: int = 3, sign: str =
     return f"{shown} ({times_floor(value, floor)} {sign})"
 
 
-def where_text(diagnosis: Diagnosis, most: int = 100) -> str:
+def places_failed(diagnosis: Diagnosis, most: int | None = None) -> Passage:
     """Where the model fails, a line each."""
     if diagnosis.where:
-        return "\n".join(
-            ["where it fails:", *(f"  {place.says}" for place in diagnosis.where[:most])]
-        )
-    # That an adequate model fails nowhere its verdict has said.
-    if diagnosis.verdict == "adequate":
-        return ""
-    return f"where it fails: {nowhere(diagnosis)}"
+        says = [place.says for place in diagnosis.where[:most]]
+        return Listing(says, "where it fails:", "  ")
+    return Prose(f"where it fails: {nowhere(diagnosis)}")
 
 
 def nowhere(diagnosis: Diagnosis) -> str:
@@ -292,32 +288,35 @@ def worth_showing(diagnosis: Diagnosis, most: int = SHOWN) -> list[Candidate]:
     return matter[:most]
 
 
-def ranking_text(
-    diagnosis: Diagnosis,
-    measurement: Measurement | None = None,
-    width: int = USUAL,
-    verbose: bool = False,
-) -> str:
-    """The leading effects as a table, what their constants refer to, and the physics of each."""
-    rows = worth_showing(diagnosis)
-    if verbose:
-        rows = list(diagnosis.candidates)
+def ranked(diagnosis: Diagnosis, verbose: bool = False) -> list[Candidate]:
+    """The effects to show: none of a model that is adequate, all of another if `verbose`."""
     # Where nothing is missing, a ranking of what is missing would be read as if something were.
-    if not rows or diagnosis.verdict == "adequate":
-        return ""
-    table = _ranking(rows, diagnosis.error.noise_floor)
-    if not verbose:
-        table = table.without(SPARE, width)
-        if table.width > width:  # JSON and -v have the intervals
-            table = _ranking(rows, diagnosis.error.noise_floor, brief=True).without(SPARE, width)
-    physics = wrapped("\n".join(f"  {row.effect}: {row.says}" for row in rows[:3]), width)
-    note = ""
-    if measurement is not None:
-        note = wrapped(effects_note(measurement, (row.effect for row in rows)), width)
-    return "\n\n".join(part for part in (table.plain(), note, physics) if part)
+    if diagnosis.verdict == "adequate":
+        return []
+    if verbose:
+        return list(diagnosis.candidates)
+    return worth_showing(diagnosis)
 
 
-def _ranking(rows: list[Candidate], floor: float, brief: bool = False) -> TextTable:
+def ranking(rows: Sequence[Candidate], floor: float, whole: bool = True) -> Passage:
+    """The table of candidates, the same on terminals and pages.
+
+    Parameters
+    ----------
+    rows : sequence of Candidate
+        Of none there is no table.
+    floor : float
+        Relative error that noise alone leaves.
+    whole : bool
+        Whether it keeps all columns and the intervals of the parameters in any window.
+    """
+    if not rows:
+        return Prose()
+    # JSON and -v have the intervals.
+    return replace(_ranking(rows, floor), whole=whole, brief=_ranking(rows, floor, brief=True))
+
+
+def _ranking(rows: Sequence[Candidate], floor: float, brief: bool = False) -> TextTable:
     """All columns; `brief` without the intervals of the parameters."""
     headers = (
         "effect",
@@ -337,14 +336,17 @@ def _ranking(rows: list[Candidate], floor: float, brief: bool = False) -> TextTa
             number(row.delta_bic, 3),
             beside_floor(row.predicted_error, floor, 2),
             beside_floor(row.error_after, floor, 2),
-            "; ".join(
-                f"{name} {value_text(value, brief)}" for name, value in row.parameters.items()
-            ),
+            _values(row.parameters, brief),
             ", ".join(name for name in row.alike if name != row.effect),
         )
         for row in rows
     ]
-    return TextTable(headers, cells, RANKED)
+    return TextTable(headers, cells, RANKED, SPARE)
+
+
+def physics(rows: Sequence[Candidate], most: int = EXPLAINED) -> Listing:
+    """What the first effects do, in a sentence each."""
+    return Listing([f"{row.effect}: {row.says}" for row in rows[:most]], mark="  ")
 
 
 def probability(value: float) -> str:
@@ -377,14 +379,23 @@ def absent_effects(diagnosis: Diagnosis) -> list[Candidate]:
     return sorted((c for c in diagnosis.candidates if c.verdict == "absent"), key=lambda c: c.bound)
 
 
-def _absent(diagnosis: Diagnosis) -> str:
+def absent_text(diagnosis: Diagnosis, most: int | None = None) -> str:
+    """The absent effects by name, each with the size from which it would have been seen."""
     absent = absent_effects(diagnosis)
     if not absent:
         return ""
-    named = ", ".join(f"{row.effect} ({percent(row.bound, 2)})" for row in absent[:SEEN_AT])
-    if len(absent) > SEEN_AT:
-        named += f" and {len(absent) - SEEN_AT} more"
+    # Of tests in time no size is known.
+    if not any(isfinite(row.bound) for row in absent):
+        return f"absent: {', '.join(row.effect for row in absent)}"
+    named = ", ".join(f"{row.effect} ({percent(row.bound, 2)})" for row in absent[:most])
+    if most is not None and len(absent) > most:
+        named += f" and {len(absent) - most} more"
     return f"absent, or it would have been seen from this size on: {named}"
+
+
+def left_out(reasons: Mapping[str, str]) -> Listing:
+    """What could not be tried, and why."""
+    return Listing([f"{name}: {reason}" for name, reason in reasons.items()], mark="left out: ")
 
 
 def _next(diagnosis: Diagnosis) -> str:
@@ -394,35 +405,52 @@ def _next(diagnosis: Diagnosis) -> str:
     return f"next experiment: {advice.says}"
 
 
-def comparison_text(comparison: Comparison, width: int = USUAL) -> str:
+def comparison_document(comparison: Comparison) -> list[Passage]:
     """The models side by side, then what the tests say on each."""
-    headers = ("model", "error", "x floor", "material floor", "chi2/dof", "delta BIC", "parameters")
+    error, size = comparison.judgements[0].error, comparison.magnitude
+    best = ""
+    # Of a single model "best" would be praise.
+    if len(comparison.judgements) > 1:
+        best = f"{comparison.best.model.name} is best; "
+    floor = f"noise floor {percent(error.noise_floor)} of {size} ({error.noise_source})"
+    judged = [
+        Listing(_significant(one.findings), f"{one.model.name} {_state(one)}: {one.says}", "  ")
+        for one in comparison.judgements
+    ]
+    return [
+        Prose(f"{comparison.data}: {best}{floor}"),
+        _compared(comparison),
+        *judged,
+        Listing(_significant(comparison.harmonics)),
+        left_out(comparison.left_out),
+        Listing(comparison.notes, mark="note: "),
+    ]
+
+
+def _compared(comparison: Comparison) -> TextTable:
+    """A row for each model; of several tests each has its own column."""
+    tests = comparison.tests
+    by_test = tuple(f"x floor of {test.name}" for test in tests if len(tests) > 1)
+    headers = ("model", "error", "x floor", *by_test)
+    headers += ("material floor", "chi2/dof", "delta BIC", "parameters")
     rows = []
     for judged in comparison.judgements:
         error, dof = judged.error, judged.degrees_of_freedom
-        ratio = over_floor(error.relative_rms, error.noise_floor, 2)
-        floor, chi_square = percent(error.material_floor), number(judged.chi_square / dof, 3)
-        row = (percent(error.relative_rms), ratio, floor, chi_square, number(judged.delta_bic, 3))
-        rows.append((judged.model.name, *row, str(judged.free_parameters)))
-    error, size = comparison.judgements[0].error, comparison.magnitude
-    parts = [
-        (
-            f"{comparison.data}: noise floor {percent(error.noise_floor)} of {size}"
-            f" ({error.noise_source})"
-        ),
-        TextTable(headers, rows, frozenset(headers[1:]))
-        .without(("chi2/dof", "parameters", "delta BIC"), width)
-        .plain(),
-    ]
-    for judged in comparison.judgements:
-        lines = [
-            f"{judged.model.name} {_state(judged)}: {judged.says}",
-            *_significant(judged.findings),
-        ]
-        parts.append("\n".join(lines))
-    parts.append("\n".join(_significant(comparison.harmonics)))
-    parts.append("\n".join(f"note: {note}" for note in comparison.notes))
-    return paragraphs(parts, width)
+        ratios = [over_floor(error.relative_rms, error.noise_floor, 2)]
+        if by_test:
+            ratios += [number(test.over_floor, 2) for test in judged.by_test]
+        row = (
+            judged.model.name,
+            percent(error.relative_rms),
+            *ratios,
+            percent(error.material_floor),
+            number(judged.chi_square / dof, 3),
+            number(judged.delta_bic, 3),
+            str(judged.free_parameters),
+        )
+        rows.append(row)
+    spare = ("chi2/dof", "parameters", "delta BIC", "material floor")
+    return TextTable(headers, rows, frozenset(headers[1:]), spare)
 
 
 def _state(judged: Judgement) -> str:
@@ -434,11 +462,9 @@ def _state(judged: Judgement) -> str:
     return "holds"
 
 
-def _significant(findings: tuple[Finding, ...]) -> list[str]:
+def _significant(findings: Sequence[Finding]) -> list[str]:
     """A line for each test that found something."""
-    return [
-        f"  {finding.says} ({chance(finding.p_value)})" for finding in findings if finding.found
-    ]
+    return [f"{finding.says} ({chance(finding.p_value)})" for finding in findings if finding.found]
 
 
 def chance(value: float) -> str:

@@ -77,16 +77,9 @@ def draw_floors(axes: Axes, noise: Real, material: Real, after: float = 0.0) -> 
         label="noise floor",
         zorder=0.5,
     )
-    axes.hlines(
-        material,
-        ends[:-1],
-        ends[1:],
-        color=MATERIAL,
-        linestyle="--",
-        linewidth=1.4,
-        label="material floor",
-        zorder=2.5,
-    )
+    # Where no material was looked for a legend would name a line that is not there.
+    if np.any(np.isfinite(material)):
+        axes.hlines(material, ends[:-1], ends[1:], label="material floor", zorder=2.5, **DASHES)
     axes.set_xlim(edges[0], edges[-1])
 
 

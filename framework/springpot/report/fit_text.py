@@ -1,25 +1,23 @@
-"""Fits as text for people: one in full, or many as a table of one row each."""
+"""The document of a fit; many fits as a table or CSV of one row each."""
 
 from __future__ import annotations
 
 import csv
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from io import StringIO
 from math import log
 
-from springpot.comparison.comparing import Comparison
-from springpot.diagnosis.ladder import Ladder
-from springpot.diagnosis.result import Diagnosis
-from springpot.format_numbers import number
+from springpot.format_numbers import counted, number
 from springpot.identification.result import Identification
 from springpot.identification.value import Value
-from springpot.misfit.words import over_floor
 from springpot.rheology.drawing import drawing_of
 
 from .answers import reference_note
+from .document import Listing, Passage, Preformatted, Prose
 from .figures import beside_floors, in_words
 from .numbers import percent, seconds, told_range
-from .text import TextTable, cut, indented, paragraphs, wrapped
+from .text import TextTable
 from .values import OPEN, shown
 
 FAR = log(1e6)
@@ -28,44 +26,37 @@ FAR = log(1e6)
 BIASED = (
     "the intervals are those of this model as it is: what it misses may move its parameters by more"
 )
-NAME = 12
-"""Letters that are left of a test's name."""
+HANG = " " * 12
+"""Below the words that stand behind the name of a line."""
 
 
-def identification_text(identified: Identification, width: int = 120, verbose: bool = False) -> str:
+def fit_document(identified: Identification, verbose: bool = False) -> list[Passage]:
     """Parameters with intervals, each test or the error beside its floors, and what to know.
 
     Parameters
     ----------
     identified : Identification
         The fit.
-    width : int
-        Columns of the window.
     verbose : bool
         Whether to tell the search form, the objective and the optimiser too.
     """
-    search = ""
+    search: Passage = Prose()
     # The search form is how the model was searched, not what it is: most need it never.
     if verbose and identified.search_parameters:
-        search = parameters_text("search form", identified.search_parameters)
-    table, reference, lines = "", "", _lines(identified, verbose)
+        search = parameters_table("search form", identified.search_parameters)
+    tests: Passage = Prose()
     if identified.sweep is None:
-        table = _tests(identified, width)
-    else:
-        reference = reference_note(identified.measurement, [identified.model.network])
-    parts = [
-        wrapped(
-            f"{identified.model.name} fitted to {identified.name} ({_size(identified)})", width
-        ),
-        indented(drawing_of(identified.model)),
-        parameters_text("parameter", identified.parameters, gone(identified)),
+        tests = _tests(identified)
+    return [
+        Prose(f"{identified.model.name} fitted to {identified.name} ({_size(identified)})"),
+        Preformatted(drawing_of(identified.model)),
+        parameters_table("parameter", identified.parameters, gone(identified)),
         search,
-        reference,
-        _spectrum(identified),
-        table,
-        "\n".join(wrapped(line, width, " " * 12) for line in lines),
+        Prose(reference_note(identified.sweep, [identified.model.network])),
+        Prose(_spectrum(identified)),
+        tests,
+        Listing(_lines(identified, verbose), hang=HANG),
     ]
-    return "\n\n".join(part for part in parts if part)
 
 
 def _size(identified: Identification) -> str:
@@ -75,99 +66,11 @@ def _size(identified: Identification) -> str:
     count = f"{sum(test.points for test in identified.tests)} points"
     # A count of one says nothing.
     if len(identified.tests) > 1:
-        count = f"{len(identified.tests)} tests, {count}"
+        count = f"{counted(len(identified.tests), 'test')}, {count}"
     return count
 
 
-def compared_in_time_text(comparison: Comparison) -> str:
-    """Models against tests in time, best first, and those that these tests cannot judge."""
-    over_floors = ["x floor"]
-    # The name of a single test stands in the first line.
-    if len(comparison.tests) > 1:
-        over_floors = [f"x floor of {test.name}" for test in comparison.tests]
-    headers = ("model", "error", *over_floors, "delta BIC", "parameters")
-    rows = []
-    for judged in comparison.judgements:
-        ratios = [number(test.over_floor, 2) for test in judged.by_test]
-        error = percent(max(test.relative_rms for test in judged.by_test))
-        delta, count = number(judged.delta_bic, 3), str(judged.free_parameters)
-        rows.append([judged.model.name, error, *ratios, delta, count])
-    parts = [
-        f"{comparison.data}: {comparison.best.model.name} is best",
-        TextTable(headers, rows, frozenset(headers[1:])).plain(),
-    ]
-    if comparison.left_out:
-        parts.append("\n".join(f"left out    {reason}" for reason in comparison.left_out.values()))
-    return "\n\n".join(parts)
-
-
-def climbed_in_time_text(ladder: Ladder, width: int = 120) -> str:
-    """Rungs of a discovery from tests in time, the last one's parameters and what is said of it."""
-    headers = ("step", "model", "error", "x floor")
-    rows = []
-    for i, step in enumerate(ladder.steps):
-        error, floor = step.relative_rms, step.noise_floor
-        rows.append([str(i), step.model.name, percent(error), over_floor(error, floor, 2)])
-    parts = [
-        TextTable(headers, rows, frozenset(headers[2:])).plain(),
-        parameters_text("parameter", ladder.steps[-1].parameters),
-        wrapped(ladder.diagnosis.says, width),
-    ]
-    # Below the parameters: whoever takes these must know that the effect may be another.
-    for step in ladder.steps:
-        rivals = " or ".join(name for name in step.alike if name != step.accepted)
-        if rivals:
-            parts.append(
-                f"+ {step.accepted} may as well be {rivals}: these tests cannot tell them apart"
-            )
-    parts += _left_out({**ladder.diagnosis.left_out, **ladder.left_out})
-    return "\n\n".join(parts)
-
-
-def diagnosed_in_time_text(diagnosis: Diagnosis, width: int = 120) -> str:
-    """What a model of tests in time lacks, where it fails, and what the tests cannot tell apart."""
-    headers = ("effect", "verdict", "delta BIC", "x floor after", "parameters")
-    rows = [
-        [
-            each.effect,
-            each.verdict,
-            number(each.delta_bic, 3),
-            number(each.over_floor, 2),
-            _briefly(each.parameters),
-        ]
-        for each in diagnosis.candidates
-    ]
-    ranked = ""
-    if rows:
-        ranked = (
-            TextTable(headers, rows, frozenset(headers[2:4])).without(("delta BIC",), width).plain()
-        )
-    parts = [
-        f"{diagnosis.model.name}: {diagnosis.verdict}\n{diagnosis.says}",
-        "\n".join(f"where: {place.says}" for place in diagnosis.where),
-    ]
-    physics = [
-        f"{each.effect}: {each.says}"
-        for each in diagnosis.candidates
-        if each.effect in diagnosis.leading
-    ]
-    # Which of several absent effects is absent is no news.
-    absent = {each.effect for each in diagnosis.candidates if each.verdict == "absent"}
-    open_classes = [names for names in diagnosis.classes if names[0] not in absent]
-    physics += [f"these tests cannot tell apart: {', '.join(names)}" for names in open_classes]
-    return paragraphs([*parts, ranked, *physics, *_left_out(diagnosis.left_out)], width)
-
-
-def _left_out(reasons: Mapping[str, str]) -> list[str]:
-    return [f"left out: {name}: {reason}" for name, reason in reasons.items()]
-
-
-def _briefly(parameters: Mapping[str, Value]) -> str:
-    """Values without their intervals."""
-    return ", ".join(f"{name} {row.value:.3g} {row.unit}" for name, row in parameters.items())
-
-
-def _tests(identified: Identification, width: int) -> str:
+def _tests(identified: Identification) -> TextTable:
     """A row for each test; in a narrow window the last columns go, and long names are cut."""
     headers = ("test", "kind", "points", "error", "noise floor", "x floor", "alone")
     rows = []
@@ -179,28 +82,17 @@ def _tests(identified: Identification, width: int) -> str:
             number(test.over_floor_alone, 2),
         ]
         rows.append([test.name, test.kind, str(test.points), *errors])
-    table = TextTable(headers, rows, frozenset(headers[2:]))
+    legend = {"alone": "x floor where the test has parameters of its own"}
+    table = TextTable(headers, rows, frozenset(headers[2:]), ("alone", "points"), legend, cuts=True)
     # A single test is fitted alone in any case.
-    if len(identified.tests) == 1:
-        table = table.lacking("alone")
-    table = table.without(("alone", "points"), width)
-    excess = table.width - width
-    # The last resort: a table that is broken by the window cannot be read, a name that is cut can.
-    if excess > 0:
-        longest = max(len(row[0]) for row in table.rows)
-        most = max(longest - excess, NAME)
-        shortened = [[cut(row[0], most), *row[1:]] for row in table.rows]
-        table = TextTable(table.headers, shortened, table.right)
-    text = table.plain()
-    # Only then has a narrow window not dropped the column.
-    if "alone" in table.headers:
-        text += "\nalone: x floor where the test has parameters of its own"
-    return text
+    if len(rows) == 1:
+        return replace(table.lacking("alone"), spare=("points",))
+    return table
 
 
-def parameters_text(
+def parameters_table(
     heading: str, parameters: Mapping[str, Value], open_ones: Collection[str] = ()
-) -> str:
+) -> TextTable:
     """A table of values with their intervals; one that the data leave open is called so."""
     rows = []
     for name, value in parameters.items():
@@ -209,9 +101,7 @@ def parameters_text(
         if name in open_ones:
             size, interval = "-", OPEN
         rows.append([name, size, interval, value.unit])
-    return TextTable(
-        (heading, "value", "95 % interval", "unit"), rows, frozenset({"value"})
-    ).plain()
+    return TextTable((heading, "value", "95 % interval", "unit"), rows, frozenset({"value"}))
 
 
 def gone(identified: Identification) -> set[str]:

@@ -6,38 +6,38 @@ import platform
 import shlex
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
+from math import isfinite
 from pathlib import Path
 
 from springpot.diagnosis.examination import Case
 from springpot.diagnosis.ladder import Ladder, Step
-from springpot.diagnosis.result import Candidate, Diagnosis
+from springpot.diagnosis.result import Diagnosis
 from springpot.errors import OutputError
 from springpot.files import require_writable, write_text
-from springpot.format_numbers import number
 from springpot.markup import Html, joined, table, tag
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.opening import Test
-from springpot.misfit.words import over_floor
+from springpot.measurement.opening import Test, sweep_of
 from springpot.versions import versions
 
 from .answers import (
-    absent_effects,
-    beside_floor,
+    absent_text,
     effects_note,
-    nowhere,
-    probability,
+    left_out,
+    physics,
+    places_failed,
+    ranking,
     reference_note,
     times,
-    value_text,
     worth_showing,
 )
 from .canvas import require_matplotlib
+from .fit_text import parameters_table
 from .interactive.answers import PageScene, rungs
 from .interactive.bench import PageParts, bench_of
 from .ladder import draw_ladder
-from .ladder_text import accepted_name, moves_text
+from .ladder_text import accepted_name, remarks, steps_table
 from .network import network_svg
-from .numbers import percent, told_range, with_interval
+from .numbers import percent, told_range
 from .residuals import (
     data_and_model,
     framed,
@@ -103,15 +103,15 @@ def write_report(
 
 def report_html(ladder: Ladder, data: Measurement | Sequence[Test], command: Sequence[str]) -> Html:
     """The report as text; parameters as in `write_report`."""
-    tests: Sequence[Test]
-    if isinstance(data, Measurement):
-        bench, tests = _bench(ladder, data), [data]
+    tests: Sequence[Test] = [data] if isinstance(data, Measurement) else data
+    if (sweep := sweep_of(tests)) is not None:
+        bench = _bench(ladder, sweep)
         pointing = [tag("h2", "Point at it"), tag("p", POINTING, class_="quiet"), bench.body]
-        style, script, scenes = bench.style, bench.policy, _scenes(ladder, data)
+        style, script, scenes = bench.style, bench.policy, _scenes(ladder, sweep)
         pictures = [*_seen(scenes), *_places(ladder), *_planes(scenes)]
     else:
-        pointing, style, script, tests = [], "", "", data
-        pictures = [*_drawn_tests(ladder, data), *_places(ladder)]
+        pointing, style, script = [], "", ""
+        pictures = [*_drawn_tests(ladder, tests), *_places(ladder)]
     body = [
         # The answer first, then what can be pointed at, then the evidence, and last how to repeat
         # it.
@@ -220,11 +220,15 @@ def _head(ladder: Ladder) -> Iterator[Html]:
     first, last = ladder.steps[0], ladder.steps[-1]
     error = ladder.diagnosis.error
     added = [accepted_name(step) for step in ladder.steps[1:]]
+    material = []
+    # Where no material was looked for there is nothing to tell.
+    if isfinite(last.material_floor):
+        material = [("material floor", percent(last.material_floor))]
     facts = [
         ("error of the model given", percent(first.relative_rms)),
         ("error at the end", percent(last.relative_rms)),
         (f"noise floor ({error.noise_source})", percent(last.noise_floor)),
-        ("material floor", percent(last.material_floor)),
+        *material,
         ("error against the floor", times(last.relative_rms, error).replace(" x ", " × ")),
         ("accepted", joined(tag("span", name, class_="whole") for name in added) or "nothing"),
     ]
@@ -278,25 +282,8 @@ def _ladder(ladder: Ladder) -> Iterator[Html]:
         3.6,
     )
     yield tag("div", picture, class_="alone")
-    rows = []
-    for i, step in enumerate(ladder.steps):
-        name = "start"
-        if step.accepted:
-            name = accepted_name(step)
-        row = (
-            str(i),
-            name,
-            beside_floor(step.predicted_error, step.noise_floor, sign="×"),
-            percent(step.relative_rms),
-            over_floor(step.relative_rms, step.noise_floor, 3),
-            percent(step.noise_floor),
-            percent(step.material_floor),
-            moves_text(step) or "-",
-        )
-        rows.append(row)
-    numbers = ("predicted error", "error", "× floor", "noise floor", "material floor")
-    headers = ("step", "accepted", *numbers, "old parameters changed")
-    yield tag("div", table(headers, rows, numbers), class_="scroll")
+    yield steps_table(ladder).as_html()
+    yield remarks(ladder).as_html()
 
 
 def _places(ladder: Ladder) -> Iterator[Html]:
@@ -312,10 +299,7 @@ def _places(ladder: Ladder) -> Iterator[Html]:
             continue
         diagnosis = judged[step]
         yield tag("h3", step.model.name)
-        if diagnosis.where:
-            yield tag("ul", *(tag("li", _capital(place.says), ".") for place in diagnosis.where))
-        else:
-            yield tag("p", f"{_capital(nowhere(diagnosis))}.")
+        yield places_failed(diagnosis).as_html()
 
 
 def _rankings(ladder: Ladder) -> Iterator[Html]:
@@ -342,44 +326,13 @@ def _rankings(ladder: Ladder) -> Iterator[Html]:
 def _ranking(step: Step, diagnosis: Diagnosis) -> Iterator[Html]:
     yield tag("p", f"{_capital(diagnosis.says)}.")
     shown = worth_showing(diagnosis, RANKED)
-    rows = [_candidate(row, diagnosis.error.noise_floor) for row in shown]
-    headers = (
-        "effect",
-        "verdict",
-        "probability",
-        "ΔBIC",
-        "predicted",
-        "after",
-        "parameters",
-        "physics",
-    )
-    if rows:
-        yield tag("div", table(headers, rows, headers[2:6]), class_="scroll")
+    yield ranking(shown, diagnosis.error.noise_floor).as_html()
+    yield physics(shown, RANKED).as_html()
     if isinstance(step.examined, Case):
         raw = step.case.search.base.data.raw
-        yield from _note(effects_note(raw, (row.effect for row in shown), "°C"))
-    for name, reason in diagnosis.left_out.items():
-        yield tag("p", f"Left out: {name}: {reason}.", class_="quiet")
-    absent = absent_effects(diagnosis)
-    if absent:
-        named = ", ".join(f"{row.effect} ({percent(row.bound, 2)})" for row in absent)
-        yield tag(
-            "p", f"Absent, or it would have been seen from this size on: {named}.", class_="quiet"
-        )
-
-
-def _candidate(row: Candidate, floor: float) -> tuple[str, ...]:
-    values = "; ".join(f"{name} {value_text(value)}" for name, value in row.parameters.items())
-    return (
-        row.effect,
-        row.verdict,
-        probability(row.probability),
-        number(row.delta_bic, 3),
-        beside_floor(row.predicted_error, floor, 2, "×"),
-        beside_floor(row.error_after, floor, 2, "×"),
-        values,
-        tag("div", row.says, class_="physics"),
-    )
+        yield from _note(effects_note(raw, (row.effect for row in shown)))
+    yield left_out(diagnosis.left_out).as_html()
+    yield from _note(absent_text(diagnosis))
 
 
 def _classes(ladder: Ladder) -> Iterator[Html]:
@@ -443,23 +396,15 @@ def _models(ladder: Ladder) -> Iterator[Html]:
         yield tag("h3", name)
         # Made here with every label escaped, so that it may enter the page as it is.
         yield tag("div", Html(network_svg(step.model.network)), class_="scroll")
-        yield tag("div", _parameters(step), class_="scroll")
+        yield parameters_table("parameter", step.parameters).as_html()
         if isinstance(step.examined, Case):
             raw = step.case.search.base.data.raw
-            yield from _note(reference_note(raw, [step.model.network], "°C"))
+            yield from _note(reference_note(raw, [step.model.network]))
 
 
 def _note(text: str) -> Iterator[Html]:
     if text:
         yield tag("p", f"{_capital(text)}.", class_="quiet")
-
-
-def _parameters(step: Step) -> Html:
-    rows = [
-        (name, *with_interval(value.value, value.low, value.high), value.unit)
-        for name, value in step.parameters.items()
-    ]
-    return table(("parameter", "value", "95 % interval", "unit"), rows, ("value",))
 
 
 def _repeat(ladder: Ladder, tests: Sequence[Test], command: Sequence[str]) -> Iterator[Html]:

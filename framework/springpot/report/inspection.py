@@ -157,10 +157,11 @@ def sweeps_text(
     for sweep in sweeps[:LONG]:
         entries = {**sweep, "frequency": _clocked(sweep["frequency"], units)}
         rows.append([numbers.get(sweep.get("step"), ""), *(_cell(entries[key]) for key in keys)])
-    table = TextTable(["part", *heads], rows, frozenset(heads) - {*labels, "step"})
+    spare = [head for head in heads if head.startswith("amplitude")]
+    table = TextTable(["part", *heads], rows, frozenset(heads) - {*labels, "step"}, spare)
     if not numbers:
         table = table.lacking("part")
-    text = table.without([head for head in heads if head.startswith("amplitude")], width).plain()
+    text = table.as_text(width)
     more = len(sweeps) - LONG
     if more > 0:
         text += f"\n... and {more} more; --json has all"

@@ -1,47 +1,31 @@
-"""Ladders as text for people.
-
-Each step with its error and what it changed, then the last diagnosis.
-
-Installed models ranked against the material floor, as text for people.
-
-``print(result)``: the text that the command line prints.
-"""
+"""Documents of ladders, and of installed models ranked against the material floor."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import singledispatch
 
-from springpot.comparison.comparing import Comparison, Judgement
+from springpot.comparison.comparing import Judgement
 from springpot.comparison.ranking import Ranking
+from springpot.diagnosis.examination import Case
 from springpot.diagnosis.ladder import Ladder, Step
-from springpot.diagnosis.result import Diagnosis
 from springpot.format_numbers import number
-from springpot.identification.part_result import in_time
-from springpot.identification.result import Identification
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.words import over_floor
 
 from .answers import (
-    USUAL,
     beside_floor,
-    comparison_text,
-    diagnosis_text,
+    diagnosis_document,
     floors,
+    left_out,
     reference_note,
     times,
     times_floor,
     value_text,
 )
-from .fit_text import (
-    climbed_in_time_text,
-    compared_in_time_text,
-    diagnosed_in_time_text,
-    identification_text,
-)
+from .document import Listing, Passage, Prose
+from .fit_text import parameters_table
 from .numbers import percent
-from .text import TextTable, paragraphs
-from .values import shown
+from .text import TextTable
 
 FAR = 1e3
 """Factor beyond which a parameter's move is told in words."""
@@ -54,36 +38,35 @@ NOTHING = 1e-6
 """Share of its old value below which a parameter is nothing."""
 
 
-def ladder_text(ladder: Ladder, width: int = USUAL, verbose: bool = False) -> str:
+def ladder_document(ladder: Ladder, verbose: bool = False) -> list[Passage]:
     """Each step with its error, forecast and what it changed, then the last diagnosis."""
-    table = _steps(ladder)
-    if table.width > width:  # each model is the one above it and what was accepted
-        table = _steps(ladder, brief=True).without(("material floor", "predicted"), width)
     first, last = ladder.steps[0], ladder.steps[-1]
     line = f"error {percent(first.relative_rms)} -> {percent(last.relative_rms)}"
     if len(ladder.steps) == 1:
         line += ", nothing accepted"
-    remarks: list[str] = []
-    for step in ladder.steps:
-        remarks += filter(None, (changes_text(step), doubt_text(step)))
-    judged = replace(ladder.diagnosis, parameters={})  # they stand above, in a table
-    parts = [
-        (
-            f"{first.model.name} of {ladder.data}: {line},"
-            f" {times(last.relative_rms, ladder.diagnosis.error)}"
+    against = times(last.relative_rms, ladder.diagnosis.error)
+    return [
+        Prose(f"{first.model.name} of {ladder.data}: {line}, {against}"),
+        steps_table(ladder),
+        Prose(floor_moved(ladder)),
+        parameters_table("parameter", last.parameters),
+        Prose(reference_note(data_of(last), [last.model.network])),
+        remarks(ladder),
+        left_out(ladder.left_out),
+        *diagnosis_document(
+            ladder.diagnosis, data_of(last), verbose, "at the last step: ", fitted=False
         ),
-        table.plain(),
-        floor_moved(ladder),
-        parameters_text(last),
-        reference_note(data_of(last), [last.model.network]),
-        "\n".join(remarks),
-        f"at the last step: {diagnosis_text(judged, data_of(last), width, verbose)}",
     ]
-    return paragraphs(parts, width)
+
+
+def steps_table(ladder: Ladder) -> TextTable:
+    """A row for each step; a narrow window names what was accepted in place of the whole model."""
+    # Each model is the one above it and what was accepted.
+    return replace(_steps(ladder), brief=replace(_steps(ladder, brief=True), spare=SPARE))
 
 
 def _steps(ladder: Ladder, brief: bool = False) -> TextTable:
-    """A row for each step; `brief` names what was accepted in place of the whole model."""
+    """All columns; `brief` names what was accepted in place of the whole model."""
     headers = ("step", "model", "predicted", "error", "x floor", "noise floor", "material floor")
     rows = []
     for i, step in enumerate(ladder.steps):
@@ -104,6 +87,12 @@ def _steps(ladder: Ladder, brief: bool = False) -> TextTable:
     return TextTable(headers, rows, frozenset(headers[2:]))
 
 
+def remarks(ladder: Ladder) -> Listing:
+    """What accepting each effect changed, and what it may be as well."""
+    lines = [words(step) for step in ladder.steps for words in (changes_text, doubt_text)]
+    return Listing([line for line in lines if line])
+
+
 def floor_moved(ladder: Ladder) -> str:
     """Why the noise floor is not the same at each step, where it is not."""
     floors = [step.noise_floor for step in ladder.steps]
@@ -118,18 +107,10 @@ def floor_moved(ladder: Ladder) -> str:
 
 
 def data_of(step: Step) -> Measurement | None:
-    """The data of a step; an answer from a file knows none."""
-    if step.examined is None:
-        return None
-    return step.case.search.base.data.raw
-
-
-def parameters_text(step: Step) -> str:
-    """The parameters of a step with their intervals."""
-    rows = [(name, *shown(value), value.unit) for name, value in step.parameters.items()]
-    return TextTable(
-        ("parameter", "value", "95 % interval", "unit"), rows, frozenset({"value"})
-    ).plain()
+    """The sweeps of a step; an answer from a file and one of tests in time know none."""
+    if isinstance(step.examined, Case):
+        return step.examined.search.base.data.raw
+    return None
 
 
 def changes_text(step: Step) -> str:
@@ -206,27 +187,30 @@ def accepted_name(step: Step) -> str:
     return f"+ {name}"
 
 
+SPARE = ("material floor", "predicted")
+"""Columns of steps that a narrow window goes without, the first first."""
 HEADERS = ("model", "verdict", "error", "x floor", "delta BIC", "parameters")
 NAMED = 12
 """Models of a group that are named."""
 
 
-def ranked_text(ranking: Ranking, width: int = USUAL) -> str:
+def ranking_document(ranking: Ranking) -> list[Passage]:
     """The answer, models worth a look, those that are alike, and the parameters of the first."""
-    parts = [
-        f"{ranking.data}: {ranking.says}",
+    best = ranking.best
+    values = [f"{name} = {value_text(value)}" for name, value in best.parameters.items()]
+    return [
+        Prose(f"{ranking.data}: {ranking.says}"),
         _floors(ranking),
-        _table(ranking, width),
-        "\n".join(_alike(group) for group in ranking.groups if len(group) > 1),
-        _first(ranking.best),
-        reference_note(data_of(ranking.ladder.steps[-1]), [ranking.best.model.network]),
-        "\n".join(filter(None, map(doubt_text, ranking.ladder.steps))),
-        "\n".join(f"note: {note}" for note in ranking.notes),
+        *_table(ranking),
+        Listing([_alike(group) for group in ranking.groups if len(group) > 1]),
+        Listing(values, f"{best.model.name}:", "  "),
+        Prose(reference_note(data_of(ranking.ladder.steps[-1]), [best.model.network])),
+        Listing(list(filter(None, map(doubt_text, ranking.ladder.steps)))),
+        Listing(ranking.notes, mark="note: "),
     ]
-    return paragraphs(parts, width)
 
 
-def _floors(ranking: Ranking) -> str:
+def _floors(ranking: Ranking) -> Prose:
     """The lines against which the models stand, and what is beside every material."""
     first, last = ranking.ladder.steps[0], ranking.ladder.steps[-1]
     lines = [floors(ranking.best.error)]
@@ -235,10 +219,10 @@ def _floors(ranking: Ranking) -> str:
     # Where no material follows the data, no model of one can: that is the news, not their order.
     if ranking.ladder.verdict != "adequate":
         lines.append(f"any material: {ranking.ladder.diagnosis.says}")
-    return "\n".join(lines)
+    return Prose(*lines)
 
 
-def _table(ranking: Ranking, width: int) -> str:
+def _table(ranking: Ranking) -> list[Passage]:
     """One row for each group of adequate and of near models, then the nearest of the others."""
     rows = []
     # One row for all that cannot be told apart: side by side they would look like a ranking.
@@ -248,15 +232,14 @@ def _table(ranking: Ranking, width: int) -> str:
             verdict = "as any material"
         rows.append(_row(group[0], verdict))
     rows += [_row(one, "not enough") for one in ranking.next]
-    table = (
-        TextTable(HEADERS, rows, frozenset(HEADERS[2:]))
-        .without(("parameters", "delta BIC"), width)
-        .plain()
-    )
     left = len(ranking.judgements) - len(ranking.adequate) - len(ranking.near) - len(ranking.next)
+    more = ""
     if left:
-        table += f"\n{left} more are not enough; --json has all"
-    return table
+        more = f"{left} more are not enough; --json has all"
+    return [
+        TextTable(HEADERS, rows, frozenset(HEADERS[2:]), ("parameters", "delta BIC")),
+        Prose(more),
+    ]
 
 
 def _row(judged: Judgement, verdict: str) -> tuple[str, ...]:
@@ -286,42 +269,3 @@ def _alike(group: tuple[Judgement, ...]) -> str:
     if first.effects and same:
         text += " with the same effects"
     return text
-
-
-def _first(one: Judgement) -> str:
-    """Parameters of the model that comes first."""
-    values = "\n".join(f"  {name} = {value_text(value)}" for name, value in one.parameters.items())
-    return f"{one.model.name}:\n{values}"
-
-
-@singledispatch
-def told(result: object) -> str:
-    """The text of a result; of anything else its short form."""
-    return repr(result)
-
-
-# The functions of the command line themselves: what Python prints cannot differ from what a shell
-# shows.
-told.register(Identification, identification_text)
-told.register(Ranking, ranked_text)
-
-
-@told.register
-def _diagnosis(result: Diagnosis) -> str:
-    if in_time(result.tests):
-        return diagnosed_in_time_text(result)
-    return diagnosis_text(result)
-
-
-@told.register
-def _ladder(result: Ladder) -> str:
-    if in_time(result.diagnosis.tests):
-        return climbed_in_time_text(result)
-    return ladder_text(result)
-
-
-@told.register
-def _comparison(result: Comparison) -> str:
-    if in_time(result.tests):
-        return compared_in_time_text(result)
-    return comparison_text(result)

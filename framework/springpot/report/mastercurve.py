@@ -14,8 +14,9 @@ from springpot.superposition.curve import MasterCurve
 from springpot.superposition.laws import LawFit
 
 from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic
+from .document import Listing, Passage, Prose
 from .numbers import percent, seconds, with_interval
-from .text import TextTable, fitted_to
+from .text import TextTable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,33 +42,35 @@ SMOOTH = 400
 """Points of a drawn curve."""
 
 
-def mastercurve_text(master: MasterCurve, width: int = 120) -> str:
+def mastercurve_document(master: MasterCurve) -> list[Passage]:
     """Factors level by level, laws, and whether one curve is enough.
 
     Told as a_T and b_T where temperature shifts.
     """
     rest = master.simplicity
     reference = level_text(master.factors.column, master.reference)
-    lines = [
-        (
-            f"master curve of {master.data.name} at {reference}, {len(master.data)} points,"
-            f" {seconds(master.seconds)}"
-        ),
-        (
-            f"error       {percent(rest.error)} of"
-            f" {master.data.units.magnitude}{_other_errors(master)}"
-        ),
-        "",
-        _levels(master).without(("alone",), width).plain(),
-    ]
-    if master.laws:
-        lines += ["", _laws(master).without(("chance", "most at", "off by"), width).plain()]
-    lines += ["", f"superposition   {WORDS[rest.verdict].format(added=percent(rest.added, 2))}"]
-    lines += [f"  - {failure.says}" for failure in rest.failures[:MOST_SAID]]
+    places = [failure.says for failure in rest.failures[:MOST_SAID]]
     if len(rest.failures) > MOST_SAID:
-        lines.append(f"  - and {len(rest.failures) - MOST_SAID} places more, see --json")
-    lines += [f"note: {note}" for note in master.notes]
-    return "\n".join(fitted_to(line, width) for line in lines)
+        places.append(f"and {len(rest.failures) - MOST_SAID} places more, see --json")
+    laws: Passage = Prose()
+    if master.laws:
+        laws = _laws(master)
+    return [
+        Prose(
+            f"master curve of {master.data.name} at {reference}, {len(master.data)} points,"
+            f" {seconds(master.seconds)}",
+            f"error       {percent(rest.error)} of"
+            f" {master.data.units.magnitude}{_other_errors(master)}",
+        ),
+        _levels(master),
+        laws,
+        Listing(
+            places,
+            f"superposition   {WORDS[rest.verdict].format(added=percent(rest.added, 2))}",
+            "  - ",
+        ),
+        Listing(master.notes, mark="note: "),
+    ]
 
 
 def _factor(master: MasterCurve, letter: str) -> str:
@@ -130,7 +133,9 @@ def _levels(master: MasterCurve) -> TextTable:
         at = headers.index("determined")
         headers = [*headers[:at], *headers[at + 1 :]]
         rows = [[*row[:at], *row[at + 1 :]] for row in rows]
-    return TextTable(headers, rows, frozenset({headers[0], a_name, b_name, "error", "alone"}))
+    return TextTable(
+        headers, rows, frozenset({headers[0], a_name, b_name, "error", "alone"}), ("alone",)
+    )
 
 
 def _in_unit(unit: str) -> str:
@@ -161,7 +166,9 @@ def _laws(master: MasterCurve) -> TextTable:
         rows.append(
             [law.law.name, factor, ", ".join(words), off, most, number(law.chance, 2), law.verdict]
         )
-    return TextTable(headers, rows, frozenset({"off by", "chance"}))
+    return TextTable(
+        headers, rows, frozenset({"off by", "chance"}), ("chance", "most at", "off by")
+    )
 
 
 def figure_mastercurve(master: MasterCurve, path: str | Path | None = None) -> Figure | Path:

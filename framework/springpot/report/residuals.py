@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from base64 import b64encode
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,10 +22,8 @@ from springpot.comparison.comparing import Comparison
 from springpot.markup import Html, joined, tag
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned
-from springpot.measurement.units import Units
 from springpot.misfit.error import Error
-from springpot.misfit.where import in_plane
-from springpot.rheology.nodes import FULL
+from springpot.rheology.nodes import FULL, PLANES, Composition, Response
 from springpot.rheology.points import Complex, Real
 
 from . import views
@@ -47,52 +45,15 @@ WIDE = 30.0
 """
 
 
-@dataclass(frozen=True)
-class Plane:
-    """A plane of residuals.
-
-    Parameters
-    ----------
-    name : str
-        As in `springpot.diagnosis`.
-    label : callable
-        Gives the label of its axis for the units of the data.
-    says : str
-        How to read it, in one sentence.
-    """
-
-    name: str
-    label: Callable[[Units], str]
-    says: str
-
-
-PLANES = (
-    Plane(
-        "stiffness",
-        lambda units: f"stiffness residual\n[{units.stiffness}]",
-        "what is missing in parallel",
-    ),
-    Plane(
-        "compliance",
-        lambda units: f"compliance residual\n[1/({units.stiffness})]",
-        "what is missing in series",
-    ),
-    Plane(
-        "log-complex",
-        lambda _: "log-complex residual\n[ln |K|; phase in rad]",
-        "what is missing in the signal chain",
-    ),
-    Plane("shift", lambda _: "shift residual\n[ln ω]", "what is missing in the frequency scale"),
-)
-
-
-def residual_in(plane: str, measurement: Measurement, fit: DrawnFit) -> tuple[Complex, Real]:
+def residual_in(
+    plane: type[Composition], measurement: Measurement, fit: DrawnFit
+) -> tuple[Complex, Real]:
     """Residual in a plane, and twice the standard deviation of the noise there.
 
     Parameters
     ----------
-    plane : str
-        Name of one of `PLANES`.
+    plane : type of Composition
+        One of `PLANES`.
     measurement : Measurement
         The data; without standard deviations the band is zero.
     fit : DrawnFit
@@ -103,22 +64,25 @@ def residual_in(plane: str, measurement: Measurement, fit: DrawnFit) -> tuple[Co
     tuple of ndarray
         Complex residual (n,) and the half-width (n,) of its band.
     """
-    measured = measurement.stiffness
-    modelled = fit.at(measurement.points)
-    sd = np.zeros_like(measured)
+    modelled = fit.model.network.respond(fit.theta, measurement.points, FULL)
+    sd = np.zeros_like(measurement.stiffness)
     if measurement.sd is not None:
         sd = measurement.sd
     # One band for both parts: two would be too many to tell apart.
     width = 2.0 * np.maximum(sd.real, sd.imag)
-    if plane == "shift":
-        by_log_omega = fit.model.network.respond(fit.theta, measurement.points, FULL).by_log_omega
-        return (measured - modelled) / by_log_omega, width / np.abs(by_log_omega)
-    # A small dK is dK / K^2 of the compliance and dK / K of the logarithm: so is its band.
-    power = {"stiffness": 0.0, "compliance": -2.0, "log-complex": -1.0}[plane]
-    return in_plane(plane, measured, modelled), width * measurement.magnitude**power
+    return plane_of(plane, measurement.stiffness, modelled, width)
 
 
-def draw_plane(axes: Axes, scene: Scene, plane: Plane) -> None:
+def plane_of(
+    plane: type[Composition], measured: Complex, modelled: Response, width: Real
+) -> tuple[Complex, Real]:
+    """Residual (n,) in a plane, and the half-width (n,) there of one that is `width` wide in K."""
+    # It is the measured K that scatters.
+    slope = plane.slope(modelled._replace(value=measured))
+    return plane.residual(measured, modelled), width / np.abs(slope)
+
+
+def draw_plane(axes: Axes, scene: Scene, plane: type[Composition]) -> None:
     """Residuals of the scene's fits in one plane.
 
     Real part filled, imaginary part open, noise as bands.
@@ -128,7 +92,7 @@ def draw_plane(axes: Axes, scene: Scene, plane: Plane) -> None:
     # Only what is drawn decides how the axis is scaled.
     shown = np.concatenate([sweep.rows for sweep in scene.sweeps])
     for j, fit in enumerate(scene.fits):
-        values, width = residual_in(plane.name, data, fit)
+        values, width = residual_in(plane, data, fit)
         bands.append(width)
         largest = max(largest, float(np.max(np.abs(values[shown]))))
         views.draw_parts(axes, scene, j, values)
@@ -141,7 +105,8 @@ def draw_plane(axes: Axes, scene: Scene, plane: Plane) -> None:
         _symmetric(axes, middle, largest)
     if scene.axis.logarithmic:
         logarithmic(axes, "x")
-    axes.set(xlabel=scene.axis.label, ylabel=plane.label(data.units))
+    label = f"{plane.plane} residual\n{plane.label(data.units.stiffness)}"
+    axes.set(xlabel=scene.axis.label, ylabel=label)
 
 
 def _symmetric(axes: Axes, within: float, largest: float) -> None:
@@ -202,7 +167,7 @@ def _row_of_residuals(row: Sequence[Axes], scene: Scene, error: Error, named: bo
     row[0].set_title(title)
     for axes, plane in zip(row[1:], PLANES, strict=True):
         draw_plane(axes, scene, plane)
-        axes.set_title(f"{plane.name} plane")
+        axes.set_title(f"{plane.plane} plane")
 
 
 def with_noise_of(measurement: Measurement, sd: Complex) -> Measurement:
@@ -295,11 +260,11 @@ def other_views(scenes: dict[str, Scene]) -> Html:
 def residual_planes(scenes: dict[str, Scene]) -> Iterator[Html]:
     """The four planes, each with what it shows."""
     for plane in PLANES:
-        yield tag("h3", f"{plane.name.capitalize()} plane: {plane.says}")
+        yield tag("h3", f"{plane.plane.capitalize()} plane: {plane.shows}")
         yield pairs(
             scenes,
             lambda axes, scene, p=plane: draw_plane(axes, scene, p),  # type: ignore[misc]
-            f"Residual, {plane.name}",
+            f"Residual, {plane.plane}",
         )
 
 

@@ -202,6 +202,10 @@ def _diagnosed_onto(result: Diagnosis, axes: Any) -> None:
 
 @whole.register
 def _found(result: Ladder, path: Any) -> Any:
+    # The last ones, if there are more than one picture shows.
+    fits = fits_in_time(step.examined for step in reversed(result.steps))[::-1]
+    if fits:
+        return figure_tests(fits, fits[0].data, path)
     return figure_ladder(result, path)
 
 

@@ -1,15 +1,22 @@
-"""Tables as text: plain columns anywhere, ruled ones on a terminal."""
+"""Tables: plain columns anywhere, ruled ones on a terminal, elements of a page."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from textwrap import wrap
 from typing import Literal
 from unicodedata import combining, east_asian_width
 
+from springpot.markup import Html, joined, tag
+from springpot.markup import table as html_table
 from springpot.terminal_safe import below, plain
+
+SILENT = frozenset({"", "-"})
+"""Cells that say nothing."""
+LEAST = 12
+"""Letters that are left of a name."""
 
 
 @dataclass(frozen=True)
@@ -22,13 +29,28 @@ class TextTable:
         One for each column.
     rows : sequence of sequences of str
         As many cells each.
-    right : str
+    right : set of str
         Headers of the columns that are set flush right, such as numbers.
+    spare : sequence of str
+        Headers of columns that a narrow window goes without, the first first.
+    legend : dict of str to str
+        What some columns mean, told below the table.
+    brief : TextTable, optional
+        What a window shows that is too narrow even without spare columns.
+    cuts : bool
+        Whether names in the first column are cut as a last resort.
+    whole : bool
+        Whether any window shows all columns that tell anything.
     """
 
     headers: Sequence[str]
     rows: Sequence[Sequence[str]]
     right: frozenset[str] = frozenset()
+    spare: Sequence[str] = ()
+    legend: Mapping[str, str] = field(default_factory=dict)
+    brief: TextTable | None = None
+    cuts: bool = False
+    whole: bool = False
 
     def plain(self) -> str:
         """Columns two blanks apart, a header line and a rule under it."""
@@ -43,19 +65,56 @@ class TextTable:
 
     def lacking(self, header: str) -> TextTable:
         """The table without one column."""
-        kept = [i for i, name in enumerate(self.headers) if name != header]
-        headers = [self.headers[i] for i in kept]
-        rows = [[row[i] for i in kept] for row in self.rows]
-        return TextTable(headers, rows, self.right)
+        return self._with([i for i, name in enumerate(self.headers) if name != header])
 
-    def without(self, spare: Sequence[str], columns: int) -> TextTable:
-        """The table without its first spare columns, as many as make it fit so many characters."""
-        table = self
-        for header in spare:
+    def telling(self) -> TextTable:
+        """The table without columns that say nothing in any row; the first names the rows."""
+        silent = {
+            place for place in range(1, len(self.headers)) if SILENT.issuperset(self._cells(place))
+        }
+        return self._with([i for i in range(len(self.headers)) if i not in silent])
+
+    def _cells(self, place: int) -> list[str]:
+        return [row[place] for row in self.rows]
+
+    def _with(self, places: Sequence[int]) -> TextTable:
+        """Only these columns."""
+        headers = [self.headers[i] for i in places]
+        return replace(self, headers=headers, rows=[[row[i] for i in places] for row in self.rows])
+
+    def fitted(self, columns: int) -> TextTable:
+        """The table as it fits so many characters, as far as it can be made to."""
+        table = self.telling()
+        if self.whole:
+            return table
+        for header in self.spare:
             if table.width <= columns:
-                break
+                return table
             table = table.lacking(header)
+        if table.width > columns and self.brief is not None:
+            return self.brief.fitted(columns)
+        # The last resort: a table that is broken by the window cannot be read, a name that is cut
+        # can.
+        if table.width > columns and self.cuts:
+            longest = max(len(row[0]) for row in table.rows)
+            most = max(longest - table.width + columns, LEAST)
+            shortened = [[cut(row[0], most), *row[1:]] for row in table.rows]
+            return replace(table, rows=shortened)
         return table
+
+    def _legend(self) -> list[str]:
+        return [f"{name}: {means}" for name, means in self.legend.items() if name in self.headers]
+
+    def as_text(self, columns: int) -> str:
+        """As it fits so many characters, what its columns mean below it."""
+        table = self.fitted(columns)
+        return "\n".join([table.plain(), *table._legend()])
+
+    def as_html(self) -> Html:
+        """With all columns that tell anything; a page can be scrolled."""
+        table = self.telling()
+        cells = tag("div", html_table(table.headers, table.rows, table.right), class_="scroll")
+        return joined([cells, *(tag("p", line, class_="quiet") for line in table._legend())])
 
     def _line(self, cells: Sequence[str], widths: Sequence[int]) -> str:
         padded = []
@@ -141,18 +200,3 @@ def wrapped(text: str, columns: int, by: str = "  ") -> str:
             break_on_hyphens=False,
         )
     return "\n".join(lines)
-
-
-def fitted_to(part: str, columns: int) -> str:
-    """Sentences broken at words to fit so many columns.
-
-    A table has its own widths, and stays as it is.
-    """
-    if "\n---" in part:
-        return part
-    return wrapped(part, columns)
-
-
-def paragraphs(parts: Iterable[str], columns: int) -> str:
-    """The parts that say anything, fitted to so many columns, an empty line between them."""
-    return "\n\n".join(fitted_to(part, columns) for part in parts if part)

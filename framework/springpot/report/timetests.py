@@ -18,6 +18,7 @@ from springpot.measurement.units import Units
 from springpot.rheology.points import Real
 from springpot.timetests.recording import recorded
 from springpot.timetests.residuals_of_tests import InTimePart, Test, parts_of_specimen
+from springpot.timetests.verdict import TimeCase
 from springpot.timetests.where import TestPrediction
 
 from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic
@@ -74,8 +75,8 @@ def figure_tests(
 
 def fits_in_time(behind: Iterable[object]) -> list[Identification]:
     """The first few fits of tests in time behind answers; none of an answer about sweeps."""
-    fits = [fit for fit in behind if isinstance(fit, Identification)]
-    return fits[:MOST_DRAWN]
+    bases = [each.base if isinstance(each, TimeCase) else each for each in behind]
+    return [fit for fit in bases if isinstance(fit, Identification)][:MOST_DRAWN]
 
 
 def _draw_test(row: Sequence[Axes], part: InTimePart, fits: Sequence[Identification]) -> None:
@@ -152,7 +153,7 @@ def _draw_sweep(row: Sequence[Axes], sweep: Measurement, fits: Sequence[Identifi
     for colour, k in zip(_colours_of_residuals(fits), computed, strict=False):
         missed = 100.0 * np.abs(k - sweep.stiffness) / sweep.magnitude
         row[2].plot(rate, missed, ".", color=colour)
-    row[2].set(xlabel=clock, ylabel="error [% of |K|]")
+    row[2].set(xlabel=clock, ylabel=f"error [% of {sweep.units.magnitude}]")
     row[2].axhline(0.0, color=INK, lw=0.5)
     logarithmic(row[2], "x")
 

@@ -154,6 +154,10 @@ class Composition(Node):
     plane : str
         What adds up: ``stiffness``, ``compliance``, ``log-complex`` or ``shift``. In this plane a
         missing node shows.
+    symbol, unit : str
+        How a residual in this plane is written; ``{}`` stands for the unit of K.
+    shows : str
+        What is simple in this plane.
     order : int
         Which of two effects of one layer joins first: the lower one.
     flat : bool
@@ -162,6 +166,9 @@ class Composition(Node):
 
     children: tuple[Node, ...]
     plane: ClassVar[str] = "stiffness"
+    symbol: ClassVar[str] = "ΔK"
+    unit: ClassVar[str] = "{}"
+    shows: ClassVar[str] = "what is missing in parallel"
     order: ClassVar[int] = 0
     flat: ClassVar[bool] = False
 
@@ -179,6 +186,11 @@ class Composition(Node):
         if len(children) == 1:
             return children[0]
         return cls(tuple(children))
+
+    @classmethod
+    def label(cls, stiffness: str) -> str:
+        """Of an axis of residuals, such as ``ΔK [kN/m]``; `stiffness` is the unit of K."""
+        return f"{cls.symbol} [{cls.unit.format(stiffness)}]"
 
     @staticmethod
     def residual(measured: Complex, modelled: Response) -> Complex:
@@ -287,6 +299,7 @@ class Series(Composition):
     """
 
     plane, order, flat = "compliance", 1, True
+    symbol, unit, shows = "Δ(1/K)", "1/({})", "what is missing in series"
 
     @staticmethod
     def residual(measured: Complex, modelled: Response) -> Complex:
@@ -321,6 +334,7 @@ class Chain(Composition):
     """
 
     plane, order = "log-complex", 5
+    symbol, unit, shows = "Δ ln K", "-, rad", "what is missing in the signal chain"
 
     @staticmethod
     def residual(measured: Complex, modelled: Response) -> Complex:
@@ -354,6 +368,7 @@ class Shift(Composition):
     """
 
     plane, order = "shift", 3
+    symbol, unit, shows = "Δ ln ω", "-", "what is missing in the frequency scale"
 
     @staticmethod
     def residual(measured: Complex, modelled: Response) -> Complex:
@@ -428,6 +443,9 @@ chain = Composing(Chain)
 """The first node seen through a measurement chain, the second."""
 shift = Composing(Shift)
 """The first node with its frequency axis moved by the second."""
+
+PLANES: tuple[type[Composition], ...] = (Parallel, Series, Chain, Shift)
+"""The compositions in whose planes residuals are shown, on paper and on pages."""
 
 
 @dataclass(frozen=True)

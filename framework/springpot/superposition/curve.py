@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.drawing import draw
+from springpot.drawing import draw, html_of, text_of
 from springpot.errors import DataError
 from springpot.format_numbers import number
 from springpot.identification.allowed_shifts import Allowed, allowed_shifts
@@ -20,7 +20,6 @@ from springpot.identification.known_factors import KnownFactors, interval_of, kn
 from springpot.identification.levels_alone import Alone, each_alone
 from springpot.identification.native import Fit, fit
 from springpot.identification.problem import Objective, default_objective, relative_objective
-from springpot.markup import Html, table, tag
 from springpot.measurement.independence import at_one_frequency
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
@@ -197,21 +196,11 @@ class MasterCurve:
             f" {rest.verdict}>"
         )
 
+    def __str__(self) -> str:
+        return text_of(self)
+
     def _repr_html_(self) -> str:
-        headers = (f"{self.factors.column} [{self.unit}]", "a", "determined", "b", "error", "alone")
-        rows = [
-            (
-                f"{one.value:g}",
-                f"{one.a:.4g}",
-                one.reason or "yes",
-                f"{one.b:.4g}",
-                f"{100 * one.error:.2g} %",
-                f"{100 * one.alone:.2g} %",
-            )
-            for one in self.levels
-        ]
-        whole: Html = tag("div", tag("p", tag("b", repr(self)[1:-1])), table(headers, rows))
-        return str(whole)
+        return html_of(self)
 
     def plot(self, path: str | Path | None = None) -> Figure | Axes | Path:
         """The curve, the factors and what is left; see `springpot.drawing.draw`."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import random
 import re
+import threading
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -20,7 +21,7 @@ import numpy as np
 from springpot.identification.space import paper_box
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.units import Units
-from springpot.processes import can_copy, elsewhere
+from springpot.processes import Ended, can_copy, elsewhere
 from springpot.rheology.continuum import Continuum
 from springpot.rheology.elements import power_of_s, spring, springpot
 from springpot.rheology.forms import MAXWELL_FORM
@@ -49,7 +50,7 @@ def complaints(
     """What is wrong, each sentence preceded by its aspect; empty if nothing is.
 
     It is looked at in a copy of this process, in which a plugin may crash or hang; where threads
-    run here, in this process and without a limit.
+    run here, in one more of them, in which it may hang.
 
     Parameters
     ----------
@@ -68,9 +69,8 @@ def complaints(
     # Nothing wrong, because nothing was looked at, must not pass.
     if not wanted:
         return ["skip: every aspect is left out, so nothing was checked"]
-    if not can_copy():
-        return [f"{name}: {says}" for name, aspect in wanted.items() for says in _run(aspect)]
-    ended = elsewhere(lambda report: _report(wanted, report), deadline)
+    look = elsewhere if can_copy() else _beside
+    ended = look(lambda report: _report(wanted, report), deadline)
     told = [
         json.loads(line) for line in ended.message.splitlines(keepends=True) if line.endswith(b"\n")
     ]
@@ -82,6 +82,15 @@ def complaints(
             reason = f"does not end: all aspects together may take {deadline:g} s"
         sentences.append(f"{name}: {reason}")
     return sentences
+
+
+def _beside(action: Callable[[Callable[[bytes], object]], None], deadline: float) -> Ended:
+    """`elsewhere` for a process that has threads, which no copy of it would have."""
+    told: list[bytes] = []
+    beside = threading.Thread(target=action, args=(told.append,), daemon=True)
+    beside.start()
+    beside.join(deadline)
+    return Ended(b"".join(told), late=beside.is_alive(), cause="ends without an answer")
 
 
 def _report(wanted: Mapping[str, Aspect], report: Callable[[bytes], object]) -> None:

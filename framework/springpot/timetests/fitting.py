@@ -236,9 +236,12 @@ def identify(
         result = _at_best_rig(fitted, model, given)
     else:
         result = fitted(model)
-    if objective is None:
-        return result
-    return replace(result, objective=objective.name)
+    if objective is not None:
+        result = replace(result, objective=objective.name)
+    parts = parts_of_specimen(given, noise)
+    left = Left.by(result.model, result.theta, result.reference, parts)
+    # One noise in all answers: that about the model, and not what the signal alone tells.
+    return _told(replace(result, parts=left.rows(parts, left.noise, result.tests)))
 
 
 def _at_best_rig(
@@ -286,14 +289,14 @@ def _fitted(
     if is_material(model):
         search, found = _of_material(model, parts, reference, seeds)
         result = search.result(found, perf_counter() - began)
-        return _told(with_intervals(result, search, found, intervals, effort[2] or 0))
+        return with_intervals(result, search, found, intervals, effort[2] or 0)
     # Without a seed there is no other place to begin at.
     search = TimeSearch(model, parts, reference, seeds, thorough or not len(seeds))
     found = _native(search, near)
     result = search.result(found, perf_counter() - began)
     if optimiser is not None and optimiser.name != NATIVE:
         result, found = _by_optimiser(search, found, optimiser, effort, began)
-    return _told(with_intervals(result, search, found, intervals, effort[2] or 0))
+    return with_intervals(result, search, found, intervals, effort[2] or 0)
 
 
 def _told(fit: Identification) -> Identification:
@@ -543,8 +546,9 @@ def judgement_of(
     """
     parts, left = parts_of_specimen(fit.data), _left(fit)
     if noise is None:
-        noise = left.scatters
-    error = error_of(parts, left, noise)
+        noise = left.noise
+    tests = left.rows(parts, noise, fit.tests)
+    error = error_of(tests, noise)
     where: tuple[Where, ...] = ()
     says = ONLY_NOISE
     if left.misfit:
@@ -561,7 +565,7 @@ def judgement_of(
         "says": f"error {times(error.over_floor)} the noise; {says}",
         "parameters": fit.parameters,
         "where": where,
-        "by_test": fit.tests,
+        "by_test": tests,
         "findings": (),
         "notes": fit.notes,
     }

@@ -14,16 +14,18 @@ How likely each model is where the size of the noise is unknown and neighbours m
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.identification.part_result import PartResult
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
 from .residuals_of_tests import InTimePart, Part
+from .where import rms
 
 FEWEST = 40
 """Samples below which a spectrum tells nothing.
@@ -49,16 +51,15 @@ Beyond 0.7 what is alike over five samples and more is no noise.
 """
 GROUPS = 4
 """Octaves below the upper part, each with a size of its own where there is a misfit."""
-PLAIN, OPEN = 18.0, 12.0
-"""Twice the logarithm of the likelihood ratio from which a misfit is plain, and not excluded.
+TENFOLD = 6.0
+"""Rise of twice the log of the likelihood ratio that noise alone reaches ten times less often.
 
-Of simulated records of noise, 40 to 1,000 samples with memories from 0 to 0.6, one in a thousand
-exceeds the first and one in a hundred the second."""
+Of simulated records of noise, 40 to 1,000 samples with memories from 0 to 0.6, one in a hundred
+exceeds 12 and one in a thousand 18."""
 PARTS = 16
 """Parts of a record of which each alone may be missed."""
 LOCAL, HARDLY = 1e-3, 1e-2
-"""Chance below which the worst part is plainly missed by more than noise, and perhaps (F test,
-times their number)."""
+"""Chance of noise alone below which a record is plainly missed by more than that, and perhaps."""
 NEIGHBOURS, ROUGHER = 15, 2.0
 """Samples of which the differences of neighbours tell whether the noise is larger there, and ratio
 to the usual ones from which it is."""
@@ -101,14 +102,19 @@ class ResidualScatter:
     worth: float = np.inf
 
     @property
+    def chance(self) -> float:
+        """That noise alone leaves so much, as a whole or in some part."""
+        return min(float(10.0 ** (-max(self.excess, 0.0) / TENFOLD)), self.local)
+
+    @property
     def misfit(self) -> bool:
         """Whether there is plainly more than noise."""
-        return self.excess > PLAIN or self.local < LOCAL
+        return self.chance < LOCAL
 
     @property
     def doubtful(self) -> bool:
         """Whether there may well be more than noise."""
-        return self.excess > OPEN or self.local < HARDLY
+        return self.chance < HARDLY
 
     def surprise(self, residual: Real) -> float:
         """Minus twice the logarithm of the likelihood of a residual (n,), but for a constant.
@@ -168,10 +174,10 @@ def scatter_of(residual: Real) -> ResidualScatter:
     smooth = likely - _log_likelihood(power, _spectrum(omega, *alone))
     excess = 2.0 * max(smooth, _of_a_jump(residual))
     local = _local(residual, above[1])
-    size, memory = alone
-    if excess > PLAIN or local < LOCAL:
-        size, memory = above
-    return ResidualScatter(size, memory, float(excess), local)
+    found = ResidualScatter(*alone, float(excess), local)
+    if found.misfit:
+        return replace(found, size=above[0], memory=above[1])
+    return found
 
 
 def scatter_of_sweep(residual: Real, known: bool) -> ResidualScatter:
@@ -366,15 +372,6 @@ def sampled_scatter(residual: Real, part: Part) -> float:
     return float(np.mean(residual**2)) * (1.0 + likeness) / (1.0 - likeness)
 
 
-PLAINLY = 10.0
-"""Difference of the Bayesian information criterion that is very strong evidence
-(Kass & Raftery 1995, doi:10.1080/01621459.1995.10476572)."""
-HINT = 6.0
-"""The same where it is strong evidence: neither proof nor nothing."""
-ALIKE = 6.0
-"""Difference within which two effects cannot be told from one another (the same scale)."""
-
-
 @dataclass(frozen=True, eq=False)
 class Left:
     """What a fit leaves of each test.
@@ -408,6 +405,21 @@ class Left:
         return cls(len(theta), tuple(residuals), tuple(scatters))
 
     @property
+    def noise(self) -> list[ResidualScatter]:
+        """The noise of each test, as this fit alone tells it."""
+        # Of a test that is missed the upper part of the spectrum may be misfit too, as corners are:
+        # there it is no larger than the signal itself says.
+        return [
+            replace(scatter, size=min(scatter.size, 1.0)) if scatter.misfit else scatter
+            for scatter in self.scatters
+        ]
+
+    @property
+    def chance(self) -> float:
+        """That noise alone leaves so much of the test that is missed most."""
+        return min(scatter.chance for scatter in self.scatters)
+
+    @property
     def misfit(self) -> bool:
         """Whether some test is missed by more than noise."""
         return any(scatter.misfit for scatter in self.scatters)
@@ -416,6 +428,33 @@ class Left:
     def doubtful(self) -> bool:
         """Whether some test may well be missed by more than noise."""
         return any(scatter.doubtful for scatter in self.scatters)
+
+    def rows(
+        self,
+        parts: Sequence[Part],
+        noise: Sequence[ResidualScatter],
+        told: Sequence[PartResult],
+    ) -> tuple[PartResult, ...]:
+        """Each test beside that noise, of which a fit has told with the noise of its signal."""
+        rows = []
+        for part, residual, scatter, row in zip(parts, self.residuals, noise, told, strict=True):
+            error = rms(residual * part.relative_sd)
+            ratio, floor = times_noise(residual, scatter.size), 0.0
+            # A fit that leaves nothing at all says nothing of the noise.
+            if ratio:
+                floor = error / ratio
+            # Whatever the noise, together and alone have one.
+            alone = ratio * row.over_floor_alone / max(row.over_floor, 1e-300)
+            rows.append(
+                replace(
+                    row,
+                    relative_rms=error,
+                    noise_floor=floor,
+                    over_floor=ratio,
+                    over_floor_alone=alone,
+                )
+            )
+        return tuple(rows)
 
     def squares(self, noise: Sequence[ResidualScatter]) -> float:
         """Sum of squares over that noise, a sample counted for what it adds to its neighbours."""

@@ -7,13 +7,16 @@ What a scan finds of one effect: what it would add to the residuals, and what th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
+from springpot.diagnosis.evidence import chances_of, log_prior_of_one, size_of_library, unknown_odds
 from springpot.diagnosis.result import Candidate, Diagnosis, EffectVerdict, Verdict
+from springpot.diagnosis.verdict import Facts, rule_for
+from springpot.identification.part_result import PartResult
 from springpot.identification.result import Identification
 from springpot.identification.value import Value
 from springpot.measurement.sign import said_of_sign
@@ -22,33 +25,26 @@ from springpot.misfit.where import Where
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
+from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from .residuals_of_tests import InTimePart, Part
-from .scatter import ALIKE, HINT, PLAINLY, Left, ResidualScatter, times_noise
-from .where import places, rms, worst_first
+from .scatter import Left, ResidualScatter
+from .where import places, worst_first
 
 NAN = float("nan")
 
 
-def error_of(parts: Sequence[Part], left: Left, noise: Sequence[ResidualScatter]) -> Error:
+def error_of(tests: Sequence[PartResult], noise: Sequence[ResidualScatter]) -> Error:
     """The error of a model beside the noise, of the test that it misses most."""
-    errors = []
-    for part, residual, scatter in zip(parts, left.residuals, noise, strict=True):
-        error = rms(residual * part.relative_sd)
-        ratio = times_noise(residual, scatter.size)
-        floor = 0.0
-        # A fit that leaves nothing at all says nothing of the noise.
-        if ratio:
-            floor = error / ratio
-        # Of few samples the presumed noise is believed as it is: its size is one, to the last bit.
-        source = "residual"
-        if scatter.size == 1.0:
-            source = "signal"
-        # Of no material: none was looked for.
-        told = Error(error, floor, source, "", NAN, NAN, noise_memory=scatter.memory)
-        errors.append((ratio, told))
-    # A model is as good as it is for the test that it misses most.
-    return max(errors, key=lambda each: each[0])[1]
+    # A model is as good as it is for that test.
+    worst, scatter = max(zip(tests, noise, strict=True), key=lambda pair: pair[0].over_floor)
+    # Of few samples the presumed noise is believed as it is: its size is one, to the last bit.
+    source = "residual"
+    if scatter.size == 1.0:
+        source = "signal"
+    error, floor = worst.relative_rms, worst.noise_floor
+    # Of no material: none was looked for.
+    return Error(error, floor, source, "", NAN, NAN, noise_memory=scatter.memory)
 
 
 def leading_of(candidates: Sequence[Candidate]) -> tuple[str, ...]:
@@ -57,7 +53,7 @@ def leading_of(candidates: Sequence[Candidate]) -> tuple[str, ...]:
     The class of the first, where the evidence for it is beyond doubt.
     """
     # By evidence alone: the first of several candidates always fits best, which is no proof.
-    if not candidates or candidates[0].delta_bic <= PLAINLY:
+    if not candidates or candidates[0].delta_bic <= SEARCH.decisive:
         return ()
     return candidates[0].alike
 
@@ -76,7 +72,7 @@ def sentence(
         return f"{size}: nothing is missing that these tests could show"
     if verdict == "inconclusive":
         hint = "what is left is hardly noise alone"
-        if candidates and candidates[0].delta_bic > HINT:
+        if candidates and candidates[0].delta_bic > VERDICT.clear_evidence:
             hint = f"{candidates[0].effect} would help a little"
         return f"{size}: {hint}, which may be chance; measure longer or repeat it{place}"
     if not names:
@@ -241,31 +237,30 @@ def answer_of(
     left_out: dict[str, str],
 ) -> TimeCase:
     """The answer of a diagnosis from the effects that were tried, best first."""
-    verdict = _verdict(before, tried)
+    verdict = rule_for(facts_of(before, tried)).verdict
     alike: list[str] = []
     if _is_plain(tried):
         alike = _class(tried, promises, noise)
     candidates = []
-    for each, chance in zip(tried, _chances(tried), strict=True):
+    nothing, chances = _chances(before, tried, promises, verdict)
+    for each, chance in zip(tried, chances, strict=True):
         of_it = _open(each, alike)
         # One of several that cannot be told apart is not known to be the missing one.
         if verdict == "effect-missing" and len(alike) == 1 and each is tried[0]:
             of_it = "missing"
-        after = error_of(parts, each.left, noise)
+        after = error_of(each.left.rows(parts, noise, base.tests), noise)
         candidates.append(_candidate(each, chance, alike, after, of_it))
-    error = error_of(parts, before, noise)
+    tests = before.rows(parts, noise, base.tests)
+    error = error_of(tests, noise)
     where: tuple[Where, ...] = ()
     # What noise leaves of an adequate model stands out somewhere too.
     if verdict != "adequate":
         where = where_missed(parts, before, noise)
     # The next round of a discovery goes on from the best fit that there is.
-    best_fit = base
-    for each in tried:
-        if each.fit is not None and each.effect.name in alike[:1]:
-            best_fit = each.fit
-            break
+    fits = [each.fit for each in tried if each.effect.name in alike[:1]]
+    best_fit = next(filter(None, fits), base)
     diagnosis = Diagnosis(
-        data=" + ".join(test.name for test in base.tests),
+        data=base.name,
         model=base.model,
         error=error,
         verdict=verdict,
@@ -277,29 +272,34 @@ def answer_of(
         notes=tuple(note for part in parts for note in said_of_sign(part.test.provenance)),
         parameters=base.parameters,
         leading=leading_of(candidates),
-        tests=base.tests,
+        tests=tests,
         left_out=left_out,
+        evidence=nothing,
     )
     return TimeCase(diagnosis, base, best_fit)
 
 
 def _is_plain(tried: Sequence[Tried]) -> bool:
     """Whether the evidence for the best effect is beyond doubt."""
-    return bool(tried) and tried[0].delta > PLAINLY
+    return bool(tried) and tried[0].delta > SEARCH.decisive
 
 
-def _verdict(before: Left, tried: Sequence[Tried]) -> Verdict:
+def facts_of(before: Left, tried: Sequence[Tried]) -> Facts:
     """What the tests say of the model, `tried` best first."""
-    if _is_plain(tried):
+    gain, plain = 0.0, _is_plain(tried)
+    if tried:
+        gain = tried[0].delta
+    return Facts(
+        by_battery=before.misfit,
+        exceeds=before.doubtful,
+        ruled_out=plain,
+        gain=gain,
+        something=gain > VERDICT.clear_evidence,
+        # Of a few that were fitted the first is no name yet: its evidence must be beyond doubt.
+        named=plain,
         # An effect that helps and leaves more than noise is not all that is missing.
-        if tried[0].left.misfit:
-            return "unexplained"
-        return "effect-missing"
-    if before.misfit:
-        return "unexplained"
-    if before.doubtful or (tried and tried[0].delta > HINT):
-        return "inconclusive"
-    return "adequate"
+        left=plain and tried[0].left.misfit,
+    )
 
 
 def where_missed(
@@ -324,7 +324,7 @@ def _class(
     alike = [
         each
         for each in tried
-        if each is tried[0] or (each.delta > PLAINLY and _as_well(each, best, noise))
+        if each is tried[0] or (each.delta > SEARCH.decisive and _as_well(each, best, noise))
     ]
     names = [each.effect.name for each in alike]
     fitted = {each.effect.name for each in tried}
@@ -337,7 +337,7 @@ def _as_well(each: Tried, best: Tried, noise: Sequence[ResidualScatter]) -> bool
     More parameters do not exclude it.
     """
     worse = each.left.squares(noise) - best.left.squares(noise)
-    return min(worse, best.delta - each.delta) <= ALIKE
+    return min(worse, best.delta - each.delta) <= EVIDENCE.rivals
 
 
 def _twins(name: str, promises: dict[str, list[Promise]]) -> list[str]:
@@ -375,15 +375,25 @@ def _classes(
     return tuple(classes)
 
 
-def _chances(tried: Sequence[Tried]) -> list[float]:
-    """Probability of each effect, against nothing missing too."""
-    if not tried:
-        return []
-    # Nought is the model as it is: nothing missing is a candidate too.
-    logs = np.array([0.0, *(0.5 * each.evidence for each in tried)])
-    # Less the largest, or evidence of some thousand would overflow.
-    weights = np.exp(logs - logs.max())
-    return [float(weight) for weight in weights[1:] / weights.sum()]
+def _chances(
+    before: Left,
+    tried: Sequence[Tried],
+    promises: Mapping[str, Sequence[Promise]],
+    verdict: Verdict,
+) -> tuple[dict[str, float], list[float]]:
+    """Chances of nothing and of something unknown, and of each effect; see `Evidence`."""
+    prior = log_prior_of_one(size_of_library(of_one[0].effect for of_one in promises.values()))
+    # Nothing missing is a candidate too.
+    logs = [np.log(EVIDENCE.prior_nothing), *(0.5 * each.evidence + prior for each in tried)]
+    weights, _ = chances_of(np.array(logs))
+    unknown = 0.0
+    # It must agree with the verdict, which rests on more than the evidence.
+    if verdict == "unexplained":
+        best = next((each.left for each in tried), before)
+        odds = unknown_odds(best.chance)
+        unknown = odds / (1.0 + odds)
+    nothing, *chances = ((1.0 - unknown) * weights).tolist()
+    return {"nothing": nothing, "unknown": unknown}, chances
 
 
 def _open(each: Tried, alike: Sequence[str]) -> EffectVerdict:
@@ -392,7 +402,7 @@ def _open(each: Tried, alike: Sequence[str]) -> EffectVerdict:
     One that helps, and less than a rival, may be there beside the rival, or only resemble it: that
     is told when the rival has been accepted.
     """
-    if each.effect.name in alike or each.delta > HINT:
+    if each.effect.name in alike or each.delta > VERDICT.clear_evidence:
         return "cannot-tell"
     return "absent"
 

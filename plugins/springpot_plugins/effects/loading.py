@@ -14,6 +14,7 @@ from springpot.rheology import (
     AMPLITUDE,
     FORCE,
     AppliesTo,
+    Dimension,
     Effect,
     Parameter,
     Real,
@@ -22,8 +23,15 @@ from springpot.rheology import (
     relaxation_time,
 )
 
+ELEMENTARY = "elementary"
 FEWEST = 21
 """Samples of an imposed history from which play in it is looked for."""
+SHARES = (0.1, 0.3, 0.5, 0.7, 0.9)
+"""Shares of the way up to which a specimen may hang loose, where the search begins."""
+
+
+GROWTHS = (-1.0, 1.0, 4.0, 16.0)
+"""Exponents at the largest strain at which stiffening is sought: tissue comes to ten and more."""
 
 
 def ramped(loading: Loading, tau: Any) -> tuple[Loading, tuple[Loading]]:
@@ -78,6 +86,27 @@ def held_back(loading: Loading, reach: Any) -> tuple[Loading, tuple[Loading]]:
     return Loading(loading.time, behind), (Loading(loading.time, slope),)
 
 
+def stiffened(loading: Loading, rate: Any) -> tuple[Loading, tuple[Loading]]:
+    """The elastic strain of a specimen whose stiffness grows as exp(rate times the strain)."""
+    x, size = loading.value, np.abs(loading.value)
+    with np.errstate(over="ignore", invalid="ignore"):
+        felt, slope = x, 0.5 * x * size
+        if rate != 0.0:
+            felt = np.sign(x) * np.expm1(rate * size) / rate
+            slope = (x * np.exp(rate * size) - felt) / rate
+    return Loading(loading.time, felt), (Loading(loading.time, slope),)
+
+
+def slackened(loading: Loading, place: Any) -> tuple[Loading, tuple[Loading]]:
+    """What stretches a specimen that hangs loose up to a place, on the side to which it goes."""
+    side = 1.0
+    if loading.value[np.argmax(np.abs(loading.value))] < 0.0:
+        side = -1.0
+    taut = side * loading.value > place
+    stretched = np.where(taut, loading.value - side * place, 0.0)
+    return Loading(loading.time, stretched), (Loading(loading.time, np.where(taut, -side, 0.0)),)
+
+
 def _stepped(test: TimeTest) -> bool:
     return len(test.loading.jumps[0]) > 0
 
@@ -90,6 +119,27 @@ def _returns(test: TimeTest) -> bool:
 
 def _rough(test: TimeTest) -> bool:
     return not _stepped(test) and len(test.loading.time) >= FEWEST and _returns(test)
+
+
+def _followed(test: TimeTest) -> bool:
+    """Whether the load passes through many values, not only that of a step."""
+    return not _stepped(test) and len(test.time) >= FEWEST
+
+
+def _pulled(test: TimeTest) -> bool:
+    """Whether the load stays on one side: there a specimen may hang loose at first."""
+    value = test.loading.value
+    return _followed(test) and bool(np.all(value >= 0.0) or np.all(value <= 0.0))
+
+
+def _growths(test: TimeTest) -> tuple[tuple[float], ...]:
+    largest = float(np.abs(test.loading.value).max())
+    return tuple((growth / largest,) for growth in GROWTHS)
+
+
+def _loose(test: TimeTest) -> tuple[tuple[float], ...]:
+    size = np.abs(test.loading.value)
+    return tuple((float(size.min() + share * np.ptp(size)),) for share in SHARES)
 
 
 EFFECTS = (
@@ -122,5 +172,30 @@ EFFECTS = (
         citation="Coulomb's friction; the specimen follows its load without overshoot",
         applies_to=AppliesTo(("force",), _returns),
         signature="after the load is taken off, the specimen comes back less, and stops early",
+    ),
+    Effect(
+        "strain-stiffening",
+        on_loading,
+        StageLaw(
+            stiffened,
+            (Parameter("B", "B", Dimension(amplitude=-1), -np.inf, scale="linear", typical=0.5),),
+            _growths,
+        ),
+        "the specimen stiffens as it is stretched: what relaxes is an exponential of the strain, as"
+        " of tissue",
+        citation="Fung, Biomechanics, 1993: quasi-linear viscoelasticity",
+        applies_to=AppliesTo(("displacement",), _followed),
+        signature="a toe, then ever steeper; the same relaxation at any strain",
+        aliases=("quasi-linear",),
+    ),
+    Effect(
+        "slack",
+        on_loading,
+        StageLaw(slackened, (Parameter("place", "x_0", AMPLITUDE, typical=0.3),), _loose),
+        "the specimen hangs loose at first: it feels the motion only beyond a place",
+        citation=ELEMENTARY,
+        applies_to=AppliesTo(("displacement",), _pulled),
+        signature="nothing up to a place, then the response as from there",
+        prior=0.5,
     ),
 )

@@ -28,6 +28,7 @@ TO_THAT_SIDE = 0.05
 """Share of the largest motion from which it goes to a side at all, and can meet a stop there."""
 PLACES = (0.1, 0.3, 0.5, 0.7, 0.85, 0.95)
 """Shares of the way, to either side, at which a stop is sought."""
+DRAG = Dimension(stiffness=1, time=1)
 ASYMMETRY = Dimension(stiffness=1, amplitude=-1)
 
 
@@ -47,6 +48,12 @@ def stopped(record: Record, response: Any, k: Any, place: Any) -> Answered:
 def leaned(record: Record, response: Any, k2: Any) -> Answered:
     """The response and a force quadratic in the displacement: even harmonics alone."""
     return Answered(response + k2 * record.imposed**2, (record.imposed**2,), np.ones_like(response))
+
+
+def damped(record: Record, response: Any, c2: Any) -> Answered:
+    """The response and a force by the size of the speed: more drag one way than the other."""
+    speed = np.abs(record.rate)
+    return Answered(response + c2 * speed, (speed,), np.ones_like(response))
 
 
 def _moves(test: TimeTest) -> bool:
@@ -93,6 +100,17 @@ EFFECTS = (
         signature="one half of the loop is steeper than the other; even harmonics and a mean force,"
         " nothing"
         " in the first one",
+        prior=0.5,
+    ),
+    Effect(
+        "asymmetric-damping",
+        on_response,
+        StageLaw(damped, (Parameter("c2", "c₂", DRAG, -np.inf, scale="linear"),)),
+        "more drag one way than the other, as a damper with a valve each for bump and rebound",
+        citation="Dixon, The Shock Absorber Handbook, 2007",
+        applies_to=AppliesTo(("displacement",), _moves),
+        signature="one side of the loop is fuller than the other, most where the speed is highest",
+        aliases=("bump-and-rebound",),
         prior=0.5,
     ),
 )

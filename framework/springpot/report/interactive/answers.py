@@ -24,10 +24,11 @@ from springpot.diagnosis.ladder import Ladder
 from springpot.errors import SpringpotError
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.model import Model
-from springpot.rheology.nodes import FULL
+from springpot.rheology.nodes import FULL, PLANES
 from springpot.rheology.points import KELVIN, Complex, Points, Real
 
 from ..answers import reference_note
+from ..residuals import plane_of
 from ..sweeps import DrawnSweep, chosen
 from ..views import DrawnAxis, axis_of, smooth, sweeps_of
 
@@ -37,12 +38,14 @@ MOST_POINTS = 1500
 As SVG, each is an element of the page, and a screen has hardly more columns.
 """
 MOST_ON_CURVES = 480
-"""Points on all smooth curves of one model together.
+"""Points on all smooth curves of one model together, and of its residuals in a plane.
 
 With thirty previews this keeps an answer below half a MB.
 """
 DIGITS = 6
 """Significant digits of what is drawn; a screen shows three."""
+OF_RESIDUALS = 4
+"""Significant digits of residuals, of which an answer has the most numbers."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +81,12 @@ class PageScene:
         return np.asarray(rows[np.linspace(0, len(rows) - 1, MOST_POINTS).round().astype(int)])
 
     @cached_property
+    def thin(self) -> NDArray[np.int64]:
+        """Which of the drawn rows the residuals of a preview are lines through."""
+        step = max(1, int(np.ceil(len(self.rows) / MOST_ON_CURVES)))
+        return np.arange(0, len(self.rows), step)
+
+    @cached_property
     def points(self) -> Points:
         """Where these rows were measured."""
         return _rows_of(self.measurement.points, self.rows)
@@ -110,9 +119,15 @@ class PageScene:
         per_hertz = 1.0
         if self.axis.column == "frequency":
             per_hertz = measurement.units.on_clock(1.0)
+        planes = {
+            plane.plane: {"shows": plane.shows, "label": plane.label(measurement.units.stiffness)}
+            for plane in PLANES
+        }
         return {
             "name": measurement.name,
             "count": len(measurement),
+            "planes": planes,
+            "thin": self.thin.tolist(),
             "units": {
                 "stiffness": measurement.units.stiffness,
                 "amplitude": measurement.units.amplitude,
@@ -141,19 +156,36 @@ class PageScene:
             ],
         }
 
-    def curve(self, model: Model, theta: Real, slope: bool = False) -> dict[str, Any]:
-        """K of a model at the drawn points and on the smooth curves.
+    def curve(self, model: Model, theta: Real, sd: Real | None = None) -> dict[str, Any]:
+        """K of a model on the smooth curves, and its residuals in each plane.
 
-        With dK / d ln omega at the points if wanted.
+        Parameters
+        ----------
+        model : Model
+            The model.
+        theta : ndarray, shape (p,)
+            Its parameters.
+        sd : ndarray, shape (n,), optional
+            Standard deviation of K at the drawn points. With it K is told there too, and residuals
+            at all of them with the width of their noise; else at the thinned ones.
         """
-        response = model.network.respond(theta, self.points, FULL)
-        drawn = {
-            "points": _parts(response.value),
-            "curves": [_parts(model.stiffness(theta, points)) for _, points in self.grids],
-        }
-        if slope:
-            drawn["slope"] = _parts(response.by_log_omega)
-        return drawn
+        rows, width = self.thin, np.zeros(len(self.thin))
+        if sd is not None:
+            rows, width = np.arange(len(self.rows)), sd
+        response = model.network.respond(theta, _rows_of(self.points, rows), FULL)
+        measured, drawn = self.measurement.stiffness[self.rows[rows]], {}
+        planes = {}
+        for plane in PLANES:
+            # What is no model at some point, or no loss at all, has no residual there.
+            with np.errstate(all="ignore"):
+                residual, noise = plane_of(plane, measured, response, width)
+            planes[plane.plane] = _parts(residual, OF_RESIDUALS)
+            if sd is not None:
+                planes[plane.plane]["width"] = rounded(noise, OF_RESIDUALS)
+        if sd is not None:
+            drawn["points"] = _parts(response.value)
+        curves = [_parts(model.stiffness(theta, points)) for _, points in self.grids]
+        return {**drawn, "curves": curves, "planes": planes}
 
 
 def relative_error(measurement: Measurement, model: Model, theta: Real) -> float:
@@ -162,22 +194,22 @@ def relative_error(measurement: Measurement, model: Model, theta: Real) -> float
     return float(np.sqrt(np.mean(np.abs(left / measurement.stiffness) ** 2)))
 
 
-def rounded(values: Real) -> list[float | None]:
+def rounded(values: Real, digits: int = DIGITS) -> list[float | None]:
     """Numbers with as many digits as a picture needs; null for what is not finite."""
     values = np.asarray(values, dtype=float)
     finite = np.isfinite(values)
     # Neither zero nor an infinity has a first digit to count from.
     size = np.where(finite & (values != 0.0), np.abs(values), 1.0)
-    scale = 10.0 ** (DIGITS - 1 - np.floor(np.log10(size)))
+    scale = 10.0 ** (digits - 1 - np.floor(np.log10(size)))
     whole = np.round(np.where(finite, values, 0.0) * scale) / scale
-    digits: list[float | None] = whole.tolist()
+    told: list[float | None] = whole.tolist()
     for i in np.flatnonzero(~finite):
-        digits[i] = None
-    return digits
+        told[i] = None
+    return told
 
 
-def _parts(stiffness: Complex) -> dict[str, Any]:
-    return {"storage": rounded(stiffness.real), "loss": rounded(stiffness.imag)}
+def _parts(values: Complex, digits: int = DIGITS) -> dict[str, Any]:
+    return {"storage": rounded(values.real, digits), "loss": rounded(values.imag, digits)}
 
 
 def _rows_of(points: Points, rows: NDArray[np.int64]) -> Points:
@@ -240,23 +272,24 @@ def drawn(ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
         ``discovery`` (schema ``springpot.discovery/2``); ``parameters`` of the last rung;
         ``noise``: standard deviations of storage and loss at the drawn points; ``reference``: to
         which temperature or amplitude the parameters belong; ``model``: K of the last rung,
-        ``{"points", "curves", "slope"}``, each with ``storage`` and ``loss``, at the drawn points
-        and on one smooth curve for each sweep, in the order and unit of the data; ``previews``: for
-        each candidate the same for the model grown by it alone, with its ``error``, ``model`` and
-        whether it was ``refitted`` or comes from the scan; ``next``: the rivals at the proposed
-        points.
+        ``{"points", "curves", "planes"}``, each with ``storage`` and ``loss``, at the drawn points,
+        on one smooth curve for each sweep, in the order and unit of the data, and as residuals in
+        each plane with the ``width`` of their noise; ``previews``: for each candidate curves and
+        planes of the model grown by it alone, with its ``error``, ``model`` and whether it was
+        ``refitted`` or comes from the scan; ``next``: the rivals at the proposed points.
     """
     scene, case = PageScene(measurement), ladder.steps[-1].case
     base = case.search.base
     used = base.data.raw
     # Once, for previews and rivals alike: each is a model with its parameters.
     grown = list(grown_by_each(case))
+    noise = _noise(scene, case)
     return {
         "discovery": ladder.to_dict(),
         "parameters": parameters_of(ladder),
-        "noise": _noise(scene, case),
-        "reference": reference_note(used, [base.model.network], "°C"),
-        "model": scene.curve(base.model, base.theta, slope=True),
+        "noise": _parts(noise),
+        "reference": reference_note(used, [base.model.network]),
+        "model": scene.curve(base.model, base.theta, np.maximum(noise.real, noise.imag)),
         "previews": {one.effect: _preview(scene, used, one) for one in grown},
         "next": _next(case, {one.effect: one for one in grown}, measurement),
     }
@@ -299,7 +332,7 @@ def parameters_of(ladder: Ladder) -> list[dict[str, Any]]:
     return rows
 
 
-def _noise(scene: PageScene, case: Case) -> dict[str, Any]:
+def _noise(scene: PageScene, case: Case) -> Complex:
     """Standard deviations at the drawn points.
 
     Those of the fitted point of nearest |K|, as a share of it.
@@ -310,7 +343,7 @@ def _noise(scene: PageScene, case: Case) -> dict[str, Any]:
     order = np.argsort(fitted)
     nearest = order[np.clip(np.searchsorted(fitted[order], drawn), 0, len(fitted) - 1)]
     share = base.noise.sd[nearest] / fitted[nearest]
-    return {"storage": rounded(share.real * drawn), "loss": rounded(share.imag * drawn)}
+    return np.asarray(share * drawn)
 
 
 def _preview(scene: PageScene, used: Measurement, one: Preview) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 import { h, put } from "./dom.js";
 import { number, percent } from "./numbers.js";
 import { Plot, range } from "./plot.js";
-import { PLANES, VIEWS, planeLines, planeSpec, viewLines, viewSpec } from "./views.js";
+import { VIEWS, planeLines, planeOf, planeSpec, viewLines, viewSpec } from "./views.js";
 
 const STEPS = [
   "Open a table of storage and loss against frequency, time signals, or a data set.",
@@ -18,6 +18,8 @@ const MOST_PLACES = 3; // sentences below the picture: more would leave it no ro
 const MOST_NOTES = 2;
 const LEAST = 170; // px between which the picture grows and shrinks with the window
 const MOST = 480;
+
+const titleOf = (plane) => `${plane[0].toUpperCase()}${plane.slice(1)} plane`;
 
 // One sentence of what the answer is, above the picture.
 export function verdict({ discovery }) {
@@ -37,9 +39,7 @@ export class Compare {
     this.view = h("select", { id: "view", "aria-label": "View", onchange: () => app.look({ view: this.view.value }) },
       ...Object.entries(VIEWS).map(([name, view]) => h("option", { value: name }, view.name)),
       app.fixed ? null : h("option", { value: "master-curve" }, "Master curve"));
-    this.plane = h("select", { id: "plane", "aria-label": "Residual plane", onchange: () => app.look({ plane: this.plane.value }) },
-      ...Object.entries(PLANES).map(([name, plane]) => h("option", { value: name }, plane.name)),
-      h("option", { value: "none" }, "No residuals"));
+    this.plane = h("select", { id: "plane", "aria-label": "Residual plane", onchange: () => app.look({ plane: this.plane.value }) });
     this.key = h("p", { id: "key", class: "legend" });
     this.readout = h("p", { id: "readout", class: "quiet", role: "status" });
     this.places = h("ul", { id: "places", class: "places" });
@@ -71,11 +71,16 @@ export class Compare {
       // What was pointed at or chosen are rows of the data before.
       this.row = null;
       this.chosen = new Set();
+      put(this.plane,
+        Object.keys(scene.planes).map((name) => h("option", { value: name }, titleOf(name))),
+        h("option", { value: "none" }, "No residuals"));
     }
     this.drawn = scene;
     const excluded = new Set(state.excluded);
     this.view.value = looks.view;
-    this.plane.value = looks.plane;
+    const plane = planeOf(scene, looks.plane);
+    this.plane.value = plane;
+    this.plane.title = scene.planes[plane]?.shows || "";
     const phone = this.width < NARROW;
     const [tall, low] = phone ? HEIGHTS.phone : [this.tall || HEIGHTS.desk[0], HEIGHTS.desk[1]];
     const master = looks.view === "master-curve" && this.app.hasMaster;
@@ -85,17 +90,17 @@ export class Compare {
     this.main.title = master ? "Master curve" : VIEWS[view].name;
     this.planned(spec, master);
     this.main.draw(spec, this.width, tall);
-    const residual = Boolean(shown) && looks.plane !== "none";
+    const residual = Boolean(shown) && plane !== "none";
     this.residual.svg.toggleAttribute("hidden", !residual);
     if (residual) {
-      this.residual.title = `${PLANES[looks.plane].name}, residual of ${shown.discovery.diagnosis.model}`;
-      const below = planeSpec(looks.plane, scene, excluded, shown);
+      this.residual.title = `${titleOf(plane)}, residual of ${shown.discovery.diagnosis.model}`;
+      const below = planeSpec(plane, scene, excluded, shown);
       if (spec.upright && !master) [below.x.min, below.x.max] = [spec.x.min, spec.x.max];
       this.residual.draw(below, this.width, low);
     }
     const { where = [], notes = [] } = shown?.discovery.diagnosis || {};
     put(this.places,
-      where.slice(0, MOST_PLACES).map((place) => h("li", {}, place.plane === looks.plane ? place.says : `${place.says} (${place.plane} plane)`)),
+      where.slice(0, MOST_PLACES).map((place) => h("li", {}, place.plane === plane ? place.says : `${place.says} (${place.plane} plane)`)),
       notes.slice(0, MOST_NOTES).map((note) => h("li", { class: "note" }, `note: ${note}`)));
     this.drawBeside();
     this.preview(this.app.hovered);
@@ -177,7 +182,8 @@ export class Compare {
     const drawn = k && looks.view !== "master-curve";
     this.main.preview(drawn ? viewLines(looks.view, scene, k, "preview") : []);
     if (this.residual.spec) {
-      this.residual.preview(k && looks.plane !== "none" ? planeLines(looks.plane, scene, k) : []);
+      const plane = planeOf(scene, looks.plane);
+      this.residual.preview(k && plane !== "none" ? planeLines(plane, scene, k) : []);
     }
     this.drawBeside();
   }

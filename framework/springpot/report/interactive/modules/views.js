@@ -1,18 +1,10 @@
-// What each view shows of K: the usual ones of rheology, and the planes in which a missing effect is simplest.
+// What each view shows of K, the usual ones of rheology, and the residuals in the planes that the server tells.
 //
 // K is held as { storage: [...], loss: [...] }, in the unit of the data, at the rows or along the curves of the scene.
 
 import { range } from "./plot.js";
 
 const degrees = (storage, loss) => (Math.atan2(loss, storage) * 180) / Math.PI;
-
-// Complex arithmetic on pairs.
-const minus = ([a, b], [c, d]) => [a - c, b - d];
-const over = ([a, b], [c, d]) => {
-  const size = c * c + d * d;
-  return [(a * c + b * d) / size, (b * c - a * d) / size];
-};
-const ln = ([a, b]) => [Math.log(Math.hypot(a, b)), Math.atan2(b, a)];
 
 const along = (scene) => (label) => ({ label: scene.axis.label, log: scene.axis.logarithmic, of: label });
 const upright = { upright: true, x: (scene) => along(scene)("x") };
@@ -46,40 +38,6 @@ export const VIEWS = {
     parts: [{ kind: "storage", at: (x, storage, loss) => [Math.hypot(storage, loss), degrees(storage, loss)] }],
   },
 };
-
-export const PLANES = {
-  stiffness: {
-    name: "Stiffness plane",
-    says: "simple here: what is missing in parallel, such as a mass or friction",
-    label: (units) => `ΔK [${units.stiffness}]`,
-    of: (data, model) => minus(data, model),
-    width: (sd) => sd,
-  },
-  compliance: {
-    name: "Compliance plane",
-    says: "simple here: what is missing in series, such as a soft mounting",
-    label: (units) => `Δ(1/K) [1/(${units.stiffness})]`,
-    of: (data, model) => minus(over([1, 0], data), over([1, 0], model)),
-    width: (sd, data) => sd / (data[0] ** 2 + data[1] ** 2),
-  },
-  "log-complex": {
-    name: "Log-complex plane",
-    says: "simple here: what is missing in the signal chain, such as a delay",
-    label: () => "Δ ln K [-, rad]",
-    of: (data, model) => ln(over(data, model)),
-    width: (sd, data) => sd / Math.hypot(...data),
-  },
-  shift: {
-    name: "Shift plane",
-    says: "simple here: what is missing in the frequency scale, such as a temperature",
-    label: () => "Δ ln ω [-]",
-    of: (data, model, slope) => over(minus(data, model), slope),
-    width: (sd, data, slope) => sd / Math.hypot(...slope),
-    needsSlope: true,
-  },
-};
-
-const at = (k, i) => [k.storage[i], k.loss[i]];
 
 // Colour of a sweep, dark to light on white and the reverse on black; storage and loss where there is one sweep.
 export function colourOf(scene, sweep, kind) {
@@ -121,28 +79,24 @@ export function viewLines(name, scene, k, role) {
     }));
 }
 
-// Residuals of the model in a plane: real part filled, imaginary part open, with bands of one and three sigma.
+// Residuals of the model in a plane, as the server tells them: real part filled, imaginary part open, with bands of
+// one and three sigma.
 export function planeSpec(name, scene, excluded, answer) {
-  const plane = PLANES[name];
+  const residual = answer.model.planes[name];
   const points = [];
-  const widths = [];
   scene.rows.forEach((row, i) => {
-    const slope = answer.model.slope ? at(answer.model.slope, i) : [1, 0];
-    const residual = plane.of(at(scene, i), at(answer.model.points, i), slope);
-    const sd = Math.max(answer.noise.storage[i], answer.noise.loss[i]);
-    widths.push({ x: scene.x[i], w: plane.width(sd, at(scene, i), slope), sweep: scene.sweep[i] });
-    residual.forEach((y, part) => {
-      const kind = part ? "loss" : "storage";
+    for (const kind of ["storage", "loss"]) {
       const colour = colourOf(scene, scene.sweep[i], kind);
-      points.push({ x: scene.x[i], y, kind, row, colour, out: excluded.has(row) });
-    });
+      points.push({ x: scene.x[i], y: residual[kind][i] ?? NaN, kind, row, colour, out: excluded.has(row) });
+    }
   });
+  const widths = residual.width.map((w, i) => ({ x: scene.x[i], w: w ?? 0, sweep: scene.sweep[i] }));
   const x = along(scene)("x");
   [x.min, x.max] = range(scene.x, x.log, 0.03);
   const used = points.filter((point) => !point.out).map((point) => point.y);
   const widest = widths.map(({ w }) => 3 * w).sort((a, b) => a - b)[Math.floor(widths.length / 2)] || 0;
   const most = 1.12 * Math.max(widest, ...used.map(Math.abs).filter(Number.isFinite), 1e-300);
-  const y = { label: plane.label(scene.units), log: false, min: -most, max: most };
+  const y = { label: scene.planes[name].label, log: false, min: -most, max: most };
   const shades = answer.discovery.diagnosis.where
     .filter((place) => scene.axis.column === "frequency" && place.from <= place.to)
     .slice(0, 3)
@@ -161,14 +115,13 @@ function band(widths, sigmas) {
   return { kind, xs: sorted.map((one) => one.x), high, low: high.map((value) => -value) };
 }
 
-// What a candidate would leave of the residual, as lines through the points of each sweep.
+// What a candidate would leave of the residual, as lines through points of each sweep.
 export function planeLines(name, scene, k) {
-  const plane = PLANES[name];
-  if (plane.needsSlope) return [];
   const lines = scene.sweeps.flatMap(() => ["storage", "loss"].map((kind) => ({ xs: [], ys: [], kind: `residual ${kind}`, colour: "var(--preview)" })));
-  scene.rows.forEach((row, i) => {
-    if (k.points.storage[i] === null || k.points.loss[i] === null) return;
-    plane.of(at(scene, i), at(k.points, i)).forEach((y, part) => {
+  scene.thin.forEach((i, at) => {
+    const both = [k.planes[name].storage[at], k.planes[name].loss[at]];
+    if (both.includes(null)) return;
+    both.forEach((y, part) => {
       const line = lines[2 * scene.sweep[i] + part];
       line.xs.push(scene.x[i]);
       line.ys.push(y);
@@ -177,12 +130,17 @@ export function planeLines(name, scene, k) {
   return lines;
 }
 
-const PLAIN = { view: "storage-loss", plane: "stiffness", plan: 0 };
+const PLAIN = { view: "storage-loss", plane: "", plan: 0 };
 
 // What is looked at, as a session or an earlier page left it: what is not known here, perhaps of a later version, is
-// as at the beginning.
+// as at the beginning. Which planes there are the data say.
 export function looksOf(given = {}) {
   const view = given.view in VIEWS || given.view === "master-curve" ? given.view : PLAIN.view;
-  const plane = given.plane in PLANES || given.plane === "none" ? given.plane : PLAIN.plane;
+  const plane = typeof given.plane === "string" ? given.plane : PLAIN.plane;
   return { view, plane, plan: given.plan ? 1 : 0 };
+}
+
+// The plane to show: the one that is asked for, if there is such a one, else the first.
+export function planeOf(scene, name) {
+  return name in scene.planes || name === "none" ? name : Object.keys(scene.planes)[0];
 }
