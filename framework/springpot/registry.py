@@ -27,7 +27,7 @@ from springpot.owners import use_owners
 from springpot.rheology.effect import Effect
 from springpot.rheology.lookup import use_finder
 from springpot.rheology.model import Family, Model
-from springpot.rheology.typed import is_law, law, model_of, parts_of
+from springpot.rheology.typed import expression_parts, is_law, law, model_of
 from springpot.surroundings import kept_surroundings
 
 from .catalogue import KINDS, Kind, Owner, Shelf
@@ -361,8 +361,8 @@ def parse_model(expression: str) -> Model:
     ('k', 'c', 'alpha', 'inertia.m')
     """
     registry = plugins()
-    shelf = registry.shelves["effect"]
-    parts = parts_of(expression, lambda name: shelf.find(name.partition(":")[0]) is not None)
+    known = registry.shelves["effect"].find
+    parts = expression_parts(expression, lambda name: known(name.partition(":")[0]) is not None)
     if parts.by_formula:
         model = model_of(parts.model)
     else:

@@ -16,10 +16,8 @@ from springpot.errors import ModelError
 from .holding import Fixed, Held
 from .levels import Levels
 from .nodes import Composing, Node, Parallel, chain, parallel, series, shift
-from .physical import told
 from .points import Complex, Points, Real
 from .stages import Stage, StageLaw
-from .written import Written, size_of, written
 
 
 @dataclass(frozen=True)
@@ -138,18 +136,6 @@ class AppliesTo:
         if self.one:
             return f"one of several {told}"
         return told
-
-
-def _absent_at(element: Written) -> float:
-    """Where the first parameter of a formula makes it vanish."""
-    size = size_of(element)
-    if size is None:
-        names = ", ".join(each.name for each in element.free)
-        raise ModelError(
-            f"'{element.text:.80}' never vanishes: none of {names} does it alone, at zero or"
-            " infinity, so that it could not be missing"
-        )
-    return size[1]
 
 
 ALL, SWEEPS = AppliesTo(), AppliesTo(("frequency",))
@@ -273,6 +259,10 @@ class Effect:
         >>> Effect.from_formula("drag", "parallel: c*i*omega").equation
         'K + c*i*omega'
         """
+        # Only where one is written: whoever names effects needs no grammar.
+        from .physical import told
+        from .written import written
+
         plane, colon, text = (part.strip() for part in formula.partition(":"))
         if not colon or plane not in PLANES:
             raise ModelError(
@@ -280,11 +270,16 @@ class Effect:
             )
         element = written(text, PLANES[plane].kind.plane)
         layer, equation = OF_PLANE[plane]
+        if element.absent_at is None:
+            names = ", ".join(each.name for each in element.free)
+            raise ModelError(
+                f"'{element.text:.80}' never vanishes: none of {names} does it alone, at zero or"
+                " infinity, so that it could not be missing"
+            )
         nonlinear = "amplitude" in element.needs
         usual: dict[str, Any] = {
             "summary": summary or f"{element.text}, a law of your own: {told(element)}",
             "layer": layer,
-            "absent_at": _absent_at(element),
             "equation": equation.format(element.text),
             # Nothing here follows from a first harmonic in time, nor of what a signal went through.
             "applies_to": SWEEPS if nonlinear or plane == "chain" else ALL,
@@ -335,8 +330,9 @@ class Effect:
     @property
     def vanishes_at(self) -> float:
         """Value of the first parameter (0 or infinity) at which the grown model is the old one."""
-        if self.absent_at is not None:
-            return self.absent_at
+        known = self.element.absent_at if self.absent_at is None else self.absent_at
+        if known is not None:
+            return known
         # In series it is what yields nothing, such as a spring without limit, that is not there.
         if self.plane == "compliance":
             return inf
@@ -368,16 +364,10 @@ class Effect:
 
     def bound_to(self, at: Points) -> Effect:
         """The effect with the levels and columns of these points; itself where it has none."""
-        if not isinstance(self.element, Levels | Written):
-            return self
         bound = self.element.bound_to(at)
         if bound is self.element:
             return self
-        changed = replace(self, element=bound)
-        if isinstance(bound, Written):
-            # What was taken for a parameter may be a column of these data.
-            changed = replace(changed, absent_at=_absent_at(bound))
-        return changed
+        return replace(self, element=bound)
 
     @property
     def plane(self) -> str:

@@ -61,7 +61,7 @@ def parsed(text: str) -> Term:
         raise ModelError(f"a formula of {len(text)} signs is too long: at most {LONGEST}")
     for place, sign in enumerate(text, 1):
         if not _ALLOWED.fullmatch(sign):
-            _refuse(text, place, f"{ascii(sign)} has no meaning in a formula")
+            _refuse(text, place, f"{sign!a} has no meaning in a formula")
     # Python writes a power as **; `_place` counts the signs as the user typed them.
     python = text.replace("^", "**").strip()
     try:
@@ -111,10 +111,11 @@ class _Reading:
 
     def _number(self, node: ast.expr, place: int) -> Term:
         assert isinstance(node, ast.Constant)
-        if type(node.value) not in (int, float):
-            _refuse(self.text, place, f"{node.value!r:.20} is no number")
+        value = node.value
+        if not isinstance(value, int | float) or isinstance(value, bool):
+            _refuse(self.text, place, f"{value!r:.20} is no number")
         try:
-            return Number(place, complex(float(node.value)))
+            return Number(place, complex(float(value)))
         except OverflowError:
             _refuse(self.text, place, "this number is too large")
 
@@ -149,9 +150,10 @@ class _Reading:
         if sign == "*" and {_word(part) for part in pair} == {"i", "omega"}:
             return Name(place, "s")
         # i*omega*tau stands there as (i*omega)*tau, but c*i*omega as (c*i)*omega.
-        if sign == "*" and isinstance(left, Joined) and left.sign == "*":
-            if {_word(left.right), _word(right)} == {"i", "omega"}:
-                return Joined(place, "*", left.left, Name(left.right.place, "s"))
+        match left:
+            case Joined(sign="*", right=Name() | Number() as last) if sign == "*":
+                if {_word(last), _word(right)} == {"i", "omega"}:
+                    return Joined(place, "*", left.left, Name(last.place, "s"))
         return Joined(place, sign, left, right)
 
     def _power(self, base: Term, exponent: Term, place: int) -> Term:

@@ -26,7 +26,6 @@ from .lookup import find_effect
 from .nodes import FULL, GRADIENT, VALUE, Node, Response, Scaled, parallel
 from .parameters import HasParameters, Parameter
 from .points import ROOM, Complex, Points, Real
-from .written import Written
 
 ALONG = 1e-9
 """Sine of the angle between two slopes below which they are one direction."""
@@ -411,9 +410,7 @@ class NamedNetwork(HasParameters):
             If a condition has one level only.
         """
         effects = tuple(effect.bound_to(at) for effect in self.effects)
-        material = self.material
-        if isinstance(material, Written):
-            material = material.bound_to(at)
+        material = self.material.bound_to(at)
         pairs = zip((material, *effects), (self.material, *self.effects), strict=True)
         if all(new is old for new, old in pairs):
             return self

@@ -40,9 +40,9 @@ class Dimension:
     label : str
         A fixed unit such as ``"kJ/mol"`` or ``"K"``, for what has no such powers.
     beyond : tuple of (str, Exponent)
-        Further units with their powers: a kelvin, a column of the data by its name, and a stiffness,
-        time or amplitude to a power that a parameter decides. What they come to in the data is in
-        the parameter's typical size.
+        Further units with their powers: a kelvin, a column of the data by its name, and a
+        stiffness, time or amplitude to a power that a parameter decides. What they come to in the
+        data is in the parameter's typical size.
 
     Examples
     --------

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import product
+from typing import cast
 
 import numpy as np
 
 from .elements import HALF_PI
-from .points import Complex, Points
-from .written import Law, Written, examples
+from .points import Complex, Real
+from .written import TypedLaw, Written, examples
 
 AROUND = 256
 """Points of a circle on which a mean is taken."""
@@ -66,7 +67,7 @@ def passive(element: Written) -> bool:
     (True, False)
     """
     at, usual = examples(element)
-    assert isinstance(element.law, Law)
+    assert isinstance(element.law, TypedLaw)
     sign = -1.0 if element.plane == "compliance" else 1.0
     at = replace(at, log_omega=np.linspace(-3.0, 3.0, len(at.log_omega)))
     with np.errstate(all="ignore"):
@@ -82,9 +83,9 @@ def passive(element: Written) -> bool:
 def _values(element: Written, s: Complex) -> Complex:
     """The law at complex rates s (n,), at one set of conditions."""
     at, usual = examples(element)
-    assert isinstance(element.law, Law)
+    assert isinstance(element.law, TypedLaw)
     one = at.mapped(lambda column: np.full(len(s), column[0]))
-    there = replace(one, log_omega=np.log(s) - HALF_PI)
+    there = replace(one, log_omega=cast("Real", np.log(s) - HALF_PI))
     return np.broadcast_to(np.asarray(element.law.dual(there, usual).value, complex), s.shape)
 
 

@@ -115,7 +115,7 @@ class Term:
         raise AssertionError(f"{type(self).__name__} has no value")
 
     def walk(self) -> Iterator[Term]:
-        """This part and all within it, in the order of the text."""
+        """The part itself and all within it, in the order of the text."""
         yield self
         for part in self.parts:
             yield from part.walk()

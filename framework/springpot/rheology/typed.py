@@ -1,9 +1,9 @@
 """Model expressions: names of models and effects, and laws as text among them.
 
 ``fractional-maxwell + inertia``, ``material + (series: 1/(k*(1 + (X/Xc)^n)))`` and ``k +
-c*(i*omega)^alpha`` are read by the same rules: parts at the outermost ``+``; a part in brackets with
-the word of a plane is an effect; what comes before the first effect is the model, by its name or by
-its formula.
+c*(i*omega)^alpha`` are read by the same rules: parts at the outermost ``+``; a part in brackets
+with the word of a plane is an effect; what comes before the first effect is the model, by its name
+or by its formula.
 """
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ def law(text: str, name: str = "law-1") -> Effect:
     return replace(effect, expression=f"({name} = {plane}: {shown})")
 
 
-def parts_of(expression: str, is_effect: Callable[[str], bool]) -> Parts:
+def expression_parts(expression: str, is_effect: Callable[[str], bool]) -> Parts:
     """A model expression taken apart.
 
     Parameters
@@ -125,8 +125,8 @@ def parts_of(expression: str, is_effect: Callable[[str], bool]) -> Parts:
 
     Examples
     --------
-    >>> from springpot.rheology.typed import parts_of
-    >>> parts_of("k + c*(i*omega)^alpha + drag", lambda name: name == "drag")
+    >>> from springpot.rheology.typed import expression_parts
+    >>> expression_parts("k + c*(i*omega)^alpha + drag", lambda name: name == "drag")
     Parts(model='k + c*(i*omega)^alpha', by_formula=True, effects=('drag',))
     """
     parts = _at_outermost_plus(expression)

@@ -29,7 +29,7 @@ GONE, THERE = 1e-6, 1e-3
 
 
 @dataclass(frozen=True)
-class Law:
+class TypedLaw:
     """A formula as elements are evaluated: value, slopes, slope by ln omega.
 
     Parameters
@@ -97,11 +97,19 @@ class Written(Formula):
         What it gives.
     bound : bool
         Whether the columns of the data are known.
+    gone_at : float or None
+        Where its first parameter alone makes it vanish.
     """
 
     text: str = ""
     plane: str = "stiffness"
     bound: bool = False
+    gone_at: float | None = None
+
+    @property
+    def absent_at(self) -> float | None:
+        """Zero or infinity; None where its first parameter alone never makes it vanish."""
+        return self.gone_at
 
     def bound_to(self, at: Points) -> Written:
         """The same where names of the data's columns are these, and sizes those of the data."""
@@ -109,12 +117,12 @@ class Written(Formula):
             return self
         return written(self.text, self.plane, at)
 
-    def sized_by(self, name: str) -> Written:
-        """The same with that parameter first."""
+    def sized_by(self, name: str, gone_at: float) -> Written:
+        """The same with that parameter first, which alone makes it vanish."""
         free = sorted(self.free, key=lambda parameter: parameter.name != name)
-        assert isinstance(self.law, Law)
+        assert isinstance(self.law, TypedLaw)
         law = replace(self.law, free=tuple(parameter.name for parameter in free))
-        return replace(self, free=tuple(free), law=law)
+        return replace(self, free=tuple(free), law=law, gone_at=gone_at)
 
 
 def written(text: str, plane: str = "stiffness", at: Points | None = None) -> Written:
@@ -159,7 +167,7 @@ def written(text: str, plane: str = "stiffness", at: Points | None = None) -> Wr
     asked = tuple(uses.get(name, name) for name in names if name in uses or name in columns)
     element = Written(
         parameters,
-        Law(term, plane, tuple(free)),
+        TypedLaw(term, plane, tuple(free)),
         asked,
         text,
         text=text,
@@ -169,7 +177,7 @@ def written(text: str, plane: str = "stiffness", at: Points | None = None) -> Wr
     size = size_of(element)
     if size is None:
         return element
-    return _signed(element.sized_by(size[0]))
+    return _signed(element.sized_by(*size))
 
 
 def _parameter(name: str, unit: Dimension, term: Term) -> Parameter:
@@ -199,8 +207,7 @@ def _signed(element: Written) -> Written:
     if element.plane not in ("log-complex", "shift") or not plain:
         return element
     # Of a size that is gone at infinity, as a resonance far above, the other sign says nothing new.
-    gone = size_of(element)
-    if gone is None or gone[1] != 0.0:
+    if element.gone_at != 0.0:
         return element
     either = replace(first, lower=-inf, scale="linear", typical=0.1 * first.typical)
     if first.unit == PURE:
@@ -255,7 +262,7 @@ def size_of(element: Written) -> tuple[str, float] | None:
     """
     at, usual = examples(element)
     law = element.law
-    assert isinstance(law, Law)
+    assert isinstance(law, TypedLaw)
     with np.errstate(all="ignore"):
         whole = _there(law, at, usual)
         for place, parameter in enumerate(element.free):
@@ -274,7 +281,7 @@ def size_of(element: Written) -> tuple[str, float] | None:
     return None
 
 
-def _there(law: Law, at: Points, values: list[float]) -> Any:
+def _there(law: TypedLaw, at: Points, values: list[float]) -> Any:
     """What a formula adds in its plane: nothing where it is gone."""
     value = law.dual(at, values).value
     if law.plane in ("log-complex", "shift"):
