@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -13,7 +14,7 @@ from .grid import COMMENT, MISSING, Grid, holds_number
 from .headings import beside, headings_of, is_remark, named_above, uncommented, units_in, unquoted
 from .names import FREQUENCIES, MODULI, names_a_modulus
 from .pairs import with_pairs_apart
-from .titles import Heading, heading, plainly
+from .titles import SWEEPS, Heading, Vocabulary, is_dynamic
 
 _UNITS_WITHIN = 3
 """Lines between names and numbers that may hold units or remarks."""
@@ -32,6 +33,8 @@ _NEAR, _SENTENCE = 4, 80
 """
 _DRIVEN = frozenset({"amplitude", "stress", "torque", "displacement"})
 """What is set or followed in a test in time."""
+_COUNT = re.compile(r"\s*\d+\s*")
+"""The number of a sensor, which has no decimals."""
 _PATIENCE = 50_000
 """Cells without any number that are tried as names of columns before giving up."""
 
@@ -54,6 +57,8 @@ class Block:
         The lines above the table, as cells.
     constants : mapping of str to str
         What holds for all rows: ``temperature [degC]`` and its value.
+    words : Vocabulary
+        What its titles mean.
     """
 
     name: str
@@ -62,6 +67,7 @@ class Block:
     lines: Sequence[int]
     above: list[list[str]] = field(default_factory=list)
     constants: Mapping[str, str] = field(default_factory=dict)
+    words: Vocabulary = SWEEPS
 
     @cached_property
     def roles(self) -> set[str]:
@@ -71,7 +77,7 @@ class Block:
         filled = {
             str(role) for role, i in named.items() if not self.rows or self._is_filled(i, str(role))
         }
-        return filled | {str(heading(title).role) for title in self.constants}
+        return filled | {str(self.words.heading(title).role) for title in self.constants}
 
     def _is_filled(self, place: int, role: str) -> bool:
         """Whether this column, or another of its role, has a value in any row."""
@@ -90,7 +96,7 @@ class Block:
             return "shift factors, no measurement"
         if "relaxation" in roles:
             return "a relaxation test in time, no dynamic test"
-        if "creep" in roles:
+        if "compliance" in roles:
             return "creep in time, no dynamic test"
         if "flow" in roles and not roles & FREQUENCIES:
             return "steady flow, no dynamic test"
@@ -133,22 +139,8 @@ def lacking(roles: set[str]) -> str:
     return f"missing {', and '.join(missing)}"
 
 
-def is_dynamic(roles: set[str]) -> bool:
-    """Whether columns of these roles give a complex modulus against frequency."""
-    modulus = {"storage", "loss"} <= roles or (
-        bool(roles & {"storage", "loss", "magnitude", "viscosity"})
-        and bool(roles & {"phase", "loss_factor", "damping_ratio"})
-    )
-    modulus |= "damping" in roles and bool(roles & {"storage", "magnitude"})
-    modulus |= {"force_amplitude", "amplitude"} <= roles and bool(roles & {"phase", "loss_factor"})
-    modulus |= {"energy", "amplitude"} <= roles and bool(roles & {"storage", "magnitude"})
-    modulus |= {"dynamic_viscosity", "out_of_phase_viscosity"} <= roles
-    modulus |= {"storage_compliance", "loss_compliance"} <= roles
-    return modulus and bool(roles & FREQUENCIES)
-
-
 def blocks_of(
-    grid: Grid, strict: bool = False, stacked: bool = False
+    grid: Grid, strict: bool = False, stacked: bool = False, words: Vocabulary = SWEEPS
 ) -> tuple[list[Block], list[list[str]]]:
     """The tables in a grid, and the lines below the last one.
 
@@ -162,6 +154,8 @@ def blocks_of(
     stacked : bool
         Whether rows below a line of one cell, such as ``T = 40 °C``, go on under the names of the
         table before.
+    words : Vocabulary
+        What the titles mean.
 
     Raises
     ------
@@ -173,13 +167,13 @@ def blocks_of(
     i, rows, tried = 0, grid.rows, 0
     while i < len(rows):
         require_tables(len(blocks))
-        words = not any(map(holds_number, rows[i][:_WIDEST]))
+        worded = _is_worded(rows[i])
         start = None
-        if words:
+        if worded:
             tried += len(rows[i])
             # Each trial looks up every cell as a name: a long text without a table must end soon.
-            if tried < _PATIENCE and is_header(rows[i]):
-                start = _first_row(rows, i)
+            if tried < _PATIENCE and is_header(rows[i], words):
+                start = _first_row(rows, i, words)
         if start is None and stacked and _goes_on(blocks, rows, i, above):
             stop = _last_row(rows, i, rows[i])
             width = len(blocks[-1].headings)
@@ -194,7 +188,7 @@ def blocks_of(
             # Remarks above a table are kept, numbers without names beyond some are of no further
             # use.
             most = _KEPT
-            if words:
+            if worded:
                 most = _PATIENCE
             if len(above) < most:
                 above.append([cell.strip() for cell in rows[i]])
@@ -202,13 +196,14 @@ def blocks_of(
             continue
         stop = _last_row(rows, start, rows[i])
         names, between = beside(rows[i], rows[i + 1 : start], rows[start:stop])
-        headings = headings_of(names, between, len(rows[start]))
+        headings = headings_of(names, between, len(rows[start]), words)
         if above:
-            headings = named_above(headings, above[-1])
+            headings = named_above(headings, above[-1], words)
         above += [[cell.strip() for cell in row] for row in between if is_remark(row)]
         cells = _rectangle(rows[start:stop], grid.lines[start:stop], len(headings), strict)
         headings, cells = with_pairs_apart(headings, cells)
-        blocks.append(Block(_name(above), headings, cells, grid.lines[start:stop], above))
+        lines = grid.lines[start:stop]
+        blocks.append(Block(_name(above), headings, cells, lines, above, words=words))
         above, i, tried = [], stop, 0
     return blocks, above
 
@@ -244,16 +239,22 @@ def _goes_on(
     )
 
 
-def is_header(row: Sequence[str]) -> bool:
+def is_header(row: Sequence[str], words: Vocabulary = SWEEPS) -> bool:
     """Whether a row names columns: at least two roles and no number."""
-    if len(row) < 2 or any(holds_number(cell) for cell in row[:_WIDEST]):
+    if len(row) < 2 or not _is_worded(row):
         return False
-    headings = [heading(unquoted(cell.strip())) for cell in uncommented(row)[:_WIDEST]]
+    headings = [words.heading(unquoted(cell.strip())) for cell in uncommented(row)[:_WIDEST]]
     roles = {each.role for each in headings if each.role}
     if any(each.unit is not None and names_a_modulus(each.name) for each in headings):
         roles.add("modulus")
     # A table of several curves may have but the frequency in common: G'_A, G''_A, G'_B, G''_B.
-    return len(roles) > 1 or len({plainly(each).role for each in headings} - {None}) > 2
+    return len(roles) > 1 or len({words.plainly(each).role for each in headings} - {None}) > 2
+
+
+def _is_worded(row: Sequence[str]) -> bool:
+    """Whether a row holds words and no number; a sensor may be called by that of its kind."""
+    numbers = [cell for cell in row[:_WIDEST] if holds_number(cell)]
+    return not numbers or (len(numbers) <= len(row) // 3 and all(map(_COUNT.fullmatch, numbers)))
 
 
 def is_data(row: Sequence[str]) -> bool:
@@ -266,11 +267,11 @@ def is_data(row: Sequence[str]) -> bool:
     return words <= numbers
 
 
-def _first_row(rows: Sequence[Sequence[str]], i: int) -> int | None:
+def _first_row(rows: Sequence[Sequence[str]], i: int, words: Vocabulary) -> int | None:
     for j in range(i + 1, min(i + 2 + _UNITS_WITHIN, len(rows))):
         if is_data(rows[j]) and not rows[j][0].strip().startswith(COMMENT):
             return j
-        if is_header(rows[j]) and not units_in(rows[j]):
+        if is_header(rows[j], words) and not units_in(rows[j]):
             return None
     return None
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from springpot.errors import DataError
@@ -20,9 +20,18 @@ from springpot.measurement import (
 from .blocks import ANGLE, FREQUENCY
 from .curve_names import logarithm
 from .flags import IGNORE, STATUS
-from .names import FREQUENCIES, ROLES, fold, rank, role_of
+from .names import FREQUENCIES, fold, rank
 from .proposals import proposal, stated_unit, usual_unit
-from .titles import UNITS, USUAL, Heading, apart_from_sign, heading, is_unit
+from .titles import (
+    SWEEPS,
+    UNITS,
+    USUAL,
+    Heading,
+    Vocabulary,
+    apart_from_sign,
+    heading,
+    is_unit,
+)
 from .written import OPPOSITE
 
 LOG, CURVES = "log", "curves"
@@ -57,7 +66,7 @@ class Chosen:
     overruled: tuple[str, ...] = ()
 
 
-def with_choice(headings: Sequence[Heading], choice: Choice) -> Chosen:
+def with_choice(headings: Sequence[Heading], choice: Choice, words: Vocabulary = SWEEPS) -> Chosen:
     """The columns with the units and meanings that the user gives.
 
     Raises
@@ -74,15 +83,16 @@ def with_choice(headings: Sequence[Heading], choice: Choice) -> Chosen:
             columns = [_with_base(each, meaning) for each in columns]
         if name in WHOLE:
             continue
-        role = _role(name)
-        constant = _CONSTANT.match(meaning)
+        role = _role(name, words)
+        # 1/Pa is a unit, and no value of one per pascal.
+        constant = None if is_unit(meaning) else _CONSTANT.match(meaning)
         # A column that is called by its number is one of the file's, whatever is said of it.
         if role is not None and not name.isdigit() and constant is not None:
             constants[f"{role} [{constant[2]}]"] = constant[1]
             continue
         # By the file's own words: storage and loss can be exchanged in one line.
-        place = _place(headings, name, role)
-        columns[place] = _meant(columns[place], meaning)
+        place = _place(headings, name, meaning, words)
+        columns[place] = as_said(columns[place], meaning, words)
         named.add(place)
     meant = {str(columns[place].role) for place in named} | {
         title.partition(" ")[0] for title in constants
@@ -106,11 +116,11 @@ def with_choice(headings: Sequence[Heading], choice: Choice) -> Chosen:
     return Chosen(tuple(columns), constants, choice.columns.get(STATUS) == IGNORE, tuple(overruled))
 
 
-def _role(name: str) -> str | None:
+def _role(name: str, words: Vocabulary) -> str | None:
     """The role that a user names; springpot's own words before any title that looks like one."""
-    if name in ROLES:
+    if name in words.said:
         return name
-    return role_of(name)
+    return words.role(name)
 
 
 def _same(role: str, meant: set[str]) -> bool:
@@ -144,32 +154,39 @@ def _with_base(heading_: Heading, base: str) -> Heading:
     return replace(heading_, written=base)
 
 
-def _place(headings: Sequence[Heading], name: str, role: str | None) -> int:
+def _place(headings: Sequence[Heading], name: str, meaning: str, words: Vocabulary) -> int:
     """Where the column is that is called by number, title, name or role."""
     if name.isdigit() and len(name) < 6 and 1 <= int(name) <= len(headings):
         return int(name) - 1
+    role = _role(name, words)
     # The exact word first: titles that differ in case alone, such as g' and G', are told apart by
     # it.
-    for test in (
+    tests: tuple[Callable[[Heading], bool], ...] = (
         lambda h: h.title == name or h.name == name,
         lambda h: fold(h.title) == fold(name) or fold(h.name) == fold(name),
         lambda h: role is not None and h.role == role,
-    ):
+    )
+    for test in tests:
         places = [i for i, heading in enumerate(headings) if test(heading)]
+        if len(places) > 1 and test is tests[-1] and not any(headings[i].unit for i in places):
+            # Nothing is taken of them without the hint.
+            shown = " or ".join(f"{i + 1}, '{headings[i].title}'" for i in places[:4])
+            instead = f"write {places[0] + 1}={meaning:.40} or another number in its place"
+            raise DataError(f"'{name:.40}' may be column {shown}; {instead}")
         if places:
             # Of several the one that would be taken without the hint: that says more of it, and
             # never another.
-            return min(places, key=lambda i: doubt(headings[i]))
+            return min(places, key=lambda i: doubt(headings[i], words))
     shown = ", ".join(heading.title or str(i) for i, heading in enumerate(headings[:12], 1))
     raise DataError(f"no column '{name:.40}' (there are: {shown}, or numbers 1 to {len(headings)})")
 
 
-def doubt(heading_: Heading) -> tuple[bool, int]:
+def doubt(heading_: Heading, words: Vocabulary = SWEEPS) -> tuple[bool, int]:
     """How unsure it is that a column is the one meant.
 
     Least for a known name with a unit of its quantity.
     """
-    units = UNITS.get(str(heading_.role))
+    units = words.units.get(str(heading_.role))
     # A sensor in volts stands beside the calibrated one.
     foreign = (
         bool(units)
@@ -179,25 +196,35 @@ def doubt(heading_: Heading) -> tuple[bool, int]:
     return foreign, rank(heading_.name)
 
 
-def _meant(heading_: Heading, meaning: str) -> Heading:
+def as_said(heading_: Heading, meaning: str, words: Vocabulary) -> Heading:
+    """A column of which a user says unit or meaning.
+
+    Raises
+    ------
+    DataError
+        If it is neither.
+    """
     base, taken = "", logarithm(meaning)
     if taken and taken[0] != "?":
         base, meaning = taken
     match = _MEANING.match(meaning)
     name, unit = meaning, heading_.unit
     if match:
-        name, unit = match[1].strip(), match[2]
-    elif is_unit(meaning) and meaning not in ROLES:
+        name, (sign, unit) = match[1].strip(), apart_from_sign(match[2])
+        if sign < 0.0:
+            base = OPPOSITE
+    elif is_unit(meaning) and meaning not in words.said:
         return replace(heading_, unit=meaning, written=base or heading_.written)
     elif is_unit(apart_from_sign(meaning)[1]) and not heading_.written:
         return replace(heading_, unit=apart_from_sign(meaning)[1], written=OPPOSITE)
-    role = _role(name)
+    role = _role(name, words)
     if role is None and name not in ("ignore", "none"):
-        roles = (
-            "omega, frequency, storage, loss, magnitude, phase, loss_factor, temperature,"
-            " amplitude, repeat"
+        roles = "omega, frequency, storage, loss, magnitude, phase, loss_factor, amplitude, repeat"
+        if words is not SWEEPS:
+            roles = ", ".join(words.units)
+        raise DataError(
+            f"'{meaning:.40}' is neither a unit nor one of {roles}, temperature, ignore"
         )
-        raise DataError(f"'{meaning:.40}' is neither a unit nor one of {roles}, ignore")
     if role is None:
         # Without a name it is no further condition either.
         name = ""

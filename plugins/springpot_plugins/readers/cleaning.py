@@ -15,13 +15,10 @@ from numpy.typing import NDArray
 from springpot.errors import DataError
 from springpot.measurement import normal_unit
 
-from .grid import APOSTROPHES, MISSING
+from .grid import APOSTROPHES, BLANKS, MISSING, POINTS, THOUSANDS
 from .table import Column
 from .titles import heading, is_unit
 
-_THOUSANDS = re.compile(r"\s*[-+]?\d{1,3}(?:,\d{3})+\.\d*\s*$")
-_POINTS = re.compile(r"\s*[-+]?\d{1,3}(?:\.\d{3})+,\d*\s*$")
-_BLANKS = re.compile(r"\s*[-+]?\d{1,3}(?:\s\d{3})+(?:[.,]\d*)?\s*$")
 _WITH_UNIT = re.compile(r"\s*[-+−]?\d[\d.,]*(?:[eE][-+]?\d+)?\s*((?:[^\W\d]|[°%]).*)\Z")
 _WHOLE = ("temperature", "amplitude", "storage_sd", "loss_sd")
 
@@ -95,9 +92,9 @@ def _without_thousands(column: Column) -> Column:
             column, cells=[cell.replace("'", "").replace("’", "") for cell in column.cells]
         )
     parted = [cell for cell in column.cells if len(cell.split()) > 1]
-    if parted and all(map(_BLANKS.match, parted)):
+    if parted and all(map(BLANKS.match, parted)):
         column = replace(column, cells=["".join(cell.split()) for cell in column.cells])
-    for sign, pattern in ((",", _THOUSANDS), (".", _POINTS)):
+    for sign, pattern in ((",", THOUSANDS), (".", POINTS)):
         marked = [cell for cell in column.cells if sign in cell]
         # 1,234 alone may be a decimal comma: only a cell with both signs tells which is which.
         if (

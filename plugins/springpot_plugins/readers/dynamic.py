@@ -25,8 +25,8 @@ from springpot.measurement import (
 )
 from springpot.rheology import Real
 
-from .blocks import Block, is_dynamic, lacking
-from .choices import CURVES, ask_base, ask_meaning, ask_units, doubt, with_choice
+from .blocks import Block, lacking
+from .choices import CURVES, Chosen, ask_base, ask_meaning, ask_units, doubt, with_choice
 from .cleaning import bare_name, cleaned, is_blank, rows_of, with_unit_of_cells
 from .columns import measurement_of, sign_note
 from .derived import COMPLIANCES, VISCOSITIES, with_moduli
@@ -37,7 +37,7 @@ from .names import FREQUENCIES
 from .proposals import condition_name, offers, unit_proposal
 from .swing import SWINGING, counts_whole_swing, halved, unit_of_amplitude
 from .table import Column
-from .titles import UNITS, Heading, heading
+from .titles import UNITS, Heading, heading, is_dynamic
 from .written import as_measured, value_of
 
 KEPT = ("time", "gap", "normal_force", "torque", "displacement", "raw_phase", "stress")
@@ -68,7 +68,7 @@ Much more than
 rows of one column, which come from one instrument."""
 RATIOS = ("loss_factor", "damping_ratio")
 """Plain numbers, which need no unit."""
-_MEANT = {*UNITS, "repeat"} - {"time"}
+_MEANT = {*UNITS, "repeat"} - {"time", "relaxation", "compliance"}
 
 
 def measurement_from(
@@ -244,20 +244,20 @@ def chosen_blocks(blocks: Sequence[Block], choice: Choice) -> list[Block]:
         raise DataError(
             "there is no table with named columns, such as frequency [Hz], storage [Pa], loss [Pa]"
         )
-    picked = list(blocks)
+    meant = list(blocks)
     if choice.part:
-        picked = _picked(blocks, choice.part)
-    usable = [block for block in picked if is_dynamic(_roles_chosen(block, choice))]
+        meant = picked(blocks, choice.part)
+    usable = [block for block in meant if is_dynamic(_roles_chosen(block, choice))]
     # Parts that a user names are all meant; without a choice, those that are no dynamic test are
     # passed over.
-    if usable and (len(usable) == len(picked) or not choice.part):
+    if usable and (len(usable) == len(meant) or not choice.part):
         return usable
-    if len(picked) == 1:
-        raise _not_dynamic(picked[0])
-    reasons = list(dict.fromkeys(block.lacks() for block in picked))
-    names = ", ".join(dict.fromkeys(block.name or "unnamed" for block in picked))
+    if len(meant) == 1:
+        raise _not_dynamic(meant[0])
+    reasons = list(dict.fromkeys(block.lacks() for block in meant))
+    names = ", ".join(dict.fromkeys(block.name or "unnamed" for block in meant))
     says = (
-        f"none of its {len(picked)} parts is a dynamic test ({names:.120}):"
+        f"none of its {len(meant)} parts is a dynamic test ({names:.120}):"
         f" {'; '.join(reasons):.200}"
     )
     common_reason = ""
@@ -287,7 +287,14 @@ def _roles_chosen(block: Block, choice: Choice) -> set[str]:
     return roles | {str(heading(title).role) for title in chosen.constants}
 
 
-def _picked(blocks: Sequence[Block], part: str) -> list[Block]:
+def picked(blocks: Sequence[Block], part: str) -> list[Block]:
+    """The blocks that a user names, by number or a part of their names.
+
+    Raises
+    ------
+    DataError
+        If there is none.
+    """
     if match := re.fullmatch(r"(\d{1,6})(?:-(\d{1,6}))?", part):
         first, last = int(match[1]), int(match[2] or match[1])
         if not 1 <= first <= last <= len(blocks):
@@ -311,10 +318,7 @@ def _measurement(
     chosen = with_choice(block.headings, choice)
     if any(each.written == "?" and each.role in _MEANT for each in chosen.headings):
         raise ask_base([each for each in chosen.headings if each.written and each.role in _MEANT])
-    columns = _columns(block, chosen.headings)
-    # What the user says goes before what the file says.
-    constants = {**block.constants, **chosen.constants}
-    columns += [_constant(title, value, block) for title, value in constants.items()]
+    columns = columns_of(block, chosen)
     _require_one_clock(columns)
     roles = _roles(columns)
     _require_units(roles)
@@ -376,6 +380,16 @@ def _moduli(roles: Mapping[str, Column]) -> tuple[Real | None, Real | None]:
     if not roles.keys() >= {"storage", "loss"} or roles["storage"].unit != roles["loss"].unit:
         return None, None
     return roles["storage"].numbers(), roles["loss"].numbers()
+
+
+def columns_of(block: Block, chosen: Chosen) -> list[Column]:
+    """The columns of a table, and those of one value that user or file state, in plain numbers."""
+    # What the user says goes before what the file says.
+    constants = {**block.constants, **chosen.constants}
+    return [
+        *_columns(block, chosen.headings),
+        *(_constant(title, value, block) for title, value in constants.items()),
+    ]
 
 
 def _columns(block: Block, headings: Sequence[Heading]) -> list[Column]:

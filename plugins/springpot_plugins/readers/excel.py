@@ -71,7 +71,7 @@ def _parsed(
     pairs: list[tuple[str, str]] = []
     notes: dict[str, str] = {}
     doubts: list[DataError] = []
-    for title, grid in _sheets_of(path):
+    for title, grid in sheets_in(path):
         blocks, below = blocks_of(grid, stacked=True)
         if needs_rearranging(grid, blocks):
             try:
@@ -88,13 +88,13 @@ def _parsed(
         if not blocks:
             # A sheet of its own for instrument and sample.
             pairs += pairs_in(below)
-        made += _named(title, with_conditions_above(apart(blocks, choice)))
+        made += called_by_sheet(title, with_conditions_above(apart(blocks, choice)))
     if doubts and choice is not None and not any(block.is_dynamic for block in made):
         raise doubts[0]
     return made, pairs, notes
 
 
-def _sheets_of(path: Path) -> list[tuple[str, Grid]]:
+def sheets_in(path: Path) -> list[tuple[str, Grid]]:
     """Title and cells of each sheet, by what wrote the file."""
     with path.open("rb") as stream:
         is_old = stream.read(len(SIGNATURE)) == SIGNATURE
@@ -138,7 +138,7 @@ def signals(path: Path, choice: Choice) -> Signals:
     DataError
         If a channel or its unit is missing, or a cell is no number.
     """
-    sheets = _sheets_of(path)
+    sheets = sheets_in(path)
     if choice.part:
         sheets = [sheet for i, sheet in enumerate(sheets, 1) if choice.part in (str(i), sheet[0])]
         if not sheets:
@@ -161,7 +161,7 @@ def _as_lines(grid: Grid) -> list[str]:
     return lines
 
 
-def _named(sheet: str, blocks: list[Block]) -> list[Block]:
+def called_by_sheet(sheet: str, blocks: list[Block]) -> list[Block]:
     """Blocks called by their sheet, and numbered where it has several.
 
     ``40 °C`` as a name is a temperature.
@@ -225,7 +225,7 @@ def read(path: Path, choice: Choice) -> Measurement:
     """
     blocks, pairs, notes = _parsed(path, choice)
     if not choice and not any(block.is_dynamic for block in blocks):
-        sheets = [grid for _, grid in _sheets_of(path)]
+        sheets = [grid for _, grid in sheets_in(path)]
         if any(map(_holds_signals, sheets)):
             return measurement_from_signals([signals(path, choice)])
     return measurement_from(

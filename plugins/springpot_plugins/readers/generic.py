@@ -14,7 +14,7 @@ from pathlib import Path
 from springpot.errors import DataError
 from springpot.measurement import Choice, Measurement, OpenQuestion, Part, Reader
 
-from .blocks import Block, blocks_of, is_data, is_dynamic, is_header, lacking
+from .blocks import Block, blocks_of, is_data, is_header, lacking
 from .channels import UNITS as CHANNELS
 from .channels import found_in
 from .choices import ask_columns, ask_each, numbered
@@ -30,7 +30,7 @@ from .rearranged import needs_rearranging, rearranged
 from .side_by_side import apart
 from .signals_csv import read as read_record
 from .text import head_text, text_of
-from .titles import Heading
+from .titles import SWEEPS, Heading, Vocabulary, is_dynamic
 from .transposed import upright
 
 _REARRANGED = 0.5
@@ -128,7 +128,7 @@ def _blocks(
     if not blocks and (turned := upright(grid)) is not None:
         blocks, below = blocks_of(turned, strict=True)
     if not blocks:
-        return [_without_names(grid, choice)], [], notes
+        return apart([_without_names(grid, choice)], choice), [], notes
     rest = [row for row in below if any(map(is_number, row)) and not row[0].startswith(COMMENT)]
     # Numbers that would be lost without a word are an error; words below a table are remarks.
     if rest:
@@ -140,6 +140,24 @@ def _blocks(
 
 def _without_names(grid: Grid, choice: Choice) -> Block:
     """The numbers of a file without names for its columns, which the user gives."""
+    block = without_names(grid)
+    if choice.columns:
+        return block
+    titles = [each.title for each in block.headings]
+    # With names the question can show them; without, only the number of the columns is known.
+    if block.headings == numbered(len(titles)):
+        raise ask_columns(len(titles))
+    raise _ask_which(titles)
+
+
+def without_names(grid: Grid, words: Vocabulary = SWEEPS) -> Block:
+    """The numbers of a file of which too few names are known, or none stand above them.
+
+    Raises
+    ------
+    DataError
+        If there is no table of numbers.
+    """
     kept = [
         (row, n)
         for row, n in zip(grid.rows, grid.lines, strict=True)
@@ -155,19 +173,11 @@ def _without_names(grid: Grid, choice: Choice) -> Block:
     for row, number in zip(rows, lines, strict=True):
         if len(row) != width:
             raise DataError(f"line {number}: {len(row)} cells where the first row has {width}")
-    names: list[str] = []
-    if start:
-        names = kept[start - 1][0]
-    is_named = len(names) == width
-    # With names the question can show them; without, only the number of the columns is known.
-    if not choice.columns and is_named:
-        raise _ask_which(names)
-    if not choice.columns:
-        raise ask_columns(width)
+    above = [[cell.strip() for cell in row] for row, _ in kept[:start]]
     headings = numbered(width)
-    if is_named:
-        headings = headings_of(names, [], width)
-    return Block("", headings, rows, lines)
+    if above and len(above[-1]) == width:
+        headings = headings_of(above.pop(), [], width, words)
+    return Block("", headings, rows, lines, above, words=words)
 
 
 def _ask_which(names: Sequence[str]) -> OpenQuestion:

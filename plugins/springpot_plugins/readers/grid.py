@@ -16,6 +16,10 @@ from springpot.measurement import MOST_CELLS, MOST_COLUMNS
 NUMBER = re.compile(r"\s*[-+−]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eEdD][-+]?\d+)?\s*\Z")
 APOSTROPHES = re.compile(r"\s*[-+−]?\d{1,3}(?:['’]\d{3})+(?:[.,]\d*)?\s*\Z")
 """Thousands as in Switzerland: 1'234.5."""
+THOUSANDS = re.compile(r"\s*[-+]?\d{1,3}(?:,\d{3})+\.\d*\s*$")
+POINTS = re.compile(r"\s*[-+]?\d{1,3}(?:\.\d{3})+,\d*\s*$")
+BLANKS = re.compile(r"\s*[-+]?\d{1,3}(?:\s\d{3})+(?:[.,]\d*)?\s*$")
+"""Other thousands: 1,234.5; 1.234,5; 1 234,5."""
 _SIZE = r"(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][-+]?\d+)?"
 COMPLEX = re.compile(
     rf"\s*\(?\s*([-+−]?\s*{_SIZE})\s*([-+−])\s*(?:({_SIZE})\s*\*?\s*[ijIJ]|[ijIJ]\s*\*?\s*({_SIZE}))\s*\)?\s*\Z"
@@ -23,6 +27,7 @@ COMPLEX = re.compile(
 """A complex number as programs write it: ``(1+2j)``, ``1.2 + 0.3i``, ``1,2-i0,3``, ``1 + 2*I``."""
 DEVIATING = re.compile(rf"\s*\(?\s*([-+−]?{_SIZE})\s*(?:±|\+/-|\+-)\s*({_SIZE})\s*\)?\s*\Z")
 """A value with its deviation: ``12.3 ± 0.4``."""
+_STYLES = (APOSTROPHES, THOUSANDS, POINTS, BLANKS, COMPLEX, DEVIATING)
 MISSING = frozenset(
     (
         *(
@@ -129,7 +134,7 @@ def holds_number(cell: str) -> bool:
     """
     if NUMBER.match(cell):
         return True
-    return any(style.match(cell) for style in (APOSTROPHES, COMPLEX, DEVIATING))
+    return any(style.match(cell) for style in _STYLES)
 
 
 def lines_of(text: str) -> list[str]:

@@ -9,7 +9,7 @@ from dataclasses import replace
 from springpot.measurement import MODULUS_UNITS, normal_unit
 
 from .grid import COMMENT
-from .titles import UNITS, Heading, heading, is_unit, unbracketed
+from .titles import SWEEPS, Heading, Vocabulary, is_unit, unbracketed
 
 _WITH_DEVIATION = frozenset({"storage", "loss"})
 _DEVIATIONS = frozenset(
@@ -48,28 +48,36 @@ _MOST_JOINED = 200
 
 
 def headings_of(
-    names: Sequence[str], between: Iterable[Sequence[str]], width: int
+    names: Sequence[str],
+    between: Iterable[Sequence[str]],
+    width: int,
+    words: Vocabulary = SWEEPS,
 ) -> tuple[Heading, ...]:
     """Titles with the units from the row below them, at least `width` of them."""
     titles = [unquoted(cell.strip()) for cell in uncommented(names)]
     if len(titles) > width:
-        titles = _rejoined(titles, names, width)
+        titles = _rejoined(titles, names, width, words)
     units: list[str | None] = [None] * max(len(titles), width)
     titles += [""] * (len(units) - len(titles))
     for row in between:
         if (row_units := units_in(row)) and len(row_units) <= len(units):
-            units = _beside_titles(row_units, titles)
+            units = _beside_titles(row_units, titles, words)
         elif len(row) == len(titles):
-            titles = _in_two_rows(titles, [unquoted(cell.strip()) for cell in uncommented(row)])
+            below = [unquoted(cell.strip()) for cell in uncommented(row)]
+            titles = _in_two_rows(titles, below, words)
     for place, (title, unit) in enumerate(zip(titles, units, strict=True)):
-        if unit and not title and heading(unit).role:
+        if unit and not title and words.heading(unit).role:
             # A name that stands in the row of units, as where pandas names the index below the
             # columns.
             titles[place], units[place] = unit, None
-    return with_deviations(heading(title, unit) for title, unit in zip(titles, units, strict=True))
+    return with_deviations(
+        words.heading(title, unit) for title, unit in zip(titles, units, strict=True)
+    )
 
 
-def named_above(headings: Sequence[Heading], above: Sequence[str]) -> tuple[Heading, ...]:
+def named_above(
+    headings: Sequence[Heading], above: Sequence[str], words: Vocabulary
+) -> tuple[Heading, ...]:
     """The headings, where one that is only a unit takes the name that stands in the row above.
 
     Parameters
@@ -78,11 +86,13 @@ def named_above(headings: Sequence[Heading], above: Sequence[str]) -> tuple[Head
         Of the last row above the numbers: ``Hz``, ``G'``, ``G''``.
     above : sequence of str
         Cells of the row before it: ``f``, ``run 1``, an empty one.
+    words : Vocabulary
+        What the titles mean.
     """
     made = list(headings)
     for place, (each, name) in enumerate(zip(headings, above, strict=False)):
-        if each.role is None and _fits(name, unbracketed(each.title)):
-            made[place] = heading(name, each.title)
+        if each.role is None and _fits(name, unbracketed(each.title), words):
+            made[place] = words.heading(name, each.title)
     return tuple(made)
 
 
@@ -108,7 +118,9 @@ def _says_deviation(each: Heading) -> bool:
     return word in _DEVIATIONS and normal_unit(each.unit or "Pa") in MODULUS_UNITS
 
 
-def _beside_titles(units: Sequence[str], titles: Sequence[str]) -> list[str | None]:
+def _beside_titles(
+    units: Sequence[str], titles: Sequence[str], words: Vocabulary
+) -> list[str | None]:
     """The units under their titles.
 
     A column without one, such as a counter, leaves no gap between blanks.
@@ -116,28 +128,32 @@ def _beside_titles(units: Sequence[str], titles: Sequence[str]) -> list[str | No
     spare = [None] * (len(titles) - len(units))
     from_left, from_right = [*units, *spare], [*spare, *units]
     # From the left unless the other way fits better: most tables are written so.
-    if sum(map(_fits, titles, from_right)) > sum(map(_fits, titles, from_left)):
+    left, right = (
+        sum(_fits(title, unit, words) for title, unit in zip(titles, side, strict=False))
+        for side in (from_left, from_right)
+    )
+    if right > left:
         return from_right
     return from_left
 
 
-def _fits(title: str, unit: str | None) -> bool:
+def _fits(title: str, unit: str | None, words: Vocabulary) -> bool:
     """Whether this is a unit of what the title names."""
-    known = UNITS.get(heading(title).role or "")
+    known = words.units.get(words.heading(title).role or "")
     return bool(unit) and known is not None and normal_unit(str(unit)) in known
 
 
-def _in_two_rows(titles: list[str], below: Sequence[str]) -> list[str]:
+def _in_two_rows(titles: list[str], below: Sequence[str], words: Vocabulary) -> list[str]:
     """Names that go on in the next row (``Storage``, ``modulus``), where that makes more known."""
     whole = [f"{title} {more}".strip() for title, more in zip(titles, below, strict=False)]
-    if len(whole) == len(titles) and _known_among(whole) > _known_among(titles):
+    if len(whole) == len(titles) and _known_among(whole, words) > _known_among(titles, words):
         return whole
     return titles
 
 
-def _known_among(titles: Sequence[str]) -> int:
+def _known_among(titles: Sequence[str], words: Vocabulary) -> int:
     """How many of the titles name something that is known."""
-    return sum(1 for title in titles if heading(title).role)
+    return sum(1 for title in titles if words.heading(title).role)
 
 
 def unquoted(cell: str) -> str:
@@ -147,12 +163,18 @@ def unquoted(cell: str) -> str:
     return cell
 
 
-def _rejoined(titles: list[str], names: Sequence[str], width: int) -> list[str]:
+def _rejoined(titles: list[str], names: Sequence[str], width: int, words: Vocabulary) -> list[str]:
     """Names with spaces in a file separated by spaces: joined where only the whole is known."""
     while width < len(titles) < min(4 * width + 8, _MOST_JOINED):
-        pairs = [i for i in range(len(titles) - 1) if heading(" ".join(titles[i : i + 2])).role]
-        # Two names that are both known by themselves are two columns, whatever they are together.
-        pairs = [i for i in pairs if not (heading(titles[i]).role and heading(titles[i + 1]).role)]
+        known = [bool(words.heading(title).role) for title in titles]
+        pairs = [
+            i
+            for i in range(len(titles) - 1)
+            if words.heading(" ".join(titles[i : i + 2])).role
+            # Two names that are both known by themselves are two columns, whatever they are
+            # together.
+            and not (known[i] and known[i + 1])
+        ]
         if not pairs:
             # Where the names that hold anything are as many as the numbers, the empty ones were
             # wider gaps.

@@ -209,10 +209,13 @@ _WORDS = {
         logat at log10at shiftfactor shiftfactors logshiftfactor logalphat
     """,
     "relaxation": """
-        erelax grelax relaxationmodulus relaxationsmodul modulederelaxation g(t) e(t)
+        relaxation erelax grelax relaxationmodulus relaxationstiffness relaxationfunction
+        relaxationsmodul modulederelaxation g(t) e(t) k(t) gt
     """,
-    "creep": """
-        creepcompliance j(t) kriechnachgiebigkeit complaisancedefluage
+    "compliance": """
+        compliance creepcompliance creep creepfunction recoverablecompliance
+        creeprecoverycompliance j(t) d(t) kriechnachgiebigkeit nachgiebigkeit complaisance
+        complaisancedefluage
     """,
     "flow": """
         shearrate viscosity scherrate viskositat gradientdecisaillement viscosite
@@ -234,7 +237,7 @@ MODULI = frozenset(
         "damping",
     }
 )
-ROLES = frozenset(NAMES) - {"shift", "relaxation", "creep", "flow"}
+ROLES = frozenset(NAMES) - {"shift", "relaxation", "compliance", "flow"}
 """What a user may say that a column is."""
 
 _PRIMES = str.maketrans(
@@ -266,7 +269,7 @@ def fold(name: str) -> str:
 _ROLE_OF = {fold(name): role for role, names in reversed(NAMES.items()) for name in names}
 _RANK = {fold(name): i for names in NAMES.values() for i, name in enumerate(names)}
 _MEANS = ("mean", "avg")
-AVERAGED = MODULI | {"phase", "loss_factor", "damping_ratio"}
+AVERAGED = MODULI | {"phase", "loss_factor", "damping_ratio", "relaxation", "compliance"}
 """What may be the mean of several measurements: ``G'_mean``."""
 _QUALIFIED = re.compile(
     r"(?<!\w)(?:actual|measured|ist|istwert|gemessen|mesur[ée]e?|r[ée]elle?|medid[ao]|misurat[ao]|実測|实测|실측)(?!\w)",

@@ -18,8 +18,7 @@ from .curve_names import curve_in_cell
 from .grid import COMMENT, MISSING, Grid, holds_number, is_number
 from .headings import headings_of, units_in, unquoted
 from .names import FREQUENCIES
-from .side_by_side import VALUES
-from .titles import UNITS, Heading, heading
+from .titles import UNITS, VALUES, Heading, heading
 from .values_in_rows import Value, makes_modulus, side_by_side
 
 _AXES = FREQUENCIES | {"temperature"}

@@ -17,23 +17,13 @@ from itertools import groupby
 
 from springpot.measurement import Choice, normal_unit
 
-from .blocks import Block, is_dynamic
-from .choices import CURVES, WHOLE
+from .blocks import Block
+from .choices import CURVES, WHOLE, as_said
 from .curve_names import CurveName, curve_in_cell, curve_of_number
 from .grid import is_number
-from .names import FREQUENCIES, MODULI, ROLES, fold
-from .titles import UNITS, Heading, heading, plainly
+from .names import FREQUENCIES, fold
+from .titles import UNITS, Heading, Vocabulary, heading
 
-VALUES = MODULI | {
-    "phase",
-    "loss_factor",
-    "damping_ratio",
-    "out_of_phase_viscosity",
-    "loss_compliance",
-    "storage_sd",
-    "loss_sd",
-}
-"""What differs from curve to curve."""
 _COPY = re.compile(r"\.(\d{1,3})\Z")
 """What programs put behind a title that comes again."""
 _SEGMENT = re.compile(r"\d{1,4}\|\d{1,6}\Z")
@@ -58,13 +48,21 @@ def apart(blocks: Iterable[Block], choice: Choice | None = None) -> list[Block]:
     given: Mapping[str, str] = {}
     if choice is not None:
         given = choice.columns
-    # Numbers and titles are those of the file: in the parts the columns stand elsewhere.
-    if any(key not in ROLES and key not in WHOLE for key in given):
-        return list(blocks)
     title = given.get(CURVES, "")
     parts: list[Block] = []
     for block in blocks:
-        for segment in _segments(block):
+        named = [each.title for each in block.headings]
+        shared = {key: meaning for key, meaning in given.items() if named.count(key) > 1}
+        # Numbers and titles are those of the file: in the parts the columns stand elsewhere. But a
+        # title that stands above a column of each curve means all of them.
+        if any(key not in (*block.words.said, *WHOLE, *shared) for key in given):
+            parts.append(block)
+            continue
+        headings = list(block.headings)
+        for i, each in enumerate(headings):
+            if each.title in shared:
+                headings[i] = as_said(each, shared[each.title], block.words)
+        for segment in _segments(replace(block, headings=tuple(headings))):
             parts += _apart(segment, title)
     return parts
 
@@ -103,12 +101,12 @@ def _apart(block: Block, title: str) -> list[Block]:
     # The surest sign first: a title that states its condition, before one that merely comes again.
     for marked in (
         _by_title(headings),
-        _by_label(headings, labels),
-        _by_plain_title(headings),
-        _again(headings),
+        _by_label(headings, labels, block.words),
+        _by_plain_title(headings, block.words),
+        _again(headings, block.words),
     ):
-        curves = _curves(headings, marked)
-        if curves and all(_is_complete(columns) for _, columns in curves):
+        curves = _curves(headings, marked, block.words)
+        if curves and all(_is_complete(columns, block.words) for _, columns in curves):
             certain = _are_temperatures([curve for curve, _ in curves])
             named = [(_called(curve, title), columns) for curve, columns in curves]
             made = [_part(block, above, curve, columns, certain) for curve, columns in named]
@@ -137,26 +135,30 @@ def _by_title(headings: Sequence[Heading]) -> list[tuple[Heading, CurveName | No
 
 
 def _by_label(
-    headings: Sequence[Heading], labels: Sequence[CurveName | None]
+    headings: Sequence[Heading], labels: Sequence[CurveName | None], words: Vocabulary
 ) -> list[tuple[Heading, CurveName | None]]:
     if not labels or any(heading_.curve for heading_ in headings):
         return []
-    return list(zip(map(_uncopied, headings), labels, strict=True))
+    return [(_uncopied(each, words), name) for each, name in zip(headings, labels, strict=True)]
 
 
-def _by_plain_title(headings: Sequence[Heading]) -> list[tuple[Heading, CurveName | None]]:
+def _by_plain_title(
+    headings: Sequence[Heading], words: Vocabulary
+) -> list[tuple[Heading, CurveName | None]]:
     """Titles such as ``G'_A [Pa]``, if no column of moduli is without such a name."""
-    if any(heading_.role in VALUES for heading_ in headings):
+    if any(heading_.role in words.values for heading_ in headings):
         return []
-    return _by_title([plainly(heading_) for heading_ in headings])
+    return _by_title([words.plainly(heading_) for heading_ in headings])
 
 
-def _again(headings: Sequence[Heading]) -> list[tuple[Heading, CurveName | None]]:
+def _again(
+    headings: Sequence[Heading], words: Vocabulary
+) -> list[tuple[Heading, CurveName | None]]:
     """Titles that come again: each time one does, the next curve begins."""
     seen: set[str] = set()
     made: list[tuple[Heading, CurveName | None]] = []
     number = 1
-    for heading_ in map(_uncopied, headings):
+    for heading_ in (_uncopied(each, words) for each in headings):
         key = fold(heading_.title)
         if key and key in seen:
             number, seen = number + 1, set()
@@ -167,12 +169,12 @@ def _again(headings: Sequence[Heading]) -> list[tuple[Heading, CurveName | None]
     return made
 
 
-def _uncopied(copy: Heading) -> Heading:
+def _uncopied(copy: Heading, words: Vocabulary) -> Heading:
     """A title without the number that programs put behind one that comes again: ``G' [Pa].1``."""
     match = _COPY.search(copy.title)
     if copy.role is not None or match is None:
         return copy
-    plain = heading(copy.title[: match.start()])
+    plain = words.heading(copy.title[: match.start()])
     if plain.role is None:
         return copy
     return replace(plain, unit=plain.unit or copy.unit)
@@ -211,7 +213,9 @@ def _labels(block: Block) -> list[CurveName | None]:
 
 
 def _curves(
-    headings: Sequence[Heading], marked: Sequence[tuple[Heading, CurveName | None]]
+    headings: Sequence[Heading],
+    marked: Sequence[tuple[Heading, CurveName | None]],
+    words: Vocabulary,
 ) -> list[tuple[CurveName, Columns]]:
     """The columns of each curve, with those that all share.
 
@@ -225,14 +229,14 @@ def _curves(
         else:
             curves.setdefault(_key(curve), (curve, []))[1].append((place, heading_))
     # A modulus that all share belongs to none of them: then the marks are no curves.
-    if not curves or any(heading_.role in VALUES for _, heading_ in shared):
+    if not curves or any(heading_.role in words.values for _, heading_ in shared):
         return []
     named = list(curves.values())
     # One curve is a table as it is, unless its mark states a condition that would be lost.
     if len(named) == 1 and not named[0][0].title:
         return []
-    clock = _clock(named)
-    return [(curve, _with_shared(columns, shared, clock)) for curve, columns in named]
+    clock = _clock(named, words)
+    return [(curve, _with_shared(columns, shared, clock, words)) for curve, columns in named]
 
 
 def _key(curve: CurveName) -> str:
@@ -242,16 +246,16 @@ def _key(curve: CurveName) -> str:
     return f"{curve.title}={float(curve.value):g}"
 
 
-def _clock(curves: Sequence[tuple[CurveName, Columns]]) -> Columns:
-    """The columns before the moduli of the first curve, for the others that have no frequency."""
+def _clock(curves: Sequence[tuple[CurveName, Columns]], words: Vocabulary) -> Columns:
+    """The columns before the values of the first curve, for the others that have no clock."""
     columns = curves[0][1]
-    first = next((i for i, (_, heading_) in enumerate(columns) if heading_.role in VALUES), 0)
+    first = next((i for i, (_, each) in enumerate(columns) if each.role in words.values), 0)
     return columns[:first]
 
 
-def _with_shared(columns: Columns, shared: Columns, clock: Columns) -> Columns:
+def _with_shared(columns: Columns, shared: Columns, clock: Columns, words: Vocabulary) -> Columns:
     roles = {heading_.role for _, heading_ in columns}
-    if not roles & FREQUENCIES and not any(heading_.role in FREQUENCIES for _, heading_ in shared):
+    if not roles & words.clocks and not any(each.role in words.clocks for _, each in shared):
         shared = [*shared, *clock]
     return [
         *(
@@ -263,14 +267,14 @@ def _with_shared(columns: Columns, shared: Columns, clock: Columns) -> Columns:
     ]
 
 
-def _is_complete(columns: Columns) -> bool:
-    """Whether the columns are a dynamic test, each role of which is there once."""
+def _is_complete(columns: Columns, words: Vocabulary) -> bool:
+    """Whether the columns are a whole table, each role of which is there once."""
     roles = [str(heading_.role) for _, heading_ in columns if heading_.role]
-    values = [role for role in roles if role in VALUES or role in FREQUENCIES]
+    values = [role for role in roles if role in words.values or role in words.clocks]
     curve_names = {
         heading_.curve.role for _, heading_ in columns if heading_.curve and heading_.curve.title
     }
-    return len(values) == len(set(values)) and is_dynamic({*roles, *curve_names})
+    return len(values) == len(set(values)) and words.complete({*roles, *curve_names})
 
 
 def _are_temperatures(curve_names: Sequence[CurveName]) -> bool:

@@ -19,13 +19,12 @@ import numpy as np
 from springpot.errors import DataError
 from springpot.measurement import Choice, Measurement, Reader, Signals, measurement_from_signals
 
-from .blocks import is_dynamic
 from .channels import UNITS, Places, channel_of, found_in, places_of, signals_from
 from .clock import sample_rate, seconds_of
 from .signal_layout import Layout, layout_of
 from .signal_rows import Rows
 from .text import encoding_of, head_text
-from .titles import heading
+from .titles import heading, is_dynamic
 
 CHUNK = 1 << 24
 """Characters parsed at a time."""

@@ -6,6 +6,7 @@ Its role, its name, and its unit in any of the ways in which units are written.
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -25,9 +26,18 @@ from springpot.measurement import (
 )
 
 from .curve_names import CurveName, curve_in_suffix, curve_in_title, logarithm
-from .names import FREQUENCIES, role_of
+from .names import FREQUENCIES, MODULI, ROLES, role_of
 from .peaks import without_swing
 from .written import DECIBEL, INVERSE, OPPOSITE, PER_PERIOD, decibel_of
+
+
+def _inverses(unit: str) -> tuple[str, ...]:
+    """How one over a unit of pressure is written: ``1/Pa``, ``Pa^-1``, ``mm^2/N``."""
+    over, slash, under = unit.partition("/")
+    if slash:
+        return (f"{under}/{over}",)
+    return f"1/{unit}", f"{unit}^-1"
+
 
 VISCOSITY_UNITS = {"Pa s": 1.0, "mPa s": 1e-3, "kPa s": 1e3, "MPa s": 1e6, "P": 0.1, "cP": 1e-3}
 RECEPTANCE_UNITS = {
@@ -36,15 +46,9 @@ RECEPTANCE_UNITS = {
     for force, newton in FORCE_UNITS.items()
 }
 """Displacement over force, as modal tests measure it."""
-_OVER_PRESSURE = {
-    "1/Pa": 1.0,
-    "1/kPa": 1e-3,
-    "1/MPa": 1e-6,
-    "1/GPa": 1e-9,
-    "Pa^-1": 1.0,
-    "MPa^-1": 1e-6,
+COMPLIANCE_UNITS = RECEPTANCE_UNITS | {
+    inverse: 1.0 / pascal for unit, pascal in PRESSURE_UNITS.items() for inverse in _inverses(unit)
 }
-COMPLIANCE_UNITS = _OVER_PRESSURE | RECEPTANCE_UNITS
 DAMPING_UNITS = {
     f"{force}{space}s/{length}": newton / metre
     for force, newton in FORCE_UNITS.items()
@@ -73,6 +77,8 @@ UNITS: dict[str, dict[str, float]] = {
     "energy": WORK_UNITS,
     "storage_compliance": COMPLIANCE_UNITS,
     "loss_compliance": COMPLIANCE_UNITS,
+    "relaxation": MODULUS_UNITS,
+    "compliance": COMPLIANCE_UNITS,
     "phase": ANGLE_UNITS,
     "loss_factor": STRAIN_UNITS,
     "damping_ratio": STRAIN_UNITS,
@@ -95,11 +101,26 @@ USUAL = {
     "energy": "N mm",
     "storage_compliance": "1/Pa",
     "loss_compliance": "1/Pa",
+    "relaxation": "Pa",
+    "compliance": "1/Pa",
+    "displacement": "mm",
+    "force": "N",
+    "time": "s",
     "phase": "deg",
     "temperature": "degC",
     "amplitude": "%",
 }
 """What to write in an example."""
+VALUES = MODULI | {
+    "phase",
+    "loss_factor",
+    "damping_ratio",
+    "out_of_phase_viscosity",
+    "loss_compliance",
+    "storage_sd",
+    "loss_sd",
+}
+"""What differs from curve to curve of sweeps."""
 KNOWN = frozenset(
     unit
     for table in (
@@ -157,24 +178,94 @@ def is_unit(text: str) -> bool:
     return normal_unit(text) in KNOWN
 
 
-@lru_cache(maxsize=2048)
+@dataclass(frozen=True, eq=False)
+class Vocabulary:
+    """What titles mean in one kind of table: sweeps, or tests in time.
+
+    Whatever is known of layouts holds for both.
+
+    Parameters
+    ----------
+    role : callable
+        From a name to the role that it stands for, or None.
+    plain : callable
+        From a title of name and unit to its heading.
+    by_unit : callable
+        From a heading to the one that its unit makes of it.
+    units : mapping of str to dict of str to float
+        The units of each role that has any.
+    said : collection of str
+        Roles that a user may say of a column.
+    clocks, values : frozenset of str
+        Roles along which a curve runs, and those that differ from curve to curve.
+    complete : callable
+        Whether columns of these roles are a whole table.
+    """
+
+    role: Callable[[str], str | None]
+    plain: Callable[[str], Heading]
+    by_unit: Callable[[Heading], Heading]
+    units: Mapping[str, dict[str, float]]
+    said: Collection[str]
+    clocks: frozenset[str]
+    values: frozenset[str]
+    complete: Callable[[set[str]], bool]
+
+    @lru_cache(maxsize=4096)  # noqa: B019  (there are two of them, and they stay)
+    def heading(self, title: str, below: str | None = None) -> Heading:
+        """Role, name and unit of a title; `below` is what a row of units says."""
+        if len(title) > _LONGEST:
+            return Heading(title[:_LONGEST], title[:_LONGEST], None, below)
+        title = " ".join(title.split())
+        own = self.by_unit(self._marked(title) or self.plain(title))
+        if below is None or not below.strip():
+            return own
+        name = title
+        if own.written or own.curve:
+            name = own.name
+        # The row of units stands for the whole column, so that its unit goes before one within the
+        # title.
+        unit = unbracketed(below.strip()).strip()
+        role = self.role(title) or own.role
+        return self.by_unit(Heading(title, name, role, unit, written=own.written, curve=own.curve))
+
+    @lru_cache(maxsize=4096)  # noqa: B019
+    def plainly(self, named: Heading) -> Heading:
+        """A title such as ``G'_A [Pa]`` as that of one of several curves; others as they are."""
+        if named.role is None and (marked := curve_in_suffix(named.name)) is not None:
+            name, curve = marked
+            role = self.by_unit(replace(named, name=name, role=self.role(name))).role
+            # Time, temperature and amplitude are shared by the curves, or several sensors'.
+            if role in self.units and role not in ("time", "temperature", "amplitude"):
+                return replace(named, role=role, name=name, curve=curve)
+        return named
+
+    def _marked(self, title: str) -> Heading | None:
+        """The title of one of several curves, or of logarithms."""
+        if self.role(title) is not None:
+            # A name that is known as a whole, such as log10 a_T, is not taken apart.
+            return None
+        if (marked := curve_in_title(title)) is not None:
+            stem, curve = marked
+            if stem != title and self._is_along_curve(self.heading(stem).role, curve):
+                return replace(self.heading(stem), title=title, curve=curve)
+        if (taken := logarithm(title)) is not None:
+            base, inner = taken
+            plain = self.plain(inner)
+            if plain.role in self.clocks or plain.role in {*self.units} - {"time", "temperature"}:
+                return replace(plain, title=title, written=base)
+        return None
+
+    def _is_along_curve(self, role: str | None, curve: CurveName) -> bool:
+        """Whether a column of this role may belong to one of several curves, not say which."""
+        if role not in self.units or role in (curve.role, "time"):
+            return False
+        return role not in FREQUENCIES or curve.role not in FREQUENCIES
+
+
 def heading(title: str, below: str | None = None) -> Heading:
-    """Role, name and unit of a title; `below` is what a row of units says."""
-    if len(title) > _LONGEST:
-        return Heading(title[:_LONGEST], title[:_LONGEST], None, below)
-    title = " ".join(title.split())
-    if below is None or not below.strip():
-        return _by_unit(_marked(title) or _plain(title))
-    own = heading(title)
-    name = title
-    if own.written or own.curve:
-        name = own.name
-    # The row of units stands for the whole column, so that its unit goes before one within the
-    # title.
-    unit = unbracketed(below.strip()).strip()
-    return _by_unit(
-        Heading(title, name, role_of(title) or own.role, unit, written=own.written, curve=own.curve)
-    )
+    """Role, name and unit of a title in a table of sweeps; see `Vocabulary.heading`."""
+    return SWEEPS.heading(title, below)
 
 
 def unbracketed(unit: str) -> str:
@@ -208,31 +299,7 @@ def _by_unit(named: Heading) -> Heading:
     return named
 
 
-def _marked(title: str) -> Heading | None:
-    """The title of one of several curves, or of logarithms."""
-    if role_of(title) is not None:
-        # A name that is known as a whole, such as log10 a_T, is not taken apart.
-        return None
-    if (marked := curve_in_title(title)) is not None:
-        stem, curve = marked
-        if stem != title and _is_along_curve(heading(stem).role, curve):
-            return replace(heading(stem), title=title, curve=curve)
-    if (taken := logarithm(title)) is not None:
-        base, inner = taken
-        plain = _plain(inner)
-        if plain.role in UNITS and plain.role not in ("time", "temperature"):
-            return replace(plain, title=title, written=base)
-    return None
-
-
-def _is_along_curve(role: str | None, curve: CurveName) -> bool:
-    """Whether a column of this role may belong to one of several curves, not say which it is."""
-    if role not in UNITS or role in (curve.role, "time"):
-        return False
-    return role not in FREQUENCIES or curve.role not in FREQUENCIES
-
-
-def _plain(title: str) -> Heading:
+def plain_title(title: str) -> Heading:
     """A title of name and unit."""
     if (match := _BRACKETS.match(title)) and match[1]:
         return Heading(title, match[1], _stem_role(match[1]), match[2].strip())
@@ -349,7 +416,7 @@ def _behind_unit(title: str) -> Heading | None:
     bare = without_swing(title)
     if bare in ("", title):
         return None
-    named = _plain(bare)
+    named = plain_title(bare)
     if named.role not in ("amplitude", "force_amplitude"):
         return None
     return replace(named, title=title)
@@ -360,21 +427,27 @@ def _sign_of(word: str) -> str:
     return {"pct": "%", "percent": "%", "c": "degC", "k": "K"}.get(word.lower(), word)
 
 
-@lru_cache(maxsize=2048)
-def plainly(named: Heading) -> Heading:
-    """A title such as ``G'_A [Pa]`` as that of one of several curves; others as they are."""
-    if named.role is None and (marked := curve_in_suffix(named.name)) is not None:
-        name, curve = marked
-        role = role_of(name)
-        # Time, temperature and amplitude are shared by the curves, or several sensors'.
-        if role in UNITS and role not in ("time", "temperature", "amplitude"):
-            return replace(named, role=role, name=name, curve=curve)
-    return named
-
-
 def apart_from_sign(unit: str) -> tuple[float, str]:
     """Sign and unit of ``-kN``."""
     # A sign alone is the unit of a strain.
     if unit.startswith("-") and len(unit) > 1:
         return -1.0, unit[1:]
     return 1.0, unit
+
+
+def is_dynamic(roles: set[str]) -> bool:
+    """Whether columns of these roles give a complex modulus against frequency."""
+    modulus = {"storage", "loss"} <= roles or (
+        bool(roles & {"storage", "loss", "magnitude", "viscosity"})
+        and bool(roles & {"phase", "loss_factor", "damping_ratio"})
+    )
+    modulus |= "damping" in roles and bool(roles & {"storage", "magnitude"})
+    modulus |= {"force_amplitude", "amplitude"} <= roles and bool(roles & {"phase", "loss_factor"})
+    modulus |= {"energy", "amplitude"} <= roles and bool(roles & {"storage", "magnitude"})
+    modulus |= {"dynamic_viscosity", "out_of_phase_viscosity"} <= roles
+    modulus |= {"storage_compliance", "loss_compliance"} <= roles
+    return modulus and bool(roles & FREQUENCIES)
+
+
+SWEEPS = Vocabulary(role_of, plain_title, _by_unit, UNITS, ROLES, FREQUENCIES, VALUES, is_dynamic)
+"""Tables of a frequency and a complex modulus."""

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from .blocks import is_dynamic
 from .grid import COMMENT, Grid, is_number
-from .titles import heading
+from .titles import SWEEPS, Vocabulary
 
 _MOST_ROWS = 60
 
 
-def upright(grid: Grid) -> Grid | None:
+def upright(grid: Grid, words: Vocabulary = SWEEPS) -> Grid | None:
     """The table set upright, if each row begins with a name and goes on with numbers.
 
     None for other tables.
@@ -26,7 +25,7 @@ def upright(grid: Grid) -> Grid | None:
     # row.
     if any(is_number(row[0]) or not all(map(is_number, row[1:])) for row in rows):
         return None
-    if not is_dynamic({str(heading(row[0].strip()).role) for row in rows}):
+    if not words.complete({str(words.heading(row[0].strip()).role) for row in rows}):
         return None
     upright = [list(cells) for cells in zip(*rows, strict=True)]
     # Lines are no longer rows: errors name the column of the table as its line.

@@ -13,11 +13,9 @@ from typing import TypeAlias
 from springpot.errors import DataError
 from springpot.measurement import normal_unit
 
-from .blocks import is_dynamic
 from .grid import COMMENT, MISSING, Grid, holds_number, is_number
 from .names import FREQUENCIES, fold, names_a_modulus
-from .side_by_side import VALUES
-from .titles import UNITS, heading
+from .titles import UNITS, VALUES, heading, is_dynamic
 from .written import value_of
 
 _SEARCHED = 200

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Sequence
 
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.measurement import LENGTH_UNITS
+from springpot.measurement import LENGTH_UNITS, normal_unit
 from springpot.rheology import Real
 
-from ..readers.names import role_of
-from ..readers.titles import heading
-from .sections import Section
+from ..readers.blocks import Block
+from ..readers.table import Column
+from .words import MEASURED
 
 EXAMPLES = {
     "time": "s",
@@ -26,57 +26,61 @@ _THERE_AND_BACK = 2
 """Passages of the middle by a record that is no oscillation."""
 
 
-def lacking(section: Section, path: Path) -> DataError:
+def lacking(block: Block, columns: Sequence[Column]) -> DataError:
     """What a table with a time needs to be a test."""
-    there = ", ".join(title.text for title in section.titles[:12])
-    if section.roles >= {"displacement", "force"}:
+    there = ", ".join(each.title for each in block.headings[:12])
+    roles = {each.name for each in columns}
+    if roles >= {"displacement", "force"}:
         return DataError(
-            f"{path}: displacement and force are in units that make no stiffness (columns: {there})"
+            f"displacement and force are in units that make no stiffness (columns: {there})"
         )
-    if any(role_of(title.text.partition("[")[0]) == "flow" for title in section.titles):
+    if any(each.role == "flow" for each in block.headings):
         # A rate or a viscosity beside a stress: no column of it, whatever it is called, would make
         # it a test.
         return DataError(
-            f"{path}: steady flow, neither an oscillation nor a test in time; give the step that"
+            "steady flow, neither an oscillation nor a test in time; give the step that"
             f" oscillates, creeps or relaxes (columns: {there})"
         )
     lacks, has = "force", "displacement"
-    if "force" in section.roles:
+    if "force" in roles:
         lacks, has = has, lacks
-        if (place := _distance(section)) is not None:
-            return DataError(f"{path}: {_instead(section, place, path)} (columns: {there})")
+        if (place := _distance(block)) is not None:
+            return DataError(f"{_instead(block, columns, place)} (columns: {there})")
     return DataError(
-        f"{path}: a {has} without a {lacks} is no test; add {lacks} [{EXAMPLES[lacks]}], or say"
+        f"a {has} without a {lacks} is no test; add {lacks} [{EXAMPLES[lacks]}], or say"
         f" which column is the relaxation modulus: 'FILE?2=relaxation[Pa]' (columns: {there})"
     )
 
 
-def _distance(section: Section) -> int | None:
+def _distance(block: Block) -> int | None:
     """The first column with a length that is no displacement by its name, such as a gap."""
     lengths = (
-        i for i, title in enumerate(section.titles) if not title.role and title.unit in LENGTH_UNITS
+        i
+        for i, each in enumerate(block.headings)
+        if each.role not in MEASURED and normal_unit(each.unit or "") in LENGTH_UNITS
     )
     return next(lengths, None)
 
 
-def _instead(section: Section, place: int, path: Path) -> str:
+def _instead(block: Block, columns: Sequence[Column], place: int) -> str:
     """What to make of a force against a distance, as of a sample compressed at a constant speed."""
-    title = section.titles[place]
-    what = f"no column of displacement beside the force, but '{title.text}'"
-    if _moves_once(section.column(place)):
+    title = block.headings[place]
+    unit = normal_unit(title.unit or "")
+    what = f"no column of displacement beside the force, but '{title.title}'"
+    if _moves_once(columns[place].numbers(gaps=True)):
         what += (
             ", which moves one way: a compression or pull is no oscillation and has no storage and"
             " loss modulus"
         )
-    if heading(title.text).role == "gap":
+    if title.role == "gap":
         # A gap is there before the specimen is touched, and falls where the force rises.
         return (
             f"{what}; for a test in time at small deformations add a column displacement"
-            f" [{title.unit}], the gap at first contact less each gap"
+            f" [{unit}], the gap at first contact less each gap"
         )
     return (
         f"{what}; if it counts from the first contact,"
-        f" 'FILE?{place + 1}=displacement[{title.unit}]' opens it as a test in time, for small"
+        f" 'FILE?{place + 1}=displacement[{unit}]' opens it as a test in time, for small"
         " deformations"
     )
 

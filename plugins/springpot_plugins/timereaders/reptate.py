@@ -19,6 +19,7 @@ from springpot.rheology import Real
 from ..readers.grid import is_number
 from ..readers.reptate import CLOCKS, first_line
 from ..readers.text import head_text, text_of
+from .tables import without_ties
 
 STEPS = {"gt", "g(t)"}
 """Names that may stand above the second column of a relaxation."""
@@ -51,11 +52,12 @@ def read(path: Path, choice: Choice) -> list[TimeTest]:
         )
     text = text_of(path)
     keys, rows = first_line(text), _rows(text, path)
-    t, y = rows[:, 0], rows[:, 1]
     temperature = None
     if "T" in keys:
         temperature = _number(keys, "T", path)
     origin = {"format": "RepTate", **{f"reptate.{key}": value for key, value in keys.items()}}
+    rows = rows[without_ties(rows[:, 0], origin)]
+    t, y = rows[:, 0], rows[:, 1]
     given = {"temperature": temperature, "name": path.stem, "provenance": origin}
     if "gdot" in keys:
         rate = _number(keys, "gdot", path)
@@ -63,6 +65,11 @@ def read(path: Path, choice: Choice) -> list[TimeTest]:
         # The file holds the growth of the viscosity, which times the rate is the stress.
         return [TimeTest(t, y * rate, ramp, letter="G", **given)]  # type: ignore[arg-type]
     if "stress" in keys:
+        if keys.get("rec", "0") not in ("0", ""):
+            origin["note recovery"] = (
+                "the strain that came back once the stress was taken away, read as the creep"
+                " without its flow: the recoverable compliance"
+            )
         step = Loading.step(_number(keys, "stress", path))
         return [TimeTest(t, y, step, "force", letter="G", **given)]  # type: ignore[arg-type]
     return [replace(TimeTest.of_relaxation(t, y, "Pa", **given), letter="G")]  # type: ignore[arg-type]

@@ -339,3 +339,9 @@ def test_the_size_of_numbers_changes_nothing_of_what_was_exchanged(size):
         == exchange_note(Measurement(omega, swapped / size))
         != {}
     )
+
+
+def test_thousands_in_the_first_row_lose_no_row(folder):
+    """A row of which most numbers part their thousands is one of the table."""
+    found = folder.open("f [Hz];G' [Pa];G'' [Pa]\n1;1,234.5;2,345.6\n2;1,300.5;2,400.5\n")
+    assert found.storage.tolist() == [1234.5, 1300.5]
