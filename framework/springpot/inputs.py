@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from springpot.errors import DataError
-from springpot.plain_data import LARGEST_NUMBER
+from springpot.limits import LARGEST_NUMBER
 
 LARGEST = 64 << 20
 """Bytes of a file that is read in one piece.

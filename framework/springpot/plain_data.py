@@ -12,10 +12,9 @@ from math import nan
 from typing import Any, TypeVar
 
 from springpot.errors import DataError
+from springpot.limits import LARGEST_NUMBER
 
 T = TypeVar("T")
-LARGEST_NUMBER = 1e150
-"""In an answer: the square of a larger one is no number any more, and it is told as infinity is."""
 
 
 def jsonable(value: Any) -> Any:
