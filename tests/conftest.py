@@ -16,8 +16,9 @@ from hypothesis import HealthCheck, settings
 
 from command_line import damper, springpot, write
 from remembered import remember
+from whole_answers import stays
 
-__all__ = ["damper", "springpot", "write"]
+__all__ = ["damper", "springpot", "stays", "write"]
 """Fixtures that are made elsewhere."""
 
 # A busy machine draws slowly: that says nothing of what is tested.

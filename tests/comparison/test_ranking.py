@@ -137,7 +137,17 @@ def test_the_members_of_a_family_end_where_one_more_says_nothing():
     )
     ranking = ranked(measured("zener-2", [100.0, 80.0, 8.0, 120.0, 1.0]), [family])
     assert ranking.best.model.name == "prony-2"
-    assert "prony-4" not in {one.model.name for one in ranking.judgements}
+    assert [one.model.name for one in ranking.judgements] == ["prony-2"]
+
+
+def test_members_of_a_family_are_tried_up_to_six_while_each_says_more():
+    family = next(
+        item for item in springpot.registry.plugins().items("model") if item.name == "prony-N"
+    )
+    omega = np.geomspace(1e-3, 1e3, 20)
+    ranking = ranked(measured("springpot", [100.0, 0.5], omega=omega, level=1e-4), [family], ())
+    names = {one.model.name for one in ranking.judgements}
+    assert names == {f"prony-{number}" for number in range(2, 7)}
 
 
 @pytest.mark.soak

@@ -27,7 +27,7 @@ from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Real
 from springpot.rheology.thermal import arrhenius, wlf
 
-from .material import ITERATIONS, QUICK, STILL, Spectral, SpectrumSearch, Trial
+from .material import ITERATIONS, STILL, Spectral, SpectrumSearch, Trial
 from .problem import Objective, relative_objective
 from .ranges import Window, settings
 from .starts import thinned
@@ -404,12 +404,8 @@ def _deepest(
         trials = sorted(
             (search.solve(search.u_of(own)) for own in some), key=lambda trial: trial.cost
         )
-        ends += [search.descend(trial, QUICK, still, hopeless) for trial in trials[:KEPT]]
-    best, rested = min(ends, key=lambda end: end[0].cost)
-    if rested:
-        return best, rested
-    # Most come to the same end: the lowest alone goes on to its rest.
-    return search.descend(best, ITERATIONS, still, hopeless)
+        ends += [search.descend(trial, ITERATIONS, still, hopeless) for trial in trials[:KEPT]]
+    return min(ends, key=lambda end: end[0].cost)
 
 
 def least_error(model: Model, measurement: Measurement, known: Sequence[Real]) -> float:

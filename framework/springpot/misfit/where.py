@@ -437,7 +437,12 @@ def _conditions(measurement: Measurement) -> str:
 
 
 def _simplest_plane(frame: NoiseFrame) -> str:
-    """The plane in which a straight line in omega^0, omega^1 or omega^2 explains most misfit."""
+    """The plane in which a straight line in omega^0, omega^1 or omega^2 explains most misfit.
+
+    At one frequency there is no line, and it is the plane of stiffness.
+    """
+    if not np.ptp(frame.measurement.omega):
+        return Parallel.plane
     modelled = Response(relative_to(frame.model_stiffness, frame.measurement))
     share: dict[str, float] = {}
     # Over their geometric mean, so that no power of the frequencies is beyond what numbers hold.
@@ -454,4 +459,5 @@ def _simplest_plane(frame: NoiseFrame) -> str:
         least = 1e-6 * np.sqrt(np.sum(lines**2, axis=0))
         along = (frame.rest @ left) / np.maximum(length, least)
         share[plane] = float(np.max(np.abs(along)))
-    return max(share, key=lambda plane: share[plane])
+    # Of planes in which it is alike the first: rounding chooses nothing.
+    return max(share, key=lambda plane: float(f"{share[plane]:.5g}"))

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -29,16 +29,6 @@ from springpot.rheology.points import KELVIN, Points, Real
 
 from .handoff import Handoff, Writer
 from .prony import BULKS, Prony, prony_of
-
-if TYPE_CHECKING:
-    from springpot.rheology.points import Real
-
-    from .prony import Prony
-
-
-LEAST = 1e-6
-"""Long-term over instantaneous modulus below which a material flows for every solver."""
-
 
 _EDGE = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s.].*?)\s*")
 """A frequency and its unit."""

@@ -84,7 +84,8 @@ def with_choice(headings: Sequence[Heading], choice: Choice, words: Vocabulary =
         if name in WHOLE:
             continue
         role = _role(name, words)
-        constant = _CONSTANT.match(meaning)
+        # 1/Pa is a unit, and no value of one per pascal.
+        constant = None if is_unit(meaning) else _CONSTANT.match(meaning)
         # A column that is called by its number is one of the file's, whatever is said of it.
         if role is not None and not name.isdigit() and constant is not None:
             constants[f"{role} [{constant[2]}]"] = constant[1]

@@ -234,3 +234,11 @@ def test_rows_of_one_time_are_left_out_by_one_rule(tmp_path):
         assert test.provenance["note time"].startswith(
             "1 of 4 rows have the time of the row before"
         )
+
+
+def test_a_unit_that_is_one_over_another_is_said_as_any_other(tmp_path):
+    path = tmp_path / "creep.csv"
+    path.write_text("Time,Creep Compliance\n1,2e-6\n2,3e-6\n4,4e-6\n8,5e-6\n16,6e-6\n")
+    (test,) = open_in_time(f"{path}?time=s,compliance=1/kPa")
+    (in_pascal,) = open_in_time(f"{path}?time=s,compliance=1/Pa")
+    assert (test.units.stiffness, in_pascal.units.stiffness) == ("kPa", "Pa")

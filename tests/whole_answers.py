@@ -1,0 +1,134 @@
+"""Whole answers of small cases, each kept in a file beside its test.
+
+A test hands over all that it was told; the file ``answers/NAME.json`` in the folder of the test
+says what that was. ``SPRINGPOT_KEEP=1 pytest TESTS`` writes anew what a change moved on purpose.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import os
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+DIGITS = 7
+WITHIN = 1e-4
+"""Relative difference that another machine's rounding may make."""
+NEXT_TO_NOTHING = 1e-8
+NUMBER = re.compile(r"-?\d+\.\d{6,}(?:e[-+]\d+)?")
+"""One in full, as files hold them; what is rounded for a reader must stay to the letter."""
+MOST = 20
+"""Places that are told of an answer that moved."""
+LONGEST = 12
+"""Numbers of an array that are kept one by one; of a longer one its size and four sums."""
+
+
+def plain(part: Any) -> Any:
+    """What JSON holds of an answer: fields of objects by name, long arrays by their sums."""
+    if isinstance(part, np.ndarray):
+        return _of_array(part)
+    if isinstance(part, np.generic):
+        return plain(part.item())
+    if isinstance(part, complex):
+        return [plain(part.real), plain(part.imag)]
+    if isinstance(part, float):
+        return float(f"{part:.{DIGITS}g}") if math.isfinite(part) else str(part)
+    if isinstance(part, str | int | None):
+        return part
+    if isinstance(part, Mapping):
+        return {str(key): plain(value) for key, value in part.items()}
+    if dataclasses.is_dataclass(part):
+        return {each.name: plain(getattr(part, each.name)) for each in dataclasses.fields(part)}
+    if hasattr(part, "savefig"):
+        return [_of_axes(axes) for axes in part.axes]
+    if hasattr(part, "_asdict"):
+        return plain(part._asdict())
+    return [plain(each) for each in part]
+
+
+def _a_line_each(answer: Any) -> str:
+    """JSON with a line for each part, so that a change of one is a change of one line."""
+    if not isinstance(answer, dict):
+        return json.dumps(answer) + "\n"
+    lines = ",\n".join(f"{json.dumps(key)}: {json.dumps(part)}" for key, part in answer.items())
+    return f"{{\n{lines}\n}}\n"
+
+
+def _of_array(values: np.ndarray) -> Any:
+    if values.size <= LONGEST:
+        return [plain(each) for each in values.tolist()] if values.ndim else plain(values.item())
+    flat = np.nan_to_num(values.ravel().astype(complex))
+    along = np.linspace(-1.0, 1.0, flat.size)
+    sums = [flat.sum(), np.abs(flat).sum(), flat @ along, flat @ along**2]
+    kept = sums if np.iscomplexobj(values) else [each.real for each in sums]
+    return {"shape": list(values.shape), "sums": [plain(complex(each)) for each in kept]}
+
+
+def _of_axes(axes: Any) -> dict[str, Any]:
+    """What a reader of a figure sees: the axes, what is written, and where the curves run."""
+    legend = axes.get_legend()
+    return {
+        "title": axes.get_title(),
+        "x": [axes.get_xlabel(), axes.get_xscale(), *plain(np.array(axes.get_xlim()))],
+        "y": [axes.get_ylabel(), axes.get_yscale(), *plain(np.array(axes.get_ylim()))],
+        "legend": [text.get_text() for text in legend.get_texts()] if legend else [],
+        "texts": [text.get_text() for text in axes.texts],
+        "lines": [
+            [str(line.get_color()), line.get_linewidth(), plain(np.array(line.get_xydata()))]
+            for line in axes.lines
+        ],
+        "areas": [
+            plain(np.concatenate([path.vertices for path in each.get_paths()] or [np.zeros(0)]))
+            for each in axes.collections
+        ],
+        "patches": [plain(np.array(patch.get_extents().size)) for patch in axes.patches],
+    }
+
+
+def moved(before: Any, after: Any, within: float, place: str = "") -> Iterator[str]:
+    """Each place where two answers differ, numbers by more than rounding."""
+    if isinstance(before, dict) and isinstance(after, dict):
+        for key in {**before, **after}:
+            yield from moved(before.get(key), after.get(key), within, f"{place}.{key}")
+    elif isinstance(before, list) and isinstance(after, list) and len(before) == len(after):
+        for index, (old, new) in enumerate(zip(before, after, strict=True)):
+            yield from moved(old, new, within, f"{place}[{index}]")
+    elif isinstance(before, int | float) and isinstance(after, int | float):
+        if not math.isclose(before, after, rel_tol=within, abs_tol=NEXT_TO_NOTHING):
+            yield f"{place}: {before!r} -> {after!r}"
+    elif isinstance(before, str) and isinstance(after, str):
+        # Texts are alike where their words are, and their numbers but for rounding.
+        words = NUMBER.split(before) == NUMBER.split(after)
+        numbers = zip(NUMBER.findall(before), NUMBER.findall(after), strict=False)
+        if not words or any(
+            list(moved(float(old), float(new), within)) for old, new in numbers if old != new
+        ):
+            yield f"{place}: {before!r} -> {after!r}"
+    elif before != after:
+        yield f"{place}: {before!r} -> {after!r}"
+
+
+@pytest.fixture
+def stays(request: pytest.FixtureRequest) -> Any:
+    """Hold an answer against the one that is kept under the name of the test."""
+    folder = Path(request.path).parent / "answers"
+    name = request.node.name.removeprefix("test_").replace("[", "-").replace("]", "")
+    file = folder / f"{name}.json"
+
+    def check(answer: Any, within: float = WITHIN) -> None:
+        now = plain(answer)
+        if "SPRINGPOT_KEEP" in os.environ:
+            folder.mkdir(exist_ok=True)
+            file.write_text(_a_line_each(now), encoding="utf-8")
+        before = json.loads(file.read_text(encoding="utf-8"))
+        found = list(moved(before, json.loads(json.dumps(now)), within))
+        assert not found, "\n".join(found[:MOST])
+
+    return check
