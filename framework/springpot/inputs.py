@@ -27,8 +27,8 @@ LARGEST_TOML = 1 << 18
 """Bytes of a description that somebody wrote by hand; its reader is a slow one."""
 MOST_CONTAINERS = 1_000_000
 """Lists and objects of a file of JSON: each takes thirty times the memory of its brackets."""
-_MOST_DIGITS = 300
-"""Of a whole number: a float holds 308."""
+_LARGEST_NUMBER = 1e150
+"""In what springpot wrote: the square of a larger one is no number any more."""
 _DEEP_KEY = re.compile(r"""(?:\.\s*(?:[\w-]+|"[^"\n]*"|'[^'\n]*')\s*){50}""")
 """A dotted name of more than fifty parts.
 
@@ -131,7 +131,7 @@ def json_of(text: str, finite: bool = False) -> Any:
         raise ValueError(f"more than {MOST_CONTAINERS} lists and objects")
     try:
         if finite:
-            return json.loads(text, parse_float=_finite, parse_int=_whole, parse_constant=_finite)
+            return json.loads(text, parse_float=_usable, parse_int=_whole, parse_constant=_usable)
         return json.loads(text)
     # Nested brackets are read by recursion.
     except RecursionError:
@@ -145,11 +145,17 @@ def _finite(word: str) -> float:
     return value
 
 
+def _usable(word: str) -> float:
+    value = float(word)
+    # Nor is what is no number below anything.
+    if not abs(value) <= _LARGEST_NUMBER:
+        raise ValueError(f"{word:.20} is no number that can be used")
+    return value
+
+
 def _whole(word: str) -> int:
-    # What no float can hold would be a fault wherever it is used as one; Python reads no longer
-    # words at all.
-    if len(word) > _MOST_DIGITS:
-        raise ValueError(f"{word:.20}... is no number that can be used")
+    # As a float first: Python refuses to read longer whole numbers at all.
+    _usable(word)
     return int(word)
 
 

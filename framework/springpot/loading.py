@@ -20,6 +20,7 @@ from springpot.identification.problem import Objective, default_objective
 from springpot.identification.result import Identification
 from springpot.inputs import json_of, text_in
 from springpot.measurement.measurement import Measurement
+from springpot.plain_data import as_declared
 from springpot.registry import parse_model, plugins
 
 AGAIN = "give the output of a command of springpot with --json"
@@ -67,7 +68,7 @@ def load(path: str | Path) -> Loaded:
             f"{path} holds no answer that can be loaded ({schema or 'no schema'}): {AGAIN}"
         )
     try:
-        return _KNOWN[schema](answer)
+        return as_declared(_KNOWN[schema](answer))
     except (DataError, ModelError) as error:
         raise type(error)(f"{path}: {error}") from None
     # A file that was cut off or edited by hand fails anywhere: to its user these are one fault.

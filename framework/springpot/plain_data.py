@@ -5,7 +5,9 @@ Finite numbers only, no library's own types, and what a file cannot hold is told
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import fields, is_dataclass
+from functools import cached_property
 from math import isfinite, nan
 from typing import Any, TypeVar
 
@@ -45,6 +47,79 @@ def number(value: float | None, missing: float = nan) -> float:
     if value is None:
         return missing
     return float(value)
+
+
+def some(rows: Iterable[T]) -> tuple[T, ...]:
+    """What was read of a list that is never empty.
+
+    Raises
+    ------
+    ValueError
+        If there is nothing.
+    """
+    found = tuple(rows)
+    if not found:
+        raise ValueError("a list is empty that never is")
+    return found
+
+
+def _texts(value: Any) -> bool:
+    return isinstance(value, tuple) and all(isinstance(each, str) for each in value)
+
+
+def _numbers(values: Iterable[Any]) -> bool:
+    return all(isinstance(each, float | int) for each in values)
+
+
+_DECLARED: dict[str, Callable[[Any], bool]] = {
+    "str": lambda value: isinstance(value, str),
+    "str | None": lambda value: value is None or isinstance(value, str),
+    "bool": lambda value: isinstance(value, bool),
+    "int": lambda value: isinstance(value, int) and not isinstance(value, bool),
+    "float": lambda value: isinstance(value, float | int),
+    "float | None": lambda value: value is None or isinstance(value, float | int),
+    "tuple[str, ...]": _texts,
+    "Verdict": lambda value: isinstance(value, str),
+    "EffectVerdict": lambda value: isinstance(value, str),
+    "tuple[tuple[str, ...], ...]": lambda value: all(each and _texts(each) for each in value),
+    "dict[str, float]": lambda value: isinstance(value, dict) and _numbers(value.values()),
+    "Mapping[str, str]": lambda value: isinstance(value, dict) and _texts(tuple(value.values())),
+}
+"""What a class declares of a plain attribute, and whether a value is such a one."""
+
+
+def as_declared(result: T) -> T:
+    """A result that was read, after a check that its plain attributes are what its class declares.
+
+    Those of the results within as well; what is no result was made by its own class, and checked.
+
+    Raises
+    ------
+    ValueError
+        If one is not: a file that was changed by hand would fail wherever it is used.
+    """
+    kind, kept = type(result), vars(result)
+    declared = {each.name: each.type for each in fields(result)}  # type: ignore[arg-type]
+    # What is else worked out once stands in a file as well.
+    for name in kept:
+        if isinstance(member := getattr(kind, name, None), cached_property):
+            declared[name] = member.func.__annotations__["return"]
+    for name, value in kept.items():
+        holds = _DECLARED.get(str(declared.get(name)))
+        if holds is not None and not holds(value):
+            raise ValueError(f"{name} of a {kind.__name__} cannot be {value!r:.40}")
+        for part in _parts(value):
+            as_declared(part)
+    return result
+
+
+def _parts(value: Any) -> Iterator[Any]:
+    """The results that an attribute holds."""
+    if isinstance(value, Mapping):
+        value = tuple(value.values())
+    if not isinstance(value, tuple | list):
+        value = (value,)
+    yield from (each for each in value if is_dataclass(each) and hasattr(each, "from_dict"))
 
 
 def alive(part: object, kind: type[T], what: str) -> T:

@@ -1,6 +1,7 @@
 """What is kept of a run: every improvement and, on noisy data, its worth without the noise."""
 
 import sqlite3
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -160,6 +161,34 @@ def test_an_older_store_is_brought_up_to_date_when_the_study_runs_again(tmp_path
         assert store._version() == SCHEMA
         [(_, rows)] = store.trials()
     assert [row.oracle_trace() is None for row in rows] == [True] * 4 + [False]
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ("UPDATE fact SET value = 'x'", "description of the study is damaged"),
+        ("UPDATE problem SET truth = 'x'", "cells are damaged and left out"),
+        ("UPDATE problem SET known = 'x'", "cells are damaged and left out"),
+        ("UPDATE trial SET status = 'x'", "is damaged and counted as failed"),
+        ("UPDATE trial SET best = 'x'", "is damaged and counted as failed"),
+        ("ALTER TABLE trial DROP COLUMN seconds", "damaged or no study store"),
+    ],
+)
+def test_what_an_older_store_could_not_hold_is_damaged_when_it_is_brought_up_to_date(
+    tmp_path, capsys, change, told
+):
+    _, path = old_store(tmp_path)
+    with sqlite3.connect(path) as db:
+        db.execute(change)
+    db.close()
+    try:
+        with Store(path, write=True) as store:
+            store.bests()
+            list(store.trials())
+    except StudyError as error:
+        print(error, file=sys.stderr)
+    [line] = capsys.readouterr().err.splitlines()
+    assert told in line
 
 
 def test_what_was_damaged_in_an_older_store_is_damaged_in_the_new_one(tmp_path, capfd):

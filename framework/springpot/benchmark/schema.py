@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
 from dataclasses import fields
 from functools import cache
@@ -297,3 +297,35 @@ def problem_of(row: sqlite3.Row) -> ProblemRow:
     """The problem of a row of `PROBLEMS`."""
     kept = {column.name: row[column.name] for column in fields(ProblemRow)}
     return ProblemRow(**kept | {"truth": json.loads(row["truth"])})
+
+
+def cells_told(value: str) -> list[tuple[str, str]]:
+    """Label and digest of each cell of the last run, as a fact tells them."""
+    return [(str(label), str(digest)) for label, digest in json.loads(value)]
+
+
+def optima_told(value: str) -> dict[int, float]:
+    """The optimum of each problem by its number, as a fact tells them."""
+    return {int(number): float(best) for number, best in json.loads(value).items()}
+
+
+_FACTS: dict[str, Callable[[str], object]] = {
+    "cells": cells_told,
+    "optima": optima_told,
+    "repetitions": int,
+}
+
+
+def readable(table: str, row: sqlite3.Row) -> bool:
+    """Whether a row that has no seal yet holds what its columns are for."""
+    try:
+        if table == "fact":
+            _FACTS.get(row["name"], str)(row["value"])
+        if table == "problem":
+            problem_of(row)
+        if table == "trial":
+            trial_of(row)
+    except (ValueError, TypeError, AttributeError):
+        return False
+    kinds = _kinds(table)
+    return all(row[name] is None or isinstance(row[name], kind) for name, kind in kinds.items())

@@ -44,12 +44,15 @@ from .schema import (
     SEALED,
     UPGRADES,
     cell_columns,
+    cells_told,
     columns,
     create,
     expected,
     insertion,
+    optima_told,
     problem_columns,
     problem_of,
+    readable,
     save,
     trace_columns,
     trial_columns,
@@ -198,10 +201,14 @@ class Store:
     def _seal_all(
         self, table: str, query: str, damaged: Container[tuple[object, ...]] = ()
     ) -> None:
-        """Take what an older version wrote as it is, but for the rows of some keys."""
+        """Take what an older version wrote as it is.
+
+        But for the rows of some keys, and for those that nobody could read.
+        """
         keys = KEYS[table].split(", ")
         match = " AND ".join(f"{key} = ?" for key in keys)
-        rows = [(tuple(row[key] for key in keys), seal(row[:-1])) for row in self._rows(query)]
+        sealed = [row for row in self._rows(query) if readable(table, row)]
+        rows = [(tuple(row[key] for key in keys), seal(row[:-1])) for row in sealed]
         seals = [(checksum, *key) for key, checksum in rows if key not in damaged]
         self._db.executemany(f"UPDATE {table} SET seal = ? WHERE {match}", seals)
 
@@ -375,7 +382,7 @@ class Store:
 
         Those that are damaged are left out.
         """
-        shown: list[tuple[str, str]] = json.loads(self.facts().get("cells", "[]"))
+        shown = cells_told(self.facts().get("cells", "[]"))
         with one_line(self.path):
             problems = {row["id"]: problem_of(row) for row in self._rows(PROBLEMS) if sound(row)}
             rows = [row for row in self._rows(CELLS) if sound(row) and row["problem"] in problems]
@@ -403,7 +410,7 @@ class Store:
         Where trials ended at a target it is the optimum from which that was reckoned, so that they
         are judged by what they raced for.
         """
-        planned = {int(n): best for n, best in json.loads(self.facts().get("optima", "{}")).items()}
+        planned = optima_told(self.facts().get("optima", "{}"))
         with one_line(self.path):
             problems = [row for row in self._rows(PROBLEMS) if sound(row)]
             known = {row["id"]: row["known"] for row in problems if row["known"] is not None}

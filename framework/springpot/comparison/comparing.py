@@ -28,7 +28,7 @@ from springpot.misfit.residual_causes import column_behind, one_test_of
 from springpot.misfit.values import printed
 from springpot.misfit.where import Where, where
 from springpot.misfit.words import over_floor, percent, times
-from springpot.plain_data import alive, jsonable, number
+from springpot.plain_data import alive, jsonable, number, some
 from springpot.registry import parse_model
 from springpot.rheology.model import Model
 
@@ -354,7 +354,7 @@ class Comparison:
     @classmethod
     def from_dict(cls, answer: Mapping[str, Any]) -> Self:
         """What `to_dict` gave."""
-        judged = tuple(Judgement.from_dict(row) for row in answer["models"])
+        judged = some(Judgement.from_dict(row) for row in answer["models"])
         further = cls.further(answer, {one.model.name: one for one in judged})
         comparison = cls(
             answer["data"],

@@ -18,7 +18,7 @@ from springpot.identification.value import Value, values_of
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.refit import prediction_gain, refit
 from springpot.misfit.words import over_floor
-from springpot.plain_data import alive, jsonable, number
+from springpot.plain_data import alive, jsonable, number, some
 from springpot.registry import parse_model
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
@@ -139,7 +139,7 @@ class Step:
         return cls(
             model=parse_model(row["model"]),
             accepted=row["accepted"],
-            relative_rms=number(row["relative_rms"]),
+            relative_rms=float(row["relative_rms"]),
             noise_floor=number(row["noise_floor"]),
             material_floor=number(row["material_floor"]),
             predicted_error=row["predicted_error"],
@@ -202,7 +202,7 @@ class Ladder:
     @classmethod
     def from_dict(cls, answer: Mapping[str, Any]) -> Ladder:
         """What `to_dict` gave."""
-        steps = tuple(Step.from_dict(row) for row in answer["steps"])
+        steps = some(Step.from_dict(row) for row in answer["steps"])
         diagnosis = Diagnosis.from_dict(answer["diagnosis"])
         return cls(answer["data"], steps, answer["verdict"], diagnosis, answer["left_out"])
 

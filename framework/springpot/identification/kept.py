@@ -78,9 +78,11 @@ def measurement_of(kept: dict[str, Any]) -> Measurement:
     sd = None
     if kept["storage_sd"] is not None:
         sd = np.array(kept["storage_sd"]) + 1j * np.array(kept["loss_sd"])
-    repeat = None
+    repeat, reference = None, kept["reference"]
     if kept["repeat"] is not None:
         repeat = np.array(kept["repeat"])
+    if reference is not None:
+        reference = float(reference)
     conditions = {
         name: np.array(column, dtype=float) for name, column in kept["conditions"].items()
     }
@@ -92,8 +94,22 @@ def measurement_of(kept: dict[str, Any]) -> Measurement:
         repeat=repeat,
         units=Units(**kept["units"]),
         name=str(kept["name"]),
-        reference=kept["reference"],
+        reference=reference,
     )
+
+
+def ends_of(kept: Mapping[str, Any], count: int) -> tuple[Real, Real]:
+    """Both ends of the intervals of so many parameters, with infinity back in its place.
+
+    Raises
+    ------
+    ValueError
+        If they are not as many.
+    """
+    low, high = (np.array(kept[name], dtype=float) for name in ("low", "high"))
+    if low.shape != (count,) or high.shape != (count,):
+        raise ValueError(f"there are {count} parameters, and other intervals")
+    return np.where(np.isnan(low), -np.inf, low), np.where(np.isnan(high), np.inf, high)
 
 
 def fitted_model(model: Model, kept: Mapping[str, Any]) -> tuple[Model, Real]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from math import inf, nan
 from typing import Any
 
-from springpot.plain_data import jsonable, number
+from springpot.plain_data import jsonable, number, some
 from springpot.rheology.points import Real
 
 SWEEP = "sweep"
@@ -75,7 +75,7 @@ class PartResult:
 
 def parts_of(rows: Sequence[Mapping[str, Any]]) -> tuple[PartResult, ...]:
     """All tests of an answer, as their `to_dict` gave them."""
-    return tuple(PartResult.from_dict(row) for row in rows)
+    return some(PartResult.from_dict(row) for row in rows)
 
 
 def spare(tests: Sequence[PartResult], theta: Real) -> int:

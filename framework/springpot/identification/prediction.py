@@ -288,8 +288,8 @@ class Known:
             ) from None
         # By the linear law of error propagation, as the intervals of the parameters are.
         value, sd = _value_and_sd(self, rate, conditions)
-        reach = student(level, self.dof) * sd
         with np.errstate(invalid="ignore"):
+            reach = student(level, self.dof) * sd
             low, high = (
                 value.real + s * reach.real + 1j * (value.imag + s * reach.imag)
                 for s in (-1.0, 1.0)

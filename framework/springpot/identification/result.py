@@ -19,7 +19,7 @@ from springpot.measurement.covered import Covered
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test
 from springpot.measurement.units import Units
-from springpot.plain_data import jsonable, number
+from springpot.plain_data import as_declared, jsonable, number
 from springpot.rheology.continuum import EQUILIBRIUM, VISCOSITY
 from springpot.rheology.forms import SearchForm
 from springpot.rheology.model import Model
@@ -29,6 +29,7 @@ from springpot.rheology.points import Complex, Real
 from .kept import (
     bounds_of,
     coordinates_of,
+    ends_of,
     fitted_model,
     measurement_of,
     measurement_to_dict,
@@ -206,9 +207,8 @@ class Standing:
         standing = None
         if row is not None:
             floors = [number(row[name]) for name in ("noise_floor", "material_floor")]
-            standing = cls(
-                floors[0], row["noise_source"], floors[1], row["good_enough"], row["says"]
-            )
+            source, says = row["noise_source"], row["says"]
+            standing = as_declared(cls(floors[0], source, floors[1], row["good_enough"], says))
         return lambda fit: standing
 
 
@@ -539,9 +539,10 @@ class Identification(Known):
         told: dict[str, Any] = {name: answer[name] for name in ("optimiser", "status")}
         told |= {"seconds": float(answer["seconds"]), "notes": tuple(answer["notes"])}
         told |= {"seed": int(kept["seed"]), "judge": Standing.judge_of(answer)}
-        told["evaluations"], cost = int(answer["evaluations"]), number(answer["objective"]["value"])
-        low = np.array([number(end, -np.inf) for end in kept["low"]])
-        high = np.array([number(end, np.inf) for end in kept["high"]])
+        told["evaluations"], cost = int(answer["evaluations"]), float(answer["objective"]["value"])
+        if told["seed"] < 0 or not cost >= 0.0:
+            raise ValueError("the seed or the objective has no value that it can have")
+        low, high = ends_of(kept, len(theta))
         objective = str(answer["objective"]["name"])
         if "measurement" in kept:
             data = measurement_of(kept["measurement"])

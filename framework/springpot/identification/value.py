@@ -72,7 +72,7 @@ class Value:
     def from_dict(cls, row: Mapping[str, Any]) -> Value:
         """What `to_dict` gave."""
         low, high = number(row["low"], -inf), number(row["high"], inf)
-        return cls(number(row["value"]), low, high, row["unit"], bool(row.get("fixed")))
+        return cls(float(row["value"]), low, high, row["unit"], bool(row.get("fixed")))
 
 
 def values_of(rows: Mapping[str, Mapping[str, Any]]) -> dict[str, Value]:

@@ -71,7 +71,7 @@ class Error:
     def from_dict(cls, row: Mapping[str, Any]) -> Error:
         """What `to_dict` gave."""
         return cls(
-            relative_rms=number(row["relative_rms"]),
+            relative_rms=float(row["relative_rms"]),
             noise_floor=number(row["noise_floor"]),
             noise_source=row["noise_source"],
             doubt=row["doubt"],

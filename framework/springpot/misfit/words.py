@@ -16,7 +16,7 @@ def times(ratio: float) -> str:
     return f"{ratio:.2g} x"
 
 
-def over_floor(error: float, floor: float, digits: int = 3) -> str:
+def over_floor(error: float, floor: float | None, digits: int = 3) -> str:
     """An error in noise floors, such as ``1.24``; a dash where exact data have no floor.
 
     Examples
@@ -25,13 +25,15 @@ def over_floor(error: float, floor: float, digits: int = 3) -> str:
     >>> over_floor(0.024, 0.02), over_floor(0.024, 0.02, 2), over_floor(0.024, 0.0)
     ('1.20', '1.2', '-')
     """
-    if not floor > 0.0:
+    if floor is None or not floor > 0.0:
         return "-"
     return number(error / floor, digits)
 
 
-def percent(fraction: float) -> str:
-    """A share of |K| with three digits, such as ``0.572 %``."""
+def percent(fraction: float | None) -> str:
+    """A share of |K| with three digits, such as ``0.572 %``; a dash where there is none."""
+    if fraction is None:
+        return "-"
     return f"{100.0 * fraction:.3g} %"
 
 

@@ -444,7 +444,7 @@ def _compared(comparison: Comparison) -> TextTable:
             percent(error.relative_rms),
             *ratios,
             percent(error.material_floor),
-            number(judged.chi_square / dof, 3),
+            number(judged.chi_square / max(dof, 1), 3),
             number(judged.delta_bic, 3),
             str(judged.free_parameters),
         )

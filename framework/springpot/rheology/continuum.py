@@ -16,6 +16,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from springpot.errors import ModelError
+
 from .nodes import FULL, VALUE, Node, Response
 from .parameters import Parameter, stiffness, viscosity
 from .points import Complex, Points, Real
@@ -55,6 +57,10 @@ class Continuum(Node):
     rates: tuple[float, ...] = ()
     kind: str = "material"
     columns: ClassVar[tuple[str, ...]] = ("omega", "storage", "loss")
+
+    def __post_init__(self) -> None:
+        if not min(self.rates, default=1.0) > 0.0:
+            raise ModelError("rates of a spectrum are above zero")
 
     @cached_property
     def _parameters(self) -> tuple[Parameter, ...]:
