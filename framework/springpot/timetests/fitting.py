@@ -446,7 +446,9 @@ def _of_material(
     own = [seed[len(seed) - len(model.parameters) + around :] for seed in seeds]
 
     def fitted(some: Sequence[Part]) -> tuple[TimeSearch, Real, int]:
-        with_lines, theta, spent = spectral(model, some, reference, coordinates, own)
+        with_lines, theta, spent = spectral(
+            model, some, reference, coordinates, own, told=len(some) == len(parts)
+        )
         search = TimeSearch(with_lines, parts, reference, thorough=False)
         return search, search.coordinates.u(theta, search.size), spent
 

@@ -193,6 +193,7 @@ def spectral(
     reference: float,
     coordinates: Coordinates,
     seeds: Sequence[Real] = (),
+    told: bool = True,
 ) -> tuple[Model, Real, int]:
     """A material with the lines that tests in time show, and its parameters.
 
@@ -234,7 +235,8 @@ def spectral(
         ends.append((other, other.descended(other.placed(other.start()), STEPS)))
     evaluations = sum(each.evaluations for each in dict.fromkeys(each for each, _ in ends))
     search, (weights, u, _) = min(ends, key=lambda end: end[1].cost)
-    search.require_told(weights, u)
+    if told:
+        search.require_told(weights, u)
     # Lines without weight are no parameters: intervals would count them.
     kept = weights[2:] > 0.0
     theta = np.concatenate([weights[:2], weights[2:][kept], search.own(u)])
@@ -341,7 +343,9 @@ class _Search:
             own = slice(first, first + len(effect.element.parameters))
             first = own.stop
             reached = [start]
-            for values in tries_of(effect, next(filter(effect.applies_to, tests)), scales):
+            # A test that is fitted alone may be none that the effect is seen in.
+            seen_in = list(filter(effect.applies_to, tests))
+            for values in tries_of(effect, seen_in[0], scales) if seen_in else ():
                 theta = self.own(start.u)
                 theta[own] = values
                 there = self.coordinates.u(theta, self.size)
