@@ -152,3 +152,10 @@ def test_a_sweep_whose_noise_was_taken_too_large_is_judged_by_its_own():
     missed = 0.5 * np.random.default_rng(3).normal(size=60)
     assert scatter_of_sweep(missed, known=False).size == pytest.approx(0.5, rel=0.2)
     assert scatter_of_sweep(missed, known=True).size == 1.0
+
+
+def test_a_material_with_an_effect_of_one_test_is_fitted_to_the_others_alone_too():
+    # Weights come from fits of each test alone, of which most do not have the effect.
+    model = parse_model("material") + plugins().effect("test-gain").of_one("creep")
+    found = identify(three_tests(3, gain="creep")[1:], model)
+    assert found.parameters["test-gain:creep.g"].value == pytest.approx(0.2, abs=0.05)

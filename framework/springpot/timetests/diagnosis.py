@@ -28,6 +28,7 @@ from springpot.rheology.points import Real
 
 from .exponentials import UnfollowedError, quick_parts
 from .fitting import identify
+from .material import UntoldError
 from .native import TimeSearch
 from .residuals_of_tests import (
     InTimePart,
@@ -224,6 +225,10 @@ def _judged(
     # By their chances, so that what is rare stands behind what is common and explains the tests as
     # well.
     ranked = sorted(judged, key=lambda each: -each.evidence)
+    # What cannot be told from another material and helps no more than one is no candidate.
+    ranked = [each for each in ranked if each.effect.name not in left_out or each.helps]
+    for each in ranked:
+        left_out.pop(each.effect.name, None)
     return answer_of(parts, base, before, ranked, noise, promises, left_out)
 
 
@@ -301,6 +306,12 @@ def _of_material(
         try:
             seeds = [promise.start(base, model) for promise in promises[:STARTS]]
             fit = identify(tests, model, seeds=seeds, thorough=False, noise=known)
+        except UntoldError as error:
+            # Of no known size, it may explain the tests all the same.
+            left_out[effect.name] = str(error)
+            left = Left.by(error.model, error.theta, base.reference, parts)
+            tried.append(Tried(effect, error.model, error.theta, left, 0.0))
+            continue
         except SpringpotError as error:
             left_out[effect.name] = str(error)
             continue

@@ -37,7 +37,7 @@ from springpot.rheology.points import Real
 
 from .exponentials import quick_parts
 from .intervals import with_intervals
-from .material import spectral
+from .material import Spectral, UntoldError, spectral
 from .native import DOUBTFUL, Minimum, TimeSearch
 from .residuals_of_tests import (
     InTimePart,
@@ -445,19 +445,27 @@ def _of_material(
 
     own = [seed[len(seed) - len(model.parameters) + around :] for seed in seeds]
 
-    def fitted(some: Sequence[Part]) -> tuple[TimeSearch, Real, int]:
-        with_lines, theta, spent = spectral(model, some, reference, coordinates, own)
-        search = TimeSearch(with_lines, parts, reference, thorough=False)
-        return search, search.coordinates.u(theta, search.size), spent
+    def fitted(some: Sequence[Part]) -> tuple[TimeSearch, Real, Spectral]:
+        found = spectral(model, some, reference, coordinates, own)
+        search = TimeSearch(found.model, parts, reference, thorough=False)
+        return search, search.coordinates.u(found.theta, search.size), found
+
+    def alone_in(part: Part) -> tuple[TimeSearch, Real, int]:
+        search, u, found = fitted([part])
+        return search, u, found.evaluations
 
     # The lines are chosen anew by each fit: every one has a search of its own, in other
     # coordinates.
-    search, u, evaluations = fitted(parts)
+    search, u, found = fitted(parts)
+    evaluations = found.evaluations
     alone = [search.ratio(part, u) for part in parts]
     if len(parts) > 1:
-        parts, alone, spent = _weighed(parts, alone, lambda part: fitted([part]))
-        search, u, more = fitted(parts)
-        evaluations += spent + more
+        parts, alone, spent = _weighed(parts, alone, alone_in)
+        search, u, found = fitted(parts)
+        evaluations += spent + found.evaluations
+    # Only of all tests together: what one of them leaves open another may tell.
+    if found.untold:
+        raise UntoldError(found)
     return search, Minimum(u, parts, alone, evaluations, True)
 
 

@@ -188,13 +188,39 @@ def with_rates(model: Model, rates: Sequence[float]) -> Model:
     return replace(model, material=Continuum(tuple(rates)))
 
 
+class Spectral(NamedTuple):
+    """A material with lines (its K_e, c, weights and the effects' parameters in `theta`, (p,)).
+
+    What `untold` says is empty where the tests tell each effect of theirs from another material.
+    """
+
+    model: Model
+    theta: Real
+    evaluations: int
+    untold: str
+
+
+class UntoldError(ModelError):
+    """No parameter of an effect of a test can be told, as another material could do the same.
+
+    Attributes
+    ----------
+    model, theta : Model, ndarray of shape (p,)
+        What was fitted nevertheless: it tells whether the effect explains the tests.
+    """
+
+    def __init__(self, found: Spectral) -> None:
+        super().__init__(found.untold)
+        self.model, self.theta = found.model, found.theta
+
+
 def spectral(
     model: Model,
     parts: Sequence[Part],
     reference: float,
     coordinates: Coordinates,
     seeds: Sequence[Real] = (),
-) -> tuple[Model, Real, int]:
+) -> Spectral:
     """A material with the lines that tests in time show, and its parameters.
 
     Parameters
@@ -212,18 +238,13 @@ def spectral(
 
     Returns
     -------
-    model : Model
+    Spectral
         With the lines that carry weight.
-    theta : ndarray, shape (p,)
-        K_e, c, the weights, and the effects' parameters.
-    evaluations : int
-        Spent.
 
     Raises
     ------
     ModelError
-        If the model cannot be followed in these tests, or any material could have done what an
-        effect of them did.
+        If the model cannot be followed in these tests.
     """
     search = _Search(model, parts, reference, coordinates)
     starts = [search.placed(search.start()), *search.seeded(seeds)]
@@ -244,11 +265,11 @@ def spectral(
             if _pays(place, there, samples):
                 search, place = closer, there
     weights, u, _ = place
-    search.require_told(weights, u)
+    untold = search.untold(weights, u)
     # Lines without weight are no parameters: intervals would count them.
     kept = weights[2:] > 0.0
     theta = np.concatenate([weights[:2], weights[2:][kept], search.own(u)])
-    return with_rates(model, search.rates[kept].tolist()), theta, evaluations
+    return Spectral(with_rates(model, search.rates[kept].tolist()), theta, evaluations, untold)
 
 
 FACTOR = 1.0
@@ -357,7 +378,9 @@ class _Search:
             own = slice(first, first + len(effect.element.parameters))
             first = own.stop
             reached = [start]
-            for values in tries_of(effect, next(filter(effect.applies_to, tests)), scales):
+            # A test that is fitted alone may be none that the effect is seen in.
+            seen_in = list(filter(effect.applies_to, tests))
+            for values in tries_of(effect, seen_in[0], scales) if seen_in else ():
                 theta = self.own(start.u)
                 theta[own] = values
                 there = self.coordinates.u(theta, self.size)
@@ -430,18 +453,14 @@ class _Search:
             self.coordinates.carry(by_own, self.own(u), self.size).T,
         )
 
-    def require_told(self, weights: Real, u: Real) -> None:
-        """Check that no other lines could have done what an effect of the tests did.
+    def untold(self, weights: Real, u: Real) -> str:
+        """Why other lines could have done what an effect of the tests did; empty if none could.
 
-        After a slow ramp, for one, a material relaxes as another one does after a step.
-
-        Raises
-        ------
-        ModelError
-            If a much smaller or larger effect leaves the same, the lines being chosen anew.
+        After a slow ramp, for one, a material relaxes as another one does after a step: a much
+        smaller or larger effect leaves the same, the lines being chosen anew.
         """
         if not self.model.of_tests:
-            return
+            return ""
         value, by_weights, by_u = self.slopes(weights, u)
         signal = np.concatenate([_signal(part) for part in self.parts])
         names = [parameter.name for parameter in self.model.parameters[self.count :]]
@@ -460,10 +479,11 @@ class _Search:
             least = _left(by_weights, others, by_weights @ weights - value)
             for moved in (change, -change):
                 if _left(by_weights, others, by_weights @ weights - value - moved) - least < SEEN:
-                    raise ModelError(
+                    return (
                         f"{names[i]}: another material could have done the same in these tests:"
                         " name a model in place of 'material', or add a test of another kind"
                     )
+        return ""
 
     def step(
         self, place: MaterialPoint, value: Real, by_weights: Real, by_u: Real

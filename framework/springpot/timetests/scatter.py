@@ -120,9 +120,10 @@ class ResidualScatter:
         """Minus twice the logarithm of the likelihood of a residual (n,), but for a constant.
 
         That of Student where the size of the noise is itself uncertain: then a residual that is
-        large throughout speaks for more noise too.
+        large throughout speaks for more noise too. What is less than the noise is no likelier than
+        the noise: there is nothing left to explain.
         """
-        squares = float(np.sum(self.whitened(residual) ** 2))
+        squares = max(float(np.sum(self.whitened(residual) ** 2)), float(len(residual)))
         if np.isinf(self.worth):
             return squares
         return (len(residual) + self.worth) * float(np.log1p(squares / self.worth))

@@ -207,6 +207,11 @@ class Tried:
     fit: Identification | None = None
 
     @property
+    def helps(self) -> bool:
+        """Whether it explains what the model alone does not, beyond doubt."""
+        return self.delta > SEARCH.decisive
+
+    @property
     def evidence(self) -> float:
         """The same with how common the effect is: twice the logarithm of its odds."""
         return self.delta + 2.0 * float(np.log(self.effect.prior))
@@ -284,7 +289,7 @@ def answer_of(
 
 def _is_plain(tried: Sequence[Tried]) -> bool:
     """Whether the evidence for the best effect is beyond doubt."""
-    return bool(tried) and tried[0].delta > SEARCH.decisive
+    return bool(tried) and tried[0].helps
 
 
 def facts_of(before: Left, tried: Sequence[Tried]) -> Facts:
@@ -325,9 +330,7 @@ def _class(
     # Two roads to a class: effects that fit as well, and such that add the same shape but were
     # never fitted.
     alike = [
-        each
-        for each in tried
-        if each is tried[0] or (each.delta > SEARCH.decisive and _as_well(each, best, noise))
+        each for each in tried if each is tried[0] or (each.helps and _as_well(each, best, noise))
     ]
     names = [each.effect.name for each in alike]
     fitted = {each.effect.name for each in tried}

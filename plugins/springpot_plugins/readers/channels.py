@@ -113,6 +113,7 @@ _NOT_MEASURED = frozenset(
         *("command", "cmd", "setpoint", "set", "soll", "sollwert", "consigne", "target", "error"),
         *("limit", "max", "min", "peak", "offset", "mean", "rate", "amplitude", "range"),
         *("maximum", "minimum", "cumulative", "total", "count"),
+        *("log", "log10", "loge", "lg", "ln"),
     )
 )
 """Words of a channel that was not measured, or is no channel at each moment."""

@@ -21,7 +21,7 @@ from .blocks import ANGLE, FREQUENCY
 from .curve_names import logarithm
 from .flags import IGNORE, STATUS
 from .names import FREQUENCIES, fold, rank
-from .proposals import proposal, stated_unit, usual_unit
+from .proposals import OR_IN_TIME, proposal, stated_unit, usual_unit
 from .titles import (
     SWEEPS,
     UNITS,
@@ -400,6 +400,7 @@ def ask_columns(count: int) -> OpenQuestion:
             " needed; of tables one below the other write a line of titles above each, such as"
             ' "frequency [Hz], G\' [Pa]"'
         )
+    message += OR_IN_TIME.replace("FIRST", "1").replace("SECOND", "2")
     return OpenQuestion(
         message, ask_each({i: f"column {i}" for i in range(1, count + 1)}, FIRST_COLUMNS)
     )

@@ -20,6 +20,8 @@ from .table import Column
 from .titles import heading, is_unit
 
 _WITH_UNIT = re.compile(r"\s*[-+−]?\d[\d.,]*(?:[eE][-+]?\d+)?\s*((?:[^\W\d]|[°%]).*)\Z")
+_FILLED = re.compile(r"[-−]9{3,}(?:[.,](?:0*|9+|250*))?\Z")
+"""What programs write where nothing was measured: -999, -9999.0, -999.25."""
 _WHOLE = ("temperature", "amplitude", "storage_sd", "loss_sd")
 
 
@@ -76,9 +78,13 @@ def with_unit_of_cells(column: Column) -> Column:
 
 
 def _present(column: Column) -> NDArray[np.bool_]:
-    return np.fromiter(
-        (cell.strip() not in MISSING for cell in column.cells), bool, len(column.cells)
-    )
+    cells = [cell.strip() for cell in column.cells]
+    known = np.array([cell not in MISSING for cell in cells], dtype=bool)
+    filled = np.array([_FILLED.match(cell) is not None for cell in cells], dtype=bool)
+    # Of values that are never negative, -999 is none.
+    if filled.any() and not any(cell[:1] in "-−" for cell in np.array(cells)[known & ~filled]):
+        known &= ~filled
+    return known
 
 
 def _without_thousands(column: Column) -> Column:

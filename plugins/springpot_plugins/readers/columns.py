@@ -356,7 +356,14 @@ def _tangent(roles: Mapping[str, Column]) -> Real | None:
     if "phase" in roles:
         column = roles["phase"]
         unit = _unit(column, ANGLE_UNITS, "write phase [deg] or phase [rad]")
-        return column.numbers() * ANGLE_UNITS[unit]
+        angle = column.numbers() * ANGLE_UNITS[unit]
+        if unit == "rad" and (beyond := np.abs(angle) > 2.0 * np.pi).any():
+            row = int(np.argmax(beyond))
+            raise column.error(
+                f"{angle[row]:g} rad is more than a cycle; if it is degrees, open 'FILE?phase=deg'",
+                row,
+            )
+        return angle
     if "loss_factor" in roles:
         column = roles["loss_factor"]
         factors = {"-": 1.0, "%": 0.01}

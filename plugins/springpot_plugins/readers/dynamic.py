@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -321,6 +321,7 @@ def _measurement(
     columns = columns_of(block, chosen)
     _require_one_clock(columns)
     roles = _roles(columns)
+    chosen_roles = dict(roles)
     _require_units(roles)
     used = {column.title for column in roles.values()}
     others = [
@@ -336,7 +337,7 @@ def _measurement(
     roles = {role: rows_of(column, flags.keep) for role, column in roles.items()}
     others = [rows_of(column, flags.keep) for column in others if column.name != STATUS]
     measured = measurement_of(roles, others, block.name or "part", dict(provenance))
-    notes |= sign_note(measured, own)
+    notes |= sign_note(measured, own) | spare_note(chosen_roles, columns, block.words.values)
     notes |= flags.notes | raw_phase_note(_named(others, "raw_phase"), measured.frequency)
     for each in chosen.headings:
         if each.role in SWINGING and counts_whole_swing(each):
@@ -355,6 +356,7 @@ def _require_one_clock(columns: Sequence[Column]) -> None:
         first = clocks[0][1]
         if other.title != first.title:
             # A frequency that was set, beside the measured one.
+            _require_factor(first, other, columns)
             continue
         for one, two in zip(first.cells, other.cells, strict=True):
             if is_number(one) and is_number(two) and not _is_near(one, two):
@@ -365,10 +367,43 @@ def _require_one_clock(columns: Sequence[Column]) -> None:
                 )
 
 
+def _require_factor(first: Column, other: Column, columns: Sequence[Column]) -> None:
+    """Refuse one row of numbers in both Hz and rad/s, of which one unit is wrong."""
+    pairs = [
+        (one, two)
+        for one, two in zip(first.cells, other.cells, strict=True)
+        if is_number(one) and is_number(two)
+    ]
+    if first.unit == other.unit or not pairs or not all(_is_near(one, two) for one, two in pairs):
+        return
+    kept = {each.title: f"'FILE?{columns.index(each) + 1}=ignore'" for each in (first, other)}
+    raise DataError(
+        f"'{first.title}' and '{other.title}' hold the same numbers, so that one unit is wrong by"
+        f" 2 pi: leave out that one, by {kept[first.title]} or {kept[other.title]}"
+    )
+
+
 def _is_near(one: str, two: str) -> bool:
     """Whether two cells are one frequency, to 1 %."""
     first, second = value_of(one), value_of(two)
     return abs(first - second) <= COLUMNS_AGREE * abs(first)
+
+
+def spare_note(
+    used: Mapping[str, Column], columns: Sequence[Column], values: Collection[str]
+) -> dict[str, str]:
+    """What else is there in one unit of a measured quantity of which one column is taken."""
+    told = []
+    for role, column in used.items():
+        alike = (each for each in columns if (each.name, each.unit) == (role, column.unit))
+        others = [
+            f"'{each.title}'" for each in alike if each.cells != column.cells and not is_blank(each)
+        ]
+        if others and role in values:
+            told.append(f"{role} is '{column.title}', not {' or '.join(others[:3])}")
+    if not told:
+        return {}
+    return {"note spare columns": "; ".join(told)}
 
 
 def _named(columns: Sequence[Column], name: str) -> Column | None:

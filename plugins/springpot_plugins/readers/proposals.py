@@ -28,6 +28,11 @@ COLUMN_OF_AMPLITUDE, COLUMN_OF_TEMPERATURE = (
     "note column of temperature",
 )
 """Keys of the notes in a measurement's provenance."""
+OR_IN_TIME = (
+    "; of a test in time 'FILE?FIRST=time[s],SECOND=relaxation[Pa]', or compliance[1/Pa], or"
+    " both displacement[mm] and force[N], or strain[-] and stress[Pa]"
+)
+"""What else columns may be whose names say nothing."""
 _MOST = 2
 """Columns that a note offers for one condition: a longer list is no help."""
 _IGNORED = ("", "ignore", "none")
@@ -207,7 +212,10 @@ def _with_names(needed: Sequence[str], unknown: Mapping[int, Heading]) -> str:
     if not unknown:
         return ""
     spec = ",".join(f"NAME={role}[{USUAL[role]}]" for role in needed)
-    return f"say which, with their names or numbers and units, such as 'FILE?{spec}'"
+    says = f"say which, with their names or numbers and units, such as 'FILE?{spec}'"
+    if {"frequency", "storage", "loss"} <= {*needed}:
+        says += OR_IN_TIME.replace("FIRST", "NAME").replace("SECOND", "NAME")
+    return says
 
 
 def _needed(roles: set[str]) -> list[str]:

@@ -31,9 +31,13 @@ def lacking(block: Block, columns: Sequence[Column]) -> DataError:
     there = ", ".join(each.title for each in block.headings[:12])
     roles = {each.name for each in columns}
     if roles >= {"displacement", "force"}:
-        return DataError(
-            f"displacement and force are in units that make no stiffness (columns: {there})"
-        )
+        says = "displacement and force are in units that make no stiffness"
+        if "time" not in roles:
+            says = (
+                "displacement and force without their time; of samples that are evenly spaced say"
+                " how many there are a second: 'FILE?rate=1000[Hz]'"
+            )
+        return DataError(f"{says} (columns: {there})")
     if any(each.role == "flow" for each in block.headings):
         # A rate or a viscosity beside a stress: no column of it, whatever it is called, would make
         # it a test.
@@ -41,14 +45,18 @@ def lacking(block: Block, columns: Sequence[Column]) -> DataError:
             "steady flow, neither an oscillation nor a test in time; give the step that"
             f" oscillates, creeps or relaxes (columns: {there})"
         )
-    lacks, has = "force", "displacement"
-    if "force" in roles:
-        lacks, has = has, lacks
-        if (place := _distance(block)) is not None:
-            return DataError(f"{_instead(block, columns, place)} (columns: {there})")
+    if "force" in roles and (place := _distance(block)) is not None:
+        return DataError(f"{_instead(block, columns, place)} (columns: {there})")
+    lacks = [role for role in ("displacement", "force") if role not in roles]
+    says = "no column of what was measured"
+    if len(lacks) == 1:
+        [has] = {"displacement", "force"} - {*lacks}
+        says = f"a {has} without a {lacks[0]} is no test"
+    # No column is proposed: read as another quantity its numbers would be wrong without a word.
+    spec = ",".join(f"NAME={role}[{EXAMPLES[role]}]" for role in lacks)
     return DataError(
-        f"a {has} without a {lacks} is no test; add {lacks} [{EXAMPLES[lacks]}], or say"
-        f" which column is the relaxation modulus: 'FILE?2=relaxation[Pa]' (columns: {there})"
+        f"{says}; say which, with its name or number and unit, such as 'FILE?{spec}', or, of a"
+        f" modulus that relaxes, 'FILE?NAME=relaxation[Pa]' (columns: {there})"
     )
 
 

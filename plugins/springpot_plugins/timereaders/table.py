@@ -42,7 +42,8 @@ from springpot.rheology import Real
 from ..readers.blocks import Block
 from ..readers.choices import ask_base, with_choice
 from ..readers.cleaning import cleaned, is_blank
-from ..readers.dynamic import columns_of, picked, with_distinct_names
+from ..readers.clock import sample_rate
+from ..readers.dynamic import columns_of, picked, spare_note, with_distinct_names
 from ..readers.grid import grid_of
 from ..readers.moduli import letter_of
 from ..readers.table import Column
@@ -100,6 +101,8 @@ def read(path: Path, choice: Choice) -> list[TimeTest]:
     manner, columns = manner_of(choice, path)
     choice = replace(choice, columns=columns)
     blocks = with_distinct_names(tables_of(path, choice))
+    # The rate has become a column of times.
+    _, choice = sample_rate(choice, "", ())
     if not blocks:
         return []
     chosen = blocks
@@ -178,8 +181,9 @@ def _test(block: Block, choice: Choice, manner: Manner, name: str, path: Path) -
         origin["part"] = block.name
     columns = [each for each in columns_of(block, chosen) if not is_blank(each)]
     warm = [each for each in columns if each.name == "temperature"][:1]
-    roles, others, notes = cleaned(_used(columns, block, manner), warm)
-    origin |= notes
+    used = _used(columns, block, manner)
+    roles, others, notes = cleaned(dict(used), warm)
+    origin |= notes | spare_note(used, columns, block.words.values)
     clock = _clock(roles.pop("time"))
     kept = without_ties(clock, origin)
     temperature: float | Real | None = manner.temperature

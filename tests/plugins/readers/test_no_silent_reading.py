@@ -1,0 +1,126 @@
+"""What a header says of its numbers is neither lost nor taken for another quantity in silence."""
+
+import re
+
+import numpy as np
+import pytest
+
+from springpot.errors import DataError
+from springpot.registry import open_in_time, open_measurement
+
+TIME, MODULUS = (0.5, 1.0, 2.0, 4.0, 8.0), (900.0, 800.0, 700.0, 600.0, 500.0)
+MOVED, PULLED = (1.0, 2.0, 3.0, 2.0, 1.0), (30.0, 60.0, 80.0, 50.0, 20.0)
+
+
+def rows(*columns):
+    return "\n".join(",".join(map(str, row)) for row in zip(*columns, strict=True))
+
+
+def put(folder, names, *columns):
+    path = folder / "test.csv"
+    path.write_text(f"{names}\n{rows(*columns)}\n".lstrip("\n"), encoding="utf-8")
+    return path
+
+
+def asked(path, opens=open_in_time):
+    """What is asked of a file, with the files to open as they are printed."""
+    with pytest.raises(DataError) as caught:
+        opens(path)
+    assert "\n" not in str(caught.value)
+    return str(caught.value), re.findall(rf"'({re.escape(str(path))}\?[^']*)'", str(caught.value))
+
+
+@pytest.mark.parametrize("name", ["log time [s]", "Log Time (s)", "log_time_s", "log(t/s)"])
+def test_a_channel_that_is_a_logarithm_is_asked_for_its_base(tmp_path, name):
+    path = put(tmp_path, f"{name},G(t) [Pa]", (0, 1, 2, 3, 4), MODULUS)
+    says, [hint] = asked(path)
+    assert "base 10 or e" in says
+    [test] = open_in_time(hint)
+    np.testing.assert_allclose(test.time, [1.0, 10.0, 100.0, 1e3, 1e4])
+
+
+def test_the_base_of_a_logarithm_of_a_channel_is_read_with_its_unit(tmp_path):
+    names, logs = "log10 time (min),ln force (N),displacement [mm]", (0.0, 1.0, 2.0)
+    [test] = open_in_time(put(tmp_path, names, logs, logs, logs))
+    np.testing.assert_allclose(test.time, [60.0, 600.0, 6000.0])
+    np.testing.assert_allclose(test.response, np.exp(logs))
+    [test] = open_in_time(put(tmp_path, "Logger time [s],G(t) [Pa]", TIME, MODULUS))
+    np.testing.assert_allclose(test.time, TIME)
+
+
+@pytest.mark.parametrize("fill", ["-999", "-9999.0", "-999.25", "−99999"])
+def test_a_fill_value_among_positive_ones_is_no_measurement(tmp_path, fill):
+    [test] = open_in_time(put(tmp_path, "t [s],G(t) [Pa]", (1, 2, 3), (5, fill, 4)))
+    assert test.response.tolist() == [5.0, 4.0]
+    assert test.provenance["note rows"].startswith("1 of 3 rows without a measured value")
+    columns = (1, 2, 3), (5, fill, 4), (2, fill, 3), (20, fill, 20)
+    swept = open_measurement(put(tmp_path, "omega [rad/s],G' [Pa],G'' [Pa],T [degC]", *columns))
+    assert swept.stiffness.tolist() == [5 + 2j, 4 + 3j]
+    assert swept.conditions["temperature"].tolist() == [20.0, 20.0]
+
+
+def test_a_force_of_both_signs_may_well_be_minus_999(tmp_path):
+    names, forces = "time [s],displacement [mm],force [N]", (30.0, -60.0, -999, 50.0, 20.0)
+    [test] = open_in_time(put(tmp_path, names, TIME, MOVED, forces))
+    assert test.response.tolist() == list(forces)
+
+
+def test_a_second_sensor_is_told(tmp_path):
+    names = "time [s],displacement [mm],force1 [N],force2 [N]"
+    path = put(tmp_path, names, TIME, MOVED, PULLED, MODULUS)
+    [test] = open_in_time(path)
+    assert test.response.tolist() == list(PULLED)
+    assert test.provenance["note spare columns"] == "force is 'force1 [N]', not 'force2 [N]'"
+    [other] = open_in_time(f"{path}?4=force[N]")
+    assert other.response.tolist() == list(MODULUS)
+    assert "note spare columns" not in other.provenance
+    twice = put(tmp_path, "f [Hz],G' [Pa],G' [Pa],G'' [Pa]", TIME, MODULUS, PULLED, MOVED)
+    told = open_measurement(twice).provenance["note spare columns"]
+    assert told == "storage is 'G' [Pa]', not 'G' [Pa]'"
+
+
+def test_one_row_of_numbers_is_not_both_hertz_and_radians(tmp_path):
+    path = put(tmp_path, "f [Hz],omega [rad/s],G' [Pa],G'' [Pa]", TIME, TIME, MODULUS, PULLED)
+    says, hints = asked(path, open_measurement)
+    assert "wrong by 2 pi" in says
+    in_hertz, in_radians = open_measurement(hints[1]), open_measurement(hints[0])
+    np.testing.assert_allclose(in_radians.omega, TIME)
+    np.testing.assert_allclose(in_hertz.omega, 2.0 * np.pi * np.array(TIME))
+
+
+def test_degrees_under_the_unit_of_radians_are_asked_for(tmp_path):
+    path = put(tmp_path, "f [Hz],|G*| [Pa],delta [rad]", TIME, MODULUS, (12, 13, 14, 15, 16))
+    says, [hint] = asked(path, open_measurement)
+    assert "12 rad is more than a cycle" in says
+    assert open_measurement(hint).storage[0] == pytest.approx(900.0 * np.cos(np.radians(12.0)))
+
+
+@pytest.mark.parametrize(
+    "names", ["time [s],stretch,stress [MPa]", "time [s],strain rate [1/s],force [N]"]
+)
+def test_no_unknown_column_is_proposed_as_a_modulus(tmp_path, names):
+    says, hints = asked(put(tmp_path, names, TIME, MOVED, PULLED))
+    assert "a force without a displacement is no test" in says
+    assert all("?NAME=" in hint for hint in hints)
+
+
+def test_columns_that_nobody_knows_are_not_called_a_displacement(tmp_path):
+    says, _ = asked(put(tmp_path, "time [s],G(t)/G(0) [-]", TIME, MODULUS))
+    assert "no column of what was measured" in says
+
+
+def test_a_loop_without_its_time_is_asked_for_the_rate_of_its_samples(tmp_path):
+    says, [hint] = asked(put(tmp_path, "displacement [mm],force [N]", MOVED, PULLED))
+    assert "without their time" in says
+    [test] = open_in_time(hint)
+    np.testing.assert_allclose(test.time, 1e-3 * np.arange(5))
+    np.testing.assert_allclose(test.response, PULLED)
+
+
+@pytest.mark.parametrize("names", ["", "X,Y", "aa,bb"])
+def test_columns_without_known_names_may_be_a_test_in_time(tmp_path, names):
+    path = put(tmp_path, names, TIME, MODULUS)
+    _, hints = asked(path, open_measurement)
+    hint = hints[-1].replace("NAME", "1", 1).replace("NAME", "2", 1)
+    [test] = open_in_time(hint)
+    assert (test.kind, test.response.tolist()) == ("relaxation", list(MODULUS))
