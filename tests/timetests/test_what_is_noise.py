@@ -7,7 +7,7 @@ import pytest
 from scipy.signal import lfilter
 
 from springpot import parse_model
-from springpot.measurement import TimeTest, noise_of
+from springpot.measurement import Loading, TimeTest, noise_of
 from springpot.registry import plugins
 from springpot.rheology.effect import SWEEPS
 from springpot.timetests import diagnose, identify
@@ -136,3 +136,27 @@ def test_an_effect_that_lowers_next_to_nothing_does_not_help():
     assert found.verdict == "unexplained"
     helped = found.candidates[0].over_floor < 0.9 * found.error.over_floor
     assert helped or not found.leading
+
+
+def test_a_few_small_samples_do_not_count_for_all_others_where_the_kind_of_noise_is_untold():
+    """Most of a start-up lies on its plateau, where noise of either kind looks alike."""
+    t = np.linspace(0.05, 15.0, 399)
+    exact = 1.0 - np.exp(-2.0 * t)
+    loading = Loading(np.array([0.0, 15.0]), np.array([0.0, 15.0]))
+    first = []
+    for seed in range(20):
+        told = noise_of(
+            TimeTest(t, exact + 0.002 * noise(seed, size=399), loading, force_unit="kPa")
+        )
+        first.append(told.sd[0] / 0.002)
+    assert np.median(first) > 0.5
+    assert np.max(first) < 1.5
+
+
+def test_less_than_the_noise_is_no_likelier_than_the_noise():
+    scatter = scatter_of(noise(1, size=200))
+    white = noise(2, size=200)
+    half, whole = (scatter.surprise(share * white) for share in (0.5, 1.0))
+    assert half == scatter.surprise(np.zeros(200))
+    assert whole <= half * 1.2
+    assert scatter.surprise(2.0 * white) > 2.0 * half

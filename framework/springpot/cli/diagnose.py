@@ -121,7 +121,10 @@ def _text(
     # At once: what is there stays, even where the rest is interrupted.
     print(told(diagnosis, window(), data=measurement, verbose=verbose), flush=True)
     if command := _next_command(diagnosis, named, model, turned(measurement.provenance)):
-        print(f"\nnext: springpot {command}", flush=True)
+        word = "next"
+        if command.startswith("discover"):
+            word = diagnosis.onward
+        print(f"\n{word}: springpot {command}", flush=True)
 
 
 def _next_command(diagnosis: Diagnosis, named: str, model: str | None, other_way: str = "") -> str:

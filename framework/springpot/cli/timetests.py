@@ -164,7 +164,8 @@ def _show_diagnosis(
         print(f"\nnext: springpot diagnose {' '.join(map(quoted, right_way))}{judged}")
     elif diagnosis.leading:
         named = " ".join(map(quoted, data))
-        print(f"\nnext: springpot discover {named}{judged} --accept {quoted(diagnosis.leading[0])}")
+        accept = f"--accept {quoted(diagnosis.leading[0])}"
+        print(f"\n{diagnosis.onward}: springpot discover {named}{judged} {accept}")
 
 
 def _turned(tests: Sequence[Test], data: Sequence[str]) -> list[str]:

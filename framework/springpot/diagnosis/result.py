@@ -231,6 +231,16 @@ class Diagnosis:
             return self.candidates[0]
         return None
 
+    @property
+    def onward(self) -> str:
+        """What a command that accepts the first of `leading` is: ``next``, or no more than a help.
+
+        One of several effects that the data cannot tell apart is not known to be the missing one.
+        """
+        if self.best is not None and self.best.verdict == "missing":
+            return "next"
+        return "helps, but is no proof"
+
     def plot(
         self, path: str | Path | None = None, *, ax: Axes | None = None
     ) -> Figure | Axes | Path:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from springpot.measurement import Measurement, TimeTest
 from springpot.rheology import (
+    AppliesTo,
     Effect,
     InstrumentConstant,
     Layer,
@@ -16,6 +18,12 @@ from springpot.rheology import (
     spring,
     springpot,
 )
+
+
+def _moves_as_known(test: Measurement | TimeTest) -> bool:
+    """Whether there is a motion that a fluid could follow: a step of displacement has none."""
+    return isinstance(test, Measurement) or test.kind != "relaxation"
+
 
 EFFECTS = (
     Effect(
@@ -107,5 +115,6 @@ EFFECTS = (
         ("stokes-layer",),
         prior=0.3,
         equation="K + c * s^(3 / 2)",
+        applies_to=AppliesTo(suits=_moves_as_known),
     ),
 )
