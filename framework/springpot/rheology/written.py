@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import inf
 from typing import Any
 
@@ -16,7 +17,7 @@ from .formula import Formula
 from .grammar import free_names, names_in, parsed
 from .parameters import PURE, Dimension, Parameter, order
 from .points import ROOM, Points
-from .terms import LOG_OMEGA, Dual, Name, Power, Term
+from .terms import LOG_OMEGA, Dual, Name, Power, Term, inverse
 from .thermal import activation_energy
 
 EXPONENT = Parameter("n", "n", PURE, 0.0, 4.0, "linear", 1.0)
@@ -24,8 +25,11 @@ EXPONENT = Parameter("n", "n", PURE, 0.0, 4.0, "linear", 1.0)
 KELVINS = Parameter("T", "T", Dimension(label="K"), 0.0, 1e4, typical=100.0)
 LEAST, MOST = 1e-9, 1e9
 """Sizes, beside those of the data, at which a law must be gone to be one that may be missing."""
-GONE, THERE = 1e-6, 1e-3
-"""Shares of its usual size, or of one, that are left there and that it has elsewhere."""
+GONE = 1e-6
+"""Share of its usual size that is left there."""
+ROUNDING = 1e-9
+"""What a factor must differ from one by, elsewhere, to be more than rounding."""
+FACTORS = ("log-complex", "shift")
 
 
 @dataclass(frozen=True)
@@ -49,29 +53,35 @@ class TypedLaw:
 
     def dual(self, at: Points, values: Iterable[Any]) -> Dual:
         """The formula itself."""
+        return self._of(self.term, at, values)
+
+    def _of(self, term: Term, at: Points, values: Iterable[Any]) -> Dual:
         known = {
             name: Dual(value, {name: 1.0}) for name, value in zip(self.free, values, strict=True)
         }
-        for name in names_in(self.term):
-            if name not in known:
-                known[name] = _variable(name, at)
+        for name in self._variables:
+            known[name] = _variable(name, at)
         known[LOG_OMEGA] = Dual(at.log_omega, {LOG_OMEGA: 1.0})
-        return self.term.at(known)
+        return term.at(known)
+
+    @cached_property
+    def _variables(self) -> list[str]:
+        return [name for name in names_in(self.term) if name not in self.free]
+
+    @cached_property
+    def _joined(self) -> Term:
+        """What the network adds: of a compliance the stiffness."""
+        if self.plane == "compliance":
+            return inverse(self.term)
+        return self.term
 
     def __call__(self, at: Points, *values: Any) -> Any:
         """What a network takes."""
-        value, slopes = self.dual(at, values)
-        factor: Any = 1.0
-        if self.plane == "compliance":
-            value = 1.0 / value
-            factor = -(value**2)
-        elif self.plane == "shift":
-            factor = 1.0 / value
-            value = np.log(value)
+        value, slopes = self._of(self._joined, at, values)
         by_theta = [slopes.get(name, 0.0) for name in self.free]
         by_log_omega = slopes.get(LOG_OMEGA, 0.0)
-        if self.plane in ("compliance", "shift"):
-            return value, [slope * factor for slope in by_theta], by_log_omega * factor
+        if self.plane == "shift":
+            return np.log(value), [slope / value for slope in by_theta], by_log_omega / value
         return value, by_theta, by_log_omega
 
 
@@ -204,7 +214,7 @@ def _signed(element: Written) -> Written:
     """What an instrument does may go either way: a delay, a gain, an error of the clock."""
     first = element.free[0]
     plain = first.scale == "log" and not first.unit.label
-    if element.plane not in ("log-complex", "shift") or not plain:
+    if element.plane not in FACTORS or not plain:
         return element
     # Of a size that is gone at infinity, as a resonance far above, the other sign says nothing new.
     if element.gone_at != 0.0:
@@ -249,7 +259,8 @@ def examples(element: Written) -> tuple[Points, list[float]]:
     for i, parameter in enumerate(element.free):
         value = parameter.typical if parameter.unit.label else 1.0 + 0.1 * i
         values.append(0.5 if parameter.is_order else value)
-    return at, values
+    # Of NumPy's own kind, whose division by zero is no error but a number that is not finite.
+    return at, list(np.array(values))
 
 
 def size_of(element: Written) -> tuple[str, float] | None:
@@ -263,6 +274,7 @@ def size_of(element: Written) -> tuple[str, float] | None:
     at, usual = examples(element)
     law = element.law
     assert isinstance(law, TypedLaw)
+    least = ROUNDING if law.plane in FACTORS else 0.0
     with np.errstate(all="ignore"):
         whole = _there(law, at, usual)
         for place, parameter in enumerate(element.free):
@@ -276,7 +288,7 @@ def size_of(element: Written) -> tuple[str, float] | None:
                     if not np.all(np.abs(_there(law, at, values)) < GONE * np.max(np.abs(whole))):
                         break
                 else:
-                    if np.max(np.abs(whole)) > THERE:
+                    if np.max(np.abs(whole)) > least:
                         return parameter.name, end
     return None
 
@@ -284,6 +296,6 @@ def size_of(element: Written) -> tuple[str, float] | None:
 def _there(law: TypedLaw, at: Points, values: list[float]) -> Any:
     """What a formula adds in its plane: nothing where it is gone."""
     value = law.dual(at, values).value
-    if law.plane in ("log-complex", "shift"):
+    if law.plane in FACTORS:
         return value - 1.0
     return np.asarray(value)
