@@ -1,9 +1,15 @@
 """Files that hold no answer are refused in one line, whatever stands in them."""
 
+import json
+from math import inf
+
 import pytest
 
 import springpot
 from springpot.errors import SpringpotError
+from springpot.identification import Value
+from springpot.inputs import json_of
+from springpot.plain_data import jsonable
 
 
 @pytest.mark.parametrize(
@@ -15,3 +21,9 @@ def test_what_is_no_answer_is_refused_in_one_line(tmp_path, text):
     with pytest.raises(SpringpotError, match=r"answer\.json") as refused:
         springpot.load(path)
     assert "\n" not in str(refused.value)
+
+
+def test_no_answer_tells_a_number_that_is_refused_where_it_is_read():
+    told = Value(1.0, -1e160, 1e160, "s").to_dict()
+    again = json_of(json.dumps(jsonable(told)), finite=True)
+    assert Value.from_dict(again) == Value(1.0, -inf, inf, "s")

@@ -24,7 +24,7 @@ if TYPE_CHECKING:  # what a user's type checker sees; the table below is what ha
         signals_to_measurement,
         write_measurement,
     )
-    from springpot.rheology import Effect, Model
+    from springpot.rheology import Effect, Model, law
     from springpot.web import workbench
 
 __version__ = "0.1.0"
@@ -42,6 +42,7 @@ _WHERE = {
     "Model": "springpot.rheology",
     "Effect": "springpot.rheology",
     "Prediction": "springpot.identification",
+    "law": "springpot.rheology",
     "load": "springpot.loading",
     "open_measurement": "springpot.registry",
     "parse_model": "springpot.registry",
@@ -75,6 +76,7 @@ __all__ = [
     "discover",
     "geometry",
     "identify",
+    "law",
     "load",
     "mastercurve",
     "open_in_time",

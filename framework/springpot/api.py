@@ -169,6 +169,8 @@ def diagnose(
     model: Model | str | None = None,
     *,
     effects: Sequence[Effect | str] | None = None,
+    only: Sequence[str] | None = None,
+    without: str | Sequence[str] = (),
     seed: int = 0,
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
@@ -185,8 +187,12 @@ def diagnose(
         The model to be judged; without it any linear passive material, so that only what is no part
         of the material can be missing.
     effects : sequence of Effect or str, optional
-        Effects to look for beside the installed ones; one of the same name takes the installed
-        one's place.
+        Effects to look for beside the installed ones, also as text as in `springpot.law`; one of
+        the same name takes the installed one's place.
+    only : sequence of str, optional
+        Names of the effects that may be named; by default all.
+    without : str or sequence of str
+        Names of effects that may not: a user knows that nothing slips.
     seed : int
         Of simulated noise; the same seed gives the same bits.
     fix, bounds, exclude
@@ -215,9 +221,10 @@ def diagnose(
     data = sweep_of(tests)
     if data is None:
         progress(f"judging {judged.name}")
-        return diagnose_in_time(tests, judged, library(effects))
+        return diagnose_in_time(tests, judged, library(effects, only, without))
     rng = np.random.default_rng(seed)
-    return diagnose_objects(data, judged, library(effects), rng, progress)
+    known = library(effects, only, without, data)
+    return diagnose_objects(data, judged, known, rng, progress)
 
 
 def discover(
@@ -226,6 +233,8 @@ def discover(
     *,
     accept: Effect | str | Sequence[Effect | str] | None = None,
     effects: Sequence[Effect | str] | None = None,
+    only: Sequence[str] | None = None,
+    without: str | Sequence[str] = (),
     seed: int = 0,
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
@@ -245,6 +254,8 @@ def discover(
         Effects to accept, in this order; without it the evidence decides.
     effects : sequence of Effect or str, optional
         Effects to look for beside the installed ones.
+    only, without
+        Which effects may be named; see `diagnose`.
     seed : int
         Of simulated noise.
     fix, bounds, exclude
@@ -270,23 +281,11 @@ def discover(
     tests = excluded(_tests(measurement), exclude)
     begin = constrained(_judged(model), units_of(tests), fix, bounds)
     data = sweep_of(tests)
-    known = library(effects)
+    known = library(effects, only, without, data)
     # None lets the evidence decide; an empty list accepts nothing.
     wanted = None
     if accept is not None:
-        wanted = [_effect(effect, known) for effect in _listed(accept)]
-    if data is None:
-        return discover_in_time(tests, begin, known, wanted, progress, reached)
-    grown = begin
-    # Grown as it will be: an effect may be refused because of one accepted before it.
-    for effect in wanted or ():
-        grown = grown.taking(effect)
-    # What cannot be accepted is told before the first fit, not after it.
-    require_conditions(grown, data)
-    return discover_objects(
-        data, begin, known, np.random.default_rng(seed), wanted, progress, reached=reached
-    )
-
+        wanted = [_met(_effect(effect, known), data) for effect in _listed(accept)]
     if data is None:
         return discover_in_time(tests, begin, known, wanted, progress, reached)
     grown = begin
@@ -446,24 +445,35 @@ def mastercurve(
     )
 
 
-def library(effects: Sequence[Effect | str] | None = None) -> list[Effect]:
+def library(
+    effects: Sequence[Effect | str] | None = None,
+    only: Sequence[str] | None = None,
+    without: str | Sequence[str] = (),
+    data: Measurement | None = None,
+) -> list[Effect]:
     """The installed effects, and `effects` beside them or in their places.
 
     Parameters
     ----------
     effects : sequence of Effect or str, optional
         One of the same name as an installed one takes its place.
+    only, without : sequence of str
+        Names of those that are wanted, of all by default, and of those that are not.
+    data : Measurement, optional
+        Those of which a law knows the columns and sizes.
 
     Raises
     ------
     SpringpotError
-        If a name is unknown.
+        If a name is unknown, or nothing is left.
 
     Examples
     --------
     >>> from springpot.api import library
     >>> len(library(["inertia"])) == len(library())
     True
+    >>> [effect.name for effect in library(only=["inertia", "time-delay"], without="inertia")]
+    ['time-delay']
     """
     by_name = {effect.name: effect for effect in plugins().items("effect")}
     if effects is not None:
@@ -471,7 +481,21 @@ def library(effects: Sequence[Effect | str] | None = None) -> list[Effect]:
         # an effect.
         for own in [_effect(effect, ()) for effect in _listed(effects)]:
             by_name[own.name] = own
-    return list(by_name.values())
+    every = list(by_name.values())
+    # Looked up as any name: by an alias too, and one that is unknown is told.
+    wanted = by_name.keys() if only is None else {_effect(name, every).name for name in only}
+    unwanted = {_effect(name, every).name for name in _listed(without)}
+    chosen = [_met(effect, data) for effect in every if effect.name in wanted - unwanted]
+    if not chosen:
+        raise OptionError("no effect is left that may be named: name more, or leave out fewer")
+    return chosen
+
+
+def _met(effect: Effect, data: Measurement | None) -> Effect:
+    """An effect with what it takes from the data; one by levels waits for its fit."""
+    if data is None or effect.by_levels:
+        return effect
+    return effect.bound_to(data.points)
 
 
 def _effect(effect: Effect | str, among: Sequence[Effect]) -> Effect:

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from springpot.errors import DataError
+from springpot.limits import LARGEST_NUMBER
 
 LARGEST = 64 << 20
 """Bytes of a file that is read in one piece.
@@ -27,8 +28,6 @@ LARGEST_TOML = 1 << 18
 """Bytes of a description that somebody wrote by hand; its reader is a slow one."""
 MOST_CONTAINERS = 1_000_000
 """Lists and objects of a file of JSON: each takes thirty times the memory of its brackets."""
-_LARGEST_NUMBER = 1e150
-"""In what springpot wrote: the square of a larger one is no number any more."""
 _DEEP_KEY = re.compile(r"""(?:\.\s*(?:[\w-]+|"[^"\n]*"|'[^'\n]*')\s*){50}""")
 """A dotted name of more than fifty parts.
 
@@ -148,7 +147,7 @@ def _finite(word: str) -> float:
 def _usable(word: str) -> float:
     value = float(word)
     # Nor is what is no number below anything.
-    if not abs(value) <= _LARGEST_NUMBER:
+    if not abs(value) <= LARGEST_NUMBER:
         raise ValueError(f"{word:.20} is no number that can be used")
     return value
 

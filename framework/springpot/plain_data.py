@@ -8,16 +8,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from functools import cached_property
-from math import isfinite, nan
+from math import nan
 from typing import Any, TypeVar
 
 from springpot.errors import DataError
+from springpot.limits import LARGEST_NUMBER
 
 T = TypeVar("T")
 
 
 def jsonable(value: Any) -> Any:
-    """`value` in JSON's own types; what is not a finite number becomes null.
+    """`value` in JSON's own types; what is no number that can be used becomes null.
 
     Arrays become lists and complex numbers a pair ``[real, imaginary]``.
     """
@@ -25,7 +26,7 @@ def jsonable(value: Any) -> Any:
         return value
     if isinstance(value, float):
         # Neither nan nor infinity is a word of JSON, and half of all readers refuse them.
-        if not isfinite(value):
+        if not abs(value) <= LARGEST_NUMBER:
             return None
         return float(value)
     if isinstance(value, complex):

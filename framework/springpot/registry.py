@@ -27,6 +27,7 @@ from springpot.owners import use_owners
 from springpot.rheology.effect import Effect
 from springpot.rheology.lookup import use_finder
 from springpot.rheology.model import Family, Model
+from springpot.rheology.typed import expression_parts, is_law, law, model_of
 from springpot.surroundings import kept_surroundings
 
 from .catalogue import KINDS, Kind, Owner, Shelf
@@ -237,10 +238,12 @@ class Registry:
         return None
 
     def effect(self, name: str) -> Effect:
-        """The effect called `name`, or ``NAME:TEST``, which one test alone has.
+        """The effect called `name`, a law as text, or ``NAME:TEST``, which one test alone has.
 
         Of effects with a factor for each level, ``NAME:COLUMN`` is that of another column.
         """
+        if is_law(name):
+            return law(name)
         kind, colon, where = name.partition(":")
         effect: Effect = self.find("effect", kind.strip())
         if not colon:
@@ -343,6 +346,8 @@ def plugins() -> Registry:
 def parse_model(expression: str) -> Model:
     """The model that an expression such as ``fractional-maxwell + inertia`` names.
 
+    A formula stands for a model, and in brackets for an effect: see `law`.
+
     Raises
     ------
     ModelError
@@ -355,20 +360,29 @@ def parse_model(expression: str) -> Model:
     >>> springpot.parse_model("fractional-maxwell + inertia").names
     ('k', 'c', 'alpha', 'inertia.m')
     """
-    parts = [part.strip() for part in expression.split("+")]
-    if not all(parts):
-        raise ModelError(f"'{expression}' has an empty part: write MODEL + EFFECT + EFFECT")
+    registry = plugins()
+    known = registry.shelves["effect"].find
+    parts = expression_parts(expression, lambda name: known(name.partition(":")[0]) is not None)
+    if parts.by_formula:
+        model = model_of(parts.model)
+    else:
+        model = _named(parts.model)
+    # A law without a name is called by its number.
+    for number, name in enumerate(parts.effects, 1):
+        effect = law(name, f"law-{number}") if is_law(name) else registry.effect(name)
+        model = model.taking(effect)
+    return model
+
+
+def _named(name: str) -> Model:
     registry = plugins()
     try:
-        model = registry.model(parts[0])
+        return registry.model(name)
     except ModelError:
         # That an effect is no known model would be true, and help nobody.
-        if registry.shelves["effect"].find(parts[0]) is None:
+        if registry.shelves["effect"].find(name) is None:
             raise
-        raise ModelError(f"'{parts[0]}' is an effect: write MODEL + {parts[0]}") from None
-    for name in parts[1:]:
-        model = model.taking(registry.effect(name))
-    return model
+        raise ModelError(f"'{name}' is an effect: write MODEL + {name}") from None
 
 
 def open_measurement(spec: str | Path) -> Measurement:

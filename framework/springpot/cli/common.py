@@ -229,6 +229,45 @@ def known_options(command: F) -> F:
     return command
 
 
+def library_options(command: F) -> F:
+    """Add what chooses the effects that may be named."""
+    named: dict[str, Any] = {"shell_complete": completion.names_of("effect"), "multiple": True}
+    for option in (
+        click.option("--without", metavar="EFFECT", help="Leave this effect out.", **named),
+        click.option(
+            "--effects",
+            metavar="A,B",
+            help="Effects that may be named; without it all that are installed.",
+        ),
+        click.option(
+            "--effect",
+            multiple=True,
+            metavar="LAW",
+            help="Look for a law of your own too: 'my-mass = parallel: -m*omega^2'.",
+        ),
+    ):
+        command = option(command)
+    return command
+
+
+def library_from(options: dict[str, Any]) -> dict[str, Any]:
+    """The arguments ``effects``, ``only`` and ``without``, taken out of a command's options."""
+    from springpot.registry import plugins
+    from springpot.rheology.typed import law
+
+    # Here, so that what is no law is told before the data are opened. Without a name of its own it
+    # is called by its number.
+    own = [law(text, f"law-{i}") for i, text in enumerate(options.pop("effect"), 1)]
+    only, without = options.pop("effects"), options.pop("without")
+    if only is not None:
+        only = [name.strip() for name in only.split(",")]
+    mine = {effect.name for effect in own}
+    for name in (*(only or ()), *without):
+        if name not in mine:
+            plugins().effect(name)
+    return {"effects": own, "only": only, "without": without}
+
+
 def known_from(options: dict[str, Any]) -> dict[str, Any]:
     """The arguments ``fix``, ``bounds`` and ``exclude``, taken out of a command's options."""
     from springpot.constraints import bounds_of, values_of

@@ -16,6 +16,8 @@ from .common import (
     judged_option,
     known_from,
     known_options,
+    library_from,
+    library_options,
     of_each,
     opened,
     print_json,
@@ -41,6 +43,7 @@ if TYPE_CHECKING:
 )
 @judged_option
 @known_options
+@library_options
 @seed_option
 @geometry_option
 @verbose_option
@@ -69,6 +72,7 @@ def command(
     if model is not None:
         expression = parse_model(model)
     arguments = {"model": expression, "seed": seed or 0, **known_from(options)}
+    arguments |= library_from(options)
     tests = timetests.named_tests(data, geometry)
     if tests is not None:
         timetests.diagnose(tests, data, model, as_json, verbose, arguments)

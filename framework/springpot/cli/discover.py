@@ -19,6 +19,8 @@ from .common import (
     judged_option,
     known_from,
     known_options,
+    library_from,
+    library_options,
     opened,
     quoted,
     seed_option,
@@ -69,6 +71,7 @@ ACCEPT = "Accept this effect; may be given several times."
     "--figure", type=FILE, metavar="FILE", help="Draw the falling error (.png, .svg or .pdf)."
 )
 @known_options
+@library_options
 @seed_option
 @geometry_option
 @verbose_option
@@ -106,10 +109,12 @@ def command(
         expression = parse_model(model)
     # Before `known_from`, which takes the options out.
     again = again_with(data, model, accept, auto, seed, geometry, options)
+    chosen = library_from(options)
     effects = None
     if not auto:
-        effects = [plugins().effect(name) for name in accept]
-    arguments = {"accept": effects, "seed": seed or 0, **known_from(options)}
+        mine = {effect.name: effect for effect in chosen["effects"]}
+        effects = [mine.get(name) or plugins().effect(name) for name in accept]
+    arguments = {"accept": effects, "seed": seed or 0, **chosen, **known_from(options)}
     tests: Sequence[Test] | None = timetests.named_tests([data], geometry)
     if tests is None:
         tests = [opened(data, geometry)]
@@ -237,7 +242,9 @@ def again_with(
     # There are none with --auto.
     for name in accept:
         again += ["--accept", name]
-    for name in ("fix", "bounds", "exclude"):
+    if options["effects"] is not None:
+        again += ["--effects", options["effects"]]
+    for name in ("effect", "without", "fix", "bounds", "exclude"):
         for text in options[name]:
             again += [f"--{name}", text]
     again += ["--seed", str(seed or 0)]

@@ -93,13 +93,17 @@ class Candidate:
     def to_dict(self) -> dict[str, Any]:
         """As in the schema, where `alike` is called class."""
         row = {name: value for name, value in vars(self).items() if name not in RENAMED}
-        return {"effect": self.effect, "class": list(self.alike), **jsonable(row)}
+        named = {"effect": self.effect}
+        # By its name alone a law that somebody typed would be lost.
+        if self.physics.expression != self.effect:
+            named["law"] = self.physics.expression
+        return {**named, "class": list(self.alike), **jsonable(row)}
 
     @classmethod
     def from_dict(cls, row: Mapping[str, Any]) -> Candidate:
         """What `to_dict` gave."""
         return cls(
-            physics=plugins().effect(row["effect"]),
+            physics=plugins().effect(row.get("law", row["effect"])),
             alike=tuple(row["class"]),
             probability=row["probability"],
             # What could not be computed was infinite: no evidence at all, no bound at all.

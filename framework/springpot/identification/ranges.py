@@ -85,7 +85,7 @@ def _setting(parameter: Parameter, u: Real, window: Window, done: dict[str, Real
         power = done[unit.time]
     else:
         power = unit.time
-    natural = (
+    natural: Real | float = (
         window.stiffness**unit.stiffness * window.time**power * window.amplitude**unit.amplitude
     )
     natural = natural * parameter.typical
@@ -151,7 +151,7 @@ def shown(parameter: Parameter, window: Window) -> tuple[float, float]:
     # Its size hangs on an order that is not known here: nothing is said of it.
     if isinstance(unit.time, str):
         return inf, -inf
-    natural = (
+    natural: Real | float = (
         window.stiffness**unit.stiffness * window.time**unit.time * window.amplitude**unit.amplitude
     )
     decades = 1.0 + BEYOND

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import lru_cache
 from typing import TypeVar
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
-from springpot.rheology.parameters import Dimension
+from springpot.rheology.parameters import Dimension, Exponent
 from springpot.rheology.points import KELVIN
 
 MODULI = {"shear": "G", "young": "E", "bulk": "K"}
@@ -399,11 +399,25 @@ class Units:
         """
         if dimension.label:
             return 1.0, dimension.label
+        if dimension.beyond:
+            return self._with_others(dimension)
         # Units that mechanics has a name for go first: kg rather than kN s^2/m.
         mechanical = self._mechanical(dimension)
         if mechanical:
             return mechanical
         return 1.0, self._plain(dimension)
+
+    def _with_others(self, dimension: Dimension) -> tuple[float, str]:
+        """``N/m K^-1``: further units behind the usual ones, each with its power."""
+        own = {"stiffness": f"({self.stiffness})", "time": "s", "amplitude": self.amplitude}
+        factor, label = self.of(replace(dimension, beyond=()))
+        words = [] if label == "-" else [label]
+        for base, power in dimension.beyond:
+            unit = own.get(base, base)
+            # A strain has no unit to be raised to a power.
+            if unit != "-":
+                words.append(_power(unit, _exponent(power)))
+        return factor, " ".join(words) or "-"
 
     def _mechanical(self, dimension: Dimension) -> tuple[float, str] | None:
         powers = (dimension.stiffness, dimension.time, dimension.amplitude)
@@ -448,6 +462,9 @@ class Units:
         # A strain has no unit to be raised to a power.
         if self.amplitude != "-":
             length = _power(self.amplitude, dimension.amplitude)
+        if abs(dimension.stiffness) not in (0, 1):
+            own = _with_time(_power(f"({self.stiffness})", dimension.stiffness), dimension.time)
+            return f"{own} {length}".rstrip()
         if dimension.stiffness == 1:
             return self._of_stiffness(dimension, length)
         if dimension.stiffness == -1:
@@ -478,7 +495,23 @@ def _inverse(unit: str) -> str:
     return f"1/{unit}"
 
 
-def _power(unit: str, power: int) -> str:
+def _exponent(power: Exponent) -> float | str:
+    """``1-n``: a power as a person writes it; the part that a parameter belongs to is left out."""
+    if len(power) == 1 and not power[0][0]:
+        return power[0][1]
+    if len(power) == 1 and power[0][1] == 1:
+        return power[0][0].rpartition(".")[2]
+    words = ""
+    for name, share in sorted(power):
+        word = f"{share:+g}"
+        if name:
+            word = word.replace("+1", "+").replace("-1", "-") if abs(share) == 1 else f"{word}*"
+            word += name.rpartition(".")[2]
+        words += word
+    return f"({words.removeprefix('+')})"
+
+
+def _power(unit: str, power: float | str) -> str:
     if power == 0:
         return ""
     if power == 1:

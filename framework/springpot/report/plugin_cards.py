@@ -47,10 +47,12 @@ class KindOfCard:
     describe: Callable[[Any], dict[str, Any]]
 
     def find(self, plugins: Registry, name: str) -> Any:
-        """The thing called `name`; of models also a member of a family."""
+        """The thing called `name`; of models also a member of a family, of effects a typed law."""
         # To a user a reader of tests in time is a reader as any other.
         if self.word == "reader" and name in plugins.names("time reader"):
             return plugins.find("time reader", name)
+        if self.word == "effect":
+            return plugins.effect(name)
         if self.word != "model":
             return plugins.find(self.word, name)
         models = plugins.shelves["model"].items

@@ -103,6 +103,7 @@ if TYPE_CHECKING:
         vogel,
         wlf,
     )
+    from .typed import law
 
 __all__ = [
     "ROOM",
@@ -211,6 +212,7 @@ __all__ = [
     "draw",
     "drawing_of",
     "HELD",
+    "law",
     "levels_of",
     "hardening_spring",
     "limits_form",
@@ -317,6 +319,7 @@ _WHERE = {
     "heated": "springpot.rheology.thermal",
     "heating": "springpot.rheology.thermal",
     "hysteretic": "springpot.rheology.linear",
+    "law": "springpot.rheology.typed",
     "levels_of": "springpot.rheology.levels",
     "limits_form": "springpot.rheology.forms",
     "mass": "springpot.rheology.elements",

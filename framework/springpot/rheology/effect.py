@@ -15,7 +15,7 @@ from springpot.errors import ModelError
 
 from .holding import Fixed, Held
 from .levels import Levels
-from .nodes import Composing, Node, Parallel
+from .nodes import Composing, Node, Parallel, chain, parallel, series, shift
 from .points import Complex, Points, Real
 from .stages import Stage, StageLaw
 
@@ -70,6 +70,17 @@ class Test(Protocol):
     def control(self) -> str:
         """What was imposed, of `CONTROLS`."""
 
+
+PLANES = {"parallel": parallel, "series": series, "chain": chain, "shift": shift}
+"""Where a formula is put: it is a stiffness, a compliance, a factor of K, one of the frequency."""
+OF_PLANE = {
+    "parallel": (Layer.MATERIAL, "K + {0}"),
+    "series": (Layer.MATERIAL, "1 / (1 / K + {0})"),
+    "chain": (Layer.SIGNAL, "K * ({0})"),
+    "shift": (Layer.TEMPERATURE, "K(omega * ({0}))"),
+}
+"""The layer of a formula of which nothing else is said, and what is measured with it."""
+OF_WHOLE = "X is the amplitude of the whole, not the share that this part takes"
 
 IN_TIME = ("displacement", "force")
 CONTROLS = ("frequency", *IN_TIME)
@@ -191,6 +202,8 @@ class Effect:
         The tests that can have it: by default all, and at a stage all in time.
     signature : str
         How it shows in a record: one sentence.
+    expression : str
+        How it stands in a model expression; by default its name.
 
     Examples
     --------
@@ -217,8 +230,66 @@ class Effect:
     only_varied: bool = False
     applies_to: AppliesTo = ALL
     signature: str = ""
+    expression: str = ""
+
+    @classmethod
+    def from_formula(cls, name: str, formula: str, summary: str = "", **more: Any) -> Effect:
+        """An effect by its formula: units, bounds and the size that is found follow from it.
+
+        Parameters
+        ----------
+        name : str
+            What users type.
+        formula : str
+            ``PLANE: FORMULA``: what stands ``parallel`` is a stiffness, ``series`` a compliance,
+            ``chain`` a factor of K and ``shift`` one of the frequency.
+        summary : str
+            One sentence of physics; by default what kind of law it is.
+        **more
+            Whatever else an effect has: layer, citation, aliases, prior.
+
+        Raises
+        ------
+        ModelError
+            If it is no formula, its units do not fit, or no parameter of it alone makes it vanish.
+
+        Examples
+        --------
+        >>> from springpot.rheology import Effect
+        >>> Effect.from_formula("drag", "parallel: c*i*omega").equation
+        'K + c*i*omega'
+        """
+        # Only where one is written: whoever names effects needs no grammar.
+        from .physical import told
+        from .written import written
+
+        plane, colon, text = (part.strip() for part in formula.partition(":"))
+        if not colon or plane not in PLANES:
+            raise ModelError(
+                f"'{formula:.80}': write PLANE: FORMULA, PLANE being one of {', '.join(PLANES)}"
+            )
+        element = written(text, PLANES[plane].kind.plane)
+        layer, equation = OF_PLANE[plane]
+        if element.absent_at is None:
+            names = ", ".join(each.name for each in element.free)
+            raise ModelError(
+                f"'{element.text:.80}' never vanishes: none of {names} does it alone, at zero or"
+                " infinity, so that it could not be missing"
+            )
+        nonlinear = "amplitude" in element.needs
+        usual: dict[str, Any] = {
+            "summary": summary or f"{element.text}, a law of your own: {told(element)}",
+            "layer": layer,
+            "equation": equation.format(element.text),
+            # Nothing here follows from a first harmonic in time, nor of what a signal went through.
+            "applies_to": SWEEPS if nonlinear or plane == "chain" else ALL,
+            "approximate": OF_WHOLE if nonlinear and plane != "parallel" else "",
+        }
+        return cls(name, PLANES[plane], element, **(usual | more))
 
     def __post_init__(self) -> None:
+        if not self.expression:
+            object.__setattr__(self, "expression", self.name)
         law = self.element
         # Values that are held, or all of them fixed, stand around it.
         while isinstance(law, Held | Fixed):
@@ -253,13 +324,15 @@ class Effect:
         """The same effect of one test alone, called ``NAME:TEST``."""
         test = in_expression(test)
         tests = replace(self.applies_to, test=test)
-        return replace(self, name=f"{self.name}:{test}", applies_to=tests, aliases=())
+        name = f"{self.name}:{test}"
+        return replace(self, name=name, expression=name, applies_to=tests, aliases=())
 
     @property
     def vanishes_at(self) -> float:
         """Value of the first parameter (0 or infinity) at which the grown model is the old one."""
-        if self.absent_at is not None:
-            return self.absent_at
+        known = self.element.absent_at if self.absent_at is None else self.absent_at
+        if known is not None:
+            return known
         # In series it is what yields nothing, such as a spring without limit, that is not there.
         if self.plane == "compliance":
             return inf
@@ -284,15 +357,17 @@ class Effect:
         return replace(
             self,
             name=f"{self.name}:{column}",
+            expression=f"{self.name}:{column}",
             element=replace(self.element, column=column),
             aliases=(),
         )
 
     def bound_to(self, at: Points) -> Effect:
-        """The effect with the levels of these points; itself where it is not by levels."""
-        if not isinstance(self.element, Levels) or self.element.values:
+        """The effect with the levels and columns of these points; itself where it has none."""
+        bound = self.element.bound_to(at)
+        if bound is self.element:
             return self
-        return replace(self, element=self.element.bound_to(at))
+        return replace(self, element=bound)
 
     @property
     def plane(self) -> str:

@@ -66,6 +66,19 @@ class Held(Mapped):
         pairs = zip(self.node.parameters, self.forward.values, strict=True)
         return all(value is None or not parameter.unit.stiffness for parameter, value in pairs)
 
+    @property
+    def absent_at(self) -> float | None:
+        """As the inner node says."""
+        return self.node.absent_at
+
+    def bound_to(self, at: Points) -> Node:
+        """The inner node bound, and held as before."""
+        bound = self.node.bound_to(at)
+        if bound is self.node:
+            return self
+        bounds = {each.name: (each.lower, each.upper) for each in self.parameters}
+        return hold(bound, held_values(self), bounds)
+
     def third_harmonic(self, theta: Real, at: Points) -> Complex | None:
         """That of the inner node, where it knows one."""
         predict = getattr(self.node, "third_harmonic", None)

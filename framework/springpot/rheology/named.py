@@ -114,7 +114,7 @@ class NamedNetwork(HasParameters):
     @property
     def name(self) -> str:
         """The model expression, such as ``fractional-maxwell + inertia``."""
-        return " + ".join([self.base, *(effect.name for effect in self.effects)])
+        return " + ".join([self.base, *(effect.expression for effect in self.effects)])
 
     def __str__(self) -> str:
         return self.name
@@ -400,7 +400,7 @@ class NamedNetwork(HasParameters):
         return self.network.respond(np.asarray(theta, dtype=float), _points(at), FULL).by_log_omega
 
     def bound_to(self, at: Points) -> Self:
-        """The model with the levels of these points, where an effect has a factor for each.
+        """The model with the levels and columns of these points, where it has such parts.
 
         Else the model itself.
 
@@ -410,7 +410,9 @@ class NamedNetwork(HasParameters):
             If a condition has one level only.
         """
         effects = tuple(effect.bound_to(at) for effect in self.effects)
-        if all(new is old for new, old in zip(effects, self.effects, strict=True)):
+        material = self.material.bound_to(at)
+        pairs = zip((material, *effects), (self.material, *self.effects), strict=True)
+        if all(new is old for new, old in pairs):
             return self
         for effect in effects:
             if effect.by_levels and not effect.element.parameters:
@@ -418,7 +420,7 @@ class NamedNetwork(HasParameters):
                 raise ModelError(
                     f"{effect.name} needs two levels of {column} or more; these data have one"
                 )
-        return replace(self, effects=effects)
+        return replace(self, material=material, effects=effects)
 
     def __add__(self, effect: Effect | str) -> Self:
         """The model with one more effect, given as an object or by name.

@@ -102,6 +102,15 @@ class Node:
         """Condition columns (such as "amplitude") without which the node cannot be evaluated."""
         return frozenset()
 
+    @property
+    def absent_at(self) -> float | None:
+        """Where its first parameter makes it vanish, if it is one that knows."""
+        return None
+
+    def bound_to(self, at: Points) -> Node:
+        """The node with what it takes from the data, such as levels; mostly itself."""
+        return self
+
     def within(self, theta: Real) -> tuple[Real, Node]:
         """The node that this one stands for, with that node's parameters.
 

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -21,6 +21,8 @@ from springpot.errors import ModelError
 from .points import Real
 
 Scale = Literal["log", "linear"]
+Exponent: TypeAlias = tuple[tuple[str, float], ...]
+"""A power as a sum: ``(("", 1), ("n", -1))`` is 1 - n."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,14 +31,18 @@ class Dimension:
 
     Parameters
     ----------
-    stiffness : int
+    stiffness : float
         Power of the unit of the measured stiffness or modulus.
     time : float or str
         Power of the second, or the name of the parameter (a fractional order) that is this power.
-    amplitude : int
+    amplitude : float
         Power of the unit of the measured amplitude.
     label : str
         A fixed unit such as ``"kJ/mol"`` or ``"K"``, for what has no such powers.
+    beyond : tuple of (str, Exponent)
+        Further units with their powers: a kelvin, a column of the data by its name, and a
+        stiffness, time or amplitude to a power that a parameter decides. What they come to in the
+        data is in the parameter's typical size.
 
     Examples
     --------
@@ -48,10 +54,11 @@ class Dimension:
     (1.0, 'Pa s')
     """
 
-    stiffness: int = 0
+    stiffness: float = 0
     time: float | str = 0
-    amplitude: int = 0
+    amplitude: float = 0
     label: str = ""
+    beyond: tuple[tuple[str, Exponent], ...] = ()
 
 
 STIFFNESS = Dimension(stiffness=1)

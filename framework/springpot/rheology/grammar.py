@@ -1,0 +1,210 @@
+"""The grammar of formulas: text to a tree, by Python's parser and a list of what is allowed.
+
+Nothing of the text is ever run: what is not on the list is refused, in one line that names the
+sign.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import warnings
+from cmath import isfinite
+from collections.abc import Callable, Collection
+from typing import NoReturn, TypeVar
+
+import numpy as np
+
+from springpot.errors import ModelError
+
+from .terms import CALLED, JOINED, OF_REAL, Called, Joined, Name, Number, Power, Term
+from .thermal import GAS_CONSTANT
+
+VARIABLES = ("omega", "f", "s", "X", "T", "T0", "Tr")
+"""Frequency in rad/s and Hz, s = i omega, amplitude, temperature and the one of reference in K."""
+CONSTANTS = {"i": 1j, "pi": np.pi, "R": GAS_CONSTANT}
+"""R in kJ/(mol K), in which activation energies are told in kJ/mol."""
+LONGEST, MOST, LARGEST_POWER = 1000, 120, 20.0
+"""Signs and parts of a formula, and the largest number as a power: more is a slip, or no law."""
+_ALLOWED = re.compile(r"[A-Za-z0-9_.+\-*/^(), ]")
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9]+)*")
+_SIGNS: dict[type[ast.operator], str] = {
+    ast.Add: "+",
+    ast.Sub: "-",
+    ast.Mult: "*",
+    ast.Div: "/",
+}
+_KNOWN = ", ".join((*VARIABLES, *CONSTANTS, *CALLED, "max", "min"))
+N = TypeVar("N", bound=ast.expr)
+
+
+def parsed(text: str) -> Term:
+    """The tree of a formula.
+
+    Parameters
+    ----------
+    text : str
+        Such as ``k*(1 + (X/Xc)^n)``.
+
+    Raises
+    ------
+    ModelError
+        If it is none, or something in it is not allowed; the line tells the sign.
+
+    Examples
+    --------
+    >>> from springpot.rheology.grammar import parsed
+    >>> [part.name for part in parsed("c*(i*omega)^alpha").walk() if hasattr(part, "name")]
+    ['c', 's', 'alpha']
+    """
+    if len(text) > LONGEST:
+        raise ModelError(f"a formula of {len(text)} signs is too long: at most {LONGEST}")
+    for place, sign in enumerate(text, 1):
+        if not _ALLOWED.fullmatch(sign):
+            _refuse(text, place, f"{sign!a} has no meaning in a formula")
+    # Python writes a power as **; `_place` counts the signs as the user typed them.
+    python = text.replace("^", "**").strip()
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            tree = ast.parse(python, mode="eval")
+    except SyntaxError as error:
+        _refuse(text, _place(text, (error.offset or 1) - 1), f"this is no formula ({error.msg})")
+    except (ValueError, RecursionError, MemoryError):
+        _refuse(text, 1, "this is no formula that can be read")
+    if sum(1 for _ in ast.walk(tree)) > 3 * MOST:
+        raise ModelError(f"a formula of more than {MOST} parts is no law: '{text:.40}...'")
+    return _Reading(text).read(tree.body)
+
+
+def _place(text: str, offset: int) -> int:
+    """The sign of the user's text that stands at an offset of Python's."""
+    stripped = len(text) - len(text.lstrip())
+    powers = text[stripped:].replace("^", "**")[:offset].count("**")
+    return stripped + offset - min(powers, text.count("^")) + 1
+
+
+def _refuse(text: str, place: int, why: str) -> NoReturn:
+    shown = text if len(text) <= 80 else f"{text[:77]}..."
+    raise ModelError(f"'{shown}', sign {place}: {why}")
+
+
+class _Reading:
+    """Goes through Python's tree; whatever is not on the list ends it."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+
+    def read(self, node: ast.expr) -> Term:
+        readers: dict[type[ast.expr], Callable[[ast.expr, int], Term]] = {
+            ast.Constant: self._number,
+            ast.Name: self._name,
+            ast.UnaryOp: self._signed,
+            ast.BinOp: self._joined,
+            ast.Call: self._called,
+        }
+        place = _place(self.text, node.col_offset)
+        if type(node) not in readers:
+            what = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(node).__name__).lower()
+            _refuse(self.text, place, f"a formula has no {what}")
+        return self._folded(readers[type(node)](node, place))
+
+    def _number(self, node: ast.expr, place: int) -> Term:
+        assert isinstance(node, ast.Constant)
+        value = node.value
+        if not isinstance(value, int | float) or isinstance(value, bool):
+            _refuse(self.text, place, f"{value!r:.20} is no number")
+        try:
+            return Number(place, complex(float(value)))
+        except OverflowError:
+            _refuse(self.text, place, "this number is too large")
+
+    def _name(self, node: ast.expr, place: int) -> Term:
+        assert isinstance(node, ast.Name)
+        if node.id in CONSTANTS:
+            return Number(place, complex(CONSTANTS[node.id]), node.id)
+        if node.id in CALLED or node.id in OF_REAL:
+            _refuse(self.text, place, f"{node.id} is a function: write {node.id}(...)")
+        if not _NAME.fullmatch(node.id) or len(node.id) > 30:
+            _refuse(self.text, place, f"'{node.id:.30}' is no name of a parameter")
+        # The temperature of reference has two usual names.
+        return Name(place, {"Tr": "T0"}.get(node.id, node.id))
+
+    def _signed(self, node: ast.expr, place: int) -> Term:
+        assert isinstance(node, ast.UnaryOp)
+        if isinstance(node.op, ast.UAdd):
+            return self.read(node.operand)
+        if not isinstance(node.op, ast.USub):
+            _refuse(self.text, place, "only + and - stand before a part")
+        return Joined(place, "*", Number(place, -1.0 + 0j), self.read(node.operand))
+
+    def _joined(self, node: ast.expr, place: int) -> Term:
+        assert isinstance(node, ast.BinOp)
+        left, right = self.read(node.left), self.read(node.right)
+        if isinstance(node.op, ast.Pow):
+            return self._power(left, right, place)
+        if type(node.op) not in _SIGNS:
+            _refuse(self.text, place, "parts are joined by + - * / and ^ only")
+        sign = _SIGNS[type(node.op)]
+        pair = (left, right)
+        if sign == "*" and {_word(part) for part in pair} == {"i", "omega"}:
+            return Name(place, "s")
+        # i*omega*tau stands there as (i*omega)*tau, but c*i*omega as (c*i)*omega.
+        match left:
+            case Joined(sign="*", right=Name() | Number() as last) if sign == "*":
+                if {_word(last), _word(right)} == {"i", "omega"}:
+                    return Joined(place, "*", left.left, Name(last.place, "s"))
+        return Joined(place, sign, left, right)
+
+    def _power(self, base: Term, exponent: Term, place: int) -> Term:
+        if not exponent.real:
+            _refuse(self.text, exponent.place, "a power is a real number")
+        if isinstance(exponent, Number) and abs(exponent.value) > LARGEST_POWER:
+            _refuse(self.text, exponent.place, f"a power beyond {LARGEST_POWER:g} is no law")
+        return Power(place, base, exponent)
+
+    def _called(self, node: ast.expr, place: int) -> Term:
+        assert isinstance(node, ast.Call)
+        name = node.func.id if isinstance(node.func, ast.Name) else ""
+        if name not in CALLED and name not in OF_REAL:
+            shown = f"'{name}' is no function" if name else "only a function is called"
+            _refuse(self.text, place, f"{shown}: known are {_KNOWN}; a product needs its *")
+        count = 2 if name in JOINED else 1
+        if len(node.args) != count or node.keywords:
+            _refuse(self.text, place, f"{name} takes {count} part{'s' * (count > 1)}")
+        parts = [self.read(part) for part in node.args]
+        if name in OF_REAL and not all(part.real for part in parts):
+            _refuse(self.text, place, f"{name} takes what is real")
+        if count == 2:
+            return Joined(place, name, *parts)
+        return Called(place, name, parts[0])
+
+    def _folded(self, term: Term) -> Term:
+        """A part of numbers alone is one number."""
+        # R is a number with a unit, which a number alone would lose.
+        pure = all(isinstance(part, Number) and part.name != "R" for part in term.parts)
+        if not term.parts or not pure:
+            return term
+        try:
+            with np.errstate(all="ignore"):
+                value = complex(term.at({}).value)
+        except (ArithmeticError, ValueError):
+            value = complex("nan")
+        if not isfinite(value):
+            _refuse(self.text, term.place, "this is no finite number")
+        return Number(term.place, value)
+
+
+def _word(part: Term) -> str:
+    return getattr(part, "name", "")
+
+
+def names_in(term: Term) -> list[str]:
+    """Names of a formula in the order of the text, each once."""
+    names = [part.name for part in term.walk() if isinstance(part, Name)]
+    return list(dict.fromkeys(names))
+
+
+def free_names(term: Term, columns: Collection[str] = ()) -> list[str]:
+    """The names that are neither variables nor columns: the parameters."""
+    return [name for name in names_in(term) if name not in VARIABLES and name not in columns]

@@ -1,0 +1,229 @@
+"""Formulas as trees: each part gives its value and its exact slopes by forward differentiation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from .elements import HALF_PI, power_of_s
+
+LOG_OMEGA = ""
+"""Under which a slope by ln omega is kept, beside those by the parameters' names."""
+
+Slopes: TypeAlias = Mapping[str, Any]
+
+
+class Dual(NamedTuple):
+    """A value with its derivatives; what it does not depend on is not named.
+
+    Attributes
+    ----------
+    value : number or ndarray
+        Whatever broadcasts with the points.
+    slopes : mapping of str
+        Derivatives by parameter, and by ln omega under `LOG_OMEGA`.
+    """
+
+    value: Any
+    slopes: Slopes
+
+
+def _times(slopes: Slopes, factor: Any) -> dict[str, Any]:
+    return {name: slope * factor for name, slope in slopes.items()}
+
+
+def _merged(a: Slopes, b: Slopes) -> dict[str, Any]:
+    merged = dict(a)
+    for name, slope in b.items():
+        merged[name] = merged[name] + slope if name in merged else slope
+    return merged
+
+
+def _difference(a: Dual, b: Dual) -> Dual:
+    return Dual(a.value - b.value, _merged(a.slopes, _times(b.slopes, -1.0)))
+
+
+def _product(a: Dual, b: Dual) -> Dual:
+    return Dual(a.value * b.value, _merged(_times(a.slopes, b.value), _times(b.slopes, a.value)))
+
+
+def _quotient(a: Dual, b: Dual) -> Dual:
+    value = a.value / b.value
+    return Dual(value, _merged(_times(a.slopes, 1.0 / b.value), _times(b.slopes, -value / b.value)))
+
+
+def _larger(a: Dual, b: Dual, sign: float = 1.0) -> Dual:
+    # By the real parts: a complex step of a derivative must pass through.
+    first = sign * np.real(a.value) >= sign * np.real(b.value)
+    slopes = {
+        name: np.where(first, a.slopes.get(name, 0.0), b.slopes.get(name, 0.0))
+        for name in {**a.slopes, **b.slopes}
+    }
+    return Dual(np.where(first, a.value, b.value), slopes)
+
+
+JOINED: dict[str, Callable[[Dual, Dual], Dual]] = {
+    "+": lambda a, b: Dual(a.value + b.value, _merged(a.slopes, b.slopes)),
+    "-": _difference,
+    "*": _product,
+    "/": _quotient,
+    "max": _larger,
+    "min": lambda a, b: _larger(a, b, -1.0),
+}
+"""What joins two parts, with the rule of its derivative."""
+
+CALLED: dict[str, tuple[Callable[[Any], Any], Callable[[Any, Any], Any]]] = {
+    "exp": (np.exp, lambda x, value: value),
+    "log": (np.log, lambda x, value: 1.0 / x),
+    "sqrt": (np.sqrt, lambda x, value: 0.5 / value),
+    "tanh": (np.tanh, lambda x, value: 1.0 - value**2),
+    "abs": (lambda x: x * np.sign(np.real(x)), lambda x, value: np.sign(np.real(x))),
+}
+"""Functions of one part: value and slope, the slope from argument and value."""
+
+OF_REAL = frozenset({"abs", "max", "min"})
+"""Functions that complex numbers have no slope of."""
+
+
+@dataclass(frozen=True)
+class Term:
+    """A part of a formula.
+
+    Parameters
+    ----------
+    place : int
+        The sign of the text at which it begins, counted from 1.
+    """
+
+    place: int
+
+    @property
+    def parts(self) -> tuple[Term, ...]:
+        """What it is made of."""
+        return ()
+
+    @property
+    def real(self) -> bool:
+        """Whether it is real wherever parameters and columns are."""
+        return all(part.real for part in self.parts)
+
+    def at(self, known: Mapping[str, Dual]) -> Dual:
+        """Value and slopes, of what each name stands for."""
+        raise AssertionError(f"{type(self).__name__} has no value")
+
+    def walk(self) -> Iterator[Term]:
+        """The part itself and all within it, in the order of the text."""
+        yield self
+        for part in self.parts:
+            yield from part.walk()
+
+
+@dataclass(frozen=True)
+class Number(Term):
+    """A number; ``R`` has a unit."""
+
+    value: complex
+    name: str = ""
+
+    @property
+    def real(self) -> bool:
+        """Whether it has no imaginary part."""
+        return self.value.imag == 0.0
+
+    def at(self, known: Mapping[str, Dual]) -> Dual:
+        """The number, which has no slopes."""
+        if self.real:
+            return Dual(self.value.real, {})
+        return Dual(self.value, {})
+
+
+@dataclass(frozen=True)
+class Name(Term):
+    """A variable, a column or a parameter."""
+
+    name: str
+
+    @property
+    def real(self) -> bool:
+        """Whether it is not s = i omega."""
+        return self.name != "s"
+
+    def at(self, known: Mapping[str, Dual]) -> Dual:
+        """What it stands for."""
+        return known[self.name]
+
+
+@dataclass(frozen=True)
+class Joined(Term):
+    """Two parts and what joins them: a sign, or one of max and min."""
+
+    sign: str
+    left: Term
+    right: Term
+
+    @property
+    def parts(self) -> tuple[Term, ...]:
+        """Both."""
+        return (self.left, self.right)
+
+    def at(self, known: Mapping[str, Dual]) -> Dual:
+        """Both together."""
+        return JOINED[self.sign](self.left.at(known), self.right.at(known))
+
+
+@dataclass(frozen=True)
+class Called(Term):
+    """A function of one part."""
+
+    function: str
+    inner: Term
+
+    @property
+    def parts(self) -> tuple[Term, ...]:
+        """The argument."""
+        return (self.inner,)
+
+    def at(self, known: Mapping[str, Dual]) -> Dual:
+        """The function, and its slope by the chain rule."""
+        inner = self.inner.at(known)
+        function, slope = CALLED[self.function]
+        value = function(inner.value)
+        if not inner.slopes:
+            return Dual(value, {})
+        return Dual(value, _times(inner.slopes, slope(inner.value, value)))
+
+
+@dataclass(frozen=True)
+class Power(Term):
+    """A part raised to another, real one."""
+
+    base: Term
+    exponent: Term
+
+    @property
+    def parts(self) -> tuple[Term, ...]:
+        """Base and exponent."""
+        return (self.base, self.exponent)
+
+    def at(self, known: Mapping[str, Dual]) -> Dual:
+        """d(b^e) = b^e (ln b de + e db / b)."""
+        exponent = self.exponent.at(known)
+        if isinstance(self.base, Name) and self.base.name == "s":
+            return self._of_s(known[LOG_OMEGA].value, exponent)
+        base = self.base.at(known)
+        value = base.value**exponent.value
+        slopes = _times(base.slopes, exponent.value * value / base.value)
+        if not exponent.slopes:
+            return Dual(value, slopes)
+        grown = _times(exponent.slopes, value * np.log(base.value))
+        return Dual(value, _merged(slopes, grown))
+
+    def _of_s(self, log_omega: Any, exponent: Dual) -> Dual:
+        # A complex power costs eighty times as much as the real exponentials that it is made of.
+        value = power_of_s(exponent.value, log_omega)
+        slopes = {LOG_OMEGA: exponent.value * value}
+        grown = _times(exponent.slopes, value * (log_omega + HALF_PI))
+        return Dual(value, _merged(slopes, grown))

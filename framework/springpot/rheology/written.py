@@ -1,0 +1,289 @@
+"""An element that is written as its formula, such as ``c*(i*omega)^alpha``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from math import inf
+from typing import Any
+
+import numpy as np
+
+from springpot.errors import ModelError
+
+from .dimensional import units_of
+from .formula import Formula
+from .grammar import free_names, names_in, parsed
+from .parameters import PURE, Dimension, Parameter, order
+from .points import ROOM, Points
+from .terms import LOG_OMEGA, Dual, Name, Power, Term
+from .thermal import activation_energy
+
+EXPONENT = Parameter("n", "n", PURE, 0.0, 4.0, "linear", 1.0)
+"""A free power: whoever expects a negative one writes its sign, as in X^(-n)."""
+KELVINS = Parameter("T", "T", Dimension(label="K"), 0.0, 1e4, typical=100.0)
+LEAST, MOST = 1e-9, 1e9
+"""Sizes, beside those of the data, at which a law must be gone to be one that may be missing."""
+GONE, THERE = 1e-6, 1e-3
+"""Shares of its usual size, or of one, that are left there and that it has elsewhere."""
+
+
+@dataclass(frozen=True)
+class TypedLaw:
+    """A formula as elements are evaluated: value, slopes, slope by ln omega.
+
+    Parameters
+    ----------
+    term : Term
+        The formula.
+    plane : str
+        What it gives: stiffness, compliance, a factor (``log-complex``) or one of the frequency
+        (``shift``). As a part of a network it is a stiffness, a factor or the logarithm of one.
+    free : tuple of str
+        Names of its parameters.
+    """
+
+    term: Term
+    plane: str
+    free: tuple[str, ...]
+
+    def dual(self, at: Points, values: Iterable[Any]) -> Dual:
+        """The formula itself."""
+        known = {
+            name: Dual(value, {name: 1.0}) for name, value in zip(self.free, values, strict=True)
+        }
+        for name in names_in(self.term):
+            if name not in known:
+                known[name] = _variable(name, at)
+        known[LOG_OMEGA] = Dual(at.log_omega, {LOG_OMEGA: 1.0})
+        return self.term.at(known)
+
+    def __call__(self, at: Points, *values: Any) -> Any:
+        """What a network takes."""
+        value, slopes = self.dual(at, values)
+        factor: Any = 1.0
+        if self.plane == "compliance":
+            value = 1.0 / value
+            factor = -(value**2)
+        elif self.plane == "shift":
+            factor = 1.0 / value
+            value = np.log(value)
+        by_theta = [slopes.get(name, 0.0) for name in self.free]
+        by_log_omega = slopes.get(LOG_OMEGA, 0.0)
+        if self.plane in ("compliance", "shift"):
+            return value, [slope * factor for slope in by_theta], by_log_omega * factor
+        return value, by_theta, by_log_omega
+
+
+def _variable(name: str, at: Points) -> Dual:
+    if name in ("omega", "s", "f"):
+        factor = {"omega": 1.0, "s": 1j, "f": 0.5 / np.pi}[name]
+        value = factor * np.exp(at.log_omega)
+        return Dual(value, {LOG_OMEGA: value})
+    if name == "T0":
+        return Dual(at.reference_temperature, {})
+    return Dual(at.need({"X": "amplitude", "T": "temperature"}.get(name, name)), {})
+
+
+@dataclass(frozen=True)
+class Written(Formula):
+    """An element by its text; see `written`.
+
+    Parameters
+    ----------
+    text : str
+        The formula.
+    plane : str
+        What it gives.
+    bound : bool
+        Whether the columns of the data are known.
+    gone_at : float or None
+        Where its first parameter alone makes it vanish.
+    """
+
+    text: str = ""
+    plane: str = "stiffness"
+    bound: bool = False
+    gone_at: float | None = None
+
+    @property
+    def absent_at(self) -> float | None:
+        """Zero or infinity; None where its first parameter alone never makes it vanish."""
+        return self.gone_at
+
+    def bound_to(self, at: Points) -> Written:
+        """The same where names of the data's columns are these, and sizes those of the data."""
+        if self.bound:
+            return self
+        return written(self.text, self.plane, at)
+
+    def sized_by(self, name: str, gone_at: float) -> Written:
+        """The same with that parameter first, which alone makes it vanish."""
+        free = sorted(self.free, key=lambda parameter: parameter.name != name)
+        assert isinstance(self.law, TypedLaw)
+        law = replace(self.law, free=tuple(parameter.name for parameter in free))
+        return replace(self, free=tuple(free), law=law, gone_at=gone_at)
+
+
+def written(text: str, plane: str = "stiffness", at: Points | None = None) -> Written:
+    """An element of a formula.
+
+    Parameters
+    ----------
+    text : str
+        The formula; see `springpot.rheology.grammar.parsed`.
+    plane : str
+        What it gives.
+    at : Points, optional
+        The data's: their further columns are variables too.
+
+    Raises
+    ------
+    ModelError
+        If it is no formula, its units do not fit, or it has no parameter.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points
+    >>> from springpot.rheology.written import written
+    >>> written("-m*omega^2").respond(np.array([0.5]), Points.at([2.0])).value
+    array([-2.+0.j])
+    """
+    text = " ".join(text.split())
+    term, columns = parsed(text), {} if at is None else dict(at.columns)
+    names = names_in(term)
+    columns = {name: column for name, column in columns.items() if name in names}
+    free = free_names(term, columns)
+    if not free:
+        raise ModelError(f"'{text:.80}' has no parameter, so that nothing could be found of it")
+    if plane == "shift" and not term.real:
+        raise ModelError(f"'{text:.80}': a factor of the frequency is real, so it has no i")
+    units = units_of(term, plane, text, columns, at is not None)
+    parameters = tuple(_parameter(name, units[name], term) for name in free)
+    if at is not None:
+        parameters = tuple(_sized(parameter, at) for parameter in parameters)
+    uses = {"X": "amplitude", "T": "temperature"}
+    asked = tuple(uses.get(name, name) for name in names if name in uses or name in columns)
+    element = Written(
+        parameters,
+        TypedLaw(term, plane, tuple(free)),
+        asked,
+        text,
+        text=text,
+        plane=plane,
+        bound=at is not None,
+    )
+    size = size_of(element)
+    if size is None:
+        return element
+    return _signed(element.sized_by(*size))
+
+
+def _parameter(name: str, unit: Dimension, term: Term) -> Parameter:
+    """Bounds by where it stands and what it is."""
+    powers = [part for part in term.walk() if isinstance(part, Power)]
+    of_s = [part.exponent for part in powers if _is(part.base, "s")]
+    if any(_is(exponent, name) for exponent in of_s):
+        return order(name, name)
+    like = Parameter(name, name, unit)
+    if any(_is(part, name) for power in powers for part in power.exponent.walk()):
+        like = EXPONENT
+    elif unit.label == "kJ/mol":
+        like = activation_energy()
+    elif unit.label == "K":
+        like = KELVINS
+    return replace(like, name=name, symbol=name)
+
+
+def _is(term: Term, name: str) -> bool:
+    return isinstance(term, Name) and term.name == name
+
+
+def _signed(element: Written) -> Written:
+    """What an instrument does may go either way: a delay, a gain, an error of the clock."""
+    first = element.free[0]
+    plain = first.scale == "log" and not first.unit.label
+    if element.plane not in ("log-complex", "shift") or not plain:
+        return element
+    # Of a size that is gone at infinity, as a resonance far above, the other sign says nothing new.
+    if element.gone_at != 0.0:
+        return element
+    either = replace(first, lower=-inf, scale="linear", typical=0.1 * first.typical)
+    if first.unit == PURE:
+        either = replace(either, lower=-0.99)
+    return replace(element, free=(either, *element.free[1:]))
+
+
+def _sized(parameter: Parameter, at: Points) -> Parameter:
+    """The typical size, where units are beyond stiffness, time and amplitude."""
+    size = 1.0
+    for base, power in parameter.unit.beyond:
+        exponent = sum(share * (EXPONENT.typical if name else 1.0) for name, share in power)
+        size *= _middle(base, at) ** exponent
+    return replace(parameter, typical=parameter.typical * size)
+
+
+def _middle(base: str, at: Points) -> float:
+    """What one of a unit comes to in the data."""
+    if base == "K":
+        return ROOM
+    values = at.columns.get(base)
+    if base == "amplitude":
+        values = at.amplitude
+    if base == "time":
+        values = np.exp(-np.real(at.log_omega))
+    if values is None:
+        return 1.0
+    sizes = np.abs(values[np.isfinite(values) & (values != 0.0)])
+    return float(np.median(sizes)) if len(sizes) else 1.0
+
+
+def examples(element: Written) -> tuple[Points, list[float]]:
+    """Points and parameters, all of the order of one, at which a formula is looked at."""
+    rows = np.linspace(0.6, 1.7, 12)
+    names = names_in(parsed(element.text))
+    columns = {name: rows[::-1] for name in names if name in element.conditions}
+    at = Points(np.log(rows), rows[::-1] ** 0.5, 260.0 + 40.0 * rows, ROOM, columns)
+    values = []
+    for i, parameter in enumerate(element.free):
+        value = parameter.typical if parameter.unit.label else 1.0 + 0.1 * i
+        values.append(0.5 if parameter.is_order else value)
+    return at, values
+
+
+def size_of(element: Written) -> tuple[str, float] | None:
+    """The parameter that alone decides whether a law is there, and where it is gone.
+
+    Returns
+    -------
+    tuple of (str, float) or None
+        Its name, and 0 or infinity. None where no parameter does.
+    """
+    at, usual = examples(element)
+    law = element.law
+    assert isinstance(law, TypedLaw)
+    with np.errstate(all="ignore"):
+        whole = _there(law, at, usual)
+        for place, parameter in enumerate(element.free):
+            for factor, end in ((LEAST, 0.0), (MOST, inf)):
+                # An order or a power has both its ends, and is no size.
+                if np.isfinite(parameter.upper) and (end or not parameter.unit.label):
+                    continue
+                others = [value * 1.3 for value in usual]
+                for values in (list(usual), others):
+                    values[place] = factor * usual[place]
+                    if not np.all(np.abs(_there(law, at, values)) < GONE * np.max(np.abs(whole))):
+                        break
+                else:
+                    if np.max(np.abs(whole)) > THERE:
+                        return parameter.name, end
+    return None
+
+
+def _there(law: TypedLaw, at: Points, values: list[float]) -> Any:
+    """What a formula adds in its plane: nothing where it is gone."""
+    value = law.dual(at, values).value
+    if law.plane in ("log-complex", "shift"):
+        return value - 1.0
+    return np.asarray(value)
