@@ -155,6 +155,10 @@ def test_a_prefix_that_case_leaves_open_is_asked_for(tmp_path):
 
 AS_WRITTEN = {
     "decimal commas": "t [s];G(t) [Pa]\n" + ONE.replace(",", ";").replace(".", ","),
+    "decimal commas between tabs": "t [s]\tG(t) [Pa]\n"
+    + lines(TIME, COLD, separator="\t").replace(".", ","),
+    "decimal commas between tabs, in hundreds": "t [s]\tG(t) [Pa]\n0,500\t1070,268\n"
+    "1,000\t900,000\n2,000\t756,806\n4,000\t636,396\n8,000\t535,134",
     "exponents of Fortran": "t [s],G(t) [Pa]\n" + lines(TIME, COLD).replace("\n", "D+00\n"),
     "logarithms": f"log10 t [s],lg(G(t) / Pa)\n{lines(np.log10(TIME), np.log10(COLD))}",
     "natural logarithms": f"ln t [s],ln G(t) [Pa]\n{lines(np.log(TIME), np.log(COLD))}",
@@ -176,7 +180,9 @@ AS_WRITTEN = {
 def test_numbers_are_read_however_they_are_written(tmp_path, style):
     [test] = opened(tmp_path, AS_WRITTEN[style])
     np.testing.assert_allclose(test.time, TIME, rtol=1e-9)
-    np.testing.assert_allclose(test.response, COLD, rtol=1e-4 if style == "thousands" else 1e-9)
+    np.testing.assert_allclose(
+        test.response, COLD, rtol=1e-4 if "hundreds" in style or style == "thousands" else 1e-9
+    )
     assert (test.kind, test.units.stiffness) == ("relaxation", "Pa")
 
 
