@@ -139,9 +139,8 @@ NOT_TYPED = {
     # They ask for the model's own K, or for what is left of an amplitude in series.
     *("specimen-inertia", "specimen-inertia-fixed", "self-heating"),
     *("hardening-mount", "power-law-slip"),
-    # Functions and cases that no formula has, and two that no single parameter makes vanish.
+    # Functions and cases that no formula has.
     *("elasto-sliding", "dead-zone", "backlash", "power-law-damper", "filter-mismatch"),
-    *("wlf-shift", "vertical-shift"),
 }
 
 

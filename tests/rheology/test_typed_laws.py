@@ -30,6 +30,8 @@ LAWS = [
     "parallel: k*max(0, 1 - Xc/X)",
     "shift: exp(E/R*(1/T - 1/T0))",
     "shift: 1 + d*X",
+    "shift: 10^(-C1*(T - T0)/(C2 + T - T0))",
+    "chain: (T/T0)^n",
 ]
 UNITS = Units("kN/m", "mm")
 
@@ -111,6 +113,8 @@ def test_a_law_keeps_the_contract_of_effects(text):
         ("parallel: k*exp(E/R*(1/T - 1/T0))", "E", (1.0, "kJ/mol")),
         ("parallel: k*X^(-n)", "k", (1.0, "kN/m mm^n")),
         ("parallel: F/X", "F", (1.0, "N")),
+        ("parallel: k*2^(-X/Xc)", "Xc", (1.0, "mm")),
+        ("shift: 10^(-C1*(T - T0)/(C2 + T - T0))", "C2", (1.0, "K")),
         ("parallel: a*T/T0", "a", (1.0, "kN/m")),
     ],
 )

@@ -17,7 +17,7 @@ from .formula import Formula
 from .grammar import free_names, names_in, parsed
 from .parameters import PURE, Dimension, Parameter, order
 from .points import ROOM, Points
-from .terms import LOG_OMEGA, Dual, Name, Power, Term, inverse
+from .terms import LOG_OMEGA, Dual, Name, Number, Power, Term, inverse
 from .thermal import activation_energy
 
 EXPONENT = Parameter("n", "n", PURE, 0.0, 4.0, "linear", 1.0)
@@ -192,12 +192,18 @@ def written(text: str, plane: str = "stiffness", at: Points | None = None) -> Wr
 
 def _parameter(name: str, unit: Dimension, term: Term) -> Parameter:
     """Bounds by where it stands and what it is."""
-    powers = [part for part in term.walk() if isinstance(part, Power)]
+    # What a mere number is raised to is no power of anything that is measured.
+    powers = [
+        part
+        for part in term.walk()
+        if isinstance(part, Power) and not isinstance(part.base, Number)
+    ]
     of_s = [part.exponent for part in powers if _is(part.base, "s")]
     if any(_is(exponent, name) for exponent in of_s):
         return order(name, name)
     like = Parameter(name, name, unit)
-    if any(_is(part, name) for power in powers for part in power.exponent.walk()):
+    raised = any(_is(part, name) for power in powers for part in power.exponent.walk())
+    if raised and unit == PURE:
         like = EXPONENT
     elif unit.label == "kJ/mol":
         like = activation_energy()
@@ -213,9 +219,11 @@ def _is(term: Term, name: str) -> bool:
 def _signed(element: Written) -> Written:
     """What an instrument does may go either way: a delay, a gain, an error of the clock."""
     first = element.free[0]
-    plain = first.scale == "log" and not first.unit.label
-    if element.plane not in FACTORS or not plain:
+    if element.plane not in FACTORS or first.unit.label:
         return element
+    # A power by which a law is there at all, such as (T/T0)^n, keeps its size.
+    if first.scale == "linear":
+        return replace(element, free=(replace(first, lower=-first.upper), *element.free[1:]))
     # Of a size that is gone at infinity, as a resonance far above, the other sign says nothing new.
     if element.gone_at != 0.0:
         return element
@@ -279,8 +287,8 @@ def size_of(element: Written) -> tuple[str, float] | None:
         whole = _there(law, at, usual)
         for place, parameter in enumerate(element.free):
             for factor, end in ((LEAST, 0.0), (MOST, inf)):
-                # An order or a power has both its ends, and is no size.
-                if np.isfinite(parameter.upper) and (end or not parameter.unit.label):
+                # An order has both its ends, and is no size; at infinity none that has one is.
+                if parameter.is_order or (end and np.isfinite(parameter.upper)):
                     continue
                 others = [value * 1.3 for value in usual]
                 for values in (list(usual), others):
