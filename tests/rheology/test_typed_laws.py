@@ -167,6 +167,12 @@ def test_a_law_may_vanish_whatever_numbers_stand_in_it(text):
     assert springpot.law(text).vanishes_at in (0.0, np.inf)
 
 
+def test_a_model_is_left_without_a_law_by_its_name_and_without_an_effect_by_an_alias():
+    model = parse_model("fractional-maxwell + inertia + (parallel: c*s)")
+    assert (model - "law-2").name == "fractional-maxwell + inertia"
+    assert (model - "inerter" - "law-2").name == "fractional-maxwell"
+
+
 HOSTILE = [
     *("k.__class__", "k.__class__.__mro__[1]", "().__class__", "k.real.real", "(k).__init__(1)"),
     *("__import__(1)", "open(1)", "eval(k)", "exec(k)", "compile(k)", "globals()", "getattr(k, X)"),
