@@ -5,7 +5,7 @@ What solvers and structures take.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +15,7 @@ from springpot.identification.prediction import Known
 from springpot.identification.result import Identification
 from springpot.loading import load
 from springpot.measurement.units import MODULUS_UNITS, Units, known_unit
-from springpot.registry import parse_model, plugins
+from springpot.registry import parse_model
 from springpot.rheology.parameters import Dimension
 from springpot.rheology.points import ROOM
 
@@ -82,14 +82,3 @@ def _factor(units: Units, dimension: Dimension) -> float:
     if (dimension.stiffness, dimension.amplitude) == (1, 1):
         return 1.0
     return units.of(dimension)[0]
-
-
-def lesser(known: Known, without: Iterable[str]) -> Known:
-    """The same without some of its effects, such as those of the rig that it was tested in.
-
-    Raises
-    ------
-    SpringpotError
-        If it has none of that name.
-    """
-    return known.without(plugins().effect(name).name for name in without)

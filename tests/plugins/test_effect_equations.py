@@ -8,8 +8,10 @@ from scipy.optimize import brentq
 from scipy.special import gamma
 
 import springpot
+from springpot import Units
+from springpot.errors import SpringpotError
 from springpot.registry import plugins
-from springpot.rheology import Points
+from springpot.rheology import Effect, Points
 
 OMEGA = 2.0 * np.pi * np.geomspace(0.1, 100.0, 9)
 AMPLITUDE = np.geomspace(0.2, 4.0, 9)
@@ -123,6 +125,64 @@ def test_the_equation_is_what_the_effect_computes(effect):
     at = Points(np.log(OMEGA), AMPLITUDE, TEMPERATURE, REFERENCE)
     computed = grown.stiffness(np.array([theta[name] for name in grown.names]), at)
     np.testing.assert_allclose(evaluated(effect.equation, own), computed, rtol=1e-10, atol=1e-10)
+
+
+PLANES = {
+    r"1 / \(1 / K \+ (.*)\)": "series: ",
+    r"K\(omega \* (.*)\)": "shift: ",
+    r"K \+ (.*)": "parallel: ",
+    r"K - (.*)": "parallel: -",
+    r"K \* (.*)": "chain: ",
+    r"K / (.*)": "chain: 1 / ",
+}
+NOT_TYPED = {
+    # They ask for the model's own K, or for what is left of an amplitude in series.
+    *("specimen-inertia", "specimen-inertia-fixed", "self-heating"),
+    *("hardening-mount", "power-law-slip"),
+    # Functions and cases that no formula has.
+    *("elasto-sliding", "dead-zone", "backlash", "power-law-damper", "filter-mismatch"),
+}
+
+
+def formula_of(equation):
+    """The equation as somebody would type it, and its definitions where they are used."""
+    whole, *definitions = re.split(r", (\w+) = ", equation)
+    for name, meaning in zip(definitions[::2], definitions[1::2], strict=True):
+        whole = re.sub(rf"\b{name}\b", f"({meaning})", whole)
+    found = ((re.fullmatch(pattern, whole), plane) for pattern, plane in PLANES.items())
+    return next(plane + match[1] for match, plane in found if match)
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [effect for effect in EFFECTS if effect.name not in NOT_TYPED],
+    ids=lambda effect: effect.name,
+)
+def test_the_formula_of_an_effect_is_that_effect(effect):
+    typed = Effect.from_formula("typed", formula_of(effect.equation))
+    names = [p.name for p in effect.element.parameters]
+    assert [p.name for p in typed.element.parameters] == names
+    assert typed.vanishes_at == effect.vanishes_at
+    # A rig's drag asks for the temperature only to be no material's.
+    assert typed.needs == effect.needs - {"temperature"} or typed.needs == effect.needs
+    units = Units("kN/m", "mm")
+    for own, installed in zip(typed.element.parameters, effect.element.parameters, strict=True):
+        # To a formula an angle is a pure number.
+        assert units.of(own.unit)[1] == units.of(installed.unit)[1].replace("rad", "-", 1) or (
+            own.unit == installed.unit
+        )
+    own = [OWN.get((effect.name, name), VALUES[name]) for name in names]
+    theta = np.array([*THETA, *own])
+    at = Points(np.log(OMEGA), AMPLITUDE, TEMPERATURE, REFERENCE)
+    computed = (MODEL + effect).stiffness(theta, at)
+    np.testing.assert_allclose((MODEL + typed).stiffness(theta, at), computed, rtol=1e-12)
+
+
+def test_what_no_formula_holds_is_refused():
+    for effect in EFFECTS:
+        if effect.name in NOT_TYPED:
+            with pytest.raises(SpringpotError):
+                Effect.from_formula("typed", formula_of(effect.equation))
 
 
 def test_a_negative_delay_of_a_filter_sits_in_the_other_channel():

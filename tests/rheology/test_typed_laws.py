@@ -30,6 +30,8 @@ LAWS = [
     "parallel: k*max(0, 1 - Xc/X)",
     "shift: exp(E/R*(1/T - 1/T0))",
     "shift: 1 + d*X",
+    "shift: 10^(-C1*(T - T0)/(C2 + T - T0))",
+    "chain: (T/T0)^n",
 ]
 UNITS = Units("kN/m", "mm")
 
@@ -111,6 +113,8 @@ def test_a_law_keeps_the_contract_of_effects(text):
         ("parallel: k*exp(E/R*(1/T - 1/T0))", "E", (1.0, "kJ/mol")),
         ("parallel: k*X^(-n)", "k", (1.0, "kN/m mm^n")),
         ("parallel: F/X", "F", (1.0, "N")),
+        ("parallel: k*2^(-X/Xc)", "Xc", (1.0, "mm")),
+        ("shift: 10^(-C1*(T - T0)/(C2 + T - T0))", "C2", (1.0, "K")),
         ("parallel: a*T/T0", "a", (1.0, "kN/m")),
     ],
 )
@@ -154,6 +158,55 @@ def test_what_is_no_law_is_refused_in_one_line_that_names_the_sign(text, words):
     assert words in message
     assert "\n" not in message
     assert len(message) < 350
+
+
+@pytest.mark.parametrize(
+    "text", ["parallel: 1e-9*k*X^2/X^2", "series: 1e9/k", "chain: 1 + 1e-6*g", "parallel: 1e7*k"]
+)
+def test_a_law_may_vanish_whatever_numbers_stand_in_it(text):
+    assert springpot.law(text).vanishes_at in (0.0, np.inf)
+
+
+def test_a_model_is_left_without_a_law_by_its_name_and_without_an_effect_by_an_alias():
+    model = parse_model("fractional-maxwell + inertia + (parallel: c*s)")
+    assert (model - "law-2").name == "fractional-maxwell + inertia"
+    assert (model - "inerter" - "law-2").name == "fractional-maxwell"
+
+
+HOSTILE = [
+    *("k.__class__", "k.__class__.__mro__[1]", "().__class__", "k.real.real", "(k).__init__(1)"),
+    *("__import__(1)", "open(1)", "eval(k)", "exec(k)", "compile(k)", "globals()", "getattr(k, X)"),
+    *("input()", "exit()", "print(k)", "breakpoint()", "help(k)", "vars()", "dir()", "type(k)"),
+    *("k[0]", "[k]", "{k}", "{k: 1}", "(k, 1)", "k,", "*k", "**k", "exp(*k)", "exp(x=k)"),
+    *("lambda: k", "k if X else 1", "k and X", "not k", "k < 1", "k == 1", "k := 1", "k = 1"),
+    *("k; X", "k\nX", "k # X", "'k'", 'f"{k}"', "b'k'", "k @ X", "k // X", "k % X", "k << 9"),
+    *("~k", "k | X", "k & X", "await k", "yield k", "(yield)", "[k for k in X]", "k!", "k?", "$k"),
+    *("k\x00", "k\\", "\u03c9*k", "k*0x10", "k*1_000", "k*1j", "k*1e999", "k*True", "k*None"),
+    *("k*...", "9^9^9^9*k", "k^(10^10)", "k*1/0", "k*0/0", "k*log(0)", "k*1e308*1e308", ""),
+    *("exp", "exp()", "exp(k, k)", "max(k)", "k exp", "k k", "2k", "k(X)", "3(k)", "()", "((k)"),
+    *("(" * 99 + "k" + ")" * 99 + "(", "-" * 999 + "k", "k^" * 300 + "k", "k" * 999, "k*" * 499),
+    *(
+        "_",
+        "__",
+        "_k*X",
+        "k__*X",
+        "k*" + "x" * 31,
+        "abs(s)*k",
+        "max(s, k)",
+        "k^i",
+        "k^s",
+        "k^(1+i)",
+    ),
+]
+
+
+@pytest.mark.parametrize("plane", ["parallel", "chain"])
+def test_hostile_text_is_one_line_and_nothing_of_it_is_run(plane):
+    for text in HOSTILE:
+        with pytest.raises(SpringpotError) as refused:
+            springpot.law(f"{plane}: {text}")
+        assert "\n" not in str(refused.value), text
+        assert len(str(refused.value)) < 350, text
 
 
 def test_a_law_is_told_to_be_causal_and_passive_or_not():

@@ -28,6 +28,7 @@ LONGEST, MOST, LARGEST_POWER = 1000, 120, 20.0
 """Signs and parts of a formula, and the largest number as a power: more is a slip, or no law."""
 _ALLOWED = re.compile(r"[A-Za-z0-9_.+\-*/^(), ]")
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9]+)*")
+_NUMBER = re.compile(r"[0-9.]+(?:[eE][+-]?[0-9]+)?(?![A-Za-z0-9_])")
 _SIGNS: dict[type[ast.operator], str] = {
     ast.Add: "+",
     ast.Sub: "-",
@@ -112,8 +113,9 @@ class _Reading:
     def _number(self, node: ast.expr, place: int) -> Term:
         assert isinstance(node, ast.Constant)
         value = node.value
-        if not isinstance(value, int | float) or isinstance(value, bool):
-            _refuse(self.text, place, f"{value!r:.20} is no number")
+        # Nor are Python's other ways of writing one: 0x10, 1_000, 1j.
+        if not isinstance(value, int | float) or not _NUMBER.match(self.text, place - 1):
+            _refuse(self.text, place, f"{value!r:.20} is no number as a formula has it: 1.5e-3")
         try:
             return Number(place, complex(float(value)))
         except OverflowError:
@@ -146,6 +148,8 @@ class _Reading:
         if type(node.op) not in _SIGNS:
             _refuse(self.text, place, "parts are joined by + - * / and ^ only")
         sign = _SIGNS[type(node.op)]
+        if sign == "/" and isinstance(right, Number) and right.value == 0.0:
+            _refuse(self.text, right.place, "nothing is divided by zero")
         pair = (left, right)
         if sign == "*" and {_word(part) for part in pair} == {"i", "omega"}:
             return Name(place, "s")

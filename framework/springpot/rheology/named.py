@@ -454,7 +454,7 @@ class NamedNetwork(HasParameters):
         return self + effect
 
     def __sub__(self, effect: Effect | str) -> Self:
-        """The model without the last effect of that name.
+        """The model without the last effect of that name or alias.
 
         Raises
         ------
@@ -466,7 +466,7 @@ class NamedNetwork(HasParameters):
             name = effect.name
         # The last one, as of two relaxation modes the second was added to the first.
         for i in reversed(range(len(self.effects))):
-            if self.effects[i].name == name:
+            if name in (self.effects[i].name, *self.effects[i].aliases):
                 return replace(self, effects=self.effects[:i] + self.effects[i + 1 :])
         raise ModelError(f"{self.name} has no effect '{name}'")
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from .elements import HALF_PI
 from .points import Complex, Real
-from .written import TypedLaw, Written, examples
+from .written import FACTORS, TypedLaw, Written, examples
 
 AROUND = 256
 """Points of a circle on which a mean is taken."""
@@ -104,7 +104,7 @@ def told(element: Written) -> str:
     if linear and not causal(element):
         return "not causal: no physical law, an instrument's fault"
     # What multiplies a signal or moves a clock has no energy of its own.
-    if element.plane in ("log-complex", "shift"):
+    if element.plane in FACTORS:
         return "causal"
     if not passive(element):
         return "not passive: it gives out energy"

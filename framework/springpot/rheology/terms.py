@@ -227,3 +227,11 @@ class Power(Term):
         slopes = {LOG_OMEGA: exponent.value * value}
         grown = _times(exponent.slopes, value * (log_omega + HALF_PI))
         return Dual(value, _merged(slopes, grown))
+
+
+def inverse(term: Term) -> Term:
+    """One over a part; of what is typed as one over another, that other."""
+    match term:
+        case Joined(sign="/", left=Number(value=1), right=under):
+            return under
+    return Joined(term.place, "/", Number(term.place, 1.0 + 0j), term)

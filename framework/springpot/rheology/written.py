@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import inf
 from typing import Any
 
@@ -16,7 +17,7 @@ from .formula import Formula
 from .grammar import free_names, names_in, parsed
 from .parameters import PURE, Dimension, Parameter, order
 from .points import ROOM, Points
-from .terms import LOG_OMEGA, Dual, Name, Power, Term
+from .terms import LOG_OMEGA, Dual, Name, Number, Power, Term, inverse
 from .thermal import activation_energy
 
 EXPONENT = Parameter("n", "n", PURE, 0.0, 4.0, "linear", 1.0)
@@ -24,8 +25,11 @@ EXPONENT = Parameter("n", "n", PURE, 0.0, 4.0, "linear", 1.0)
 KELVINS = Parameter("T", "T", Dimension(label="K"), 0.0, 1e4, typical=100.0)
 LEAST, MOST = 1e-9, 1e9
 """Sizes, beside those of the data, at which a law must be gone to be one that may be missing."""
-GONE, THERE = 1e-6, 1e-3
-"""Shares of its usual size, or of one, that are left there and that it has elsewhere."""
+GONE = 1e-6
+"""Share of its usual size that is left there."""
+ROUNDING = 1e-9
+"""What a factor must differ from one by, elsewhere, to be more than rounding."""
+FACTORS = ("log-complex", "shift")
 
 
 @dataclass(frozen=True)
@@ -49,29 +53,35 @@ class TypedLaw:
 
     def dual(self, at: Points, values: Iterable[Any]) -> Dual:
         """The formula itself."""
+        return self._of(self.term, at, values)
+
+    def _of(self, term: Term, at: Points, values: Iterable[Any]) -> Dual:
         known = {
             name: Dual(value, {name: 1.0}) for name, value in zip(self.free, values, strict=True)
         }
-        for name in names_in(self.term):
-            if name not in known:
-                known[name] = _variable(name, at)
+        for name in self._variables:
+            known[name] = _variable(name, at)
         known[LOG_OMEGA] = Dual(at.log_omega, {LOG_OMEGA: 1.0})
-        return self.term.at(known)
+        return term.at(known)
+
+    @cached_property
+    def _variables(self) -> list[str]:
+        return [name for name in names_in(self.term) if name not in self.free]
+
+    @cached_property
+    def _joined(self) -> Term:
+        """What the network adds: of a compliance the stiffness."""
+        if self.plane == "compliance":
+            return inverse(self.term)
+        return self.term
 
     def __call__(self, at: Points, *values: Any) -> Any:
         """What a network takes."""
-        value, slopes = self.dual(at, values)
-        factor: Any = 1.0
-        if self.plane == "compliance":
-            value = 1.0 / value
-            factor = -(value**2)
-        elif self.plane == "shift":
-            factor = 1.0 / value
-            value = np.log(value)
+        value, slopes = self._of(self._joined, at, values)
         by_theta = [slopes.get(name, 0.0) for name in self.free]
         by_log_omega = slopes.get(LOG_OMEGA, 0.0)
-        if self.plane in ("compliance", "shift"):
-            return value, [slope * factor for slope in by_theta], by_log_omega * factor
+        if self.plane == "shift":
+            return np.log(value), [slope / value for slope in by_theta], by_log_omega / value
         return value, by_theta, by_log_omega
 
 
@@ -182,12 +192,18 @@ def written(text: str, plane: str = "stiffness", at: Points | None = None) -> Wr
 
 def _parameter(name: str, unit: Dimension, term: Term) -> Parameter:
     """Bounds by where it stands and what it is."""
-    powers = [part for part in term.walk() if isinstance(part, Power)]
+    # What a mere number is raised to is no power of anything that is measured.
+    powers = [
+        part
+        for part in term.walk()
+        if isinstance(part, Power) and not isinstance(part.base, Number)
+    ]
     of_s = [part.exponent for part in powers if _is(part.base, "s")]
     if any(_is(exponent, name) for exponent in of_s):
         return order(name, name)
     like = Parameter(name, name, unit)
-    if any(_is(part, name) for power in powers for part in power.exponent.walk()):
+    raised = any(_is(part, name) for power in powers for part in power.exponent.walk())
+    if raised and unit == PURE:
         like = EXPONENT
     elif unit.label == "kJ/mol":
         like = activation_energy()
@@ -203,9 +219,11 @@ def _is(term: Term, name: str) -> bool:
 def _signed(element: Written) -> Written:
     """What an instrument does may go either way: a delay, a gain, an error of the clock."""
     first = element.free[0]
-    plain = first.scale == "log" and not first.unit.label
-    if element.plane not in ("log-complex", "shift") or not plain:
+    if element.plane not in FACTORS or first.unit.label:
         return element
+    # A power by which a law is there at all, such as (T/T0)^n, keeps its size.
+    if first.scale == "linear":
+        return replace(element, free=(replace(first, lower=-first.upper), *element.free[1:]))
     # Of a size that is gone at infinity, as a resonance far above, the other sign says nothing new.
     if element.gone_at != 0.0:
         return element
@@ -249,7 +267,8 @@ def examples(element: Written) -> tuple[Points, list[float]]:
     for i, parameter in enumerate(element.free):
         value = parameter.typical if parameter.unit.label else 1.0 + 0.1 * i
         values.append(0.5 if parameter.is_order else value)
-    return at, values
+    # Of NumPy's own kind, whose division by zero is no error but a number that is not finite.
+    return at, list(np.array(values))
 
 
 def size_of(element: Written) -> tuple[str, float] | None:
@@ -263,12 +282,13 @@ def size_of(element: Written) -> tuple[str, float] | None:
     at, usual = examples(element)
     law = element.law
     assert isinstance(law, TypedLaw)
+    least = ROUNDING if law.plane in FACTORS else 0.0
     with np.errstate(all="ignore"):
         whole = _there(law, at, usual)
         for place, parameter in enumerate(element.free):
             for factor, end in ((LEAST, 0.0), (MOST, inf)):
-                # An order or a power has both its ends, and is no size.
-                if np.isfinite(parameter.upper) and (end or not parameter.unit.label):
+                # An order has both its ends, and is no size; at infinity none that has one is.
+                if parameter.is_order or (end and np.isfinite(parameter.upper)):
                     continue
                 others = [value * 1.3 for value in usual]
                 for values in (list(usual), others):
@@ -276,7 +296,7 @@ def size_of(element: Written) -> tuple[str, float] | None:
                     if not np.all(np.abs(_there(law, at, values)) < GONE * np.max(np.abs(whole))):
                         break
                 else:
-                    if np.max(np.abs(whole)) > THERE:
+                    if np.max(np.abs(whole)) > least:
                         return parameter.name, end
     return None
 
@@ -284,6 +304,6 @@ def size_of(element: Written) -> tuple[str, float] | None:
 def _there(law: TypedLaw, at: Points, values: list[float]) -> Any:
     """What a formula adds in its plane: nothing where it is gone."""
     value = law.dual(at, values).value
-    if law.plane in ("log-complex", "shift"):
+    if law.plane in FACTORS:
         return value - 1.0
     return np.asarray(value)

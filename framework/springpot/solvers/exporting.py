@@ -14,7 +14,7 @@ import numpy as np
 
 from springpot.errors import DataError, ModelError
 from springpot.identification.prediction import Known, require_known
-from springpot.identified import fitted, lesser, stated
+from springpot.identified import fitted, stated
 from springpot.measurement.covered import RATE
 from springpot.measurement.units import (
     FREQUENCY_UNITS,
@@ -137,7 +137,7 @@ def exported(
         raise ModelError(
             f"{writer.name} has no place for a dashpot beside the terms: leave out --dashpot"
         )
-    known = lesser(_known(source, values, unit), without)
+    known = _known(source, values, unit).without(without)
     # Once those that the user leaves out are gone.
     _refuse_rig(known.model)
     letter, bulk = _letter(known, modulus), _bulk(bulk)

@@ -12,7 +12,7 @@ import numpy as np
 
 from springpot.errors import DataError, ModelError, SpringpotError
 from springpot.identification.prediction import Known, require_known
-from springpot.identified import fitted, lesser, stated
+from springpot.identified import fitted, stated
 from springpot.inputs import text_in, toml_in
 from springpot.measurement.units import STIFFNESS_UNITS
 from springpot.rheology.points import KELVIN, Real
@@ -115,7 +115,7 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
         raise DataError(
             f"{path}: {where} has a fit = 'FIT.json', or a model with parameters and unit"
         )
-    known = lesser(_known(entry, path, where), _without(entry, where))
+    known = _known(entry, path, where).without(_without(entry, where))
     if known.units.stiffness not in STIFFNESS_UNITS:
         raise ModelError(
             f"a damper has a stiffness, and {known.model.name} is in {known.units.stiffness}: "

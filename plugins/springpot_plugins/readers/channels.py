@@ -106,6 +106,8 @@ _NUMBERED = re.compile(r"[\s_#.-]{0,2}\d{1,2}(?:\s+-\s.*)?$")
 
 ``LVDT 3``, ``Zeit 1 - Standardmessrate``.
 """
+_TIMES = re.compile(r"[x×*]\s*10{1,9}(?!\d)|10\s*\^")
+"""A factor among the words of a title: whether the numbers are to be multiplied is asked for."""
 _WAY = "s"
 """The German symbol of a displacement; without a length beside it, it is the unit of a time."""
 _NOT_MEASURED = frozenset(
@@ -150,6 +152,8 @@ def _numbered(title: str) -> tuple[str | None, str | None, str]:
     # "x1" and "F 2" may be anything: of a letter or two the number could be the whole difference.
     if (channel := _OF.get(fold(bare))) is not None and len(fold(bare)) > 2:
         return channel, unit, bare
+    if _TIMES.search(words):
+        return None, None, title
     parts = [fold(word) for word in re.split(r"[\s_.-]+", words)]
     channels = {_OF[word] for word in parts if word in _OF and len(word) > 2}
     if len(channels) != 1 or unit is None or _NOT_MEASURED & set(parts):

@@ -15,11 +15,13 @@ from numpy.typing import NDArray
 from springpot.errors import DataError
 from springpot.measurement import normal_unit
 
-from .grid import APOSTROPHES, BLANKS, MISSING, POINTS, THOUSANDS
+from .grid import APOSTROPHES, BLANKS, MISSING, POINTS, THOUSANDS, is_number
 from .table import Column
 from .titles import heading, is_unit
 
 _WITH_UNIT = re.compile(r"\s*[-+−]?\d[\d.,]*(?:[eE][-+]?\d+)?\s*((?:[^\W\d]|[°%]).*)\Z")
+_PARTED = re.compile(r"\s*[-+−]?[1-9]\d{0,2}(?:,\d{3}|\.\d{3})\s*\Z")
+"""A number with three digits behind its only mark, which may part thousands: 1,234 or 1.234."""
 _FILLED = re.compile(r"[-−]9{3,}(?:[.,](?:0*|9+|250*))?\Z")
 """What programs write where nothing was measured: -999, -9999.0, -999.25."""
 _WHOLE = ("temperature", "amplitude", "storage_sd", "loss_sd")
@@ -29,7 +31,7 @@ def cleaned(
     roles: dict[str, Column], others: list[Column]
 ) -> tuple[dict[str, Column], list[Column], dict[str, str]]:
     """Rows in which something was measured, the columns complete there, and what was left out."""
-    notes: dict[str, str] = {}
+    roles, notes = _with_one_decimal_sign(roles)
     keep = np.ones(len(next(iter(roles.values())).cells), dtype=bool)
     for role, column in roles.items():
         if role not in (*_WHOLE, "repeat"):
@@ -110,6 +112,39 @@ def _without_thousands(column: Column) -> Column:
         ):
             return replace(column, cells=[cell.replace(sign, "") for cell in column.cells])
     return column
+
+
+def _with_one_decimal_sign(roles: dict[str, Column]) -> tuple[dict[str, Column], dict[str, str]]:
+    """The columns without the sign that parts thousands, where others show the decimal sign.
+
+    ``1,500`` beside ``900.2``. Where nothing shows it, a comma is the decimal sign, with a note.
+    """
+    as_written = {role: column for role, column in roles.items() if column.decimal_comma}
+    shown = {
+        sign
+        for sign in ",."
+        for column in as_written.values()
+        if any(
+            sign in cell and is_number(cell) and not _PARTED.match(cell) for cell in column.cells
+        )
+    }
+    notes = {}
+    made = dict(roles)
+    for role, column in as_written.items():
+        signs = {sign for cell in column.cells for sign in ",." if sign in cell} - shown
+        marked = [cell for cell in column.cells if signs & {*cell}]
+        if len(signs) != 1 or not all(map(_PARTED.match, marked)):
+            continue
+        [sign] = signs
+        value, read_as = marked[0].strip(), "."
+        if shown:
+            read_as = ""
+            made[role] = replace(column, cells=[cell.replace(sign, "") for cell in column.cells])
+        if shown or sign == ",":
+            notes["note thousands"] = (
+                f"column '{column.title}': '{value}' is read as {value.replace(sign, read_as)}"
+            )
+    return made, notes
 
 
 def _one_style(column: Column) -> None:

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 _LOGARITHM = re.compile(
-    r"(log[ _]?\(?10\)?|log₁₀|lg|ln|log[ _]?e(?![a-z])|log)([\s_({\[]*)(.+)\Z", re.IGNORECASE
+    r"(log[ _]?\(?10\)?|log₁₀|lg|ln|log[ _]?(?-i:e)(?![a-z'′’])|log)([\s_({\[]*)(.+)\Z",
+    re.IGNORECASE,
 )
 _BASES = {"lg": "10", "ln": "e", "loge": "e", "log10": "10", "log₁₀": "10", "log": "?"}
 _QUANTITY = re.compile(

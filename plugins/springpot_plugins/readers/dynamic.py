@@ -242,7 +242,7 @@ def chosen_blocks(blocks: Sequence[Block], choice: Choice) -> list[Block]:
     """
     if not blocks:
         raise DataError(
-            "there is no table with named columns, such as frequency [Hz], storage [Pa], loss [Pa]"
+            "there is no table of numbers, such as below frequency [Hz], storage [Pa], loss [Pa]"
         )
     meant = list(blocks)
     if choice.part:

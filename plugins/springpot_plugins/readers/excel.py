@@ -6,6 +6,7 @@ Tables as in CSV, one or more on each sheet.
 from __future__ import annotations
 
 import zipfile
+from collections.abc import Sequence
 from dataclasses import replace
 from datetime import date, datetime, time
 from pathlib import Path
@@ -15,6 +16,7 @@ from springpot.errors import DataError
 from springpot.measurement import (
     Choice,
     Measurement,
+    OpenQuestion,
     Part,
     Reader,
     Signals,
@@ -28,6 +30,7 @@ from .channels import found_in
 from .conditions_above import with_conditions_above
 from .curve_names import CurveName, curve_in_cell
 from .dynamic import measurement_from, parts_from
+from .generic import numbers_said
 from .grid import LONGEST_CELL, Grid, Unpacked, grid_of_sheet
 from .header_facts import facts_of, pairs_in
 from .old_excel import MOST_SHEETS, SIGNATURE, sheets_of
@@ -92,6 +95,26 @@ def _parsed(
     if doubts and choice is not None and not any(block.is_dynamic for block in made):
         raise doubts[0]
     return made, pairs, notes
+
+
+def _said(sheets: Sequence[tuple[str, Grid]], choice: Choice) -> list[Block]:
+    """The numbers of all sheets of whose columns none is known, as the user says.
+
+    Raises
+    ------
+    DataError
+        The question for the columns, of the first sheet that has any.
+    """
+    made: list[Block] = []
+    for title, grid in sheets:
+        try:
+            made += called_by_sheet(title, [numbers_said(grid, choice)])
+        except OpenQuestion:
+            raise
+        except DataError:
+            # A sheet of words, beside those of numbers.
+            continue
+    return made
 
 
 def sheets_in(path: Path) -> list[tuple[str, Grid]]:
@@ -228,6 +251,7 @@ def read(path: Path, choice: Choice) -> Measurement:
         sheets = [grid for _, grid in sheets_in(path)]
         if any(map(_holds_signals, sheets)):
             return measurement_from_signals([signals(path, choice)])
+    blocks = blocks or _said(sheets_in(path), choice)
     return measurement_from(
         blocks, choice, path, {"format": "Excel", **facts_of(pairs), **notes}, further=True
     )

@@ -128,7 +128,7 @@ def _blocks(
     if not blocks and (turned := upright(grid)) is not None:
         blocks, below = blocks_of(turned, strict=True)
     if not blocks:
-        return apart([_without_names(grid, choice)], choice), [], notes
+        return apart([numbers_said(grid, choice)], choice), [], notes
     rest = [row for row in below if any(map(is_number, row)) and not row[0].startswith(COMMENT)]
     # Numbers that would be lost without a word are an error; words below a table are remarks.
     if rest:
@@ -138,8 +138,14 @@ def _blocks(
     return with_conditions_above(apart(blocks, choice)), pairs_in(above), notes
 
 
-def _without_names(grid: Grid, choice: Choice) -> Block:
-    """The numbers of a file without names for its columns, which the user gives."""
+def numbers_said(grid: Grid, choice: Choice) -> Block:
+    """The numbers of a table without names for its columns, which the user gives.
+
+    Raises
+    ------
+    DataError
+        The question for them, or what is no table of numbers.
+    """
     block = without_names(grid)
     if choice.columns:
         return block

@@ -18,7 +18,7 @@ APOSTROPHES = re.compile(r"\s*[-+−]?\d{1,3}(?:['’]\d{3})+(?:[.,]\d*)?\s*\Z")
 """Thousands as in Switzerland: 1'234.5."""
 THOUSANDS = re.compile(r"\s*[-+]?\d{1,3}(?:,\d{3})+\.\d*\s*$")
 POINTS = re.compile(r"\s*[-+]?\d{1,3}(?:\.\d{3})+,\d*\s*$")
-BLANKS = re.compile(r"\s*[-+]?\d{1,3}(?:\s\d{3})+(?:[.,]\d*)?\s*$")
+BLANKS = re.compile(r"\s*[-+]?\d{1,3}(?:[^\S\t]\d{3})+(?:[.,]\d*)?\s*$")
 """Other thousands: 1,234.5; 1.234,5; 1 234,5."""
 _SIZE = r"(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][-+]?\d+)?"
 COMPLEX = re.compile(

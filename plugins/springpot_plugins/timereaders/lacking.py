@@ -7,10 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.measurement import LENGTH_UNITS, normal_unit
+from springpot.measurement import LENGTH_UNITS, known_unit, normal_unit
 from springpot.rheology import Real
 
 from ..readers.blocks import Block
+from ..readers.channels import UNITS as CHANNELS
 from ..readers.table import Column
 from .words import MEASURED
 
@@ -31,6 +32,9 @@ def lacking(block: Block, columns: Sequence[Column]) -> DataError:
     there = ", ".join(each.title for each in block.headings[:12])
     roles = {each.name for each in columns}
     if roles >= {"displacement", "force"}:
+        for each in columns:
+            if each.name in ("displacement", "force") and each.unit is not None:
+                known_unit(each.unit, CHANNELS[each.name], each.name)
         says = "displacement and force are in units that make no stiffness"
         if "time" not in roles:
             says = (

@@ -113,9 +113,11 @@ def _in_workbook(path: Path, choice: Choice) -> list[Block]:
     for title, grid in sheets:
         named = [block for block in tables_in(grid, choice) if is_test(block)]
         made += [run for block in called_by_sheet(title, named) for run in _runs(block, choice)]
-    if not made and len(sheets) == 1 and (unnamed := _unnamed(sheets[0][1], choice)) is not None:
-        made = _runs(unnamed, choice)
-    return made
+    if made:
+        return made
+    unnamed = ((title, _unnamed(grid, choice)) for title, grid in sheets)
+    said = [called_by_sheet(title, [block]) for title, block in unnamed if block is not None]
+    return [run for blocks in said for run in _runs(blocks[0], choice)]
 
 
 def tables_in(grid: Grid, choice: Choice) -> list[Block]:

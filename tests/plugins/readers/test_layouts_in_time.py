@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from springpot.errors import DataError
-from springpot.registry import open_in_time
+from springpot.registry import open_in_time, open_measurement
 
 TIME = np.array([0.5, 1.0, 2.0, 4.0, 8.0])
 COLD, WARM = 900.0 / TIME**0.25, 400.0 / TIME**0.5
@@ -155,6 +155,10 @@ def test_a_prefix_that_case_leaves_open_is_asked_for(tmp_path):
 
 AS_WRITTEN = {
     "decimal commas": "t [s];G(t) [Pa]\n" + ONE.replace(",", ";").replace(".", ","),
+    "decimal commas between tabs": "t [s]\tG(t) [Pa]\n"
+    + lines(TIME, COLD, separator="\t").replace(".", ","),
+    "decimal commas between tabs, in hundreds": "t [s]\tG(t) [Pa]\n0,500\t1070,268\n"
+    "1,000\t900,000\n2,000\t756,806\n4,000\t636,396\n8,000\t535,134",
     "exponents of Fortran": "t [s],G(t) [Pa]\n" + lines(TIME, COLD).replace("\n", "D+00\n"),
     "logarithms": f"log10 t [s],lg(G(t) / Pa)\n{lines(np.log10(TIME), np.log10(COLD))}",
     "natural logarithms": f"ln t [s],ln G(t) [Pa]\n{lines(np.log(TIME), np.log(COLD))}",
@@ -176,7 +180,9 @@ AS_WRITTEN = {
 def test_numbers_are_read_however_they_are_written(tmp_path, style):
     [test] = opened(tmp_path, AS_WRITTEN[style])
     np.testing.assert_allclose(test.time, TIME, rtol=1e-9)
-    np.testing.assert_allclose(test.response, COLD, rtol=1e-4 if style == "thousands" else 1e-9)
+    np.testing.assert_allclose(
+        test.response, COLD, rtol=1e-4 if "hundreds" in style or style == "thousands" else 1e-9
+    )
     assert (test.kind, test.units.stiffness) == ("relaxation", "Pa")
 
 
@@ -223,6 +229,22 @@ def test_names_in_row_two_and_units_in_row_three_of_a_sheet(tmp_path):
     [test] = opened(tmp_path, workbook({"A": [*head, *map(list, rows)]}), name="a.xlsx")
     np.testing.assert_allclose(test.response, PULLED)
     assert (test.kind, test.units.stiffness) == ("history", "N/mm")
+
+
+def test_a_workbook_whose_names_nobody_knows_asks_for_its_columns_as_text_does(tmp_path):
+    numbers = [*map(list, zip(TIME.tolist(), COLD.tolist(), WARM.tolist(), strict=True))]
+    for names in ([], [["aa", "bb", "cc"]]):
+        book = workbook({"about": [["Operator", "x"]], "pad 1": [*names, *numbers]})
+        path = tmp_path / "a.xlsx"
+        path.write_bytes(book)
+        with pytest.raises(DataError, match=r"of a test in time '.*time\[s\].*relaxation\[Pa\]'"):
+            open_measurement(path)
+        [test] = open_in_time(f"{path}?1=time[s],2=relaxation[kPa]")
+        np.testing.assert_allclose(test.response, COLD)
+        swept = open_measurement(f"{path}?1=omega[rad/s],2=storage[Pa],3=loss[Pa]")
+        np.testing.assert_allclose(swept.stiffness, COLD + 1j * WARM)
+    both = workbook({"pad 1": numbers, "pad 2": [[t, w, c] for t, c, w in numbers]})
+    are_both(opened(tmp_path, both, "?1=time[s],2=relaxation[Pa]", name="b.xlsx"))
 
 
 def test_rows_of_one_time_are_left_out_by_one_rule(tmp_path):

@@ -124,3 +124,47 @@ def test_columns_without_known_names_may_be_a_test_in_time(tmp_path, names):
     hint = hints[-1].replace("NAME", "1", 1).replace("NAME", "2", 1)
     [test] = open_in_time(hint)
     assert (test.kind, test.response.tolist()) == ("relaxation", list(MODULUS))
+
+
+PARTED = {
+    "t [s];G(t) [Pa]\n1,5;1.234\n2,5;1.134": ((1.5, 2.5), (1234.0, 1134.0)),
+    "t [s]\tG(t) [Pa]\n1,500\t900.2\n2,500\t800.3": ((1500.0, 2500.0), (900.2, 800.3)),
+    "t [s];G(t) [Pa]\n500;1,900\n1000;1,800": ((500.0, 1000.0), (1.9, 1.8)),
+}
+
+
+@pytest.mark.parametrize("text", PARTED)
+def test_what_may_part_thousands_is_told(tmp_path, text):
+    [test] = open_in_time(put(tmp_path, text))
+    assert (tuple(test.time), tuple(test.response)) == PARTED[text]
+    assert re.search(r"'1[.,]\d00' is read as|'1.234' is", test.provenance["note thousands"])
+
+
+def test_decimals_by_one_sign_need_no_note(tmp_path):
+    for text in (
+        "t [s];G(t) [Pa]\n0,125;1,250\n1,250;0,125",
+        "t [s],G(t) [Pa]\n0.5,1.234\n1,1.134",
+    ):
+        [test] = open_in_time(put(tmp_path, text))
+        assert "note thousands" not in test.provenance
+
+
+def test_a_factor_in_the_name_of_a_channel_is_not_lost(tmp_path):
+    path = put(tmp_path, "time [s],displacement [mm],force x1000 [N]", TIME, MOVED, PULLED)
+    assert "a displacement without a force" in asked(path)[0]
+    path = put(tmp_path, "time [s],displacement [mm],force [10^3 N]", TIME, MOVED, PULLED)
+    assert open_in_time(path)[0].units.stiffness == "kN/mm"
+
+
+def test_the_letter_of_a_modulus_is_no_base_of_its_logarithm(tmp_path):
+    path = put(tmp_path, "f [Hz],log E' [MPa],log E'' [MPa]", TIME, MOVED, MOVED)
+    says, [hint] = asked(path, open_measurement)
+    assert "base 10 or e" in says
+    np.testing.assert_allclose(open_measurement(hint).storage, np.power(10.0, MOVED))
+
+
+@pytest.mark.parametrize(("unit", "near"), [("kg", "kgf"), ("gf", "kgf")])
+def test_an_unknown_unit_of_a_record_is_named(tmp_path, unit, near):
+    names = f"time [s],displacement [mm],force [{unit}]"
+    says, _ = asked(put(tmp_path, names, TIME, MOVED, PULLED))
+    assert f"unknown unit [{unit}] for force: did you mean [{near}]" in says
