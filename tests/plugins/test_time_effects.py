@@ -133,8 +133,8 @@ def start_up(n: float, rate: float = 1.0) -> TimeTest:
 
 def test_a_network_that_fades_answers_to_a_start_up_as_its_integral_says():
     test = start_up(0.4)
-    model = parse_model("maxwell + damping-function")
-    theta = model.theta(k=2.0, c=4.0, **{"damping-function.n": 0.4})
+    model = parse_model("maxwell + fading-network")
+    theta = model.theta(k=2.0, c=4.0, **{"fading-network.n": 0.4})
     value = recorded(model, theta, test).value
     assert value == pytest.approx(test.response, rel=2e-4)
 
@@ -144,7 +144,7 @@ def test_an_overshoot_is_a_fading_network_as_much_as_any_other_effect_that_does_
     test = start_up(0.4)
     noisy = test.response + 0.002 * test.response.max() * rng.standard_normal(len(test.response))
     found = diagnose(replace(test, response=noisy), parse_model("material"))
-    assert "damping-function" in found.candidates[0].alike
+    assert "fading-network" in found.candidates[0].alike
     # Several do as well, and none of them is the missing one for certain.
     assert all(each.verdict != "missing" for each in found.candidates)
 

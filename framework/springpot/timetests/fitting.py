@@ -37,7 +37,7 @@ from springpot.rheology.points import Real
 
 from .exponentials import quick_parts
 from .intervals import with_intervals
-from .material import Spectral, UntoldError, spectral
+from .material import FoundLines, UntoldError, spectral
 from .native import DOUBTFUL, Minimum, TimeSearch
 from .residuals_of_tests import (
     InTimePart,
@@ -445,7 +445,7 @@ def _of_material(
 
     own = [seed[len(seed) - len(model.parameters) + around :] for seed in seeds]
 
-    def fitted(some: Sequence[Part]) -> tuple[TimeSearch, Real, Spectral]:
+    def fitted(some: Sequence[Part]) -> tuple[TimeSearch, Real, FoundLines]:
         found = spectral(model, some, reference, coordinates, own)
         search = TimeSearch(found.model, parts, reference, thorough=False)
         return search, search.coordinates.u(found.theta, search.size), found

@@ -188,7 +188,7 @@ def with_rates(model: Model, rates: Sequence[float]) -> Model:
     return replace(model, material=Continuum(tuple(rates)))
 
 
-class Spectral(NamedTuple):
+class FoundLines(NamedTuple):
     """A material with lines (its K_e, c, weights and the effects' parameters in `theta`, (p,)).
 
     What `untold` says is empty where the tests tell each effect of theirs from another material.
@@ -209,7 +209,7 @@ class UntoldError(ModelError):
         What was fitted nevertheless: it tells whether the effect explains the tests.
     """
 
-    def __init__(self, found: Spectral) -> None:
+    def __init__(self, found: FoundLines) -> None:
         super().__init__(found.untold)
         self.model, self.theta = found.model, found.theta
 
@@ -220,7 +220,7 @@ def spectral(
     reference: float,
     coordinates: Coordinates,
     seeds: Sequence[Real] = (),
-) -> Spectral:
+) -> FoundLines:
     """A material with the lines that tests in time show, and its parameters.
 
     Parameters
@@ -238,7 +238,7 @@ def spectral(
 
     Returns
     -------
-    Spectral
+    FoundLines
         With the lines that carry weight.
 
     Raises
@@ -269,7 +269,7 @@ def spectral(
     # Lines without weight are no parameters: intervals would count them.
     kept = weights[2:] > 0.0
     theta = np.concatenate([weights[:2], weights[2:][kept], search.own(u)])
-    return Spectral(with_rates(model, search.rates[kept].tolist()), theta, evaluations, untold)
+    return FoundLines(with_rates(model, search.rates[kept].tolist()), theta, evaluations, untold)
 
 
 FACTOR = 1.0

@@ -159,7 +159,7 @@ EFFECTS = (
         prior=0.5,
     ),
     Effect(
-        "damping-function",
+        "fading-network",
         on_response,
         StageLaw(
             disentangled, (Parameter("n", "n", Dimension(amplitude=-1), typical=0.3),), _fadings
