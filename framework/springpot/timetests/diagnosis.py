@@ -224,7 +224,8 @@ def _judged(
     ]
     # By their chances, so that what is rare stands behind what is common and explains the tests as
     # well.
-    ranked = sorted(judged, key=lambda each: -each.evidence)
+    # Where all leave less than the noise, the one that leaves least stands first all the same.
+    ranked = sorted(judged, key=lambda each: (-round(each.evidence, 1), _power(each.left)))
     # What cannot be told from another material and helps no more than one is no candidate.
     ranked = [each for each in ranked if each.effect.name not in left_out or each.helps]
     for each in ranked:
