@@ -20,7 +20,7 @@ float int complex str len list map tuple dict set range zip abs min max isinstan
 enumerate sorted strip split replace encode decode get append lower upper partition join items sub
 json.loads loads urlparse np.asarray np.broadcast_to np.fromiter np.array np.loadtxt np.atleast_1d
 np.isfinite nnls Signals datetime toordinal stat exists Path read_bytes read_text iterdir is_file
-islice _number
+islice _number ast.parse catch_warnings simplefilter
 """
 PARSERS = frozenset(_PARSERS.split())
 """Calls of the language and its libraries that turn text, lists or paths into numbers, and say by
@@ -77,6 +77,7 @@ CHECK = "a contract test, whose finding is what was raised"
 TOP = "the top of a process: what comes this far is told as a fault, with exit code 3 or a status"
 CARRIED = "kept here and raised again behind a library that would swallow it"
 BOUNDARIES = {
+    "framework/springpot/benchmark/schema.py:readable": STRANGER,
     "framework/springpot/benchmark/supervisor.py:_checked": OPTIMISER,
     "framework/springpot/benchmark/trial.py:complaint": OPTIMISER,
     "framework/springpot/benchmark/engine.py:_dask": FOREIGN,

@@ -192,7 +192,7 @@ class _Reading:
         try:
             with np.errstate(all="ignore"):
                 value = complex(term.at({}).value)
-        except (ArithmeticError, ValueError):
+        except (ZeroDivisionError, OverflowError):
             value = complex("nan")
         if not isfinite(value):
             _refuse(self.text, term.place, "this is no finite number")

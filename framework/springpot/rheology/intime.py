@@ -398,8 +398,8 @@ def _zeros_between(modes: Spectrum, low: Real, high: Real, sign: Real) -> Real:
         value, slope = _value(modes, -np.exp(u))
         before = np.sign(value) == sign
         low, high = np.where(before, u, low), np.where(before, high, u)
-        moved = inside(u + value / slope * np.exp(-u), low, high)
-        if settled(moved, u, 4e-16):
+        moved = inside(u + value / slope * np.exp(-u), u, low, high)
+        if settled(moved, u):
             break
         u = moved
     return np.exp(u)

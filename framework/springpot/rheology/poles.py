@@ -341,8 +341,8 @@ def _poles(branch: Branch, edge: Edge) -> Real:
         low, high = np.where(beyond, low, u), np.where(beyond, u, high)
         # Of Newton's method for 1 / (K - level), whose slope is -K' / (K - level)^2.
         step: Real = value / response.by_log_omega.real
-        moved = inside(u + step, low, high)
-        if settled(moved, u, 1e-15):
+        moved = inside(u + step, u, low, high)
+        if settled(moved, u):
             return moved
         u = moved
     return u

@@ -23,22 +23,25 @@ from .nodes import GRADIENT, Chain, Mapped, Node, Parallel, Renamed, Scaled, Ser
 from .points import Points, Real
 
 
-def inside(newton: NDArray[np.inexact[Any]], low: Real, high: Real) -> Real:
-    """The next places to look at, shape (n,).
+def inside(newton: NDArray[np.inexact[Any]], u: Real, low: Real, high: Real) -> Real:
+    """The next places to look at behind `u`, shape (n,).
 
     Newton's where it lies between the ends, else their middle.
     """
-    # Newton ends in few steps, where it stays inside; half the interval always ends.
-    places: Real = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
+    # Newton ends in few steps, where it stays inside; half the interval always ends. Where it has
+    # arrived, `u` is an end itself, and the middle would lead away again.
+    within = ((newton > low) & (newton < high)) | (np.abs(newton - u) <= ROUNDING * (1 + np.abs(u)))
+    places: Real = np.where(within, newton, 0.5 * (low + high))
     return places
 
 
-def settled(moved: Real, u: Real, rounding: float) -> bool:
-    """Whether no place has moved from `u` by more than rounding.
+ROUNDING = 1e-15
+"""Of a place, relative: a further step would change the last digits only."""
 
-    A further step would change the last digits only.
-    """
-    return bool(np.all(np.abs(moved - u) <= rounding * (1.0 + np.abs(u))))
+
+def settled(moved: Real, u: Real) -> bool:
+    """Whether no place has moved from `u` by more than rounding."""
+    return bool(np.all(np.abs(moved - u) <= ROUNDING * (1.0 + np.abs(u))))
 
 
 SAME = 1e-14
@@ -205,8 +208,8 @@ class Rational:
             value = spring - dashpot * r[:, 0] + (r * away) @ self.weights
             slope = -dashpot * r[:, 0] - (r * away**2) @ (self.weights * self.rates)
             low, high = np.where(value > 0.0, u, low), np.where(value > 0.0, high, u)
-            moved = inside(u - value / slope, low, high)
-            if settled(moved, u, 2e-16):
+            moved = inside(u - value / slope, u, low, high)
+            if settled(moved, u):
                 break
             u = moved
         return np.exp(u)

@@ -276,7 +276,9 @@ def _leading(promises: dict[str, list[Promise]], before: Left) -> list[list[Prom
     ranked = sorted(_by_rig(promises), key=hope, reverse=True)
     worth = [of_effect for of_effect in ranked[:LEADING] if of_effect[0].drop / unit > HOPE]
     # Of what does not go as its size, such as a limit or a fading, a linear step tells too little.
-    worth += [each for each in ranked if not each[0].as_its_size and each not in worth]
+    # Beside other tests each such fit would take as long as all others.
+    if len(before.residuals) == 1:
+        worth += [each for each in ranked if not each[0].as_its_size and each not in worth]
     if len(worth) < FEWEST:
         return ranked[:FEWEST]
     return worth

@@ -445,23 +445,24 @@ def _of_material(
 
     own = [seed[len(seed) - len(model.parameters) + around :] for seed in seeds]
 
-    def fitted(some: Sequence[Part]) -> tuple[TimeSearch, Real, FoundLines]:
-        found = spectral(model, some, reference, coordinates, own)
-        search = TimeSearch(found.model, parts, reference, thorough=False)
-        return search, search.coordinates.u(found.theta, search.size), found
-
-    def alone_in(part: Part) -> tuple[TimeSearch, Real, int]:
-        search, u, found = fitted([part])
-        return search, u, found.evaluations
-
     # The lines are chosen anew by each fit: every one has a search of its own, in other
     # coordinates.
-    search, u, found = fitted(parts)
+    def fitted(found: FoundLines) -> tuple[TimeSearch, Real]:
+        search = TimeSearch(found.model, parts, reference, thorough=False)
+        return search, search.coordinates.u(found.theta, search.size)
+
+    def alone_in(part: Part) -> tuple[TimeSearch, Real, int]:
+        found = spectral(model, [part], reference, coordinates, own)
+        return *fitted(found), found.evaluations
+
+    found = spectral(model, parts, reference, coordinates, own)
+    search, u = fitted(found)
     evaluations = found.evaluations
     alone = [search.ratio(part, u) for part in parts]
     if len(parts) > 1:
         parts, alone, spent = _weighed(parts, alone, alone_in)
-        search, u, found = fitted(parts)
+        found = found.again(parts)
+        search, u = fitted(found)
         evaluations += spent + found.evaluations
     # Only of all tests together: what one of them leaves open another may tell.
     if found.untold:

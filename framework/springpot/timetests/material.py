@@ -18,7 +18,7 @@ each two of its own poles (N. W. Tschoegl, 1989, doi:10.1007/978-3-642-73602-5).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import replace
 from typing import NamedTuple
@@ -192,12 +192,14 @@ class FoundLines(NamedTuple):
     """A material with lines (its K_e, c, weights and the effects' parameters in `theta`, (p,)).
 
     What `untold` says is empty where the tests tell each effect of theirs from another material.
+    From where it lies, `again` finds the best for parts that weigh otherwise.
     """
 
     model: Model
     theta: Real
     evaluations: int
     untold: str
+    again: Callable[[Sequence[Part]], FoundLines]
 
 
 class UntoldError(ModelError):
@@ -256,20 +258,19 @@ def spectral(
         ends.append((other, other.descended(other.placed(other.start()), STEPS)))
     evaluations = sum(each.evaluations for each in dict.fromkeys(each for each, _ in ends))
     search, place = min(ends, key=lambda end: end[1].cost)
-    if len(place.u):
+    linear = all(
+        part.test.control == "displacement" for part in parts if isinstance(part, InTimePart)
+    )
+    if len(place.u) and linear:
         # The convex form knows no effect: beside one, the lattice is as coarse as at the start.
+        # A creep, which is not linear in the weights, would take too long.
         samples = sum(len(_signal(part)) for part in parts)
         for share in CLOSER:
             closer, there = search.closer(place, share)
             evaluations += closer.evaluations
             if _pays(place, there, samples):
                 search, place = closer, there
-    weights, u, _ = place
-    untold = search.untold(weights, u)
-    # Lines without weight are no parameters: intervals would count them.
-    kept = weights[2:] > 0.0
-    theta = np.concatenate([weights[:2], weights[2:][kept], search.own(u)])
-    return FoundLines(with_rates(model, search.rates[kept].tolist()), theta, evaluations, untold)
+    return search.found(place, evaluations)
 
 
 FACTOR = 1.0
@@ -333,6 +334,7 @@ class _Search:
         self.count = 2 + len(self.rates)
         self.bounds = coordinates.bounds()
         self.evaluations = 0
+        self.last: tuple[Real, tuple[Real, Real]] | None = None
 
     def own(self, u: Real) -> Real:
         """Parameters of the effects at u."""
@@ -395,7 +397,7 @@ class _Search:
         step = share * np.log(10.0) / PER_DECADE
         near = np.log(self.rates[place.weights[2:] > 0.0])[:, None] + step * np.arange(-4.0, 5.0)
         search = copy(self)
-        search.evaluations = 0
+        search.evaluations, search.last = 0, None
         logs = np.concatenate([np.log(self.rates), near.ravel()])
         rates, first = np.unique(np.round(logs, 9), return_index=True)
         before = np.concatenate([place.weights[2:], np.zeros(near.size)])
@@ -403,6 +405,23 @@ class _Search:
         search.model = with_rates(self.model, search.rates.tolist())
         weights = np.concatenate([place.weights[:2], before[first]])
         return search, search.descended(place._replace(weights=weights), STEPS)
+
+    def found(self, place: MaterialPoint, evaluations: int) -> FoundLines:
+        """What is known of this place."""
+        weights, u, _ = place
+        # Lines without weight are no parameters: intervals would count them.
+        kept = weights[2:] > 0.0
+        theta = np.concatenate([weights[:2], weights[2:][kept], self.own(u)])
+        model = with_rates(self.model, self.rates[kept].tolist())
+
+        def again(parts: Sequence[Part]) -> FoundLines:
+            search = copy(self)
+            search.parts, search.evaluations, search.last = list(parts), 0, None
+            start = place._replace(cost=search.cost(weights, u))
+            end = search.descended(start, STEPS)
+            return search.found(end, search.evaluations)
+
+        return FoundLines(model, theta, evaluations, self.untold(weights, u), again)
 
     @property
     def first_of_tests(self) -> int:
@@ -434,14 +453,18 @@ class _Search:
         return cost
 
     def _residual(self, weights: Real, u: Real) -> tuple[Real, Real]:
-        self.evaluations += 1
         # A line of no weight at all has no place among the times of the creep, and so no slope
         # there.
         least = LEAST * weights.sum()
         theta = np.concatenate([weights[:2], np.maximum(weights[2:], least), self.own(u)])
+        # A step that is taken asks for the slopes of where its cost was asked for.
+        if self.last is not None and np.array_equal(self.last[0], theta):
+            return self.last[1]
+        self.evaluations += 1
         residuals = [part.residual(self.model, theta, self.reference) for part in self.parts]
         value = np.concatenate([each.value for each in residuals])
-        return value, np.concatenate([each.by_theta for each in residuals])
+        self.last = theta, (value, np.concatenate([each.by_theta for each in residuals]))
+        return self.last[1]
 
     def slopes(self, weights: Real, u: Real) -> tuple[Real, Real, Real]:
         """Residuals (m,), and their derivatives by the weights (m, w) and by u (m, q)."""
