@@ -15,6 +15,7 @@ from springpot.comparison.ranking import rank
 from springpot.constraints import Bounds, constrained, excluded, optimiser_of, own_values
 from springpot.diagnosis.examination import Progress, silent
 from springpot.diagnosis.examination import diagnose as diagnose_objects
+from springpot.diagnosis.in_practice import Accuracy
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.ladder import discover as discover_objects
 from springpot.diagnosis.result import Diagnosis
@@ -175,6 +176,7 @@ def diagnose(
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
     exclude: str | Sequence[str] = (),
+    accuracy: Accuracy | str | None = None,
     progress: Progress = silent,
 ) -> Diagnosis:
     """Find which physical effect is missing from a model.
@@ -197,6 +199,9 @@ def diagnose(
         Of simulated noise; the same seed gives the same bits.
     fix, bounds, exclude
         What is known beforehand, and rows to leave out; see `identify`.
+    accuracy : Accuracy or str, optional
+        What the instrument promises, such as ``1%,3mrad``: a misfit within it is no verdict on the
+        model.
     progress : callable, optional
         Told in a few words what is being done.
 
@@ -218,13 +223,15 @@ def diagnose(
     """
     tests = excluded(_tests(measurement), exclude)
     judged = constrained(_judged(model), units_of(tests), fix, bounds)
+    promised = _promised(accuracy)
     data = sweep_of(tests)
     if data is None:
         progress(f"judging {judged.name}")
-        return diagnose_in_time(tests, judged, library(effects, only, without))
+        known = library(effects, only, without)
+        return diagnose_in_time(tests, judged, known, accuracy=promised)
     rng = np.random.default_rng(seed)
     known = library(effects, only, without, data)
-    return diagnose_objects(data, judged, known, rng, progress)
+    return diagnose_objects(data, judged, known, rng, progress, promised)
 
 
 def discover(
@@ -239,6 +246,7 @@ def discover(
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
     exclude: str | Sequence[str] = (),
+    accuracy: Accuracy | str | None = None,
     progress: Progress = silent,
     reached: Callable[[Any], None] | None = None,
 ) -> Ladder:
@@ -260,6 +268,9 @@ def discover(
         Of simulated noise.
     fix, bounds, exclude
         What is known beforehand, and rows to leave out; see `identify`.
+    accuracy : Accuracy or str, optional
+        What the instrument promises, such as ``1%,3mrad``: a misfit within it is no verdict on the
+        model.
     progress : callable, optional
         Told in a few words what is being done.
     reached : callable, optional
@@ -280,6 +291,7 @@ def discover(
     """
     tests = excluded(_tests(measurement), exclude)
     begin = constrained(_judged(model), units_of(tests), fix, bounds)
+    promised = _promised(accuracy)
     data = sweep_of(tests)
     known = library(effects, only, without, data)
     # None lets the evidence decide; an empty list accepts nothing.
@@ -287,16 +299,21 @@ def discover(
     if accept is not None:
         wanted = [_met(_effect(effect, known), data) for effect in _listed(accept)]
     if data is None:
-        return discover_in_time(tests, begin, known, wanted, progress, reached)
+        return discover_in_time(tests, begin, known, wanted, progress, reached, promised)
     grown = begin
     # Grown as it will be: an effect may be refused because of one accepted before it.
     for effect in wanted or ():
         grown = grown.taking(effect)
     # What cannot be accepted is told before the first fit, not after it.
     require_conditions(grown, data)
-    return discover_objects(
-        data, begin, known, np.random.default_rng(seed), wanted, progress, reached=reached
-    )
+    rng = np.random.default_rng(seed)
+    return discover_objects(data, begin, known, rng, wanted, progress, reached, promised)
+
+
+def _promised(accuracy: Accuracy | str | None) -> Accuracy | None:
+    if isinstance(accuracy, str):
+        return Accuracy.of(accuracy)
+    return accuracy
 
 
 def compare(

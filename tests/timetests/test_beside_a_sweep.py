@@ -124,10 +124,10 @@ def test_an_effect_that_cannot_be_gone_on_from_is_told_and_loses_no_rung(monkeyp
     module = importlib.import_module("springpot.timetests.discovery")
     whole = module.examine
 
-    def failing(tests, model, effects, base=None):
+    def failing(tests, model, effects, **known):
         if "time-delay" in str(model):
             raise ModelError("nothing follows it")
-        return whole(tests, model, effects, base=base)
+        return whole(tests, model, effects, **known)
 
     monkeypatch.setattr(module, "examine", failing)
     some = [plugins().effect(name) for name in ("inertia", "time-delay")]

@@ -11,6 +11,7 @@ import click
 from . import completion, timetests
 from .common import (
     DATA,
+    accuracy_option,
     geometry_option,
     json_option,
     judged_option,
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
 @judged_option
 @known_options
 @library_options
+@accuracy_option
 @seed_option
 @geometry_option
 @verbose_option
@@ -51,6 +53,7 @@ if TYPE_CHECKING:
 def command(
     data: tuple[str, ...],
     model: str | None,
+    accuracy: str | None,
     seed: int | None,
     geometry: str | None,
     verbose: bool,
@@ -72,7 +75,7 @@ def command(
     if model is not None:
         expression = parse_model(model)
     arguments = {"model": expression, "seed": seed or 0, **known_from(options)}
-    arguments |= library_from(options)
+    arguments |= {"accuracy": accuracy, **library_from(options)}
     tests = timetests.named_tests(data, geometry)
     if tests is not None:
         timetests.diagnose(tests, data, model, as_json, verbose, arguments)

@@ -12,6 +12,7 @@ import click
 from . import completion, timetests
 from .common import (
     FILE,
+    accuracy_option,
     data_argument,
     emit,
     geometry_option,
@@ -72,6 +73,7 @@ ACCEPT = "Accept this effect; may be given several times."
 )
 @known_options
 @library_options
+@accuracy_option
 @seed_option
 @geometry_option
 @verbose_option
@@ -114,7 +116,8 @@ def command(
     if not auto:
         mine = {effect.name: effect for effect in chosen["effects"]}
         effects = [mine.get(name) or plugins().effect(name) for name in accept]
-    arguments = {"accept": effects, "seed": seed or 0, **chosen, **known_from(options)}
+    arguments = {"accept": effects, "seed": seed or 0, "accuracy": options.pop("accuracy")}
+    arguments |= {**chosen, **known_from(options)}
     tests: Sequence[Test] | None = timetests.named_tests([data], geometry)
     if tests is None:
         tests = [opened(data, geometry)]
@@ -242,8 +245,9 @@ def again_with(
     # There are none with --auto.
     for name in accept:
         again += ["--accept", name]
-    if options["effects"] is not None:
-        again += ["--effects", options["effects"]]
+    for name in ("effects", "accuracy"):
+        if options[name] is not None:
+            again += [f"--{name}", options[name]]
     for name in ("effect", "without", "fix", "bounds", "exclude"):
         for text in options[name]:
             again += [f"--{name}", text]

@@ -43,6 +43,7 @@ from springpot.thresholds import EVIDENCE, OUTLIERS, SEARCH, VERDICT
 from .answer import answer, course_instead
 from .evidence import Evidence
 from .grown import Search
+from .in_practice import Accuracy, Misfit, in_practice
 from .result import Diagnosis
 from .scan import scan_effects
 from .search import search_from
@@ -356,6 +357,7 @@ def diagnose(
     library: Sequence[Effect],
     rng: np.random.Generator,
     progress: Progress = silent,
+    accuracy: Accuracy | None = None,
 ) -> Diagnosis:
     """Find what is missing from a model of measured data.
 
@@ -371,6 +373,8 @@ def diagnose(
         For simulated noise.
     progress : callable
         Told in a few words what is being done.
+    accuracy : Accuracy, optional
+        What the instrument promises: a misfit within it is no verdict on the model.
 
     Raises
     ------
@@ -379,7 +383,8 @@ def diagnose(
     ModelError
         If the data lack a column that the model needs.
     """
-    return examine(measurement, model, library, rng, progress=progress).diagnosis
+    case = examine(measurement, model, library, rng, progress=progress, accuracy=accuracy)
+    return case.diagnosis
 
 
 def examine(
@@ -389,10 +394,11 @@ def examine(
     rng: np.random.Generator,
     seeds: Sequence[Real] = (),
     progress: Progress = silent,
+    accuracy: Accuracy | None = None,
 ) -> Case:
     """As `diagnose`, with the fits and scans behind the answer.
 
-    Starts (p,) may be known from a smaller model.
+    Starts (p,) may be known from a smaller model; `accuracy` is what the instrument promises.
     """
     # Before any fit: a column that is missing is told at once.
     require_conditions(model, measurement)
@@ -423,7 +429,16 @@ def examine(
     elif verdict == "unexplained":
         evidence = evidence.doubted(naming.left.p_value).beside_drift()
     diagnosis = answer(measurement, search, floor, evidence, outliers, verdict, library, course)
+    if not outliers:
+        # Of points that were set aside no fit tells how far they are off.
+        diagnosis = in_practice(diagnosis, [misfit_of(search.base)], accuracy)
     return Case(search, naming, floor, evidence, tuple(outliers), diagnosis, course)
+
+
+def misfit_of(base: Refit) -> Misfit:
+    """How far the model lies beside each measured value, repeats one by one."""
+    raw = base.data.raw
+    return Misfit.of_stiffness(base.model.stiffness(base.theta, raw.points), raw.stiffness)
 
 
 def _prepared(measurement: Measurement, model: Model) -> Measurement:

@@ -27,6 +27,7 @@ from springpot.thresholds import SEARCH, VERDICT
 
 from .examination import Case, Progress, examine, silent, within
 from .grown import at_its_limit
+from .in_practice import Accuracy
 from .result import Candidate, Diagnosis, Verdict
 from .scan import scan_effects
 
@@ -346,6 +347,7 @@ def discover(
     accept: Sequence[Effect] | None = None,
     progress: Progress = silent,
     reached: Reached | None = None,
+    accuracy: Accuracy | None = None,
 ) -> Ladder:
     """Accept effects that are missing from a model of a sweep; see `climbed`.
 
@@ -359,8 +361,11 @@ def discover(
         For simulated noise.
     model, accept, progress, reached
         As for `climbed`.
+    accuracy : Accuracy, optional
+        What the instrument promises.
     """
-    return climbed(SweepRungs(measurement, library, rng), model, accept, progress, reached)
+    rungs = SweepRungs(measurement, library, rng, accuracy)
+    return climbed(rungs, model, accept, progress, reached)
 
 
 @dataclass(frozen=True, eq=False)
@@ -375,11 +380,14 @@ class SweepRungs:
         Effects that may be missing.
     rng : numpy.random.Generator
         For simulated noise.
+    accuracy : Accuracy or None
+        What the instrument promises.
     """
 
     measurement: Measurement
     effects: Sequence[Effect]
     rng: np.random.Generator
+    accuracy: Accuracy | None = None
 
     def examined(
         self, model: Model, progress: Progress, before: Step | None, effect: Effect | None
@@ -389,13 +397,17 @@ class SweepRungs:
         if before is not None and effect is not None:
             require_conditions(model, self.measurement)
             starts = _starts(before.case, effect)
-        return examine(self.measurement, model, self.effects, self.rng, starts, progress)
+        return examine(
+            self.measurement, model, self.effects, self.rng, starts, progress, self.accuracy
+        )
 
     def wanted(self, steps: Sequence[Step], refused: Container[str]) -> Effect | None:
         """The effect whose absence is beyond doubt, if there is one and a further rung could count.
 
         See `_explained`.
         """
+        if steps[-1].diagnosis.verdict == "adequate":
+            return None
         effect = _decisive(steps)
         if effect is None or effect.name in refused:
             return None

@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from springpot.diagnosis.in_practice import Accuracy, in_practice
 from springpot.diagnosis.result import Diagnosis
 from springpot.errors import SpringpotError
 from springpot.identification.material import is_material
@@ -88,7 +89,11 @@ They stop at less.
 
 
 def diagnose(
-    tests: Sequence[Test] | Test, model: Model | str, effects: Iterable[Effect] | None = None
+    tests: Sequence[Test] | Test,
+    model: Model | str,
+    effects: Iterable[Effect] | None = None,
+    *,
+    accuracy: Accuracy | None = None,
 ) -> Diagnosis:
     """Find which effect is missing from a model of tests in time.
 
@@ -101,6 +106,8 @@ def diagnose(
     effects : iterable of Effect, optional
         What may be missing; by default all that is installed. Those without a law in time, or whose
         conditions the tests lack, are passed over.
+    accuracy : Accuracy, optional
+        What the instrument promises: a misfit within it is no verdict on the model.
 
     Returns
     -------
@@ -123,7 +130,7 @@ def diagnose(
     >>> diagnose(test, model, springpot.plugins().items("effect")).best.effect
     'force-drift'
     """
-    return examine(tests, model, effects).diagnosis
+    return examine(tests, model, effects, accuracy=accuracy).diagnosis
 
 
 def examine(
@@ -132,8 +139,12 @@ def examine(
     effects: Iterable[Effect] | None = None,
     *,
     base: Identification | None = None,
+    accuracy: Accuracy | None = None,
 ) -> TimeCase:
-    """The same with the fits behind it; `base` is that of the model, where it is known already."""
+    """The same with the fits behind it; `base` is that of the model, where it is known already.
+
+    `accuracy` is what the instrument promises.
+    """
     given = _listed(tests)
     if isinstance(model, str):
         model = parse_model(model)
@@ -145,11 +156,12 @@ def examine(
     # matters.
     case = _judged(given, model, library, base, None)
     noise = _noise_beside(parts_of_specimen(given), case)
-    if noise is None:
-        return case
-    # `base` was fitted with the weights of the first noise: it is fitted anew with those of the
-    # second.
-    return _judged(given, model, library, None, noise)
+    if noise is not None:
+        # `base` was fitted with the weights of the first noise: it is fitted anew with those of the
+        # second.
+        case = _judged(given, model, library, None, noise)
+    told = in_practice(case.diagnosis, case.misfits, accuracy)
+    return case._replace(diagnosis=told)
 
 
 def _listed(tests: Sequence[Test] | Test) -> list[Test]:

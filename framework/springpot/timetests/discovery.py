@@ -6,6 +6,7 @@ from collections.abc import Container, Sequence
 from dataclasses import dataclass
 
 from springpot.diagnosis.examination import Progress, silent
+from springpot.diagnosis.in_practice import Accuracy
 from springpot.diagnosis.ladder import Ladder, Reached, Step, climbed
 from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect
@@ -23,6 +24,7 @@ def discover(
     accept: Sequence[Effect] | None = None,
     progress: Progress = silent,
     reached: Reached | None = None,
+    accuracy: Accuracy | None = None,
 ) -> Ladder:
     """Add missing effects one by one; see `springpot.diagnosis.ladder.climbed`.
 
@@ -36,6 +38,8 @@ def discover(
         What may be missing; by default all that is installed.
     accept, progress, reached
         As for `climbed`.
+    accuracy : Accuracy, optional
+        What the instrument promises.
 
     Raises
     ------
@@ -46,7 +50,7 @@ def discover(
         model = parse_model(model)
     if effects is None:
         effects = list(plugins().items("effect"))
-    return climbed(TimeRungs(tests, effects), model, accept, progress, reached)
+    return climbed(TimeRungs(tests, effects, accuracy), model, accept, progress, reached)
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,10 +63,13 @@ class TimeRungs:
         Of one specimen.
     effects : sequence of Effect
         Effects that may be missing.
+    accuracy : Accuracy or None
+        What the instrument promises.
     """
 
     tests: Sequence[Test]
     effects: Sequence[Effect]
+    accuracy: Accuracy | None = None
 
     def examined(
         self, model: Model, progress: Progress, before: Step | None, effect: Effect | None
@@ -72,8 +79,9 @@ class TimeRungs:
         known = getattr(before, "examined", None)
         # The diagnosis has fitted the grown model already, unless only nearly.
         if isinstance(known, TimeCase) and known.best_fit.model.name == model.name:
-            return examine(self.tests, known.best_fit.model, self.effects, base=known.best_fit)
-        return examine(self.tests, model, self.effects)
+            base = known.best_fit
+            return examine(self.tests, base.model, self.effects, base=base, accuracy=self.accuracy)
+        return examine(self.tests, model, self.effects, accuracy=self.accuracy)
 
     def wanted(self, steps: Sequence[Step], refused: Container[str]) -> Effect | None:
         """The first of the class that the evidence asks for; the others would fit as well.

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.diagnosis.evidence import chances_of, log_prior_of_one, size_of_library, unknown_odds
+from springpot.diagnosis.in_practice import Misfit
 from springpot.diagnosis.result import Candidate, Diagnosis, EffectVerdict, Verdict
 from springpot.diagnosis.verdict import Facts, rule_for
 from springpot.identification.part_result import PartResult
@@ -228,11 +229,14 @@ class TimeCase(NamedTuple):
         The model that was judged.
     best_fit : Identification
         The model with the best effect, where one is missing; else the base.
+    misfits : tuple of Misfit
+        How far the base lies beside each test.
     """
 
     diagnosis: Diagnosis
     base: Identification
     best_fit: Identification
+    misfits: tuple[Misfit, ...]
 
 
 def answer_of(
@@ -284,7 +288,18 @@ def answer_of(
         left_out=left_out,
         evidence=nothing,
     )
-    return TimeCase(diagnosis, base, best_fit)
+    return TimeCase(diagnosis, base, best_fit, tuple(_misfit(part, base) for part in parts))
+
+
+def _misfit(part: Part, base: Identification) -> Misfit:
+    """How far a fitted model lies beside what one test has measured."""
+    value = part.with_scale(1.0).residual(base.model, base.theta, base.reference).value
+    if isinstance(part, InTimePart):
+        return Misfit(np.abs(value * part.relative_sd), np.zeros(0))
+    storage, loss = np.split(value, 2)
+    measured = part.test.stiffness
+    off = storage * part.sd.real + 1j * loss * part.sd.imag
+    return Misfit.of_stiffness(measured + off, measured)
 
 
 def _is_plain(tried: Sequence[Tried]) -> bool:

@@ -1,0 +1,165 @@
+"""What the instrument promises: a misfit may be certain, and small all the same."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import pi
+from typing import NamedTuple
+
+import numpy as np
+
+from springpot.errors import OptionError
+from springpot.misfit.words import percent
+from springpot.rheology.points import Complex, Real
+
+from .result import Candidate, Diagnosis
+
+OF_MODULUS = {"%": 1e-2}
+OF_PHASE = {"mrad": 1e-3, "rad": 1.0, "deg": pi / 180.0}
+COVERED = 0.95
+"""Share of the values that lie within an accuracy.
+
+Coverage of an expanded uncertainty (JCGM 100:2008, 6.2.1).
+"""
+
+
+class Misfit(NamedTuple):
+    """How far a fitted model lies beside each value of one test.
+
+    Attributes
+    ----------
+    modulus : ndarray, shape (n,)
+        Relative difference of |K|, or of a signal in time to its size.
+    phase : ndarray, shape (n,) or (0,)
+        Difference of the phase in rad; none of a signal in time.
+    """
+
+    modulus: Real
+    phase: Real
+
+    @classmethod
+    def of_stiffness(cls, model: Complex, measured: Complex) -> Misfit:
+        """That of a complex stiffness (n,)."""
+        off = np.log(model / measured)
+        return cls(np.abs(off.real), np.abs(off.imag))
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """What an instrument promises of each value that it tells.
+
+    Attributes
+    ----------
+    modulus : float
+        Relative, of |K| or of a signal.
+    phase : float or None
+        In rad; without one the modulus and what is at right angles to it are promised alike.
+    """
+
+    modulus: float
+    phase: float | None = None
+
+    @classmethod
+    def of(cls, text: str) -> Accuracy:
+        """From text such as ``1%,3mrad``.
+
+        Raises
+        ------
+        OptionError
+            If it is none.
+
+        Examples
+        --------
+        >>> from springpot.diagnosis.in_practice import Accuracy
+        >>> Accuracy.of("2%,5mrad")
+        Accuracy(modulus=0.02, phase=0.005)
+        """
+        found: dict[str, float] = {}
+        for part in text.split(","):
+            told = re.fullmatch(r"\s*(\d+\.?\d*|\.\d+)\s*(%|mrad|rad|deg)\s*", part)
+            value, unit = told.groups() if told else ("0", "%")
+            name, units = ("modulus", OF_MODULUS) if unit in OF_MODULUS else ("phase", OF_PHASE)
+            if float(value) == 0.0 or name in found:
+                found.clear()
+                break
+            found[name] = float(value) * units[unit]
+        if "modulus" not in found:
+            raise OptionError(
+                f"accuracy '{text:.40}' is none: give a share of the modulus and a phase, such as"
+                " 1%,3mrad or 2%"
+            )
+        return cls(found["modulus"], found.get("phase"))
+
+    def holds(self, misfits: Sequence[Misfit]) -> bool:
+        """Whether each test is met, in nineteen of twenty values, within what is promised."""
+        phase = self.phase
+        if phase is None:
+            phase = self.modulus
+        return all(
+            _share(each.modulus, self.modulus) >= COVERED and _share(each.phase, phase) >= COVERED
+            for each in misfits
+        )
+
+    def __str__(self) -> str:
+        if self.phase is None:
+            return percent(self.modulus)
+        return f"{percent(self.modulus)}, {1e3 * self.phase:.3g} mrad"
+
+
+USUAL = Accuracy(0.01, 0.003)
+"""What a good rheometer promises; most promise less."""
+
+
+def _share(off: Real, promised: float) -> float:
+    """Share of the values that are off by no more than what is promised."""
+    if not len(off):
+        return 1.0
+    return float(np.mean(off <= promised))
+
+
+def in_practice(
+    diagnosis: Diagnosis, misfits: Sequence[Misfit], accuracy: Accuracy | None
+) -> Diagnosis:
+    """The same, judged by what the instrument promises too.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        Judged by the noise alone.
+    misfits : sequence of Misfit
+        That of each test.
+    accuracy : Accuracy or None
+        What is promised; where that is not known, a misfit that is within what usual instruments
+        promise is only called small.
+    """
+    if diagnosis.verdict == "adequate":
+        return diagnosis
+    size = percent(diagnosis.error.relative_rms)
+    if accuracy is None:
+        if diagnosis.verdict != "unexplained" or not USUAL.holds(misfits):
+            return diagnosis
+        says = (
+            f"small in practice, {size}: if the instrument promises no more than {USUAL}, say so by"
+            f" --accuracy 1%,3mrad; as it is, {diagnosis.says}"
+        )
+        return replace(diagnosis, says=says)
+    if not accuracy.holds(misfits):
+        return diagnosis
+    return replace(
+        diagnosis,
+        verdict="adequate",
+        says=f"within what the instrument promises ({accuracy}); a structure of {size} is visible:"
+        f" {diagnosis.says}",
+        candidates=tuple(_open(each) for each in diagnosis.candidates),
+        leading=(),
+        next_experiment=None,
+    )
+
+
+def _open(candidate: Candidate) -> Candidate:
+    """An effect beside a misfit that the instrument may have made: it is not proved by it."""
+    if candidate.verdict == "missing":
+        return replace(candidate, verdict="cannot-tell")
+    return candidate

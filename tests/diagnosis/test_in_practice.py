@@ -1,0 +1,96 @@
+"""What the instrument promises: a misfit may be certain, and small all the same."""
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.diagnosis.in_practice import Accuracy, Misfit
+from springpot.errors import OptionError
+
+
+def sweep(notch, seed=1):
+    """A springpot beside a spring, whose modulus has a hump that no phase goes with, hardly noisy."""
+    omega = np.geomspace(1.0, 1e3, 60)
+    hump = 1.0 + notch * np.exp(-(((np.log10(omega) - 1.5) / 0.3) ** 2))
+    exact = springpot.parse_model("fractional-kelvin-voigt").stiffness(
+        np.array([400.0, 60.0, 0.3]), omega
+    )
+    noise = np.random.default_rng(seed).normal(size=(2, 60)) * 1e-4
+    return springpot.Measurement(omega, exact * hump * (1.0 + noise[0] + 1j * noise[1]))
+
+
+@pytest.mark.parametrize(
+    ("text", "modulus", "phase"),
+    [("1%,3mrad", 0.01, 0.003), ("2 %", 0.02, None), ("0.5deg, .5%", 0.005, np.pi / 360.0)],
+)
+def test_an_accuracy_is_read(text, modulus, phase):
+    assert Accuracy.of(text) == Accuracy(modulus, pytest.approx(phase) if phase else None)
+
+
+@pytest.mark.parametrize("text", ["", "3mrad", "1%,2%", "1", "0%", "-1%", "1%,3mrad,1deg", "nan%"])
+def test_what_is_no_accuracy_is_refused_in_one_line(text):
+    with pytest.raises(OptionError, match="such as 1%,3mrad") as caught:
+        Accuracy.of(text)
+    assert "\n" not in str(caught.value)
+
+
+def test_nineteen_of_twenty_values_must_be_within_it():
+    off = np.zeros(100)
+    off[:5] = 1.0
+    accuracy = Accuracy(0.01)
+    assert accuracy.holds([Misfit(off, np.zeros(0))])
+    off[5] = 1.0
+    assert not accuracy.holds([Misfit(off, np.zeros(0))])
+    assert not accuracy.holds([Misfit(np.zeros(100), np.zeros(0)), Misfit(off, np.zeros(0))])
+
+
+def test_modulus_and_phase_are_told_apart():
+    measured = np.full(10, 100.0 + 50.0j)
+    gain, turn = (Misfit.of_stiffness(measured * by, measured) for by in (1.02, np.exp(0.02j)))
+    assert Accuracy(0.03, 0.001).holds([gain])
+    assert not Accuracy(0.001, 0.03).holds([gain])
+    assert Accuracy(0.001, 0.03).holds([turn])
+    assert not Accuracy(0.03, 0.001).holds([turn])
+
+
+def test_a_certain_misfit_within_what_is_promised_is_adequate():
+    data = sweep(0.002)
+    plain = springpot.diagnose(data, "fractional-kelvin-voigt")
+    assert plain.verdict != "adequate"
+    told = springpot.diagnose(data, "fractional-kelvin-voigt", accuracy="1%,3mrad")
+    assert told.verdict == "adequate"
+    assert told.says.startswith("within what the instrument promises (1 %, 3 mrad); a structure of")
+    assert told.leading == ()
+    assert all(each.verdict != "missing" for each in told.candidates)
+    tight = springpot.diagnose(data, "fractional-kelvin-voigt", accuracy="0.05%,3mrad")
+    assert (tight.verdict, tight.leading) == (plain.verdict, plain.leading)
+
+
+def test_an_unexplained_misfit_that_is_small_is_called_so_first():
+    told = springpot.diagnose(sweep(0.002), "fractional-kelvin-voigt", only=["inertia"])
+    assert told.verdict == "unexplained"
+    assert told.says.startswith("small in practice, ")
+    assert "--accuracy 1%,3mrad" in told.says
+    large = springpot.diagnose(sweep(0.05), "fractional-kelvin-voigt", only=["inertia"])
+    assert large.verdict == "unexplained"
+    assert "small in practice" not in large.says
+
+
+def test_discovery_ends_where_the_instrument_promises_no_more():
+    ladder = springpot.discover(sweep(0.002), "fractional-kelvin-voigt", accuracy="1%,3mrad")
+    assert ladder.verdict == "adequate"
+    assert len(ladder.steps) == 1
+
+
+def test_a_test_in_time_is_judged_by_it_too():
+    t = np.geomspace(0.1, 100.0, 60)
+    model = springpot.parse_model("zener")
+    force = model.relaxation(model.theta(k1=100.0, k2=300.0, c=600.0), t)
+    force = force * (1.0 + 0.003 * np.sin(4.0 * np.log(t)))
+    force = force + 0.02 * np.random.default_rng(2).normal(size=60)
+    test = springpot.TimeTest.of_relaxation(t, force, "kPa")
+    assert springpot.diagnose(test, "zener").verdict != "adequate"
+    told = springpot.diagnose(test, "zener", accuracy="2%")
+    assert told.verdict == "adequate"
+    assert told.says.startswith("within what the instrument promises (2 %)")
+    assert springpot.discover(test, "zener", accuracy="2%").verdict == "adequate"
