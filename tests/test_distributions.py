@@ -45,3 +45,19 @@ def test_a_diagnosis_does_without_the_slow_import():
     )
     ran = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert ran.stdout.strip() == "False"
+
+
+def test_a_sum_of_f_ratios_of_different_freedom_has_the_chance_that_it_has():
+    """Drawn: terms of few and of many degrees of freedom, each with a variance of its own."""
+    rng = np.random.default_rng(0)
+    k, nu = np.array([3.0, 8.0, 12.0, 5.0]), np.array([6.0, 16.0, 10.0, 30.0])
+    above, below = rng.chisquare(k, (20000, 4)), rng.chisquare(nu, (20000, 4)) / nu
+    chances = np.array([own.f_sum_sf(value, k, nu) for value in (above / below).sum(axis=1)])
+    for level in (0.01, 0.05, 0.2, 0.5):
+        assert np.mean(chances < level) == pytest.approx(level, rel=0.2)
+
+
+def test_one_f_ratio_is_a_sum_of_one():
+    for value in (0.5, 1.0, 3.0):
+        one = own.f_sum_sf(4.0 * value, np.array([4.0]), np.array([9.0]))
+        assert one == pytest.approx(own.f_sf(value, 4.0, 9.0), rel=1e-12)

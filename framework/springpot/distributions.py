@@ -95,3 +95,26 @@ def student(level: float, dof: float) -> float:
         (79 * z**9 + 776 * z**7 + 1482 * z**5 - 1920 * z**3 - 945 * z) / 92160,
     )
     return z + sum(term / dof ** (i + 1) for i, term in enumerate(terms))
+
+
+def f_sum_sf(value: float, k: NDArray[np.float64], nu: NDArray[np.float64]) -> float:
+    """Chance that a sum of k F(k, nu) is larger: squares, each in units of a variance of its own.
+
+    By the one F distribution of the same mean and variance (Satterthwaite's way,
+    doi:10.2307/3002019).
+
+    Parameters
+    ----------
+    value : float
+        The sum.
+    k, nu : ndarray, shape (m,)
+        Degrees of freedom of each term, above and below; nu > 4.
+    """
+    whole = float(k.sum())
+    mean = float(np.sum(k * nu / (nu - 2.0)))
+    variance = float(np.sum(2.0 * k * nu**2 * (k + nu - 2.0) / ((nu - 2.0) ** 2 * (nu - 4.0))))
+    # A chi-square varies by twice its mean's square over `whole`: as F it has no end below.
+    spread, below = whole * variance / mean**2, 1e9
+    if spread > 2.0:
+        below = min((2.0 * whole - 4.0 + 4.0 * spread) / (spread - 2.0), below)
+    return float(f_sf(value / mean * below / (below - 2.0), whole, below))

@@ -16,6 +16,24 @@ def test_a_simple_material_is_called_simple():
     assert np.median([each.chance for each in verdicts]) > 0.05
 
 
+def test_many_short_sweeps_of_a_simple_material_are_simple():
+    """Of each the scatter is known from few points: their ratios of variances have long tails."""
+    omega, celsius = np.geomspace(0.1, 10.0, 12), np.linspace(-10.0, 80.0, 19)
+    log_a = -8.86 * np.log(10.0) * (celsius - 20.0) / (81.6 + celsius)
+    root = np.sqrt(1j * omega * np.exp(log_a)[:, None])
+    stiffness = (100.0 + 900.0 * root / (1.0 + root)).ravel()
+    chances = []
+    for seed in (0, 4, 12):
+        noise = np.random.default_rng(seed).normal(size=(2, stiffness.size)) * 0.005
+        data = springpot.Measurement(
+            np.tile(omega, len(celsius)),
+            stiffness * (1.0 + noise[0] + 1j * noise[1]),
+            conditions={"temperature": np.repeat(celsius, len(omega))},
+        )
+        chances.append(springpot.mastercurve(data).simplicity.chance)
+    assert min(chances) > 0.1
+
+
 @pytest.fixture(scope="module", params=range(3))
 def seed(request):
     return request.param

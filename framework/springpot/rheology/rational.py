@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from .continuum import Continuum
 from .elements import FixedPower
+from .formula import Formula
 from .nodes import GRADIENT, Chain, Mapped, Node, Parallel, Renamed, Scaled, Series, Shift
 from .points import Points, Real
 
@@ -239,6 +240,8 @@ def rational_of(node: Node, theta: Real, chain: Real, conditions: Points) -> Rat
         return inner and inner.times(node.factor, np.zeros(chain.shape[1]))
     if isinstance(node, FixedPower) and node.exponent in (0.0, 1.0):
         return Rational.power(int(node.exponent), float(theta[0]), chain[0])
+    if isinstance(node, Formula):
+        return _of_law(node, theta, chain, conditions)
     if isinstance(node, Continuum):
         # Its rates are given and not fitted: they move with no parameter.
         rates = np.array(node.rates, dtype=float)
@@ -256,6 +259,23 @@ def rational_of(node: Node, theta: Real, chain: Real, conditions: Points) -> Rat
         return _together([part for part in modes if part], len(modes), isinstance(node, Series))
     if isinstance(node, Shift | Chain):
         return _carried(node, theta, chain, conditions)
+    return None
+
+
+ASKED = np.array([-23.0, -7.0, 0.0, 11.0, 23.0])[:, None]
+"""Logarithms of frequencies at which a law is asked whether it is a spring or a dashpot."""
+
+
+def _of_law(node: Formula, theta: Real, chain: Real, conditions: Points) -> Rational | None:
+    """A spring or a dashpot whose constant follows a law of the conditions, as the temperature."""
+    response = node.respond(theta, conditions.shifted(ASKED - conditions.log_omega), GRADIENT)
+    for exponent in (0, 1):
+        power = np.exp(exponent * (ASKED + 0.5j * np.pi))
+        constants = response.value / power
+        constant = float(constants.real.flat[0])
+        if np.all(np.abs(constants - constant) <= SAME * abs(constant)):
+            slope = (response.by_theta[0, :, 0] / power[0]).real
+            return Rational.power(exponent, constant, slope @ chain)
     return None
 
 

@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.distributions import f_sf, normal_sf
+from springpot.distributions import f_sf, f_sum_sf, normal_sf
 from springpot.identification.free_factors import FactorRows, without
 from springpot.identification.levels_alone import TINY, Alone
 from springpot.identification.problem import weighted
@@ -193,20 +193,21 @@ def _level_errors(rows: FactorRows) -> Real:
 
 
 def _chance(rows: FactorRows, alone: Alone) -> float:
-    """That one material for all levels leaves so much more than one for each, by Fisher's test.
+    """That one material for all levels leaves so much more than one for each, by Fisher's tests.
 
     Each level is measured in units of its own scatter, so that one noisy level does not hide the
     others.
     """
-    counts = np.bincount(rows.number)
-    spare = float(rows.fit.dof * counts[alone.judged].sum() / counts.sum())
-    inner = float(alone.dof[alone.judged].sum())
-    # In units of each level's own variance: what is left beyond its degrees of freedom.
-    extra = float(np.sum(_excess(alone, rows)))
-    # Nothing is saved by one material for all: there is nothing to be tested.
-    if spare <= inner:
+    counts, judged = np.bincount(rows.number), alone.judged
+    nu = alone.dof[judged]
+    saved = rows.fit.dof * counts[judged] / counts.sum() - nu
+    # Nothing is saved by one material for all: there is nothing to be tested. And four degrees of
+    # freedom at a level tell no variance of its scatter.
+    known = (saved > 0.0) & (nu > 4.0)
+    if not np.any(known):
         return 1.0
-    return float(f_sf(max(extra, 0.0) / (spare - inner), spare - inner, inner))
+    extra = float(np.sum(_excess(alone, rows)[judged][known]))
+    return f_sum_sf(max(extra, 0.0), saved[known], nu[known])
 
 
 def _no_material(rows: FactorRows, alone: Alone) -> list[Failure]:
