@@ -14,6 +14,7 @@ from springpot.diagnosis.examination import Progress, silent
 from springpot.diagnosis.notes import judged, overtones
 from springpot.drawing import draw, html_of, text_of
 from springpot.errors import DataError, OptionError
+from springpot.identification.material import is_material
 from springpot.identification.part_result import PartResult, parts_of
 from springpot.identification.space import require_conditions
 from springpot.identification.value import Value, values_of
@@ -242,6 +243,10 @@ class Judgement:
         return judged
 
 
+NEARLY = 1.5
+"""Times the error of the nearest model within which fewer parameters are worth more than it."""
+
+
 @dataclass(frozen=True, eq=False)
 class Comparison:
     """Several models against the same data.
@@ -289,6 +294,22 @@ class Comparison:
     def shown(self) -> tuple[Judgement, ...]:
         """Those that a picture shows."""
         return self.judgements
+
+    @property
+    def handy(self) -> Judgement | None:
+        """The model of the fewest parameters nearly as near as the nearest that one can write down.
+
+        None where that is the best, or has as many parameters.
+        """
+        written = [one for one in self.judgements if not is_material(one.model)]
+        least = min((one.error.relative_rms for one in written), default=0.0)
+        near = [one for one in written if one.error.relative_rms <= NEARLY * least]
+        fewest = min(
+            near, key=lambda one: (one.free_parameters, one.error.relative_rms), default=self.best
+        )
+        if fewest.free_parameters >= self.best.free_parameters:
+            return None
+        return fewest
 
     @property
     def says(self) -> str:
@@ -341,6 +362,7 @@ class Comparison:
             "schema": SCHEMA,
             "data": self.data,
             "best": self.best.model.name,
+            "handy": self.handy and self.handy.model.name,
             "tests": self.tests,
             "models": self.judgements,
             "harmonics": self.harmonics,

@@ -420,11 +420,24 @@ def comparison_document(comparison: Comparison) -> list[Passage]:
     return [
         Prose(f"{comparison.data}: {best}{floor}"),
         _compared(comparison),
+        handy_model(comparison),
         *judged,
         Listing(_significant(comparison.harmonics)),
         left_out(comparison.left_out),
         Listing(comparison.notes, mark="note: "),
     ]
+
+
+def handy_model(comparison: Comparison) -> Prose:
+    """The model to write down where the best one has more parameters than are worth it."""
+    fewest = comparison.handy
+    if fewest is None:
+        return Prose()
+    error, count = percent(fewest.error.relative_rms), fewest.free_parameters
+    return Prose(
+        f"the simplest that is nearly as near as any that can be written down is"
+        f" {fewest.model.name}: {error} with {count} parameters"
+    )
 
 
 def _compared(comparison: Comparison) -> TextTable:
