@@ -65,7 +65,7 @@ def test_a_certain_misfit_within_what_is_promised_is_adequate():
     assert (tight.verdict, tight.leading) == (plain.verdict, plain.leading)
 
 
-def test_an_unexplained_misfit_that_is_small_is_called_so_first():
+def test_a_misfit_that_is_small_is_called_so_first():
     told = springpot.diagnose(sweep(0.002), "fractional-kelvin-voigt", only=["inertia"])
     assert told.verdict == "unexplained"
     assert told.says.startswith("small in practice, ")

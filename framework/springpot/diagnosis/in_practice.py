@@ -138,7 +138,7 @@ def in_practice(
         return diagnosis
     size = percent(diagnosis.error.relative_rms)
     if accuracy is None:
-        if diagnosis.verdict != "unexplained" or not USUAL.holds(misfits):
+        if not USUAL.holds(misfits):
             return diagnosis
         says = (
             f"small in practice, {size}: if the instrument promises no more than {USUAL}, say so by"
