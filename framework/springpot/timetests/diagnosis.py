@@ -57,7 +57,7 @@ HOPE = 4.0
 
 Two standard deviations.
 """
-STARTS = 2
+STARTS = 4
 """Places in the parameters of an effect from which its fit begins."""
 EXACT = 5
 """Effects that are fitted exactly, of those that are near the best.
@@ -218,6 +218,7 @@ def _judged(
         tried = _of_material(given, parts, base, leading, known, left_out)
     else:
         nearly = _nearly(base, parts, quick, leading, before, left_out)
+        nearly += _from_the_best(base, parts, quick, beside, nearly, before, left_out)
         tried = _exactly(given, parts, base, nearly, before, known, left_out)
     # A model with one more effect can always do as well as the one without: worse is a search that
     # failed.
@@ -376,6 +377,30 @@ def _nearly(
             continue
         tried.append(Tried(effect, model, search.theta(u), left, 0.0))
     return tried
+
+
+def _from_the_best(
+    base: Identification,
+    parts: Sequence[TestPart],
+    quick: Sequence[TestPart],
+    effects: Sequence[Effect],
+    nearly: Sequence[Tried],
+    before: Left,
+    left_out: dict[str, str],
+) -> list[Tried]:
+    """Effects that do what the best one does, where it is.
+
+    From a fit that misses the tests by far a linear step leads astray: so a dashpot may be left out
+    that a springpot of order one was found to be.
+    """
+    if not nearly or before.over(before.scatters) < ASTRAY:
+        return []
+    best = min(nearly, key=lambda each: _plain_bic(each.left))
+    grown = replace(base, model=best.model, theta=best.theta)
+    promises = TimeScan(grown, quick).in_place_of(best.effect, effects)
+    tried = {each.effect.name for each in nearly}
+    leading = [each for name, each in promises.items() if name not in tried]
+    return _nearly(base, parts, quick, leading, before, left_out)
 
 
 def _exactly(

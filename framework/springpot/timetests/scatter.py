@@ -11,8 +11,10 @@ periodogram ordinates are exponential around the spectrum.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,6 +68,8 @@ OF_FOURTH = 0.38
 """The same of fourth differences: what goes up and down over four points is no noise to them."""
 NORMAL = 1.482602218505602
 """Standard deviation of normal noise over the median of its absolute values."""
+KNOWN = 1e-8
+"""Share of the best known direction of the parameters below which one is not known at all."""
 
 
 @dataclass(frozen=True)
@@ -178,9 +182,9 @@ def scatter_of_sweep(residual: Real, known: bool) -> ResidualScatter:
 
     A sweep is too short for a spectrum. Its standard deviations are believed where they are
     `known`, or where there are too few points; else the noise is what neighbours differ by, in
-    fourth differences. A misfit is told by its size, and by neighbours that are
-    missed alike, whatever the size of the noise is (Durbin & Watson 1950,
-    doi:10.1093/biomet/37.3-4.409).
+    fourth differences. A misfit is told by its size, and whatever the size of the noise is by
+    neighbours that are missed alike (Durbin & Watson 1950, doi:10.1093/biomet/37.3-4.409), and by
+    one period that holds most of it.
     """
     from scipy.special import ndtr
 
@@ -195,12 +199,32 @@ def scatter_of_sweep(residual: Real, known: bool) -> ResidualScatter:
         worth = np.inf
     alike = float(np.sum(halves[:, 1:] * halves[:, :-1])) / max(count * power, 1e-300)
     smooth = float(ndtr(-alike * np.sqrt(count)))
-    # Two chances to be missed, of which the worse one is told.
-    local = min(1.0, 2.0 * min(_chance(power / apart**2, count, worth), smooth))
+    # Three chances to be missed, of which the worst one is told.
+    local = min(
+        1.0, 3.0 * min(_chance(power / apart**2, count, worth), smooth, _of_a_ripple(halves))
+    )
     # Where nothing is missed all that is left is noise.
     if told and local >= LOCAL:
         apart, worth = max(float(np.sqrt(power)), 1e-300), np.inf
     return ResidualScatter(apart, 0.0, 0.0, local, worth)
+
+
+def _of_a_ripple(halves: Real) -> float:
+    """Chance that of white noise one period holds so large a share of K' and K'' (2, n) together.
+
+    Of the largest of m ordinates, each a sum over both (Fisher 1929, doi:10.1098/rspa.1929.0151,
+    by Bonferroni's inequality); between two whole periods a ripple falls into both.
+    """
+    from scipy.special import betainc
+
+    n = halves.shape[1]
+    power = np.abs(np.fft.rfft(halves, 2 * n, axis=1)[:, 1:-1]) ** 2
+    whole = n * float(np.sum(halves**2))
+    if n < FEWEST_POINTS or whole == 0.0:
+        return 1.0
+    share = min(2.0 * float(power.sum(axis=0).max()) / whole, 1.0)
+    # Each ordinate has four of the 2 n degrees of freedom: a beta variable of 2 and n - 2.
+    return float(min(1.0, power.shape[1] * betainc(n - 2.0, 2.0, 1.0 - share)))
 
 
 def times_noise(residual: Real, size: float) -> float:
@@ -267,6 +291,78 @@ def _of_a_jump(residual: Real) -> float:
         power, omega = _periodogram(story)
         likely.append(_log_likelihood(power, _spectrum(omega, *_fitted(power, omega))))
     return likely[1] - likely[0] - float(np.log(n))
+
+
+class Jump(NamedTuple):
+    """What slips or lets go at one instant of one test, whatever it is.
+
+    Attributes
+    ----------
+    gain : float
+        Drop of the Bayesian information criterion, its place one of all samples.
+    number, row : int
+        Which test, and the first sample behind it.
+    """
+
+    gain: float
+    number: int = 0
+    row: int = 0
+
+
+def likeliest_jump(
+    residuals: Sequence[tuple[Real, Real]],
+    weights: Sequence[Real | None],
+    noise: Sequence[ResidualScatter],
+) -> Jump:
+    """The jump beside a model that makes its tests likeliest.
+
+    Parameters
+    ----------
+    residuals : sequence of (ndarray (m,), ndarray (m, p))
+        Of each test over the noise of its signal, and their slopes by the parameters, which make
+        way for the jump.
+    weights : sequence of ndarray, shape (m,), or None
+        One over that noise; None for a test whose numbers do not follow one another in time.
+    noise : sequence of ResidualScatter
+        In the residuals.
+    """
+    white = [each.whitened(value) for each, (value, _) in zip(noise, residuals, strict=True)]
+    slopes = [
+        np.column_stack([each.whitened(column) for column in by_theta.T])
+        for each, (_, by_theta) in zip(noise, residuals, strict=True)
+    ]
+    whole, missed = np.concatenate(slopes), np.concatenate(white)
+    size = np.linalg.norm(whole, axis=0)
+    basis, values, _ = np.linalg.svd(whole / np.where(size > 0.0, size, 1.0), full_matrices=False)
+    basis = basis[:, values > KNOWN * values.max(initial=0.0)]
+    missed = missed - basis @ (basis.T @ missed)
+    cost = np.log(len(missed)) + 2.0 * np.log(sum(len(w) for w in weights if w is not None))
+    best, first = Jump(-np.inf), 0
+    for number, (weight, value, scatter) in enumerate(zip(weights, white, noise, strict=True)):
+        rows = slice(first, first + len(value))
+        first = rows.stop
+        if weight is None:
+            continue
+        # Behind a jump each sample differs from its forerunner by as much as before: only the
+        # noise's memory is left of it.
+        after, at = scatter.whitened(weight), weight / scatter.size
+        at[1:] /= np.sqrt(1.0 - scatter.memory**2)
+        fall = _from_each(at, after, missed[rows, None])[:, 0]
+        taken = _from_each(at, after, basis[rows])
+        alone = at**2 + np.append(np.cumsum((after**2)[::-1])[::-1][1:], 0.0)
+        left = alone - np.sum(taken**2, axis=1)
+        drop = np.where(left > KNOWN * alone, fall**2 / np.maximum(left, 1e-300), 0.0)
+        # What is there from the first sample on is no jump.
+        drop[0] = 0.0
+        row = int(np.argmax(drop))
+        best = max(best, Jump(float(drop[row] - cost), number, row))
+    return best
+
+
+def _from_each(at: Real, after: Real, columns: Real) -> Real:
+    """Products (m, c) of a whitened jump before each sample with columns (m, c)."""
+    later = np.cumsum((after[:, None] * columns)[::-1], axis=0)[::-1]
+    return np.asarray(at[:, None] * columns + np.vstack([later[1:], 0.0 * later[:1]]), dtype=float)
 
 
 def _evened(residual: Real) -> Real:

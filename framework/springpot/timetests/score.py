@@ -31,7 +31,7 @@ from .exponentials import QuickPart, points_at
 from .recording import TOLERANCE, Clock, reached, recorded
 from .residuals_of_tests import Residual, TestPart
 from .specimen import Scales, tries_of
-from .verdict import Atom, Promise
+from .verdict import TWINS, Atom, Promise
 
 STEEP = 1.2
 """Power of omega from which a change of K makes a specimen under a force swing.
@@ -80,7 +80,7 @@ class TimeScan:
         self.scales = Scales.of(parts)
         # One long row for all tests: an effect must explain them together, with one size.
         self.residual = np.concatenate([view.residual for view in self.views])
-        slopes = np.concatenate([view.slopes for view in self.views])
+        self.slopes = slopes = np.concatenate([view.slopes for view in self.views])
         # A parameter that its bound holds takes nothing over: it would have to go below.
         lower = np.array([parameter.lower for parameter in self.model.parameters])
         held = (self.theta <= lower) & (slopes.T @ self.residual > 0.0)
@@ -98,6 +98,32 @@ class TimeScan:
 
         Those that make no sense in these tests have none.
         """
+        return self._scored(self._all_atoms(effects))
+
+    def in_place_of(self, last: Effect, effects: Iterable[Effect]) -> dict[str, list[Promise]]:
+        """Promises of effects that do what the `last` one of the model does where it was fitted.
+
+        Each as large as that: so a springpot of order one is a dashpot, which has a name too.
+        """
+        own = [last.name == name.rpartition(".")[0] for name in self.model.names]
+        size = own.index(True)
+        others = self.slopes[:, np.logical_not(own)]
+        basis = np.linalg.qr(others / np.maximum(np.linalg.norm(others, axis=0), 1e-300))[0]
+        rest = self.slopes[:, size] - basis @ (basis.T @ self.slopes[:, size])
+        theta, promises = self.theta[np.logical_not(own)], dict[str, list[Promise]]()
+        for atom in self._all_atoms(effects):
+            column = atom.column - basis @ (basis.T @ atom.column)
+            length = float(np.linalg.norm(column))
+            if not length > ABSORBED * float(np.linalg.norm(atom.column)):
+                continue
+            shared = float(column @ rest) / length
+            if abs(shared) > TWINS * float(np.linalg.norm(rest)):
+                values = atom.at(float(self.theta[size]) * shared / length)
+                each = Promise(atom.effect, values, theta, 0.0, 1.0, column / length, True)
+                promises.setdefault(atom.effect.name, []).append(each)
+        return promises
+
+    def _all_atoms(self, effects: Iterable[Effect]) -> list[Atom]:
         atoms: list[Atom] = []
         own = {effect.name for effect in self.model.effects}
         for effect in effects:
@@ -110,7 +136,7 @@ class TimeScan:
             except SpringpotError:
                 # It has no law in time, or these tests lack a condition that it needs.
                 continue
-        return self._scored([atom for atom in atoms if np.all(np.isfinite(atom.column))])
+        return [atom for atom in atoms if np.all(np.isfinite(atom.column))]
 
     def _scored(self, atoms: Sequence[Atom]) -> dict[str, list[Promise]]:
         if not atoms:

@@ -28,8 +28,8 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
-from .residuals_of_tests import SweepPart, TestPart
-from .scatter import ResidualScatter, times_noise
+from .residuals_of_tests import InTimePart, SweepPart, TestPart
+from .scatter import Jump, ResidualScatter, likeliest_jump, times_noise
 from .where import rms, worst_first
 
 NAN = float("nan")
@@ -60,15 +60,21 @@ def leading_of(candidates: Sequence[Candidate]) -> tuple[str, ...]:
 
 
 def sentence(
-    error: Error, verdict: Verdict, candidates: Sequence[Candidate], where: Sequence[Where]
+    error: Error,
+    verdict: Verdict,
+    candidates: Sequence[Candidate],
+    where: Sequence[Where],
+    jump: str = "",
 ) -> str:
-    """The verdict in one sentence."""
+    """The verdict in one sentence; `jump` tells of one that explains more than any effect."""
     size = f"the error is {error.over_floor:.2g} x the noise"
     # Where it fails is the best advice there is, as long as nobody knows what is missing.
     place = ""
     if where:
         place = f"; {where[0].says}"
     names = " or ".join(leading_of(candidates))
+    if jump:
+        return f"{size}; {jump}{place}"
     if verdict == "adequate":
         return f"{size}: nothing is missing that these tests could show"
     if verdict == "inconclusive":
@@ -358,12 +364,16 @@ def answer_of(
     left_out: dict[str, str],
 ) -> TimeCase:
     """The answer of a diagnosis from the effects that were tried, best first."""
-    verdict = rule_for(facts_of(before, tried)).verdict
+    jump = _jump_beside(parts, base, noise)
+    weights = _weights(tried, promises, jump)
+    slipped = weights[-1] > VERDICT.likely
+    verdict = rule_for(facts_of(before, tried, jump, slipped)).verdict
+    best = next((each.left for each in tried), before)
+    nothing, *chances, unknown = _agreeing(weights, verdict, best.chance)
     alike: list[str] = []
     if _is_plain(tried):
         alike = _class(tried, promises, noise)
     candidates = []
-    nothing, chances = _chances(before, tried, promises, verdict)
     for each, chance in zip(tried, chances, strict=True):
         of_it = _open(each, alike)
         # One of several that cannot be told apart is not known to be the missing one.
@@ -373,6 +383,9 @@ def answer_of(
         candidates.append(_candidate(each, chance, alike, after, of_it))
     tests = before.rows(parts, noise, base.tests)
     error = error_of(tests, noise)
+    told, named = "", candidates
+    if slipped and verdict != "adequate":
+        told, named = _in_words(parts[jump.number], jump), []
     where: tuple[Where, ...] = ()
     # What noise leaves of an adequate model stands out somewhere too.
     if verdict != "adequate":
@@ -385,17 +398,17 @@ def answer_of(
         model=base.model,
         error=error,
         verdict=verdict,
-        says=sentence(error, verdict, candidates, where),
+        says=sentence(error, verdict, named, where, told),
         split="",
         where=where,
         candidates=tuple(candidates),
         classes=_classes(promises, tried, alike),
         notes=tuple(note for part in parts for note in said_of_sign(part.test.provenance)),
         parameters=base.parameters,
-        leading=leading_of(candidates),
+        leading=leading_of(named),
         tests=tests,
         left_out=left_out,
-        evidence=nothing,
+        evidence={"nothing": nothing, "unknown": unknown},
     )
     return TimeCase(diagnosis, base, best_fit, tuple(_misfit(part, base) for part in parts))
 
@@ -414,17 +427,21 @@ def _is_plain(tried: Sequence[Tried]) -> bool:
     return bool(tried) and tried[0].helps
 
 
-def facts_of(before: Left, tried: Sequence[Tried]) -> Facts:
-    """What the tests say of the model, `tried` best first."""
+def facts_of(before: Left, tried: Sequence[Tried], jump: Jump, unknown: bool) -> Facts:
+    """What the tests say of the model, `tried` best first.
+
+    Whether something `unknown` is likelier than all of them.
+    """
     gain, plain = 0.0, _is_plain(tried)
     if tried:
         gain = tried[0].delta
     return Facts(
         by_battery=before.misfit,
         exceeds=before.doubtful,
-        ruled_out=plain,
+        ruled_out=plain or jump.gain > SEARCH.decisive,
         gain=gain,
         something=gain > VERDICT.clear_evidence,
+        unknown=unknown,
         # Of a few that were fitted the first is no name yet: its evidence must be beyond doubt.
         named=plain,
         # An effect that helps and leaves more than noise is not all that is missing.
@@ -450,9 +467,7 @@ def _class(
     best = max(tried, key=lambda each: each.delta)
     # Two roads to a class: effects that fit as well, and such that add the same shape but were
     # never fitted.
-    alike = [
-        each for each in tried if each is tried[0] or (each.helps and _as_well(each, best, noise))
-    ]
+    alike = [each for each in tried if each is tried[0] or _as_well(each, best, noise)]
     names = [each.effect.name for each in alike]
     fitted = {each.effect.name for each in tried}
     return names + [name for name in _twins(best.effect.name, promises) if name not in fitted]
@@ -461,10 +476,11 @@ def _class(
 def _as_well(each: Tried, best: Tried, noise: Sequence[ResidualScatter]) -> bool:
     """Whether an effect explains the tests as well as the best one.
 
-    More parameters do not exclude it.
+    More parameters do not exclude one that helps beyond doubt.
     """
     worse = each.left.squares(noise) - best.left.squares(noise)
-    return min(worse, best.delta - each.delta) <= EVIDENCE.rivals
+    near = best.delta - each.delta <= EVIDENCE.rivals
+    return near or (each.helps and worse <= EVIDENCE.rivals)
 
 
 def _twins(name: str, promises: dict[str, list[Promise]]) -> list[str]:
@@ -502,25 +518,48 @@ def _classes(
     return tuple(classes)
 
 
-def _chances(
-    before: Left,
-    tried: Sequence[Tried],
-    promises: Mapping[str, Sequence[Promise]],
-    verdict: Verdict,
-) -> tuple[dict[str, float], list[float]]:
-    """Chances of nothing and of something unknown, and of each effect; see `Evidence`."""
-    prior = log_prior_of_one(size_of_library(of_one[0].effect for of_one in promises.values()))
-    # Nothing missing is a candidate too.
-    logs = [np.log(EVIDENCE.prior_nothing), *(0.5 * each.evidence + prior for each in tried)]
-    weights, _ = chances_of(np.array(logs))
-    unknown = 0.0
-    # It must agree with the verdict, which rests on more than the evidence.
+def _jump_beside(
+    parts: Sequence[TestPart], base: Identification, noise: Sequence[ResidualScatter]
+) -> Jump:
+    """What slipped or let go in one test beside the model, if that is what it was."""
+    plain = [part.with_scale(1.0) for part in parts]
+    residuals = [part.residual(base.model, base.theta, base.reference) for part in plain]
+    weights = [
+        np.where(part.counted, 1.0 / part.sd, 0.0) if isinstance(part, InTimePart) else None
+        for part in plain
+    ]
+    return likeliest_jump(residuals, weights, noise)
+
+
+def _in_words(part: TestPart, jump: Jump) -> str:
+    when = f"{part.test.name} at {part.at[jump.row]:.3g} s"
+    return f"a jump in {when}, as of what slips or lets go, explains more than any known effect"
+
+
+def _agreeing(weights: Sequence[float], verdict: Verdict, chance: float) -> list[float]:
+    """The same in agreement with the verdict, which rests on more than the evidence."""
+    unknown = weights[-1]
     if verdict == "unexplained":
-        best = next((each.left for each in tried), before)
-        odds = unknown_odds(best.chance)
-        unknown = odds / (1.0 + odds)
-    nothing, *chances = ((1.0 - unknown) * weights).tolist()
-    return {"nothing": nothing, "unknown": unknown}, chances
+        odds = unknown_odds(chance)
+        unknown = max(unknown, odds / (1.0 + odds))
+    others = (1.0 - unknown) / max(1.0 - weights[-1], 1e-300)
+    return [*(others * weight for weight in weights[:-1]), unknown]
+
+
+def _weights(
+    tried: Sequence[Tried], promises: Mapping[str, Sequence[Promise]], jump: Jump
+) -> list[float]:
+    """Chances of nothing, of each effect, and of a jump that is in no library; see `Evidence`."""
+    prior = log_prior_of_one(size_of_library(of_one[0].effect for of_one in promises.values()))
+    unnamed = np.log((1.0 - EVIDENCE.prior_nothing) * EVIDENCE.outside) + 0.5 * jump.gain
+    # Nothing missing is a candidate too.
+    logs = [
+        np.log(EVIDENCE.prior_nothing),
+        *(0.5 * each.evidence + prior for each in tried),
+        unnamed,
+    ]
+    weights, _ = chances_of(np.array(logs))
+    return list(weights.tolist())
 
 
 def _open(each: Tried, alike: Sequence[str]) -> EffectVerdict:
