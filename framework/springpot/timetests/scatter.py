@@ -11,7 +11,7 @@ periodogram ordinates are exponential around the spectrum.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
@@ -68,6 +68,8 @@ OF_FOURTH = 0.38
 """The same of fourth differences: what goes up and down over four points is no noise to them."""
 NORMAL = 1.482602218505602
 """Standard deviation of normal noise over the median of its absolute values."""
+LEVEL = 4
+"""Samples on either side of a jump at least: two that are off by chance are none yet."""
 KNOWN = 1e-8
 """Share of the best known direction of the parameters below which one is not known at all."""
 
@@ -119,10 +121,14 @@ class ResidualScatter:
         large throughout speaks for more noise too. What is less than the noise is no likelier than
         the noise: there is nothing left to explain.
         """
-        squares = max(float(np.sum(self.whitened(residual) ** 2)), float(len(residual)))
+        return self.surprise_of(self.whitened(residual))
+
+    def surprise_of(self, white: Real) -> float:
+        """The same of a residual that is whitened already."""
+        squares = max(float(np.sum(white**2)), float(len(white)))
         if np.isinf(self.worth):
             return squares
-        return (len(residual) + self.worth) * float(np.log1p(squares / self.worth))
+        return (len(white) + self.worth) * float(np.log1p(squares / self.worth))
 
     def whitened(self, residual: Real) -> Real:
         """A residual of which noise would leave independent numbers of variance one."""
@@ -276,8 +282,7 @@ def _of_a_jump(residual: Real) -> float:
     even, n = _evened(residual), len(residual)
     sums = np.concatenate([[0.0], np.cumsum(even)])
     taken, plainest = even, 0.0
-    # Two samples that are off by chance are no jump yet.
-    for width in 2 ** np.arange(2, int(np.log2(n))):
+    for width in LEVEL * 2 ** np.arange(int(np.log2(n / LEVEL))):
         middle = np.arange(width, n - width + 1)
         jumps = sums[middle + width] - 2.0 * sums[middle] + sums[middle - width]
         best = int(np.argmax(np.abs(jumps)))
@@ -336,27 +341,55 @@ def likeliest_jump(
     basis, values, _ = np.linalg.svd(whole / np.where(size > 0.0, size, 1.0), full_matrices=False)
     basis = basis[:, values > KNOWN * values.max(initial=0.0)]
     missed = missed - basis @ (basis.T @ missed)
-    cost = np.log(len(missed)) + 2.0 * np.log(sum(len(w) for w in weights if w is not None))
-    best, first = Jump(-np.inf), 0
-    for number, (weight, value, scatter) in enumerate(zip(weights, white, noise, strict=True)):
-        rows = slice(first, first + len(value))
-        first = rows.stop
+    ends = np.cumsum([0, *map(len, white)])
+    rows = [slice(first, last) for first, last in pairwise(ends.tolist())]
+    largest, number, row, column = 0.0, 0, 0, np.zeros(len(missed))
+    for i, weight in enumerate(weights):
         if weight is None:
             continue
-        # Behind a jump each sample differs from its forerunner by as much as before: only the
-        # noise's memory is left of it.
-        after, at = scatter.whitened(weight), weight / scatter.size
-        at[1:] /= np.sqrt(1.0 - scatter.memory**2)
-        fall = _from_each(at, after, missed[rows, None])[:, 0]
-        taken = _from_each(at, after, basis[rows])
-        alone = at**2 + np.append(np.cumsum((after**2)[::-1])[::-1][1:], 0.0)
-        left = alone - np.sum(taken**2, axis=1)
-        drop = np.where(left > KNOWN * alone, fall**2 / np.maximum(left, 1e-300), 0.0)
-        # What is there from the first sample on is no jump.
-        drop[0] = 0.0
-        row = int(np.argmax(drop))
-        best = max(best, Jump(float(drop[row] - cost), number, row))
-    return best
+        drops, columns = _jumps(weight, noise[i], missed[rows[i]], basis[rows[i]])
+        k = int(np.argmax(drops))
+        if drops[k] > largest:
+            largest, number, row = float(drops[k]), i, k
+            column = np.zeros(len(missed))
+            column[rows[i]] = columns(k)
+    column = column - basis @ (basis.T @ column)
+    left = missed - column * float(column @ missed) / max(float(column @ column), 1e-300)
+    # One that leaves more than noise is not the whole story: effects of the library go before it.
+    if scatter_of(left[rows[number]]).misfit:
+        return Jump(-np.inf, number, row)
+    gain = sum(
+        each.surprise_of(before) - each.surprise_of(left[part])
+        for each, before, part in zip(noise, white, rows, strict=True)
+    )
+    places = sum(len(weight) for weight in weights if weight is not None)
+    return Jump(gain - float(np.log(len(missed)) + 2.0 * np.log(max(places, 1))), number, row)
+
+
+def _jumps(
+    weight: Real, scatter: ResidualScatter, missed: Real, basis: Real
+) -> tuple[Real, Callable[[int], Real]]:
+    """By how much the sum of squares of a test falls with a jump before each sample (m,).
+
+    And the whitened column (m,) of one of them.
+    """
+    # Behind a jump each sample differs from its forerunner by as much as before: only the noise's
+    # memory is left of it.
+    after, at = scatter.whitened(weight), weight / scatter.size
+    at[1:] /= np.sqrt(1.0 - scatter.memory**2)
+    fall = _from_each(at, after, missed[:, None])[:, 0]
+    taken = _from_each(at, after, basis)
+    alone = at**2 + np.append(np.cumsum((after**2)[::-1])[::-1][1:], 0.0)
+    left = alone - np.sum(taken**2, axis=1)
+    drops = np.where(left > KNOWN * alone, fall**2 / np.maximum(left, 1e-300), 0.0)
+    # What comes in its first or last part is how a test began and ended, which has other causes.
+    edge = max(LEVEL, len(drops) // PARTS)
+    drops[:edge] = drops[len(drops) - edge + 1 :] = 0.0
+
+    def column(k: int) -> Real:
+        return np.concatenate([np.zeros(k), at[k : k + 1], after[k + 1 :]])
+
+    return drops, column
 
 
 def _from_each(at: Real, after: Real, columns: Real) -> Real:

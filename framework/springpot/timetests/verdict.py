@@ -373,26 +373,20 @@ def answer_of(
     alike: list[str] = []
     if _is_plain(tried):
         alike = _class(tried, promises, noise)
-    candidates = []
-    for each, chance in zip(tried, chances, strict=True):
-        of_it = _open(each, alike)
-        # One of several that cannot be told apart is not known to be the missing one.
-        if verdict == "effect-missing" and len(alike) == 1 and each is tried[0]:
-            of_it = "missing"
-        after = error_of(each.left.rows(parts, noise, base.tests), noise)
-        candidates.append(_candidate(each, chance, alike, after, of_it))
+    candidates = [
+        _candidate(each, chance, alike, error_of(each.left.rows(parts, noise, base.tests), noise))
+        for each, chance in zip(tried, chances, strict=True)
+    ]
+    # One of several that cannot be told apart is not known to be the missing one.
+    if verdict == "effect-missing" and len(alike) == 1:
+        candidates[0] = replace(candidates[0], verdict="missing")
     tests = before.rows(parts, noise, base.tests)
     error = error_of(tests, noise)
     told, named = "", candidates
     if slipped and verdict != "adequate":
         told, named = _in_words(parts[jump.number], jump), []
-    where: tuple[Where, ...] = ()
     # What noise leaves of an adequate model stands out somewhere too.
-    if verdict != "adequate":
-        where = where_missed(parts, before, noise)
-    # The next round of a discovery goes on from the best fit that there is.
-    fits = [each.fit for each in tried if each.effect.name in alike[:1]]
-    best_fit = next(filter(None, fits), base)
+    where = () if verdict == "adequate" else where_missed(parts, before, noise)
     diagnosis = Diagnosis(
         data=base.name,
         model=base.model,
@@ -410,7 +404,10 @@ def answer_of(
         left_out=left_out,
         evidence={"nothing": nothing, "unknown": unknown},
     )
-    return TimeCase(diagnosis, base, best_fit, tuple(_misfit(part, base) for part in parts))
+    # The next round of a discovery goes on from the best fit that there is.
+    fits = [each.fit for each in tried if each.effect.name in alike[:1]]
+    misfits = tuple(_misfit(part, base) for part in parts)
+    return TimeCase(diagnosis, base, next(filter(None, fits), base), misfits)
 
 
 def _misfit(part: TestPart, base: Identification) -> Misfit:
@@ -487,6 +484,8 @@ def _twins(name: str, promises: dict[str, list[Promise]]) -> list[str]:
     """Effects that add the same to a record as one does."""
     # What the model's own parameters could take over is out of these directions: only what is seen
     # is compared.
+    if name not in promises:
+        return []
     own = promises[name][0].direction
     twins = []
     for other, others in promises.items():
@@ -573,9 +572,7 @@ def _open(each: Tried, alike: Sequence[str]) -> EffectVerdict:
     return "absent"
 
 
-def _candidate(
-    each: Tried, chance: float, alike: Sequence[str], after: Error, verdict: EffectVerdict
-) -> Candidate:
+def _candidate(each: Tried, chance: float, alike: Sequence[str], after: Error) -> Candidate:
     name = each.effect.name
     parameters: dict[str, Value] = {}
     if each.fit is not None:
@@ -593,7 +590,7 @@ def _candidate(
         probability=chance,
         delta_bic=each.delta,
         score=NAN,
-        verdict=verdict,
+        verdict=_open(each, alike),
         predicted_error=NAN,
         error_after=after.relative_rms,
         over_floor=after.over_floor,
