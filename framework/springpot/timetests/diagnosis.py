@@ -29,6 +29,7 @@ from springpot.rheology.points import Real
 
 from .exponentials import UnfollowedError, quick_parts
 from .fitting import identify
+from .left import Left, delta_bic, independent
 from .material import UntoldError
 from .native import TimeSearch
 from .residuals_of_tests import (
@@ -42,8 +43,9 @@ from .scatter import (
     scatter_of,
 )
 from .score import TimeScan
+from .slip import slip_beside
 from .specimen import at_rigs, at_tests
-from .verdict import Left, Promise, TimeCase, Tried, answer_of, delta_bic, independent
+from .verdict import Promise, TimeCase, Tried, answer_of
 
 LEADING = 14
 """Effects that are fitted, nearly: the others fell behind by a linear step already."""
@@ -224,7 +226,9 @@ def _judged(
     # failed.
     tried = _one_of_each([_no_worse(each, before) for each in tried])
     # By a criterion that needs no noise, which is only read from what the best one leaves.
-    best = min((each.left for each in tried), key=_plain_bic, default=before)
+    slip = slip_beside(parts, base, before)
+    named = [each.left for each in tried] or [before]
+    best = min([*named, slip.left], key=_plain_bic)
     noise = _noise(before, best)
     judged = [
         replace(each, delta=_of_what_helps(parts, before, each, _delta(before, each, noise, base)))
@@ -238,7 +242,7 @@ def _judged(
     ranked = [each for each in ranked if each.effect.name not in left_out or each.helps]
     for each in ranked:
         left_out.pop(each.effect.name, None)
-    return answer_of(parts, base, before, ranked, noise, promises, left_out)
+    return answer_of(parts, base, before, ranked, noise, promises, left_out, slip)
 
 
 def _no_worse(each: Tried, before: Left) -> Tried:

@@ -37,6 +37,7 @@ from springpot.rheology.points import Real
 
 from .exponentials import quick_parts
 from .intervals import with_intervals
+from .left import Left
 from .material import FoundLines, UntoldError, spectral
 from .native import DOUBTFUL, Minimum, TimeSearch
 from .residuals_of_tests import (
@@ -47,7 +48,7 @@ from .residuals_of_tests import (
 from .scatter import ResidualScatter
 from .score import TimeScan
 from .specimen import at_rigs, reference_of, require_tests, rig_of_sweeps
-from .verdict import Left, error_of, where_missed
+from .verdict import error_of, where_missed
 
 FASTEST = 10.0
 """By how much the stiffness of the shortest time may exceed what was measured.

@@ -121,14 +121,10 @@ class ResidualScatter:
         large throughout speaks for more noise too. What is less than the noise is no likelier than
         the noise: there is nothing left to explain.
         """
-        return self.surprise_of(self.whitened(residual))
-
-    def surprise_of(self, white: Real) -> float:
-        """The same of a residual that is whitened already."""
-        squares = max(float(np.sum(white**2)), float(len(white)))
+        squares = max(float(np.sum(self.whitened(residual) ** 2)), float(len(residual)))
         if np.isinf(self.worth):
             return squares
-        return (len(white) + self.worth) * float(np.log1p(squares / self.worth))
+        return (len(residual) + self.worth) * float(np.log1p(squares / self.worth))
 
     def whitened(self, residual: Real) -> Real:
         """A residual of which noise would leave independent numbers of variance one."""
@@ -303,15 +299,21 @@ class Jump(NamedTuple):
 
     Attributes
     ----------
-    gain : float
-        Drop of the Bayesian information criterion, its place one of all samples.
     number, row : int
         Which test, and the first sample behind it.
+    left : list of ndarray, shape (m,)
+        The residual of each test without it, the model having made way for it.
+    moved : ndarray, shape (p,)
+        By how much the parameters have.
+    places : int
+        At how many it might have been.
     """
 
-    gain: float
-    number: int = 0
-    row: int = 0
+    number: int
+    row: int
+    left: list[Real]
+    moved: Real
+    places: int
 
 
 def likeliest_jump(
@@ -336,34 +338,32 @@ def likeliest_jump(
         np.column_stack([each.whitened(column) for column in by_theta.T])
         for each, (_, by_theta) in zip(noise, residuals, strict=True)
     ]
-    whole, missed = np.concatenate(slopes), np.concatenate(white)
+    whole, value = np.concatenate(slopes), np.concatenate(white)
     size = np.linalg.norm(whole, axis=0)
-    basis, values, _ = np.linalg.svd(whole / np.where(size > 0.0, size, 1.0), full_matrices=False)
-    basis = basis[:, values > KNOWN * values.max(initial=0.0)]
-    missed = missed - basis @ (basis.T @ missed)
-    ends = np.cumsum([0, *map(len, white)])
-    rows = [slice(first, last) for first, last in pairwise(ends.tolist())]
-    largest, number, row, column = 0.0, 0, 0, np.zeros(len(missed))
+    size[size == 0.0] = 1.0
+    basis, values, turn = np.linalg.svd(whole / size, full_matrices=False)
+    good = values > KNOWN * values.max(initial=0.0)
+    basis, turn = basis[:, good], (turn[good].T / values[good]) / size[:, None]
+    missed = value - basis @ (basis.T @ value)
+    rows = [slice(*ends) for ends in pairwise(np.cumsum([0, *map(len, white)]).tolist())]
+    largest, number, row, column = 0.0, 0, 0, np.zeros(len(value))
     for i, weight in enumerate(weights):
         if weight is None:
             continue
         drops, columns = _jumps(weight, noise[i], missed[rows[i]], basis[rows[i]])
         k = int(np.argmax(drops))
         if drops[k] > largest:
-            largest, number, row = float(drops[k]), i, k
-            column = np.zeros(len(missed))
+            largest, number, row, column = float(drops[k]), i, k, np.zeros(len(value))
             column[rows[i]] = columns(k)
-    column = column - basis @ (basis.T @ column)
-    left = missed - column * float(column @ missed) / max(float(column @ column), 1e-300)
-    # One that leaves more than noise is not the whole story: effects of the library go before it.
-    if scatter_of(left[rows[number]]).misfit:
-        return Jump(-np.inf, number, row)
-    gain = sum(
-        each.surprise_of(before) - each.surprise_of(left[part])
-        for each, before, part in zip(noise, white, rows, strict=True)
+    alone = column - basis @ (basis.T @ column)
+    height = float(alone @ missed) / max(float(alone @ alone), 1e-300)
+    moved = turn @ (basis.T @ (value - height * column))
+    left = [value - by_theta @ moved for value, by_theta in residuals]
+    if largest > 0.0:
+        left[number][row:] -= height * np.asarray(weights[number])[row:]
+    return Jump(
+        number, row, left, -moved, sum(len(weight) for weight in weights if weight is not None)
     )
-    places = sum(len(weight) for weight in weights if weight is not None)
-    return Jump(gain - float(np.log(len(missed)) + 2.0 * np.log(max(places, 1))), number, row)
 
 
 def _jumps(

@@ -30,7 +30,7 @@ from springpot.rheology.stages import acting, on_loading, on_response
 from .exponentials import QuickPart, points_at
 from .recording import TOLERANCE, Clock, reached, recorded
 from .residuals_of_tests import Residual, TestPart
-from .specimen import Scales, tries_of
+from .specimen import Scales, stepped, tries_of
 from .verdict import TWINS, Atom, Promise
 
 STEEP = 1.2
@@ -49,11 +49,6 @@ RESONANCES = 12
 """Sizes at which an effect that makes the specimen swing is tried."""
 KNOWN = 1e-8
 """Share of the best known direction of the parameters below which one is not known at all."""
-LONGEST = 2.0
-"""Logarithm by which a linear step may change a parameter.
-
-Beyond a factor of seven nothing is linear.
-"""
 THE_SAME = 0.9999
 """Cosine from which two places of an effect are one: its size alone differs."""
 ABSORBED = 1e-5
@@ -177,15 +172,7 @@ class TimeScan:
 
     def _stepped(self, residual: Real) -> Real:
         """The model's own parameters after the linear step that such a residual asks for."""
-        step = -self._back @ (self.taken.T @ residual)
-        moved = []
-        for parameter, value, change in zip(self.model.parameters, self.theta, step, strict=True):
-            # What has one sign moves by a factor: a long step cannot take it through nothing.
-            if parameter.scale == "log" and value > 0.0:
-                moved.append(value * float(np.exp(np.clip(change / value, -LONGEST, LONGEST))))
-            else:
-                moved.append(float(np.clip(value + change, parameter.lower, parameter.upper)))
-        return np.array(moved)
+        return stepped(self.model, self.theta, -self._back @ (self.taken.T @ residual))
 
     def _atoms(self, effect: Effect) -> list[Atom]:
         if effect.of_test:

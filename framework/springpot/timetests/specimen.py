@@ -19,12 +19,17 @@ from springpot.measurement.timetest import TimeTest
 from springpot.rheology.effect import ALL, SWEEPS, Effect, Layer
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Parameter
-from springpot.rheology.points import KELVIN, ROOM
+from springpot.rheology.points import KELVIN, ROOM, Real
 from springpot.rheology.stages import StageLaw
 
 from .residuals_of_tests import TestPart, part_of
 
 RIGS = (ALL, SWEEPS)
+LONGEST = 2.0
+"""Logarithm by which a linear step may change a parameter.
+
+Beyond a factor of seven nothing is linear.
+"""
 
 
 def at_rig(effect: Effect, tests: Sequence[Test]) -> Effect:
@@ -244,3 +249,15 @@ def tries_of(effect: Effect, test: TimeTest, scales: Scales) -> list[tuple[float
     if isinstance(law, StageLaw) and law.tries is not None:
         return [tuple(map(float, place)) for place in law.tries(test)][:MOST]
     return list(product(*(scales.values(parameter) for parameter in free)))[:MOST]
+
+
+def stepped(model: Model, theta: Real, step: Real) -> Real:
+    """Parameters (p,) of a model after a linear step (p,), within their bounds."""
+    moved = []
+    for parameter, value, change in zip(model.parameters, theta, step, strict=True):
+        # What has one sign moves by a factor: a long step cannot take it through nothing.
+        if parameter.scale == "log" and value > 0.0:
+            moved.append(value * float(np.exp(np.clip(change / value, -LONGEST, LONGEST))))
+        else:
+            moved.append(float(np.clip(value + change, parameter.lower, parameter.upper)))
+    return np.array(moved)

@@ -28,9 +28,11 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
-from .residuals_of_tests import InTimePart, SweepPart, TestPart
-from .scatter import Jump, ResidualScatter, likeliest_jump, times_noise
-from .where import rms, worst_first
+from .left import Left
+from .residuals_of_tests import SweepPart, TestPart
+from .scatter import ResidualScatter
+from .slip import Slip
+from .where import worst_first
 
 NAN = float("nan")
 
@@ -66,15 +68,17 @@ def sentence(
     where: Sequence[Where],
     jump: str = "",
 ) -> str:
-    """The verdict in one sentence; `jump` tells of one that explains more than any effect."""
+    """The verdict in one sentence; `jump` tells of one that explains the tests as well."""
     size = f"the error is {error.over_floor:.2g} x the noise"
     # Where it fails is the best advice there is, as long as nobody knows what is missing.
     place = ""
     if where:
         place = f"; {where[0].says}"
     names = " or ".join(leading_of(candidates))
+    if jump and names:
+        return f"{size}; missing is {names}, or it is {jump}{place}"
     if jump:
-        return f"{size}; {jump}{place}"
+        return f"{size}; {jump}, explains more than any known effect{place}"
     if verdict == "adequate":
         return f"{size}: nothing is missing that these tests could show"
     if verdict == "inconclusive":
@@ -92,115 +96,6 @@ def sentence(
         helps = f"{names} helps ({after}) but is not all"
         return f"{size}, and no single known effect explains it: {helps}{place}"
     return f"{size}; missing is {names}: {after}{place}"
-
-
-@dataclass(frozen=True, eq=False)
-class Left:
-    """What a fit leaves of each test.
-
-    Attributes
-    ----------
-    count : int
-        Parameters of the model.
-    residuals : tuple of ndarray
-        Of each test over the noise of its signal.
-    scatters : tuple of ResidualScatter
-        The noise in them.
-    """
-
-    count: int
-    residuals: tuple[Real, ...]
-    scatters: tuple[ResidualScatter, ...]
-
-    @classmethod
-    def by(cls, model: Model, theta: Real, reference: float, parts: Sequence[TestPart]) -> Left:
-        """What a model with these parameters leaves of these tests."""
-        # By its noise alone, whatever the test weighed in a fit.
-        plain = [part.with_scale(1.0) for part in parts]
-        residuals = [part.residual(model, theta, reference).value for part in plain]
-        scatters = [part.scatter(value) for part, value in zip(parts, residuals, strict=True)]
-        return cls(len(theta), tuple(residuals), tuple(scatters))
-
-    @property
-    def noise(self) -> list[ResidualScatter]:
-        """The noise of each test, as this fit alone tells it."""
-        # Of a test that is missed the upper part of the spectrum may be misfit too, as corners are:
-        # there it is no larger than the signal itself says.
-        return [
-            replace(scatter, size=min(scatter.size, 1.0)) if scatter.misfit else scatter
-            for scatter in self.scatters
-        ]
-
-    @property
-    def chance(self) -> float:
-        """That noise alone leaves so much of the test that is missed most."""
-        return min(scatter.chance for scatter in self.scatters)
-
-    @property
-    def misfit(self) -> bool:
-        """Whether some test is missed by more than noise."""
-        return any(scatter.misfit for scatter in self.scatters)
-
-    @property
-    def doubtful(self) -> bool:
-        """Whether some test may well be missed by more than noise."""
-        return any(scatter.doubtful for scatter in self.scatters)
-
-    def rows(
-        self,
-        parts: Sequence[TestPart],
-        noise: Sequence[ResidualScatter],
-        told: Sequence[PartResult],
-    ) -> tuple[PartResult, ...]:
-        """Each test beside that noise, of which a fit has told with the noise of its signal."""
-        rows = []
-        for part, residual, scatter, row in zip(parts, self.residuals, noise, told, strict=True):
-            error = rms(residual * part.relative_sd)
-            ratio, floor = times_noise(residual, scatter.size), 0.0
-            # A fit that leaves nothing at all says nothing of the noise.
-            if ratio:
-                floor = error / ratio
-            # Whatever the noise, together and alone have one.
-            alone = ratio * row.over_floor_alone / max(row.over_floor, 1e-300)
-            rows.append(
-                replace(
-                    row,
-                    relative_rms=error,
-                    noise_floor=floor,
-                    over_floor=ratio,
-                    over_floor_alone=alone,
-                )
-            )
-        return tuple(rows)
-
-    def squares(self, noise: Sequence[ResidualScatter]) -> float:
-        """Sum of squares over that noise, a sample counted for what it adds to its neighbours."""
-        pairs = zip(self.residuals, noise, strict=True)
-        return sum(scatter.surprise(value) for value, scatter in pairs)
-
-    def over(self, noise: Sequence[ResidualScatter]) -> float:
-        """Error over that noise, of the worst test."""
-        pairs = zip(self.residuals, noise, strict=True)
-        return max(times_noise(value, scatter.size) for value, scatter in pairs)
-
-
-def independent(residuals: Sequence[Real], noise: Sequence[ResidualScatter]) -> float:
-    """Number of samples, counting once those whose noise is alike.
-
-    Bayley & Hammersley (1946, doi:10.2307/2983560).
-    """
-    pairs = zip(residuals, noise, strict=True)
-    counts = [
-        len(value) * (1.0 - scatter.memory) / (1.0 + scatter.memory) for value, scatter in pairs
-    ]
-    # Two at least: the logarithm of their number is what a parameter costs.
-    return max(float(sum(counts)), 2.0)
-
-
-def delta_bic(base: Left, other: Left, noise: Sequence[ResidualScatter], more: int) -> float:
-    """By how much the Bayesian information criterion falls with `more` parameters."""
-    gain = base.squares(noise) - other.squares(noise)
-    return float(gain - more * np.log(independent(base.residuals, noise)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -362,17 +257,17 @@ def answer_of(
     noise: Sequence[ResidualScatter],
     promises: dict[str, list[Promise]],
     left_out: dict[str, str],
+    slip: Slip,
 ) -> TimeCase:
     """The answer of a diagnosis from the effects that were tried, best first."""
-    jump = _jump_beside(parts, base, noise)
-    weights = _weights(tried, promises, jump)
-    slipped = weights[-1] > VERDICT.likely
-    verdict = rule_for(facts_of(before, tried, jump, slipped)).verdict
+    of_slip = slip.delta(before, noise)
+    weights = _weights(tried, promises, of_slip)
+    # A class holds nearly all of the probability: what is in no library may be one of it.
+    slipped = of_slip > SEARCH.decisive and weights[-1] > 1.0 - EVIDENCE.credible
+    verdict = rule_for(facts_of(before, tried, slipped)).verdict
     best = next((each.left for each in tried), before)
     nothing, *chances, unknown = _agreeing(weights, verdict, best.chance)
-    alike: list[str] = []
-    if _is_plain(tried):
-        alike = _class(tried, promises, noise)
+    alike = _class(tried, promises, noise)
     candidates = [
         _candidate(each, chance, alike, error_of(each.left.rows(parts, noise, base.tests), noise))
         for each, chance in zip(tried, chances, strict=True)
@@ -381,18 +276,16 @@ def answer_of(
     if verdict == "effect-missing" and len(alike) == 1:
         candidates[0] = replace(candidates[0], verdict="missing")
     tests = before.rows(parts, noise, base.tests)
-    error = error_of(tests, noise)
-    told, named = "", candidates
-    if slipped and verdict != "adequate":
-        told, named = _in_words(parts[jump.number], jump), []
+    told = slip.says if slipped else ""
+    named = [] if slipped and weights[-1] > VERDICT.likely else candidates
     # What noise leaves of an adequate model stands out somewhere too.
     where = () if verdict == "adequate" else where_missed(parts, before, noise)
     diagnosis = Diagnosis(
         data=base.name,
         model=base.model,
-        error=error,
+        error=error_of(tests, noise),
         verdict=verdict,
-        says=sentence(error, verdict, named, where, told),
+        says=sentence(error_of(tests, noise), verdict, named, where, told),
         split="",
         where=where,
         candidates=tuple(candidates),
@@ -424,10 +317,10 @@ def _is_plain(tried: Sequence[Tried]) -> bool:
     return bool(tried) and tried[0].helps
 
 
-def facts_of(before: Left, tried: Sequence[Tried], jump: Jump, unknown: bool) -> Facts:
+def facts_of(before: Left, tried: Sequence[Tried], unknown: bool) -> Facts:
     """What the tests say of the model, `tried` best first.
 
-    Whether something `unknown` is likelier than all of them.
+    Whether something `unknown` may be it as well, beyond doubt that something is.
     """
     gain, plain = 0.0, _is_plain(tried)
     if tried:
@@ -435,7 +328,7 @@ def facts_of(before: Left, tried: Sequence[Tried], jump: Jump, unknown: bool) ->
     return Facts(
         by_battery=before.misfit,
         exceeds=before.doubtful,
-        ruled_out=plain or jump.gain > SEARCH.decisive,
+        ruled_out=plain or unknown,
         gain=gain,
         something=gain > VERDICT.clear_evidence,
         unknown=unknown,
@@ -459,7 +352,9 @@ def where_missed(
 def _class(
     tried: Sequence[Tried], promises: dict[str, list[Promise]], noise: Sequence[ResidualScatter]
 ) -> list[str]:
-    """The best effect and those that these tests cannot tell from it."""
+    """The best effect, if one helps, and those that these tests cannot tell from it."""
+    if not _is_plain(tried):
+        return []
     # By what the tests say alone: how common an effect is makes it no worse an explanation of them.
     best = max(tried, key=lambda each: each.delta)
     # Two roads to a class: effects that fit as well, and such that add the same shape but were
@@ -517,24 +412,6 @@ def _classes(
     return tuple(classes)
 
 
-def _jump_beside(
-    parts: Sequence[TestPart], base: Identification, noise: Sequence[ResidualScatter]
-) -> Jump:
-    """What slipped or let go in one test beside the model, if that is what it was."""
-    plain = [part.with_scale(1.0) for part in parts]
-    residuals = [part.residual(base.model, base.theta, base.reference) for part in plain]
-    weights = [
-        np.where(part.counted, 1.0 / part.sd, 0.0) if isinstance(part, InTimePart) else None
-        for part in plain
-    ]
-    return likeliest_jump(residuals, weights, noise)
-
-
-def _in_words(part: TestPart, jump: Jump) -> str:
-    when = f"{part.test.name} at {part.at[jump.row]:.3g} s"
-    return f"a jump in {when}, as of what slips or lets go, explains more than any known effect"
-
-
 def _agreeing(weights: Sequence[float], verdict: Verdict, chance: float) -> list[float]:
     """The same in agreement with the verdict, which rests on more than the evidence."""
     unknown = weights[-1]
@@ -546,11 +423,11 @@ def _agreeing(weights: Sequence[float], verdict: Verdict, chance: float) -> list
 
 
 def _weights(
-    tried: Sequence[Tried], promises: Mapping[str, Sequence[Promise]], jump: Jump
+    tried: Sequence[Tried], promises: Mapping[str, Sequence[Promise]], slip: float
 ) -> list[float]:
     """Chances of nothing, of each effect, and of a jump that is in no library; see `Evidence`."""
     prior = log_prior_of_one(size_of_library(of_one[0].effect for of_one in promises.values()))
-    unnamed = np.log((1.0 - EVIDENCE.prior_nothing) * EVIDENCE.outside) + 0.5 * jump.gain
+    unnamed = np.log((1.0 - EVIDENCE.prior_nothing) * EVIDENCE.outside) + 0.5 * slip
     # Nothing missing is a candidate too.
     logs = [
         np.log(EVIDENCE.prior_nothing),
@@ -572,7 +449,7 @@ def _open(each: Tried, alike: Sequence[str]) -> EffectVerdict:
     return "absent"
 
 
-def _candidate(each: Tried, chance: float, alike: Sequence[str], after: Error) -> Candidate:
+def _candidate(each: Tried, chance: float, after: Error, alike: Sequence[str]) -> Candidate:
     name = each.effect.name
     parameters: dict[str, Value] = {}
     if each.fit is not None:

@@ -1,0 +1,62 @@
+"""What no effect of the library makes: something slips or lets go at one instant of one test."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from springpot.identification.result import Identification
+
+from .left import Left, delta_bic
+from .residuals_of_tests import InTimePart, TestPart
+from .scatter import ResidualScatter, likeliest_jump
+from .specimen import stepped
+
+FURTHER = 3
+"""Steps by which the model makes way for a jump in tests that it misses plainly."""
+
+
+class Slip(NamedTuple):
+    """A jump that is in no library, as a story of all tests.
+
+    Attributes
+    ----------
+    says : str
+        Which.
+    left : Left
+        What it leaves of them.
+    places : int
+        At how many samples it might have been.
+    """
+
+    says: str
+    left: Left
+    places: int
+
+    def delta(self, before: Left, noise: Sequence[ResidualScatter]) -> float:
+        """By how much the Bayesian information criterion falls, its place one of all samples."""
+        # One that leaves more than noise is not the whole story: what has a name goes before it.
+        if self.left.misfit:
+            return -np.inf
+        return delta_bic(before, self.left, noise, 1) - 2.0 * float(np.log(max(self.places, 1)))
+
+
+def slip_beside(parts: Sequence[TestPart], base: Identification, before: Left) -> Slip:
+    """What slipped or let go in one test beside the model, if that is what it was."""
+    plain, theta = [part.with_scale(1.0) for part in parts], base.theta
+    weights = [
+        np.where(part.counted, 1.0 / part.sd, 0.0) if isinstance(part, InTimePart) else None
+        for part in plain
+    ]
+    # Where the tests are missed the model makes way by more than one linear step.
+    for _ in range(1 + FURTHER * before.misfit):
+        residuals = [part.residual(base.model, theta, base.reference) for part in plain]
+        jump = likeliest_jump(residuals, weights, before.noise)
+        theta = stepped(base.model, theta, jump.moved)
+    scatters = [part.scatter(value) for part, value in zip(plain, jump.left, strict=True)]
+    part = plain[jump.number]
+    says = f"a jump in {part.test.name} at {part.at[jump.row]:.3g} s, as of what slips or lets go"
+    # Its size is one number, and the choice of its place costs as much as two.
+    return Slip(says, Left(before.count + 3, tuple(jump.left), tuple(scatters)), jump.places)

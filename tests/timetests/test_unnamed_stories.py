@@ -1,0 +1,105 @@
+"""What no effect of the library makes is weighed beside those that it holds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from springpot.measurement import Measurement, TimeTest
+from springpot.registry import parse_model, plugins
+from springpot.timetests import diagnose
+from springpot.timetests.scatter import ResidualScatter, likeliest_jump, scatter_of_sweep
+
+TIME = np.geomspace(0.01, 100.0, 80)
+OMEGA = np.geomspace(0.1, 100.0, 17)
+ZENER = parse_model("zener")
+THETA = ZENER.theta(k1=400.0, k2=300.0, c=60.0)
+LIKE_A_SLIP = ("force-drift", "thermal-force", "ageing", "finite-ramp")
+
+
+def library(*names):
+    return [plugins().effect(name) for name in names]
+
+
+def relaxation(model, theta, jump=0.0, seed=1):
+    exact = model.relaxation(theta, TIME)
+    noise = 0.01 * exact.max() * np.random.default_rng(seed).normal(size=len(TIME))
+    return TimeTest.of_relaxation(TIME, exact + jump * (np.arange(80) >= 45) + noise, name="relax")
+
+
+JUMP = f"a jump in relax at {TIME[45]:.3g} s"
+
+
+@pytest.mark.parametrize("height", [-40.0, -100.0])
+def test_a_slip_is_no_effect_of_the_library(height):
+    found = diagnose(relaxation(ZENER, THETA, height), ZENER, library(*LIKE_A_SLIP))
+    assert found.verdict == "unexplained"
+    assert found.leading == ()
+    assert f"{JUMP}, as of what slips or lets go, explains more" in found.says
+    assert found.evidence["unknown"] > 0.9
+
+
+def test_a_large_slip_is_no_noise_with_a_memory():
+    found = diagnose(relaxation(ZENER, THETA, -200.0), ZENER, library(*LIKE_A_SLIP))
+    assert found.verdict == "unexplained"
+    assert found.error.over_floor > 2.0
+
+
+def test_what_drifts_is_no_jump():
+    drifting = parse_model("zener + force-drift")
+    exact = relaxation(ZENER, THETA).response + 2.0 * TIME
+    found = diagnose(
+        TimeTest.of_relaxation(TIME, exact, name="relax"), ZENER, library(*LIKE_A_SLIP)
+    )
+    assert found.verdict == "effect-missing"
+    assert found.leading[0] == drifting.effects[0].name
+    assert found.evidence["unknown"] < 0.01
+
+
+def test_a_jump_is_found_where_it_is_and_taken_out():
+    rng, white = np.random.default_rng(3), ResidualScatter(1.0, 0.0, 0.0, 1.0)
+    noise, slopes = rng.normal(size=100), np.column_stack([np.ones(100), np.arange(100.0)])
+    jumped = noise + 5.0 * (np.arange(100) >= 60)
+    found = likeliest_jump([(jumped, slopes)], [np.ones(100)], [white])
+    assert found.row == 60
+    assert np.std(found.left[0]) == pytest.approx(np.std(noise), rel=0.05)
+
+
+def test_a_jump_pays_for_its_place():
+    """Of a test without one nothing speaks for one."""
+    found = [diagnose(relaxation(ZENER, THETA, 0.0, seed), ZENER, []) for seed in range(20)]
+    assert {each.verdict for each in found} == {"adequate"}
+    assert max(each.evidence["unknown"] for each in found) < 0.9
+
+
+def test_a_ripple_of_a_sweep_that_tells_its_noise_itself_is_no_noise():
+    """Of four points a period, as rough as noise to neighbours."""
+    exact = ZENER.stiffness(THETA, OMEGA)
+    rng = np.random.default_rng(2)
+    noise = 0.005 * (rng.normal(size=17) + 1j * rng.normal(size=17))
+    ripple = 0.08 * np.sin(2.0 * np.pi * 4.4 * np.arange(17) / 17.0)
+    sweep = Measurement(OMEGA, exact * (1.0 + noise + ripple), name="sweep")
+    tests = [sweep, relaxation(ZENER, THETA)]
+    assert diagnose(tests, ZENER, library("series-spring", "inertia")).verdict == "unexplained"
+
+
+def test_white_noise_holds_no_ripple():
+    rng = np.random.default_rng(4)
+    chances = [scatter_of_sweep(rng.normal(size=40), known=False).local for _ in range(300)]
+    assert np.mean(np.array(chances) < 0.01) < 0.02
+
+
+def test_a_springpot_of_order_one_has_the_name_of_a_dashpot_too():
+    """From a model that misses creep by far a linear step leads past the dashpot."""
+    solvent = parse_model("zener + parallel-dashpot")
+    theta = solvent.theta(k1=367.0, k2=778.0, c=1612.0, **{"parallel-dashpot.c": 311.0})
+    rng, tests = np.random.default_rng(5), []
+    exact = solvent.stiffness(theta, OMEGA)
+    noise = rng.normal(size=17) + 1j * rng.normal(size=17)
+    tests.append(Measurement(OMEGA, exact * (1.0 + 0.003 * noise), name="sweep"))
+    crept = solvent.creep(theta, TIME)
+    noise = 0.003 * np.abs(crept).max() * rng.normal(size=80)
+    tests.append(TimeTest.of_compliance(TIME, crept + noise, name="creep"))
+    found = diagnose(tests, ZENER, plugins().items("effect"))
+    assert found.verdict == "effect-missing"
+    assert found.leading[0] == "parallel-dashpot"
