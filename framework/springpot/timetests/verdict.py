@@ -299,8 +299,11 @@ def answer_of(
     )
     # The next round of a discovery goes on from the best fit that there is.
     fits = [each.fit for each in tried if each.effect.name in alike[:1]]
-    misfits = tuple(_misfit(part, base) for part in parts)
-    return TimeCase(diagnosis, base, next(filter(None, fits), base), misfits)
+    return TimeCase(diagnosis, base, next(filter(None, fits), base), _misfits(parts, base))
+
+
+def _misfits(parts: Sequence[TestPart], base: Identification) -> tuple[Misfit, ...]:
+    return tuple(_misfit(part, base) for part in parts)
 
 
 def _misfit(part: TestPart, base: Identification) -> Misfit:
@@ -449,7 +452,7 @@ def _open(each: Tried, alike: Sequence[str]) -> EffectVerdict:
     return "absent"
 
 
-def _candidate(each: Tried, chance: float, after: Error, alike: Sequence[str]) -> Candidate:
+def _candidate(each: Tried, chance: float, alike: Sequence[str], after: Error) -> Candidate:
     name = each.effect.name
     parameters: dict[str, Value] = {}
     if each.fit is not None:
