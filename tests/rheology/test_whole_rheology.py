@@ -6,8 +6,7 @@ import pytest
 import springpot
 from springpot.errors import SpringpotError
 from springpot.registry import parse_model, plugins
-from springpot.rheology import Points
-from springpot.rheology import laws
+from springpot.rheology import Points, laws
 from springpot.rheology.model import Family
 
 OMEGA = np.array([0.3, 1.1, 4.0, 17.0, 60.0, 250.0])
