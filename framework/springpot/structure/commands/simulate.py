@@ -216,16 +216,7 @@ def described(simulation: Simulation) -> dict[str, Any]:
             "samples": len(motion.record.acceleration),
             "peak": float(np.abs(motion.record.acceleration).max()),
         },
-        "modes": [
-            {
-                "frequency": mode.frequency,
-                "damping": mode.damping,
-                "outside_measured": outside,
-            }
-            for mode, outside in zip(
-                simulation.modes, _outside(motion.frame, swinging).tolist(), strict=True
-            )
-        ],
+        "modes": _modes(simulation),
         "storeys": [
             {"drift": drift, "low": below, "high": above, "damper_force": force}
             for drift, below, above, force in zip(
@@ -256,6 +247,18 @@ def described(simulation: Simulation) -> dict[str, Any]:
         "draws": len(simulation.drifts),
         "notes": _notes(motion.frame, swinging, "modes", motion.peak_stroke.tolist()),
     }
+
+
+def _modes(simulation: Simulation) -> list[dict[str, Any]]:
+    """Frequency and damping of each mode, and whether a damper was not measured there."""
+    import numpy as np
+
+    swinging = 2.0 * np.pi * np.array([mode.frequency for mode in simulation.modes])
+    outside = _outside(simulation.motion.frame, swinging).tolist()
+    return [
+        {"frequency": mode.frequency, "damping": mode.damping, "outside_measured": beyond}
+        for mode, beyond in zip(simulation.modes, outside, strict=True)
+    ]
 
 
 def _show_dampers(result: dict[str, Any]) -> None:
