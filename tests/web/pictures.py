@@ -80,7 +80,7 @@ def main() -> None:
                 "#file-first", {"name": name, "mimeType": "text/csv", "buffer": content}
             )
             if model:
-                page.locator("#effects li").first.wait_for()
+                page.locator("#effects [role=option]").first.wait_for()
                 page.locator("body:not([aria-busy])").wait_for()
                 page.fill("#expression", model)
                 page.press("#expression", "Enter")

@@ -38,7 +38,7 @@ COST_OF_A_PREVIEW = """() => {
     };
     const middle = (times) => times.sort((a, b) => a - b)[Math.floor(times.length / 2)];
     const previews = [], yardsticks = [];
-    for (const option of [...document.querySelectorAll("#effects li")].slice(0, 9)) {
+    for (const option of [...document.querySelectorAll("#effects [role=option]")].slice(0, 9)) {
         previews.push(timed(() => {
             option.dispatchEvent(new PointerEvent("pointerenter", { pointerType: "mouse" }));
             document.body.getBoundingClientRect();

@@ -14,12 +14,12 @@ const STEPS = [
   "Leave with a report, a script, the numbers; or measure what decides between the rivals.",
 ];
 const NARROW = 500; // px below which a plot is that of a phone
-const HEIGHTS = { phone: [230, 150], desk: [300, 158] }; // px of the picture and of the residual below it
+const HEIGHTS = { phone: [230, 150], desk: [300, 150] }; // px of the picture and of the residual below it
 const MOST_PLACES = 3; // sentences below the picture: more would leave it no room
 const MOST_NOTES = 2;
 const FINGER = 24; // px within which a finger means a point
 const HELD = 500; // ms after which it has stayed
-const LEAST = 170; // px between which the picture grows and shrinks with the window
+const LEAST = 140; // px between which the picture grows and shrinks with the window
 const MOST = 480;
 
 const COARSE = matchMedia("(pointer: coarse)");
@@ -187,7 +187,8 @@ export class Compare {
     const column = this.parent.closest(".column");
     if (this.app.fixed || !this.main.spec || !matchMedia(DESK).matches || !column?.clientHeight) return;
     const top = column.getBoundingClientRect().top - column.scrollTop;
-    const left = column.clientHeight - (column.lastElementChild.getBoundingClientRect().bottom - top);
+    const last = [...column.children].filter((section) => !section.hidden).at(-1);
+    const left = column.clientHeight - (last.getBoundingClientRect().bottom - top);
     const tall = Math.max(LEAST, Math.min(MOST, Math.floor((this.tall || HEIGHTS.desk[0]) + left)));
     if (tall === this.tall) return;
     this.tall = tall;
@@ -333,7 +334,7 @@ export class Compare {
     for (const plot of [this.main, this.residual]) if (plot.spec) plot.point(row, this.chosen);
     if (row === null || !scene) {
       if (!scene) return;
-      const hint = this.app.fixed ? "" : ` ${COARSE.matches ? "Hold" : "Click"} to leave it out; drag to select several.`;
+      const hint = this.app.fixed ? "" : ` ${COARSE.matches ? "Hold" : "Click"} to leave it out; drag for several.`;
       this.readout.textContent = `Point at a measured point to read it.${hint}`;
       return;
     }

@@ -22,6 +22,7 @@ export class Hero {
     this.place = h("p", { id: "fails" });
     this.add = h("button", { type: "button", id: "add", class: "primary", onclick: () => app.accept(this.effect),
       onpointerenter: () => app.hover(this.effect), onpointerleave: () => app.hover(null) });
+    this.parent = parent;
     put(parent, this.big, h("div", { class: "claim" }, this.place, this.says, this.add));
   }
 
@@ -32,6 +33,7 @@ export class Hero {
     if (!changed(this, answer, scene, refused)) return;
     const diagnosis = answer?.discovery.diagnosis;
     this.big.hidden = !answer;
+    this.parent.classList.toggle("alone", !answer);
     this.says.textContent = answer ? verdict(answer) : withoutAnswer(scene, refused);
     this.says.className = answer ? `verdict ${answer.discovery.verdict}` : "quiet";
     this.place.textContent = "";

@@ -4,12 +4,14 @@ import { changed, h, put, s } from "./dom.js";
 import { percent, times } from "./numbers.js";
 import { logTicks } from "./plot.js";
 
-const HEIGHT = 150;
+const TALL = 150; // px of the picture
+const LOW = 122; // on a screen that has few
 const LEFT = 60;
 const BOTTOM = 24;
 const LONGEST = 7; // px for a letter of a name below its step
 const RIGHT = 12;
 
+const SMALL = matchMedia("(max-height: 850px)");
 const cut = (name, most) => (name.length > most ? `${name.slice(0, Math.max(1, Math.floor(most) - 1))}…` : name);
 
 export class Ladder {
@@ -26,6 +28,7 @@ export class Ladder {
 
   render() {
     this.width = this.frame.clientWidth;
+    this.height = SMALL.matches ? LOW : TALL;
     const { answer, history, beside, rung } = this.app;
     const branches = history.branches.map((branch) => branch.name).join("");
     if (!changed(this, answer, beside?.key, beside?.branch, rung, this.width, branches, history.at)) {
@@ -87,8 +90,8 @@ export class Ladder {
     const [low, high] = [Math.min(...all) / 1.6, Math.max(...all) * 1.5];
     const width = this.width;
     this.x = (i) => LEFT + ((i + 0.5) * (width - LEFT - RIGHT)) / Math.max(count, 2);
-    this.y = (error) => 8 + ((Math.log(high) - Math.log(error)) / (Math.log(high) - Math.log(low))) * (HEIGHT - BOTTOM - 8);
-    const bottom = HEIGHT - BOTTOM;
+    this.y = (error) => 8 + ((Math.log(high) - Math.log(error)) / (Math.log(high) - Math.log(low))) * (this.height - BOTTOM - 8);
+    const bottom = this.height - BOTTOM;
     const half = (this.x(1) - this.x(0)) / 2;
     this.half = half;
     const parts = [s("title", {}, `Error of each rung: ${steps.map((step) => percent(step.relative_rms)).join(", ")}; noise floor ${percent(steps.at(-1).noise_floor)}`)];
@@ -105,7 +108,7 @@ export class Ladder {
       parts.push(s("line", { class: "material", x1: this.x(i) - half, x2: right, y1: at, y2: at },
         s("title", {}, `material floor ${percent(step.material_floor)}: the least error of any linear passive material`)));
       const name = i ? `+ ${step.accepted}` : step.model;
-      parts.push(s("text", { class: "tick", x: this.x(i), y: HEIGHT - 8, "text-anchor": "middle" }, cut(name, (2 * half) / LONGEST)));
+      parts.push(s("text", { class: "tick", x: this.x(i), y: this.height - 8, "text-anchor": "middle" }, cut(name, (2 * half) / LONGEST)));
     });
     const middle = (8 + bottom) / 2;
     parts.push(s("text", { class: "label", x: 11, y: middle, "text-anchor": "middle", transform: `rotate(-90 11 ${middle})` }, "error of |K|"));
@@ -115,9 +118,9 @@ export class Ladder {
     parts.push(s("text", { class: "tick", x: LEFT + 3, y: dashes + (dashes + 28 < bottom ? 12 : -4) }, "material floor"));
     parts.push(...this.stairs(others, "beside"), ...this.stairs(steps, "accepted"));
     this.ghost = s("g", { class: "ghost" });
-    this.svg.setAttribute("viewBox", `0 0 ${width} ${HEIGHT}`);
+    this.svg.setAttribute("viewBox", `0 0 ${width} ${this.height}`);
     this.svg.setAttribute("width", width);
-    this.svg.setAttribute("height", HEIGHT);
+    this.svg.setAttribute("height", this.height);
     this.svg.setAttribute("aria-label", parts[0].textContent);
     this.svg.replaceChildren(...parts, this.ghost);
     this.fall(steps);
@@ -158,7 +161,7 @@ export class Ladder {
       return;
     }
     const at = Math.min(this.x(rung + 1), this.width - RIGHT - 6);
-    const y = Math.max(6, Math.min(HEIGHT - BOTTOM, this.y(preview.error)));
+    const y = Math.max(6, Math.min(this.height - BOTTOM, this.y(preview.error)));
     const edge = this.x(rung) + this.half;
     this.ghost.replaceChildren(
       s("path", { class: "stairs preview", d: `M${edge} ${this.y(steps[rung].relative_rms)}V${y}H${this.width - RIGHT}` }),
