@@ -3,7 +3,8 @@
 import { changed, enable, h, put, usable } from "./dom.js";
 import { number, percent, probability, times, withInterval } from "./numbers.js";
 
-const WORDS = { missing: "missing", absent: "absent", "cannot-tell": "cannot tell" };
+const SHELVES = { explains: "explains it", helps: "helps, no proof", "ruled-out": "ruled out" };
+const ORDER = Object.keys(SHELVES);
 
 export class Missing {
   constructor(parent, app) {
@@ -18,7 +19,9 @@ export class Missing {
     this.details = h("div", { id: "effect-details", class: "details", "aria-live": "polite" });
     this.accept = h("button", { type: "button", id: "accept", class: "primary", onclick: () => this.take(this.active) }, "Accept effect");
     this.says = h("p", { class: "quiet" });
-    put(parent, this.says, this.list, this.accept, this.details);
+    this.folded = true;
+    this.fold = h("button", { type: "button", id: "ruled-out", class: "quiet", onclick: () => this.unfold(!this.folded) });
+    put(parent, this.says, this.list, this.fold, this.accept, this.details);
     // The list loses its focus when the button is pressed; what was chosen stays until then.
     this.accept.addEventListener("pointerdown", (event) => event.preventDefault());
     this.accept.addEventListener("keydown", (event) => { if (event.key === "Escape") this.choose(null); });
@@ -35,9 +38,25 @@ export class Missing {
     this.candidates = diagnosis ? inClasses(diagnosis.candidates) : [];
     this.says.textContent = diagnosis ? sentence(diagnosis, this.app.fixed) : "Effects are ranked here as soon as there are data.";
     put(this.list, this.candidates.map((candidate, i) => this.option(candidate, i, diagnosis.error.noise_floor)));
-    this.list.hidden = this.candidates.length === 0;
+    this.unfold(true);
     this.accept.hidden = Boolean(this.app.fixed) || this.candidates.length === 0;
     this.show(this.app.hovered);
+  }
+
+  // One line names what is ruled out as a cause; pressed, it opens their rows.
+  unfold(folded) {
+    this.folded = folded;
+    const out = this.candidates.filter((candidate) => candidate.shelf === "ruled-out").map((candidate) => candidate.effect);
+    for (const option of this.list.children) option.hidden = folded && out.includes(option.dataset.effect);
+    this.list.hidden = this.visible().length === 0;
+    this.fold.hidden = out.length === 0;
+    this.fold.setAttribute("aria-expanded", String(!folded));
+    this.fold.textContent = `${out.length} ruled out, as the error stays: ${out.join(", ")}`;
+    if (out.includes(this.active)) this.choose(null);
+  }
+
+  visible() {
+    return this.candidates.map((candidate) => candidate.effect).filter((_, i) => !this.list.children[i].hidden);
   }
 
   option(candidate, i, floor) {
@@ -53,7 +72,7 @@ export class Missing {
       onclick: (event) => this.clicked(event, candidate.effect),
     },
     h("span", { class: "name" }, candidate.effect),
-    h("span", { class: `word ${candidate.verdict}`, title: "what the evidence makes of it" }, WORDS[candidate.verdict]),
+    h("span", { class: `word ${candidate.shelf}`, title: "what it does for the misfit" }, SHELVES[candidate.shelf]),
     h("span", { class: "chance", title: `probability ${number(candidate.probability)} that it is among what is missing` }, probability(candidate.probability)),
     h("span", { class: "fall", title: after_ === null ? "not fitted by itself" : `error with it: ${percent(after_)} of |K|, ${times(after_, floor)}` }, `→ ${percent(after_, 2)}`));
   }
@@ -65,7 +84,7 @@ export class Missing {
   }
 
   key(event) {
-    const names = this.candidates.map((candidate) => candidate.effect);
+    const names = this.visible();
     const here = names.indexOf(this.active);
     const to = { ArrowDown: here + 1, ArrowUp: here < 0 ? 0 : here - 1, Home: 0, End: names.length - 1 }[event.key];
     if (to !== undefined) this.choose(names[Math.max(0, Math.min(names.length - 1, to))]);
@@ -153,5 +172,6 @@ function inClasses(candidates) {
       if (i >= 0) ordered.push(...left.splice(i, 1));
     }
   }
-  return ordered;
+  // The sort keeps the order within a shelf.
+  return ordered.sort((one, other) => ORDER.indexOf(one.shelf) - ORDER.indexOf(other.shelf));
 }
