@@ -11,7 +11,6 @@ const SHELVES = [
   ["ruled-out", "Ruled out"],
 ];
 const FOLDED = "ruled-out";
-const WORDS = { missing: "missing", absent: "absent", "cannot-tell": "cannot tell" };
 
 export class Missing {
   constructor(parent, app) {
@@ -44,7 +43,7 @@ export class Missing {
     this.active = null;
     this.candidates = diagnosis?.candidates || [];
     this.says.textContent = diagnosis ? sentence(diagnosis, this.app.fixed) : "Effects are ranked here as soon as there are data.";
-    this.shelves = SHELVES.map(([name, title]) => [name, title, cardsOf(this.candidates.filter((one) => shelfOf(one) === name))])
+    this.shelves = SHELVES.map(([name, title]) => [name, title, cardsOf(this.candidates.filter((one) => one.shelf === name))])
       .filter(([, , cards]) => cards.length);
     put(this.list, this.shelves.map(([name, title, cards]) =>
       h("div", { role: "group", class: "shelf", "aria-label": title, "data-title": title, "data-shelf": name },
@@ -62,8 +61,9 @@ export class Missing {
     const alone = this.shelves?.length === 1;
     if (shelf) shelf.hidden = folded && !alone;
     this.fold.hidden = !shelf || alone;
-    const count = shelf ? shelf.querySelectorAll("[role=option]").length : 0;
-    this.fold.textContent = `${folded ? "Show" : "Hide"} ${count} ruled out`;
+    const out = this.candidates.filter((candidate) => candidate.shelf === FOLDED).map((candidate) => candidate.effect);
+    this.fold.textContent = `${folded ? "Show" : "Hide"} ${out.length} ruled out`;
+    this.fold.title = `the error stays with them: ${out.join(", ")}`;
     this.fold.setAttribute("aria-expanded", String(!folded));
   }
 
@@ -90,8 +90,7 @@ export class Missing {
     h("span", { class: "name" }, candidate.effect),
     h("span", { class: "fall", title: after === null ? "not fitted by itself" : `error with it: ${percent(after)} of |K|, ${times(after, floor)}` }, `→ ${percent(after, 2)}`),
     h("span", { class: "size" }, size[0] || "not fitted"),
-    h("span", { class: `word ${candidate.verdict}`, title: `probability ${number(candidate.probability)} that it is among what is missing` },
-      `${WORDS[candidate.verdict]}, ${probability(candidate.probability)}`));
+    h("span", { class: `word ${candidate.verdict}`, title: "probability that it is among what is missing" }, `chance ${probability(candidate.probability)}`));
   }
 
   // A mouse has seen the preview before it clicks; a finger has not, so its first tap only shows it.
@@ -197,5 +196,3 @@ function cardsOf(candidates) {
   }
   return cards;
 }
-
-const shelfOf = (one) => one.shelf || (one.verdict === "missing" || one.probability > 0.05 ? "explains" : one.verdict === "absent" ? "ruled-out" : "helps");
