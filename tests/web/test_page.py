@@ -378,7 +378,7 @@ def test_ten_thousand_rows_are_drawn_and_a_computation_is_told_and_cancelled(pag
         == "wait for the computation, or cancel it"
     )
     here.page.select_option("#view", "cole-cole")  # the page is not held up meanwhile
-    assert "K''" in here.page.text_content("#plot-view")
+    assert "G''" in here.page.text_content("#plot-view")
     here.page.click("#cancel")
     here.done()
     assert here.page.locator("#work").is_hidden()

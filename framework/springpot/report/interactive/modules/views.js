@@ -117,7 +117,7 @@ export function planeSpec(name, scene, excluded, answer, { sigmas = false, first
   const fixed = sigmas ? pointsOf(scene, measuredBy(first.model.planes[name], true), excluded) : points;
   const used = fixed.filter((point) => !point.out).map((point) => Math.abs(point.y)).filter(Number.isFinite);
   const most = Math.max(widest, ...used, 1e-300);
-  const y = { label: sigmas ? `${shownOf(scene.planes[name].label)}, data − model [σ]` : scene.planes[name].label, log: false };
+  const y = { label: sigmas ? `${shownOf(scene.planes[name].label)} / σ` : scene.planes[name].label, log: false };
   if (sigmas && most > FAR) y.bend = NOISE;
   const { forth, back } = turned(y);
   y.max = back(ROOM * forth(most));
@@ -127,7 +127,7 @@ export function planeSpec(name, scene, excluded, answer, { sigmas = false, first
     .slice(0, 3)
     .map((place) => ({ from: place.from * scene.axis.per_hertz, to: place.to * scene.axis.per_hertz, says: place.says }));
   const bands = [3, 1].map((times) => band(widths, times));
-  return { x, y, points, bands, shades, lines: [{ xs: [x.min, x.max], ys: [0, 0], kind: "zero" }], upright: true };
+  return { x, y, points, bands, shades, lines: [{ xs: [x.min, x.max], ys: [0, 0], kind: "zero" }], upright: true, corner: "data − model" };
 }
 
 // What is shown, without its unit.
