@@ -3,7 +3,7 @@
 import { changed, enable, h, put, usable } from "./dom.js";
 import { number, percent, probability, times, withInterval } from "./numbers.js";
 
-const SHELVES = { explains: "explains it", helps: "helps, no proof", "ruled-out": "ruled out" };
+const SHELVES = { explains: "explains it", helps: "helps", "ruled-out": "ruled out" };
 const ORDER = Object.keys(SHELVES);
 
 export class Missing {
@@ -72,7 +72,7 @@ export class Missing {
       onclick: (event) => this.clicked(event, candidate.effect),
     },
     h("span", { class: "name" }, candidate.effect),
-    h("span", { class: `word ${candidate.shelf}`, title: "what it does for the misfit" }, SHELVES[candidate.shelf]),
+    h("span", { class: `word ${candidate.shelf}`, title: "what it does for the misfit: what helps lowers the error, and is no proof" }, SHELVES[candidate.shelf]),
     h("span", { class: "chance", title: `probability ${number(candidate.probability)} that it is among what is missing` }, probability(candidate.probability)),
     h("span", { class: "fall", title: after_ === null ? "not fitted by itself" : `error with it: ${percent(after_)} of |K|, ${times(after_, floor)}` }, `→ ${percent(after_, 2)}`));
   }
