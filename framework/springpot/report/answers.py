@@ -86,9 +86,18 @@ PLACES, NOTES = 3, 2
 """Places of failure and notes that are told where not everything is asked for."""
 SPARE = ("delta BIC", "predicted", "cannot be told from")
 """Columns that a narrow window goes without, the first first; the sentences say the same."""
+HOPELESS = 0.01
+"""Probability below which an effect that helps is none to be shown beside one that explains.
+
+One in a hundred data sets.
+"""
 RANKED = frozenset({"probability", "delta BIC", "predicted", "after"})
 SEEN_AT = 8
-"""Effects that are named of those that are ruled out."""
+"""Effects that are named of those that have no row."""
+FOLDED: Mapping[Shelf, str] = {
+    "helps": "helps too",
+    "ruled-out": "ruled out, as the error stays",
+}
 SHELVES: Mapping[Shelf, str] = {
     "explains": "explains it",
     "helps": "helps",
@@ -142,10 +151,11 @@ def diagnosis_document(
     # Told once: beside the fitted parameters, or else below the ranking.
     if not refers:
         below = effects_note(data, (row.effect for row in rows))
-    absent = ruled_out_text(diagnosis, SEEN_AT)
+    folded, absent = not_shown(diagnosis, rows, SEEN_AT), ""
     # Of an adequate model the sizes at which effects would have been seen are the answer; beside a
     # missing effect they are detail.
     if verbose or diagnosis.verdict == "adequate":
+        folded = Prose()
         absent = absent_text(diagnosis, SEEN_AT)
     title = f"{lead}{diagnosis.model.name} of {diagnosis.data}: {diagnosis.verdict}"
     return [
@@ -156,6 +166,7 @@ def diagnosis_document(
         ranking(diagnosis, rows, verbose),
         Prose(below),
         physics(rows),
+        folded,
         Prose(absent),
         left_out(diagnosis.left_out),
         Prose(_next(diagnosis)),
@@ -192,11 +203,7 @@ def _more(diagnosis: Diagnosis, verbose: bool, notes: int) -> str:
     """What -v would tell beside this."""
     if verbose:
         return ""
-    helps = 0
-    # Of an adequate model nothing has to help.
-    if diagnosis.verdict != "adequate":
-        helps = len(worth_showing(diagnosis, len(diagnosis.candidates))) - SHOWN
-    kinds = ((len(diagnosis.where) - PLACES, "place"), (helps, "help"), (notes, "note"))
+    kinds = ((len(diagnosis.where) - PLACES, "place"), (notes, "note"))
     left = [counted(count, word) for count, word in kinds if count > 0]
     if not left:
         return ""
@@ -278,7 +285,11 @@ def worth_showing(diagnosis: Diagnosis, most: int = SHOWN) -> list[Candidate]:
 
     What is shown is read as a suggestion.
     """
-    return [*diagnosis.on_shelf("explains"), *diagnosis.on_shelf("helps")][:most]
+    explain, help_ = diagnosis.on_shelf("explains"), diagnosis.on_shelf("helps")
+    # Beside what explains the misfit many others help a little, as they resemble it.
+    if explain:
+        help_ = tuple(row for row in help_ if row.probability >= HOPELESS)
+    return [*explain, *help_][:most]
 
 
 def ranked(diagnosis: Diagnosis, verbose: bool = False) -> list[Candidate]:
@@ -286,10 +297,9 @@ def ranked(diagnosis: Diagnosis, verbose: bool = False) -> list[Candidate]:
     # Where nothing is missing, a ranking of what is missing would be read as if something were.
     if diagnosis.verdict == "adequate":
         return []
-    shown = worth_showing(diagnosis, len(diagnosis.candidates))
     if verbose:
-        return [*shown, *diagnosis.on_shelf("ruled-out")]
-    return shown[:SHOWN]
+        return [row for shelf in SHELVES for row in diagnosis.on_shelf(shelf)]
+    return worth_showing(diagnosis)
 
 
 def ranking(diagnosis: Diagnosis, rows: Sequence[Candidate], whole: bool = True) -> Passage:
@@ -383,15 +393,18 @@ def absent_effects(diagnosis: Diagnosis) -> list[Candidate]:
     return sorted((c for c in diagnosis.candidates if c.verdict == "absent"), key=lambda c: c.bound)
 
 
-def ruled_out_text(diagnosis: Diagnosis, most: int | None = None) -> str:
-    """The effects that leave the error as it is, by name."""
-    names = [row.effect for row in diagnosis.on_shelf("ruled-out")]
-    if not names:
-        return ""
-    shown = ", ".join(names[:most])
-    if most is not None and len(names) > most:
-        shown += f" and {len(names) - most} more"
-    return f"ruled out, as the error stays: {shown}"
+def not_shown(diagnosis: Diagnosis, rows: Sequence[Candidate], most: int | None = None) -> Prose:
+    """What helps and has no row, and what leaves the error as it is: a line each, by name."""
+    told = {row.effect for row in rows}
+    lines = []
+    for shelf, words in FOLDED.items():
+        names = [row.effect for row in diagnosis.on_shelf(shelf) if row.effect not in told]
+        shown = ", ".join(names[:most])
+        if most is not None and len(names) > most:
+            shown += f" and {len(names) - most} more"
+        if names:
+            lines.append(f"{words}: {shown}")
+    return Prose(*lines)
 
 
 def absent_text(diagnosis: Diagnosis, most: int | None = None) -> str:

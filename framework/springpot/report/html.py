@@ -23,11 +23,11 @@ from .answers import (
     absent_text,
     effects_note,
     left_out,
+    not_shown,
     physics,
     places_failed,
     ranking,
     reference_note,
-    ruled_out_text,
     times,
     worth_showing,
 )
@@ -335,7 +335,7 @@ def _ranking(step: Step, diagnosis: Diagnosis) -> Iterator[Html]:
         yield from _note(effects_note(raw, (row.effect for row in shown)))
     yield left_out(diagnosis.left_out).as_html()
     if diagnosis.verdict != "adequate":
-        yield from _note(ruled_out_text(diagnosis))
+        yield not_shown(diagnosis, shown).as_html()
     yield from _note(absent_text(diagnosis))
 
 
