@@ -61,10 +61,7 @@ class Covered:
         columns: dict[str, list[Real]] = {}
         unit = AMPLITUDE_UNITS[(units or tests[0].units).amplitude]
         for test in tests:
-            if isinstance(test, Measurement):
-                rates += [float(test.omega.min()), float(test.omega.max())]
-            else:
-                rates += test.seen
+            rates += test.seen
             for name, column in _conditions_of(test).items():
                 factor = 1.0
                 if name == "amplitude":
