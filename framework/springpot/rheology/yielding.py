@@ -111,7 +111,7 @@ def yielding_spring(k: str = "k", force: str = "F", exponent: str = "a") -> Form
     >>> from springpot.rheology import Points, yielding_spring
     >>> at = Points.at([1.0, 1.0], amplitude=[0.001, 10.0])
     >>> yielding_spring().respond(np.array([5.0, 1.0, 0.2]), at).value.round(2)
-    array([5.  +0.j  , 0.03+0.19j])
+    array([5.  +0.j  , 0.01+0.19j])
     """
     free = (
         stiffness(k),
