@@ -340,6 +340,7 @@ class App {
   setEdited(edited) {
     this.edited = edited;
     if (this.compare.main.spec && this.scene) this.compare.drawBeside();
+    this.ladder.preview(this.hovered);
   }
 
   rankModels() {

@@ -118,6 +118,7 @@ export class Compare {
       this.without(below);
       if (spec.upright && !master) [below.x.min, below.x.max, below.x.log] = [spec.x.min, spec.x.max, spec.x.log];
       this.residual.draw(below, this.width, low);
+      this.residual.fall();
     }
     const { where = [], notes = [] } = shown?.discovery.diagnosis || {};
     put(this.places,
@@ -230,6 +231,7 @@ export class Compare {
       if (edited) lines.push(...viewLines(looks.view, scene, edited, "edited"));
     }
     this.main.extra(lines);
+    if (this.residual.spec) this.residual.extra(this.leftBy(edited, "edited"));
     const single = scene.sweeps.length < 2;
     const { symbol } = scene.words;
     if (single) {
@@ -258,11 +260,17 @@ export class Compare {
     const drawn = k && looks.view !== "master-curve";
     this.main.preview(drawn ? viewLines(looks.view, scene, k, "preview") : []);
     if (this.residual.spec) {
-      const plane = planeOf(scene, looks.plane);
-      const widths = looks.sigmas && plane !== "none" ? answer?.model.planes[plane].width : null;
-      this.residual.preview(k && plane !== "none" ? planeLines(plane, scene, k, widths) : []);
+      this.residual.preview(this.leftBy(k, "preview"));
     }
     this.drawBeside();
+  }
+
+  // What a curve would leave of the residual, in the plane and the unit that are shown.
+  leftBy(k, role) {
+    const { scene, answer, looks } = this.app;
+    const plane = planeOf(scene, looks.plane);
+    if (!k || !answer || plane === "none") return [];
+    return planeLines(plane, scene, k, looks.sigmas ? answer.model.planes[plane].width : null, role);
   }
 
   listen(plot) {
