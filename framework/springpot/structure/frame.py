@@ -100,6 +100,13 @@ class Damper:
                     f"without = ['{effect.name}']"
                 )
 
+        for effect, _ in self.beside:
+            if getattr(effect.element, "flows", False):
+                raise ModelError(
+                    f"'{effect.name}' flows by a clock of its own, which no step of a structure"
+                    f" follows: leave it out, without = ['{effect.name}']"
+                )
+
     @cached_property
     def _placed(self) -> list[Placed]:
         """The effects that are not linear, each with the place of its parameters."""
