@@ -11,7 +11,7 @@ export function masterSpec(scene, master, excluded) {
     const colour = `var(--sweep-${Math.round((8 * scene.sweep[i]) / Math.max(1, scene.sweeps.length - 1))})`;
     const x = (scene.omega[i] / 2 / Math.PI) * a;
     const out = excluded.includes(row);
-    return [{ x, y: scene.storage[i] / b, kind: "storage", row, colour, out }, { x, y: scene.loss[i] / b, kind: "loss", row, colour, out }];
+    return [{ x, y: scene.storage[i] / b, kind: "storage", row, colour, out, sweep: scene.sweep[i] }, { x, y: scene.loss[i] / b, kind: "loss", row, colour, out, sweep: scene.sweep[i] }];
   });
   const x = { label: "reduced frequency a f [Hz]", log: true };
   const y = { label: `K'/b, K''/b [${scene.units.stiffness}]`, log: true };
