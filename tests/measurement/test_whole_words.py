@@ -15,7 +15,8 @@ from springpot.rheology.model import Family
 
 OMEGA = np.geomspace(0.5, 60.0, 9)
 NAMES = (
-    "gel_20C.csv gel-20C.csv T=-5degC.csv 293K.csv PS5K.csv run_68F.csv T25.csv temp_-3.5.csv gel.csv"
+    "gel_20C.csv gel-20C.csv T=-5degC.csv 293K.csv PS5K.csv run_68F.csv T25.csv temp_-3.5.csv"
+    " gel.csv"
     " gel_20,5_C.csv 1000C.csv v2C3.csv 99.9K.csv 100K.csv a7.csv b130.csv b145.csv b160.csv"
     " c1.csv c2.csv c3.csv d10.csv d15.csv d20.csv d24.csv e10.csv e20.csv"
 )
