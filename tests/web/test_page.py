@@ -116,6 +116,7 @@ def the_next_experiment_stands_on_the_same_screen(here: Page) -> None:
     here.page.check("#show-plan")
     assert here.page.locator("#plot-view .line.rival").count() == 4
     assert here.page.locator("#plot-view .band").count() >= 4
+    assert here.page.locator("#plot-view .station").count() == 20, "where to measure"
     fits_one_screen(here)
     box = here.page.locator("#plan").bounding_box()
     assert box["y"] + box["height"] < 800
