@@ -18,7 +18,7 @@ from springpot.distributions import student
 from springpot.drawing import draw
 from springpot.errors import DataError, ModelError
 from springpot.markup import table, tag
-from springpot.measurement.covered import Covered
+from springpot.measurement.covered import Covered, between
 from springpot.measurement.measurement import Measurement, points_at
 from springpot.measurement.rows import Moduli
 from springpot.measurement.units import Units
@@ -382,8 +382,7 @@ def require_known(model: Model, covered: Covered, name: str, column: Real) -> No
     if name in covered.conditions:
         if name not in covered.beyond(np.ones(len(column)), {name: column}):
             return
-        low, high = covered.conditions[name]
-        span = f"was {low:.4g} to {high:.4g}"
+        span = f"was {between(*covered.conditions[name])}"
     hint = ""
     # Any other column is known to effects that are given its name.
     if name in KNOWN_TO_EFFECTS:

@@ -12,6 +12,7 @@ import numpy as np
 
 from springpot.errors import ModelError
 from springpot.measurement.measurement import Measurement
+from springpot.rheology.holding import allowed
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
@@ -86,16 +87,8 @@ def theta_of(model: Model, measurement: Measurement, hand: Hand) -> Real:
     for parameter in model.parameters:
         factor, _ = measurement.units.of(parameter.unit)
         own.append(hand.values[parameter.name] / factor)
-    theta = np.array(own)
     # A hand may set wider ends than there is a model for.
-    for parameter, value in zip(model.parameters, theta, strict=True):
-        if not parameter.lower <= value <= parameter.upper:
-            ends = f"{parameter.lower:.4g} to {parameter.upper:.4g}"
-            raise ModelError(
-                f"{parameter.name} = {value:.4g} is not within {ends}, outside of which there is no"
-                " model"
-            )
-    return theta
+    return np.array(list(map(allowed, model.parameters, own)))
 
 
 def _number(value: object, otherwise: float) -> float:
