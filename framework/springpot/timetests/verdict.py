@@ -86,7 +86,7 @@ def sentence(
         if candidates and candidates[0].delta_bic > VERDICT.clear_evidence:
             hint = f"{candidates[0].effect} would help a little"
         return f"{size}: {hint}, which may be chance; measure longer or repeat it{place}"
-    if not names:
+    if not names or (verdict == "unexplained" and not candidates[0].lowers(error)):
         return (
             f"{size}, and no known effect explains it:"
             f" something is missing that is not in the library{place}"
