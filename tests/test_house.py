@@ -30,6 +30,7 @@ FLOORS = {
     "thresholds": 0,
     "drawing": 0,
     "markup": 0,
+    "suggestions": 0,
     "surroundings": 0,
     "plain_data": 1,
     "processes": 1,

@@ -28,6 +28,7 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.lookup import use_finder
 from springpot.rheology.model import Family, Model
 from springpot.rheology.typed import expression_parts, is_law, law, model_of
+from springpot.suggestions import suggested
 from springpot.surroundings import kept_surroundings
 
 from .catalogue import KINDS, Kind, Owner, Shelf
@@ -269,7 +270,7 @@ def _proposal(name: str, known: Iterable[str], listed: str) -> str:
     near = get_close_matches(name, known, n=3, cutoff=0.5)
     if near:
         return f"did you mean {', '.join(near)}?"
-    return f"see 'springpot list {listed}'"
+    return f"see '{suggested(f'list {listed}')}'"
 
 
 def _distribution(point: EntryPoint) -> str:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from . import completion
-from .faults import BAD_INPUT, FAULT, exit_code
+from .faults import BAD_INPUT, FAULT, INTERRUPTED, exit_code
 
 if TYPE_CHECKING:
     from springpot.measurement.measurement import Measurement
@@ -178,8 +178,9 @@ def of_each(data: Sequence[str], answer: Callable[[str], object]) -> int:
     worst = 0
     for i, name in enumerate(data):
         code = exit_code(partial(_answered, answer, name))
-        if code not in (0, BAD_INPUT, FAULT):
+        if code == INTERRUPTED:
             print(f"interrupted: {i} of {len(data)} are done", file=sys.stderr)
+        if code not in (0, BAD_INPUT, FAULT):
             return code
         worst = max(worst, code)
     return worst

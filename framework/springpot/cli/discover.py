@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from springpot.suggestions import accepting, suggested, with_model
+
 from . import completion, timetests
 from .common import (
     FILE,
@@ -23,7 +25,6 @@ from .common import (
     library_from,
     library_options,
     opened,
-    quoted,
     seed_option,
     verbose_option,
     window,
@@ -181,14 +182,12 @@ def _next(ladder: Ladder, data: str, model: str | None) -> str:
 
     One test, or one effect more where one is named, or the parameters reached.
     """
-    judged = ""
-    if model is not None:
-        judged = f" --model {quoted(model)}"
+    judged = with_model(model)
     diagnosis = ladder.diagnosis
     # As `diagnose` does: what sets several tests apart is no effect, and the parameters of them all
     # are of none.
     if diagnosis.one_test:
-        return f"springpot diagnose {quoted(with_rows(data, diagnosis.one_test))}{judged}"
+        return suggested("diagnose", with_rows(data, diagnosis.one_test), *judged)
     taken = [step.accepted for step in ladder.steps if step.accepted]
     # What was dropped again, marked by a hyphen, is not asked for a second time.
     named = [name for name in taken if not name.startswith("-")]
@@ -198,9 +197,8 @@ def _next(ladder: Ladder, data: str, model: str | None) -> str:
     if diagnosis.best is not None:
         following = [diagnosis.best.effect]
     if not following:
-        return f"springpot identify {quoted(data)} --model {quoted(ladder.model.name)}"
-    accept = " ".join(f"--accept {quoted(name)}" for name in [*named, *following])
-    return f"springpot discover {quoted(data)}{judged} {accept}"
+        return suggested("identify", data, *with_model(ladder.model.name))
+    return suggested("discover", data, *judged, *accepting([*named, *following]))
 
 
 def _climbed(tests: Sequence[Test], model: Model | None, **arguments: Any) -> tuple[Ladder, int]:
