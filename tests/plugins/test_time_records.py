@@ -111,7 +111,7 @@ def test_columns_that_are_called_a_record_open_as_one(tmp_path):
 def test_a_sweep_is_sent_from_signals_to_inspect(tmp_path):
     path = tmp_path / "sweep.csv"
     path.write_text("omega [rad/s],G' [Pa],G'' [Pa]\n1,2,3\n2,3,4\n3,4,5\n")
-    with pytest.raises(DataError, match=f"otherwise springpot inspect '{path}'"):
+    with pytest.raises(DataError, match=f"otherwise springpot inspect {path}"):
         signals_to_measurement([path])
 
 
