@@ -29,6 +29,7 @@ from springpot.rheology.points import Real
 
 from .exponentials import UnfollowedError, quick_parts
 from .fitting import identify
+from .floor import material_floor
 from .material import UntoldError
 from .native import TimeSearch
 from .residuals_of_tests import (
@@ -48,7 +49,7 @@ from .scatter import (
     scatter_of,
 )
 from .score import TimeScan
-from .verdict import Promise, TimeCase, Tried, answer_of
+from .verdict import Promise, TimeCase, Tried, answer_of, worst_of
 
 LEADING = 14
 """Effects that are fitted, nearly: the others fell behind by a linear step already."""
@@ -161,7 +162,9 @@ def examine(
         # second.
         case = _judged(given, model, library, None, noise)
     told = in_practice(case.diagnosis, case.misfits, accuracy)
-    return case._replace(diagnosis=told)
+    lowest = material_floor(case.base).errors[worst_of(told.tests)]
+    error = replace(told.error, material_floor=lowest)
+    return case._replace(diagnosis=replace(told, error=error))
 
 
 def _listed(tests: Sequence[Test] | Test) -> list[Test]:

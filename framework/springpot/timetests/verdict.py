@@ -28,6 +28,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
+from .floor import TimeFloor
 from .residuals_of_tests import InTimePart, Part
 from .scatter import Left, ResidualScatter
 from .where import places, worst_first
@@ -35,17 +36,36 @@ from .where import places, worst_first
 NAN = float("nan")
 
 
-def error_of(tests: Sequence[PartResult], noise: Sequence[ResidualScatter]) -> Error:
-    """The error of a model beside the noise, of the test that it misses most."""
-    # A model is as good as it is for that test.
-    worst, scatter = max(zip(tests, noise, strict=True), key=lambda pair: pair[0].over_floor)
+def worst_of(tests: Sequence[PartResult]) -> int:
+    """Number of the test that a model misses most: it is as good as it is for that one."""
+    return max(range(len(tests)), key=lambda i: tests[i].over_floor)
+
+
+def error_of(
+    tests: Sequence[PartResult], noise: Sequence[ResidualScatter], floor: TimeFloor | None = None
+) -> Error:
+    """The error of a model beside the noise, of the test that it misses most.
+
+    Beside the least of any material in that test, where one was looked for.
+    """
+    at = worst_of(tests)
+    worst, scatter = tests[at], noise[at]
     # Of few samples the presumed noise is believed as it is: its size is one, to the last bit.
     source = "residual"
     if scatter.size == 1.0:
         source = "signal"
-    error, floor = worst.relative_rms, worst.noise_floor
-    # Of no material: none was looked for.
-    return Error(error, floor, source, "", NAN, NAN, noise_memory=scatter.memory)
+    lowest = NAN
+    if floor is not None:
+        lowest = floor.errors[at]
+    return Error(
+        worst.relative_rms,
+        worst.noise_floor,
+        source,
+        "",
+        lowest,
+        NAN,
+        noise_memory=scatter.memory,
+    )
 
 
 def leading_of(candidates: Sequence[Candidate]) -> tuple[str, ...]:
