@@ -532,8 +532,12 @@ class _Search:
             # Lines for the step that is taken, not for the one that was too long.
             move = allowed
             wanted = non_negative(by_weights, target - by_u @ move)[0]
+        foretold = value + by_weights @ (wanted - weights) + by_u @ move
+        gain = cost - float(foretold @ foretold)
         share = 1.0
-        while share > SHORTEST:
+        # A share of the way gains twice that share of it at most: less than `STILL` would end the
+        # descent, found or not.
+        while share > SHORTEST and 2.0 * share * gain > STILL * cost:
             there = u + share * move
             # Between two sets of weights without a negative one there is none with one.
             nearer = weights + share * (wanted - weights)
