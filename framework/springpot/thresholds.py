@@ -386,6 +386,10 @@ class VerdictLevels:
     """Share of an error that an effect leaves at most to be named in the headline though something
     is left.
     """
+    helps: float = 0.9
+    """Share of an error that an effect leaves at most to be told as a help: who looks at the plot
+    sees a tenth, and no less.
+    """
     most_alike: int = 3
     """Effects of which one is so named at most: of more the headline would not be one."""
     mostly: float = 0.8

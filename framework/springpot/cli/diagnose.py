@@ -141,8 +141,8 @@ def _next_command(diagnosis: Diagnosis, named: str, model: str | None, other_way
     # Before any effect: what sets several tests apart is none, and would be mended by a wrong one.
     if diagnosis.one_test:
         return f"diagnose {quoted(with_rows(named, diagnosis.one_test))}{judged}"
-    if diagnosis.leading:
-        return f"discover {quoted(named)}{judged} --accept {diagnosis.leading[0]}"
+    if diagnosis.offered:
+        return f"discover {quoted(named)}{judged} --accept {diagnosis.offered}"
     # Of any material that is adequate the question is left which model has the fewest parameters.
     if diagnosis.verdict == "adequate" and model is None:
         return f"compare {quoted(named)}"

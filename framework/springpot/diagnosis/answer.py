@@ -131,7 +131,8 @@ def _beside(row: Candidate, leader: str, pair: Grown, alone: dict[str, Grown]) -
     if leader in alone:
         gain = 2.0 * (pair.refit.log_evidence - alone[leader].refit.log_evidence)
     left = f"{100.0 * pair.refit.error:.3g} % is left with both"
-    return replace(row, delta_bic=gain, says=f"beside {leader}: {row.says}; {left}")
+    says = f"beside {leader}: {row.says}; {left}"
+    return replace(row, delta_bic=gain, says=says, error_beside=pair.refit.error)
 
 
 def _predicted(before: Refit, left: float) -> float:

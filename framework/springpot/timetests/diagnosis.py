@@ -33,22 +33,17 @@ from .material import UntoldError
 from .native import TimeSearch
 from .residuals_of_tests import (
     InTimePart,
-    Part,
     Test,
-    at_rigs,
-    at_tests,
+    TestPart,
     parts_of_specimen,
 )
 from .scatter import (
-    Left,
     ResidualScatter,
-    delta_bic,
-    independent,
-    sampled_scatter,
     scatter_of,
 )
 from .score import TimeScan
-from .verdict import Promise, TimeCase, Tried, answer_of
+from .specimen import at_rigs, at_tests
+from .verdict import Left, Promise, TimeCase, Tried, answer_of, delta_bic, independent
 
 LEADING = 14
 """Effects that are fitted, nearly: the others fell behind by a linear step already."""
@@ -170,7 +165,7 @@ def _listed(tests: Sequence[Test] | Test) -> list[Test]:
     return list(tests)
 
 
-def _noise_beside(parts: Sequence[Part], first: TimeCase) -> list[Real | None] | None:
+def _noise_beside(parts: Sequence[TestPart], first: TimeCase) -> list[Real | None] | None:
     """The noise of each test as the best model shows it, where the signal told another.
 
     None where it did not.
@@ -183,7 +178,7 @@ def _noise_beside(parts: Sequence[Part], first: TimeCase) -> list[Real | None] |
     return noise
 
 
-def _better_noise(part: Part, fit: Identification) -> Real | None:
+def _better_noise(part: TestPart, fit: Identification) -> Real | None:
     """The noise of one test as a fit shows it; None where what the signal told will do."""
     if not isinstance(part, InTimePart):
         return None
@@ -307,7 +302,7 @@ def _by_rig(promises: dict[str, list[Promise]]) -> list[list[Promise]]:
 
 def _of_material(
     tests: Sequence[Test],
-    parts: Sequence[Part],
+    parts: Sequence[TestPart],
     base: Identification,
     leading: Sequence[list[Promise]],
     known: Sequence[Real | None] | None,
@@ -337,8 +332,8 @@ def _of_material(
 
 def _nearly(
     base: Identification,
-    parts: Sequence[Part],
-    quick: Sequence[Part],
+    parts: Sequence[TestPart],
+    quick: Sequence[TestPart],
     leading: Sequence[list[Promise]],
     before: Left,
     left_out: dict[str, str],
@@ -385,7 +380,7 @@ def _nearly(
 
 def _exactly(
     tests: Sequence[Test],
-    parts: Sequence[Part],
+    parts: Sequence[TestPart],
     base: Identification,
     nearly: Sequence[Tried],
     before: Left,
@@ -443,7 +438,7 @@ def _delta(
     return delta_bic(before, each.left, noise, len(each.theta) - len(base.theta))
 
 
-def _of_what_helps(parts: Sequence[Part], before: Left, each: Tried, delta: float) -> float:
+def _of_what_helps(parts: Sequence[TestPart], before: Left, each: Tried, delta: float) -> float:
     """The evidence for an effect that leaves more than noise: none where it explains next to none.
 
     Over the noise alone any small share of a large misfit would be proof. So it must be the better
@@ -453,7 +448,7 @@ def _of_what_helps(parts: Sequence[Part], before: Left, each: Tried, delta: floa
         return delta
     gain, count = 0.0, 0.0
     for part, old, new in zip(parts, before.residuals, each.left.residuals, strict=True):
-        unit = max(sampled_scatter(new, part), 1e-300)
+        unit = max(part.sampled(new), 1e-300)
         gain += float(old @ old - new @ new) / unit
         count += float(new @ new) / unit
     helps = gain - (each.left.count - before.count) * float(np.log(max(count, 2.0)))

@@ -33,7 +33,8 @@ from springpot.rheology.continuum import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
-from .residuals_of_tests import InTimePart, Part, Scales, tries_of
+from .residuals_of_tests import InTimePart, TestPart
+from .specimen import Scales, tries_of
 from .start import answers_of
 
 SLOWER, FASTER = 1.0, 0.5
@@ -162,9 +163,6 @@ def _apart(logs: Real, amounts: Real) -> Real:
     return np.array(placed)
 
 
-WITHIN = 3.0
-"""Rates over one a step at which relaxation beside a straight motion is still told from a dashpot.
-"""
 STEPS = 60
 """A relaxation alone takes two, a creep or an effect around the material ten to thirty."""
 STILL = 1e-7
@@ -199,7 +197,7 @@ class FoundLines(NamedTuple):
     theta: Real
     evaluations: int
     untold: str
-    again: Callable[[Sequence[Part]], FoundLines]
+    again: Callable[[Sequence[TestPart]], FoundLines]
 
 
 class UntoldError(ModelError):
@@ -218,7 +216,7 @@ class UntoldError(ModelError):
 
 def spectral(
     model: Model,
-    parts: Sequence[Part],
+    parts: Sequence[TestPart],
     reference: float,
     coordinates: Coordinates,
     seeds: Sequence[Real] = (),
@@ -229,7 +227,7 @@ def spectral(
     ----------
     model : Model
         Its material is a `Continuum`.
-    parts : sequence of Part
+    parts : sequence of TestPart
         The tests, each with its weight.
     reference : float
         Temperature in kelvin at which shifts are one.
@@ -264,7 +262,7 @@ def spectral(
     if len(place.u) and linear:
         # The convex form knows no effect: beside one, the lattice is as coarse as at the start.
         # A creep, which is not linear in the weights, would take too long.
-        samples = sum(len(_signal(part)) for part in parts)
+        samples = sum(len(part.signal) for part in parts)
         for share in CLOSER:
             closer, there = search.closer(place, share)
             evaluations += closer.evaluations
@@ -312,14 +310,14 @@ class _Search:
     def __init__(
         self,
         model: Model,
-        parts: Sequence[Part],
+        parts: Sequence[TestPart],
         reference: float,
         coordinates: Coordinates,
         lines: ConvexSpectrum | None = None,
     ) -> None:
         self.parts, self.reference = list(parts), reference
         self.coordinates, self.size = coordinates, coordinates.size[0]
-        seen = [_seen(part) for part in parts]
+        seen = [part.resolved for part in parts]
         low, high = min(each[0] for each in seen), max(each[1] for each in seen)
         decades = np.log10(high / low) + SLOWER + FASTER
         # A fixed lattice: of given rates the weights are a convex problem, with one solution.
@@ -345,7 +343,7 @@ class _Search:
 
         Effects of their natural size.
         """
-        stiffness = float(np.exp(np.mean([np.log(_typical(part)) for part in self.parts])))
+        stiffness = float(np.exp(np.mean([np.log(part.stiffness) for part in self.parts])))
         # An order begins in the middle, what may be of either sign, such as a drift, at nothing.
         u = np.where(self.coordinates.log, 0.0, np.where(np.isfinite(self.bounds[0][0]), 0.5, 0.0))
         weights = self.weights
@@ -414,7 +412,7 @@ class _Search:
         theta = np.concatenate([weights[:2], weights[2:][kept], self.own(u)])
         model = with_rates(self.model, self.rates[kept].tolist())
 
-        def again(parts: Sequence[Part]) -> FoundLines:
+        def again(parts: Sequence[TestPart]) -> FoundLines:
             search = copy(self)
             search.parts, search.evaluations, search.last = list(parts), 0, None
             start = place._replace(cost=search.cost(weights, u))
@@ -485,7 +483,7 @@ class _Search:
         if not self.model.of_tests:
             return ""
         value, by_weights, by_u = self.slopes(weights, u)
-        signal = np.concatenate([_signal(part) for part in self.parts])
+        signal = np.concatenate([part.signal for part in self.parts])
         names = [parameter.name for parameter in self.model.parameters[self.count :]]
         for i in range(self.first_of_tests, len(u)):
             effect, others = by_u[:, i], np.delete(by_u, i, axis=1)
@@ -562,34 +560,3 @@ def _left(by_weights: Real, by_u: Real, target: Real) -> float:
     """Sum of squares that the best lines and effects leave of a target (m,)."""
     lines, wanted = _beside(by_u, by_weights), _beside(by_u, target)
     return float(np.sum((lines @ non_negative(lines, wanted)[0] - wanted) ** 2))
-
-
-def _signal(part: Part) -> Real:
-    """What was measured, over its noise."""
-    if isinstance(part, InTimePart):
-        signal: Real = part.test.response / (part.scale * part.sd)
-        return signal
-    both = np.concatenate([part.test.storage / part.sd.real, part.test.loss / part.sd.imag])
-    return np.asarray(both / part.scale, dtype=float)
-
-
-def _seen(part: Part) -> tuple[float, float]:
-    """Angular frequencies between which a part tells something."""
-    if isinstance(part, InTimePart):
-        slowest, fastest = part.test.seen
-        # Within a step of a record the motion is straight, and that tells of what relaxes in it.
-        if part.test.kind not in ("relaxation", "creep"):
-            fastest *= WITHIN
-        return slowest, fastest
-    return float(part.test.omega.min()), float(part.test.omega.max())
-
-
-def _typical(part: Part) -> float:
-    """Typical size of K."""
-    if not isinstance(part, InTimePart):
-        return float(np.exp(np.mean(np.log(part.test.magnitude))))
-    test = part.test
-    imposed, answered = float(np.abs(test.loading.value).max()), float(np.abs(test.response).max())
-    if test.control == "displacement":
-        return answered / imposed
-    return imposed / max(answered, 1e-300)
