@@ -160,7 +160,7 @@ def table(answers: Sequence[dict[str, Any]]) -> Table:
     return Table(
         "Files of other people",
         COLUMNS,
-        [*rows, (goal, *empty, f"{counts} of {len(words)}", None)],
+        [*rows, (goal, *empty, count, None)],
         NOTE,
     )
 

@@ -226,7 +226,8 @@ def _judged(
     best = min((each.left for each in tried), key=_plain_bic, default=before)
     noise = _noise(before, best)
     judged = [replace(each, delta=_delta(before, each, noise, base)) for each in tried]
-    if best.misfit:
+    # Where the misfit is not certain by itself, it is the noise over which an effect shows it.
+    if before.misfit and best.misfit:
         # No unit but that of what the best explanation misses: over the noise alone whatever takes
         # a little more of a large misfit would be proved.
         judged = [replace(each, delta=_over_misses(parts, before, each, best)) for each in tried]
