@@ -296,7 +296,9 @@ class Diagnosis:
         """The effects of a shelf; of those that help the one that takes most of the error first."""
         found = [each for each in self.candidates if self.shelf_of(each) == shelf]
         if shelf == "helps":
-            found.sort(key=lambda each: (each.effect not in self.leading, each.after))
+            # What the headline names stands as it names it.
+            first = {name: place for place, name in enumerate(self.leading)}
+            found.sort(key=lambda each: (first.get(each.effect, len(first)), each.after))
         return tuple(found)
 
     @property
