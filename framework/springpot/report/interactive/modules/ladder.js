@@ -155,7 +155,8 @@ export class Ladder {
   preview(effect) {
     const { answer, steps, rung } = this.app;
     if (!answer || !this.ghost) return;
-    const preview = effect ? answer.previews[effect] : null;
+    const { edited } = this.app;
+    const preview = effect ? answer.previews[effect] : edited;
     if (!preview || !Number.isFinite(preview.error)) {
       this.ghost.replaceChildren();
       return;

@@ -6,6 +6,7 @@ const LEFT = 62;
 const RIGHT = 10;
 const TOP = 10;
 const BOTTOM = 38;
+const FALL = 500; // ms
 const MANY = 600; // points from which they are drawn small
 
 export function niceTicks(low, high, most = 6) {
@@ -103,7 +104,7 @@ export class Plot {
         ...(spec.shades || []).map((shade, lane) => this.shade(shade, lane)),
         ...(spec.bands || []).map((band) => this.band(band)),
         ...(spec.lines || []).map((line) => this.line(line)),
-        this.extraLayer, s("g", { class: "points" }, ...this.marks.filter(Boolean)),
+        this.extraLayer, ...(spec.stations || []).map((x) => this.station(x)), s("g", { class: "points" }, ...this.marks.filter(Boolean)),
         this.previewLayer, this.cursorLayer),
     );
   }
@@ -189,10 +190,31 @@ export class Plot {
     return s("g", {}, lane ? null : s("rect", whole, s("title", {}, says)), s("rect", bar, s("title", {}, says)));
   }
 
+  // Where to measure.
+  station(x) {
+    const [at, foot] = [this.x(x), this.height - BOTTOM];
+    return s("path", { class: "station", d: `M${at} ${foot - 8}l-4 8h8Z` });
+  }
+
   band({ xs, low, high, kind }) {
     const forth = this.path(xs, high);
     const back = this.path([...xs].reverse(), [...low].reverse()).replace("M", "L");
     return s("path", { class: `band ${kind}`, d: forth ? `${forth}${back}Z` : "" });
+  }
+
+  // The points move to where they are from where they were, on the same axes: what falls is seen to fall.
+  fall() {
+    const { spec, marks, stood } = this;
+    const places = new Map();
+    spec.points.forEach(({ row, part, y }, i) => { if (marks[i] && row !== null) places.set(`${row} ${part}`, this.y(y)); });
+    const axes = [this.width, this.height, spec.y.min, spec.y.max, spec.y.label].join();
+    this.stood = { places, axes };
+    if (stood?.axes !== axes || this.small || matchMedia("(prefers-reduced-motion: reduce)").matches) return;
+    spec.points.forEach(({ row, part }, i) => {
+      const key = `${row} ${part}`;
+      const rise = stood.places.get(key) - places.get(key);
+      if (rise) marks[i].animate([{ transform: `translateY(${rise}px)` }, { transform: "none" }], { duration: FALL, easing: "ease-in" });
+    });
   }
 
   // What would be: drawn without touching anything else, so that it costs a frame and leaves no trace.

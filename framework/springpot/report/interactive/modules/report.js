@@ -8,6 +8,8 @@ import { Missing } from "./missing.js";
 import { withInterval } from "./numbers.js";
 import { looksOf } from "./views.js";
 
+const LOOK = 1600; // ms on each rung of a replay
+
 class Report {
   constructor({ scene, rungs, excluded }) {
     this.scene = scene;
@@ -23,9 +25,10 @@ class Report {
     this.looks = looksOf();
     this.history = { branches: [] };
     this.parameters = h("dl", { id: "parameters" });
+    const replay = h("button", { type: "button", id: "play", hidden: rungs.length < 2, onclick: () => this.play() }, "▶ Play from the first model");
     byId("bench").append(
       h("section", { id: "hero", "aria-label": "The error, and what would lower it" },
-        h("div", { id: "hero-body" }), h("div", { id: "ladder" }, h("div", { id: "ladder-body" }))),
+        h("div", { id: "hero-body" }), h("div", { id: "ladder" }, h("div", { id: "ladder-body" }), replay)),
       h("div", { class: "column" }, panel("compare", "Data and model"), panel("failing", "Where it fails")),
       h("div", { class: "column" }, panel("missing", "What may be missing"), panel("model", "Model")));
     byId("model-body").append(this.parameters);
@@ -55,9 +58,24 @@ class Report {
   }
 
   goTo(rung) {
+    this.turn = 0;
+    this.show(rung);
+  }
+
+  show(rung) {
     this.rung = rung;
     this.hovered = null;
     this.render();
+  }
+
+  // From the first rung to the last, each long enough to be looked at.
+  async play() {
+    const turn = (this.turn || 0) + 1;
+    this.turn = turn; // whoever goes to a rung meanwhile ends it
+    for (let rung = 0; rung < this.answers.length && this.turn === turn; rung += 1) {
+      this.show(rung);
+      await new Promise((done) => { setTimeout(done, LOOK); });
+    }
   }
 
   look(change) {

@@ -158,8 +158,8 @@ function band(widths, sigmas) {
 }
 
 // What a candidate would leave of the residual, as lines through points of each sweep; over `widths` where those are given.
-export function planeLines(name, scene, k, widths = null) {
-  const lines = scene.sweeps.flatMap(() => ["storage", "loss"].map((kind) => ({ xs: [], ys: [], kind: `residual ${kind}`, colour: "var(--preview)" })));
+export function planeLines(name, scene, k, widths = null, role = "preview") {
+  const lines = scene.sweeps.flatMap(() => ["storage", "loss"].map((kind) => ({ xs: [], ys: [], kind: `residual ${role} ${kind}`, colour: `var(--${role})` })));
   scene.thin.forEach((i, at) => {
     const both = [k.planes[name].storage[at], k.planes[name].loss[at]];
     if (both.includes(null)) return;
