@@ -14,7 +14,7 @@ DATA = "DATA"
 
 
 @dataclass(frozen=True)
-class Action:
+class ToDo:
     """One step.
 
     Attributes
@@ -36,34 +36,34 @@ class Action:
         return dict(jsonable(vars(self)))
 
     @classmethod
-    def from_dict(cls, row: Mapping[str, Any]) -> Action:
+    def from_dict(cls, row: Mapping[str, Any]) -> ToDo:
         """What `to_dict` gave."""
         return cls(row["says"], row["command"], number(row["error_after"]))
 
 
-def turning(spec: str) -> Action:
+def turning(spec: str) -> ToDo:
     """To turn one channel; `spec` opens the data so.
 
     Of a force that counts the other way every other answer is wrong.
     """
-    return Action("the force counts the other way: turn it", f"springpot diagnose {quote(spec)}")
+    return ToDo("the force counts the other way: turn it", f"springpot diagnose {quote(spec)}")
 
 
-def splitting(column: str, error_after: float) -> Action:
+def splitting(column: str, error_after: float) -> ToDo:
     """To let each value of a column have a factor of its own, the material being shared."""
     says = f"what is missing goes with {column}: one factor a value, the material shared"
-    return Action(says, f"springpot discover {DATA} --split {quote(column)}", error_after)
+    return ToDo(says, f"springpot discover {DATA} --split {quote(column)}", error_after)
 
 
-def leaving_out(row: int, error_after: float) -> Action:
+def leaving_out(row: int, error_after: float) -> ToDo:
     """To leave out a point that stands out, as the answer itself has done."""
     says = f"row {row} stands out: leave it out of every fit too"
-    return Action(says, f"springpot diagnose {DATA} --exclude row={row}", error_after)
+    return ToDo(says, f"springpot diagnose {DATA} --exclude row={row}", error_after)
 
 
-def accepting(effect: str, explains: bool, error_after: float) -> Action:
+def accepting(effect: str, explains: bool, error_after: float) -> ToDo:
     """To add an effect, proved or not."""
     says = f"{effect} helps, which is no proof: accept it"
     if explains:
         says = f"{effect} explains it: accept it"
-    return Action(says, f"springpot discover {DATA} --accept {quote(effect)}", error_after)
+    return ToDo(says, f"springpot discover {DATA} --accept {quote(effect)}", error_after)

@@ -33,7 +33,7 @@ from springpot.misfit.words import times
 from springpot.rheology.effect import Effect
 from springpot.thresholds import EVIDENCE, EXPERIMENT, VERDICT
 
-from .actions import Action, leaving_out, splitting, turning
+from .actions import ToDo, leaving_out, splitting, turning
 from .evidence import Evidence, best_with
 from .experiment import (
     experiment_on_confounded,
@@ -290,7 +290,7 @@ def answer(
 
 def _steps(
     measurement: Measurement, search: Search, outliers: Sequence[Outlier], cause: Cause
-) -> Iterator[Action]:
+) -> Iterator[ToDo]:
     """What can be done with the data themselves."""
     if spec := turned(measurement.provenance):
         yield turning(spec)

@@ -19,7 +19,7 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.thresholds import VERDICT
 
-from .actions import Action, accepting
+from .actions import ToDo, accepting
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -218,7 +218,7 @@ class Diagnosis:
         Each test beside its noise floor.
     left_out : mapping of str to str
         Effects that could not be fitted, and why.
-    steps : tuple of Action
+    steps : tuple of ToDo
         What can be done with the data themselves: turn a channel, split by a column, leave a row
         out.
 
@@ -252,10 +252,10 @@ class Diagnosis:
     one_test: str = ""
     tests: tuple[PartResult, ...] = ()
     left_out: Mapping[str, str] = field(default_factory=dict)
-    steps: tuple[Action, ...] = ()
+    steps: tuple[ToDo, ...] = ()
 
     @property
-    def actions(self) -> tuple[Action, ...]:
+    def actions(self) -> tuple[ToDo, ...]:
         """What can be done next: first with the data themselves, then the effects to accept."""
         if self.verdict == "adequate":
             return self.steps
@@ -388,7 +388,7 @@ class Diagnosis:
             notes=tuple(answer["notes"]),
             evidence=answer["evidence"],
             left_out=answer["left_out"],
-            steps=tuple(Action.from_dict(row) for row in answer["steps"]),
+            steps=tuple(ToDo.from_dict(row) for row in answer["steps"]),
         )
 
     def _repr_html_(self) -> str:
