@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from springpot.diagnosis.actions import turning
 from springpot.diagnosis.evidence import chances_of, log_prior_of_one, size_of_library, unknown_odds
 from springpot.diagnosis.in_practice import Misfit
 from springpot.diagnosis.result import Candidate, Diagnosis, EffectVerdict, Verdict
@@ -20,7 +21,7 @@ from springpot.diagnosis.verdict import Facts, rule_for
 from springpot.identification.part_result import PartResult
 from springpot.identification.result import Identification
 from springpot.identification.value import Value
-from springpot.measurement.sign import said_of_sign
+from springpot.measurement.sign import said_of_sign, turned
 from springpot.misfit.error import Error
 from springpot.misfit.where import Where
 from springpot.rheology.effect import Effect
@@ -324,7 +325,14 @@ class Tried:
     @property
     def evidence(self) -> float:
         """The same with how common the effect is: twice the logarithm of its odds."""
-        return self.delta + 2.0 * float(np.log(self.effect.prior))
+        return self.delta + 2.0 * float(np.log(weight_of(self.effect)))
+
+
+def weight_of(effect: Effect) -> float:
+    """How common an effect is in tests in time, before any data are seen."""
+    if effect.of_apparatus:
+        return effect.prior * EVIDENCE.apparatus
+    return effect.prior
 
 
 class TimeCase(NamedTuple):
@@ -396,6 +404,7 @@ def answer_of(
         tests=tests,
         left_out=left_out,
         evidence=nothing,
+        steps=tuple(turning(spec) for part in parts if (spec := turned(part.test.provenance))),
     )
     return TimeCase(diagnosis, base, best_fit, tuple(_misfit(part, base) for part in parts))
 
