@@ -10,12 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
-from springpot.errors import DataError, ModelError
+from springpot.errors import DataError
 from springpot.identification.prediction import Known
 from springpot.identification.result import Identification
 from springpot.loading import load
 from springpot.measurement.units import MODULUS_UNITS, Units, known_unit
 from springpot.registry import parse_model
+from springpot.rheology.holding import allowed
 from springpot.rheology.parameters import Dimension
 from springpot.rheology.points import ROOM
 
@@ -54,13 +55,12 @@ def stated(expression: str, values: Mapping[str, float], unit: str | None, what:
     Raises
     ------
     SpringpotError
-        If model or unit are unknown, or a parameter is, lacks or is no finite number.
+        If model or unit are unknown, or a parameter is, lacks or has a value that it cannot take.
     """
     model = parse_model(expression)
-    printed = model.vector(dict(values))
-    # Words such as nan are numbers to Python.
-    if not np.all(np.isfinite(printed)):
-        raise ModelError(f"a parameter of {model.name} is no finite number")
+    given = model.vector(dict(values)).tolist()
+    # A bound of a stiffness or a length is zero or infinity, the same in any unit.
+    printed = np.array(list(map(allowed, model.parameters, given)))
     units = Units()
     if unit is not None:
         stiffness = known_unit(unit, MODULUS_UNITS, what)

@@ -93,3 +93,12 @@ def test_a_test_in_time_is_judged_by_it_too():
     assert told.verdict == "adequate"
     assert told.says.startswith("within what the instrument promises (2 %)")
     assert springpot.discover(test, "zener", accuracy="2%").verdict == "adequate"
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_a_model_without_any_stiffness_is_infinitely_far_without_a_warning():
+    """Which the best of all passive models is for data whose force has the wrong sign."""
+    measured = np.array([-2.0 - 1.0j, -3.0 - 1.0j])
+    misfit = Misfit.of_stiffness(np.zeros(2, complex), measured)
+    assert misfit.modulus.tolist() == [np.inf, np.inf]
+    assert not Accuracy.of("1%,3mrad").holds([misfit])

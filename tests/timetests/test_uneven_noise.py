@@ -13,7 +13,8 @@ from springpot import parse_model
 from springpot.measurement import noise_of
 from springpot.timetests import identify
 from springpot.timetests.residuals_of_tests import parts_of_specimen
-from springpot.timetests.scatter import Left, scatter_of
+from springpot.timetests.scatter import scatter_of
+from springpot.timetests.verdict import Left
 
 DATA = (
     os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0]

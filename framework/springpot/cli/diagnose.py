@@ -24,7 +24,6 @@ from .common import (
     print_json,
     quoted,
     seed_option,
-    turned,
     verbose_option,
     window,
     with_rows,
@@ -119,6 +118,7 @@ def _text(
     diagnosis: Diagnosis, measurement: Measurement, verbose: bool, named: str, model: str | None
 ) -> None:
     """The answer, and the command that goes on from it."""
+    from springpot.measurement.sign import turned
     from springpot.report.told import told
 
     # At once: what is there stays, even where the rest is interrupted.
@@ -141,8 +141,8 @@ def _next_command(diagnosis: Diagnosis, named: str, model: str | None, other_way
     # Before any effect: what sets several tests apart is none, and would be mended by a wrong one.
     if diagnosis.one_test:
         return f"diagnose {quoted(with_rows(named, diagnosis.one_test))}{judged}"
-    if diagnosis.leading:
-        return f"discover {quoted(named)}{judged} --accept {diagnosis.leading[0]}"
+    if diagnosis.offered:
+        return f"discover {quoted(named)}{judged} --accept {diagnosis.offered}"
     # Of any material that is adequate the question is left which model has the fewest parameters.
     if diagnosis.verdict == "adequate" and model is None:
         return f"compare {quoted(named)}"

@@ -42,7 +42,9 @@ class Misfit(NamedTuple):
     @classmethod
     def of_stiffness(cls, model: Complex, measured: Complex) -> Misfit:
         """That of a complex stiffness (n,)."""
-        off = np.log(model / measured)
+        # A model without any stiffness is infinitely far from one that was measured.
+        with np.errstate(divide="ignore"):
+            off = np.log(model / measured)
         return cls(np.abs(off.real), np.abs(off.imag))
 
 

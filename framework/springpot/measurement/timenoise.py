@@ -122,7 +122,7 @@ def noise_of(test: TimeTest, misfit: Real | None = None, *, all_noise: bool = Fa
         return SignalNoise(np.hypot(ASSUMED * level, absolute), absolute, ASSUMED, False)
     clock = test.time - test.start
     # The answer to a step is smooth against the logarithm of time.
-    if test.kind in ("relaxation", "creep") and clock[0] > 0.0:
+    if test.after_step and clock[0] > 0.0:
         clock = np.log(clock)
     signal = test.response
     if misfit is not None:

@@ -19,7 +19,7 @@ from springpot.identification.material import PER_DECADE
 from springpot.nonnegative import non_negative
 from springpot.rheology.points import Real
 
-from .residuals_of_tests import InTimePart, Part, SweepPart
+from .residuals_of_tests import InTimePart, TestPart
 from .start import answers_of
 
 SLOWER, FASTER = 1.0, 0.5
@@ -39,9 +39,6 @@ MOST = 2000
 """Samples that the lines are read off: more take longer and show no more."""
 HALVINGS = 100
 """Of an interval between two rates, until nothing but rounding is left of it."""
-WITHIN = 3.0
-"""Rates over one a step at which relaxation beside a straight motion is still told from a dashpot.
-"""
 
 
 class ConvexSpectrum(NamedTuple):
@@ -69,9 +66,9 @@ class ConvexSpectrum(NamedTuple):
         return found
 
 
-def lines_of(part: Part) -> ConvexSpectrum:
+def lines_of(part: TestPart) -> ConvexSpectrum:
     """The material that a test shows when nothing but a material has made it."""
-    low, high = seen(part)
+    low, high = part.resolved
     if isinstance(part, InTimePart):
         low, high = part.test.seen
     step = float(np.log(10.0)) / PER_DECADE
@@ -135,9 +132,9 @@ def relaxation_of(glass: float, fluidity: float, times: Real, weights: Real) -> 
     return ConvexSpectrum(equilibrium, viscosity, rates, 1.0 / (rates * slopes))
 
 
-def _amounts(part: Part, logs: Real) -> Real:
+def _amounts(part: TestPart, logs: Real) -> Real:
     """Amounts (2 + m,) of spring, dashpot and exponentials of these times nearest to a test."""
-    if isinstance(part, SweepPart):
+    if not isinstance(part, InTimePart):
         return _amounts_of_sweep(part, logs)
     test = part.test
     rows = np.unique(np.linspace(0, len(test) - 1, min(len(test), MOST)).astype(int))
@@ -148,13 +145,12 @@ def _amounts(part: Part, logs: Real) -> Real:
     return non_negative(columns, test.response[rows] / part.sd[rows])[0]
 
 
-def _amounts_of_sweep(part: SweepPart, logs: Real) -> Real:
-    s = 1j * part.test.omega[:, None]
+def _amounts_of_sweep(part: TestPart, logs: Real) -> Real:
+    s = 1j * np.split(part.rate, 2)[0][:, None]
     turned = s * np.exp(logs)
     shown = np.hstack([np.ones_like(s), s, turned / (1.0 + turned)])
-    sd = np.concatenate([part.sd.real, part.sd.imag])
-    both = np.concatenate([part.test.storage, part.test.loss]) / sd
-    return non_negative(np.concatenate([shown.real, shown.imag]) / sd[:, None], both)[0]
+    columns = np.concatenate([shown.real, shown.imag]) / part.sd[:, None]
+    return non_negative(columns, part.measured / part.sd)[0]
 
 
 def _apart(logs: Real, amounts: Real) -> Real:
@@ -171,20 +167,9 @@ def _apart(logs: Real, amounts: Real) -> Real:
     return np.array(placed)
 
 
-def lattice(parts: Sequence[Part], per_decade: int) -> Real:
+def lattice(parts: Sequence[TestPart], per_decade: int) -> Real:
     """Rates (m,) in 1/s of the lines that tests tell of, so many a decade."""
-    bands = [seen(part) for part in parts]
+    bands = [part.resolved for part in parts]
     low, high = min(each[0] for each in bands), max(each[1] for each in bands)
     decades = np.log10(high / low) + SLOWER + FASTER
     return np.geomspace(low * 10.0**-SLOWER, high * 10.0**FASTER, int(per_decade * decades) + 2)
-
-
-def seen(part: Part) -> tuple[float, float]:
-    """Angular frequencies between which a part tells something."""
-    if isinstance(part, InTimePart):
-        slowest, fastest = part.test.seen
-        # Within a step of a record the motion is straight, and that tells of what relaxes in it.
-        if part.test.kind not in ("relaxation", "creep"):
-            fastest *= WITHIN
-        return slowest, fastest
-    return float(part.test.omega.min()), float(part.test.omega.max())

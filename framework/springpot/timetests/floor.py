@@ -25,7 +25,7 @@ from springpot.rheology.points import Real
 from .convex import ConvexSpectrum, lattice
 from .material import Around, descended_from, spectrum_of
 from .native import TimeSearch
-from .residuals_of_tests import InTimePart, Part, SweepPart, parts_of_specimen
+from .residuals_of_tests import TestPart, parts_of_specimen
 from .where import rms
 
 
@@ -72,7 +72,8 @@ def material_floor(fit: Identification) -> TimeFloor:
         Of tests of which one at least is in time.
     """
     free = replace(any_material(), effects=fit.model.effects)
-    parts = [_relative(part) for part in parts_of_specimen(fit.data)]
+    # So that residuals are shares of the signal, as errors are printed.
+    parts = [part.with_sd(part.size) for part in parts_of_specimen(fit.data)]
     own = fit.theta[len(fit.model.material.parameters) :]
     around = Around(coordinates_around(free, TimeSearch(free, parts, fit.reference)), own)
     try:
@@ -132,14 +133,5 @@ def as_lines(model: Model, theta: Real, rates: Real) -> ConvexSpectrum:
     return ConvexSpectrum(float(amounts[0]), float(amounts[1]), rates, amounts[2:])
 
 
-def _relative(part: Part) -> Part:
-    """A part whose residuals are shares of its signal, as an error is printed."""
-    if isinstance(part, InTimePart):
-        size = rms(part.test.response)
-        return InTimePart(part.test, noise=np.full(len(part.test), size))
-    size = part.test.magnitude / np.sqrt(2.0)
-    return SweepPart(replace(part.test, sd=np.asarray(size + 1j * size)))
-
-
-def _missed(part: Part, model: Model, theta: Real, reference: float) -> Real:
+def _missed(part: TestPart, model: Model, theta: Real, reference: float) -> Real:
     return part.residual(model, theta, reference).value

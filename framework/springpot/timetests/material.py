@@ -25,7 +25,8 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
 from .convex import CLOSER, ConvexSpectrum, lattice, lines_of
-from .residuals_of_tests import InTimePart, Part, Scales, tries_of
+from .residuals_of_tests import InTimePart, TestPart
+from .specimen import Scales, tries_of
 from .where import rms
 
 STEPS = 60
@@ -66,7 +67,7 @@ class FoundLines(NamedTuple):
     theta: Real
     evaluations: int
     untold: str
-    again: Callable[[Sequence[Part]], FoundLines]
+    again: Callable[[Sequence[TestPart]], FoundLines]
 
     @property
     def spectrum(self) -> ConvexSpectrum:
@@ -99,7 +100,7 @@ class UntoldError(ModelError):
 
 def spectral(
     model: Model,
-    parts: Sequence[Part],
+    parts: Sequence[TestPart],
     reference: float,
     coordinates: Coordinates,
     seeds: Sequence[Real] = (),
@@ -110,7 +111,7 @@ def spectral(
     ----------
     model : Model
         Its material is a `Continuum`.
-    parts : sequence of Part
+    parts : sequence of TestPart
         The tests, each with its weight.
     reference : float
         Temperature in kelvin at which shifts are one.
@@ -141,7 +142,7 @@ def spectral(
 
 
 def descended_from(
-    lines: ConvexSpectrum, model: Model, parts: Sequence[Part], reference: float, around: Around
+    lines: ConvexSpectrum, model: Model, parts: Sequence[TestPart], reference: float, around: Around
 ) -> FoundLines:
     """A material near a known one, and near those that the convex form of each test tells.
 
@@ -184,7 +185,7 @@ def descended_from(
     return _best([(search, search.descended(start, STEPS, NEARLY_STILL))], parts, spared=False)
 
 
-def _left_by(found: FoundLines, part: Part, reference: float) -> float:
+def _left_by(found: FoundLines, part: TestPart, reference: float) -> float:
     """Root mean square of what lines leave of a test."""
     return rms(part.residual(found.model, found.theta, reference).value)
 
@@ -197,7 +198,7 @@ class Around(NamedTuple):
 
 
 def _best(
-    ends: Sequence[tuple[_Search, MaterialPoint]], parts: Sequence[Part], spared: bool = True
+    ends: Sequence[tuple[_Search, MaterialPoint]], parts: Sequence[TestPart], spared: bool = True
 ) -> FoundLines:
     """The best end of searches, with lines at places of their own where they pay.
 
@@ -211,7 +212,7 @@ def _best(
     if len(place.u) and linear:
         # The convex form knows no effect: beside one, the lattice is as coarse as at the start.
         # A creep, which is not linear in the weights, would take too long.
-        samples = sum(len(_signal(part)) for part in parts)
+        samples = sum(len(part.signal) for part in parts)
         for share in CLOSER:
             closer, there = search.closer(place, share)
             evaluations += closer.evaluations
@@ -259,7 +260,7 @@ class _Search:
     def __init__(
         self,
         model: Model,
-        parts: Sequence[Part],
+        parts: Sequence[TestPart],
         reference: float,
         coordinates: Coordinates,
         lines: ConvexSpectrum | None = None,
@@ -287,7 +288,7 @@ class _Search:
 
         Effects of their natural size.
         """
-        stiffness = float(np.exp(np.mean([np.log(_typical(part)) for part in self.parts])))
+        stiffness = float(np.exp(np.mean([np.log(part.stiffness) for part in self.parts])))
         # An order begins in the middle, what may be of either sign, such as a drift, at nothing.
         u = np.where(self.coordinates.log, 0.0, np.where(np.isfinite(self.bounds[0][0]), 0.5, 0.0))
         weights = self.weights
@@ -359,7 +360,7 @@ class _Search:
         theta = np.concatenate([weights[:2], weights[2:][kept], self.own(u)])
         model = with_rates(self.model, self.rates[kept].tolist())
 
-        def again(parts: Sequence[Part]) -> FoundLines:
+        def again(parts: Sequence[TestPart]) -> FoundLines:
             search = copy(self)
             search.parts, search.evaluations, search.last = list(parts), 0, None
             start = place._replace(cost=search.cost(weights, u))
@@ -430,7 +431,7 @@ class _Search:
         if not self.model.of_tests:
             return ""
         value, by_weights, by_u = self.slopes(weights, u)
-        signal = np.concatenate([_signal(part) for part in self.parts])
+        signal = np.concatenate([part.signal for part in self.parts])
         names = [parameter.name for parameter in self.model.parameters[self.count :]]
         for i in range(self.first_of_tests, len(u)):
             effect, others = by_u[:, i], np.delete(by_u, i, axis=1)
@@ -477,8 +478,12 @@ class _Search:
             # Lines for the step that is taken, not for the one that was too long.
             move = allowed
             wanted = non_negative(by_weights, target - by_u @ move)[0]
+        foretold = value + by_weights @ (wanted - weights) + by_u @ move
+        gain = cost - float(foretold @ foretold)
         share = 1.0
-        while share > SHORTEST:
+        # A share of the way gains twice that share of it at most: less than `STILL` would end the
+        # descent, found or not.
+        while share > SHORTEST and 2.0 * share * gain > STILL * cost:
             there = u + share * move
             # Between two sets of weights without a negative one there is none with one.
             nearer = weights + share * (wanted - weights)
@@ -503,23 +508,3 @@ def _left(by_weights: Real, by_u: Real, target: Real) -> float:
     """Sum of squares that the best lines and effects leave of a target (m,)."""
     lines, wanted = _beside(by_u, by_weights), _beside(by_u, target)
     return float(np.sum((lines @ non_negative(lines, wanted)[0] - wanted) ** 2))
-
-
-def _signal(part: Part) -> Real:
-    """What was measured, over its noise."""
-    if isinstance(part, InTimePart):
-        signal: Real = part.test.response / (part.scale * part.sd)
-        return signal
-    both = np.concatenate([part.test.storage / part.sd.real, part.test.loss / part.sd.imag])
-    return np.asarray(both / part.scale, dtype=float)
-
-
-def _typical(part: Part) -> float:
-    """Typical size of K."""
-    if not isinstance(part, InTimePart):
-        return float(np.exp(np.mean(np.log(part.test.magnitude))))
-    test = part.test
-    imposed, answered = float(np.abs(test.loading.value).max()), float(np.abs(test.response).max())
-    if test.control == "displacement":
-        return answered / imposed
-    return imposed / max(answered, 1e-300)
