@@ -203,6 +203,12 @@ SCENARIOS = {
     "cli/timetests.py:_show_diagnosis": printing(
         "cli/timetests.py:_show_diagnosis", ANSWER, [], ["step.csv"], "maxwell", False
     ),
+    "diagnosis/actions.py:accepting": of_call(
+        "diagnosis/actions.py:accepting", "inertia", True, 0.1
+    ),
+    "diagnosis/actions.py:leaving_out": of_call("diagnosis/actions.py:leaving_out", 3, 0.1),
+    "diagnosis/actions.py:splitting": of_call("diagnosis/actions.py:splitting", "temperature", 0.1),
+    "diagnosis/actions.py:turning": of_call("diagnosis/actions.py:turning", "sweep.csv"),
     "diagnosis/notes.py:_by_column": by_column,
     "identification/prediction.py:require_known": unknown_condition,
     "identified.py:no_fit": of_call("identified.py:no_fit", "sweep.csv"),
@@ -274,7 +280,7 @@ def test_what_is_suggested_is_taken(springpot, shown, monkeypatch, tmp_path, pla
         (tmp_path / name).write_text(text, encoding="utf-8")
     with monkeypatch.context() as only_here, suppress(SpringpotError):
         asked = SCENARIOS[place](only_here)
-        if asked:
+        if isinstance(asked, tuple):
             springpot(*asked)
     commands = [command for where, command in shown if where == place]
     assert commands, shown

@@ -158,5 +158,5 @@ def test_an_unnamed_distance_that_swings_is_not_called_a_compression(tmp_path):
 def test_a_single_loading_is_sent_from_signals_to_its_commands(tmp_path):
     path = tmp_path / "sweet.csv"
     path.write_text("time [s],a,displacement [mm],force [N]\n" + PUSHED)
-    with pytest.raises(DataError, match="springpot inspect"):
+    with pytest.raises(DataError, match="which inspect shows"):
         signals_to_measurement([path])

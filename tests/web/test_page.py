@@ -116,6 +116,7 @@ def the_next_experiment_stands_on_the_same_screen(here: Page) -> None:
     here.page.check("#show-plan")
     assert here.page.locator("#plot-view .line.rival").count() == 4
     assert here.page.locator("#plot-view .band").count() >= 4
+    assert here.page.locator("#plot-view .station").count() == 20, "where to measure"
     fits_one_screen(here)
     box = here.page.locator("#plan").bounding_box()
     assert box["y"] + box["height"] < 800
@@ -398,7 +399,11 @@ def test_three_temperatures_and_the_race(
     here.drop("gel.csv", three_temperatures())
     here.shows("material")
     assert here.reads("#facts") == "18 points, 3 sweeps"
-    assert here.page.locator("#key .swatch").all_inner_texts() == ["● 0 °C", "● 20 °C", "● 40 °C"]
+    assert here.page.locator("#key [class*=sweep-]").all_inner_texts() == [
+        "● 0 °C",
+        "● 20 °C",
+        "● 40 °C",
+    ]
     here.page.select_option("#view", "master-curve")
     playwright.expect(here.page.locator("#plot-view .label").first).to_contain_text(
         "reduced frequency", timeout=PATIENCE

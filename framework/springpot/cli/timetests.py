@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from springpot.suggestions import accepting, suggested, with_model
 
-from .common import emit, note_to_stderr, opened, quoted, seen_through, turned, window
+from .common import emit, note_to_stderr, opened, quoted, seen_through, window
 
 if TYPE_CHECKING:
     from springpot.diagnosis.result import Diagnosis
@@ -161,14 +161,15 @@ def _show_diagnosis(
     right_way = _turned(tests, data)
     if right_way != list(data):
         print(f"\nnext: {suggested('diagnose', *right_way, *judged)}")
-    elif diagnosis.leading:
-        accepted = accepting(diagnosis.leading[:1])
+    elif diagnosis.offered:
+        accepted = accepting([diagnosis.offered])
         print(f"\n{diagnosis.onward}: {suggested('discover', *data, *judged, *accepted)}")
 
 
 def _turned(tests: Sequence[Test], data: Sequence[str]) -> list[str]:
     """The data, each with its force turned where that seems to count the other way."""
     from springpot.measurement.reader import file_and_choice
+    from springpot.measurement.sign import turned
 
     others = [other for test in tests if (other := turned(test.provenance))]
     return [

@@ -55,6 +55,11 @@ def hand_of(model: Model, given: object) -> Hand:
             raise ModelError(f"{model.name}: the parameter {name} has no value")
         value = _number(entry.get("value"), np.nan)
         ends = _number(entry.get("lower"), -np.inf), _number(entry.get("upper"), np.inf)
+        if ends[0] > ends[1]:
+            raise ModelError(
+                f"{name}: the lower end {ends[0]:.4g} lies above the upper end {ends[1]:.4g};"
+                " swap them"
+            )
         # Written this way round, a value that is no number is refused too.
         if not ends[0] <= value <= ends[1]:
             raise ModelError(

@@ -335,6 +335,9 @@ class App {
 
   get hasMaster() { return Boolean(this.master) && this.master.data === this.state?.data; }
 
+  // Whether there are several levels that could be shifted.
+  get canShift() { return Boolean(this.data?.levels.length); }
+
   masterSpec() { return masterSpec(this.scene, this.master, this.state.excluded); }
 
   setEdited(edited) {

@@ -100,6 +100,7 @@ export class Compare {
     const phone = this.width < NARROW;
     const [tall, low] = phone ? HEIGHTS.phone : [this.tall || HEIGHTS.desk[0], HEIGHTS.desk[1]];
     const master = looks.view === "master-curve" && this.app.hasMaster;
+    this.view.querySelector("[value=master-curve]")?.toggleAttribute("disabled", !this.app.canShift);
     const view = looks.view === "master-curve" && !master ? "storage-loss" : looks.view;
     const shown = answer && answer.state.data === state.data ? answer : null;
     const spec = master ? this.app.masterSpec() : viewSpec(view, scene, excluded, shown?.model, looks.linear);
@@ -109,22 +110,24 @@ export class Compare {
     this.without(spec);
     this.zoom.limit(spec);
     this.main.draw(spec, this.width, tall);
-    const residual = Boolean(shown) && plane !== "none";
+    // Residuals are of the sweeps as they were measured, not as they were shifted.
+    const residual = Boolean(shown) && plane !== "none" && !master;
     this.residual.svg.toggleAttribute("hidden", !residual);
     if (residual) {
       this.residual.title = `${titleOf(plane)}, residual of ${shown.discovery.diagnosis.model}`;
       const { first, before } = this.app;
       const below = planeSpec(plane, scene, excluded, shown, { sigmas: Boolean(looks.sigmas), first: first || shown, before });
       this.without(below);
-      if (spec.upright && !master) [below.x.min, below.x.max, below.x.log] = [spec.x.min, spec.x.max, spec.x.log];
+      if (spec.upright) [below.x.min, below.x.max, below.x.log] = [spec.x.min, spec.x.max, spec.x.log];
       this.residual.draw(below, this.width, low);
       this.residual.fall();
     }
     const { where = [], notes = [] } = shown?.discovery.diagnosis || {};
-    put(this.places,
+    if (spec.told) put(this.places, spec.told.map((text) => this.sentence(text)));
+    else put(this.places,
       where.slice(0, MOST_PLACES).map((place) => this.sentence(pretty(place.plane === plane ? place.says : `${place.says} (${place.plane} plane)`), place)),
       notes.slice(0, MOST_NOTES).map((note) => this.sentence(pretty(`note: ${note}`))));
-    this.places.closest("section").hidden = !where.length && !notes.length;
+    this.places.closest("section").hidden = !this.places.childElementCount;
     this.drawBeside();
     this.preview(this.app.hovered);
     this.point(this.row);
@@ -214,6 +217,7 @@ export class Compare {
       });
     });
     [spec.x.min, spec.x.max] = range([...this.app.scene.x, ...xs], spec.x.log, 0.03);
+    spec.stations = next.action.omega.map((omega) => (omega / 2 / Math.PI) * this.app.scene.axis.per_hertz);
     // A moving mass makes K' negative, and a resonance makes it huge: what is measured stays in sight.
     const measured = spec.points.map((point) => point.y);
     const most = Math.max(...measured.map(Math.abs));
@@ -241,7 +245,7 @@ export class Compare {
       entries.push(...scene.sweeps.map((sweep, i) =>
         this.entry(`sweep-${i}`, `sweep-${Math.round((8 * i) / (scene.sweeps.length - 1))}`, `● ${sweep.label}`)));
     }
-    if (answer) entries.push(this.entry("model", "", `━ ${answer.discovery.diagnosis.model} (accepted)`));
+    if (answer && looks.view !== "master-curve") entries.push(this.entry("model", "", `━ ${answer.discovery.diagnosis.model} (accepted)`));
     if (this.app.hovered) entries.push(h("span", { class: "swatch preview" }, `╌ with ${this.app.hovered} (preview)`));
     if (edited) entries.push(h("span", { class: "swatch edited" }, `┈ edited by hand, ${percent(edited.error)}`));
     if (beside) entries.push(h("span", { class: "swatch beside" }, `─ branch ${beside.branch}: ${beside.discovery.diagnosis.model}`));

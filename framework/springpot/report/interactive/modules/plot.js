@@ -104,7 +104,7 @@ export class Plot {
         ...(spec.shades || []).map((shade, lane) => this.shade(shade, lane)),
         ...(spec.bands || []).map((band) => this.band(band)),
         ...(spec.lines || []).map((line) => this.line(line)),
-        this.extraLayer, s("g", { class: "points" }, ...this.marks.filter(Boolean)),
+        this.extraLayer, ...(spec.stations || []).map((x) => this.station(x)), s("g", { class: "points" }, ...this.marks.filter(Boolean)),
         this.previewLayer, this.cursorLayer),
     );
   }
@@ -188,6 +188,12 @@ export class Plot {
     const bar = { class: "shade bar", x: left, width: right - left, y: bottom - 7 * (lane + 1), height: 5 };
     const whole = { class: "shade", x: left, width: right - left, y: TOP, height: bottom - TOP };
     return s("g", {}, lane ? null : s("rect", whole, s("title", {}, says)), s("rect", bar, s("title", {}, says)));
+  }
+
+  // Where to measure.
+  station(x) {
+    const [at, foot] = [this.x(x), this.height - BOTTOM];
+    return s("path", { class: "station", d: `M${at} ${foot - 8}l-4 8h8Z` });
   }
 
   band({ xs, low, high, kind }) {
