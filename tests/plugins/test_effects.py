@@ -144,7 +144,29 @@ def test_an_effect_says_what_it_is(name):
     assert len(effect.summary.split()) >= 5
     assert not effect.summary.endswith(".")
     assert effect.citation
-    assert effect.plane in {"stiffness", "compliance", "log-complex", "shift"}
+
+
+PLANES = {"stiffness": lambda k: k, "compliance": lambda k: 1.0 / k, "log-complex": np.log}
+OF_WHOLE = {"hardening-mount", "power-law-slip", "specimen-inertia", "specimen-inertia-fixed"}
+"""What they add hangs on what is there."""
+
+
+@pytest.mark.parametrize("name", [name for name in EFFECTS if name not in OF_WHOLE])
+def test_in_its_plane_an_effect_adds_the_same_to_any_model(name):
+    effect = EFFECTS[name]
+    if effect.plane == "shift":
+        model = parse_model(f"kelvin + {name}")
+        theta = np.append([2.0, 0.0], own_theta(effect))
+        assert model.stiffness(theta, POINTS) == pytest.approx(2.0)
+        return
+    plane = PLANES[effect.plane]
+    whole, alone = (
+        [plane(model.stiffness(theta, POINTS)) for model, theta in both]
+        for both in ([grown(each, name) for each in BASES], [grown(each) for each in BASES])
+    )
+    added = [with_it - without for with_it, without in zip(whole, alone, strict=True)]
+    np.testing.assert_allclose(added[0], added[1], rtol=1e-9, atol=1e-12)
+    assert np.abs(added[0]).max() > 1e-3
 
 
 @every_effect

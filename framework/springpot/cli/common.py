@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, redirect_stdout
 from functools import partial
 from pathlib import Path
@@ -316,13 +316,6 @@ def with_rows(named: str, chosen: str) -> str:
     if "@" in named and not is_file(named):
         return f"{named},{chosen}"
     return f"{named}@{chosen}"
-
-
-def turned(provenance: Mapping[str, str]) -> str:
-    """The data with one channel turned, where it seems to count the other way; empty for others."""
-    from shlex import split
-
-    return "".join(split(provenance.get("note sign", "").partition(", open ")[2]))
 
 
 @contextmanager

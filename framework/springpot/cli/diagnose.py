@@ -24,7 +24,6 @@ from .common import (
     print_json,
     quoted,
     seed_option,
-    turned,
     verbose_option,
     window,
     with_rows,
@@ -119,6 +118,7 @@ def _text(
     diagnosis: Diagnosis, measurement: Measurement, verbose: bool, named: str, model: str | None
 ) -> None:
     """The answer, and the command that goes on from it."""
+    from springpot.measurement.sign import turned
     from springpot.report.told import told
 
     # At once: what is there stays, even where the rest is interrupted.

@@ -60,6 +60,11 @@ ACCEPT = "Accept this effect; may be given several times."
     shell_complete=completion.names_of("effect"),
 )
 @click.option(
+    "--split",
+    metavar="COLUMN",
+    help="Give each value of a column a factor of its own, the material being shared.",
+)
+@click.option(
     "--auto", is_flag=True, help="Let the evidence decide, until nothing significant is left."
 )
 @click.option(
@@ -83,6 +88,7 @@ def command(
     more: tuple[str, ...],
     model: str | None,
     accept: tuple[str, ...],
+    split: str | None,
     auto: bool,
     report: Path | None,
     figure: Path | None,
@@ -104,6 +110,8 @@ def command(
     from springpot.report.told import told
 
     accept = (*accept, *more)  # as in: --accept inertia time-delay
+    if split is not None:
+        accept = (_of_each(split), *accept)
     _require_one_choice(auto, accept)
     _check_paths(report, figure)
     expression = None
@@ -163,6 +171,19 @@ def _check_paths(report: Path | None, figure: Path | None) -> None:
         check_report_path(report)
     if figure is not None:
         check_figure_path(figure)
+
+
+def _of_each(column: str) -> str:
+    """The effect that gives each value of a column a factor of its own, by the name it then has."""
+    from springpot.errors import OptionError
+    from springpot.registry import plugins
+
+    for effect in plugins().items("effect"):
+        if effect.by_levels and effect.plane != "shift":
+            return str(effect.of_column(column).name)
+    raise OptionError(
+        f"--split {column}: no installed effect has a factor of its own at each value"
+    )
 
 
 def _require_one_choice(auto: bool, accept: tuple[str, ...]) -> None:

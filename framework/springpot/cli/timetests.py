@@ -7,7 +7,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .common import emit, note_to_stderr, opened, quoted, seen_through, turned, window
+from .common import emit, note_to_stderr, opened, quoted, seen_through, window
 
 if TYPE_CHECKING:
     from springpot.diagnosis.result import Diagnosis
@@ -162,15 +162,16 @@ def _show_diagnosis(
     right_way = _turned(tests, data)
     if right_way != list(data):
         print(f"\nnext: springpot diagnose {' '.join(map(quoted, right_way))}{judged}")
-    elif diagnosis.leading:
+    elif diagnosis.offered:
         named = " ".join(map(quoted, data))
-        accept = f"--accept {quoted(diagnosis.leading[0])}"
+        accept = f"--accept {quoted(diagnosis.offered)}"
         print(f"\n{diagnosis.onward}: springpot discover {named}{judged} {accept}")
 
 
 def _turned(tests: Sequence[Test], data: Sequence[str]) -> list[str]:
     """The data, each with its force turned where that seems to count the other way."""
     from springpot.measurement.reader import file_and_choice
+    from springpot.measurement.sign import turned
 
     others = [other for test in tests if (other := turned(test.provenance))]
     return [

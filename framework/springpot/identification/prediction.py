@@ -288,12 +288,10 @@ class Known:
             ) from None
         # By the linear law of error propagation, as the intervals of the parameters are.
         value, sd = _value_and_sd(self, rate, conditions)
-        with np.errstate(invalid="ignore"):
-            reach = student(level, self.dof) * sd
-            low, high = (
-                value.real + s * reach.real + 1j * (value.imag + s * reach.imag)
-                for s in (-1.0, 1.0)
-            )
+        times = student(level, self.dof)
+        low, high = (
+            _of_parts(value.real + s * sd.real, value.imag + s * sd.imag) for s in (-times, times)
+        )
         units = self.units
         # Told in the frequencies in which it was asked.
         if omega is not None:
@@ -418,7 +416,14 @@ def _without_rounding(values: Complex, still: NDArray[np.bool_], tiny: float) ->
     parts = [
         np.where(still & (np.abs(part) < tiny), 0.0, part) for part in (values.real, values.imag)
     ]
-    return np.asarray(parts[0] + 1j * parts[1], dtype=np.complex128)
+    return _of_parts(*parts)
+
+
+def _of_parts(real: Real, imaginary: Real) -> Complex:
+    """Both parts as they are: times i an infinite one would make the other no number."""
+    whole = np.empty(np.shape(real), dtype=np.complex128)
+    whole.real, whole.imag = real, imaginary
+    return whole
 
 
 def _at(known: Known, log_omega: Real, conditions: Mapping[str, Real]) -> tuple[Complex, Complex]:
@@ -430,8 +435,8 @@ def _at(known: Known, log_omega: Real, conditions: Mapping[str, Real]) -> tuple[
         # band.
         by_theta = np.nan_to_num(known.model.jacobian(known.theta, points))
         by_u = by_theta @ known.slopes
-    sd = np.array([_band(part, known.spread, np.abs(value)) for part in (by_u.real, by_u.imag)])
-    return value, sd[0] + 1j * sd[1]
+    sd = [_band(part, known.spread, np.abs(value)) for part in (by_u.real, by_u.imag)]
+    return value, _of_parts(*sd)
 
 
 def _band(by_u: Real, covariance: Real, size: Real) -> Real:
