@@ -97,8 +97,8 @@ class Accuracy:
     def holds(self, misfits: Sequence[Misfit]) -> bool:
         """Whether each test is met within what is promised.
 
-        In nineteen of twenty values, and on the
-        whole, so that a few that are far off are not passed over.
+        In nineteen of twenty values, and on the whole, so that a few that are far off are not
+        passed over.
         """
         phase = self.phase
         if phase is None:
