@@ -75,7 +75,10 @@ class TimeScan:
         self.scales = Scales.of(parts)
         # One long row for all tests: an effect must explain them together, with one size.
         self.residual = np.concatenate([view.residual for view in self.views])
-        self.slopes = slopes = np.concatenate([view.slopes for view in self.views])
+        slopes = np.concatenate([view.slopes for view in self.views])
+        # A parameter that a fit has led beyond all sizes has slopes that are no numbers: it takes
+        # nothing over.
+        self.slopes = slopes = np.where(np.isfinite(slopes).all(axis=0), slopes, 0.0)
         # A parameter that its bound holds takes nothing over: it would have to go below.
         lower = np.array([parameter.lower for parameter in self.model.parameters])
         held = (self.theta <= lower) & (slopes.T @ self.residual > 0.0)
