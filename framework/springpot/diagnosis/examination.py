@@ -49,7 +49,6 @@ from .scan import scan_effects
 from .search import search_from
 from .verdict import facts_of, rule_for
 
-
 Seek: TypeAlias = Callable[[Refit, Sequence[Effect], np.random.Generator], Search]
 """Looks for what is missing from a fitted model among some effects."""
 

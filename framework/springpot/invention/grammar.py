@@ -62,26 +62,36 @@ ALONE = (
     "shift: 1 + b",
 )
 """Laws of the frequency alone."""
-_WORD = re.compile(r"[A-Za-z][A-Za-z0-9]*")
+_WORD = re.compile(r"[A-Za-z]\w*")
 _COLUMN = re.compile(r"[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9]+)*")
 
 
-def candidates(measurement: Measurement) -> list[Effect]:
-    """All laws of the frequency and of one condition that these data can tell of.
+def candidates(measurement: Measurement, conditions: Iterable[str]) -> list[Effect]:
+    """All laws of the frequency and of one condition.
 
     Parameters
     ----------
     measurement : Measurement
-        The data: what was varied in them, and how large it is.
+        The data, by which sizes are tried.
+    conditions : iterable of str
+        Columns that a law may go with.
     """
     texts = [*ALONE]
-    for condition in conditions_of(measurement):
+    for condition in conditions:
         texts += [filled(text, condition, measurement.conditions) for text in _of(condition)]
     return laws(texts, measurement)
 
 
 def conditions_of(measurement: Measurement) -> list[str]:
-    """Columns that were varied by themselves and whose name may stand in a formula."""
+    """Columns that were varied by themselves and whose name may stand in a formula.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.invention.grammar import conditions_of
+    >>> conditions_of(springpot.read("nist-srm2491"))
+    ['temperature']
+    """
     varied = [
         name
         for name in sorted(telling(measurement))
@@ -90,11 +100,12 @@ def conditions_of(measurement: Measurement) -> list[str]:
     return [name for name in varied if _COLUMN.fullmatch(name)]
 
 
-def forms_of(condition: str) -> tuple[str, ...]:
-    """The forms of a condition, which stands where the @ is."""
+def forms_of(condition: str, plane: str) -> list[str]:
+    """The forms of a condition, which stands where the @ is, in the law of a plane."""
     if condition == "temperature":
-        return OF_TEMPERATURE
-    return OF_CONDITION
+        return list(OF_TEMPERATURE)
+    # What gives way only beyond a threshold is endlessly stiff before: that has no number.
+    return [form for form in OF_CONDITION if plane != "compliance" or form not in THRESHOLDS]
 
 
 def filled(text: str, condition: str, taken: Iterable[str]) -> str:
@@ -105,11 +116,12 @@ def filled(text: str, condition: str, taken: Iterable[str]) -> str:
 
 def _of(condition: str) -> Iterator[str]:
     """Laws of one condition, and of the frequency."""
-    forms = forms_of(condition)
+    forms, yielding = forms_of(condition, "stiffness"), forms_of(condition, "compliance")
     yield from (f"parallel: {times(one, form)}" for one, form in product(STIFFNESSES, forms))
-    yield from (f"series: {times(one, form)}" for one, form in product(COMPLIANCES, forms))
+    yield from (f"series: {times(one, form)}" for one, form in product(COMPLIANCES, yielding))
     yield from (f"chain: {one.replace('#', form)}" for one, form in product(CHANGES, forms))
-    factors, clocks = FACTORS, CLOCKS
+    factors: tuple[str, ...] = FACTORS
+    clocks: tuple[str, ...] = CLOCKS
     if condition == "temperature":
         factors, clocks = THERMAL_FACTORS, THERMAL_CLOCKS
     yield from (f"chain: {form}" for form in factors)

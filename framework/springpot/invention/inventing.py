@@ -10,6 +10,7 @@ from springpot.diagnosis.examination import Progress, prepared, search_data, sil
 from springpot.diagnosis.experiment import next_experiment
 from springpot.diagnosis.grown import Grown, Search
 from springpot.diagnosis.result import NextExperiment
+from springpot.errors import OptionError
 from springpot.identification.material import is_material
 from springpot.identification.space import require_conditions
 from springpot.identification.value import Value
@@ -34,6 +35,7 @@ def invent(
     model: Model,
     library: Sequence[Effect],
     rng: np.random.Generator,
+    along: Sequence[str] | None = None,
     progress: Progress = silent,
 ) -> Invention:
     """Find the law that is missing from a model of measured data.
@@ -48,6 +50,8 @@ def invent(
         Effects with a name, of which a law may be a special case.
     rng : numpy.random.Generator
         For simulated noise.
+    along : sequence of str, optional
+        Columns that a law may go with; by default all that were varied by themselves.
     progress : callable
         Told in a few words what is being done.
 
@@ -57,18 +61,20 @@ def invent(
         If there are too few data to judge anything.
     ModelError
         If the data lack a column that the model needs.
+    OptionError
+        If a law cannot go with a column that was asked for.
     """
     require_conditions(model, measurement)
     data = prepared(measurement, model)
-    laws = candidates(data)
+    laws = candidates(data, _conditions(data, along))
     progress(f"trying {len(laws)} laws beside {model.name}")
     search, _ = search_data(data, model, laws, rng, seek=sought)
     progress("weighing what was found")
     found = weighed(search)
     verdict = verdict_of(search, found)
     error = error_of(search.base, material_floor(search.base, rng))
-    told_of = rivals_of(found)[: INVENTION.told] if found else []
-    rows = [_told(search, each, told_of, library) for each in told_of]
+    rivals = rivals_of(found)
+    rows = [_told(search, each, rivals, library) for each in rivals[: INVENTION.told]]
     return Invention(
         data=measurement.name,
         model=model,
@@ -76,11 +82,27 @@ def invent(
         says=_says(search, verdict, rows),
         error=error,
         laws=tuple(rows),
-        next_experiment=_next(verdict, told_of),
+        next_experiment=_next(verdict, rivals),
         notes=tuple(_notes(data, model)),
         tried=len(laws),
         searched=search,
+        ranked=tuple(rivals),
     )
+
+
+def _conditions(measurement: Measurement, along: Sequence[str] | None) -> list[str]:
+    """The columns that a law may go with."""
+    known = conditions_of(measurement)
+    if along is None:
+        return known
+    for name in along:
+        if name not in known:
+            words = ", ".join(known) or "no column"
+            raise OptionError(
+                f"no law can go with '{name}' of {measurement.name}: varied by itself, and of a"
+                f" name that may stand in a formula, is {words}"
+            )
+    return [name for name in known if name in along]
 
 
 def _told(
@@ -110,7 +132,9 @@ def _told(
 def _parameters(grown: Grown, by_profile: bool) -> dict[str, Value]:
     mine = f"{grown.effects[0].name}."
     values = printed(grown.refit, by_profile)
-    return {name.removeprefix(mine): value for name, value in values.items() if name.startswith(mine)}
+    return {
+        name.removeprefix(mine): value for name, value in values.items() if name.startswith(mine)
+    }
 
 
 def _as_known(grown: Grown) -> str:
@@ -124,7 +148,7 @@ def _says(search: Search, verdict: Verdict, rows: Sequence[FoundLaw]) -> str:
     before = f"the error is {percent(search.base.error)}"
     before += f", {times(search.base.error / search.base.floor)} the noise floor"
     if search.alarm >= INVENTION.alarm:
-        return f"{before}: noise alone goes as far, and no law is missing that these data would show"
+        return f"{before}: noise alone goes as far, and these data show no law that is missing"
     if verdict == "none":
         nearest = ""
         if rows:

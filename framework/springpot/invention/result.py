@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from springpot.diagnosis.grown import Search
 from springpot.diagnosis.result import NextExperiment
 from springpot.drawing import draw, html_of, text_of
 from springpot.errors import ModelError
@@ -18,13 +19,11 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.typed import law
 
-from .weighing import Verdict
+from .weighing import Verdict, Weighed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from springpot.diagnosis.grown import Search
 
 SCHEMA = "springpot.invention/1"
 
@@ -112,6 +111,8 @@ class Invention:
         Laws that were held against the data.
     searched : Search, optional
         The fits behind it; a file does not hold them.
+    ranked : tuple of Weighed
+        The whole class, fitted, of which `laws` tells the first; none of a file.
 
     Examples
     --------
@@ -137,6 +138,7 @@ class Invention:
     notes: tuple[str, ...]
     tried: int
     searched: Search | None = None
+    ranked: tuple[Weighed, ...] = ()
 
     @property
     def best(self) -> FoundLaw | None:
@@ -148,8 +150,6 @@ class Invention:
     @property
     def search(self) -> Search:
         """The fits behind it."""
-        from springpot.diagnosis.grown import Search
-
         return alive(self.searched, Search, f"the invention of {self.data}")
 
     def effect(self, name: str = "law-1") -> Effect:

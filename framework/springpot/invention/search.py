@@ -21,10 +21,11 @@ from springpot.misfit.refit import Refit, refit
 from springpot.misfit.residual_battery import battery
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
+from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Real
 from springpot.thresholds import INVENTION, SEARCH
 
-from .grammar import conditions_of, filled, formula_of, forms_of, laws, renamed, text_of, times
+from .grammar import filled, forms_of, formula_of, laws, renamed, text_of, times
 
 SUMMED = ("stiffness", "compliance")
 """Planes in which terms add up; in the others they are factors."""
@@ -53,11 +54,11 @@ def sought(base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> 
         return search
     leaders = search.scan.scores[: INVENTION.refined]
     search.grown = [grown_with(search, score) for score in leaders]
-    sort_by_evidence(search)
+    _sort(search)
     search.left = battery(search.best.frame(), rng)
     if search.grown and search.left.p_value < SEARCH.left_over:
-        search.grown += [*_with_conditions(search), *_with_terms(search, effects)]
-        sort_by_evidence(search)
+        search.grown += [*_with_conditions(search, effects), *_with_terms(search, effects)]
+        _sort(search)
         search.left = battery(search.best.frame(), rng)
     return search
 
@@ -71,17 +72,30 @@ def possible(base: Refit, library: Sequence[Effect]) -> list[Effect]:
     ]
 
 
-def _with_conditions(search: Search) -> Iterator[Grown]:
+def _sort(search: Search) -> None:
+    """The best first, without those that a search has led to where they give no numbers."""
+    search.grown = [grown for grown in search.grown if _has_numbers(grown)]
+    sort_by_evidence(search)
+
+
+def _has_numbers(grown: Grown) -> bool:
+    refit = grown.refit
+    with np.errstate(all="ignore"):
+        at = refit.model.network.respond(refit.theta, refit.fit.measurement.points, GRADIENT)
+    return bool(np.all(np.isfinite(at.value)) and np.all(np.isfinite(at.by_theta)))
+
+
+def _with_conditions(search: Search, effects: Sequence[Effect]) -> Iterator[Grown]:
     """The best laws, each with a further condition."""
     base, measurement = search.base, search.base.fit.measurement
+    conditions = frozenset[str]().union(*(effect.needs for effect in effects))
     for grown in search.grown[: INVENTION.extended]:
         (effect,) = grown.effects
         taken = [*_names(effect), *measurement.conditions]
         forms = [
             filled(form, name, taken)
-            for name in conditions_of(measurement)
-            if name not in effect.needs
-            for form in forms_of(name)
+            for name in sorted(conditions - effect.needs)
+            for form in forms_of(name, effect.plane)
         ]
         products = laws(filter(None, (_times(effect, form) for form in forms)), measurement)
         scanned = scan_effects(base, search.frame, possible(base, products))

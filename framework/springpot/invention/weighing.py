@@ -79,9 +79,10 @@ def _log_prior(effect: Effect) -> float:
 
 def rivals_of(laws: Sequence[Weighed]) -> list[Weighed]:
     """The class of the likeliest law: those that these data cannot tell from it."""
-    least, kept = laws[0].log_weight - EVIDENCE.rivals, list[Weighed]()
+    kept: list[Weighed] = []
     for law in laws:
-        if law.log_weight > least and not any(_is_same(law, other) for other in kept):
+        near = law.log_weight > laws[0].log_weight - EVIDENCE.rivals
+        if near and not any(_is_same(law, other) for other in kept):
             kept.append(law)
     return kept
 
