@@ -23,7 +23,8 @@ class Family:
     name : str
         In tables.
     plane : str
-        ``parallel`` adds to K, ``series`` to 1/K, ``chain`` multiplies K.
+        ``parallel`` adds to K, ``series`` to 1/K, ``chain`` multiplies K,
+        and ``exponent`` by its exponential.
     draw : callable
         Of a generator, omega, amplitude and column: what it adds, of any size; of a chain the
         change of the factor.
@@ -122,7 +123,7 @@ INSIDE = (
     ),
     Family(
         "delay X^n",
-        "chain",
+        "exponent",
         lambda g, w, x, p: -1j * w * x ** _power(g),
         ("chain: exp(-i*omega*tau*(X^n))",),
     ),
@@ -190,8 +191,10 @@ def with_law(family: Family, k: np.ndarray, law: np.ndarray, share: float) -> np
         base = 1.0 / k
     else:
         base = k if family.plane == "parallel" else np.ones_like(k)
-    size = share / np.sqrt(np.mean(np.abs(law / base) ** 2))
+    size: float = share / np.sqrt(np.mean(np.abs(law / base) ** 2))
     whole = base + size * law
+    if family.plane == "exponent":
+        return k * np.exp(size * law)
     if family.plane == "parallel":
         return whole
     return 1.0 / whole if family.plane == "series" else k * whole
