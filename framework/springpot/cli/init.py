@@ -7,7 +7,9 @@ from pathlib import Path
 
 import click
 
-from .common import FOLDER, INPUT, emit, json_option
+from springpot.suggestions import suggested
+
+from .common import FOLDER, INPUT, emit, json_option, quoted
 
 KINDS: dict[str, dict[str, str]] = {
     "study": {"study": "race.py"},
@@ -21,12 +23,6 @@ KINDS: dict[str, dict[str, str]] = {
 """For each kind the templates and where they go."""
 LAW = "my-law"
 """What the law of a plugin is called until its author gives it a name."""
-LAW_NEXT = f"pip install -e . && pytest && springpot list effects {LAW}"
-NEXT = {
-    "study": "springpot run race.py",
-    "plugin": "pip install -e . && pytest && springpot list models my-model",
-    "ci": "springpot regression update race.py",
-}
 
 
 @click.command("init", epilog="Example: springpot init study")
@@ -68,13 +64,13 @@ def command(kind: str, folder: Path, source: Path | None, as_json: bool) -> None
         path.parent.mkdir(parents=True, exist_ok=True)
         write_text(path, texts[name])
     written = [str(path) for path in paths.values()]
-    following = NEXT[kind]
+    listed = suggested("list models", "my-model")
     if source is not None:
-        following = LAW_NEXT
+        listed = suggested("list effects", LAW)
     emit(
         {"schema": "springpot.files/1", "files": written},
         as_json,
-        lambda: _show(following, written),
+        lambda: _show(written, _next(kind, folder, listed)),
     )
 
 
@@ -99,7 +95,24 @@ def plugin_of(source: Path) -> str:
     return text.replace("@NAME@", repr(LAW)).replace("@FILE@", source.name.replace(chr(34), ""))
 
 
-def _show(following: str, written: list[str]) -> None:
+def _show(written: list[str], following: str) -> None:
     for path in written:
         print(f"written: {path}")
     print(f"\nnext: {following}")
+
+
+def _next(kind: str, folder: Path, listed: str) -> str:
+    """What to do with what was written, in the folder in which it is.
+
+    `listed` is the command that shows what a plugin offers.
+    """
+    steps = []
+    if folder != Path():
+        steps.append(f"cd {quoted(str(folder))}")
+    if kind == "study":
+        steps.append(suggested("run", KINDS[kind]["study"]))
+    elif kind == "ci":
+        steps.append(suggested("regression update", KINDS[kind]["study"]))
+    else:
+        steps += ["pip install -e .", "pytest", listed]
+    return " && ".join(steps)
