@@ -99,7 +99,7 @@ def law_of(path: str | Path, name: str = "law-1") -> Effect:
     """
     found = load(path)
     if not isinstance(found, Invention):
-        raise DataError(f"{path} holds no law: give the file of 'springpot invent DATA -o FILE'")
+        raise DataError(f"{path} holds no law: give a file that the command invent wrote by -o")
     return found.effect(name)
 
 

@@ -46,7 +46,7 @@ def test_it_is_a_rung_like_any_other(files: Path):
     law = accepted(str(files / "law.json"), 1)
     assert law.expression == "(law-1 = parallel: i*k*X^(-n))"
     fit = springpot.identify(files / "made.csv", f"material + {law.expression}")
-    assert fit["law-1.n"] == pytest.approx(0.6, abs=0.03)
+    assert fit["law-1.n"].value == pytest.approx(0.6, abs=0.03)
     assert fit.predict(frequency=[2.0], amplitude=3.0).stiffness.shape == (1,)
 
 

@@ -64,13 +64,10 @@ def command(kind: str, folder: Path, source: Path | None, as_json: bool) -> None
         path.parent.mkdir(parents=True, exist_ok=True)
         write_text(path, texts[name])
     written = [str(path) for path in paths.values()]
-    listed = suggested("list models", "my-model")
-    if source is not None:
-        listed = suggested("list effects", LAW)
     emit(
         {"schema": "springpot.files/1", "files": written},
         as_json,
-        lambda: _show(written, _next(kind, folder, listed)),
+        lambda: _show(written, _next(kind, folder, source is not None)),
     )
 
 
@@ -101,11 +98,8 @@ def _show(written: list[str], following: str) -> None:
     print(f"\nnext: {following}")
 
 
-def _next(kind: str, folder: Path, listed: str) -> str:
-    """What to do with what was written, in the folder in which it is.
-
-    `listed` is the command that shows what a plugin offers.
-    """
+def _next(kind: str, folder: Path, of_law: bool) -> str:
+    """What to do with what was written, in the folder in which it is."""
     steps = []
     if folder != Path():
         steps.append(f"cd {quoted(str(folder))}")
@@ -114,5 +108,6 @@ def _next(kind: str, folder: Path, listed: str) -> str:
     elif kind == "ci":
         steps.append(suggested("regression update", KINDS[kind]["study"]))
     else:
-        steps += ["pip install -e .", "pytest", listed]
+        offered = ("list effects", LAW) if of_law else ("list models", "my-model")
+        steps += ["pip install -e .", "pytest", suggested(*offered)]
     return " && ".join(steps)

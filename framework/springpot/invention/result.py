@@ -173,7 +173,11 @@ class Invention:
 
     def to_dict(self) -> dict[str, Any]:
         """Schema ``springpot.invention/1``."""
-        row = {"schema": SCHEMA, "data": self.data, "model": self.model.name}
+        row: dict[str, Any] = {
+            "schema": SCHEMA,
+            "data": self.data,
+            "model": self.model.name,
+        }
         row |= {"verdict": self.verdict, "says": self.says, "error": self.error}
         row["laws"] = [
             {

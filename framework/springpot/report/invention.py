@@ -11,7 +11,7 @@ from springpot.invention.result import FoundLaw, Invention
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.words import over_floor
 from springpot.rheology.effect import Effect
-from springpot.rheology.points import Real
+from springpot.rheology.points import Complex, Real
 
 from .answers import probability
 from .canvas import COLOURS, blank, finished, logarithmic
@@ -111,10 +111,14 @@ def _draw_law(found: Invention, axes: Axes) -> None:
     theta = np.array([known[name] for name in alone.names])
     bare = alone.stiffness(theta, best.fit.measurement.points)
     data, whole = best.fit.measurement.stiffness, best.stiffness
-    undo = {
-        "parallel": lambda k: k - bare,
-        "series": lambda k: 1.0 / k - 1.0 / bare,
-    }.get(law.plane, lambda k: k / bare)
+
+    def undo(k: Complex) -> Complex:
+        if law.plane == "parallel":
+            return k - bare
+        if law.plane == "series":
+            return 1.0 / k - 1.0 / bare
+        return k / bare
+
     column, label = _along(best.fit.measurement, ranked.effect)
     order = np.argsort(column, kind="stable")
     for part, colour, name in ((np.real, COLOURS[0], "real"), (np.imag, COLOURS[1], "imaginary")):
