@@ -50,6 +50,7 @@ FLOORS = {
     "superposition": 8,
     "timetests": 10,
     "comparison": 9,
+    "invention": 9,
     "testing": 11,
     "judgement": 11,
     "api": 12,

@@ -31,6 +31,7 @@ def answers() -> dict[str, Any]:
         "diagnosis": ladder.steps[0].case.diagnosis,
         "discovery": ladder,
         "comparison": springpot.compare(DATA, MODEL),
+        "invention": springpot.invent(f"{DATA}@frequency=..20", MODEL),
     }
 
 

@@ -10,10 +10,20 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:  # what a user's type checker sees; the table below is what happens
-    from springpot.api import compare, diagnose, discover, identify, mastercurve, predict, read
+    from springpot.api import (
+        compare,
+        diagnose,
+        discover,
+        identify,
+        invent,
+        mastercurve,
+        predict,
+        read,
+    )
     from springpot.comparison import Comparison
     from springpot.diagnosis import Diagnosis, Ladder
     from springpot.identification import Identification, Prediction
+    from springpot.invention import Invention
     from springpot.loading import load
     from springpot.measurement import Measurement, TimeTest, Units, geometry
     from springpot.registry import (
@@ -33,6 +43,7 @@ _WHERE = {
     "Comparison": "springpot.comparison",
     "Diagnosis": "springpot.diagnosis",
     "Identification": "springpot.identification",
+    "Invention": "springpot.invention",
     "Ladder": "springpot.diagnosis",
     "Measurement": "springpot.measurement",
     "Units": "springpot.measurement",
@@ -52,6 +63,7 @@ _WHERE = {
     "diagnose": "springpot.api",
     "discover": "springpot.api",
     "identify": "springpot.api",
+    "invent": "springpot.api",
     "mastercurve": "springpot.api",
     "read": "springpot.api",
     "signals_to_measurement": "springpot.registry",
@@ -65,6 +77,7 @@ __all__ = [
     "Diagnosis",
     "Effect",
     "Identification",
+    "Invention",
     "Ladder",
     "Measurement",
     "Model",
@@ -76,6 +89,7 @@ __all__ = [
     "discover",
     "geometry",
     "identify",
+    "invent",
     "law",
     "load",
     "mastercurve",

@@ -25,6 +25,8 @@ from springpot.identification.problem import Objective
 from springpot.identification.result import Identification
 from springpot.identification.runs import Optimiser
 from springpot.identification.space import require_conditions
+from springpot.invention.inventing import invent as invent_objects
+from springpot.invention.result import Invention
 from springpot.measurement.joining import joined
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test, sweep_of
@@ -308,6 +310,61 @@ def discover(
     require_conditions(grown, data)
     rng = np.random.default_rng(seed)
     return discover_objects(data, begin, known, rng, wanted, progress, reached, promised)
+
+
+def invent(
+    measurement: Data,
+    model: Model | str | None = None,
+    *,
+    along: str | Sequence[str] | None = None,
+    seed: int = 0,
+    fix: Mapping[str, float] | None = None,
+    bounds: Mapping[str, Bounds] | None = None,
+    exclude: str | Sequence[str] = (),
+    progress: Progress = silent,
+) -> Invention:
+    """Find the law that is missing from a model as a formula, where no library has it.
+
+    Parameters
+    ----------
+    measurement : Measurement, str, Path, or a sequence of them
+        Sweeps, or their name as for `read`.
+    model : Model or str, optional
+        What the law is sought beside; without it any linear passive material.
+    along : str or sequence of str, optional
+        Columns that a law may go with; by default all that were varied by themselves.
+    seed : int
+        Of simulated noise; the same seed gives the same bits.
+    fix, bounds, exclude
+        What is known beforehand, and rows to leave out; see `identify`.
+    progress : callable, optional
+        Told in a few words what is being done.
+
+    Returns
+    -------
+    Invention
+        The class of laws that these data cannot tell apart, the likeliest first; none where noise
+        goes as far, or no law of the grammar follows what is missing.
+
+    Raises
+    ------
+    SpringpotError
+        If a name is unknown, a test is one in time, or model and data do not fit each other.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> springpot.invent("artificial-hidden@frequency=..20", "fractional-maxwell").verdict
+    'class'
+    """
+    tests = excluded(_tests(measurement), exclude)
+    data = sweep_of(tests)
+    if data is None:
+        raise DataError("a law is sought in sweeps: tests in time are read by diagnose")
+    judged = constrained(_judged(model), units_of(tests), fix, bounds)
+    rng = np.random.default_rng(seed)
+    columns = None if along is None else _listed(along)
+    return invent_objects(data, judged, library(data=data), rng, columns, progress)
 
 
 def _promised(accuracy: Accuracy | str | None) -> Accuracy | None:

@@ -1,7 +1,7 @@
 """``springpot.load``: what springpot wrote as JSON, taken up again as it was.
 
-A fit is whole: it predicts, draws and tells its intervals as before. Of a diagnosis, a discovery
-and a comparison the file holds what they say, not the fits behind it.
+A fit is whole: it predicts, draws and tells its intervals as before. Of a diagnosis, a discovery,
+a comparison and an invention the file holds what they say, not the fits behind it.
 """
 
 from __future__ import annotations
@@ -19,18 +19,20 @@ from springpot.files import keep_input
 from springpot.identification.problem import Objective, default_objective
 from springpot.identification.result import Identification
 from springpot.inputs import json_of, text_in
+from springpot.invention.result import Invention
 from springpot.measurement.measurement import Measurement
 from springpot.plain_data import as_declared
 from springpot.registry import parse_model, plugins
+from springpot.rheology.effect import Effect
 
 AGAIN = "give the output of a command of springpot with --json"
 
 
-Loaded: TypeAlias = Identification | Diagnosis | Ladder | Comparison
+Loaded: TypeAlias = Identification | Diagnosis | Ladder | Comparison | Invention
 
 
 def load(path: str | Path) -> Loaded:
-    """What a command or `to_dict` wrote as JSON: a fit, a diagnosis, a discovery or a comparison.
+    """What a command or `to_dict` wrote as JSON: a fit, a diagnosis, a discovery, an invention ...
 
     Parameters
     ----------
@@ -39,7 +41,7 @@ def load(path: str | Path) -> Loaded:
 
     Returns
     -------
-    Identification, Diagnosis, Ladder or Comparison
+    Identification, Diagnosis, Ladder, Comparison or Invention
         By the schema that the file names: what the command or `to_dict` told of.
 
     Raises
@@ -76,6 +78,29 @@ def load(path: str | Path) -> Loaded:
         raise DataError(
             f"{path} is damaged or of an older version ({type(error).__name__}: {error}): {AGAIN}"
         ) from None
+
+
+def law_of(path: str | Path, name: str = "law-1") -> Effect:
+    """The law in a file of ``springpot invent -o``, as an effect.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    name : str
+        What it is to be called.
+
+    Raises
+    ------
+    DataError
+        If the file holds no invention.
+    ModelError
+        If no law was found.
+    """
+    found = load(path)
+    if not isinstance(found, Invention):
+        raise DataError(f"{path} holds no law: give a file that the command invent wrote by -o")
+    return found.effect(name)
 
 
 def _read(path: Path) -> Any:
@@ -117,4 +142,5 @@ _KNOWN: dict[str, Callable[[dict[str, Any]], Loaded]] = {
     "springpot.diagnosis/2": Diagnosis.from_dict,
     "springpot.discovery/2": Ladder.from_dict,
     "springpot.comparison/2": _comparison,
+    "springpot.invention/1": Invention.from_dict,
 }

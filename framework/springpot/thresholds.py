@@ -662,3 +662,36 @@ class CourseLevels:
 
 
 COURSE = CourseLevels()
+
+
+@dataclass(frozen=True)
+class InventionLevels:
+    """When a law is called found, and what it costs to write it."""
+
+    refined: int = 24
+    """Candidates that are fitted in earnest, of some hundred that are scanned."""
+    extended: int = 3
+    """Of these so many are tried with a second condition and a second term."""
+    seconds: int = 4
+    """Second conditions, and second terms, that are fitted of each."""
+    paired: int = 60
+    """Candidates of which pairs are tried that show only together."""
+    pairs: int = 24
+    """Such pairs that are looked at; those of two planes are no one law."""
+    same: float = 0.01
+    """Distance of two curves, in units of the noise, below which two formulas are one law."""
+    symbol: float = 0.3
+    """Cost of each part of a formula, in log-evidence.
+
+    A grammar of 140 laws of about ten parts makes each of them cost ln(140), 5."""
+    alarm: float = 0.002
+    """Chance of a false alarm granted to the search for a law, all candidates together."""
+    hopeless: float = 40.0
+    """Log-likelihood beyond which a law is no rival, whatever the others' parameters cost."""
+    known: int = 6
+    """Effects with a name that are held against the likeliest law."""
+    told: int = 8
+    """Laws of a class that are told at most."""
+
+
+INVENTION = InventionLevels()

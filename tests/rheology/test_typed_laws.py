@@ -15,8 +15,10 @@ from springpot.errors import ModelError, SpringpotError
 from springpot.registry import parse_model
 from springpot.rheology import Effect, Points
 from springpot.rheology.grammar import parsed
+from springpot.rheology.nodes import FULL
 from springpot.rheology.physical import told
 from springpot.rheology.terms import LOG_OMEGA, Dual
+from springpot.rheology.thermal import LARGEST_SHIFT
 from springpot.rheology.written import examples, written
 from springpot.testing import check_effect
 
@@ -311,3 +313,29 @@ def test_a_held_parameter_of_a_law_stays_held_where_columns_are_met():
     fit = springpot.identify(data, f"fractional-maxwell + ({law})", seed=1, fix={"grip.Ic": 0.7})
     assert fit.model.names == ("k", "c", "alpha", "grip.k")
     assert fit.theta[3] == pytest.approx(80.0, rel=0.05)
+
+
+def test_what_is_nothing_to_a_power_has_slopes():
+    at = Points.at([1.0, 1.0], amplitude=[1.0, 4.0])
+    grip = springpot.law("parallel: k*max(0, X - Xc)^n").element
+    response = grip.respond(np.array([2.0, 2.0, 0.5]), at, depth=FULL)
+    assert response.value.real.tolist() == [0.0, pytest.approx(2.0 * 2.0**0.5)]
+    assert np.all(np.isfinite(response.by_theta))
+
+
+def test_a_power_of_a_reduced_frequency_is_an_order():
+    mode = springpot.law("parallel: k*(i*omega*tau)^a/(1 + (i*omega*tau)^a)").element
+    assert [p.name for p in mode.parameters if p.is_order] == ["a"]
+
+
+def test_a_law_of_the_clock_is_bounded_where_a_search_strays():
+    clock = springpot.law("shift: exp(-X/Xc)").element
+    at = Points.at([1.0], amplitude=[1e3])
+    response = clock.respond(np.array([1e-3]), at, depth=FULL)
+    assert response.value.real.tolist() == [-LARGEST_SHIFT]
+    assert response.by_theta.ravel().tolist() == [0.0]
+
+
+def test_units_with_a_power_that_a_parameter_decides_keep_the_contract():
+    effect = Effect.from_formula("grip", "parallel: k*X^(-n)", "a grip that fades")
+    assert [each for each in check_effect(effect) if each.startswith("units")] == []

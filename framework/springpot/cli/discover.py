@@ -36,11 +36,14 @@ from .waiting import Waiting
 if TYPE_CHECKING:
     from springpot.diagnosis.ladder import Ladder
     from springpot.measurement.opening import Test
+    from springpot.rheology.effect import Effect
     from springpot.rheology.model import Model
 
 E = TypeVar("E")
 
-ACCEPT = "Accept this effect; may be given several times."
+ACCEPT = (
+    "Accept this effect, or the law in a file of 'springpot invent -o'; may be given several times."
+)
 
 
 @click.command(
@@ -107,7 +110,7 @@ def command(
 
     Ctrl-C ends with the answer of the last step that was reached.
     """
-    from springpot.registry import parse_model, plugins
+    from springpot.registry import parse_model
     from springpot.report.told import told
 
     accept = (*accept, *more)  # as in: --accept inertia time-delay
@@ -124,7 +127,7 @@ def command(
     effects = None
     if not auto:
         mine = {effect.name: effect for effect in chosen["effects"]}
-        effects = [mine.get(name) or plugins().effect(name) for name in accept]
+        effects = [mine.get(name) or accepted(name, i) for i, name in enumerate(accept, 1)]
     arguments = {"accept": effects, "seed": seed or 0, "accuracy": options.pop("accuracy")}
     arguments |= {**chosen, **known_from(options)}
     tests: Sequence[Test] | None = timetests.named_tests([data], geometry)
@@ -138,6 +141,27 @@ def command(
         _tell_written(figure, report)
         print(f"\nnext: {_next(ladder, data, model)}")
     return code
+
+
+def accepted(name: str, place: int) -> Effect:
+    """An effect by its name, by its formula, or the law in a file of ``springpot invent -o``.
+
+    Parameters
+    ----------
+    name : str
+        As the user gave it.
+    place : int
+        In the order of what is accepted: a law without a name is called by it.
+    """
+    from springpot.loading import law_of
+    from springpot.registry import plugins
+    from springpot.rheology.typed import is_law, law
+
+    if name.endswith(".json"):
+        return law_of(name, f"law-{place}")
+    if is_law(name):
+        return law(name, f"law-{place}")
+    return plugins().effect(name)
 
 
 def _write(

@@ -57,6 +57,9 @@ CORE: dict[str, Entry] = {
     "discover": Entry(
         "springpot.cli.discover", "Add missing effects one by one and watch the error fall."
     ),
+    "invent": Entry(
+        "springpot.cli.invent", "A law that is in no library: its formula, its class, its numbers."
+    ),
     "predict": Entry(
         "springpot.cli.predict", "Another test, from an identified model, with a band."
     ),

@@ -9,7 +9,7 @@ import click
 
 from springpot.suggestions import suggested
 
-from .common import FOLDER, emit, json_option, quoted
+from .common import FOLDER, INPUT, emit, json_option, quoted
 
 KINDS: dict[str, dict[str, str]] = {
     "study": {"study": "race.py"},
@@ -21,6 +21,8 @@ KINDS: dict[str, dict[str, str]] = {
     "ci": {"ci": ".github/workflows/accuracy.yml", "study": "race.py"},
 }
 """For each kind the templates and where they go."""
+LAW = "my-law"
+"""What the law of a plugin is called until its author gives it a name."""
 
 
 @click.command("init", epilog="Example: springpot init study")
@@ -28,17 +30,29 @@ KINDS: dict[str, dict[str, str]] = {
 @click.option(
     "--folder", type=FOLDER, default=Path(), metavar="DIR", help="Where to write; here by default."
 )
+@click.option(
+    "--from",
+    "source",
+    type=INPUT,
+    metavar="FILE",
+    help="Of a plugin: the law in a file of 'springpot invent -o'.",
+)
 @json_option
-def command(kind: str, folder: Path, as_json: bool) -> None:
+def command(kind: str, folder: Path, source: Path | None, as_json: bool) -> None:
     """Write files to start from.
 
     KIND is study (a race of optimisers), plugin or ci (an accuracy gate).
 
     A file that is there already is never replaced.
     """
-    from springpot.errors import OutputError
+    from springpot.errors import OptionError, OutputError
     from springpot.files import write_text
 
+    texts = {name: _template(name) for name in KINDS[kind]}
+    if source is not None:
+        if kind != "plugin":
+            raise OptionError(f"--from {source}: only a plugin is made of a law, not a {kind}")
+        texts["plugin"] = plugin_of(source)
     paths = {name: folder / place for name, place in KINDS[kind].items()}
     # All of them first: a folder is begun whole, or left as it is.
     there = [str(path) for path in paths.values() if path.exists()]
@@ -48,23 +62,43 @@ def command(kind: str, folder: Path, as_json: bool) -> None:
         )
     for name, path in paths.items():
         path.parent.mkdir(parents=True, exist_ok=True)
-        template = files(__package__) / "templates" / f"{name}.txt"
-        write_text(path, template.read_text(encoding="utf-8"))
+        write_text(path, texts[name])
     written = [str(path) for path in paths.values()]
     emit(
         {"schema": "springpot.files/1", "files": written},
         as_json,
-        lambda: _show(kind, folder, written),
+        lambda: _show(written, _next(kind, folder, source is not None)),
     )
 
 
-def _show(kind: str, folder: Path, written: list[str]) -> None:
+def _template(name: str) -> str:
+    return (files(__package__) / "templates" / f"{name}.txt").read_text(encoding="utf-8")
+
+
+def plugin_of(source: Path) -> str:
+    """The text of a plugin that offers the law of an invention.
+
+    Parameters
+    ----------
+    source : Path
+        A file of ``springpot invent -o``.
+    """
+    from springpot.loading import law_of
+
+    effect = law_of(source, LAW)
+    plane, _, formula = effect.expression[1:-1].partition("=")[2].strip().partition(": ")
+    # As a literal of Python: a formula has no quotes, but its data may have any name.
+    text = _template("law_plugin").replace("@LAW@", repr(f"{plane}: {formula}"))
+    return text.replace("@NAME@", repr(LAW)).replace("@FILE@", source.name.replace(chr(34), ""))
+
+
+def _show(written: list[str], following: str) -> None:
     for path in written:
         print(f"written: {path}")
-    print(f"\nnext: {_next(kind, folder)}")
+    print(f"\nnext: {following}")
 
 
-def _next(kind: str, folder: Path) -> str:
+def _next(kind: str, folder: Path, of_law: bool) -> str:
     """What to do with what was written, in the folder in which it is."""
     steps = []
     if folder != Path():
@@ -74,5 +108,6 @@ def _next(kind: str, folder: Path) -> str:
     elif kind == "ci":
         steps.append(suggested("regression update", KINDS[kind]["study"]))
     else:
-        steps += ["pip install -e .", "pytest", suggested("list models", "my-model")]
+        offered = ("list effects", LAW) if of_law else ("list models", "my-model")
+        steps += ["pip install -e .", "pytest", suggested(*offered)]
     return " && ".join(steps)

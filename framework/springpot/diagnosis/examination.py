@@ -49,6 +49,9 @@ from .scan import scan_effects
 from .search import search_from
 from .verdict import facts_of, rule_for
 
+Seek: TypeAlias = Callable[[Refit, Sequence[Effect], np.random.Generator], Search]
+"""Looks for what is missing from a fitted model among some effects."""
+
 
 def search_data(
     measurement: Measurement,
@@ -56,6 +59,7 @@ def search_data(
     library: Sequence[Effect],
     rng: np.random.Generator,
     seeds: Sequence[Real] = (),
+    seek: Seek = search_from,
 ) -> tuple[Search, list[Outlier]]:
     """Look for what is missing, without outliers and in units of a noise that is borne out.
 
@@ -71,6 +75,8 @@ def search_data(
         For simulated noise.
     seeds : sequence of ndarray, shape (p,)
         Starts worth trying beside those read off the data.
+    seek : callable
+        How it is looked for beside a fit whose noise is settled.
 
     Returns
     -------
@@ -82,15 +88,15 @@ def search_data(
     DataError
         If there are too few data to judge the model.
     """
-    search = _search_in_noise(measurement, model, library, rng, seeds)
+    search = _search_in_noise(measurement, model, library, rng, seeds, seek)
     start = better_start(search)
     if start is not None:
-        search = _search_in_noise(measurement, model, library, rng, [*seeds, start])
+        search = _search_in_noise(measurement, model, library, rng, [*seeds, start], seek)
     if search.base.data.mean is not measurement:
         return search, []  # repeats tell by themselves which of them is off
 
     def reduced_by(rows: NDArray[np.int64]) -> Search:
-        return _search_in_noise(without(measurement, rows), model, library, rng, seeds)
+        return _search_in_noise(without(measurement, rows), model, library, rng, seeds, seek)
 
     # A point that bends the curve can make its neighbour stand out: it is sought first.
     for way in (_without_a_pulling_point, _without_outliers):
@@ -206,16 +212,17 @@ def _search_in_noise(
     library: Sequence[Effect],
     rng: np.random.Generator,
     seeds: Sequence[Real],
+    seek: Seek,
 ) -> Search:
     base = fitted_to_floor(model, measurement, seeds)
     _require_enough(base, measurement)
     if base.noise.overruled:
         # Structure that a sweep is too short to show as such looks like scatter, until its effect
         # is found.
-        search = search_from(as_given(base), library, rng)
+        search = seek(as_given(base), library, rng)
         if borne_out(search.best):
             return search
-    search = search_from(base, library, rng)
+    search = seek(base, library, rng)
     # What moved with the frequency is no evidence for a cause, but what it follows so closely is no
     # noise.
     nearest = max(
@@ -224,7 +231,7 @@ def _search_in_noise(
     )
     gain = 2.0 * (nearest.log_evidence - search.base.log_evidence)
     if gain >= SEARCH.decisive and (sharper := sharpened(base, nearest)) is not None:
-        search = search_from(sharper, library, rng)
+        search = seek(sharper, library, rng)
     return search
 
 
@@ -402,7 +409,7 @@ def examine(
     """
     # Before any fit: a column that is missing is told at once.
     require_conditions(model, measurement)
-    data = _prepared(measurement, model)
+    data = prepared(measurement, model)
     progress(f"fitting {model.name} and trying what may be missing from it")
     search, set_aside = search_data(data, model, library, rng, seeds)
     # Users count rows in their own file, not in what thinning left of it.
@@ -441,8 +448,16 @@ def misfit_of(base: Refit) -> Misfit:
     return Misfit.of_stiffness(base.model.stiffness(base.theta, raw.points), raw.stiffness)
 
 
-def _prepared(measurement: Measurement, model: Model) -> Measurement:
-    """The points that are diagnosed, an amplitude that was held not counting as varied."""
+def prepared(measurement: Measurement, model: Model) -> Measurement:
+    """The points that are diagnosed, an amplitude that was held not counting as varied.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+    model : Model
+        What is judged.
+    """
     data = thinned(measurement)
     # A model that needs the amplitude is told every value of it, however little it varied.
     if "amplitude" in model.needs:

@@ -56,12 +56,12 @@ def search_from(base: Refit, library: Sequence[Effect], rng: np.random.Generator
     search.left = search.structure
     search.repeats = repeats_structure(base.data, rng)
     for score in scanned.scores[: SEARCH.singles]:
-        search.grown.append(_grow(search, score))
-    _sort(search)
+        search.grown.append(grown_with(search, score))
+    sort_by_evidence(search)
     search.grown[1 : SEARCH.beam] = [
         _from_the_best(search, grown) for grown in search.grown[1 : SEARCH.beam]
     ]
-    _sort(search)
+    sort_by_evidence(search)
     if search.grown and search.alarm < SEARCH.look_further:
         search.left = battery(search.best.frame(), rng)
         if search.left.p_value < SEARCH.left_over or _strained(search):
@@ -72,7 +72,7 @@ def search_from(base: Refit, library: Sequence[Effect], rng: np.random.Generator
         search.promoted = frozenset(grown.names[0] for grown in search.confounded)
         search.grown += search.confounded
         search.confounded = []
-        _sort(search)
+        sort_by_evidence(search)
         search.left = battery(search.best.frame(), rng)
     return search
 
@@ -149,9 +149,9 @@ def _try_narrow(search: Search, library: Sequence[Effect]) -> list[Effect]:
                 base, search.frame, [effect], threshold=search.scan.threshold
             ).scores:
                 search.scan.scores.append(score)
-                search.grown += _clear(search, [_grow(search, score)])
+                search.grown += _clear(search, [grown_with(search, score)])
                 effects.append(effect)
-    _sort(search)
+    sort_by_evidence(search)
     return effects
 
 
@@ -233,8 +233,16 @@ def _strained(search: Search) -> bool:
     return spent > 1 or any(effect.prior < SEARCH.common for effect in best.effects)
 
 
-def _grow(search: Search, score: Score) -> Grown:
-    """Refit with one more effect."""
+def grown_with(search: Search, score: Score) -> Grown:
+    """The base model refitted with one more effect, from where the scan saw it.
+
+    Parameters
+    ----------
+    search : Search
+        What was found so far: a fit that is no rival of the best one ends early.
+    score : Score
+        What the scan says of the effect.
+    """
     base = search.base
     grown = refit(
         score.influence.model,
@@ -274,7 +282,8 @@ def _effort(search: Search) -> Effort:
     return Effort(SEARCH.negligible, max(half, least + 2.0 * SEARCH.decisive))
 
 
-def _sort(search: Search) -> None:
+def sort_by_evidence(search: Search) -> None:
+    """The grown models with the best evidence first."""
     search.grown.sort(key=lambda grown: -grown.refit.log_evidence)
 
 
@@ -305,7 +314,7 @@ def _seek_pairs(search: Search, effects: Sequence[Effect], rng: np.random.Genera
             fitted = refit(each.model, base.data, base.noise, each.starts, each.read_off, effort)
             pairs.append(Grown(each.effects, fitted, each.predicted))
     search.grown += _clear(search, pairs)
-    _sort(search)
+    sort_by_evidence(search)
     _add_singles(search)
     search.left = battery(search.best.frame(), rng)
 
@@ -377,8 +386,8 @@ def _add_singles(search: Search) -> None:
     alone = {grown.names[0] for grown in search.grown if len(grown.effects) == 1}
     wanted = {name for grown in search.grown[: SEARCH.singles] for name in grown.names} - alone
     scores = [score for score in search.scan.scores if score.influence.effect.name in wanted]
-    search.grown += _clear(search, [_grow(search, score) for score in scores])
-    _sort(search)
+    search.grown += _clear(search, [grown_with(search, score) for score in scores])
+    sort_by_evidence(search)
 
 
 def _confounded(search: Search, library: Sequence[Effect]) -> list[Grown]:
@@ -402,7 +411,7 @@ def _confounded(search: Search, library: Sequence[Effect]) -> list[Grown]:
     least = max(search.best.log_evidence, base.log_evidence + EVIDENCE.as_good) - EVIDENCE.as_good
     alike = []
     for score in scan_effects(base, search.frame, effects, threshold=search.scan.threshold).scores:
-        grown = _grow(search, score)
+        grown = grown_with(search, score)
         if grown.refit.log_evidence > least:
             search.scan.scores.append(score)
             alike.append(grown)

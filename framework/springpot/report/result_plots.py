@@ -20,6 +20,7 @@ from springpot.errors import OutputError
 from springpot.identification.material import is_material
 from springpot.identification.prediction import Prediction
 from springpot.identification.result import Identification
+from springpot.invention.result import Invention
 from springpot.measurement.measurement import Measurement
 from springpot.superposition.curve import MasterCurve
 from springpot.timetests.where import TestPrediction
@@ -35,6 +36,7 @@ from .figures import (
     marks_of,
     sweep_marks,
 )
+from .invention import draw_fits, figure_invention
 from .ladder import ROOM, beside_mark, broken, draw_ladder, entitled, figure_ladder
 from .mastercurve import figure_mastercurve
 from .numbers import percent
@@ -225,6 +227,16 @@ def _compared(result: Comparison, path: Any) -> Any:
 @onto.register
 def _compared_onto(result: Comparison, axes: Any) -> None:
     _scene(axes, Scene(result.measurement, fits_of(result)))
+
+
+@whole.register
+def _invented(result: Invention, path: Any) -> Any:
+    return figure_invention(result, path)
+
+
+@onto.register
+def _invented_onto(result: Invention, axes: Any) -> None:
+    draw_fits(result, axes)
 
 
 @whole.register

@@ -10,11 +10,13 @@ from springpot.comparison.ranking import Ranking
 from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Diagnosis
 from springpot.identification.result import Identification
+from springpot.invention.result import Invention
 from springpot.superposition.curve import MasterCurve
 
 from .answers import comparison_document, diagnosis_document
 from .document import Passage, Prose, as_html, as_text
 from .fit_text import fit_document
+from .invention import invention_document
 from .ladder_text import ladder_document, ranking_document
 from .mastercurve import mastercurve_document
 
@@ -33,6 +35,7 @@ document_of.register(Diagnosis, diagnosis_document)
 document_of.register(Ladder, ladder_document)
 document_of.register(Comparison, comparison_document)
 document_of.register(Ranking, ranking_document)
+document_of.register(Invention, invention_document)
 document_of.register(MasterCurve, mastercurve_document)
 
 

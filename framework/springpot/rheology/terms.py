@@ -214,11 +214,14 @@ class Power(Term):
         if isinstance(self.base, Name) and self.base.name == "s":
             return self._of_s(known[LOG_OMEGA].value, exponent)
         base = self.base.at(known)
-        value = base.value**exponent.value
-        slopes = _times(base.slopes, exponent.value * value / base.value)
+        value, under = base.value**exponent.value, base.value
+        if not np.all(under):
+            # What is nothing to a power has no logarithm, and stays nothing: max(0, X - Xc)^n.
+            under = np.where(under == 0.0, 1.0, under)
+        slopes = _times(base.slopes, exponent.value * value / under)
         if not exponent.slopes:
             return Dual(value, slopes)
-        grown = _times(exponent.slopes, value * np.log(base.value))
+        grown = _times(exponent.slopes, value * np.log(under))
         return Dual(value, _merged(slopes, grown))
 
     def _of_s(self, log_omega: Any, exponent: Dual) -> Dual:

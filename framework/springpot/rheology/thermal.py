@@ -25,7 +25,8 @@ def activation_energy(name: str = "Ea", typical: float = 50.0) -> Parameter:
     return Parameter(name, "E_a", ACTIVATION, 0.0, 1e3, typical=typical)
 
 
-def _bounded(value: Any, slopes: tuple[Any, ...]) -> Any:
+def bounded_shift(value: Any, slopes: tuple[Any, ...]) -> Any:
+    """The logarithm of a factor of the frequency within its bound, its slopes, and zero."""
     # Beyond the bound the slopes are zero too: a solver must not be drawn further where nothing
     # changes.
     inside = np.abs(np.real(value)) < LARGEST_SHIFT
@@ -41,7 +42,7 @@ def _inverse_temperature(at: Points) -> Real:
 
 def _arrhenius(at: Points, energy: Any) -> Any:
     unit = _inverse_temperature(at)
-    return _bounded(energy * unit, (unit,))
+    return bounded_shift(energy * unit, (unit,))
 
 
 def arrhenius(energy: str = "Ea") -> Formula:
@@ -65,7 +66,7 @@ def _wlf(at: Points, c1: Any, c2: Any) -> Any:
     # At and below the pole Tr - C2 the material is frozen: the shift stays at its bound.
     frozen = np.real(room) <= 1e-6
     unit = -LN_10 * above / np.where(frozen, 1.0, room)
-    value, slopes, flat = _bounded(c1 * unit, (unit, -c1 * unit / np.where(frozen, 1.0, room)))
+    value, slopes, flat = bounded_shift(c1 * unit, (unit, -c1 * unit / np.where(frozen, 1.0, room)))
     return (
         np.where(frozen, LARGEST_SHIFT, value),
         tuple(np.where(frozen, 0.0, s) for s in slopes),
@@ -97,7 +98,7 @@ def _vogel(at: Points, b: Any, pole: Any) -> Any:
     frozen = np.real(np.minimum(np.real(warm), np.real(reference))) <= 1e-6
     warm, reference = (np.where(frozen, 1.0, part) for part in (warm, reference))
     unit = 1.0 / warm - 1.0 / reference
-    value, slopes, flat = _bounded(b * unit, (unit, b * (1.0 / warm**2 - 1.0 / reference**2)))
+    value, slopes, flat = bounded_shift(b * unit, (unit, b * (1.0 / warm**2 - 1.0 / reference**2)))
     return (
         np.where(frozen, LARGEST_SHIFT, value),
         tuple(np.where(frozen, 0.0, s) for s in slopes),

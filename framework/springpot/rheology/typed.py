@@ -62,7 +62,7 @@ def _bare(text: str) -> str:
     return text
 
 
-def law(text: str, name: str = "law-1") -> Effect:
+def law(text: str, name: str = "law-1", summary: str = "") -> Effect:
     """An effect of your own, as text.
 
     Parameters
@@ -74,6 +74,8 @@ def law(text: str, name: str = "law-1") -> Effect:
         columns of the data are known; whatever else is named is a parameter.
     name : str
         Its name where the text gives none.
+    summary : str
+        One sentence of physics; by default what kind of law it is.
 
     Returns
     -------
@@ -103,7 +105,7 @@ def law(text: str, name: str = "law-1") -> Effect:
         name = own.strip()
     if not _NAME.fullmatch(name):
         raise ModelError(f"'{name:.40}' is no name of a law: letters, digits and hyphens are")
-    effect = Effect.from_formula(name, f"{plane}: {formula}")
+    effect = Effect.from_formula(name, f"{plane}: {formula}", summary)
     shown = " ".join(formula.split())
     return replace(effect, expression=f"({name} = {plane}: {shown})")
 

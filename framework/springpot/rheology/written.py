@@ -17,8 +17,8 @@ from .formula import Formula
 from .grammar import free_names, names_in, parsed
 from .parameters import PURE, Dimension, Parameter, order
 from .points import ROOM, Points
-from .terms import LOG_OMEGA, Dual, Name, Number, Power, Term, inverse
-from .thermal import activation_energy
+from .terms import LOG_OMEGA, Dual, Joined, Name, Number, Power, Term, inverse
+from .thermal import LARGEST_SHIFT, activation_energy, bounded_shift
 
 EXPONENT = Parameter("n", "n", PURE, 0.0, 4.0, "linear", 1.0)
 """A free power: whoever expects a negative one writes its sign, as in X^(-n)."""
@@ -62,7 +62,9 @@ class TypedLaw:
         for name in self._variables:
             known[name] = _variable(name, at)
         known[LOG_OMEGA] = Dual(at.log_omega, {LOG_OMEGA: 1.0})
-        return term.at(known)
+        # Where it has no number, as X^(-n) of an amplitude of zero, the caller finds none.
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            return term.at(known)
 
     @cached_property
     def _variables(self) -> list[str]:
@@ -81,8 +83,18 @@ class TypedLaw:
         by_theta = [slopes.get(name, 0.0) for name in self.free]
         by_log_omega = slopes.get(LOG_OMEGA, 0.0)
         if self.plane == "shift":
-            return np.log(value), [slope / value for slope in by_theta], by_log_omega / value
+            return _logarithm(value, by_theta, by_log_omega)
         return value, by_theta, by_log_omega
+
+
+def _logarithm(value: Any, by_theta: list[Any], by_log_omega: Any) -> Any:
+    """Of a factor of the frequency, bounded as those of the temperature are."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        log = np.log(value)
+        slopes = tuple(slope / value for slope in by_theta)
+        by_log_omega = by_log_omega / value
+    log, slopes, flat = bounded_shift(log, slopes)
+    return log, slopes, np.where(np.abs(np.real(log)) < LARGEST_SHIFT, by_log_omega, flat)
 
 
 def _variable(name: str, at: Points) -> Dual:
@@ -198,7 +210,7 @@ def _parameter(name: str, unit: Dimension, term: Term) -> Parameter:
         for part in term.walk()
         if isinstance(part, Power) and not isinstance(part.base, Number)
     ]
-    of_s = [part.exponent for part in powers if _is(part.base, "s")]
+    of_s = [part.exponent for part in powers if _of_s(part.base)]
     if any(_is(exponent, name) for exponent in of_s):
         return order(name, name)
     like = Parameter(name, name, unit)
@@ -210,6 +222,13 @@ def _parameter(name: str, unit: Dimension, term: Term) -> Parameter:
     elif unit.label == "K":
         like = KELVINS
     return replace(like, name=name, symbol=name)
+
+
+def _of_s(base: Term) -> bool:
+    """Whether it is s, or s in units of its own, as in (s tau)^alpha."""
+    if isinstance(base, Joined) and base.sign == "*":
+        return any(_of_s(part) for part in base.parts)
+    return _is(base, "s")
 
 
 def _is(term: Term, name: str) -> bool:

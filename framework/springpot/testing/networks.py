@@ -421,13 +421,22 @@ def converted(model: Model, theta: Real, stiffness: float, time: float, amplitud
     """`theta` (p,) in units where old ones of stiffness, time and amplitude have these values."""
     values = dict(zip(model.names, theta.tolist(), strict=True))
     factors: list[float] = []
+    own = {"stiffness": stiffness, "time": time, "amplitude": amplitude}
     for parameter in model.parameters:
         unit = parameter.unit
         if isinstance(unit.time, str):
             power = values[unit.time]
         else:
             power = unit.time
-        factors.append(stiffness**unit.stiffness * time**power * amplitude**unit.amplitude)
+        factor = stiffness**unit.stiffness * time**power * amplitude**unit.amplitude
+        # A power that another parameter decides: that one has the same prefix.
+        prefix = parameter.name.removesuffix(parameter.name.rpartition(".")[2])
+        for base, shares in unit.beyond:
+            exponent = sum(
+                share * (values[prefix + name] if name else 1.0) for name, share in shares
+            )
+            factor *= own.get(base, 1.0) ** exponent
+        factors.append(factor)
     changed: Real = theta * np.array(factors)
     return changed
 

@@ -1,0 +1,190 @@
+"""The invention from end to end: noise and outliers, search, evidence, and what is told of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from springpot.diagnosis.examination import Progress, prepared, search_data, silent
+from springpot.diagnosis.experiment import next_experiment
+from springpot.diagnosis.grown import Grown, Search
+from springpot.diagnosis.result import NextExperiment
+from springpot.errors import OptionError
+from springpot.identification.material import is_material
+from springpot.identification.space import require_conditions
+from springpot.identification.value import Value
+from springpot.measurement.measurement import Measurement
+from springpot.misfit.material import error_of, material_floor
+from springpot.misfit.values import printed
+from springpot.misfit.words import percent, times
+from springpot.rheology.effect import Effect
+from springpot.rheology.model import Model
+from springpot.rheology.physical import causal, passive, told
+from springpot.rheology.written import FACTORS, Written
+from springpot.thresholds import INVENTION, VERDICT
+
+from .grammar import candidates, conditions_of, formula_of, text_of
+from .result import FoundLaw, Invention
+from .search import sought
+from .weighing import Verdict, Weighed, known_alike, rivals_of, verdict_of, weighed
+
+
+def invent(
+    measurement: Measurement,
+    model: Model,
+    library: Sequence[Effect],
+    rng: np.random.Generator,
+    along: Sequence[str] | None = None,
+    progress: Progress = silent,
+) -> Invention:
+    """Find the law that is missing from a model of measured data.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+    model : Model
+        The model that the law is sought beside.
+    library : sequence of Effect
+        Effects with a name, of which a law may be a special case.
+    rng : numpy.random.Generator
+        For simulated noise.
+    along : sequence of str, optional
+        Columns that a law may go with; by default all that were varied by themselves.
+    progress : callable
+        Told in a few words what is being done.
+
+    Raises
+    ------
+    DataError
+        If there are too few data to judge anything.
+    ModelError
+        If the data lack a column that the model needs.
+    OptionError
+        If a law cannot go with a column that was asked for.
+    """
+    require_conditions(model, measurement)
+    data = prepared(measurement, model)
+    laws = candidates(data, _conditions(data, along))
+    progress(f"trying {len(laws)} laws beside {model.name}")
+    search, _ = search_data(data, model, laws, rng, seek=sought)
+    progress("weighing what was found")
+    found = weighed(search)
+    verdict = verdict_of(search, found)
+    error = error_of(search.base, material_floor(search.base, rng))
+    rivals = rivals_of(found)
+    rows = [_told(search, each, rivals, library) for each in rivals[: INVENTION.told]]
+    return Invention(
+        data=measurement.name,
+        model=model,
+        verdict=verdict,
+        says=_says(search, verdict, rows),
+        error=error,
+        laws=tuple(rows),
+        next_experiment=_next(verdict, rivals),
+        notes=tuple(_notes(data, model)),
+        tried=len(laws),
+        searched=search,
+        ranked=tuple(rivals),
+    )
+
+
+def _conditions(measurement: Measurement, along: Sequence[str] | None) -> list[str]:
+    """The columns that a law may go with."""
+    known = conditions_of(measurement)
+    if along is None:
+        return known
+    for name in along:
+        if name not in known:
+            words = ", ".join(known) or "no column"
+            raise OptionError(
+                f"no law can go with '{name}' of {measurement.name}: varied by itself, and of a"
+                f" name that may stand in a formula, is {words}"
+            )
+    return [name for name in known if name in along]
+
+
+def _told(
+    search: Search, each: Weighed, rivals: Sequence[Weighed], library: Sequence[Effect]
+) -> FoundLaw:
+    """What is told of a law; named effects are held against the likeliest alone."""
+    element = each.effect.element
+    assert isinstance(element, Written)
+    alike: list[Grown] = []
+    if each is rivals[0]:
+        alike = known_alike(search, each, library)
+    causes = "amplitude" in element.needs or causal(element)
+    return FoundLaw(
+        text=text_of(each.effect),
+        plane=text_of(each.effect).partition(":")[0],
+        probability=each.probability,
+        alike=tuple(text_of(law.effect) for law in rivals),
+        parameters=_parameters(each.grown, each.probability > VERDICT.profiled),
+        error_after=each.grown.refit.error,
+        causal=causes,
+        passive=None if element.plane in FACTORS else passive(element),
+        like=tuple(grown.names[0] for grown in alike),
+        says="; ".join([told(element), *map(_as_known, alike)]),
+    )
+
+
+def _parameters(grown: Grown, by_profile: bool) -> dict[str, Value]:
+    mine = f"{grown.effects[0].name}."
+    values = printed(grown.refit, by_profile)
+    return {
+        name.removeprefix(mine): value for name, value in values.items() if name.startswith(mine)
+    }
+
+
+def _as_known(grown: Grown) -> str:
+    """A named effect in a law's place, with those of its parameters that the data tell."""
+    values = _parameters(grown, False).items()
+    own = ", ".join(f"{name} = {value}" for name, value in values if value.determined)
+    return f"{grown.names[0]} has the same curve here" + f", with {own}" * bool(own)
+
+
+def _says(search: Search, verdict: Verdict, rows: Sequence[FoundLaw]) -> str:
+    before = f"the error is {percent(search.base.error)}"
+    before += f", {times(search.base.error / search.base.floor)} the noise floor"
+    if search.alarm >= INVENTION.alarm:
+        return f"{before}: noise alone goes as far, and these data show no law that is missing"
+    if verdict == "none":
+        nearest = ""
+        if rows:
+            nearest = f"; nearest is {rows[0].text}, which leaves {percent(rows[0].error_after)}"
+        return f"{before}: something is missing, and no law of the grammar follows it{nearest}"
+    after = f"{percent(rows[0].error_after)} with {rows[0].text}"
+    if verdict == "law":
+        return f"{before}, and {after}: no other law of the grammar does as well"
+    others = len(rows[0].alike) - 1
+    return f"{before}, and {after}, which these data cannot tell from {others} other laws"
+
+
+def _next(verdict: Verdict, laws: Sequence[Weighed]) -> NextExperiment | None:
+    """What would tell the two likeliest laws apart."""
+    if verdict != "class":
+        return None
+    first, second = laws[:2]
+    return next_experiment(
+        first.grown.refit,
+        second.grown.refit,
+        (formula_of(first.effect), formula_of(second.effect)),
+        (first.probability, second.probability),
+    )
+
+
+def _notes(measurement: Measurement, model: Model) -> Iterator[str]:
+    """What no search could tell of these data."""
+    if not conditions_of(measurement):
+        if is_material(model):
+            yield (
+                "neither amplitude, temperature nor another column was varied: a law of the"
+                " frequency can be told only where it does what no linear passive material does"
+            )
+        else:
+            yield (
+                "neither amplitude, temperature nor another column was varied: a law of the"
+                f" frequency is found as what is missing from {model.name}, and another model of"
+                " the material would leave another one"
+            )

@@ -1,0 +1,188 @@
+"""The search for a law: all candidates by their slopes, the leaders in earnest, then what is left.
+
+A law is put to the test in its plane beside the model: where the model is any material, the
+spectrum is solved anew for each setting of the law (variable projection), so that nothing but the
+law and the material's passivity is assumed.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from springpot.diagnosis.grown import Grown, Search
+from springpot.diagnosis.scan import applicable, best_pairs, enough_for, scan_effects
+from springpot.diagnosis.search import grown_with, sort_by_evidence
+from springpot.identification.passive import within_material
+from springpot.misfit.refit import Refit, refit
+from springpot.misfit.residual_battery import battery
+from springpot.rheology.effect import Effect
+from springpot.rheology.model import Model
+from springpot.rheology.nodes import GRADIENT
+from springpot.rheology.points import Real
+from springpot.thresholds import INVENTION, SEARCH
+
+from .grammar import filled, forms_of, formula_of, laws, renamed, text_of, times
+
+SUMMED = ("stiffness", "compliance")
+"""Planes in which terms add up; in the others they are factors."""
+RATIO = "r"
+"""The size of a second term in that of the first."""
+
+
+def sought(base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> Search:
+    """Look for a law that is missing from a fitted model.
+
+    Parameters
+    ----------
+    base : Refit
+        The fit of the model.
+    library : sequence of Effect
+        The candidates.
+    rng : numpy.random.Generator
+        For simulated noise.
+    """
+    effects = possible(base, library)
+    frame = base.frame()
+    search = Search(base, frame, scan_effects(base, frame, effects, rng), battery(frame, rng))
+    search.left = search.structure
+    # Where noise alone goes as far, nothing is fitted: that is what keeps laws from being invented.
+    if search.alarm >= SEARCH.look_further:
+        return search
+    leaders = search.scan.scores[: INVENTION.refined]
+    search.grown = [grown_with(search, score) for score in leaders]
+    _sort(search)
+    search.left = battery(search.best.frame(), rng)
+    if search.grown and search.left.p_value < SEARCH.left_over:
+        search.grown += [*_with_conditions(search, effects), *_with_terms(search, effects)]
+        _sort(search)
+        search.left = battery(search.best.frame(), rng)
+    return search
+
+
+def possible(base: Refit, library: Sequence[Effect]) -> list[Effect]:
+    """Candidates that these data can tell of, and that are no part of any material."""
+    return [
+        effect
+        for effect in applicable(library, base.fit.measurement)
+        if enough_for(base, base.model + effect) and not within_material(base.model, effect)
+    ]
+
+
+def _sort(search: Search) -> None:
+    """The best first, without those that a search has led to where they give no numbers."""
+    search.grown = [grown for grown in search.grown if _has_numbers(grown)]
+    sort_by_evidence(search)
+
+
+def _has_numbers(grown: Grown) -> bool:
+    refit = grown.refit
+    with np.errstate(all="ignore"):
+        at = refit.model.network.respond(refit.theta, refit.fit.measurement.points, GRADIENT)
+    return bool(np.all(np.isfinite(at.value)) and np.all(np.isfinite(at.by_theta)))
+
+
+def _with_conditions(search: Search, effects: Sequence[Effect]) -> Iterator[Grown]:
+    """The best laws, each with a further condition."""
+    base, measurement = search.base, search.base.fit.measurement
+    conditions = frozenset[str]().union(*(effect.needs for effect in effects))
+    for grown in search.grown[: INVENTION.extended]:
+        (effect,) = grown.effects
+        taken = [*_names(effect), *measurement.conditions]
+        forms = [
+            filled(form, name, taken)
+            for name in sorted(conditions - effect.needs)
+            for form in forms_of(name, effect.plane)
+        ]
+        products = laws(filter(None, (_times(effect, form) for form in forms)), measurement)
+        scanned = scan_effects(base, search.frame, possible(base, products))
+        for score in scanned.scores[: INVENTION.seconds]:
+            yield grown_with(search, score)
+
+
+def _times(effect: Effect, form: str) -> str:
+    """A law times a form of a condition; empty where it is a factor without a size."""
+    word, _, text = text_of(effect).partition(": ")
+    if effect.plane in SUMMED:
+        return f"{word}: {times(text, form)}"
+    if "b*(" in text:
+        return f"{word}: {text.replace('b*(', f'b*({form}*', 1)}"
+    return ""
+
+
+class _Two(NamedTuple):
+    """Two terms of one plane, the model that has both, and a start of it (p,)."""
+
+    first: Effect
+    second: Effect
+    model: Model
+    start: Real
+
+
+def _with_terms(search: Search, effects: Sequence[Effect]) -> Iterator[Grown]:
+    """Laws of two terms, each pair once."""
+    starts: dict[str, list[_Two]] = {}
+    for two in (*_after_the_best(search, effects), *_together(search)):
+        if two.first.plane == two.second.plane and two.first.plane in SUMMED:
+            starts.setdefault(_joined(two.first, two.second), []).append(two)
+    base = search.base
+    for text, tried in starts.items():
+        for both in laws([text], base.fit.measurement):
+            model = base.model + both
+            if enough_for(base, model):
+                seeds = [_carried(two, both) for two in tried]
+                fitted = refit(model, base.data, base.noise, seeds, starts=0)
+                yield Grown((both,), fitted, fitted.rss)
+
+
+def _after_the_best(search: Search, effects: Sequence[Effect]) -> Iterator[_Two]:
+    """What the best laws leave shows a second term."""
+    for grown in search.grown[: INVENTION.extended]:
+        (first,) = grown.effects
+        others = [other for other in effects if other.plane == first.plane and other != first]
+        if first.plane not in SUMMED:
+            continue
+        scanned = scan_effects(grown.refit, grown.refit.frame(), others)
+        for score in scanned.scores[: INVENTION.seconds]:
+            for start in score.starts:
+                yield _Two(first, score.influence.effect, score.influence.model, start)
+
+
+def _together(search: Search) -> Iterator[_Two]:
+    """Terms that explain the residual only together."""
+    base, scores = search.base, search.scan.scores[: INVENTION.paired]
+    for pair in best_pairs(search.frame, scores, base.model, base.theta, INVENTION.pairs):
+        first, second = pair.first.influence.effect, pair.second.influence.effect
+        yield _Two(first, second, pair.model, pair.start)
+
+
+def _joined(first: Effect, second: Effect) -> str:
+    """The text of the sum of two laws, the second's size being told in that of the first.
+
+    So one parameter alone still makes the law vanish.
+    """
+    word, _, one = text_of(first).partition(": ")
+    other = renamed(formula_of(second), _names(first))
+    size = renamed(_names(second)[0], _names(first))
+    other = re.sub(rf"\b{size}\b", f"{_names(first)[0]}*{RATIO}", other)
+    return f"{word}: {one} + {other}".replace("+ -", "- ")
+
+
+def _carried(two: _Two, both: Effect) -> Real:
+    """The start of the model with two laws, as that of the model with one law of both."""
+    values = dict(zip(two.model.names, two.start.tolist(), strict=True))
+    mine = {name: values.pop(f"{two.first.name}.{name}") for name in _names(two.first)}
+    size, *others = _names(two.second)
+    ratio = values.pop(f"{two.second.name}.{size}") / mine[_names(two.first)[0]]
+    for name in others:
+        mine[renamed(name, _names(two.first))] = values.pop(f"{two.second.name}.{name}")
+    mine[RATIO] = ratio
+    # A fit of a material takes the effects' parameters from the end, and asks for no lines.
+    return np.array([*values.values(), *(mine[name] for name in _names(both))])
+
+
+def _names(effect: Effect) -> list[str]:
+    return [parameter.name for parameter in effect.element.parameters]
