@@ -24,6 +24,9 @@ WITHIN = 1e-4
 NEXT_TO_NOTHING = 1e-8
 NUMBER = re.compile(r"-?\d+\.\d{6,}(?:e[-+]\d+)?")
 """One in full, as files hold them; what is rounded for a reader must stay to the letter."""
+NOTHING = re.compile(r"-?\d+(?:\.\d+)?e-(?:1[2-9]|[2-9]\d)\d*|(?<![\d.])-?0\.0(?!\d)")
+"""What only rounding leaves, however a machine writes it."""
+WHOLE = re.compile(r"(?<=\d)\.0(?!\d)")
 MOST = 20
 """Places that are told of an answer that moved."""
 LONGEST = 12
@@ -105,6 +108,7 @@ def moved(before: Any, after: Any, within: float, place: str = "") -> Iterator[s
             yield f"{place}: {before!r} -> {after!r}"
     elif isinstance(before, str) and isinstance(after, str):
         # Texts are alike where their words are, and their numbers but for rounding.
+        before, after = rounded(before), rounded(after)
         words = NUMBER.split(before) == NUMBER.split(after)
         numbers = zip(NUMBER.findall(before), NUMBER.findall(after), strict=False)
         if not words or any(
@@ -113,6 +117,19 @@ def moved(before: Any, after: Any, within: float, place: str = "") -> Iterator[s
             yield f"{place}: {before!r} -> {after!r}"
     elif before != after:
         yield f"{place}: {before!r} -> {after!r}"
+
+
+def rounded(text: str) -> str:
+    """A text in which numbers that rounding alone made long are short.
+
+    3.0000000000000027 and 3.0 are 3.
+    """
+
+    def short(found: re.Match[str]) -> str:
+        value = f"{float(found[0]):.{DIGITS}g}"
+        return value if len(value) < DIGITS else found[0]
+
+    return WHOLE.sub("", NUMBER.sub(short, NOTHING.sub("0", text)))
 
 
 @pytest.fixture

@@ -29,7 +29,7 @@ MODELS = {model.base: model for model in REGISTERED}
 SEARCHED = [name for name, model in MODELS.items() if model.search]
 LIMITED = [name for name in SEARCHED if "kinf" in [p.name for p in MODELS[name].search.parameters]]
 OMEGA = np.logspace(-3, 3, 9)
-AT_UNIT_SPEED = {"power-law-damper", "power-law-slip"}
+AT_UNIT_SPEED = {"power-law-damper", "power-law-slip", "yielding"}
 """Effects whose parameter is a force at one unit of speed: at another speed in other units."""
 MODEL_SOURCE = re.compile(r"eq\. \(\d+\)|10\.\d{4,}/\S+|\(\d{4}\)")
 
