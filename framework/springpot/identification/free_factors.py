@@ -115,18 +115,15 @@ class FactorRows:
         Numbers of their parameters in theta.
     number : ndarray of int, shape (n,)
         Level of each measured point.
-    expected : Expected, optional
-        What was expected of the free factors when they were fitted.
     """
 
     fit: Fit
     elements: tuple[Levels, ...]
     own: tuple[int, ...]
     number: NDArray[np.int64]
-    expected: Expected | None = None
 
     @classmethod
-    def of(cls, fit: Fit, expected: Expected | None = None, column: str = "") -> FactorRows:
+    def of(cls, fit: Fit, column: str = "") -> FactorRows:
         """Of a fit of a model with free factors of a column, the first one's by default."""
         column = column or columns_of_factors(fit.model)[0]
         elements: list[Levels] = []
@@ -137,7 +134,15 @@ class FactorRows:
                 elements.append(element)
                 own += [fit.model.names.index(name) for name in _names_of(effect)]
         number = levels_of(column, fit.measurement.points.need(column))
-        return cls(fit, tuple(elements), tuple(own), number, expected)
+        return cls(fit, tuple(elements), tuple(own), number)
+
+    @cached_property
+    def expected(self) -> Expected | None:
+        """What was expected of the free factors when they were fitted."""
+        if self.fit.expected is None:
+            return None
+        first = len(self.fit.theta) - self.fit.expected.rows.shape[1]
+        return self.fit.expected.of([i - first for i in self.own])
 
     def named(self, level: int) -> str:
         """A level with its unit."""

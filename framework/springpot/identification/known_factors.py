@@ -74,7 +74,7 @@ def ends_of_factors(known: Uncertainty) -> Iterator[tuple[list[int], tuple[Real,
     if fit.dof <= 0 or known.specimens is not None:
         return
     for column in columns_of_factors(fit.model):
-        rows = FactorRows.of(fit, column=column)
+        rows = FactorRows.of(fit, column)
         factors = replace(factors_of(rows), quantile=student(known.level, fit.dof))
         of_a = interval_of(factors.log_a, factors.reach_a)
         of_b = interval_of(factors.log_b, factors.reach_b)
