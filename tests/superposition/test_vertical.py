@@ -8,9 +8,9 @@ from sweeps import LOG_A, TEMPERATURES, material, measured, simple
 
 import springpot
 from springpot.identification import default_objective, fit
-from springpot.identification.coordinates import WIDEST
 from springpot.identification.expected_factors import Expected
 from springpot.identification.free_factors import FactorRows
+from springpot.identification.known_factors import FURTHEST
 from springpot.identification.superposed_fit import superposed_fit
 from springpot.rheology import Continuum, Effect, Layer, Levels, Model, chain, shift
 
@@ -82,7 +82,7 @@ def test_an_open_interval_ends_at_numbers_and_warns_of_nothing():
         warnings.simplefilter("error")
         levels = springpot.mastercurve(measured(apart, noise=0.003, decades=0.5)).levels
     for level in levels:
-        assert 0.0 < level.a_low <= level.a <= level.a_high <= np.exp(2.0 * WIDEST) * 1.001
+        assert 0.0 < level.a_low <= level.a <= level.a_high <= np.exp(FURTHEST) * 1.001
 
 
 def test_no_law_where_the_material_relaxes_more_slowly_when_hot():

@@ -10,7 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from springpot.distributions import f_sf
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.continuum import Continuum
 from springpot.rheology.effect import Layer
@@ -19,7 +21,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import SUPERPOSITION
 
-from .levels_alone import ANY, Alone, each_alone
+from .levels_alone import ANY, TINY, Alone, each_alone, parts_of
 from .material import is_material
 from .problem import Objective, default_objective, relative_objective
 
@@ -45,7 +47,7 @@ class Weighing:
 
 @dataclass(frozen=True, eq=False)
 class _ByLevel:
-    """Weights (n,) of an objective times the share of each point's level.
+    """Weights (n,) of an objective times factors (m,) of storage and of loss at each point's level.
 
     A function made on the spot would keep every fit from being pickled.
     """
@@ -53,14 +55,14 @@ class _ByLevel:
     objective: Objective
     column: str
     levels: Real
-    share: Real
+    factors: Complex
 
     def __call__(self, measurement: Measurement) -> Complex:
         values = measurement.points.need(self.column)
         # By the nearest level, as a part of the data need not have all of them.
         nearest = np.argmin(np.abs(values[:, None] - self.levels), axis=1)
-        weights = self.objective.weighing(measurement) * self.share[nearest]
-        return np.asarray(weights, dtype=np.complex128)
+        weights, here = self.objective.weighing(measurement), self.factors[nearest]
+        return np.asarray(weights.real * here.real + 1j * weights.imag * here.imag)
 
 
 def shifted_by(model: Model) -> str:
@@ -128,12 +130,41 @@ def weighing_of(
         )
         objective = relative_objective()
         own = each_alone(measurement, number, objective, unfitted)
+    means = np.bincount(number, values) / np.bincount(number)
+    factors = _by_own_size(measurement, number, own, unfitted)
+    if np.any(factors != 1.0 + 1.0j):
+        by_part = _ByLevel(objective, column, means, factors)
+        objective = replace(objective, weights=by_part)
+        own = each_alone(measurement, number, objective, unfitted)
     share = own.share
     if np.all(share == 1.0):
         return Weighing(objective, own, note)
-    means = np.bincount(number, values) / np.bincount(number)
-    by_level = _ByLevel(objective, column, means, share)
+    by_level = _ByLevel(objective, column, means, share * (1.0 + 1.0j))
     return Weighing(replace(objective, weights=by_level), own, note)
+
+
+def _by_own_size(
+    measurement: Measurement, number: NDArray[np.int64], own: Alone, unfitted: Continuum
+) -> Complex:
+    """Factors (m,) on the weights of storage and of loss.
+
+    The misfit counts relative to |K|. Of a glass the loss is a hundredth of it and less, so that
+    the line might be anywhere within what |K| scatters by. A part that its own neighbours tell
+    better than that counts relative to its own size.
+    """
+    factors = np.ones((len(own.error), 2))
+    looked = 2 * max(int(own.judged.sum()), 1)
+    for level in np.flatnonzero(own.judged).tolist():
+        parts = parts_of(measurement.subset(number == level))
+        for i, part in enumerate(parts[: len(unfitted.columns) - 1]):
+            # What is left of |K|, relative to the part.
+            left = own.error[level] / max(part.share, TINY)
+            if left <= SUPERPOSITION.missed:
+                continue
+            ratio = (left / max(part.scatter, TINY)) ** 2
+            if looked * float(f_sf(ratio, own.dof[level], part.dof)) < SUPERPOSITION.alarm:
+                factors[level, i] = 1.0 / max(part.share, TINY)
+    return np.asarray(factors[:, 0] + 1j * factors[:, 1], dtype=np.complex128)
 
 
 def _too_large(own: Alone) -> float:
