@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -81,6 +81,13 @@ class Factors:
             turn @ self.covariance @ turn.T,
             self.quantile,
         )
+
+    @property
+    def of_modulus(self) -> Factors:
+        """The factors of the modulus where these are of a compliance, its inverse."""
+        turn = np.diag(np.repeat([1.0, -1.0], len(self)))
+        covariance = turn @ self.covariance @ turn
+        return replace(self, log_b=-self.log_b, covariance=covariance)
 
     @cached_property
     def reach_a(self) -> Real:
@@ -192,8 +199,8 @@ class FactorRows:
         """Derivative (2n, s) of the slopes by the spectrum with the logarithm of the frequency."""
         bent = np.zeros_like(self._others)
         slopes, bends = self._moved
-        # A spring stays as it is, a dashpot's slope is itself.
-        bent[1] = self._others[1]
+        # A spring stays as it is, a dashpot's slope is itself, or of a compliance its negative.
+        bent[1] = self.material.flow * self._others[1]
         bent[2 : 2 + len(slopes)] = np.where(self._unused[2:, None], 0.0, slopes)
         by_places = -self.fit.theta[2 : 2 + len(bends), None] * bends
         return weighted(np.concatenate([bent, by_places]), self.weights).T

@@ -139,7 +139,7 @@ def weighing_of(
     share = own.share
     if np.all(share == 1.0):
         return Weighing(objective, own, note)
-    by_level = _ByLevel(objective, column, means, share * (1.0 + 1.0j))
+    by_level = _ByLevel(objective, column, means, share.astype(np.complex128) * (1.0 + 1.0j))
     return Weighing(replace(objective, weights=by_level), own, note)
 
 

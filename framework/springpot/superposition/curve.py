@@ -25,7 +25,7 @@ from springpot.identification.superposed_fit import superposed_fit
 from springpot.measurement.independence import at_one_frequency
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
-from springpot.rheology.continuum import Continuum, Relaxation
+from springpot.rheology.continuum import Continuum, Retardation
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.levels import HELD, Levels, level_text
 from springpot.rheology.model import Model
@@ -160,8 +160,19 @@ class MasterCurve:
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """What was measured: ``omega``, ``storage`` and ``loss``, or ``time``, ``relaxation``."""
+        """What was measured: ``omega``, ``storage`` and ``loss``.
+
+        Or ``time``, and ``relaxation`` or ``compliance``.
+        """
         return FactorRows.of(self.fit).material.columns
+
+    @property
+    def measured_unit(self) -> str:
+        """Unit of what was measured."""
+        unit = self.data.units.stiffness
+        if "compliance" in self.columns:
+            unit = f"1/{unit}"
+        return unit
 
     def drawn(self, omega: Real, stiffness: Complex) -> tuple[Real, ...]:
         """Points or a curve (n,) in these columns, in SI and the unit of the data."""
@@ -172,7 +183,7 @@ class MasterCurve:
     def curve(self, omega: Real) -> NDArray[np.complex128]:
         """The material at the reference for `omega` (n,) in rad/s, in the data's unit.
 
-        Of relaxations its relaxation function at the times 1 / `omega`.
+        After steps its relaxation function, or its compliance, at the times 1 / `omega`.
         """
         # The fit has its factor one at a level of its own choice: the curve is carried from there.
         shift_by, lift_by = self._to_reference
@@ -227,7 +238,7 @@ class MasterCurve:
             "simplicity": rest.to_dict(),
             "curve": {
                 **dict(zip(self.columns, self.drawn(data.omega, data.stiffness), strict=True)),
-                "unit": data.units.stiffness,
+                "unit": self.measured_unit,
                 "determined": data.conditions["determined"] > 0.0,
             },
             "notes": list(self.notes),
@@ -248,7 +259,7 @@ def mastercurve(
     Parameters
     ----------
     measured : Measurement or sequence of TimeTest
-        Frequency sweeps at two levels or more, or relaxations at as many temperatures.
+        Frequency sweeps at two levels or more, or relaxations or creep at as many temperatures.
     column : str
         The condition whose levels are shifted.
     reference : float, optional
@@ -267,7 +278,7 @@ def mastercurve(
     began = perf_counter()
     unfitted, measurement = Continuum(), measured
     if not isinstance(measurement, Measurement):
-        unfitted, measurement = Relaxation(), after_steps(measurement)
+        unfitted, measurement = after_steps(measurement)
         objective = by_one_number(objective or default_objective(measurement))
     # First of all: a slip in the name of a column must not cost a fit.
     _check(measurement, column)
@@ -280,6 +291,8 @@ def mastercurve(
     at, remarks = _reference(fitted, reference)
     # Referred only now: a fit is the same whatever level is asked for.
     factors = fitted.referred_to(at)
+    if isinstance(unfitted, Retardation):
+        factors = factors.of_modulus
     known = known_factors(rows, fitted, factors, own)
     told = told_by_data(rows, at)
     notes = [
