@@ -15,6 +15,7 @@ from springpot.identification import fit
 from springpot.identification.allowed_shifts import allowed_shifts, refused_in_words
 from springpot.identification.free_factors import FactorRows, factors_of
 from springpot.identification.levels_alone import each_alone
+from springpot.registry import plugins
 from springpot.superposition import laws
 
 
@@ -212,14 +213,21 @@ def rows_of(found, start):
     return np.array([[each.value, each.low, each.high] for each in one])
 
 
-@pytest.mark.soak_cases("tape", "bitumen", "bitumen of lane 5", "rubber", "polystyrene")
+@pytest.fixture
+def shared(monkeypatch):
+    """Folders of data sets are read when the plugins are loaded, which happens once."""
+    monkeypatch.setenv("SPRINGPOT_DATA", str(SHARED))
+    plugins.cache_clear()
+    yield
+    plugins.cache_clear()
+
+
+@pytest.mark.soak_cases(*(name for name in FILES if name != "nist"))
 @pytest.mark.parametrize("name", list(FILES))
-def test_measured_files_have_one_answer_in_all_commands(name, monkeypatch):
+def test_measured_files_have_one_answer_in_all_commands(name, shared):
     """Factors of frequency and stiffness, constants, and their intervals, to the last digit."""
     if name != "nist" and not SHARED.is_dir():
         pytest.skip("the data stand beside the project's folder")
-    if SHARED.is_dir():
-        monkeypatch.setenv("SPRINGPOT_DATA", str(SHARED))
     curve = springpot.mastercurve(FILES[name])
     free = springpot.identify(FILES[name], "material + free-shift + free-vertical-shift")
     levels = [one for one in curve.levels if one.value != curve.reference]
