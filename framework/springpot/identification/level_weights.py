@@ -154,7 +154,8 @@ def _by_own_size(
     """
     factors = np.ones((len(own.error), 2))
     looked = 2 * max(int(own.judged.sum()), 1)
-    for level in np.flatnonzero(own.judged).tolist():
+    # What no material follows is no scatter that a part could be beside.
+    for level in np.flatnonzero(own.judged & ~own.strange).tolist():
         parts = parts_of(measurement.subset(number == level))
         for i, part in enumerate(parts[: len(unfitted.columns) - 1]):
             # What is left of |K|, relative to the part.
