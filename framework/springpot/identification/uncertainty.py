@@ -261,7 +261,7 @@ class Uncertainty:
         if np.isinf(upper[i]):
             # Compliances add where a stiffness has grown without limit, so its inverse has the
             # finite interval.
-            inverse = 1.0 / value + reach / value**2
+            inverse = (1.0 + reach / value) / value
             if not np.isfinite(inverse):
                 return float(lower[i]), float("inf")
             return max(1.0 / inverse, float(lower[i])), float("inf")
