@@ -10,14 +10,16 @@ from pathlib import Path
 
 import numpy as np
 
-from springpot.errors import DataError, ModelError
+from springpot.errors import DataError
 from springpot.identification.prediction import Known
 from springpot.identification.result import Identification
 from springpot.loading import load
 from springpot.measurement.units import MODULUS_UNITS, Units, known_unit
 from springpot.registry import parse_model
+from springpot.rheology.holding import allowed
 from springpot.rheology.parameters import Dimension
 from springpot.rheology.points import ROOM
+from springpot.suggestions import suggested
 
 
 def fitted(path: str | Path) -> Known:
@@ -31,7 +33,13 @@ def fitted(path: str | Path) -> Known:
     answer = load(path)
     if isinstance(answer, Identification):
         return answer.of_specimen
-    raise DataError(f"{path} is no fit: give the output of 'springpot identify ... --json'")
+    raise DataError(no_fit(path))
+
+
+def no_fit(path: str | Path) -> str:
+    """What is said of a file that holds another answer, or none."""
+    making = suggested("identify", "DATA", "--model", "EXPR", "--json")
+    return f"{path} is no fit: give the output of '{making}'"
 
 
 def stated(expression: str, values: Mapping[str, float], unit: str | None, what: str) -> Known:
@@ -54,13 +62,12 @@ def stated(expression: str, values: Mapping[str, float], unit: str | None, what:
     Raises
     ------
     SpringpotError
-        If model or unit are unknown, or a parameter is, lacks or is no finite number.
+        If model or unit are unknown, or a parameter is, lacks or has a value that it cannot take.
     """
     model = parse_model(expression)
-    printed = model.vector(dict(values))
-    # Words such as nan are numbers to Python.
-    if not np.all(np.isfinite(printed)):
-        raise ModelError(f"a parameter of {model.name} is no finite number")
+    given = model.vector(dict(values)).tolist()
+    # A bound of a stiffness or a length is zero or infinity, the same in any unit.
+    printed = np.array(list(map(allowed, model.parameters, given)))
     units = Units()
     if unit is not None:
         stiffness = known_unit(unit, MODULUS_UNITS, what)

@@ -231,6 +231,10 @@ class EvidenceLevels:
 
     Pairs have no order, so that two against one weigh half of it.
     """
+    apparatus: float = 0.1
+    """Prior weight, in tests in time, of a fault of the apparatus beside what specimens do: they
+    flow, yield and hang loose more often than a serviced instrument drifts, saturates or lags.
+    """
     outside: float = 0.15
     """Chance, before the data, that what is missing is in no library."""
     beside: float = 0.9
@@ -385,6 +389,10 @@ class VerdictLevels:
     takes_most: float = 0.5
     """Share of an error that an effect leaves at most to be named in the headline though something
     is left.
+    """
+    helps: float = 0.9
+    """Share of an error that an effect leaves at most to be told as a help: who looks at the plot
+    sees a tenth, and no less.
     """
     most_alike: int = 3
     """Effects of which one is so named at most: of more the headline would not be one."""

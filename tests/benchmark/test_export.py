@@ -278,3 +278,33 @@ def test_a_report_of_no_export_is_one_line(tmp_path):
     assert done.returncode == 2
     assert "holds no COCO export" in done.stderr
     assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("kind", ["ioh", "coco"])
+def test_exports_tell_the_time_of_one_trial_alone_beside_that_in_a_batch(tmp_path, kind):
+    raced = small_study(
+        datasets=[artificial()],
+        models=["fractional-kelvin"],
+        optimisers=["pso-paper", Walk()],
+        repetitions=3,
+        budget=200,
+    )
+    run_study(raced, engine="serial", out=tmp_path / "results", quiet=True)
+    export("small", kind, tmp_path / "made", tmp_path / "results")
+    with Store(tmp_path / "results" / "small" / "small.sqlite") as store:
+        label = {cell.id: cell.label for cell in store.cells()}
+        alone = {number: [row.processor for row in rows] for number, rows in store.trials()}
+    for number, times in alone.items():
+        known = float(np.median([each for each in times if each is not None]))
+        suffix = {"ioh": "json", "coco": "info"}[kind]
+        [path] = (tmp_path / "made" / label[number]).glob(f"*.{suffix}")
+        if kind == "ioh":
+            pairs = json.loads(path.read_text())["experiment_attributes"]
+            told = {key: value for pair in pairs for key, value in pair.items()}
+            assert float(told["processor [s]"]) == pytest.approx(known, rel=1e-4)
+            shared = "processor_batched [s]" in told
+        else:
+            comment = path.read_text().splitlines()[1]
+            assert f", processor {known:.4g} s" in comment
+            shared = "processor_batched" in comment
+        assert shared == (label[number] == "pso-paper")

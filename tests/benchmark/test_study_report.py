@@ -103,7 +103,7 @@ def test_nothing_is_loaded_and_nothing_runs(page):
 
 def test_data_cannot_break_the_page(page):
     assert NASTY not in page
-    assert NASTY in read(page).words or any(NASTY in word for word in read(page).words)
+    assert any(NASTY in word for word in read(page).words)
 
 
 def test_the_first_table_names_the_winner(page):

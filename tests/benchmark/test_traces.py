@@ -10,7 +10,7 @@ from benchmark_fakes import TRUTH, Walk, artificial, measurement, small_study
 
 from springpot import parse_model, plugins
 from springpot.benchmark import Status, Store, run_study
-from springpot.benchmark.schema import SCHEMA, columns, trials_of
+from springpot.benchmark.schema import SCHEMA, UPGRADES, columns, create, expected, trials_of
 from springpot.benchmark.store import seal
 from springpot.benchmark.trial import TwinProblem, at, geometric_grid, improvements
 from springpot.errors import StudyError
@@ -171,7 +171,7 @@ def test_an_older_store_is_brought_up_to_date_when_the_study_runs_again(tmp_path
         ("UPDATE problem SET known = 'x'", "cells are damaged and left out"),
         ("UPDATE trial SET status = 'x'", "is damaged and counted as failed"),
         ("UPDATE trial SET best = 'x'", "is damaged and counted as failed"),
-        ("ALTER TABLE trial DROP COLUMN seconds", "damaged or no study store"),
+        ("ALTER TABLE trial DROP COLUMN seconds", "is damaged: --retry-failed saves what can"),
     ],
 )
 def test_what_an_older_store_could_not_hold_is_damaged_when_it_is_brought_up_to_date(
@@ -191,20 +191,28 @@ def test_what_an_older_store_could_not_hold_is_damaged_when_it_is_brought_up_to_
     assert told in line
 
 
-def test_what_was_damaged_in_an_older_store_is_damaged_in_the_new_one(tmp_path, capfd):
-    """A store that has seals already gets new ones for what fits the old."""
-    study = small_study(datasets=[artificial()], models=["own"], optimisers=[Walk()])
-    path = run_study(study, engine="serial", out=tmp_path, quiet=True).store
+def as_before_processor_times(path):
+    """Turn a store into what the version before wrote."""
     with sqlite3.connect(path) as db:
+        db.execute("PRAGMA journal_mode = DELETE")
         db.execute("ALTER TABLE trial DROP COLUMN processor")
         db.execute("ALTER TABLE trial DROP COLUMN processor_batched")
         old = db.execute(trials_of(columns(db)["trial"])).fetchall()
         db.executemany(
-            "UPDATE trial SET seal = ? WHERE repetition = ?",
-            [(seal(row[:-1]), row[1]) for row in old],
+            "UPDATE trial SET seal = ? WHERE cell = ? AND repetition = ?",
+            [(seal(row[:-1]), *row[:2]) for row in old],
         )
-        db.execute("UPDATE trial SET best = best * 0.9 WHERE repetition = 2")
         db.execute("PRAGMA user_version = 3")
+    db.close()
+
+
+def test_what_was_damaged_in_an_older_store_is_damaged_in_the_new_one(tmp_path, capfd):
+    """A store that has seals already gets new ones for what fits the old."""
+    study = small_study(datasets=[artificial()], models=["own"], optimisers=[Walk()])
+    path = run_study(study, engine="serial", out=tmp_path, quiet=True).store
+    as_before_processor_times(path)
+    with sqlite3.connect(path) as db:
+        db.execute("UPDATE trial SET best = best * 0.9 WHERE repetition = 2")
     db.close()
     run_study(study, engine="serial", out=tmp_path, quiet=True, tables=False)
     with Store(path) as store:
@@ -212,3 +220,38 @@ def test_what_was_damaged_in_an_older_store_is_damaged_in_the_new_one(tmp_path, 
     assert [row.status is Status.DAMAGED for row in rows] == [False, False, True, False]
     assert all(row.processor is None and row.seconds > 0.0 for row in rows if not row.status.failed)
     assert "repetition 2 is damaged" in capfd.readouterr().err
+
+
+def test_no_finished_trial_is_lost_of_an_older_store_whose_file_is_damaged(tmp_path, capfd):
+    """It was "move it away and run again", with --retry-failed too."""
+    study = small_study(datasets=[artificial()], models=["own"], optimisers=[Walk()])
+    path = run_study(study, engine="serial", out=tmp_path, quiet=True).store
+    as_before_processor_times(path)
+    with sqlite3.connect(path) as db:
+        (page,) = db.execute(
+            "SELECT rootpage FROM sqlite_master WHERE name = 'sqlite_autoindex_cell_1'"
+        ).fetchone()
+        (size,) = db.execute("PRAGMA page_size").fetchone()
+    db.close()
+    with path.open("r+b") as file:
+        file.seek((page - 1) * size)
+        file.write(bytes(size))
+    with pytest.raises(StudyError, match="--retry-failed saves what can be read"):
+        Store(path, write=True)
+    Store(path, write=True, mend=True).close()
+    with Store(path) as store:
+        [(_, rows)] = store.trials()
+    assert len(rows) == 4
+    assert not any(row.status.failed for row in rows)
+    assert "is damaged; what can be read is used" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize("version", UPGRADES)
+def test_an_older_layout_that_is_upgraded_is_the_newest(version):
+    with sqlite3.connect(":memory:") as db:
+        create(db, version)
+        assert columns(db) != expected()
+        for later in range(version, SCHEMA):
+            db.executescript(UPGRADES[later])
+        assert columns(db) == expected()
+    db.close()

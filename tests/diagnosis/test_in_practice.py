@@ -35,12 +35,19 @@ def test_what_is_no_accuracy_is_refused_in_one_line(text):
 
 def test_nineteen_of_twenty_values_must_be_within_it():
     off = np.zeros(100)
-    off[:5] = 1.0
+    off[:5] = 0.02
     accuracy = Accuracy(0.01)
     assert accuracy.holds([Misfit(off, np.zeros(0))])
-    off[5] = 1.0
+    off[5] = 0.02
     assert not accuracy.holds([Misfit(off, np.zeros(0))])
     assert not accuracy.holds([Misfit(np.zeros(100), np.zeros(0)), Misfit(off, np.zeros(0))])
+
+
+def test_a_few_values_that_are_far_off_are_not_within_it():
+    off = np.zeros(100)
+    off[:3] = 0.2
+    assert np.mean(off <= 0.01) > 0.95
+    assert not Accuracy(0.01).holds([Misfit(off, np.zeros(0))])
 
 
 def test_modulus_and_phase_are_told_apart():
@@ -93,3 +100,12 @@ def test_a_test_in_time_is_judged_by_it_too():
     assert told.verdict == "adequate"
     assert told.says.startswith("within what the instrument promises (2 %)")
     assert springpot.discover(test, "zener", accuracy="2%").verdict == "adequate"
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_a_model_without_any_stiffness_is_infinitely_far_without_a_warning():
+    """Which the best of all passive models is for data whose force has the wrong sign."""
+    measured = np.array([-2.0 - 1.0j, -3.0 - 1.0j])
+    misfit = Misfit.of_stiffness(np.zeros(2, complex), measured)
+    assert misfit.modulus.tolist() == [np.inf, np.inf]
+    assert not Accuracy.of("1%,3mrad").holds([misfit])

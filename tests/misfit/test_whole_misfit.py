@@ -10,10 +10,12 @@ from springpot.misfit import (
     floor,
     material,
     outliers,
+    refit,
     residual_battery,
     residual_causes,
     values,
     where,
+    words,
 )
 
 OMEGA = 2.0 * np.pi * np.geomspace(0.1, 20.0, 16)
@@ -146,6 +148,11 @@ def of_residual(frame, raw):
         "scatter": [kept.variance, kept.dof, np.flatnonzero(kept.kept)],
         "about": floor.scatter_about(frame),
         "step": residual_causes.step_of(frame),
+        "pulling": outliers.pulling([frame]),
+        "neighbours": outliers.side_by_side(frame.measurement, rows),
+        "one curve": residual_causes._is_one(
+            frame, residual_causes._curve(frame, np.log(frame.measurement.omega))
+        ),
     }
 
 
@@ -160,6 +167,7 @@ def of_fit(found):
         "sizes": [found.relative_rms, found.floor],
         "beyond": [floor.beyond_floor(found), floor.borne_out(found), floor.is_hardly_known(found)],
         "error": material.error_of(found, lowest).to_dict(),
+        "starts": found.has_one_minimum,
         "words": [material.split_in_words(found, lowest), *material.beyond_any_material(lowest)],
         "levels": [*material.notes_on_levels(found, []), *material.notes_on_amplitudes(found)],
         "values": {name: value.to_dict() for name, value in values.printed(found).items()},
@@ -178,3 +186,32 @@ def test_what_is_found_in_a_residual(case, stays):
 
 def test_what_is_known_of_a_fit(case, stays):
     stays(of_fit(case))
+
+
+@pytest.mark.parametrize("name", ["kelvin + inertia", "material", "material + inertia"])
+def test_a_fit_with_an_effect_and_what_leaving_out_says_of_it(name, stays):
+    data = temperatures()
+    with_it, without = (
+        floor.fitted_to_floor(springpot.parse_model(each), data)
+        for each in (name, name.partition(" + ")[0])
+    )
+    stays(
+        {
+            "one minimum": [without.has_one_minimum, with_it.has_one_minimum],
+            "gain": refit.prediction_gain(without, with_it),
+            "pulling": outliers.pulling([without.frame(), with_it.frame()]),
+            "seed": with_it.seed_from(without),
+        }
+    )
+
+
+MOVES = [(2.0, 2.0), (2.0, 2.001), (1.0, 1.4), (1.0, 83.0), (9.0, 6.0), (9.0, 0.5), (-1.0, 3.0)]
+
+
+def test_a_change_from_an_end_to_the_other_in_words(stays):
+    stays([drift_search._moved("storage", ends, "Pa") for ends in MOVES])
+
+
+def test_an_error_in_floors_in_words():
+    assert words.over_floor(0.02, 0.04) == "0.500"
+    assert words.over_floor(0.02, None) == words.over_floor(0.02, 0.0) == "-"

@@ -61,7 +61,11 @@ class TestEffects(PluginContract):
     plugin = "springpot_plugins.effects"
     # Their parameter is the force at one amplitude unit per second, which is another speed in other
     # units.
-    skip: ClassVar = {"power-law-damper": ["units"], "power-law-slip": ["units"]}
+    skip: ClassVar = {
+        "power-law-damper": ["units"],
+        "power-law-slip": ["units"],
+        "yielding": ["units"],
+    }
 
 
 @pytest.mark.soak_cases(

@@ -138,7 +138,7 @@ PLANES = {
 NOT_TYPED = {
     # They ask for the model's own K, or for what is left of an amplitude in series.
     *("specimen-inertia", "specimen-inertia-fixed", "self-heating"),
-    *("hardening-mount", "power-law-slip"),
+    *("hardening-mount", "power-law-slip", "yielding"),
     # Functions and cases that no formula has.
     *("elasto-sliding", "dead-zone", "backlash", "power-law-damper", "filter-mismatch"),
 }

@@ -57,7 +57,8 @@ def test_derivatives_are_exact(name, base_name):
     model, theta = grown(base_name, name)
     response = model.network.respond(theta, POINTS, FULL)
     # A real loss or the size of K is no analytic function of complex parameters.
-    derivative = stencil if EFFECTS[name].composition in (heated, balanced_series) else cauchy
+    real = EFFECTS[name].composition in (heated, balanced_series) or name == "yielding"
+    derivative = stencil if real else cauchy
     by_theta, by_log_omega = differentiate(model, theta, derivative)
     scale = np.max(np.abs(response.value))
     np.testing.assert_allclose(response.by_theta, by_theta, rtol=1e-9, atol=1e-10 * scale)
@@ -143,7 +144,29 @@ def test_an_effect_says_what_it_is(name):
     assert len(effect.summary.split()) >= 5
     assert not effect.summary.endswith(".")
     assert effect.citation
-    assert effect.plane in {"stiffness", "compliance", "log-complex", "shift"}
+
+
+PLANES = {"stiffness": lambda k: k, "compliance": lambda k: 1.0 / k, "log-complex": np.log}
+OF_WHOLE = {"hardening-mount", "power-law-slip", "specimen-inertia", "specimen-inertia-fixed"}
+"""What they add hangs on what is there."""
+
+
+@pytest.mark.parametrize("name", [name for name in EFFECTS if name not in OF_WHOLE])
+def test_in_its_plane_an_effect_adds_the_same_to_any_model(name):
+    effect = EFFECTS[name]
+    if effect.plane == "shift":
+        model = parse_model(f"kelvin + {name}")
+        theta = np.append([2.0, 0.0], own_theta(effect))
+        assert model.stiffness(theta, POINTS) == pytest.approx(2.0)
+        return
+    plane = PLANES[effect.plane]
+    whole, alone = (
+        [plane(model.stiffness(theta, POINTS)) for model, theta in both]
+        for both in ([grown(each, name) for each in BASES], [grown(each) for each in BASES])
+    )
+    added = [with_it - without for with_it, without in zip(whole, alone, strict=True)]
+    np.testing.assert_allclose(added[0], added[1], rtol=1e-9, atol=1e-12)
+    assert np.abs(added[0]).max() > 1e-3
 
 
 @every_effect
@@ -188,6 +211,7 @@ LABELS = {
     "friction": {"F": "N"},
     "elasto-sliding": {"k": "kN/m", "F": "N"},
     "smooth-hysteresis": {"k": "kN/m", "F": "N", "n": "-", "beta": "-"},
+    "yielding": {"k": "kN/m", "F": "N", "a": "-"},
     "power-law-damper": {"F": "N", "a": "-"},
     "cubic-stiffness": {"k3": "kN/m mm^-2"},
     "cubic-damping": {"c3": "kN s^3/m mm^-2"},

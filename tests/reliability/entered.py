@@ -2,8 +2,8 @@
 
 ``SPRINGPOT_NOTES`` names the file that is written at the end. ``SPRINGPOT_ORDER`` names one with
 the tests that run before all others, in their order, and those that do not run; without it, notes
-are made of the seconds that each test took and of the functions of the framework that it entered,
-as file and first line.
+are made of the seconds that each test took, of the functions of the framework that it entered, as
+file and first line, and of whether it started a process, which may enter anything.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 from time import perf_counter
@@ -21,6 +22,18 @@ import pytest
 
 TESTS: dict[str, dict[str, Any]] = {}
 FAILED: list[str] = []
+STARTED: list[str] = []
+"""Processes that the test at hand started, by how."""
+STARTS = ("subprocess.Popen", "os.fork", "os.forkpty", "os.posix_spawn", "os.spawn")
+
+
+def _hear(event: str, arguments: object) -> None:
+    if event in STARTS:
+        STARTED.append(event)
+
+
+if "SPRINGPOT_ORDER" not in os.environ:
+    sys.addaudithook(_hear)
 
 
 @pytest.hookimpl(trylast=True)
@@ -44,13 +57,20 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
         seen.add(frame.f_code)
 
     start = perf_counter()
+    STARTED.clear()
+    threading.settrace(enter)
     sys.settrace(enter)
     try:
         return (yield)
     finally:
         sys.settrace(None)
+        threading.settrace(None)  # type: ignore[arg-type]
         places = sorted({(code.co_filename, code.co_firstlineno) for code in seen if _ours(code)})
-        TESTS[item.nodeid] = {"seconds": perf_counter() - start, "entered": places}
+        TESTS[item.nodeid] = {
+            "seconds": perf_counter() - start,
+            "entered": places,
+            "started": bool(STARTED),
+        }
 
 
 def _ours(code: CodeType) -> bool:

@@ -212,15 +212,14 @@ def test_points_that_were_set_aside_are_drawn():
 
 
 @pytest.mark.soak
-def test_a_hopeless_effect_is_not_shown_as_a_suggestion():
-    """Its sentence of physics was read as advice, beside a probability of nothing."""
+def test_an_effect_that_leaves_the_error_is_not_shown_as_a_suggestion():
+    """Its sentence of physics was read as advice, beside an error that stays."""
     ladder = springpot.discover(
         damper(lambda f: 1.0 + 0.04 * np.sin(6.0 * np.pi * np.log10(f))), "fractional-maxwell"
     )
     found = ladder.steps[-1].case.diagnosis
-    hopeless = tuple(
-        replace(row, probability=0.001, verdict="cannot-tell") for row in found.candidates[:3]
-    )
+    stays = {"error_after": found.error.relative_rms, "verdict": "cannot-tell"}
+    hopeless = tuple(replace(row, **stays) for row in found.candidates[:3])
     told = replace(found, verdict="unexplained", candidates=hopeless, leading=())
     assert worth_showing(told) == []
     name, says = hopeless[0].effect, hopeless[0].says
@@ -235,7 +234,8 @@ def test_a_hopeless_effect_is_not_shown_as_a_suggestion():
     assert told.says[1:] in section
     assert says not in section
     assert told.plot() is not None
-    kept = replace(told, candidates=(replace(hopeless[0], probability=0.02), *hopeless[1:]))
+    half = replace(hopeless[0], error_after=0.5 * found.error.relative_rms, delta_bic=20.0)
+    kept = replace(told, candidates=(half, *hopeless[1:]))
     assert [row.effect for row in worth_showing(kept)] == [name]
     assert f">{name}</td>" in kept._repr_html_()
 

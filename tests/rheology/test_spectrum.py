@@ -264,6 +264,7 @@ def test_every_effect_has_a_spectrum_or_is_refused_by_name(effect: str):
 
 
 REFUSED = {
+    "yielding",
     *(
         "time-delay",
         "phase-error",

@@ -1,11 +1,12 @@
 """What every installed model and effect answers, in frequency and in time, as numbers."""
 
 import numpy as np
+import pytest
 
 import springpot
 from springpot.errors import SpringpotError
 from springpot.registry import parse_model, plugins
-from springpot.rheology import Points
+from springpot.rheology import Points, laws
 from springpot.rheology.model import Family
 
 OMEGA = np.array([0.3, 1.1, 4.0, 17.0, 60.0, 250.0])
@@ -110,3 +111,32 @@ def test_networks_and_their_drawings(stays):
             **in_frequency(model),
         }
     stays(found)
+
+
+@pytest.mark.parametrize("value", [-0.1, 1.1, np.nan, np.inf])
+def test_a_parameter_is_held_within_its_range_only(value):
+    with pytest.raises(SpringpotError, match="alpha cannot be"):
+        parse_model("springpot").holding({"alpha": value})
+    assert parse_model("springpot").holding({"alpha": 1.0}).names == ("c",)
+
+
+def test_a_slider_moved_step_by_step_is_one_that_is_moved_along(rng):
+    way = np.append(0.0, np.cumsum(rng.normal(size=60)))
+    along, _ = laws.jenkins(np.arange(61.0), way, np.zeros(61), 3.0, 2.0)
+    force, steps = 0.0, [0.0]
+    for each in np.diff(way):
+        force = laws.jenkins_step(force, each, 3.0, 2.0)
+        steps.append(force)
+    np.testing.assert_allclose(along, steps, atol=1e-12)
+    assert np.sum(np.abs(along) == 2.0) > 10
+
+
+@pytest.mark.parametrize("alpha", [0.1, 0.5, 0.9])
+def test_poles_that_stand_for_a_springpot_hold_its_modulus(alpha):
+    """A power of the frequency over the band, to the accuracy that a spectrum says of itself."""
+    model = parse_model("springpot")
+    omega = np.geomspace(0.1, 10.0, 30)
+    found = model.spectrum(np.array([2.0, alpha]), (0.1, 10.0))
+    exact = 2.0 * (1j * omega) ** alpha
+    assert np.max(np.abs(found.stiffness(omega) / exact - 1.0)) <= 1.2 * found.error
+    assert found.error < 1e-3

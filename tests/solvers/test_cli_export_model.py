@@ -74,6 +74,8 @@ def test_a_fit_is_read_back_in_its_units(springpot, tmp_path):
             "both",
         ),
         (["none.json", "--to", "csv", "--band", BAND], "none.json"),
+        (["spring", "--to", "csv", "--band", BAND, "--set", "k=-1"], "k cannot be -1"),
+        (["spring", "--to", "csv", "--band", BAND, "--set", "k=nan"], "k cannot be nan"),
         (["spring", "--to", "abaqus", "--band", BAND, "--set", "k=1", "--unit", "kN/m"], "modulus"),
         (["dashpot", "--to", "csv", "--band", BAND, "--set", "c=1"], "--dashpot"),
         (
@@ -180,7 +182,7 @@ def test_a_card_states_what_was_measured_and_marks_what_lies_outside(springpot, 
     """Twelve unmeasured decades were "largest error 0.474 %" without a word."""
     path = fitted("G' [MPa],G'' [MPa]", extra="temperature [degC]=25")
     inside = springpot("export-model", path, "--to", "csv", "--band", BAND)
-    assert "measured: 1 to 48 Hz, temperature of 25 to 25 [degC]" in inside.out
+    assert "measured: 1 to 48 Hz, temperature of 25 [degC]" in inside.out
     assert "outside" not in inside.out + inside.err
     far = springpot("export-model", path, "--to", "json", "--band", "1e-6Hz:1e6Hz")
     assert far.err.count("outside of what was measured") == 1

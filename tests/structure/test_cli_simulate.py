@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from springpot.measurement.covered import Covered
+from springpot.measurement.units import Units
 from springpot.registry import parse_model
 from springpot.structure import Damper
 
@@ -164,6 +165,10 @@ def test_stated_parameters_have_no_band_and_need_no_quotes(springpot, write):
             ('fit = "fit.json"', 'model = "spring"\nparameters = {k = 1}\nunit = "kPa"'),
             "a damper has a stiffness",
         ),
+        (
+            ('fit = "fit.json"', 'model = "spring"\nparameters = {k = -9}\nunit = "kN/m"'),
+            "k cannot be -9",
+        ),
     ],
 )
 def test_a_bad_description_is_one_line(springpot, frame, change, says):
@@ -192,12 +197,19 @@ def test_a_damper_used_beyond_what_it_was_measured_at_is_told(springpot, frame, 
     steady = springpot("simulate", frame, "--frequency", "10,100", "--json").json
     (note,) = steady["notes"]
     assert note.startswith("damper 1: beyond the measured 0.5 to 50 Hz (1 of 2 frequencies)")
-    assert note in springpot("simulate", frame, "--frequency", "10,100").out
+    assert [point["outside_measured"] for point in steady["points"]] == [False, True]
+    told = springpot("simulate", frame, "--frequency", "10,100").out
+    assert note in told
+    rows = [line.split()[-1] for line in told.splitlines() if line.lstrip().startswith("10")]
+    assert rows == ["within", "outside"]
+    inside = springpot("simulate", frame, "--frequency", "1,10")
+    assert "measured" not in inside.out
     assert springpot("simulate", frame, "--frequency", "1,10", "--json").json["notes"] == []
     stiff = FRAME.replace("stiffness = [8e7, 7e7]", "stiffness = [8e10, 7e10]")
     record = ("--record", write(RECORD, "record.csv"), "--draws", "0")
     told = springpot("simulate", write(stiff, "stiff.toml"), *record)
     assert "damper 1: beyond the measured 0.5 to 50 Hz (2 of 2 modes)" in told.out
+    assert told.out.count(" % outside") + told.out.count("%  outside") == 2
     assert springpot("simulate", frame, *record, "--json").json["notes"] == []
 
 
@@ -208,3 +220,17 @@ def test_a_damper_used_at_another_temperature_is_told():
     damper = Damper(model, theta, temperature=-10.0, covered=covered)
     said = damper.remark(np.array([2.0]), "modes")
     assert said.startswith("beyond the measured temperature of 20 to 30 [degC] (1 of 1 modes)")
+
+
+def test_a_damper_that_moves_further_than_it_was_measured_is_told():
+    covered = Covered((1.0, 10.0), {"amplitude": (0.5, 2.0)})
+    damper = Damper(parse_model("spring"), np.array([1.0]), covered=covered)
+    within, beyond = (damper.remark_on_stroke(each * damper.length) for each in (1.0, 3.0))
+    assert within == ""
+    assert beyond.startswith("beyond the measured amplitude of 0.5 to 2 [")
+    assert "(1 of 1 peak strokes)" in beyond
+
+
+def test_a_condition_that_was_held_is_one_number():
+    covered = Covered((1.0, 10.0), {"temperature": (23.0, 23.0)})
+    assert covered.span("temperature", Units()) == "temperature of 23 [degC]"

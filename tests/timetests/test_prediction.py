@@ -65,7 +65,7 @@ def test_another_specimen_does_not_hold_and_it_is_told_which_way(fit):
 def test_a_sweep_predicts_a_test_in_time():
     found = predict_test(springpot.identify(swept(), MODEL), relaxed())
     assert found.error < 0.05
-    assert found.verdict in ("holds", "fails")
+    assert found.verdict == "holds"
     assert found.inside < 1.0
     assert "beyond what the fitted tests saw" in found.says
 
@@ -85,7 +85,7 @@ def test_the_band_holds_the_truth(fit):
 def test_a_fit_that_does_not_determine_the_test_says_so():
     early = T < 0.02
     few = TimeTest.of_relaxation(T[early][:8], relaxed().response[early][:8], "kPa")
-    assert predict_test(identify(few, MODEL), crept()).verdict in ("vague", "fails")
+    assert predict_test(identify(few, MODEL), crept()).verdict == "vague"
 
 
 def test_a_planned_test_is_predicted_and_not_judged(fit):
@@ -184,7 +184,8 @@ def test_a_joint_fit_knows_what_its_tests_measured_and_keeps_it(tmp_path):
             known.predict(omega=asked, temperature=80.0)
         late = predict_test(known, warm(crept(), 22.0))
         assert np.array_equal(late.outside, T > 2.0 / 0.03)
-        assert "beyond the measured" in " ".join(late.notes) or not late.outside.any()
+        assert late.outside.any()
+        assert "beyond the measured" in " ".join(late.notes)
         cold = predict_test(known, warm(crept(), -40.0))
         assert cold.outside.all()
         assert cold.inside == 0.0

@@ -13,8 +13,8 @@ from springpot.measurement import Measurement, TimeTest
 from springpot.registry import parse_model, plugins
 from springpot.rheology import Effect
 from springpot.timetests import diagnose, examine, identify
-from springpot.timetests.residuals_of_tests import at_tests
 from springpot.timetests.scatter import scatter_of_sweep
+from springpot.timetests.specimen import at_tests
 
 NOISE = 0.006
 OMEGA = np.geomspace(0.1, 100.0, 25)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import io
 import re
-import shutil
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,9 @@ from playwright.sync_api import sync_playwright
 import springpot
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests"))
+from chromium import CHROMIUM  # noqa: E402
+
 IMAGES = ROOT / "docs" / "images"
 COLOURS = 128
 MODEL = "fractional-maxwell"
@@ -63,13 +66,11 @@ def keep(page: Any, name: str) -> None:
 def main() -> None:
     bench = springpot.workbench(browser=False)
     with sync_playwright() as driver:
-        browser = driver.chromium.launch(
-            executable_path=shutil.which("chromium"), args=["--no-sandbox"]
-        )
+        browser = driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
 
         def opened(name: str, content: bytes, model: str = "", **settings: Any) -> Any:
             context = browser.new_context(
-                **{"viewport": {"width": 1280, "height": 800}, **settings}
+                **{"viewport": {"width": 1440, "height": 900}, **settings}
             )
             page = context.new_page()
             page.goto(bench.address)
@@ -80,7 +81,7 @@ def main() -> None:
                 "#file-first", {"name": name, "mimeType": "text/csv", "buffer": content}
             )
             if model:
-                page.locator("#effects li").first.wait_for()
+                page.locator("#effects [role=option]").first.wait_for()
                 page.locator("body:not([aria-busy])").wait_for()
                 page.fill("#expression", model)
                 page.press("#expression", "Enter")

@@ -38,7 +38,7 @@ COST_OF_A_PREVIEW = """() => {
     };
     const middle = (times) => times.sort((a, b) => a - b)[Math.floor(times.length / 2)];
     const previews = [], yardsticks = [];
-    for (const option of [...document.querySelectorAll("#effects li")].slice(0, 9)) {
+    for (const option of [...document.querySelectorAll("#effects [role=option]")].slice(0, 9)) {
         previews.push(timed(() => {
             option.dispatchEvent(new PointerEvent("pointerenter", { pointerType: "mouse" }));
             document.body.getBoundingClientRect();
@@ -116,6 +116,7 @@ def the_next_experiment_stands_on_the_same_screen(here: Page) -> None:
     here.page.check("#show-plan")
     assert here.page.locator("#plot-view .line.rival").count() == 4
     assert here.page.locator("#plot-view .band").count() >= 4
+    assert here.page.locator("#plot-view .station").count() == 20, "where to measure"
     fits_one_screen(here)
     box = here.page.locator("#plan").bounding_box()
     assert box["y"] + box["height"] < 800
@@ -133,6 +134,8 @@ def a_slider_moves_the_curve_and_leaves_the_fit(here: Page) -> None:
     here.page.keyboard.press("ArrowRight")
     here.page.locator("#plot-view .line.edited").first.wait_for(state="attached")
     assert "edited" in here.reads("#edited-says")
+    assert here.page.locator("#plot-residual .line.edited").count() == 2
+    assert here.page.locator("#plot-ladder .ghost circle").count() == 1
     assert here.page.get_attribute("#plot-view .line.model.storage", "d") == fitted
     here.page.click("#fit")
     playwright.expect(here.page.locator("#edited-says")).to_contain_text("fitted within these")
@@ -223,6 +226,9 @@ def the_report_is_the_page_with_its_hovers(here: Page, report: bytes, folder: Pa
     assert page.inner_text("#verdict").startswith(f"{MODEL}: effect-missing"), (
         "a report accepts nothing"
     )
+    page.click("#play")
+    playwright.expect(page.locator("#rung-0")).to_have_attribute("aria-current", "step")
+    playwright.expect(page.locator("#rung-1")).to_have_attribute("aria-current", "step")
     assert faults == []
     context.close()
 
@@ -378,7 +384,7 @@ def test_ten_thousand_rows_are_drawn_and_a_computation_is_told_and_cancelled(pag
         == "wait for the computation, or cancel it"
     )
     here.page.select_option("#view", "cole-cole")  # the page is not held up meanwhile
-    assert "K''" in here.page.text_content("#plot-view")
+    assert "G''" in here.page.text_content("#plot-view")
     here.page.click("#cancel")
     here.done()
     assert here.page.locator("#work").is_hidden()
@@ -393,7 +399,11 @@ def test_three_temperatures_and_the_race(
     here.drop("gel.csv", three_temperatures())
     here.shows("material")
     assert here.reads("#facts") == "18 points, 3 sweeps"
-    assert here.page.locator("#key .swatch").all_inner_texts() == ["● 0 °C", "● 20 °C", "● 40 °C"]
+    assert here.page.locator("#key [class*=sweep-]").all_inner_texts() == [
+        "● 0 °C",
+        "● 20 °C",
+        "● 40 °C",
+    ]
     here.page.select_option("#view", "master-curve")
     playwright.expect(here.page.locator("#plot-view .label").first).to_contain_text(
         "reduced frequency", timeout=PATIENCE

@@ -358,8 +358,11 @@ def test_a_fit_by_hand_keeps_what_was_fixed_and_is_otherwise_the_fit(data: Measu
     )
     assert drawn["planes"] == free["planes"]
     for wrong in ({"value": 400.0, "upper": 320.0}, {"value": -1.0}, {"value": None}, 3):
-        with pytest.raises(ModelError, match=r"k = .* is not within|no value"):
+        with pytest.raises(ModelError, match=r"k = .* is not within|k cannot be -1|no value"):
             curve(print, state, text, hands | {"k": wrong})
+    swapped = {"value": 310.0, "lower": 320.0, "upper": 305.0}
+    with pytest.raises(ModelError, match="lower end 320 lies above the upper end 305; swap them"):
+        curve(print, state, text, hands | {"k": swapped})
 
 
 def a_session(data: Measurement) -> dict:
@@ -463,9 +466,8 @@ def test_the_error_is_relative_to_what_was_measured_as_the_page_says(data: Measu
     one = data.subset(np.arange(len(data)) == 0)
     exact = abs(half.item() / one.stiffness[0] - 1.0)
     assert relative_error(one, model, half) == pytest.approx(exact)
-    words = (Path(springpot.__file__).parent / "web" / "page" / "main.js").read_text(
-        encoding="utf-8"
-    )
+    modules = Path(springpot.__file__).parent / "report" / "interactive" / "modules"
+    words = (modules / "hero.js").read_text(encoding="utf-8")
     assert "|K_model - K| / |K|" in words
 
 

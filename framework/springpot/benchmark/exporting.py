@@ -40,9 +40,11 @@ from .coco_suite import NAMES, SUITE
 from .columns import TABLES, Columns, required
 from .store import Store
 from .study import Study
-from .summary import CellRow, ProblemRow, TrialRow, store_path
+from .summary import CellRow, ProblemRow, TrialRow, median_of, store_path
 from .trial import at, geometric_grid
 
+CLOCKS = ("processor", "processor_batched")
+"""Times of a trial that say what it costs: those of a call that served several would not."""
 PRECISION = 1e-8
 """COCO's final target."""
 _HEAD = (
@@ -182,6 +184,8 @@ def _info_file(block: Block, scale: PrecisionScale, data: str) -> str:
         f"% {block.name}: (f - {scale.best!r}) / ({scale.reference!r} - {scale.best!r}), f the"
         f" {objective}"
     )
+    for name, seconds in block.clocks().items():
+        comment += f", {name} {seconds:.4g} s"
     return (
         ", ".join(f"{key} = {value}" for key, value in keys.items())
         + f"\n{comment}\n{data}, {runs}\n"
@@ -255,6 +259,15 @@ class Block:
     def name(self) -> str:
         """Data set, model and objective in one word."""
         return function_name(self.cell.problem)
+
+    def clocks(self) -> dict[str, float]:
+        """Processor time [s] of one trial alone, and a share in a batch.
+
+        Medians over the trials that have it: of a batch, one is run alone as well.
+        """
+        times = {name: [getattr(row, name) for row in self.trials] for name in CLOCKS}
+        medians = {name: median_of(each) for name, each in times.items()}
+        return {name: each for name, each in medians.items() if each is not None}
 
 
 def created(folder: Path) -> Path:
@@ -398,6 +411,7 @@ def _iohprofiler_index(block: Block, study: str, data: str) -> dict[str, Any]:
         "objective": problem.objective,
         "study": study,
         "budget": str(block.cell.budget),
+        **{f"{name} [s]": f"{seconds:.6g}" for name, seconds in block.clocks().items()},
     }
     return {
         "version": FORMAT,

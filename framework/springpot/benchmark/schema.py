@@ -166,11 +166,11 @@ _TRACE = {"points": "trace", "recommended": "recommended", "seen": "seen"}
 
 
 @cache
-def expected() -> dict[str, list[str]]:
-    """Names of the columns of each table."""
+def expected(version: int = SCHEMA) -> dict[str, list[str]]:
+    """Names of the columns of each table in that layout."""
     # From the statements themselves: a list of columns kept beside them would drift from it.
     with closing(sqlite3.connect(":memory:")) as db:
-        create(db)
+        create(db, version)
         return columns(db)
 
 
@@ -212,11 +212,15 @@ def insertion(table: str) -> str:
     )
 
 
-def create(db: sqlite3.Connection) -> None:
-    """The tables of an empty store."""
+def create(db: sqlite3.Connection, version: int = SCHEMA) -> None:
+    """The tables of an empty store, in the newest layout or an older one."""
     for statement in TABLES.split(";"):
         db.execute(statement)
-    db.execute(f"PRAGMA user_version = {SCHEMA}")
+    for later in range(version, SCHEMA):
+        for statement in UPGRADES[later].split(";"):
+            table, _, column = statement.strip().partition(" ADD COLUMN ")
+            db.execute(f"{table} DROP COLUMN {column.split()[0]}")
+    db.execute(f"PRAGMA user_version = {version}")
 
 
 def trials_of(columns: Iterable[str]) -> str:

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from springpot.errors import StudyError
+from springpot.suggestions import suggested
 
 from .database import (
     connect,
@@ -119,7 +120,7 @@ class Store:
                 # its log.
                 require_tables(self._db, path, frozenset(KEYS))
                 self._require_version(write)
-                if not whole(self._db, expected()):
+                if not whole(self._db, expected(self._version())):
                     self._save(write, mend)
         except BaseException:
             self._db.close()
@@ -145,7 +146,8 @@ class Store:
             saved = sqlite3.connect(":memory:", isolation_level=None)
         # Text may be damaged as well: it is read as far as it goes.
         saved.text_factory = lenient
-        create(saved)
+        # Rows are saved as they lie there, an older layout's too, with their seals.
+        create(saved, self._version())
         with transaction(saved):
             save(self._db, saved)
         self._db.close()
@@ -155,6 +157,9 @@ class Store:
             replace_store(fresh, self.path)
             saved = connect(self.path, write)
         self._db, self._saved = saved, True
+        if write:
+            with transaction(self._db):
+                self._upgrade()
         self._tell("the file is damaged; what can be read is used")
 
     def _require_version(self, write: bool) -> None:
@@ -165,18 +170,20 @@ class Store:
                     and not self._db.execute("SELECT 1 FROM sqlite_master").fetchone()
                 ):
                     create(self._db)
-                self._upgrade()
+                # One whose structure is damaged is saved first.
+                if self._version() in UPGRADES and whole(self._db, expected(self._version())):
+                    self._upgrade()
         if self._version() > SCHEMA:
             raise StudyError(
                 f"{self.path} was written by a newer springpot (schema {self._version()}): update"
                 " springpot"
             )
-        if self._version() in UPGRADES:
+        if self._version() in UPGRADES and not write:
             raise StudyError(
                 f"{self.path} was written by an older springpot: run the study again, nothing is"
                 " lost"
             )
-        if self._version() < SCHEMA:
+        if self._version() < SCHEMA and self._version() not in UPGRADES:
             raise StudyError(f"{self.path} is no study store: move it away and run again")
 
     def _upgrade(self) -> None:
@@ -221,7 +228,8 @@ class Store:
         if not self._told:
             self._told = True
             print(
-                f"note: {self.path}: {damage}; 'springpot run STUDY.py --retry-failed' mends it",
+                f"note: {self.path}: {damage};"
+                f" '{suggested('run', 'STUDY.py', '--retry-failed')}' mends it",
                 file=sys.stderr,
             )
 

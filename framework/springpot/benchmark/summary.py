@@ -268,19 +268,20 @@ def summarise_cell(
         to_target=median(hits),
         running_time=running_time_interval(hits, spent, rng),
         accurate=accurate,
-        parameter_error=_median(errors),
-        best=_median([trial.best for trial in sound]),
-        oracle=_median([trial.oracle for trial in sound]),
-        evaluations=_median([trial.evaluations for trial in sound]),
-        gradients=_median([trial.gradients for trial in sound]),
-        processor=_median([trial.processor for trial in sound]),
-        each=_median([_each(trial) for trial in sound]),
-        processor_batched=_median([trial.processor_batched for trial in sound]),
+        parameter_error=median_of(errors),
+        best=median_of([trial.best for trial in sound]),
+        oracle=median_of([trial.oracle for trial in sound]),
+        evaluations=median_of([trial.evaluations for trial in sound]),
+        gradients=median_of([trial.gradients for trial in sound]),
+        processor=median_of([trial.processor for trial in sound]),
+        each=median_of([_each(trial) for trial in sound]),
+        processor_batched=median_of([trial.processor_batched for trial in sound]),
         reasons=Counter((str(t.status), t.reason) for t in trials if t.status.failed),
     )
 
 
-def _median(values: Sequence[float | None]) -> float | None:
+def median_of(values: Sequence[float | None]) -> float | None:
+    """Median of those that are known; None where none is."""
     given: Real = np.array([value for value in values if value is not None], dtype=float)
     return median(given)
 

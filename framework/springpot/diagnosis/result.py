@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import inf
+from math import inf, isfinite, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -17,6 +17,9 @@ from springpot.plain_data import jsonable, number
 from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
+from springpot.thresholds import VERDICT
+
+from .actions import ToDo, accepting
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,8 +28,11 @@ if TYPE_CHECKING:
 
 Verdict = Literal["adequate", "effect-missing", "unexplained", "inconclusive"]
 EffectVerdict = Literal["missing", "absent", "cannot-tell"]
+Shelf = Literal["explains", "helps", "ruled-out"]
 
 SCHEMA = "springpot.diagnosis/2"
+MOST_ACCEPTED = 3
+"""Effects that are offered to be accepted."""
 RENAMED = frozenset({"physics", "alike"})
 """Of a candidate: told as its effect and its class."""
 
@@ -60,6 +66,8 @@ class Candidate:
         Its own parameters.
     says : str
         One sentence of physics.
+    error_beside : float
+        The error left with it and the leading effect, where it only shows beside that; else NaN.
 
     Examples
     --------
@@ -84,11 +92,30 @@ class Candidate:
     over_floor: float
     parameters: dict[str, Value]
     says: str
+    error_beside: float = nan
 
     @property
     def effect(self) -> str:
         """Its name."""
         return self.physics.name
+
+    @property
+    def after(self) -> float:
+        """The error with it: fitted, or as the scan foretells it where it was not.
+
+        With the leading effect too, where it only shows beside that.
+        """
+        if isfinite(self.error_beside):
+            return self.error_beside
+        if isfinite(self.error_after):
+            return self.error_after
+        return self.predicted_error
+
+    def lowers(self, error: Error) -> bool:
+        """Whether it takes enough of an error to be seen, and is worth its parameters."""
+        # An effect that was not fitted has no evidence: the better ones stood in its place.
+        worth = self.delta_bic > 0.0 or not isfinite(self.error_after)
+        return worth and self.after < VERDICT.helps * error.relative_rms
 
     def to_dict(self) -> dict[str, Any]:
         """As in the schema, where `alike` is called class."""
@@ -116,6 +143,7 @@ class Candidate:
             bound=number(row["bound"], inf),
             parameters=values_of(row["parameters"]),
             says=row["says"],
+            error_beside=number(row.get("error_beside")),
         )
 
 
@@ -190,6 +218,9 @@ class Diagnosis:
         Each test beside its noise floor.
     left_out : mapping of str to str
         Effects that could not be fitted, and why.
+    steps : tuple of ToDo
+        What can be done with the data themselves: turn a channel, split by a column, leave a row
+        out.
 
     Examples
     --------
@@ -221,6 +252,19 @@ class Diagnosis:
     one_test: str = ""
     tests: tuple[PartResult, ...] = ()
     left_out: Mapping[str, str] = field(default_factory=dict)
+    steps: tuple[ToDo, ...] = ()
+
+    @property
+    def actions(self) -> tuple[ToDo, ...]:
+        """What can be done next: first with the data themselves, then the effects to accept."""
+        if self.verdict == "adequate":
+            return self.steps
+        explain = self.on_shelf("explains")
+        shown = [*explain, *self.on_shelf("helps")][:MOST_ACCEPTED]
+        return (
+            *self.steps,
+            *(accepting(row.effect, row in explain, row.after) for row in shown),
+        )
 
     @property
     def best(self) -> Candidate | None:
@@ -231,9 +275,45 @@ class Diagnosis:
             return self.candidates[0]
         return None
 
+    def shelf_of(self, candidate: Candidate) -> Shelf:
+        """What an effect does for the misfit of this model.
+
+        It ``explains`` it, alone or as one of those that the data cannot tell apart; it ``helps``:
+        the error falls with it, whatever the proof is worth; or it is ``ruled-out`` as a cause.
+        """
+        if self.verdict == "effect-missing" and (
+            candidate.verdict == "missing"
+            or candidate.effect in self.leading
+            # One of the rivals for the place beside the leading effect.
+            or isfinite(candidate.error_beside)
+        ):
+            return "explains"
+        if candidate.lowers(self.error):
+            return "helps"
+        return "ruled-out"
+
+    def on_shelf(self, shelf: Shelf) -> tuple[Candidate, ...]:
+        """The effects of a shelf; of those that help the one that takes most of the error first."""
+        found = [each for each in self.candidates if self.shelf_of(each) == shelf]
+        if shelf == "helps":
+            # What the headline names stands as it names it.
+            first = {name: place for place, name in enumerate(self.leading)}
+            found.sort(key=lambda each: (first.get(each.effect, len(first)), each.after))
+        return tuple(found)
+
+    @property
+    def offered(self) -> str:
+        """The effect to try next, a help where none is named; empty where none lowers the error."""
+        # Of an adequate model nothing is left to lower.
+        if self.verdict == "adequate":
+            return ""
+        helps = [each.effect for each in self.on_shelf("helps")]
+        ruled_out = {each.effect for each in self.on_shelf("ruled-out")}
+        return next((name for name in [*self.leading, *helps] if name not in ruled_out), "")
+
     @property
     def onward(self) -> str:
-        """What a command that accepts the first of `leading` is: ``next``, or no more than a help.
+        """What a command that accepts `offered` is: ``next``, or no more than a help.
 
         One of several effects that the data cannot tell apart is not known to be the missing one.
         """
@@ -269,7 +349,9 @@ class Diagnosis:
             "split": self.split,
             "parameters": self.parameters,
             "where": self.where,
-            "candidates": self.candidates,
+            "candidates": [
+                {**each.to_dict(), "shelf": self.shelf_of(each)} for each in self.candidates
+            ],
             "classes": self.classes,
             "leading": self.leading,
             "one_test": self.one_test,
@@ -277,6 +359,8 @@ class Diagnosis:
             "notes": self.notes,
             "evidence": self.evidence,
             "left_out": self.left_out,
+            "steps": self.steps,
+            "actions": self.actions,
         }
         return dict(jsonable(answer))
 
@@ -304,6 +388,7 @@ class Diagnosis:
             notes=tuple(answer["notes"]),
             evidence=answer["evidence"],
             left_out=answer["left_out"],
+            steps=tuple(ToDo.from_dict(row) for row in answer["steps"]),
         )
 
     def _repr_html_(self) -> str:

@@ -18,13 +18,14 @@ from springpot.distributions import student
 from springpot.drawing import draw
 from springpot.errors import DataError, ModelError
 from springpot.markup import table, tag
-from springpot.measurement.covered import Covered
+from springpot.measurement.covered import Covered, between
 from springpot.measurement.measurement import Measurement, points_at
 from springpot.measurement.rows import Moduli
 from springpot.measurement.units import Units
 from springpot.rheology.levels import held
 from springpot.rheology.model import Model
 from springpot.rheology.points import KELVIN, Complex, Real
+from springpot.suggestions import suggested
 from springpot.thresholds import INTERVAL
 
 from .uncertainty import lost_and_known
@@ -288,12 +289,10 @@ class Known:
             ) from None
         # By the linear law of error propagation, as the intervals of the parameters are.
         value, sd = _value_and_sd(self, rate, conditions)
-        with np.errstate(invalid="ignore"):
-            reach = student(level, self.dof) * sd
-            low, high = (
-                value.real + s * reach.real + 1j * (value.imag + s * reach.imag)
-                for s in (-1.0, 1.0)
-            )
+        times = student(level, self.dof)
+        low, high = (
+            _of_parts(value.real + s * sd.real, value.imag + s * sd.imag) for s in (-times, times)
+        )
         units = self.units
         # Told in the frequencies in which it was asked.
         if omega is not None:
@@ -382,12 +381,11 @@ def require_known(model: Model, covered: Covered, name: str, column: Real) -> No
     if name in covered.conditions:
         if name not in covered.beyond(np.ones(len(column)), {name: column}):
             return
-        low, high = covered.conditions[name]
-        span = f"was {low:.4g} to {high:.4g}"
+        span = f"was {between(*covered.conditions[name])}"
     hint = ""
     # Any other column is known to effects that are given its name.
     if name in KNOWN_TO_EFFECTS:
-        hint = ", one that 'springpot list effects' says needs it"
+        hint = f", one that '{suggested('list effects')}' says needs it"
     raise ModelError(
         f"{model.name} does not know {name}, which {span}: fit a model with an effect of it{hint}"
     )
@@ -419,7 +417,14 @@ def _without_rounding(values: Complex, still: NDArray[np.bool_], tiny: float) ->
     parts = [
         np.where(still & (np.abs(part) < tiny), 0.0, part) for part in (values.real, values.imag)
     ]
-    return np.asarray(parts[0] + 1j * parts[1], dtype=np.complex128)
+    return _of_parts(*parts)
+
+
+def _of_parts(real: Real, imaginary: Real) -> Complex:
+    """Both parts as they are: times i an infinite one would make the other no number."""
+    whole = np.empty(np.shape(real), dtype=np.complex128)
+    whole.real, whole.imag = real, imaginary
+    return whole
 
 
 def _at(known: Known, log_omega: Real, conditions: Mapping[str, Real]) -> tuple[Complex, Complex]:
@@ -431,8 +436,8 @@ def _at(known: Known, log_omega: Real, conditions: Mapping[str, Real]) -> tuple[
         # band.
         by_theta = np.nan_to_num(known.model.jacobian(known.theta, points))
         by_u = by_theta @ known.slopes
-    sd = np.array([_band(part, known.spread, np.abs(value)) for part in (by_u.real, by_u.imag)])
-    return value, sd[0] + 1j * sd[1]
+    sd = [_band(part, known.spread, np.abs(value)) for part in (by_u.real, by_u.imag)]
+    return value, _of_parts(*sd)
 
 
 def _band(by_u: Real, covariance: Real, size: Real) -> Real:

@@ -61,10 +61,7 @@ class Covered:
         columns: dict[str, list[Real]] = {}
         unit = AMPLITUDE_UNITS[(units or tests[0].units).amplitude]
         for test in tests:
-            if isinstance(test, Measurement):
-                rates += [float(test.omega.min()), float(test.omega.max())]
-            else:
-                rates += test.seen
+            rates += test.seen
             for name, column in _conditions_of(test).items():
                 factor = 1.0
                 if name == "amplitude":
@@ -133,7 +130,7 @@ class Covered:
             return f"{units.on_clock(low):.3g} to {units.at(high)}"
         low, high = self.conditions[name]
         unit = {"temperature": "degC", "amplitude": units.amplitude}.get(name, "-")
-        return f"{name} of {low:.4g} to {high:.4g} [{unit}]"
+        return f"{name} of {between(low, high)} [{unit}]"
 
     def told(self, units: Units) -> str:
         """All ranges that effects may need, in one line."""
@@ -156,6 +153,12 @@ class Covered:
         """What `to_dict` gave."""
         ends = {name: (float(low), float(high)) for name, (low, high) in kept.items()}
         return cls(ends.pop("omega", (0.0, np.inf)), ends)
+
+
+def between(low: float, high: float) -> str:
+    """A range in words; one number where its ends are the same as printed."""
+    ends = dict.fromkeys([f"{low:.4g}", f"{high:.4g}"])
+    return " to ".join(ends)
 
 
 def _conditions_of(test: TimeTest | Measurement) -> dict[str, Real]:

@@ -112,6 +112,7 @@ class Measurement(Rows):
     labels: Mapping[str, NDArray[np.str_]] = field(default_factory=dict)
     reference: float | None = None
     control: ClassVar[str] = "frequency"
+    kind: ClassVar[str] = "sweep"
 
     def __repr__(self) -> str:
         units = self.units
@@ -269,6 +270,11 @@ class Measurement(Rows):
             return ROOM
         # The lower median: a temperature that was measured, and not the mean of two.
         return float(np.sort(temperature)[(len(temperature) - 1) // 2]) + KELVIN
+
+    @property
+    def seen(self) -> tuple[float, float]:
+        """Lowest and highest angular frequency in rad/s."""
+        return float(self.omega.min()), float(self.omega.max())
 
     @cached_property
     def points(self) -> Points:

@@ -425,7 +425,7 @@ class TimeTest:
         shortest = float(np.min(clock[clock > 0.0], initial=self.duration))
         # Any other history never comes to rest: the fastest that it shows is what its samples
         # resolve.
-        if self.kind not in ("relaxation", "creep"):
+        if not self.after_step:
             return 1.0 / self.duration, 1.0 / float(np.median(np.diff(self.time)))
         # While the step still rises, its answer is that of the ramp.
         return 1.0 / self.duration, 1.0 / max(shortest, self.rise, 1e-300)
@@ -444,6 +444,11 @@ class TimeTest:
         size = np.abs(self.loading.value)
         there = np.flatnonzero(size >= (1.0 - STEADY) * size.max())[0]
         return max(float(self.loading.time[there]) - self.start, 0.0)
+
+    @property
+    def after_step(self) -> bool:
+        """Whether it is the answer to one step, relaxation or creep: all decades of time tell."""
+        return self.kind in ("relaxation", "creep")
 
     @cached_property
     def kind(self) -> str:

@@ -12,7 +12,7 @@ from math import isfinite
 import numpy as np
 
 from springpot.comparison.comparing import Comparison, Judgement
-from springpot.diagnosis.result import Candidate, Diagnosis
+from springpot.diagnosis.result import Candidate, Diagnosis, Shelf
 from springpot.errors import ModelError
 from springpot.format_numbers import counted, number
 from springpot.identification.value import Value
@@ -82,18 +82,27 @@ def _elements(names: Iterable[str]) -> Iterator[Node]:
 
 SHOWN = 5
 """Effects in a table; `verbose` and JSON have all."""
+PLACES, NOTES = 3, 2
+"""Places of failure and notes that are told where not everything is asked for."""
+SPARE = ("delta BIC", "predicted", "cannot be told from")
+"""Columns that a narrow window goes without, the first first; the sentences say the same."""
 HOPELESS = 0.01
-"""Probability below which an effect that is not ruled out matters to nobody.
+"""Probability below which an effect that helps is none to be shown beside one that explains.
 
 One in a hundred data sets.
 """
-PLACES, NOTES = 3, 2
-"""Places of failure and notes that are told where not everything is asked for."""
-SPARE = ("delta BIC", "predicted", "verdict", "cannot be told from")
-"""Columns that a narrow window goes without, the first first; the sentences say the same."""
 RANKED = frozenset({"probability", "delta BIC", "predicted", "after"})
 SEEN_AT = 8
-"""Absent effects that are named."""
+"""Effects that are named of those that have no row."""
+FOLDED: Mapping[Shelf, str] = {
+    "helps": "helps too",
+    "ruled-out": "ruled out, as the error stays",
+}
+SHELVES: Mapping[Shelf, str] = {
+    "explains": "explains it",
+    "helps": "helps",
+    "ruled-out": "ruled out",
+}
 LEAST_CHANCE = 1e-6
 """Chance that is told at least: of a smaller one nobody can mean the number."""
 EXPLAINED = 3
@@ -142,10 +151,11 @@ def diagnosis_document(
     # Told once: beside the fitted parameters, or else below the ranking.
     if not refers:
         below = effects_note(data, (row.effect for row in rows))
-    absent = ""
-    # Of an adequate model the effects that are ruled out are the answer; beside a missing effect
-    # they are detail.
+    folded, absent = not_shown(diagnosis, rows, SEEN_AT), ""
+    # Of an adequate model the sizes at which effects would have been seen are the answer; beside a
+    # missing effect they are detail.
     if verbose or diagnosis.verdict == "adequate":
+        folded = Prose()
         absent = absent_text(diagnosis, SEEN_AT)
     title = f"{lead}{diagnosis.model.name} of {diagnosis.data}: {diagnosis.verdict}"
     return [
@@ -153,12 +163,14 @@ def diagnosis_document(
         Prose(error_line(diagnosis), diagnosis.split),
         failing,
         Prose(values, refers),
-        ranking(rows, diagnosis.error.noise_floor, verbose),
+        ranking(diagnosis, rows, verbose),
         Prose(below),
         physics(rows),
+        folded,
         Prose(absent),
         left_out(diagnosis.left_out),
         Prose(_next(diagnosis)),
+        steps_of(diagnosis),
         Listing(notes[:most], mark="note: "),
         Prose(_more(diagnosis, verbose, len(notes) - most)),
     ]
@@ -192,11 +204,7 @@ def _more(diagnosis: Diagnosis, verbose: bool, notes: int) -> str:
     """What -v would tell beside this."""
     if verbose:
         return ""
-    absent = 0
-    # Of an adequate model they have been told already.
-    if diagnosis.verdict != "adequate":
-        absent = len(absent_effects(diagnosis))
-    kinds = ((len(diagnosis.where) - PLACES, "place"), (absent, "absent effect"), (notes, "note"))
+    kinds = ((len(diagnosis.where) - PLACES, "place"), (notes, "note"))
     left = [counted(count, word) for count, word in kinds if count > 0]
     if not left:
         return ""
@@ -274,18 +282,15 @@ def nowhere(diagnosis: Diagnosis) -> str:
 
 
 def worth_showing(diagnosis: Diagnosis, most: int = SHOWN) -> list[Candidate]:
-    """Leading effects that are neither ruled out nor hopeless.
+    """Leading effects that explain the misfit or help.
 
     What is shown is read as a suggestion.
     """
-    # Evidence of minus infinity has an effect that could not be fitted.
-    open_ones = [c for c in diagnosis.candidates if c.verdict != "absent" and c.delta_bic > -1e300]
-    matter = [
-        c
-        for c in open_ones
-        if c.verdict == "missing" or c.probability >= HOPELESS or c.effect in diagnosis.leading
-    ]
-    return matter[:most]
+    explain, help_ = diagnosis.on_shelf("explains"), diagnosis.on_shelf("helps")
+    # Beside what explains the misfit many others help a little, as they resemble it.
+    if explain:
+        help_ = tuple(row for row in help_ if row.probability >= HOPELESS)
+    return [*explain, *help_][:most]
 
 
 def ranked(diagnosis: Diagnosis, verbose: bool = False) -> list[Candidate]:
@@ -294,33 +299,36 @@ def ranked(diagnosis: Diagnosis, verbose: bool = False) -> list[Candidate]:
     if diagnosis.verdict == "adequate":
         return []
     if verbose:
-        return list(diagnosis.candidates)
+        return [row for shelf in SHELVES for row in diagnosis.on_shelf(shelf)]
     return worth_showing(diagnosis)
 
 
-def ranking(rows: Sequence[Candidate], floor: float, whole: bool = True) -> Passage:
+def ranking(diagnosis: Diagnosis, rows: Sequence[Candidate], whole: bool = True) -> Passage:
     """The table of candidates, the same on terminals and pages.
 
     Parameters
     ----------
+    diagnosis : Diagnosis
+        Whose they are.
     rows : sequence of Candidate
         Of none there is no table.
-    floor : float
-        Relative error that noise alone leaves.
     whole : bool
         Whether it keeps all columns and the intervals of the parameters in any window.
     """
     if not rows:
         return Prose()
     # JSON and -v have the intervals.
-    return replace(_ranking(rows, floor), whole=whole, brief=_ranking(rows, floor, brief=True))
+    return replace(
+        _ranking(diagnosis, rows), whole=whole, brief=_ranking(diagnosis, rows, brief=True)
+    )
 
 
-def _ranking(rows: Sequence[Candidate], floor: float, brief: bool = False) -> TextTable:
+def _ranking(diagnosis: Diagnosis, rows: Sequence[Candidate], brief: bool = False) -> TextTable:
     """All columns; `brief` without the intervals of the parameters."""
+    floor = diagnosis.error.noise_floor
     headers = (
         "effect",
-        "verdict",
+        "shelf",
         "probability",
         "delta BIC",
         "predicted",
@@ -331,17 +339,24 @@ def _ranking(rows: Sequence[Candidate], floor: float, brief: bool = False) -> Te
     cells = [
         (
             row.effect,
-            row.verdict,
+            SHELVES[diagnosis.shelf_of(row)],
             probability(row.probability),
             number(row.delta_bic, 3),
             beside_floor(row.predicted_error, floor, 2),
-            beside_floor(row.error_after, floor, 2),
+            _after(row, floor),
             _values(row.parameters, brief),
             ", ".join(name for name in row.alike if name != row.effect),
         )
         for row in rows
     ]
     return TextTable(headers, cells, RANKED, SPARE)
+
+
+def _after(row: Candidate, floor: float) -> str:
+    """The error with an effect; beside the leading one, where it only shows there."""
+    if isfinite(row.error_beside):
+        return f"{beside_floor(row.error_beside, floor, 2)} beside"
+    return beside_floor(row.error_after, floor, 2)
 
 
 def physics(rows: Sequence[Candidate], most: int = EXPLAINED) -> Listing:
@@ -379,6 +394,20 @@ def absent_effects(diagnosis: Diagnosis) -> list[Candidate]:
     return sorted((c for c in diagnosis.candidates if c.verdict == "absent"), key=lambda c: c.bound)
 
 
+def not_shown(diagnosis: Diagnosis, rows: Sequence[Candidate], most: int | None = None) -> Prose:
+    """What helps and has no row, and what leaves the error as it is: a line each, by name."""
+    told = {row.effect for row in rows}
+    lines = []
+    for shelf, words in FOLDED.items():
+        names = [row.effect for row in diagnosis.on_shelf(shelf) if row.effect not in told]
+        shown = ", ".join(names[:most])
+        if most is not None and len(names) > most:
+            shown += f" and {len(names) - most} more"
+        if names:
+            lines.append(f"{words}: {shown}")
+    return Prose(*lines)
+
+
 def absent_text(diagnosis: Diagnosis, most: int | None = None) -> str:
     """The absent effects by name, each with the size from which it would have been seen."""
     absent = absent_effects(diagnosis)
@@ -396,6 +425,18 @@ def absent_text(diagnosis: Diagnosis, most: int | None = None) -> str:
 def left_out(reasons: Mapping[str, str]) -> Listing:
     """What could not be tried, and why."""
     return Listing([f"{name}: {reason}" for name, reason in reasons.items()], mark="left out: ")
+
+
+def steps_of(diagnosis: Diagnosis) -> Listing:
+    """What can be done with the data themselves, with the error that is foretold."""
+    before = percent(diagnosis.error.relative_rms)
+    lines = []
+    for step in diagnosis.steps:
+        after = ""
+        if isfinite(step.error_after):
+            after = f" ({before} -> {percent(step.error_after)})"
+        lines.append(f"{step.says}{after}: {step.command}")
+    return Listing(lines, mark="to do: ")
 
 
 def _next(diagnosis: Diagnosis) -> str:

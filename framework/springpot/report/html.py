@@ -23,6 +23,7 @@ from .answers import (
     absent_text,
     effects_note,
     left_out,
+    not_shown,
     physics,
     places_failed,
     ranking,
@@ -308,7 +309,8 @@ def _rankings(ladder: Ladder) -> Iterator[Html]:
         "p",
         "Each effect of the library was tried on the data. Probability: that it is among what is"
         " missing. ΔBIC: how strongly the data ask for it; above 6 is clear, above 10 decisive."
-        " Predicted and after: the error with it, and in brackets how many noise floors that is.",
+        " Predicted and after: the error with it, and in brackets how many noise floors that is."
+        " What helps lowers the error, which is no proof that it is there.",
         class_="quiet",
     )
     judged = _diagnosed(ladder)
@@ -326,12 +328,14 @@ def _rankings(ladder: Ladder) -> Iterator[Html]:
 def _ranking(step: Step, diagnosis: Diagnosis) -> Iterator[Html]:
     yield tag("p", f"{_capital(diagnosis.says)}.")
     shown = worth_showing(diagnosis, RANKED)
-    yield ranking(shown, diagnosis.error.noise_floor).as_html()
+    yield ranking(diagnosis, shown).as_html()
     yield physics(shown, RANKED).as_html()
     if isinstance(step.examined, Case):
         raw = step.case.search.base.data.raw
         yield from _note(effects_note(raw, (row.effect for row in shown)))
     yield left_out(diagnosis.left_out).as_html()
+    if diagnosis.verdict != "adequate":
+        yield not_shown(diagnosis, shown).as_html()
     yield from _note(absent_text(diagnosis))
 
 

@@ -66,10 +66,10 @@ def figure_tests(
     with blank(10.5, 2.7 * len(parts) + 0.3) as figure:
         grid = figure.subplots(len(parts), 3, squeeze=False)
         for row, part in zip(grid, parts, strict=True):
-            if isinstance(part, InTimePart):
-                _draw_test(row, part, fits)
-            else:
+            if isinstance(part.test, Measurement):
                 _draw_sweep(row, part.test, fits)
+            elif isinstance(part, InTimePart):
+                _draw_test(row, part, fits)
         return finished(figure, path)
 
 

@@ -104,6 +104,7 @@ if TYPE_CHECKING:
         wlf,
     )
     from .typed import law
+    from .yielding import yielding_spring
 
 __all__ = [
     "ROOM",
@@ -147,6 +148,7 @@ __all__ = [
     "thermal_dashpot",
     "vogel",
     "wlf",
+    "yielding_spring",
     "SpecimenWave",
     "fixed_side_wave",
     "free_factors",
@@ -357,6 +359,7 @@ _WHERE = {
     "vogel": "springpot.rheology.thermal",
     "with_laws": "springpot.rheology.history",
     "wlf": "springpot.rheology.thermal",
+    "yielding_spring": "springpot.rheology.yielding",
 }
 
 __getattr__, __dir__ = offered(__name__, _WHERE)

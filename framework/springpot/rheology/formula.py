@@ -45,6 +45,9 @@ class Formula(Node):
         For an element that remembers: ``step(force, way, *parameters)`` gives the force after a
         straight way, from that before it. Others need none, for `in_time` tells their force at each
         sample alone.
+    flows : bool
+        Whether it goes on by itself while nothing moves: then neither the motion of a moment nor a
+        way tells its force, but the whole course alone.
     third_at_most : callable or None
         ``third_at_most(at, *parameters)`` gives the most that the third harmonic may be where
         `third` is not known.
@@ -58,6 +61,7 @@ class Formula(Node):
     in_time: Callable[..., tuple[Any, Sequence[Any]]] | None = None
     third_at_most: Callable[..., Any] | None = None
     step: Callable[..., float] | None = None
+    flows: bool = False
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

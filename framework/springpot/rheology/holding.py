@@ -153,9 +153,7 @@ def hold(node: Node, values: Mapping[str, float], bounds: Mapping[str, Bounds]) 
         return node
     # What is held already stays held, in one wrapping for all.
     inner, known = released(node), held_values(node)
-    known |= {
-        name: _allowed(p, values[name]) for p in node.parameters if (name := p.name) in values
-    }
+    known |= {name: allowed(p, values[name]) for p in node.parameters if (name := p.name) in values}
     free = [_bounded(p, bounds.get(p.name), known) for p in node.parameters if p.name not in known]
     inserted = Inserted(tuple(known.get(parameter.name) for parameter in inner.parameters))
     return Held(inner, tuple(free), inserted, inserted.jacobian)
@@ -176,7 +174,14 @@ def held_values(node: Node) -> dict[str, float]:
     return {parameter.name: value for parameter, value in pairs if value is not None}
 
 
-def _allowed(parameter: Parameter, value: float) -> float:
+def allowed(parameter: Parameter, value: float) -> float:
+    """A value that a parameter can take.
+
+    Raises
+    ------
+    ModelError
+        If it is none.
+    """
     if not (isfinite(value) and parameter.lower <= value <= parameter.upper):
         room = f"[{parameter.lower:g}, {parameter.upper:g}]"
         raise ModelError(f"{parameter.name} cannot be {value:g}: it lies in {room}")

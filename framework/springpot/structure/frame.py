@@ -100,6 +100,13 @@ class Damper:
                     f"without = ['{effect.name}']"
                 )
 
+        for effect, _ in self.beside:
+            if getattr(effect.element, "flows", False):
+                raise ModelError(
+                    f"'{effect.name}' flows by a clock of its own, which no step of a structure"
+                    f" follows: leave it out, without = ['{effect.name}']"
+                )
+
     @cached_property
     def _placed(self) -> list[Placed]:
         """The effects that are not linear, each with the place of its parameters."""
@@ -148,10 +155,23 @@ class Damper:
         of : str
             What these belong to, such as ``modes``.
         """
-        conditions = {}
-        if self.temperature is not None:
-            conditions["temperature"] = np.array([self.temperature])
-        return self.covered.remark(omega, conditions, self.units, of=of)
+        return self.covered.remark(omega, self._conditions, self.units, of=of)
+
+    def outside(self, omega: Real) -> NDArray[np.bool_]:
+        """Whether it was measured at none of these (n,), in rad/s, or not at its temperature."""
+        return self.covered.outside(omega, self._conditions)
+
+    def remark_on_stroke(self, stroke: float) -> str:
+        """One line where its largest stroke in m lies outside of the measured amplitudes."""
+        rate = np.array([max(self.covered.rate[0], np.finfo(float).tiny)])
+        used = {"amplitude": np.array([stroke / self.length])}
+        return self.covered.remark(rate, used, self.units, of="peak strokes")
+
+    @property
+    def _conditions(self) -> dict[str, Real]:
+        if self.temperature is None:
+            return {}
+        return {"temperature": np.array([self.temperature])}
 
     @property
     def kelvin(self) -> float | None:

@@ -15,7 +15,8 @@ from springpot.rheology.model import Model
 from springpot.rheology.nodes import parallel, series
 from springpot.rheology.points import Real
 from springpot.timetests.recording import recorded
-from springpot.timetests.residuals_of_tests import InTimePart, Scales, tries_of
+from springpot.timetests.residuals_of_tests import InTimePart
+from springpot.timetests.specimen import Scales, tries_of
 
 from .networks import SEED, Aspect
 

@@ -30,7 +30,7 @@ from springpot.rheology.points import Complex, Points, Real
 from springpot.rheology.stages import on_clock, on_loading
 
 from .recording import Clock, at_stage, indices, reached, shown, spread
-from .residuals_of_tests import InTimePart, Part, Residual, SweepPart
+from .residuals_of_tests import InTimePart, Residual, TestPart
 from .start import answers_of
 
 PER_DECADE = 4
@@ -88,11 +88,11 @@ class QuickPart(InTimePart):
 
     Parameters
     ----------
-    size : tuple of ndarray
+    known : tuple of ndarray
         Angular frequencies (w,) and |K| (w,) near them, by which K is weighed.
     """
 
-    size: tuple[Real, Real] = (np.ones(1), np.ones(1))
+    known: tuple[Real, Real] = (np.ones(1), np.ones(1))
 
     @cached_property
     def rows(self) -> NDArray[np.intp]:
@@ -123,12 +123,12 @@ class QuickPart(InTimePart):
     @cached_property
     def times(self) -> Real:
         """Of the exponentials, in s."""
-        slow, fast = self.reach
+        slow, fast = self.band
         decades = np.log10(fast / slow) + 2.0 * np.log10(BEYOND)
         return np.geomspace(1.0 / (BEYOND * fast), BEYOND / slow, int(PER_DECADE * decades) + 2)
 
     @property
-    def reach(self) -> tuple[float, float]:
+    def band(self) -> tuple[float, float]:
         """Angular frequencies between which the record tells something."""
         slow, fast = self.test.seen
         if self.test.control == "displacement":
@@ -138,7 +138,7 @@ class QuickPart(InTimePart):
     @cached_property
     def omega(self) -> Real:
         """Angular frequencies at which K is followed, and two far beyond."""
-        slow, fast = self.reach
+        slow, fast = self.band
         decades = np.log10(fast / slow) + 2.0 * np.log10(NEAR)
         band = np.geomspace(slow / NEAR, fast * NEAR, int(FREQUENCIES * decades) + 4)
         return np.append(band, [FAR * fast, 10.0 * FAR * fast])
@@ -147,7 +147,7 @@ class QuickPart(InTimePart):
     def share(self) -> Real:
         """By which K, or 1/K under a force, is weighed at each frequency."""
         size = np.exp(
-            np.interp(np.log(self.omega[:-2]), np.log(self.size[0]), np.log(self.size[1]))
+            np.interp(np.log(self.omega[:-2]), np.log(self.known[0]), np.log(self.known[1]))
         )
         # Each frequency counts by its relative miss: of K here, of 1/K under a force.
         if self.test.control == "displacement":
@@ -352,12 +352,7 @@ class QuickPart(InTimePart):
         return by(loading, theta, mix), np.column_stack(columns)
 
 
-def quick_parts(parts: Sequence[Part]) -> list[QuickPart | SweepPart]:
+def quick_parts(parts: Sequence[TestPart]) -> list[TestPart]:
     """All tests as a search sees them; at frequencies the exact answer is a formula already."""
-    quick: list[QuickPart | SweepPart] = []
-    for part in parts:
-        if isinstance(part, SweepPart):
-            quick.append(part)
-        else:
-            quick.append(QuickPart.of(part))
-    return quick
+    # One that is quick already is a part in time too, by inheritance: it stays as it is.
+    return [QuickPart.of(part) if type(part) is InTimePart else part for part in parts]

@@ -19,7 +19,6 @@ import numpy as np
 
 from springpot.comparison.comparing import ONLY_NOISE, Comparison, Judgement
 from springpot.errors import DataError, ModelError, SpringpotError
-from springpot.identification.coordinates import Coordinates
 from springpot.identification.fitting import NATIVE, best_run, refuse_search, start_at
 from springpot.identification.material import is_material
 from springpot.identification.problem import Objective, Searched
@@ -36,23 +35,19 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
 from .exponentials import quick_parts
+from .floor import TimeFloor, coordinates_around, effects_of, material_floors
 from .intervals import with_intervals
 from .material import FoundLines, UntoldError, spectral
 from .native import DOUBTFUL, Minimum, TimeSearch
 from .residuals_of_tests import (
-    InTimePart,
-    Part,
     Test,
-    at_rigs,
+    TestPart,
     parts_of_specimen,
-    reference_of,
-    require_tests,
-    rig_of_sweeps,
-    weighed_by,
 )
-from .scatter import Left, ResidualScatter
+from .scatter import ResidualScatter
 from .score import TimeScan
-from .verdict import error_of, where_missed
+from .specimen import at_rigs, reference_of, require_tests, rig_of_sweeps
+from .verdict import Left, error_of, where_missed
 
 FASTEST = 10.0
 """By how much the stiffness of the shortest time may exceed what was measured.
@@ -68,7 +63,7 @@ class InTimeProblem(Searched):
     ----------
     model : Model
         What is fitted.
-    parts : sequence of Part
+    parts : sequence of TestPart
         To what, each with its weight.
     reference : float
         Temperature in kelvin at which shifts are one.
@@ -77,10 +72,10 @@ class InTimeProblem(Searched):
     """
 
     def __init__(
-        self, model: Model, parts: Sequence[Part], reference: float, size: float, reach: float
+        self, model: Model, parts: Sequence[TestPart], reference: float, size: float, reach: float
     ) -> None:
         self.model, self.parts, self.reference = model, list(parts), reference
-        slowest = min(_slowest(part) for part in parts)
+        slowest = min(part.test.seen[0] for part in parts)
         self.space = box_of(model, FASTEST * size, max(1.0, 1.0 / slowest), reach)
 
     def evaluate(self, x: Real) -> Real:
@@ -114,13 +109,6 @@ class InTimeProblem(Searched):
         value = np.concatenate([each.value for each in residuals])
         by_theta = np.concatenate([each.by_theta for each in residuals])
         return value, by_theta @ self.space.jacobian(x)
-
-
-def _slowest(part: Part) -> float:
-    """Lowest angular frequency, or one over the longest time, that a part tells something of."""
-    if isinstance(part, InTimePart):
-        return part.test.seen[0]
-    return float(part.test.omega.min())
 
 
 LOOSE = 100.0
@@ -217,9 +205,8 @@ def identify(
         raise ModelError("there is no test to identify a model from")
     model = at_rigs(model, given)
     if objective is not None:
-        parts = [weighed_by(part, objective) for part in parts_of_specimen(given, noise)]
-        given = [part.test for part in parts]
-        noise = [part.noise if isinstance(part, InTimePart) else None for part in parts]
+        parts = [part.weighed_by(objective) for part in parts_of_specimen(given, noise)]
+        given, noise = [part.test for part in parts], [part.sd for part in parts]
     if optimiser is not None and optimiser.name != NATIVE:
         refuse_search(model, optimiser, start)
     if start:
@@ -380,10 +367,10 @@ def _by_optimiser(
 
 
 def _weighed(
-    parts: Sequence[Part],
+    parts: Sequence[TestPart],
     together: Sequence[float],
-    fitted: Callable[[Part], tuple[TimeSearch, Real, int]],
-) -> tuple[list[Part], list[float], int]:
+    fitted: Callable[[TestPart], tuple[TimeSearch, Real, int]],
+) -> tuple[list[TestPart], list[float], int]:
     """Parts that weigh as each is missed even when fitted alone.
 
     Also the errors over the noise that they have alone, which are none larger than those together,
@@ -401,7 +388,7 @@ def _weighed(
 def _scanned(
     given: Sequence[Test],
     model: Model,
-    parts: Sequence[Part],
+    parts: Sequence[TestPart],
     noise: Sequence[Real | None] | None,
 ) -> list[Real]:
     """Starts (p,) with the last nonlinear force where a scan of the model without it puts it.
@@ -430,19 +417,13 @@ def _scanned(
 
 
 def _of_material(
-    model: Model, parts: Sequence[Part], reference: float, seeds: Sequence[Real]
+    model: Model, parts: Sequence[TestPart], reference: float, seeds: Sequence[Real]
 ) -> tuple[TimeSearch, Minimum]:
     """Any linear passive material, whose spectrum the tests choose."""
     # For its sizes only: the spectrum has a way of its own to its minimum.
     typical = TimeSearch(model, parts, reference)
     around = len(model.material.parameters)
-    coordinates = Coordinates.of(
-        model.parameters[around:],
-        typical.middle,
-        np.array(typical.sizes[:1]),
-        typical.sizes[1],
-    )
-
+    coordinates = coordinates_around(model, typical)
     own = [seed[len(seed) - len(model.parameters) + around :] for seed in seeds]
 
     # The lines are chosen anew by each fit: every one has a search of its own, in other
@@ -451,7 +432,7 @@ def _of_material(
         search = TimeSearch(found.model, parts, reference, thorough=False)
         return search, search.coordinates.u(found.theta, search.size)
 
-    def alone_in(part: Part) -> tuple[TimeSearch, Real, int]:
+    def alone_in(part: TestPart) -> tuple[TimeSearch, Real, int]:
         found = spectral(model, [part], reference, coordinates, own)
         return *fitted(found), found.evaluations
 
@@ -528,7 +509,11 @@ def compare(
     ranked = sorted(zip(criteria, fits, strict=True), key=lambda pair: pair[0])
     # One noise for all, that about the best model.
     noise = _left(ranked[0][1]).scatters
-    judged = [judgement_of(fit, float(value - least), noise) for value, fit in ranked]
+    floors = material_floors(fits)
+    judged = [
+        judgement_of(fit, float(value - least), floors[effects_of(fit.model)], noise)
+        for value, fit in ranked
+    ]
     names = " + ".join(test.name for test in fits[0].tests)
     comparison = Comparison(names, tuple(judged), (), (), "", left_out=left_out)
     vars(comparison).update(magnitude="the signal")
@@ -540,7 +525,10 @@ def _left(fit: Identification) -> Left:
 
 
 def judgement_of(
-    fit: Identification, delta: float, noise: Sequence[ResidualScatter] | None = None
+    fit: Identification,
+    delta: float,
+    floor: TimeFloor,
+    noise: Sequence[ResidualScatter] | None = None,
 ) -> Judgement:
     """One model against the tests that it was fitted to.
 
@@ -550,6 +538,8 @@ def judgement_of(
         Of tests of which one at least is in time.
     delta : float
         Its information criterion above that of the best model.
+    floor : TimeFloor
+        What any material reaches with the same effects.
     noise : sequence of ResidualScatter, optional
         Of each test; by default that about this model.
     """
@@ -557,7 +547,7 @@ def judgement_of(
     if noise is None:
         noise = left.noise
     tests = left.rows(parts, noise, fit.tests)
-    error = error_of(tests, noise)
+    error = error_of(tests, noise, floor)
     where: tuple[Where, ...] = ()
     says = ONLY_NOISE
     if left.misfit:

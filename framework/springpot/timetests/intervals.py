@@ -18,8 +18,7 @@ from springpot.thresholds import INTERVAL
 
 from .exponentials import UnfollowedError, quick_parts
 from .native import Minimum, TimeSearch
-from .residuals_of_tests import Part
-from .scatter import sampled_scatter
+from .residuals_of_tests import TestPart
 
 FIRST = 1e-3
 """First step along a profile, in coordinates, where the slopes know none."""
@@ -59,7 +58,7 @@ class _Valley:
     """
 
     search: TimeSearch
-    parts: Sequence[Part]
+    parts: Sequence[TestPart]
     u: Real
     weight: Real
 
@@ -68,7 +67,7 @@ class _Valley:
         plain = copy(search)
         plain.coordinates = replace(search.coordinates, pairs=())
         u = plain.coordinates.u(search.theta(found.u).copy(), plain.size)
-        parts: Sequence[Part] = quick_parts(found.parts)
+        parts: Sequence[TestPart] = quick_parts(found.parts)
         try:
             plain.residual(parts, u)
         # A mass that swings or a loss that is not causal is no sum of exponentials.
@@ -79,7 +78,7 @@ class _Valley:
             value, _ = plain.residual([part], u)
             scatter = 1.0
             if len(value) > len(u):
-                scatter = max(1.0, sampled_scatter(value, part))
+                scatter = max(1.0, part.sampled(value))
             weight.append(np.full(len(value), scatter**-0.5))
         return cls(plain, parts, u, np.concatenate(weight))
 

@@ -16,19 +16,18 @@ from springpot.identification.coordinates import Coordinates
 from springpot.identification.fitting import NATIVE
 from springpot.identification.leastsquares import Rows, Solution, levenberg_marquardt
 from springpot.identification.material import is_material
-from springpot.identification.part_result import SWEEP, PartResult, spare
+from springpot.identification.part_result import PartResult, spare
 from springpot.identification.result import Identification
 from springpot.identification.uncertainty import ends, spread_of
 from springpot.measurement.covered import Covered
-from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units, one_modulus
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
-from .exponentials import QuickPart, UnfollowedError
-from .residuals_of_tests import InTimePart, Part, Scales, runs_against, tries_of
-from .scatter import sampled_scatter
+from .exponentials import UnfollowedError, quick_parts
+from .residuals_of_tests import InTimePart, SweepPart, TestPart
+from .specimen import Scales, runs_against, tries_of
 from .start import start_of
 from .where import rms
 
@@ -81,7 +80,7 @@ class Minimum:
     ----------
     u : ndarray, shape (p,)
         The best search point.
-    parts : sequence of Part
+    parts : sequence of TestPart
         The tests, as they weighed in the end.
     alone : sequence of float
         Error of each over its noise, with parameters of its own.
@@ -92,7 +91,7 @@ class Minimum:
     """
 
     u: Real
-    parts: Sequence[Part]
+    parts: Sequence[TestPart]
     alone: Sequence[float]
     evaluations: int
     converged: bool
@@ -105,7 +104,7 @@ class TimeSearch:
     ----------
     model : Model
         What is fitted.
-    parts : sequence of Part
+    parts : sequence of TestPart
         To what.
     reference : float
         Temperature in kelvin at which shifts are one.
@@ -118,7 +117,7 @@ class TimeSearch:
     def __init__(
         self,
         model: Model,
-        parts: Sequence[Part],
+        parts: Sequence[TestPart],
         reference: float,
         seeds: Sequence[Real] = (),
         thorough: bool = True,
@@ -138,8 +137,8 @@ class TimeSearch:
         middle = float(np.mean([part.log_omega for part in parts]))
         # By logarithms: tests of one specimen may lie decades apart, and no single one should set
         # the size.
-        size = float(np.exp(np.mean([np.log(_typical(part)) for part in parts])))
-        amplitude = max(_reach(part) for part in parts)
+        size = float(np.exp(np.mean([np.log(part.stiffness) for part in parts])))
+        amplitude = max(part.reach for part in parts)
         self.sizes, self.middle = (size, amplitude), middle
         self.coordinates = Coordinates.of(model.parameters, middle, np.array([size]), amplitude)
         self.size = self.coordinates.size[0]
@@ -157,7 +156,7 @@ class TimeSearch:
         # The material first: its start is read off the data, and what a test adds is sought on top
         # of it.
         in_time = [part for part in self.parts if isinstance(part, InTimePart)]
-        sweeps = [part.test for part in self.parts if not isinstance(part, InTimePart)]
+        sweeps = [part.test for part in self.parts if isinstance(part, SweepPart)]
         material = self.model.of_specimen
         begin = list(self.seeds)
         for of_material in start_of(material, [part.apparent for part in in_time], sweeps):
@@ -220,7 +219,9 @@ class TimeSearch:
         inside[: self._weights][gone] = 0.0
         return inside
 
-    def residual(self, parts: Sequence[Part], u: Real, coarse: bool = False) -> tuple[Real, Real]:
+    def residual(
+        self, parts: Sequence[TestPart], u: Real, coarse: bool = False
+    ) -> tuple[Real, Real]:
         """Residuals (m,) of all parts and their derivative (p, m) by u."""
         theta = self.theta(u)
         residuals = [part.residual(self.model, theta, self.reference, coarse) for part in parts]
@@ -228,22 +229,22 @@ class TimeSearch:
         value = np.concatenate([each.value for each in residuals])
         return value, self.coordinates.carry(by_theta, theta, self.size)
 
-    def solved(self, parts: Sequence[Part], starts: Sequence[Real]) -> tuple[Real, int, bool]:
+    def solved(self, parts: Sequence[TestPart], starts: Sequence[Real]) -> tuple[Real, int, bool]:
         """The best search point (p,), evaluations spent, and whether the search came to rest."""
         return self.ended(parts, *self.near(parts, starts))
 
-    def ended(self, parts: Sequence[Part], near: Real, spent: int) -> tuple[Real, int, bool]:
+    def ended(self, parts: Sequence[TestPart], near: Real, spent: int) -> tuple[Real, int, bool]:
         """The same from a point near the best one, where `spent` evaluations have led."""
         # With all samples and exact answers, near enough to the minimum for undamped steps.
         last = self._descend(parts, near[None], False, LAST, NEAR)
         return last.u[0], spent + last.evaluations, bool(last.converged[0])
 
-    def near(self, parts: Sequence[Part], starts: Sequence[Real]) -> tuple[Real, int]:
+    def near(self, parts: Sequence[TestPart], starts: Sequence[Real]) -> tuple[Real, int]:
         """A search point (p,) near the best one, and evaluations spent.
 
         By fixed exponentials where they will do.
         """
-        quick = [_quick(part) for part in parts]
+        quick = quick_parts(parts)
         try:
             further: list[Real] = []
             # With these a start costs next to nothing.
@@ -262,7 +263,7 @@ class TimeSearch:
                 raise
             return self._near(parts, starts)[:2]
 
-    def _near(self, parts: Sequence[Part], starts: Sequence[Real]) -> tuple[Real, int, bool]:
+    def _near(self, parts: Sequence[TestPart], starts: Sequence[Real]) -> tuple[Real, int, bool]:
         # A few steps from everywhere tell the starts apart; only the best is worth its way to the
         # end.
         quick = self._descend(parts, np.stack(starts), True, QUICK, AFAR)
@@ -277,7 +278,7 @@ class TimeSearch:
         return near, spent, rests
 
     def _descend(
-        self, parts: Sequence[Part], starts: Real, coarse: bool, iterations: int, damping: float
+        self, parts: Sequence[TestPart], starts: Real, coarse: bool, iterations: int, damping: float
     ) -> Solution:
         def evaluate(u: Real, rows: Rows) -> tuple[Real, Real]:
             # One start after another: the parts of a test share no shape that could be stacked.
@@ -300,7 +301,7 @@ class TimeSearch:
             flat=flat,
         )
 
-    def guarded(self, parts: Sequence[Part], u: Real, coarse: bool) -> tuple[Real, Real]:
+    def guarded(self, parts: Sequence[TestPart], u: Real, coarse: bool) -> tuple[Real, Real]:
         """The residual, endless at parameters at which the model cannot be followed."""
         try:
             with np.errstate(all="ignore"):
@@ -315,15 +316,15 @@ class TimeSearch:
         self._followed = True
         return value, np.nan_to_num(slopes)
 
-    def ratio(self, part: Part, u: Real) -> float:
+    def ratio(self, part: TestPart, u: Real) -> float:
         """Root mean square of a part's residuals over its noise."""
         value = part.with_scale(1.0).residual(self.model, self.theta(u), self.reference).value
         return rms(value)
 
-    def scale(self, part: Part, u: Real) -> float:
+    def scale(self, part: TestPart, u: Real) -> float:
         """How far a part's misfit exceeds its noise, repeated samples counted once."""
         value = part.with_scale(1.0).residual(self.model, self.theta(u), self.reference).value
-        return max(1.0, float(np.sqrt(sampled_scatter(value, part))))
+        return max(1.0, float(np.sqrt(part.sampled(value))))
 
     def result(self, found: Minimum, seconds: float) -> Identification:
         """The answer where a search ended."""
@@ -377,7 +378,7 @@ class TimeSearch:
         upper = np.array([p.upper for p in self.model.parameters])
         return ends(theta, reach, log, (lower, upper))
 
-    def _covariance(self, u: Real, parts: Sequence[Part]) -> Real:
+    def _covariance(self, u: Real, parts: Sequence[TestPart]) -> Real:
         """Of the search coordinates (p, p).
 
         Each part weighs as its misfit and the likeness of neighbours allow.
@@ -389,7 +390,7 @@ class TimeSearch:
             scatter = 1.0
             # With no more numbers than parameters nothing is left over that could show a scatter.
             if len(value) > len(u):
-                scatter = max(1.0, sampled_scatter(value, part))
+                scatter = max(1.0, part.sampled(value))
             information += slopes @ slopes.T / scatter
         # A direction that no test sees is left with next to no information, and so with endless
         # variance.
@@ -399,21 +400,14 @@ class TimeSearch:
         return covariance
 
 
-def _quick(part: Part) -> Part:
-    # One that is quick already is a part in time too, by inheritance: it stays as it is.
-    if type(part) is InTimePart:
-        return QuickPart.of(part)
-    return part
-
-
 def part_result(
-    part: Part, model: Model, theta: Real, reference: float, alone: float
+    part: TestPart, model: Model, theta: Real, reference: float, alone: float
 ) -> PartResult:
     """How far a model with these parameters is off in one part.
 
     Parameters
     ----------
-    part : Part
+    part : TestPart
         The test.
     model : Model
         The model.
@@ -426,14 +420,11 @@ def part_result(
     """
     # By its noise alone, whatever it weighed in the fit.
     weighted = part.with_scale(1.0).residual(model, theta, reference).value
-    kind = SWEEP
-    if isinstance(part.test, TimeTest):
-        kind = part.test.kind
-    error, floor = rms(weighted * part.relative_sd), rms(part.relative_sd)
-    return PartResult(part.test.name, kind, len(part.test), error, floor, rms(weighted), alone)
+    error, floor, test = rms(weighted * part.relative_sd), rms(part.relative_sd), part.test
+    return PartResult(test.name, test.kind, len(test), error, floor, rms(weighted), alone)
 
 
-def _doubts(parts: Sequence[Part], rows: Sequence[PartResult]) -> tuple[str, ...]:
+def _doubts(parts: Sequence[TestPart], rows: Sequence[PartResult]) -> tuple[str, ...]:
     """Tests whose columns seem to count in opposite directions."""
     doubts = []
     for part, row in zip(parts, rows, strict=True):
@@ -445,33 +436,7 @@ def _doubts(parts: Sequence[Part], rows: Sequence[PartResult]) -> tuple[str, ...
     return tuple(doubts)
 
 
-def _units(parts: Sequence[Part]) -> Units:
+def _units(parts: Sequence[TestPart]) -> Units:
     """Those of all parts; that of them which knows its modulus tells it."""
     letter = one_modulus((part.test.name, part.test.units) for part in parts)
     return replace(parts[0].test.units, letter=letter)
-
-
-def _typical(part: Part) -> float:
-    """Typical size of K."""
-    if isinstance(part, InTimePart):
-        test = part.test
-        # The median: at the instant of a step the answer may be many times what it is later.
-        imposed, answered = np.abs(test.loading.value).max(), np.median(np.abs(test.response))
-        if test.control == "displacement":
-            return max(float(answered / imposed), 1e-300)
-        return max(float(imposed / max(answered, 1e-300)), 1e-300)
-    return float(np.exp(np.mean(np.log(part.test.magnitude))))
-
-
-def _reach(part: Part) -> float:
-    """Largest displacement."""
-    if isinstance(part, InTimePart):
-        test = part.test
-        moved = test.response
-        if test.control == "displacement":
-            moved = test.loading.value
-        return max(float(np.abs(moved).max()), 1e-300)
-    column = part.test.conditions.get("amplitude")
-    if column is None:
-        return 1e-300
-    return max(float(column.max()), 1e-300)

@@ -6,17 +6,14 @@ What a fitted model says of it, with a band, and whether it holds.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.distributions import student
 from springpot.errors import DataError
 from springpot.identification.prediction import Known
-from springpot.identification.space import require_columns
-from springpot.measurement.measurement import Measurement
-from springpot.measurement.timenoise import noise_of
-from springpot.measurement.timetest import TimeTest
+from springpot.measurement.opening import Test
 from springpot.measurement.units import (
     AMPLITUDE_UNITS,
     MODULUS_UNITS,
@@ -24,12 +21,11 @@ from springpot.measurement.units import (
     Units,
     one_modulus,
 )
-from springpot.rheology.model import Model
 from springpot.rheology.points import Points, Real
 from springpot.thresholds import INTERVAL
 
-from .recording import predicted
-from .residuals_of_tests import SweepPart, Test
+from .residuals_of_tests import TestPart, part_of
+from .specimen import require_its_conditions
 from .where import TestPrediction, rms
 
 NEAR = 2.0
@@ -72,50 +68,49 @@ def predict_test(known: Known, test: Test, level: float = INTERVAL) -> TestPredi
     True
     """
     known = known.of_specimen
-    _require_its_conditions(known.model, test)
+    require_its_conditions(known.model, test)
     # The fit is brought to the test, and not the test to the fit: what is printed is in the units
     # that were measured.
     theta, covariance = _in_units_of(known, test.units)
-    if isinstance(test, TimeTest):
-        compared = _in_time(test, known, theta)
-        kind, unit, judged = test.kind, test.response_unit, test.measured
-        quantity, clock = test.words[1], "Hz"
-    else:
-        compared = _at_frequencies(test, known, theta)
-        kind, unit, judged = "sweep", test.units.stiffness, True
-        quantity, clock = "storage and loss", test.units.clock
+    part = part_of(test)
+    rows = np.flatnonzero(part.counted)
+    answer = part.answer(known.model, theta, known.reference, rows)
+    value, measured, noise, size = answer.value, part.measured[rows], part.sd[rows], part.size[rows]
+    # A test that was not measured is its own prediction: nothing is missed, and nothing judged.
+    if not part.judged:
+        measured, noise, size = value, np.zeros(len(rows)), np.full(len(rows), rms(value))
     # Relative to the signal, so that tests in different units and of any kind are judged alike.
-    share = (compared.value - compared.measured) / compared.size
-    known_sd = _reach(compared.by_theta, covariance)
+    share = (value - measured) / size
+    known_sd = _reach(answer.by_theta, covariance)
     wide = student(level, known.dof) * known_sd
     # Independent reasons to be off: what the parameters leave open and the noise of the test.
-    known_error = np.hypot(known_sd, compared.noise) / compared.size
+    known_error = np.hypot(known_sd, noise) / size
     # One over a time is a frequency only nearly: what lies near the ends was seen.
-    asked = compared.rate, _settings(test, compared, known.units)
+    asked = part.rate[rows], _settings(part, rows, known.units)
     inside = ~known.covered.outside(*asked, NEAR)
     return TestPrediction(
-        known.model.name,
-        test.name,
-        kind,
-        compared.at,
-        compared.value,
-        compared.value - wide,
-        compared.value + wide,
-        compared.measured,
-        rms(share),
-        float(np.hypot(rms(known_error), known.misfit)),
+        model=known.model.name,
+        test=test.name,
+        kind=test.kind,
+        at=part.at[rows],
+        value=value,
+        low=value - wide,
+        high=value + wide,
+        measured=measured,
+        error=rms(share),
+        expected=float(np.hypot(rms(known_error), known.misfit)),
         # "Too much" is larger in size, whatever the sign of the response.
-        float(np.mean(share * np.sign(compared.measured))),
-        float(np.mean(inside)),
-        _rms_of(share[inside]),
-        unit,
-        ~inside,
-        known.covered,
-        tuple(filter(None, [known.covered.remark(*asked, known.units, NEAR)])),
-        judged,
-        quantity,
-        clock,
-        level,
+        bias=float(np.mean(share * np.sign(measured))),
+        inside=float(np.mean(inside)),
+        error_inside=rms(share[inside]) if inside.any() else float("nan"),
+        unit=part.unit,
+        outside=~inside,
+        covered=known.covered,
+        notes=tuple(filter(None, [known.covered.remark(*asked, known.units, NEAR)])),
+        judged=part.judged,
+        quantity=part.quantity,
+        clock=test.units.clock,
+        level=level,
     )
 
 
@@ -126,40 +121,13 @@ def _reach(slopes: Real, covariance: Real) -> Real:
     return np.sqrt(np.maximum(variance, 0.0))
 
 
-def _rms_of(share: Real) -> float:
-    """The root mean square; nan of nothing."""
-    if not len(share):
-        return float("nan")
-    return rms(share)
-
-
-def _require_its_conditions(model: Model, test: Test) -> None:
-    """Refuse a test without a condition that the model needs."""
-    if isinstance(test, Measurement):
-        require_columns(model.had_by(test)[0], test)
-    elif "temperature" in model.needs and test.temperature is None:
-        raise DataError(
-            f"{test.name}: {model.name} needs its temperature: add '?temperature=25[degC]'"
-        )
-
-
-def _settings(test: Test, compared: _Compared, units: Units) -> dict[str, Real]:
-    """Temperature of each sample, or all conditions of each point of a sweep.
-
-    Amplitudes are in the units of the fit.
-    """
-    if isinstance(test, Measurement):
-        settings = {name: np.tile(column, 2) for name, column in test.conditions.items()}
-        if "amplitude" in settings:
-            settings["amplitude"] *= (
-                AMPLITUDE_UNITS[test.units.amplitude] / AMPLITUDE_UNITS[units.amplitude]
-            )
-        return settings
-    if test.warmth is not None:
-        return {"temperature": np.interp(compared.at, test.time, test.warmth)}
-    if test.temperature is not None:
-        return {"temperature": np.full(len(compared.at), test.temperature)}
-    return {}
+def _settings(part: TestPart, rows: NDArray[np.intp], units: Units) -> dict[str, Real]:
+    """All conditions of some numbers of a test, amplitudes in the units of the fit."""
+    settings = {name: column[rows] for name, column in part.conditions.items()}
+    if "amplitude" in settings:
+        longer = AMPLITUDE_UNITS[part.test.units.amplitude] / AMPLITUDE_UNITS[units.amplitude]
+        settings["amplitude"] = settings["amplitude"] * longer
+    return settings
 
 
 def _in_units_of(known: Known, units: Units) -> tuple[Real, Real]:
@@ -209,54 +177,3 @@ def _require_same_model(
             f" {units.amplitude}: the unit of a parameter depends on another parameter; give the"
             f" test in {known.units.amplitude}"
         )
-
-
-class _Compared(NamedTuple):
-    """A test and its prediction, sample by sample, and the size that differences are shares of.
-
-    The rate is the angular frequency, or one over the time since the load moved.
-    """
-
-    at: Real
-    rate: Real
-    value: Real
-    by_theta: Real
-    measured: Real
-    noise: Real
-    size: Real
-
-
-def _in_time(test: TimeTest, known: Known, theta: Real) -> _Compared:
-    answer = predicted(known.model, theta, test, known.reference)
-    # At the very instant of a step the answer may be endless, and no instrument reads it.
-    seen = ~np.isin(test.time, test.loading.jumps[0])
-    time, value = test.time[seen], answer.value[seen]
-    # A test that was not measured is its own prediction: nothing is missed, and nothing judged.
-    measured, noise = value, np.zeros(len(value))
-    if test.measured:
-        measured, noise = test.response[seen], noise_of(test).sd[seen]
-    # After a step each instant tells of its own rate; where the load keeps moving, all samples tell
-    # of all rates.
-    if test.kind in ("relaxation", "creep"):
-        rate = 1.0 / np.maximum(time - test.start, 1e-300)
-    else:
-        rate = np.full(len(time), float(np.sqrt(np.prod(test.seen))))
-    size = np.full(len(time), rms(measured))
-    return _Compared(time, rate, value, answer.by_theta[seen], measured, noise, size)
-
-
-def _at_frequencies(test: Measurement, known: Known, theta: Real) -> _Compared:
-    """K' and then K'', each point a share of its |K|."""
-    at = replace(test, reference=known.reference).points
-    value, slopes = known.model.stiffness(theta, at), known.model.jacobian(theta, at)
-    sd = SweepPart(test).sd
-    return _Compared(
-        np.tile(test.frequency, 2),
-        np.tile(test.omega, 2),
-        np.concatenate([value.real, value.imag]),
-        np.concatenate([slopes.real, slopes.imag]),
-        np.concatenate([test.storage, test.loss]),
-        np.concatenate([sd.real, sd.imag]),
-        # So that K' and K'' of a point together weigh as one relative error of K.
-        np.tile(test.magnitude, 2) / np.sqrt(2.0),
-    )

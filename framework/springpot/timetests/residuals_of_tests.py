@@ -7,18 +7,17 @@ Values that the units suggest, for sizes and times of the tests.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import product
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
 from springpot.identification.problem import Objective
-from springpot.identification.space import require_columns, require_effects
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test as Test
 from springpot.measurement.timenoise import noise_of, relative_scatter
@@ -30,19 +29,28 @@ from springpot.measurement.units import (
     Units,
     one_modulus,
 )
-from springpot.rheology.effect import ALL, SWEEPS, Effect, Layer
+from springpot.misfit.where import Where
+from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model
-from springpot.rheology.parameters import Parameter
-from springpot.rheology.points import KELVIN, ROOM, Complex, Real
-from springpot.rheology.stages import StageLaw
+from springpot.rheology.points import Complex, Real
 
-from .recording import TOLERANCE, recorded
+from .recording import TOLERANCE, recorded, spread
+from .scatter import ResidualScatter, scatter_of, scatter_of_sweep
 from .start import apparent
-from .where import rms
+from .where import places, rms
 
-RIGS = (ALL, SWEEPS)
 COARSE = 60
 """Samples of a test with which the search begins; all of them end it."""
+WITHIN = 3.0
+"""Rates over one a step at which relaxation beside a straight motion is still told from a dashpot.
+"""
+
+
+LIKENESS = 0.98
+"""Largest correlation of neighbouring residuals that is believed.
+
+Beyond, a test would be worth no sample at all.
+"""
 
 
 class Residual(NamedTuple):
@@ -53,22 +61,217 @@ class Residual(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class InTimePart:
+class TestPart(ABC):
+    """A test as numbers beside those of a model: all that an engine asks of a test.
+
+    Parameters
+    ----------
+    test : Test
+        The test.
+    scale : float
+        By how much its noise is taken to be larger than its scatter says.
+    """
+
+    test: Test
+    scale: float = 1.0
+
+    @property
+    @abstractmethod
+    def at(self) -> Real:
+        """Where each number (m,) was measured: time in s, or frequency in Hz."""
+
+    @property
+    @abstractmethod
+    def rate(self) -> Real:
+        """Angular frequency in rad/s that each of them tells of, (m,)."""
+
+    @property
+    @abstractmethod
+    def measured(self) -> Real:
+        """The numbers (m,)."""
+
+    @property
+    @abstractmethod
+    def sd(self) -> Real:
+        """Their standard deviations (m,)."""
+
+    @property
+    @abstractmethod
+    def size(self) -> Real:
+        """What an error of each of them is a share of, (m,)."""
+
+    @property
+    @abstractmethod
+    def stiffness(self) -> float:
+        """Typical size of K."""
+
+    @property
+    @abstractmethod
+    def reach(self) -> float:
+        """Largest displacement."""
+
+    @abstractmethod
+    def answer(self, model: Model, theta: Real, reference: float, rows: NDArray[np.intp]) -> Traced:
+        """What a model says of some of these numbers (r,), with derivatives (r, p)."""
+
+    @abstractmethod
+    def scatter(self, residual: Real) -> ResidualScatter:
+        """The noise in a residual (m,) that is told over the standard deviations."""
+
+    @property
+    @abstractmethod
+    def quantity(self) -> str:
+        """What the numbers are, in words."""
+
+    @property
+    def unit(self) -> str:
+        """Their unit."""
+        return self.test.units.stiffness
+
+    @property
+    def judged(self) -> bool:
+        """Whether they were measured; otherwise they are only asked for."""
+        return True
+
+    @property
+    def conditions(self) -> dict[str, Real]:
+        """What was set beside the load, for each of them (m,)."""
+        return dict(self.test.conditions)
+
+    @property
+    def log_omega(self) -> float:
+        """Logarithm of the angular frequency in the middle of what it saw."""
+        return float(np.mean(np.log(self.test.seen)))
+
+    @property
+    def resolved(self) -> tuple[float, float]:
+        """Angular frequencies between which it tells something of a material."""
+        return self.test.seen
+
+    @property
+    def counted(self) -> NDArray[np.bool_]:
+        """Which of the numbers (m,) say anything of a model."""
+        return np.ones(len(self.measured), dtype=bool)
+
+    @property
+    def relative_sd(self) -> Real:
+        """The noise over the size of what was measured, (m,)."""
+        return np.asarray(self.sd / self.size, dtype=float)
+
+    @property
+    def signal(self) -> Real:
+        """What was measured, over its noise, (m,)."""
+        return np.asarray(self.measured / (self.scale * self.sd), dtype=float)
+
+    @property
+    def thin(self) -> NDArray[np.intp]:
+        """Those of the numbers with which a search begins."""
+        return np.arange(len(self.measured))
+
+    def count(self, coarse: bool = False) -> int:
+        """How many numbers it gives."""
+        if coarse:
+            return len(self.thin)
+        return len(self.measured)
+
+    def residual(
+        self, model: Model, theta: Real, reference: float, coarse: bool = False
+    ) -> Residual:
+        """Predicted less measured, over the noise; of some samples only if `coarse`."""
+        rows = np.arange(len(self.measured))
+        if coarse:
+            rows = self.thin
+        answer = self.answer(model, theta, reference, rows)
+        weight = np.asarray(1.0 / (self.scale * self.sd[rows]), dtype=float)
+        counted = self.counted[rows]
+        missed = np.where(counted, answer.value - self.measured[rows], 0.0)
+        by_theta = np.where(counted[:, None], answer.by_theta, 0.0)
+        return Residual(missed * weight, by_theta * weight[:, None])
+
+    def neighbours(self, residual: Real) -> Real:
+        """Those numbers of a residual (m,) that follow one another."""
+        return residual
+
+    def sampled(self, residual: Real) -> float:
+        """Mean square of a residual times the numbers that make up one independent one.
+
+        For a first-order autoregression with the correlation r of neighbours that is
+        (1 + r) / (1 - r) (Bayley & Hammersley 1946, doi:10.2307/2983560).
+        """
+        rows, square = self.neighbours(residual), float(np.mean(residual**2))
+        power = float(np.mean(rows**2))
+        if len(rows) < 4 or power == 0.0:
+            return square
+        # Misses that alternate would claim more than one independent number a sample.
+        likeness = float(np.clip(np.mean(rows[1:] * rows[:-1]) / power, 0.0, LIKENESS))
+        return square * (1.0 + likeness) / (1.0 - likeness)
+
+    def places(self, residual: Real) -> list[Where]:
+        """Where a residual (m,) over the noise is plainly more than that, the worst first."""
+        return []
+
+    @property
+    def view(self) -> Measurement:
+        """The numbers as an objective looks at them: one beside the other."""
+        order, sd = np.arange(1.0, len(self.measured) + 1.0), _complex(np.tile(self.sd, 2))
+        return Measurement(order, self.measured.astype(complex), sd=sd, name=self.test.name)
+
+    def weighed_by(self, objective: Objective) -> Self:
+        """A part whose numbers weigh among each other as an objective has it.
+
+        Against other tests it weighs by its noise, as ever; a logarithmic objective weighs relative
+        to the size of what was measured.
+        """
+        weights = objective.weighing(self.view)
+        if objective.logarithmic:
+            weights = weights / self.view.magnitude
+        by = np.concatenate([weights.real, weights.imag])[: len(self.measured)]
+        return self.with_sd(np.asarray(rms(self.sd * by) / by, dtype=float))
+
+    @abstractmethod
+    def with_sd(self, sd: Real) -> Self:
+        """The same with these standard deviations (m,)."""
+
+    def with_scale(self, scale: float) -> Self:
+        """The same with larger noise."""
+        # The same object keeps what it has worked out, such as its noise.
+        if scale == self.scale:
+            return self
+        return replace(self, scale=scale)
+
+
+@dataclass(frozen=True, eq=False)
+class InTimePart(TestPart):
     """A test in time.
 
     Parameters
     ----------
-    test : TimeTest
-        The test.
-    scale : float
-        By how much its noise is taken to be larger than its scatter says.
     noise : ndarray, shape (n,), optional
         Standard deviation of each sample, where it is known better than the signal itself tells.
     """
 
     test: TimeTest
-    scale: float = 1.0
     noise: Real | None = None
+
+    @property
+    def at(self) -> Real:
+        """Time of each sample in s."""
+        return self.test.time
+
+    @property
+    def rate(self) -> Real:
+        """After a step each instant tells of its own rate.
+
+        Where the load keeps moving all samples tell of all rates.
+        """
+        if self.test.after_step:
+            return np.asarray(1.0 / np.maximum(self.at - self.test.start, 1e-300))
+        return np.full(len(self.at), float(np.sqrt(np.prod(self.test.seen))))
+
+    @property
+    def measured(self) -> Real:
+        """The response."""
+        return self.test.response
 
     @cached_property
     def sd(self) -> Real:
@@ -78,49 +281,85 @@ class InTimePart:
         return noise_of(self.test).sd
 
     @property
-    def relative_sd(self) -> Real:
-        """The same over the size of the signal (n,)."""
-        return np.asarray(self.sd, dtype=float) / rms(self.test.response)
+    def size(self) -> Real:
+        """The root mean square of the response."""
+        return np.full(len(self.at), rms(self.measured))
+
+    @property
+    def stiffness(self) -> float:
+        """Typical size of K."""
+        # The median: at the instant of a step the answer may be many times what it is later.
+        imposed, answered = np.abs(self.test.loading.value).max(), np.median(np.abs(self.measured))
+        if self.test.control == "displacement":
+            return max(float(answered / imposed), 1e-300)
+        return max(float(imposed / max(answered, 1e-300)), 1e-300)
+
+    @property
+    def reach(self) -> float:
+        """Largest displacement."""
+        moved = self.measured
+        if self.test.control == "displacement":
+            moved = self.test.loading.value
+        return max(float(np.abs(moved).max()), 1e-300)
+
+    @property
+    def quantity(self) -> str:
+        """Force or displacement, stress or strain."""
+        return self.test.words[1]
+
+    @property
+    def unit(self) -> str:
+        """Of the response."""
+        return self.test.response_unit
+
+    @property
+    def judged(self) -> bool:
+        """Whether there was a response, and not only a plan."""
+        return self.test.measured
+
+    @property
+    def resolved(self) -> tuple[float, float]:
+        """Within a step of a record the motion is straight, which tells of what relaxes in it."""
+        slowest, fastest = self.test.seen
+        if self.test.after_step:
+            return slowest, fastest
+        return slowest, WITHIN * fastest
+
+    @cached_property
+    def counted(self) -> NDArray[np.bool_]:
+        """At the very instant of a step the answer may be endless, and no instrument reads it."""
+        return ~np.isin(self.at, self.test.loading.jumps[0])
 
     @cached_property
     def apparent(self) -> Measurement | None:
         """The sweep that the test amounts to; None where no sum of exponentials follows it."""
         return apparent(self.test, self.sd)
 
-    def count(self, coarse: bool = False) -> int:
-        """How many numbers it gives."""
-        if coarse:
-            return len(self._thin())
-        return len(self.test)
+    def answer(self, model: Model, theta: Real, reference: float, rows: NDArray[np.intp]) -> Traced:
+        """What the test records of a model and of what it did itself."""
+        return recorded(model, theta, self.test, reference, self.at[rows], TOLERANCE)
 
-    @property
-    def log_omega(self) -> float:
-        """Logarithm of the angular frequency in the middle of what it saw."""
-        return float(np.mean(np.log(self.test.seen)))
+    def with_sd(self, sd: Real) -> Self:
+        """The same with this noise."""
+        return replace(self, noise=sd)
 
-    def residual(
-        self, model: Model, theta: Real, reference: float, coarse: bool = False
-    ) -> Residual:
-        """Predicted less measured, over the noise; of some samples only if `coarse`."""
-        rows = np.arange(len(self.test))
-        if coarse:
-            rows = self._thin()
-        answer = recorded(model, theta, self.test, reference, self.test.time[rows], TOLERANCE)
-        weight = 1.0 / (self.scale * self.sd[rows])
-        # At the very instant of a step the answer may be endless, and no instrument reads it.
-        seen = ~np.isin(self.test.time[rows], self.test.loading.jumps[0])
-        missed = np.where(seen, answer.value - self.test.response[rows], 0.0)
-        by_theta = np.where(seen[:, None], answer.by_theta, 0.0)
-        return Residual(missed * weight, by_theta * weight[:, None])
+    def scatter(self, residual: Real) -> ResidualScatter:
+        """From the spectrum of the residual."""
+        return scatter_of(residual)
 
-    def _thin(self) -> NDArray[np.intp]:
+    def places(self, residual: Real) -> list[Where]:
+        """Between which times, and where in a loop."""
+        return places(self.test, residual)
+
+    @cached_property
+    def thin(self) -> NDArray[np.intp]:
         """Samples spread evenly over the logarithm of time for steps, over time else."""
-        n = len(self.test)
+        n = len(self.at)
         if n <= COARSE:
             return np.arange(n)
-        if self.test.kind not in ("relaxation", "creep"):
+        if not self.test.after_step:
             return np.unique(np.linspace(0, n - 1, COARSE).astype(int))
-        clock = np.maximum(self.test.time - self.test.start, 1e-300)
+        clock = np.maximum(self.at - self.test.start, 1e-300)
         # Samples at or before the step have no place on a logarithmic clock.
         positive = clock > 1e-300
         # What follows a step happens decade by decade: evenly in time its beginning would be left
@@ -128,77 +367,100 @@ class InTimePart:
         wanted = np.geomspace(clock[positive][0], clock[-1], COARSE)
         return np.unique(np.minimum(np.searchsorted(clock, wanted), n - 1))
 
-    def with_scale(self, scale: float) -> InTimePart:
-        """The same with larger noise."""
-        # The same object keeps what it has worked out, such as its noise.
-        if scale == self.scale:
-            return self
-        return replace(self, scale=scale)
-
 
 @dataclass(frozen=True, eq=False)
-class SweepPart:
-    """A test at frequencies; see `InTimePart`."""
+class SweepPart(TestPart):
+    """A test at frequencies: first K', then K''."""
 
     test: Measurement
-    scale: float = 1.0
-
-    @cached_property
-    def sd(self) -> Complex:
-        """Standard deviation of K' and K'' of each point.
-
-        Given ones, or the scatter between neighbours.
-        """
-        if self.test.sd is not None:
-            return self.test.sd
-        # Without given deviations the scatter between neighbours is the best that is known of the
-        # noise.
-        share = relative_scatter(self.test)
-        return np.asarray(share * self.test.magnitude * (1.0 + 1.0j), dtype=np.complex128)
 
     @property
-    def relative_sd(self) -> Real:
-        """The same over |K|, K' before K'' (2 n,): its mean square is that of |dK|^2 / |K|^2."""
-        sd = np.concatenate([self.sd.real, self.sd.imag])
-        return np.asarray(np.sqrt(2.0) * sd / np.tile(self.test.magnitude, 2), dtype=float)
+    def at(self) -> Real:
+        """Frequency in Hz."""
+        return np.tile(self.test.frequency, 2)
 
-    def count(self, coarse: bool = False) -> int:
-        """How many numbers it gives."""
-        return 2 * len(self.test)
+    @property
+    def rate(self) -> Real:
+        """Angular frequency in rad/s."""
+        return np.tile(self.test.omega, 2)
+
+    @cached_property
+    def measured(self) -> Real:
+        """K' and K''."""
+        return np.concatenate([self.test.storage, self.test.loss])
+
+    @cached_property
+    def sd(self) -> Real:
+        """Given ones, or the scatter between neighbours."""
+        if self.test.sd is not None:
+            return np.concatenate([self.test.sd.real, self.test.sd.imag])
+        # Without given deviations the scatter between neighbours is the best that is known of the
+        # noise.
+        return np.tile(relative_scatter(self.test) * self.test.magnitude, 2)
+
+    @property
+    def size(self) -> Real:
+        """|K|, so that K' and K'' of a point together weigh as one relative error of K."""
+        return np.asarray(np.tile(self.test.magnitude, 2) / np.sqrt(2.0))
+
+    @property
+    def quantity(self) -> str:
+        """Both parts of K."""
+        return "storage and loss"
+
+    @property
+    def conditions(self) -> dict[str, Real]:
+        """All columns of conditions, for K' and again for K''."""
+        return {name: np.tile(column, 2) for name, column in self.test.conditions.items()}
 
     @property
     def log_omega(self) -> float:
         """Mean logarithm of the angular frequencies."""
         return float(np.mean(np.log(self.test.omega)))
 
-    def residual(
-        self, model: Model, theta: Real, reference: float, coarse: bool = False
-    ) -> Residual:
-        """Predicted less measured, over the noise: first K', then K''."""
+    @property
+    def stiffness(self) -> float:
+        """Typical size of K."""
+        return float(np.exp(np.mean(np.log(self.test.magnitude))))
+
+    @property
+    def reach(self) -> float:
+        """Largest displacement, next to nothing where it is not known."""
+        return max(float(np.max(self.test.conditions.get("amplitude", 0.0))), 1e-300)
+
+    def answer(self, model: Model, theta: Real, reference: float, rows: NDArray[np.intp]) -> Traced:
+        """K' and K'' of a model."""
         at = replace(self.test, reference=reference).points
         own, places = model.had_by(self.test)
-        missed = own.stiffness(theta[places], at) - self.test.stiffness
-        slopes = own.jacobian(theta[places], at)
-        weight = 1.0 / (self.scale * np.concatenate([self.sd.real, self.sd.imag]))
-        value = np.concatenate([missed.real, missed.imag]) * weight
+        value, slopes = own.stiffness(theta[places], at), own.jacobian(theta[places], at)
+        both = Traced(
+            np.concatenate([value.real, value.imag])[rows],
+            np.concatenate([slopes.real, slopes.imag])[rows],
+        )
         # Effects of other tests leave a sweep as it is.
-        by_theta = np.zeros((len(value), len(theta)))
-        by_theta[:, places] = np.concatenate([slopes.real, slopes.imag]) * weight[:, None]
-        return Residual(value, by_theta)
+        return spread(both, places, len(theta))
 
-    def with_scale(self, scale: float) -> SweepPart:
-        """The same with larger noise."""
-        if scale == self.scale:
-            return self
-        return replace(self, scale=scale)
+    @property
+    def view(self) -> Measurement:
+        """The sweep itself."""
+        return replace(self.test, sd=_complex(self.sd))
 
+    def with_sd(self, sd: Real) -> Self:
+        """The same with given standard deviations."""
+        return replace(self, test=replace(self.test, sd=_complex(sd)))
 
-Part: TypeAlias = InTimePart | SweepPart
+    def scatter(self, residual: Real) -> ResidualScatter:
+        """A sweep is too short for a spectrum."""
+        return scatter_of_sweep(residual, self.test.sd is not None)
+
+    def neighbours(self, residual: Real) -> Real:
+        """K' comes first and then K'': its neighbours are told by K' alone."""
+        return residual[: len(self.test)]
 
 
 def parts_of_specimen(
     tests: Sequence[Test], noise: Sequence[Real | None] | None = None
-) -> list[Part]:
+) -> list[TestPart]:
     """Tests in common units, as parts.
 
     With the noise (n,) of each in these units, where it is known.
@@ -211,191 +473,31 @@ def parts_of_specimen(
     if noise is None:
         noise = [None] * len(tests)
     units = units_of(tests)
-    parts: list[Part] = []
-    for test, own_noise in zip(tests, noise, strict=True):
-        if isinstance(test, TimeTest):
-            parts.append(InTimePart(test.in_units(units), noise=own_noise))
-        else:
-            parts.append(SweepPart(_in_units(test, units)))
-    return parts
+    return [
+        part_of(_in_units(test, units), own_noise)
+        for test, own_noise in zip(tests, noise, strict=True)
+    ]
 
 
-def weighed_by(part: Part, objective: Objective) -> Part:
-    """A part whose samples weigh among each other as an objective has it.
-
-    Against other tests it weighs by its noise, as ever; a logarithmic objective weighs relative to
-    the size of what was measured.
-    """
-    if isinstance(part, InTimePart):
-        # What an objective asks of a sweep, of the response: one number for each sample.
-        order = np.arange(1.0, len(part.test) + 1.0)
-        sd = np.asarray(part.sd * (1.0 + 1.0j), dtype=np.complex128)
-        shown = part.test.response.astype(np.complex128)
-        view = Measurement(order, shown, sd=sd, name=part.test.name)
-        weights = _weights(view, objective).real
-        return replace(part, noise=np.asarray(rms(part.sd * weights) / weights, dtype=float))
-    sweep = replace(part.test, sd=part.sd)
-    by = _weights(sweep, objective)
-    level = rms(np.concatenate([part.sd.real * by.real, part.sd.imag * by.imag]))
-    shared = np.asarray(level / by.real + 1j * level / by.imag, dtype=np.complex128)
-    return replace(part, test=replace(sweep, sd=shared))
+def part_of(test: Test, noise: Real | None = None) -> TestPart:
+    """A test as an engine sees it, with the noise of each sample (n,) where it is known."""
+    if isinstance(test, TimeTest):
+        return InTimePart(test, noise=noise)
+    if noise is not None:
+        return SweepPart(test).with_sd(noise)
+    return SweepPart(test)
 
 
-def _weights(view: Measurement, objective: Objective) -> Complex:
-    weights = objective.weighing(view)
-    if objective.logarithmic:
-        return np.asarray(weights / view.magnitude, dtype=np.complex128)
-    return weights
+def _complex(both: Real) -> Complex:
+    """Real parts and then imaginary ones (2 n,) as complex numbers (n,)."""
+    real, imag = np.split(both, 2)
+    return np.asarray(real + 1j * imag, dtype=np.complex128)
 
 
-def units_of(tests: Sequence[Test]) -> Units:
-    """Those in which parameters are printed: of the first test in time, or of the only sweep.
-
-    Raises
-    ------
-    DataError
-        If the tests are of different moduli.
-    """
-    in_time = [test for test in tests if isinstance(test, TimeTest)]
-    units = (in_time or tests)[0].units
-    letter = one_modulus((test.name, test.units) for test in tests)
-    return replace(units, letter=letter or units.letter)
-
-
-def at_rig(effect: Effect, tests: Sequence[Test]) -> Effect:
-    """An effect as tests of one specimen can have it.
-
-    What a measuring chain does to its signals is a fault of one rig. Where sweeps stand beside
-    tests in time it is that of the sweeps: a step has no phase that a delay could turn.
-    """
-    if effect.layer is not Layer.SIGNAL or not _is_rig(effect):
-        return effect
-    if any(isinstance(test, Measurement) for test in tests):
-        return effect.at(SWEEPS)
-    return effect.at(ALL)
-
-
-def at_tests(effect: Effect, tests: Sequence[Test]) -> list[Effect]:
-    """The forms in which tests of a specimen have an effect.
-
-    All of them, all sweeps, or one test alone.
-    """
-    if effect.applies_to.one:
-        # One test by itself has nothing to be told from.
-        names = dict.fromkeys(test.name for test in tests if isinstance(test, TimeTest))
-        return [effect.of_one(name) for name in names if len(tests) > 1]
-    there = at_rig(effect, tests)
-    if not _is_rig(there) or len(tests) == 1:
-        return [there]
-    forms, sweeps = [there], [test for test in tests if isinstance(test, Measurement)]
-    if there.in_time and sweeps:
-        forms.append(there.at(SWEEPS))
-    # One rig alone may have it; one sweep is all sweeps.
-    apart = [test for test in tests if there.applies_to(test) and [test] != sweeps]
-    return forms + [there.of_one(name) for name in dict.fromkeys(test.name for test in apart)]
-
-
-def at_rigs(model: Model, tests: Sequence[Test]) -> Model:
-    """A model of tests of one specimen, each of its effects where `at_rig` puts it."""
-    return _with_effects(model, [at_rig(effect, tests) for effect in model.effects])
-
-
-def rig_of_sweeps(model: Model, tests: Sequence[Test]) -> Model | None:
-    """The model where sweeps were made on a rig of their own; None where that changes nothing."""
-    if not any(isinstance(test, Measurement) for test in tests):
-        return None
-    apart = [each.at(SWEEPS) if _is_rig(each) else each for each in model.effects]
-    if tuple(apart) == model.effects:
-        return None
-    return _with_effects(model, apart)
-
-
-def _is_rig(effect: Effect) -> bool:
-    """Whether an effect joins the specimen from outside, and nobody said of which tests."""
-    return Layer.SPECIMEN < effect.layer < Layer.TEST and effect.applies_to in RIGS
-
-
-def _with_effects(model: Model, effects: Sequence[Effect]) -> Model:
-    """The model with other effects; itself where they are its own."""
-    if tuple(effects) == model.effects:
-        return model
-    return replace(model, effects=tuple(effects))
-
-
-def runs_against(test: TimeTest) -> bool:
-    """Whether force and displacement have opposite signs all along, as if one column were reversed.
-
-    A mass pushes back too, but gives no work from one turn of its motion to another: so both are
-    asked for.
-    """
-    imposed = np.interp(test.time, test.loading.time, test.loading.value)
-    moved, pulled = imposed, test.response
-    if test.control == "force":
-        moved, pulled = pulled, moved
-    # After a step one of the two does not move at all: there the signs themselves are looked at.
-    if len(test.loading.jumps[0]):
-        return bool(np.sum(moved * pulled) < 0.0)
-    # Work over whole cycles: what a spring gives and takes cancels there.
-    steps = np.diff(moved)
-    turns = np.flatnonzero(np.diff(np.sign(steps)) != 0.0) + 1
-    # What moves when the record begins brings work of its own.
-    if len(turns) > 1:
-        steps[: turns[0]] = 0.0
-        steps[turns[-1] :] = 0.0
-    work = np.sum(0.5 * (pulled[1:] + pulled[:-1]) * steps)
-    together = np.sum((moved - moved.mean()) * (pulled - pulled.mean()))
-    return bool(work < 0.0 and together < 0.0)
-
-
-def reference_of(tests: Sequence[Test]) -> float:
-    """Temperature in kelvin at which shifts are one.
-
-    The measured one nearest to the median of all tests.
-    """
-    known = []
-    for test in tests:
-        if isinstance(test, TimeTest):
-            if test.temperature is not None:
-                known.append(test.temperature + KELVIN)
-        elif "temperature" in test.conditions:
-            known.append(test.reference_temperature)
-    if not known:
-        return ROOM
-    return float(np.sort(known)[(len(known) - 1) // 2])
-
-
-def require_tests(model: Model, tests: Sequence[Test]) -> None:
-    """Check that a model has what it needs of every test.
-
-    Raises
-    ------
-    SpringpotError
-        If a condition lacks, or there are fewer numbers than parameters.
-    """
-    require_effects(model, tests)
-    for test in tests:
-        if isinstance(test, Measurement):
-            require_columns(model.had_by(test)[0], test)
-        elif "temperature" in model.needs and test.temperature is None:
-            raise DataError(
-                f"{test.name}: {model.name} needs a temperature: open it as"
-                f" '{test.name}?temperature=25[degC]'"
-            )
-    numbers = 0
-    for test in tests:
-        numbers += len(test)
-        # A point at a frequency is two numbers, K' and K''.
-        if isinstance(test, Measurement):
-            numbers += len(test)
-    if numbers < len(model.parameters):
-        raise DataError(
-            f"{tests[0].name}: {model.name} has {len(model.parameters)} parameters but there are"
-            f" only {numbers} samples; choose a simpler model"
-        )
-
-
-def _in_units(sweep: Measurement, units: Units) -> Measurement:
-    """A sweep in the units of a test in time."""
+def _in_units(sweep: Test, units: Units) -> Test:
+    """A test in the units of another."""
+    if isinstance(sweep, TimeTest):
+        return sweep.in_units(units)
     if (sweep.units.stiffness in PRESSURE_UNITS) != (units.stiffness in PRESSURE_UNITS):
         raise DataError(
             f"{sweep.name} is in {sweep.units.stiffness} and the other test in {units.stiffness}: "
@@ -416,100 +518,15 @@ def _in_units(sweep: Measurement, units: Units) -> Measurement:
     )
 
 
-TIMES = 7
-"""Times tried between the shortest and the longest.
+def units_of(tests: Sequence[Test]) -> Units:
+    """Those in which parameters are printed: of the first test in time, or of the only sweep.
 
-Nearer than a decade, for an exponential is a decade wide.
-"""
-SHARES = (0.03, 0.1, 0.3, 0.6, 0.9)
-"""Of the largest displacement or force, where a threshold may lie."""
-INSIDE = (0.1, 0.3, 0.5, 0.7, 0.9)
-"""Of the range of a parameter that has two ends, such as an order."""
-MOST = 40
-"""Places tried of one effect; more would cost more than a fit from a poor one."""
-
-
-@dataclass(frozen=True)
-class Scales:
-    """Sizes of the tests of a specimen.
-
-    Attributes
-    ----------
-    stiffness, reach : float
-        Typical |K|, and the largest displacement.
-    shortest, longest : float
-        Times in s that the tests tell about.
+    Raises
+    ------
+    DataError
+        If the tests are of different moduli.
     """
-
-    stiffness: float
-    reach: float
-    shortest: float
-    longest: float
-
-    @classmethod
-    def of(cls, parts: Sequence[Part]) -> Scales:
-        """Those of tests in common units."""
-        sizes, reaches, times = [], [], []
-        for part in parts:
-            if isinstance(part, InTimePart):
-                stiffness, reach = _sizes(part.test)
-                slow, fast = part.test.seen
-            else:
-                stiffness = float(np.exp(np.mean(np.log(part.test.magnitude))))
-                reach = float(np.max(part.test.conditions.get("amplitude", np.ones(1))))
-                slow, fast = float(part.test.omega.min()), float(part.test.omega.max())
-            sizes.append(stiffness)
-            reaches.append(reach)
-            times += [1.0 / fast, 1.0 / slow]
-        return cls(float(np.exp(np.mean(np.log(sizes)))), max(reaches), min(times), max(times))
-
-    def typical(self, parameter: Parameter) -> float:
-        """The natural size of a parameter here."""
-        unit = parameter.unit
-        # A power of s that another parameter tells is not known here.
-        time = 0.0
-        if not isinstance(unit.time, str):
-            time = float(unit.time)
-        # Times go by factors: their middle is that of the logarithms.
-        middle = float(np.sqrt(self.shortest * self.longest))
-        size = (
-            parameter.typical
-            * self.stiffness**unit.stiffness
-            * self.reach**unit.amplitude
-            * middle**time
-        )
-        return float(np.clip(size, parameter.lower, parameter.upper))
-
-    def values(self, parameter: Parameter) -> list[float]:
-        """Values worth trying."""
-        unit, width = parameter.unit, parameter.upper - parameter.lower
-        if parameter.scale == "linear" and np.isfinite(width):
-            return [parameter.lower + share * width for share in INSIDE]
-        sized = (unit.stiffness, unit.amplitude)
-        if sized == (0, 0) and unit.time in (1, -1):
-            return [
-                float(t) ** int(unit.time) for t in np.geomspace(self.shortest, self.longest, TIMES)
-            ]
-        if sized in ((0, 1), (1, 1)) and unit.time == 0:
-            largest = self.reach
-            # A threshold of force: what the specimen answers to its largest displacement.
-            if unit.stiffness:
-                largest = self.reach * self.stiffness
-            return [share * largest for share in SHARES]
-        return [self.typical(parameter)]
-
-
-def _sizes(test: TimeTest) -> tuple[float, float]:
-    imposed, answer = np.abs(test.loading.value).max(), np.abs(test.response)
-    if test.control == "displacement":
-        return max(float(np.median(answer) / imposed), 1e-300), float(imposed)
-    reach = max(float(answer.max()), 1e-300)
-    return max(float(imposed) / reach, 1e-300), reach
-
-
-def tries_of(effect: Effect, test: TimeTest, scales: Scales) -> list[tuple[float, ...]]:
-    """Places in the parameters of an effect of time tests from which to look further."""
-    law, free = effect.element, effect.element.parameters
-    if isinstance(law, StageLaw) and law.tries is not None:
-        return [tuple(map(float, place)) for place in law.tries(test)][:MOST]
-    return list(product(*(scales.values(parameter) for parameter in free)))[:MOST]
+    in_time = [test for test in tests if isinstance(test, TimeTest)]
+    units = (in_time or tests)[0].units
+    letter = one_modulus((test.name, test.units) for test in tests)
+    return replace(units, letter=letter or units.letter)

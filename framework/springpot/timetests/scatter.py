@@ -7,25 +7,17 @@ transducer has a memory too, of a few samples. So the noise is read from the upp
 residual's spectrum alone, as an autoregression of first order, and what lies above its continuation
 at low frequencies is misfit. Fitted by Whittle's likelihood (Whittle 1953, doi:10.1007/BF02590998):
 periodogram ordinates are exponential around the spectrum.
-
-How likely each model is where the size of the noise is unknown and neighbours may be alike.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.identification.part_result import PartResult
-from springpot.rheology.model import Model
 from springpot.rheology.points import Real
-
-from .residuals_of_tests import InTimePart, Part
-from .where import rms
 
 FEWEST = 40
 """Samples below which a spectrum tells nothing.
@@ -346,142 +338,3 @@ def _chance(ratio: float, above: float, below: float) -> float:
     if np.isinf(below):
         return float(chdtrc(above, above * ratio))
     return float(fdtrc(above, max(below, 1.0), ratio))
-
-
-LIKENESS = 0.98
-"""Largest correlation of neighbouring residuals that is believed.
-
-Beyond, a test would be worth no sample at all.
-"""
-
-
-def sampled_scatter(residual: Real, part: Part) -> float:
-    """Mean square of residuals times the number of samples that make up one independent one.
-
-    For a first-order autoregression with the correlation r of neighbours that is (1 + r) / (1 - r)
-    (Bayley & Hammersley 1946, doi:10.2307/2983560).
-    """
-    rows = residual
-    # Of a sweep K' comes first and then K'': its neighbours are told by K' alone.
-    if not hasattr(part.test, "response"):
-        rows = residual[: len(residual) // 2]
-    power = float(np.mean(rows**2))
-    if len(rows) < 4 or power == 0.0:
-        return float(np.mean(residual**2))
-    # Misses that alternate would claim more than one independent number a sample.
-    likeness = float(np.clip(np.mean(rows[1:] * rows[:-1]) / power, 0.0, LIKENESS))
-    return float(np.mean(residual**2)) * (1.0 + likeness) / (1.0 - likeness)
-
-
-@dataclass(frozen=True, eq=False)
-class Left:
-    """What a fit leaves of each test.
-
-    Attributes
-    ----------
-    count : int
-        Parameters of the model.
-    residuals : tuple of ndarray
-        Of each test over the noise of its signal.
-    scatters : tuple of ResidualScatter
-        The noise in them.
-    """
-
-    count: int
-    residuals: tuple[Real, ...]
-    scatters: tuple[ResidualScatter, ...]
-
-    @classmethod
-    def by(cls, model: Model, theta: Real, reference: float, parts: Sequence[Part]) -> Left:
-        """What a model with these parameters leaves of these tests."""
-        # By its noise alone, whatever the test weighed in a fit.
-        plain = [part.with_scale(1.0) for part in parts]
-        residuals = [part.residual(model, theta, reference).value for part in plain]
-        scatters = []
-        for value, part in zip(residuals, parts, strict=True):
-            if isinstance(part, InTimePart):
-                scatters.append(scatter_of(value))
-            else:
-                scatters.append(scatter_of_sweep(value, part.test.sd is not None))
-        return cls(len(theta), tuple(residuals), tuple(scatters))
-
-    @property
-    def noise(self) -> list[ResidualScatter]:
-        """The noise of each test, as this fit alone tells it."""
-        # Of a test that is missed the upper part of the spectrum may be misfit too, as corners are:
-        # there it is no larger than the signal itself says.
-        return [
-            replace(scatter, size=min(scatter.size, 1.0)) if scatter.misfit else scatter
-            for scatter in self.scatters
-        ]
-
-    @property
-    def chance(self) -> float:
-        """That noise alone leaves so much of the test that is missed most."""
-        return min(scatter.chance for scatter in self.scatters)
-
-    @property
-    def misfit(self) -> bool:
-        """Whether some test is missed by more than noise."""
-        return any(scatter.misfit for scatter in self.scatters)
-
-    @property
-    def doubtful(self) -> bool:
-        """Whether some test may well be missed by more than noise."""
-        return any(scatter.doubtful for scatter in self.scatters)
-
-    def rows(
-        self,
-        parts: Sequence[Part],
-        noise: Sequence[ResidualScatter],
-        told: Sequence[PartResult],
-    ) -> tuple[PartResult, ...]:
-        """Each test beside that noise, of which a fit has told with the noise of its signal."""
-        rows = []
-        for part, residual, scatter, row in zip(parts, self.residuals, noise, told, strict=True):
-            error = rms(residual * part.relative_sd)
-            ratio, floor = times_noise(residual, scatter.size), 0.0
-            # A fit that leaves nothing at all says nothing of the noise.
-            if ratio:
-                floor = error / ratio
-            # Whatever the noise, together and alone have one.
-            alone = ratio * row.over_floor_alone / max(row.over_floor, 1e-300)
-            rows.append(
-                replace(
-                    row,
-                    relative_rms=error,
-                    noise_floor=floor,
-                    over_floor=ratio,
-                    over_floor_alone=alone,
-                )
-            )
-        return tuple(rows)
-
-    def squares(self, noise: Sequence[ResidualScatter]) -> float:
-        """Sum of squares over that noise, a sample counted for what it adds to its neighbours."""
-        pairs = zip(self.residuals, noise, strict=True)
-        return sum(scatter.surprise(value) for value, scatter in pairs)
-
-    def over(self, noise: Sequence[ResidualScatter]) -> float:
-        """Error over that noise, of the worst test."""
-        pairs = zip(self.residuals, noise, strict=True)
-        return max(times_noise(value, scatter.size) for value, scatter in pairs)
-
-
-def independent(residuals: Sequence[Real], noise: Sequence[ResidualScatter]) -> float:
-    """Number of samples, counting once those whose noise is alike.
-
-    Bayley & Hammersley (1946, doi:10.2307/2983560).
-    """
-    pairs = zip(residuals, noise, strict=True)
-    counts = [
-        len(value) * (1.0 - scatter.memory) / (1.0 + scatter.memory) for value, scatter in pairs
-    ]
-    # Two at least: the logarithm of their number is what a parameter costs.
-    return max(float(sum(counts)), 2.0)
-
-
-def delta_bic(base: Left, other: Left, noise: Sequence[ResidualScatter], more: int) -> float:
-    """By how much the Bayesian information criterion falls with `more` parameters."""
-    gain = base.squares(noise) - other.squares(noise)
-    return float(gain - more * np.log(independent(base.residuals, noise)))

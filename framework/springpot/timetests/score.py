@@ -11,7 +11,6 @@ or not, is tried at a few places as it is.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from functools import cached_property
 from itertools import product
 
@@ -19,19 +18,19 @@ import numpy as np
 
 from springpot.errors import SpringpotError
 from springpot.identification.result import Identification
-from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test
 from springpot.rheology.effect import Effect
 from springpot.rheology.history import network_of, sorted_out
 from springpot.rheology.model import Model
 from springpot.rheology.named import Placed
 from springpot.rheology.nodes import GRADIENT, Node
-from springpot.rheology.points import KELVIN, Complex, Points, Real
+from springpot.rheology.points import Complex, Points, Real
 from springpot.rheology.stages import acting, on_loading, on_response
 
 from .exponentials import QuickPart, points_at
 from .recording import TOLERANCE, Clock, reached, recorded
-from .residuals_of_tests import Scales, SweepPart, tries_of
+from .residuals_of_tests import Residual, TestPart
+from .specimen import Scales, tries_of
 from .verdict import Atom, Promise
 
 STEEP = 1.2
@@ -68,18 +67,16 @@ class TimeScan:
     ----------
     base : Identification
         The fit.
-    parts : sequence of Part
+    parts : sequence of TestPart
         Its tests.
     """
 
-    def __init__(self, base: Identification, parts: Sequence[QuickPart | SweepPart]) -> None:
+    def __init__(self, base: Identification, parts: Sequence[TestPart]) -> None:
         self.base, self.model, self.theta = base, base.model, base.theta
-        self.views: list[View | SweepView] = []
-        for part in parts:
-            if isinstance(part, SweepPart):
-                self.views.append(SweepView(part, base))
-            else:
-                self.views.append(View(part, base))
+        self.views = [
+            View(part, base) if isinstance(part, QuickPart) else ExactView(part, base)
+            for part in parts
+        ]
         self.scales = Scales.of(parts)
         # One long row for all tests: an effect must explain them together, with one size.
         self.residual = np.concatenate([view.residual for view in self.views])
@@ -357,7 +354,7 @@ class _Change:
                 self.theta[:, i] = known[name]
 
     def __call__(self, at: Points, test: Test) -> Complex:
-        """The change of what a test shows."""
+        """The change of what a test in time shows."""
         network, places = shown_in(self.whole, test)
         if self.size not in places:
             return np.zeros((len(self.theta), len(at.log_omega)), dtype=np.complex128)
@@ -372,14 +369,12 @@ class _Change:
 
 
 def shown_in(model: Model, test: Test) -> tuple[Node, list[int]]:
-    """The network whose K a test shows, and where its parameters stand in theta.
+    """The network whose K a test in time shows, and where its parameters stand in theta.
 
-    In a sweep all that the test has of the model. A test in time follows K by exponentials: forces
-    beside the material and what the chain does have no part in it.
+    A test in time follows K by exponentials: forces beside the material and what the chain does
+    have no part in it.
     """
     own, places = model.had_by(test)
-    if isinstance(test, Measurement):
-        return own.network, places
     network, inner = network_of(own, sorted_out(own)[0])
     return network, [places[i] for i in inner]
 
@@ -501,36 +496,21 @@ class View:
         return change * self.weight, straight
 
 
-class SweepView:
-    """A sweep at frequencies beside tests in time."""
+class ExactView:
+    """A test of which the answer of a model is a formula, as at frequencies."""
 
-    def __init__(self, part: SweepPart, base: Identification) -> None:
+    def __init__(self, part: TestPart, base: Identification) -> None:
         self.part, self.base = part, base
-        left = part.residual(base.model, base.theta, base.reference)
-        self.residual, self.slopes = left.value, left.by_theta
-        self.weight = 1.0 / (part.scale * np.concatenate([part.sd.real, part.sd.imag]))
-
-    @property
-    def kelvin(self) -> float | None:
-        """The temperature in kelvin of the first point."""
-        column = self.part.test.conditions.get("temperature")
-        if column is None:
-            return None
-        return float(column[0]) + KELVIN
+        self.residual, self.slopes = part.residual(base.model, base.theta, base.reference)
 
     def of_change(self, change: _Change, scale: float) -> Real:
-        """Columns (2 n, g) for a change of K."""
-        at = replace(self.part.test, reference=self.base.reference).points
-        by_size = change(at, self.part.test) * scale
-        return np.concatenate([by_size.real, by_size.imag], axis=1).T * self.weight[:, None]
+        """Columns (m, g) for a change of K: the exact slope by the size of the effect."""
+        slopes = [self._residual(change.whole, theta).by_theta for theta in change.theta]
+        return scale * np.column_stack([each[:, change.size] for each in slopes])
 
     def of_step(self, change: _Change) -> Real:
-        """Columns (2 n, g) for a K that is another altogether."""
-        at = replace(self.part.test, reference=self.base.reference).points
-        network, places = shown_in(change.whole, self.part.test)
-        own = stiffness_of(self.base, at, self.part.test)
-        by_place = network.respond(change.theta[:, places], at).value - own
-        return np.concatenate([by_place.real, by_place.imag], axis=1).T * self.weight[:, None]
+        """Columns (m, g) for a K that is another altogether."""
+        return np.column_stack([self.with_model(change.whole, theta) for theta in change.theta])
 
     def of_course(self, effect: Effect, values: Real) -> Real:
         """Nothing."""
@@ -538,12 +518,15 @@ class SweepView:
 
     def with_model(self, model: Model, theta: Real) -> Real:
         """The change of the residuals with another model."""
-        return self.part.residual(model, theta, self.base.reference).value - self.residual
+        return self._residual(model, theta).value - self.residual
+
+    def _residual(self, model: Model, theta: Real) -> Residual:
+        return self.part.residual(model, theta, self.base.reference)
 
     def of_law(self, effect: Effect, values: Real, of_signal: bool) -> Real:
         """The column of an effect that is not linear: its first harmonic."""
         return self.with_model(*_with_effect(self.base, effect, values))
 
     def of_record(self, effect: Effect, values: Real) -> tuple[Real, bool]:
-        """Nothing: what a test in time did is not in a sweep."""
+        """Nothing: what a test in time did is in no other."""
         return np.zeros(len(self.residual)), True

@@ -8,11 +8,12 @@ What a scan finds of one effect: what it would add to the residuals, and what th
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
+from springpot.diagnosis.actions import turning
 from springpot.diagnosis.evidence import chances_of, log_prior_of_one, size_of_library, unknown_odds
 from springpot.diagnosis.in_practice import Misfit
 from springpot.diagnosis.result import Candidate, Diagnosis, EffectVerdict, Verdict
@@ -20,7 +21,7 @@ from springpot.diagnosis.verdict import Facts, rule_for
 from springpot.identification.part_result import PartResult
 from springpot.identification.result import Identification
 from springpot.identification.value import Value
-from springpot.measurement.sign import said_of_sign
+from springpot.measurement.sign import said_of_sign, turned
 from springpot.misfit.error import Error
 from springpot.misfit.where import Where
 from springpot.rheology.effect import Effect
@@ -28,24 +29,44 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
-from .residuals_of_tests import InTimePart, Part
-from .scatter import Left, ResidualScatter
-from .where import places, worst_first
+from .floor import TimeFloor
+from .residuals_of_tests import SweepPart, TestPart
+from .scatter import ResidualScatter, times_noise
+from .where import rms, worst_first
 
 NAN = float("nan")
 
 
-def error_of(tests: Sequence[PartResult], noise: Sequence[ResidualScatter]) -> Error:
-    """The error of a model beside the noise, of the test that it misses most."""
-    # A model is as good as it is for that test.
-    worst, scatter = max(zip(tests, noise, strict=True), key=lambda pair: pair[0].over_floor)
+def worst_of(tests: Sequence[PartResult]) -> int:
+    """Number of the test that a model misses most: it is as good as it is for that one."""
+    return max(range(len(tests)), key=lambda i: tests[i].over_floor)
+
+
+def error_of(
+    tests: Sequence[PartResult], noise: Sequence[ResidualScatter], floor: TimeFloor | None = None
+) -> Error:
+    """The error of a model beside the noise, of the test that it misses most.
+
+    Beside the least of any material in that test, where one was looked for.
+    """
+    at = worst_of(tests)
+    worst, scatter = tests[at], noise[at]
     # Of few samples the presumed noise is believed as it is: its size is one, to the last bit.
     source = "residual"
     if scatter.size == 1.0:
         source = "signal"
-    error, floor = worst.relative_rms, worst.noise_floor
-    # Of no material: none was looked for.
-    return Error(error, floor, source, "", NAN, NAN, noise_memory=scatter.memory)
+    lowest = NAN
+    if floor is not None:
+        lowest = floor.errors[at]
+    return Error(
+        worst.relative_rms,
+        worst.noise_floor,
+        source,
+        "",
+        lowest,
+        NAN,
+        noise_memory=scatter.memory,
+    )
 
 
 def leading_of(candidates: Sequence[Candidate]) -> tuple[str, ...]:
@@ -76,7 +97,7 @@ def sentence(
         if candidates and candidates[0].delta_bic > VERDICT.clear_evidence:
             hint = f"{candidates[0].effect} would help a little"
         return f"{size}: {hint}, which may be chance; measure longer or repeat it{place}"
-    if not names:
+    if not names or (verdict == "unexplained" and not candidates[0].lowers(error)):
         return (
             f"{size}, and no known effect explains it:"
             f" something is missing that is not in the library{place}"
@@ -86,6 +107,115 @@ def sentence(
         helps = f"{names} helps ({after}) but is not all"
         return f"{size}, and no single known effect explains it: {helps}{place}"
     return f"{size}; missing is {names}: {after}{place}"
+
+
+@dataclass(frozen=True, eq=False)
+class Left:
+    """What a fit leaves of each test.
+
+    Attributes
+    ----------
+    count : int
+        Parameters of the model.
+    residuals : tuple of ndarray
+        Of each test over the noise of its signal.
+    scatters : tuple of ResidualScatter
+        The noise in them.
+    """
+
+    count: int
+    residuals: tuple[Real, ...]
+    scatters: tuple[ResidualScatter, ...]
+
+    @classmethod
+    def by(cls, model: Model, theta: Real, reference: float, parts: Sequence[TestPart]) -> Left:
+        """What a model with these parameters leaves of these tests."""
+        # By its noise alone, whatever the test weighed in a fit.
+        plain = [part.with_scale(1.0) for part in parts]
+        residuals = [part.residual(model, theta, reference).value for part in plain]
+        scatters = [part.scatter(value) for part, value in zip(parts, residuals, strict=True)]
+        return cls(len(theta), tuple(residuals), tuple(scatters))
+
+    @property
+    def noise(self) -> list[ResidualScatter]:
+        """The noise of each test, as this fit alone tells it."""
+        # Of a test that is missed the upper part of the spectrum may be misfit too, as corners are:
+        # there it is no larger than the signal itself says.
+        return [
+            replace(scatter, size=min(scatter.size, 1.0)) if scatter.misfit else scatter
+            for scatter in self.scatters
+        ]
+
+    @property
+    def chance(self) -> float:
+        """That noise alone leaves so much of the test that is missed most."""
+        return min(scatter.chance for scatter in self.scatters)
+
+    @property
+    def misfit(self) -> bool:
+        """Whether some test is missed by more than noise."""
+        return any(scatter.misfit for scatter in self.scatters)
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether some test may well be missed by more than noise."""
+        return any(scatter.doubtful for scatter in self.scatters)
+
+    def rows(
+        self,
+        parts: Sequence[TestPart],
+        noise: Sequence[ResidualScatter],
+        told: Sequence[PartResult],
+    ) -> tuple[PartResult, ...]:
+        """Each test beside that noise, of which a fit has told with the noise of its signal."""
+        rows = []
+        for part, residual, scatter, row in zip(parts, self.residuals, noise, told, strict=True):
+            error = rms(residual * part.relative_sd)
+            ratio, floor = times_noise(residual, scatter.size), 0.0
+            # A fit that leaves nothing at all says nothing of the noise.
+            if ratio:
+                floor = error / ratio
+            # Whatever the noise, together and alone have one.
+            alone = ratio * row.over_floor_alone / max(row.over_floor, 1e-300)
+            rows.append(
+                replace(
+                    row,
+                    relative_rms=error,
+                    noise_floor=floor,
+                    over_floor=ratio,
+                    over_floor_alone=alone,
+                )
+            )
+        return tuple(rows)
+
+    def squares(self, noise: Sequence[ResidualScatter]) -> float:
+        """Sum of squares over that noise, a sample counted for what it adds to its neighbours."""
+        pairs = zip(self.residuals, noise, strict=True)
+        return sum(scatter.surprise(value) for value, scatter in pairs)
+
+    def over(self, noise: Sequence[ResidualScatter]) -> float:
+        """Error over that noise, of the worst test."""
+        pairs = zip(self.residuals, noise, strict=True)
+        return max(times_noise(value, scatter.size) for value, scatter in pairs)
+
+
+def independent(residuals: Sequence[Real], noise: Sequence[ResidualScatter]) -> float:
+    """Number of samples, counting once those whose noise is alike.
+
+    Bayley & Hammersley (1946, doi:10.2307/2983560).
+    """
+    pairs = zip(residuals, noise, strict=True)
+    counts = [
+        len(value) * (1.0 - scatter.memory) / (1.0 + scatter.memory) for value, scatter in pairs
+    ]
+    # Two at least: the logarithm of their number is what a parameter costs.
+    return max(float(sum(counts)), 2.0)
+
+
+def delta_bic(base: Left, other: Left, noise: Sequence[ResidualScatter], more: int) -> float:
+    """By how much the Bayesian information criterion falls with `more` parameters."""
+    gain = base.squares(noise) - other.squares(noise)
+    return float(gain - more * np.log(independent(base.residuals, noise)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,7 +345,14 @@ class Tried:
     @property
     def evidence(self) -> float:
         """The same with how common the effect is: twice the logarithm of its odds."""
-        return self.delta + 2.0 * float(np.log(self.effect.prior))
+        return self.delta + 2.0 * float(np.log(weight_of(self.effect)))
+
+
+def weight_of(effect: Effect) -> float:
+    """How common an effect is in tests in time, before any data are seen."""
+    if effect.of_apparatus:
+        return effect.prior * EVIDENCE.apparatus
+    return effect.prior
 
 
 class TimeCase(NamedTuple):
@@ -240,7 +377,7 @@ class TimeCase(NamedTuple):
 
 
 def answer_of(
-    parts: Sequence[Part],
+    parts: Sequence[TestPart],
     base: Identification,
     before: Left,
     tried: Sequence[Tried],
@@ -287,19 +424,18 @@ def answer_of(
         tests=tests,
         left_out=left_out,
         evidence=nothing,
+        steps=tuple(turning(spec) for part in parts if (spec := turned(part.test.provenance))),
     )
     return TimeCase(diagnosis, base, best_fit, tuple(_misfit(part, base) for part in parts))
 
 
-def _misfit(part: Part, base: Identification) -> Misfit:
+def _misfit(part: TestPart, base: Identification) -> Misfit:
     """How far a fitted model lies beside what one test has measured."""
     value = part.with_scale(1.0).residual(base.model, base.theta, base.reference).value
-    if isinstance(part, InTimePart):
+    if not isinstance(part, SweepPart):
         return Misfit(np.abs(value * part.relative_sd), np.zeros(0))
-    storage, loss = np.split(value, 2)
-    measured = part.test.stiffness
-    off = storage * part.sd.real + 1j * loss * part.sd.imag
-    return Misfit.of_stiffness(measured + off, measured)
+    storage, loss = np.split(value * part.sd, 2)
+    return Misfit.of_stiffness(part.test.stiffness + storage + 1j * loss, part.test.stiffness)
 
 
 def _is_plain(tried: Sequence[Tried]) -> bool:
@@ -326,13 +462,12 @@ def facts_of(before: Left, tried: Sequence[Tried]) -> Facts:
 
 
 def where_missed(
-    parts: Sequence[Part], before: Left, noise: Sequence[ResidualScatter]
+    parts: Sequence[TestPart], before: Left, noise: Sequence[ResidualScatter]
 ) -> tuple[Where, ...]:
     """Where the model fails in all tests in time, the worst first."""
     located: list[Where] = []
     for part, residual, scatter in zip(parts, before.residuals, noise, strict=True):
-        if isinstance(part, InTimePart):
-            located += places(part.test, residual / scatter.size)
+        located += part.places(residual / scatter.size)
     return worst_first(located)
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from springpot.errors import ModelError
 from springpot.measurement.measurement import Measurement
+from springpot.rheology.holding import allowed
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
@@ -54,6 +55,11 @@ def hand_of(model: Model, given: object) -> Hand:
             raise ModelError(f"{model.name}: the parameter {name} has no value")
         value = _number(entry.get("value"), np.nan)
         ends = _number(entry.get("lower"), -np.inf), _number(entry.get("upper"), np.inf)
+        if ends[0] > ends[1]:
+            raise ModelError(
+                f"{name}: the lower end {ends[0]:.4g} lies above the upper end {ends[1]:.4g};"
+                " swap them"
+            )
         # Written this way round, a value that is no number is refused too.
         if not ends[0] <= value <= ends[1]:
             raise ModelError(
@@ -81,16 +87,8 @@ def theta_of(model: Model, measurement: Measurement, hand: Hand) -> Real:
     for parameter in model.parameters:
         factor, _ = measurement.units.of(parameter.unit)
         own.append(hand.values[parameter.name] / factor)
-    theta = np.array(own)
     # A hand may set wider ends than there is a model for.
-    for parameter, value in zip(model.parameters, theta, strict=True):
-        if not parameter.lower <= value <= parameter.upper:
-            ends = f"{parameter.lower:.4g} to {parameter.upper:.4g}"
-            raise ModelError(
-                f"{parameter.name} = {value:.4g} is not within {ends}, outside of which there is no"
-                " model"
-            )
-    return theta
+    return np.array(list(map(allowed, model.parameters, own)))
 
 
 def _number(value: object, otherwise: float) -> float:

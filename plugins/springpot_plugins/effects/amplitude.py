@@ -23,6 +23,7 @@ from springpot.rheology import (
     power_law_damper,
     smooth_hysteresis,
     thinning,
+    yielding_spring,
 )
 
 WARMEST = 0.01
@@ -78,6 +79,20 @@ EFFECTS = (
         equation=(
             "K + F / X * fundamental(z), z' = k / F * x' * (1 - |z|^n * (beta * sgn(z * x') + 1 -"
             " beta))"
+        ),
+    ),
+    Effect(
+        "yielding",
+        parallel,
+        yielding_spring("k", "F", "a"),
+        "a part that yields: elastic at first, beyond a force it flows and the force lies flat over"
+        " the speed, as of a gel, an emulsion, a field-responsive fluid",
+        citation="Gamota and Filisko 1991, J. Rheol. 35, 399: a spring before what flows",
+        aliases=("viscoplastic", "yield-stress", "force-plateau"),
+        approximate="first harmonic in frequency: both parts are moved by a sine",
+        equation=(
+            "K + 1 / (1 / k + 1 / S), S = i * F * g * omega^a * Y^(a - 1), Y = X * |k / (k + S)|, "
+            "g = 2 / sqrt(pi) * gamma(1 + a / 2) / gamma((3 + a) / 2)"
         ),
     ),
     Effect(

@@ -139,6 +139,8 @@ class PageScene:
                 "per_hertz": per_hertz,
             },
             "words": {
+                "symbol": measurement.units.magnitude.strip("|*"),
+                "magnitude": measurement.units.magnitude,
                 "clock": measurement.units.clock,
                 "per_hertz": measurement.units.on_clock(1.0),
             },

@@ -40,8 +40,11 @@ ORDER = (
     "numbers.js",
     "plot.js",
     "views.js",
+    "zoom.js",
     "compare.js",
+    "hero.js",
     "ladder.js",
+    "spark.js",
     "missing.js",
     "report.js",
 )

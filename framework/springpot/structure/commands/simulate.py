@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,8 +10,12 @@ import click
 
 from springpot.cli.common import DATA, FILE, INPUT, emit, json_option
 from springpot.cli.predict import numbers
+from springpot.cli.timetests import WHERE
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from springpot.rheology.points import Real
     from springpot.structure.frame import Frame, SteadyState
     from springpot.structure.motion import Simulation
@@ -122,6 +127,7 @@ def described_steady(steady: SteadyState) -> dict[str, Any]:
         "axial_force": np.abs(steady.axial_force),
         "stroke": np.abs(steady.stroke),
         "energy": steady.energy,
+        "outside_measured": _outside(steady.frame, steady.omega),
     }
     rows = zip(*(column.tolist() for column in columns.values()), strict=True)
     return {
@@ -131,10 +137,20 @@ def described_steady(steady: SteadyState) -> dict[str, Any]:
     }
 
 
-def _notes(frame: Frame, omega: Real, of: str) -> list[str]:
+def _outside(frame: Frame, omega: Real) -> NDArray[np.bool_]:
+    """Whether any damper was not measured at each of these (n,), in rad/s."""
+    import numpy as np
+
+    masks = [damper.outside(omega) for damper in frame.dampers]
+    return np.asarray(np.any([np.zeros(len(omega), dtype=bool), *masks], axis=0))
+
+
+def _notes(frame: Frame, omega: Real, of: str, strokes: Sequence[float] = ()) -> list[str]:
     """A line for each damper that is used outside of what it was measured at."""
-    remarks = [damper.remark(omega, of) for damper in frame.dampers]
-    return [f"damper {i}: {remark}" for i, remark in enumerate(remarks, 1) if remark]
+    remarks = [(i, damper.remark(omega, of)) for i, damper in enumerate(frame.dampers, 1)]
+    pairs = zip(frame.dampers, strokes, strict=False)
+    remarks += [(i, damper.remark_on_stroke(stroke)) for i, (damper, stroke) in enumerate(pairs, 1)]
+    return [f"damper {i}: {remark}" for i, remark in remarks if remark]
 
 
 def _last_lines(notes: list[str], figure: Path | None) -> list[str]:
@@ -166,13 +182,17 @@ def _show_steady(steady: SteadyState, figure: Path | None) -> None:
         cells = [point["frequency"]]
         for name, (_, factor, _) in shown.items():
             cells += [factor * value for value in point[name]]
-        rows.append([number(cell) for cell in cells])
+        where = WHERE[point["outside_measured"]]
+        rows.append([*(number(cell) for cell in cells), where])
+    table = TextTable((*headers, "measured"), rows, frozenset(headers))
+    if not any(point["outside_measured"] for point in described["points"]):
+        table = table.lacking("measured")
     print(
         "amplitudes at 1 m/s^2 of the ground: axial force and stroke of one damper of each kind,"
         " the force of"
     )
     print("all of a storey along the floor, and the energy that each kind takes in a cycle\n")
-    TextTable(tuple(headers), rows, frozenset(headers)).show()
+    table.show()
     if last := _last_lines(described["notes"], figure):
         print("", *last, sep="\n")
 
@@ -196,9 +216,7 @@ def described(simulation: Simulation) -> dict[str, Any]:
             "samples": len(motion.record.acceleration),
             "peak": float(np.abs(motion.record.acceleration).max()),
         },
-        "modes": [
-            {"frequency": mode.frequency, "damping": mode.damping} for mode in simulation.modes
-        ],
+        "modes": _modes(simulation),
         "storeys": [
             {"drift": drift, "low": below, "high": above, "damper_force": force}
             for drift, below, above, force in zip(
@@ -227,8 +245,20 @@ def described(simulation: Simulation) -> dict[str, Any]:
         ],
         "energy": {name: float(each[-1]) for name, each in motion.energy.items()},
         "draws": len(simulation.drifts),
-        "notes": _notes(motion.frame, swinging, "modes"),
+        "notes": _notes(motion.frame, swinging, "modes", motion.peak_stroke.tolist()),
     }
+
+
+def _modes(simulation: Simulation) -> list[dict[str, Any]]:
+    """Frequency and damping of each mode, and whether a damper was not measured there."""
+    import numpy as np
+
+    swinging = 2.0 * np.pi * np.array([mode.frequency for mode in simulation.modes])
+    outside = _outside(simulation.motion.frame, swinging).tolist()
+    return [
+        {"frequency": mode.frequency, "damping": mode.damping, "outside_measured": beyond}
+        for mode, beyond in zip(simulation.modes, outside, strict=True)
+    ]
 
 
 def _show_dampers(result: dict[str, Any]) -> None:
@@ -258,6 +288,26 @@ def _show_dampers(result: dict[str, Any]) -> None:
     print()
 
 
+def _show_modes(modes: list[dict[str, Any]]) -> None:
+    from springpot.format_numbers import number
+    from springpot.report.text import TextTable
+
+    rows = [
+        [
+            str(i),
+            number(mode["frequency"]),
+            f"{100 * mode['damping']:.3g} %",
+            WHERE[mode["outside_measured"]],
+        ]
+        for i, mode in enumerate(modes, 1)
+    ]
+    headers = ("mode", "f [Hz]", "damping", "measured")
+    table = TextTable(headers, rows, frozenset({"f [Hz]", "damping"}))
+    if not any(mode["outside_measured"] for mode in modes):
+        table = table.lacking("measured")
+    table.show()
+
+
 def _show(simulation: Simulation, figure: Path | None) -> None:
     from springpot.format_numbers import number
     from springpot.report.text import TextTable
@@ -283,11 +333,7 @@ def _show(simulation: Simulation, figure: Path | None) -> None:
         drifts = drifts.lacking("95 % band")
     drifts.show()
     print()
-    modes = [
-        [str(i), number(mode["frequency"]), f"{100 * mode['damping']:.3g} %"]
-        for i, mode in enumerate(result["modes"], 1)
-    ]
-    TextTable(("mode", "f [Hz]", "damping"), modes, frozenset({"f [Hz]", "damping"})).show()
+    _show_modes(result["modes"])
     print()
     if result["dampers"]:
         _show_dampers(result)

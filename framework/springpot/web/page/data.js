@@ -13,6 +13,19 @@ const ASKED = {
   part: () => "open the part ",
 };
 
+// Sets that every installation has, each an answered page by one click: a mass and a delay that hide, a polymer whose times
+// go with the temperature, and a material of more parts than its model has.
+const EXAMPLES = [
+  ["artificial-hidden", "fractional-maxwell", "A damper with something hidden"],
+  ["nist-srm2491", "", "A polymer at six temperatures"],
+  ["artificial-fractional-zener-noise1", "kelvin", "A model that is too simple"],
+];
+
+function examples(app) {
+  return h("div", { class: "examples" }, h("p", {}, h("b", {}, "Try one")), EXAMPLES.map(([set, model, says]) =>
+    h("button", { type: "button", class: "primary", "data-example": set, onclick: () => app.openExample(set, model) }, says)));
+}
+
 // As a user types it behind the name of a file: #PART?COLUMN=UNIT,COLUMN=UNIT.
 export function choiceOf(said) {
   const parts = said.filter((piece) => piece.startsWith("#"));
@@ -100,7 +113,7 @@ export class Data {
   constructor(parent, app) {
     this.parent = parent;
     this.app = app;
-    this.zone = dropZone(app, () => {}, "first");
+    this.zone = h("div", {}, examples(app), dropZone(app, () => {}, "first"));
   }
 
   render() {

@@ -1,10 +1,11 @@
 // The page: what is open, what was accepted, what is being computed; each panel draws its part of it.
 
 import * as api from "./api.js";
-import { Compare, verdict } from "./compare.js";
+import { Compare } from "./compare.js";
 import { Data, choiceOf, listenForDrops, openDialog } from "./data.js";
 import { byId, download, enable, usable } from "./dom.js";
 import { Hands } from "./hands.js";
+import { Hero } from "./hero.js";
 import { History } from "./history.js";
 import { Ladder } from "./ladder.js";
 import { leaveDialog } from "./leave.js";
@@ -24,8 +25,6 @@ const BEGINNING = { model: "", accepted: [], seed: 0 };
 const WAIT = "wait for the computation, or cancel it";
 const CANCELLED = "the computation was cancelled: 'Judge this model' begins it again";
 
-const ERROR = "error: root mean square of |K_model - K| / |K| over all points, K being what was measured; noise floor: the error that noise alone leaves";
-
 class App {
   constructor() {
     this.known = new Map(); // data by digest
@@ -40,9 +39,10 @@ class App {
     this.work = new Work(() => this.render());
     this.hands = new Hands(this);
     this.panels = [
+      new Hero(byId("hero-body"), this),
       new Data(byId("data-body"), this),
       (this.model = new ModelPanel(byId("model-body"), this)),
-      (this.compare = new Compare(byId("compare-body"), this)),
+      (this.compare = new Compare(byId("compare-body"), this, byId("failing-body"))),
       (this.ladder = new Ladder(byId("ladder-body"), this)),
       (this.missing = new Missing(byId("missing-body"), this)),
       new Next(byId("next-body"), this),
@@ -82,6 +82,13 @@ class App {
 
   get rung() { return this.steps.length - 1; }
 
+  // The answers of the foot of this ladder and of the rung before, where they are here.
+  get first() { return this.answerOf(0); }
+
+  get before() { return this.rung > 0 ? this.answerOf(this.rung - 1) : null; }
+
+  answerOf(rung) { return this.answer ? this.answers.get(keyOf(this.upTo(rung))) || null : null; }
+
   get beside() {
     const branch = this.history.beside;
     if (!branch) return null;
@@ -103,11 +110,6 @@ class App {
     const refused = this.refused || this.unanswered;
     byId("refused").hidden = !refused;
     byId("refused").textContent = refused;
-    let word = "Open data to see where a model fails and what is missing from it.";
-    if (data) word = refused ? "These data have no answer yet: see what is said above." : "";
-    byId("verdict").textContent = answer ? verdict(answer) : word;
-    byId("verdict").title = answer ? ERROR : "";
-    byId("verdict").className = answer ? `verdict ${answer.discovery.verdict}` : "quiet";
     enable(byId("undo"), this.history.canUndo || this.reading ? "" : "there is nothing to undo");
     enable(byId("redo"), this.history.canRedo ? "" : "there is nothing to redo");
     let why = "";
@@ -149,6 +151,11 @@ class App {
 
   openSet(name) {
     return this.read((how) => api.upload(new Uint8Array(), { dataset: name }, how));
+  }
+
+  openExample(set, model) {
+    this.named = model;
+    return this.openSet(set);
   }
 
   // A step that is made meanwhile neither ends the reading nor is undone by it.
@@ -328,11 +335,15 @@ class App {
 
   get hasMaster() { return Boolean(this.master) && this.master.data === this.state?.data; }
 
+  // Whether there are several levels that could be shifted.
+  get canShift() { return Boolean(this.data?.levels.length); }
+
   masterSpec() { return masterSpec(this.scene, this.master, this.state.excluded); }
 
   setEdited(edited) {
     this.edited = edited;
     if (this.compare.main.spec && this.scene) this.compare.drawBeside();
+    this.ladder.preview(this.hovered);
   }
 
   rankModels() {

@@ -1,7 +1,7 @@
 // The model: typed, searched or ranked; its parameters, which can be moved, fixed and bounded by hand.
 
 import { byId, enable, h, put, usable } from "./dom.js";
-import { number, percent, withInterval } from "./numbers.js";
+import { number, percent, pretty, withInterval } from "./numbers.js";
 import { rowsOf } from "./wants.js";
 
 const REACH = 1; // decades on each side of the fitted value that a slider covers
@@ -138,7 +138,7 @@ export class ModelPanel {
     const [value, interval] = withInterval(parameter.value, parameter.low, parameter.high);
     const hand = { value: parameter.value, fixed: false, lower: null, upper: null, touched: false };
     this.hands.set(parameter.name, hand);
-    const told = h("span", { class: "told", title: "fitted value and its 95 % interval" }, `${value} ${interval} ${parameter.unit === "-" ? "" : parameter.unit}`);
+    const told = h("span", { class: "told", title: "fitted value and its 95 % interval" }, pretty(`${value} ${interval} ${parameter.unit === "-" ? "" : parameter.unit}`));
     const name = h("span", { class: "name" }, parameter.name);
     const head = h("div", { class: "head" }, name, told);
     if (!movable) return h("div", { class: "parameter" }, head);

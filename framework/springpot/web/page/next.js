@@ -1,7 +1,7 @@
 // What to measure next: where the rivals part, the plan as a table, and new data to break the tie.
 
 import { h, put } from "./dom.js";
-import { number } from "./numbers.js";
+import { number, pretty } from "./numbers.js";
 
 export class Next {
   constructor(parent, app) {
@@ -17,7 +17,7 @@ export class Next {
       return;
     }
     if (!proposed.separates.length) {
-      put(this.parent, h("p", {}, proposed.says),
+      put(this.parent, h("p", {}, pretty(proposed.says)),
         h("p", { class: "bar" }, h("button", { type: "button", id: "plan", onclick: () => this.app.leaveWith("plan") }, "Plan as CSV")));
       return;
     }
@@ -25,7 +25,7 @@ export class Next {
     const box = h("input", { type: "checkbox", id: "show-plan", checked: Boolean(looks.plan), disabled: !drawable,
       onchange: () => this.app.look({ plan: box.checked ? 1 : 0 }) });
     put(this.parent,
-      h("p", { title: `${proposed.separates.join(" and ")} part by ${number(proposed.expected_separation_sigma, 2)} standard deviations of the noise` }, proposed.says),
+      h("p", { title: `${proposed.separates.join(" and ")} part by ${number(proposed.expected_separation_sigma, 2)} standard deviations of the noise` }, pretty(proposed.says)),
       h("p", { class: "bar" },
         h("label", { class: "check" }, box, drawable ? " draw both rivals there" : " rivals cannot be drawn for another specimen"),
         h("button", { type: "button", id: "plan", onclick: () => this.app.leaveWith("plan") }, "Plan as CSV"),

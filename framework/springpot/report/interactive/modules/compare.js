@@ -1,9 +1,10 @@
 // Data and model side by side: a view, a residual plane below it on the same axis, one cursor and one brush for all.
 
 import { h, put } from "./dom.js";
-import { number, percent } from "./numbers.js";
+import { number, percent, pretty } from "./numbers.js";
 import { Plot, range } from "./plot.js";
 import { VIEWS, planeLines, planeOf, planeSpec, viewLines, viewSpec } from "./views.js";
+import { DESK, Zoom } from "./zoom.js";
 
 const STEPS = [
   "Open a table of storage and loss against frequency, time signals, or a data set.",
@@ -13,11 +14,15 @@ const STEPS = [
   "Leave with a report, a script, the numbers; or measure what decides between the rivals.",
 ];
 const NARROW = 500; // px below which a plot is that of a phone
-const HEIGHTS = { phone: [250, 165], desk: [300, 158] }; // px of the picture and of the residual below it
+const HEIGHTS = { phone: [230, 150], desk: [300, 150] }; // px of the picture and of the residual below it
 const MOST_PLACES = 3; // sentences below the picture: more would leave it no room
 const MOST_NOTES = 2;
-const LEAST = 170; // px between which the picture grows and shrinks with the window
+const FINGER = 24; // px within which a finger means a point
+const HELD = 500; // ms after which it has stayed
+const LEAST = 140; // px between which the picture grows and shrinks with the window
 const MOST = 480;
+
+const COARSE = matchMedia("(pointer: coarse)");
 
 const titleOf = (plane) => `${plane[0].toUpperCase()}${plane.slice(1)} plane`;
 
@@ -29,25 +34,34 @@ export function verdict({ discovery }) {
 }
 
 export class Compare {
-  constructor(parent, app) {
+  // `failing`: where the sentences stand that say where the model fails.
+  constructor(parent, app, failing) {
     this.parent = parent;
     this.app = app;
     this.main = new Plot("plot-view", "Data and model");
     this.residual = new Plot("plot-residual", "Residual");
     this.chosen = new Set();
     this.row = null;
-    this.view = h("select", { id: "view", "aria-label": "View", onchange: () => app.look({ view: this.view.value }) },
+    this.hidden = new Set(); // what was taken out of the picture by its entry in the legend
+    this.zoom = new Zoom(this.main, () => this.render());
+    this.view = h("select", { id: "view", "aria-label": "View", onchange: () => { this.zoom.ends = null; app.look({ view: this.view.value }); } },
       ...Object.entries(VIEWS).map(([name, view]) => h("option", { value: name }, view.name)),
       app.fixed ? null : h("option", { value: "master-curve" }, "Master curve"));
     this.plane = h("select", { id: "plane", "aria-label": "Residual plane", onchange: () => app.look({ plane: this.plane.value }) });
-    this.key = h("p", { id: "key", class: "legend" });
+    this.scales = ["x", "y"].map((axis) => h("button", { type: "button", id: `log-${axis}`, class: "small", title: `logarithmic ${axis} axis`, onclick: () => this.bend(axis) }, `log ${axis}`));
+    this.sigmas = h("button", { type: "button", id: "sigmas", class: "small", title: "residual in standard deviations of the noise, or in the plane's own unit", onclick: () => app.look({ sigmas: app.looks.sigmas ? 0 : 1 }) }, "σ");
+    this.closer = [["+", "closer (or the wheel)", 1.5], ["−", "farther", 1 / 1.5]].map(([sign, title, factor]) =>
+      h("button", { type: "button", class: "small", title, "aria-label": title, onclick: () => this.zoom.by(factor) }, sign));
+    this.whole = h("button", { type: "button", id: "whole", class: "small", title: "all of it again (or a double click)", onclick: () => this.zoom.reset() }, "whole");
+    this.key = h("div", { id: "key", class: "legend", role: "group", "aria-label": "Legend: press an entry to hide it" });
     this.readout = h("p", { id: "readout", class: "quiet", role: "status" });
     this.places = h("ul", { id: "places", class: "places" });
     this.exclude = h("button", { type: "button", id: "exclude", hidden: true, onclick: () => this.toggle([...this.chosen]) });
     this.frames = h("div", { class: "plots" }, this.main.svg, this.residual.svg);
-    this.bar = h("div", { class: "bar" }, this.view, this.plane, this.exclude);
+    this.bar = h("div", { class: "bar" }, this.view, this.plane, this.sigmas, this.scales, this.closer, this.whole, this.exclude);
     this.intro = h("ol", { class: "intro" }, ...STEPS.map((step) => h("li", {}, step)));
-    put(parent, this.intro, this.bar, this.key, this.frames, this.readout, this.places);
+    put(parent, this.intro, this.bar, this.key, this.frames, this.readout);
+    put(failing, this.places);
     for (const plot of [this.main, this.residual]) this.listen(plot);
     new ResizeObserver(() => this.resized()).observe(this.frames);
     window.addEventListener("resize", () => this.fill());
@@ -71,6 +85,8 @@ export class Compare {
       // What was pointed at or chosen are rows of the data before.
       this.row = null;
       this.chosen = new Set();
+      this.hidden = new Set();
+      this.zoom.ends = null;
       put(this.plane,
         Object.keys(scene.planes).map((name) => h("option", { value: name }, titleOf(name))),
         h("option", { value: "none" }, "No residuals"));
@@ -84,36 +100,99 @@ export class Compare {
     const phone = this.width < NARROW;
     const [tall, low] = phone ? HEIGHTS.phone : [this.tall || HEIGHTS.desk[0], HEIGHTS.desk[1]];
     const master = looks.view === "master-curve" && this.app.hasMaster;
+    this.view.querySelector("[value=master-curve]")?.toggleAttribute("disabled", !this.app.canShift);
     const view = looks.view === "master-curve" && !master ? "storage-loss" : looks.view;
     const shown = answer && answer.state.data === state.data ? answer : null;
-    const spec = master ? this.app.masterSpec() : viewSpec(view, scene, excluded, shown?.model);
+    const spec = master ? this.app.masterSpec() : viewSpec(view, scene, excluded, shown?.model, looks.linear);
+    this.told(spec);
     this.main.title = master ? "Master curve" : VIEWS[view].name;
     this.planned(spec, master);
+    this.without(spec);
+    this.zoom.limit(spec);
     this.main.draw(spec, this.width, tall);
-    const residual = Boolean(shown) && plane !== "none";
+    // Residuals are of the sweeps as they were measured, not as they were shifted.
+    const residual = Boolean(shown) && plane !== "none" && !master;
     this.residual.svg.toggleAttribute("hidden", !residual);
     if (residual) {
       this.residual.title = `${titleOf(plane)}, residual of ${shown.discovery.diagnosis.model}`;
-      const below = planeSpec(plane, scene, excluded, shown);
-      if (spec.upright && !master) [below.x.min, below.x.max] = [spec.x.min, spec.x.max];
+      const { first, before } = this.app;
+      const below = planeSpec(plane, scene, excluded, shown, { sigmas: Boolean(looks.sigmas), first: first || shown, before });
+      this.without(below);
+      if (spec.upright) [below.x.min, below.x.max, below.x.log] = [spec.x.min, spec.x.max, spec.x.log];
       this.residual.draw(below, this.width, low);
+      this.residual.fall();
     }
     const { where = [], notes = [] } = shown?.discovery.diagnosis || {};
-    put(this.places,
-      where.slice(0, MOST_PLACES).map((place) => h("li", {}, place.plane === plane ? place.says : `${place.says} (${place.plane} plane)`)),
-      notes.slice(0, MOST_NOTES).map((note) => h("li", { class: "note" }, `note: ${note}`)));
+    if (spec.told) put(this.places, spec.told.map((text) => this.sentence(text)));
+    else put(this.places,
+      where.slice(0, MOST_PLACES).map((place) => this.sentence(pretty(place.plane === plane ? place.says : `${place.says} (${place.plane} plane)`), place)),
+      notes.slice(0, MOST_NOTES).map((note) => this.sentence(pretty(`note: ${note}`))));
+    this.places.closest("section").hidden = !this.places.childElementCount;
     this.drawBeside();
     this.preview(this.app.hovered);
     this.point(this.row);
     this.selected(this.chosen);
   }
 
+  // A sentence and the points that it is about light up together.
+  sentence(text, place = null) {
+    const rows = place ? this.rowsIn(place) : [];
+    return h("li", { title: text, class: place ? "" : "note",
+      onpointerenter: () => { if (rows.length) this.lit(rows); }, onpointerleave: () => { if (rows.length) this.lit([]); } }, text);
+  }
+
+  rowsIn(place) {
+    const { scene } = this.app;
+    if (scene.axis.column !== "frequency" || !(place.from <= place.to)) return [];
+    const [from, to] = [place.from, place.to].map((hertz) => hertz * scene.axis.per_hertz);
+    return scene.rows.filter((row, i) => scene.x[i] >= from * 0.999 && scene.x[i] <= to * 1.001);
+  }
+
+  lit(rows) {
+    for (const plot of [this.main, this.residual]) if (plot.spec) plot.point(this.row, new Set([...this.chosen, ...rows]));
+  }
+
+  // The buttons beside the picture say what it is like: which axes are logarithmic, whether all of it is seen.
+  told(spec) {
+    const { looks } = this.app;
+    for (const [button, axis] of [[this.scales[0], "x"], [this.scales[1], "y"]]) {
+      button.hidden = !spec[axis].canBeLog;
+      button.setAttribute("aria-pressed", String(!looks.linear.includes(axis)));
+    }
+    this.sigmas.setAttribute("aria-pressed", String(Boolean(looks.sigmas)));
+    this.whole.hidden = !this.zoom.ends;
+  }
+
+  bend(axis) {
+    const linear = ["x", "y"].filter((one) => this.app.looks.linear.includes(one) !== (one === axis)).join("");
+    this.zoom.ends = null;
+    this.app.look({ linear });
+  }
+
+  // What was pressed in the legend is not drawn: a kind of a single sweep, or one of several sweeps.
+  without(spec) {
+    const single = this.app.scene.sweeps.length < 2;
+    const shown = ({ part, kind, sweep }) => !this.hidden.has(single ? part || kind : `sweep-${sweep}`);
+    spec.points = spec.points.filter(shown);
+    spec.lines = spec.lines.filter((line) => line.sweep === undefined || (shown(line) && !this.hidden.has("model")));
+  }
+
+  press(what) {
+    if (!this.hidden.delete(what)) this.hidden.add(what);
+    this.render();
+  }
+
+  entry(what, look, text) {
+    return h("button", { type: "button", class: `swatch ${look}`, "aria-pressed": String(!this.hidden.has(what)), title: "press to hide or show it", onclick: () => this.press(what) }, text);
+  }
+
   // On a desk all stands on one screen: the picture gets the height that the words around it leave.
   fill() {
     const column = this.parent.closest(".column");
-    if (this.app.fixed || !this.main.spec || this.width < NARROW || !column?.clientHeight) return;
+    if (this.app.fixed || !this.main.spec || !matchMedia(DESK).matches || !column?.clientHeight) return;
     const top = column.getBoundingClientRect().top - column.scrollTop;
-    const left = column.clientHeight - (column.lastElementChild.getBoundingClientRect().bottom - top);
+    const last = [...column.children].filter((section) => !section.hidden).at(-1);
+    const left = column.clientHeight - (last.getBoundingClientRect().bottom - top);
     const tall = Math.max(LEAST, Math.min(MOST, Math.floor((this.tall || HEIGHTS.desk[0]) + left)));
     if (tall === this.tall) return;
     this.tall = tall;
@@ -138,6 +217,7 @@ export class Compare {
       });
     });
     [spec.x.min, spec.x.max] = range([...this.app.scene.x, ...xs], spec.x.log, 0.03);
+    spec.stations = next.action.omega.map((omega) => (omega / 2 / Math.PI) * this.app.scene.axis.per_hertz);
     // A moving mass makes K' negative, and a resonance makes it huge: what is measured stays in sight.
     const measured = spec.points.map((point) => point.y);
     const most = Math.max(...measured.map(Math.abs));
@@ -155,15 +235,17 @@ export class Compare {
       if (edited) lines.push(...viewLines(looks.view, scene, edited, "edited"));
     }
     this.main.extra(lines);
+    if (this.residual.spec) this.residual.extra(this.leftBy(edited, "edited"));
     const single = scene.sweeps.length < 2;
+    const { symbol } = scene.words;
     if (single) {
-      entries.push(h("span", { class: "swatch storage" }, VIEWS[looks.view]?.parts.length === 1 ? "● data" : "● K' data"));
-      if (looks.view === "storage-loss") entries.push(h("span", { class: "swatch loss" }, "□ K'' data"));
+      entries.push(this.entry("storage", "storage", VIEWS[looks.view]?.parts.length === 1 ? "● data" : `● ${symbol}' data`));
+      if (looks.view === "storage-loss") entries.push(this.entry("loss", "loss", `□ ${symbol}'' data`));
     } else {
       entries.push(...scene.sweeps.map((sweep, i) =>
-        h("span", { class: `swatch sweep-${Math.round((8 * i) / (scene.sweeps.length - 1))}` }, `● ${sweep.label}`)));
+        this.entry(`sweep-${i}`, `sweep-${Math.round((8 * i) / (scene.sweeps.length - 1))}`, `● ${sweep.label}`)));
     }
-    if (answer) entries.push(h("span", {}, `━ ${answer.discovery.diagnosis.model} (accepted)`));
+    if (answer && looks.view !== "master-curve") entries.push(this.entry("model", "", `━ ${answer.discovery.diagnosis.model} (accepted)`));
     if (this.app.hovered) entries.push(h("span", { class: "swatch preview" }, `╌ with ${this.app.hovered} (preview)`));
     if (edited) entries.push(h("span", { class: "swatch edited" }, `┈ edited by hand, ${percent(edited.error)}`));
     if (beside) entries.push(h("span", { class: "swatch beside" }, `─ branch ${beside.branch}: ${beside.discovery.diagnosis.model}`));
@@ -182,10 +264,17 @@ export class Compare {
     const drawn = k && looks.view !== "master-curve";
     this.main.preview(drawn ? viewLines(looks.view, scene, k, "preview") : []);
     if (this.residual.spec) {
-      const plane = planeOf(scene, looks.plane);
-      this.residual.preview(k && plane !== "none" ? planeLines(plane, scene, k) : []);
+      this.residual.preview(this.leftBy(k, "preview"));
     }
     this.drawBeside();
+  }
+
+  // What a curve would leave of the residual, in the plane and the unit that are shown.
+  leftBy(k, role) {
+    const { scene, answer, looks } = this.app;
+    const plane = planeOf(scene, looks.plane);
+    if (!k || !answer || plane === "none") return [];
+    return planeLines(plane, scene, k, looks.sigmas ? answer.model.planes[plane].width : null, role);
   }
 
   listen(plot) {
@@ -194,28 +283,45 @@ export class Compare {
       return [((event.clientX - box.left) / box.width) * plot.width, ((event.clientY - box.top) / box.height) * plot.height];
     };
     let from = null;
+    let held = null; // a finger reads a point at once, and leaves it out when it stays
+    const release = () => { clearTimeout(held); held = null; };
     plot.svg.addEventListener("pointermove", (event) => {
       if (!plot.spec) return;
       const to = place(event);
+      if (this.zoom.pinching) from = null;
+      if (!from || Math.hypot(to[0] - from[0], to[1] - from[1]) > 6) release();
       if (from && Math.hypot(to[0] - from[0], to[1] - from[1]) > 6) {
         this.selected(new Set(plot.rowsWithin(...from, ...to)));
       } else if (!from) this.point(plot.nearest(...to));
     });
-    plot.svg.addEventListener("pointerdown", (event) => { from = event.button === 0 ? place(event) : null; });
+    plot.svg.addEventListener("pointerdown", (event) => {
+      from = event.button === 0 ? place(event) : null;
+      if (event.pointerType !== "touch" || !from || !plot.spec) return;
+      const row = plot.nearest(...from, FINGER);
+      held = setTimeout(() => { from = null; if (row !== null) this.toggle([row]); }, HELD);
+    });
     plot.svg.addEventListener("pointerup", (event) => {
       const to = place(event);
       if (from && Math.hypot(to[0] - from[0], to[1] - from[1]) <= 6 && plot.spec) {
-        const row = plot.nearest(...to, 10);
-        if (row !== null) this.toggle([row]);
+        const touch = event.pointerType === "touch";
+        const row = plot.nearest(...to, touch ? FINGER : 10);
+        if (touch) this.point(row);
+        else if (row !== null) this.toggle([row]);
         else this.selected(new Set());
       }
       from = null;
+      release();
     });
-    plot.svg.addEventListener("pointerleave", () => { if (!from) this.point(null); });
+    plot.svg.addEventListener("pointerleave", (event) => { if (!from && event.pointerType !== "touch") this.point(null); });
+    plot.svg.addEventListener("pointercancel", release);
     plot.svg.addEventListener("keydown", (event) => this.key_(event));
   }
 
   key_(event) {
+    if (this.zoom.key(event)) {
+      event.preventDefault();
+      return;
+    }
     const rows = [...this.app.scene.rows].sort((a, b) => this.app.scene.x[this.index(a)] - this.app.scene.x[this.index(b)]);
     const here = rows.indexOf(this.row);
     const steps = { ArrowRight: 1, ArrowLeft: -1 };
@@ -240,18 +346,18 @@ export class Compare {
     for (const plot of [this.main, this.residual]) if (plot.spec) plot.point(row, this.chosen);
     if (row === null || !scene) {
       if (!scene) return;
-      const hint = this.app.fixed ? "" : " Click to leave it out; drag to select several.";
+      const hint = this.app.fixed ? "" : ` ${COARSE.matches ? "Hold" : "Click"} to leave it out; drag for several.`;
       this.readout.textContent = `Point at a measured point to read it.${hint}`;
       return;
     }
     const i = this.index(row);
     const { stiffness } = scene.units;
-    const { clock, per_hertz } = scene.words;
-    let says = `${number((scene.omega[i] / 2 / Math.PI) * per_hertz, 3)} ${clock}: K' ${number(scene.storage[i])}, K'' ${number(scene.loss[i])} ${stiffness}`;
+    const { clock, per_hertz, symbol } = scene.words;
+    let says = `${number((scene.omega[i] / 2 / Math.PI) * per_hertz, 3)} ${clock}: ${symbol}' ${number(scene.storage[i])}, ${symbol}'' ${number(scene.loss[i])} ${stiffness}`;
     if (answer) {
       const [storage, loss] = [answer.model.points.storage[i], answer.model.points.loss[i]];
       const off = (data, model, sd) => `${data >= model ? "+" : "−"}${number(Math.abs(data - model) / sd, 2)} σ`;
-      says += `; model ${number(storage)}, ${number(loss)}; off by ${off(scene.storage[i], storage, answer.noise.storage[i])}, `;
+      says += `; model ${number(storage)}, ${number(loss)}; data − model ${off(scene.storage[i], storage, answer.noise.storage[i])}, `;
       says += off(scene.loss[i], loss, answer.noise.loss[i]);
     }
     if (state.excluded.includes(row)) says += "; left out";

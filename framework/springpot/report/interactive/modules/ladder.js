@@ -4,9 +4,15 @@ import { changed, h, put, s } from "./dom.js";
 import { percent, times } from "./numbers.js";
 import { logTicks } from "./plot.js";
 
-const HEIGHT = 150;
-const LEFT = 44;
+const TALL = 150; // px of the picture
+const LOW = 122; // on a screen that has few
+const LEFT = 60;
+const BOTTOM = 24;
+const LONGEST = 7; // px for a letter of a name below its step
 const RIGHT = 12;
+
+const SMALL = matchMedia("(max-height: 850px)");
+const cut = (name, most) => (name.length > most ? `${name.slice(0, Math.max(1, Math.floor(most) - 1))}…` : name);
 
 export class Ladder {
   constructor(parent, app) {
@@ -22,6 +28,7 @@ export class Ladder {
 
   render() {
     this.width = this.frame.clientWidth;
+    this.height = SMALL.matches ? LOW : TALL;
     const { answer, history, beside, rung } = this.app;
     const branches = history.branches.map((branch) => branch.name).join("");
     if (!changed(this, answer, beside?.key, beside?.branch, rung, this.width, branches, history.at)) {
@@ -83,9 +90,10 @@ export class Ladder {
     const [low, high] = [Math.min(...all) / 1.6, Math.max(...all) * 1.5];
     const width = this.width;
     this.x = (i) => LEFT + ((i + 0.5) * (width - LEFT - RIGHT)) / Math.max(count, 2);
-    this.y = (error) => 8 + ((Math.log(high) - Math.log(error)) / (Math.log(high) - Math.log(low))) * (HEIGHT - 30);
-    const bottom = HEIGHT - 22;
+    this.y = (error) => 8 + ((Math.log(high) - Math.log(error)) / (Math.log(high) - Math.log(low))) * (this.height - BOTTOM - 8);
+    const bottom = this.height - BOTTOM;
     const half = (this.x(1) - this.x(0)) / 2;
+    this.half = half;
     const parts = [s("title", {}, `Error of each rung: ${steps.map((step) => percent(step.relative_rms)).join(", ")}; noise floor ${percent(steps.at(-1).noise_floor)}`)];
     for (const tick of logTicks(low, high)) {
       parts.push(s("line", { class: "grid", x1: LEFT, x2: width - RIGHT, y1: this.y(tick), y2: this.y(tick) }));
@@ -99,17 +107,20 @@ export class Ladder {
       const at = this.y(step.material_floor);
       parts.push(s("line", { class: "material", x1: this.x(i) - half, x2: right, y1: at, y2: at },
         s("title", {}, `material floor ${percent(step.material_floor)}: the least error of any linear passive material`)));
-      parts.push(s("text", { class: "tick", x: this.x(i), y: HEIGHT - 8, "text-anchor": "middle" }, String(i)));
+      const name = i ? `+ ${step.accepted}` : step.model;
+      parts.push(s("text", { class: "tick", x: this.x(i), y: this.height - 8, "text-anchor": "middle" }, cut(name, (2 * half) / LONGEST)));
     });
+    const middle = (8 + bottom) / 2;
+    parts.push(s("text", { class: "label", x: 11, y: middle, "text-anchor": "middle", transform: `rotate(-90 11 ${middle})` }, "error of |K|"));
     parts.push(s("text", { class: "tick", x: LEFT + 3, y: bottom - 3 }, "noise floor"));
     // No error lies below the material floor: under its line there is room, unless the other words stand there.
     const dashes = this.y(steps[0].material_floor);
     parts.push(s("text", { class: "tick", x: LEFT + 3, y: dashes + (dashes + 28 < bottom ? 12 : -4) }, "material floor"));
     parts.push(...this.stairs(others, "beside"), ...this.stairs(steps, "accepted"));
     this.ghost = s("g", { class: "ghost" });
-    this.svg.setAttribute("viewBox", `0 0 ${width} ${HEIGHT}`);
+    this.svg.setAttribute("viewBox", `0 0 ${width} ${this.height}`);
     this.svg.setAttribute("width", width);
-    this.svg.setAttribute("height", HEIGHT);
+    this.svg.setAttribute("height", this.height);
     this.svg.setAttribute("aria-label", parts[0].textContent);
     this.svg.replaceChildren(...parts, this.ghost);
     this.fall(steps);
@@ -117,7 +128,7 @@ export class Ladder {
 
   stairs(steps, kind) {
     if (!steps.length) return [];
-    const d = steps.map((step, i) => `${i ? "L" : "M"}${this.x(i)} ${this.y(step.relative_rms)}`).join("");
+    const d = steps.map((step, i) => `${i ? "L" : "M"}${this.x(i) - this.half} ${this.y(step.relative_rms)}H${this.x(i) + this.half}`).join("");
     return [s("path", { class: `stairs ${kind}`, d }), ...steps.map((step, i) =>
       s("circle", { class: `rung-mark ${kind}`, cx: this.x(i), cy: this.y(step.relative_rms), r: 5, "data-rung": i,
         onclick: () => { if (kind === "accepted") this.app.goTo(i); } },
@@ -136,26 +147,25 @@ export class Ladder {
     last.animate([{ transform: `translateY(${rise}px)` }, { transform: "none" }], { duration: 500, easing: "ease-in" });
   }
 
-  // Right of a mark, where the line that leads to it from the left does not cross the words.
+  // Above a mark, or below it where there is no room.
   besideMark(x, y, text) {
-    const fits = x + 50 < this.width;
-    if (fits) return s("text", { class: "tick", x: x + 9, y: y + 4 }, text);
-    return s("text", { class: "tick", x: x + 5, y: y > 26 ? y - 9 : y + 17, "text-anchor": "end" }, text);
+    return s("text", { class: "label", x, y: y > 26 ? y - 9 : y + 17, "text-anchor": "middle" }, text);
   }
 
   preview(effect) {
     const { answer, steps, rung } = this.app;
     if (!answer || !this.ghost) return;
-    const preview = effect ? answer.previews[effect] : null;
+    const { edited } = this.app;
+    const preview = effect ? answer.previews[effect] : edited;
     if (!preview || !Number.isFinite(preview.error)) {
       this.ghost.replaceChildren();
       return;
     }
     const at = Math.min(this.x(rung + 1), this.width - RIGHT - 6);
-    const y = Math.max(6, Math.min(HEIGHT - 24, this.y(preview.error)));
-    const from = [this.x(rung), this.y(steps[rung].relative_rms)];
+    const y = Math.max(6, Math.min(this.height - BOTTOM, this.y(preview.error)));
+    const edge = this.x(rung) + this.half;
     this.ghost.replaceChildren(
-      s("path", { class: "stairs preview", d: `M${from[0]} ${from[1]}L${at} ${y}` }),
+      s("path", { class: "stairs preview", d: `M${edge} ${this.y(steps[rung].relative_rms)}V${y}H${this.width - RIGHT}` }),
       s("circle", { class: "rung-mark preview", cx: at, cy: y, r: 5 }),
       this.besideMark(at, y, percent(preview.error, 2)));
   }

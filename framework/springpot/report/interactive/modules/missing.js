@@ -1,15 +1,23 @@
-// The ranked effects: pointing previews what each would do, from what is already in the page; a click accepts.
+// What may be missing, as cards on three shelves: pointing previews what each would do, from what is already in the page;
+// a click accepts.
 
 import { changed, enable, h, put, usable } from "./dom.js";
-import { number, percent, probability, times, withInterval } from "./numbers.js";
+import { number, percent, pretty, probability, times, withInterval } from "./numbers.js";
+import { sparkline } from "./spark.js";
 
-const WORDS = { missing: "missing", absent: "absent", "cannot-tell": "cannot tell" };
+const SHELVES = [
+  ["explains", "Explains it"],
+  ["helps", "Helps, but is no proof"],
+  ["ruled-out", "Ruled out"],
+];
+const FOLDED = "ruled-out";
 
 export class Missing {
   constructor(parent, app) {
     this.app = app;
     this.active = null;
-    this.list = h("ul", {
+    this.folded = true;
+    this.list = h("div", {
       id: "effects", role: "listbox", tabindex: "0", "aria-labelledby": "missing-title",
       onkeydown: (event) => this.key(event),
       onpointerleave: () => this.app.hover(this.active),
@@ -17,8 +25,9 @@ export class Missing {
     });
     this.details = h("div", { id: "effect-details", class: "details", "aria-live": "polite" });
     this.accept = h("button", { type: "button", id: "accept", class: "primary", onclick: () => this.take(this.active) }, "Accept effect");
+    this.fold = h("button", { type: "button", id: "fold", class: "small", onclick: () => this.unfold(!this.folded) });
     this.says = h("p", { class: "quiet" });
-    put(parent, this.says, this.list, this.accept, this.details);
+    put(parent, this.says, this.list, h("div", { class: "bar" }, this.accept, this.fold), this.details);
     // The list loses its focus when the button is pressed; what was chosen stays until then.
     this.accept.addEventListener("pointerdown", (event) => event.preventDefault());
     this.accept.addEventListener("keydown", (event) => { if (event.key === "Escape") this.choose(null); });
@@ -32,30 +41,56 @@ export class Missing {
     }
     const diagnosis = answer?.discovery.diagnosis;
     this.active = null;
-    this.candidates = diagnosis ? inClasses(diagnosis.candidates) : [];
+    this.candidates = diagnosis?.candidates || [];
     this.says.textContent = diagnosis ? sentence(diagnosis, this.app.fixed) : "Effects are ranked here as soon as there are data.";
-    put(this.list, this.candidates.map((candidate, i) => this.option(candidate, i, diagnosis.error.noise_floor)));
+    this.shelves = SHELVES.map(([name, title]) => [name, title, cardsOf(this.candidates.filter((one) => one.shelf === name))])
+      .filter(([, , cards]) => cards.length);
+    put(this.list, this.shelves.map(([name, title, cards]) =>
+      h("div", { role: "group", class: "shelf", "aria-label": title, "data-title": title, "data-shelf": name },
+        cards.map((card) => this.card(card, diagnosis)))));
     this.list.hidden = this.candidates.length === 0;
     this.accept.hidden = Boolean(this.app.fixed) || this.candidates.length === 0;
+    this.unfold(this.folded);
     this.show(this.app.hovered);
   }
 
-  option(candidate, i, floor) {
-    const group = candidate.class.length > 1;
-    const before = this.candidates[i - 1]?.class.includes(candidate.effect);
-    const after = this.candidates[i + 1]?.class.includes(candidate.effect);
-    const bracket = group ? `bracket${before ? "" : " first"}${after ? "" : " last"}` : "";
-    const after_ = candidate.error_after;
-    return h("li", {
-      id: `effect-${candidate.effect}`, role: "option", "aria-selected": "false", class: bracket,
+  // What is ruled out is one line until somebody asks; where nothing else is there, all of it is shown.
+  unfold(folded) {
+    this.folded = folded;
+    const shelf = this.list.querySelector(`[data-shelf="${FOLDED}"]`);
+    const alone = this.shelves?.length === 1;
+    if (shelf) shelf.hidden = folded && !alone;
+    this.fold.hidden = !shelf || alone;
+    const out = this.candidates.filter((candidate) => candidate.shelf === FOLDED).map((candidate) => candidate.effect);
+    this.fold.textContent = `${folded ? "Show" : "Hide"} ${out.length} ruled out`;
+    this.fold.title = `the error stays with them: ${out.join(", ")}`;
+    this.fold.setAttribute("aria-expanded", String(!folded));
+  }
+
+  // Effects that these data cannot tell apart are one card: what is left with them, each with its size, and what decides.
+  card(members, diagnosis) {
+    const names = members.map((candidate) => candidate.effect);
+    const plan = diagnosis.next_experiment;
+    const decides = members.length > 1 && plan?.separates.length && plan.separates.every((name) => names.includes(name));
+    return h("div", { class: "card", role: "presentation" },
+      sparkline(this.app.scene, this.app.answer, names[0], this.app.looks.plane),
+      members.map((candidate) => this.option(candidate, diagnosis.error.noise_floor)),
+      decides ? h("p", { class: "quiet", role: "presentation" }, `told apart by the next experiment (${number(plan.expected_separation_sigma, 2)} σ)`) : null);
+  }
+
+  option(candidate, floor) {
+    const after = candidate.error_after;
+    const size = Object.entries(candidate.parameters).slice(0, 1).map(([name, value]) => `${name} = ${number(value.value, 3)} ${value.unit === "-" ? "" : pretty(value.unit)}`);
+    return h("div", {
+      id: `effect-${candidate.effect}`, role: "option", "aria-selected": "false", class: "option",
       "data-effect": candidate.effect,
       onpointerenter: (event) => { if (event.pointerType !== "touch") this.app.hover(candidate.effect); },
       onclick: (event) => this.clicked(event, candidate.effect),
     },
     h("span", { class: "name" }, candidate.effect),
-    h("span", { class: `word ${candidate.verdict}`, title: "what the evidence makes of it" }, WORDS[candidate.verdict]),
-    h("span", { class: "chance", title: `probability ${number(candidate.probability)} that it is among what is missing` }, probability(candidate.probability)),
-    h("span", { class: "fall", title: after_ === null ? "not fitted by itself" : `error with it: ${percent(after_)} of |K|, ${times(after_, floor)}` }, `→ ${percent(after_, 2)}`));
+    h("span", { class: "fall", title: after === null ? "not fitted by itself" : `error with it: ${percent(after)} of |K|, ${times(after, floor)}` }, `→ ${percent(after, 2)}`),
+    h("span", { class: "size" }, size[0] || "not fitted"),
+    h("span", { class: `word ${candidate.verdict}`, title: "probability that it is among what is missing" }, `chance ${probability(candidate.probability)}`));
   }
 
   // A mouse has seen the preview before it clicks; a finger has not, so its first tap only shows it.
@@ -64,8 +99,13 @@ export class Missing {
     else this.take(effect);
   }
 
+  // As they stand below one another; what is folded is passed over.
+  get shown() {
+    return [...this.list.querySelectorAll(".shelf:not([hidden]) [role=option]")];
+  }
+
   key(event) {
-    const names = this.candidates.map((candidate) => candidate.effect);
+    const names = this.shown.map((option) => option.dataset.effect);
     const here = names.indexOf(this.active);
     const to = { ArrowDown: here + 1, ArrowUp: here < 0 ? 0 : here - 1, Home: 0, End: names.length - 1 }[event.key];
     if (to !== undefined) this.choose(names[Math.max(0, Math.min(names.length - 1, to))]);
@@ -86,7 +126,7 @@ export class Missing {
 
   // Called for every preview, wherever it comes from.
   show(effect) {
-    for (const option of this.list.children) {
+    for (const option of this.list.querySelectorAll("[role=option]")) {
       const here = option.dataset.effect === effect;
       option.setAttribute("aria-selected", String(here));
       if (here) this.list.setAttribute("aria-activedescendant", option.id);
@@ -112,11 +152,11 @@ export class Missing {
     const floor = diagnosis.error.noise_floor;
     const others = candidate.class.filter((name) => name !== effect);
     put(this.details,
-      h("p", {}, candidate.says),
+      h("p", {}, pretty(candidate.says)),
       h("dl", {},
         ...row("size", Object.entries(candidate.parameters).map(([name, value]) => {
           const [told, interval] = withInterval(value.value, value.low, value.high);
-          return `${name} = ${told} ${interval} ${value.unit}`;
+          return pretty(`${name} = ${told} ${interval} ${value.unit === "-" ? "" : value.unit}`);
         }).join("; ") || "not fitted: it stands too far behind"),
         ...row("error", preview ? `${percent(diagnosis.error.relative_rms)} → ${percent(preview.error)} (${times(preview.error, floor)})${preview.refitted ? "" : ", by the scan alone"}` : "no preview: it was not fitted alone"),
         ...row("evidence", `probability ${probability(candidate.probability)}, ΔBIC ${number(candidate.delta_bic, 3)}`),
@@ -141,17 +181,18 @@ function sentence(diagnosis, fixed) {
   return fixed ? "Point at one to see what it would do." : "Point to preview, click to accept.";
 }
 
-// Members of a class stand below one another, where the likeliest of them stands.
-function inClasses(candidates) {
+// Members of a class are one card, where the likeliest of them stands.
+function cardsOf(candidates) {
   const left = [...candidates];
-  const ordered = [];
+  const cards = [];
   while (left.length) {
     const first = left.shift();
-    ordered.push(first);
+    const card = [first];
     for (const name of first.class) {
       const i = left.findIndex((candidate) => candidate.effect === name);
-      if (i >= 0) ordered.push(...left.splice(i, 1));
+      if (i >= 0) card.push(...left.splice(i, 1));
     }
+    cards.push(card);
   }
-  return ordered;
+  return cards;
 }

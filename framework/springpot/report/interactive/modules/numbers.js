@@ -9,6 +9,10 @@ export function number(value, digits = 4) {
   return value.toFixed(Math.max(0, digits - 1 - exponent));
 }
 
+// Units and names in words as they are printed: °C and s², where a file can only say degC and s^2.
+export const pretty = (text) => String(text).replace(/\bdegC\b/g, "°C").replace(/\^2\b/g, "²").replace(/\^3\b/g, "³")
+  .replace(/\^alpha\b/g, "^α").replace(/\bomega\b/g, "ω").replace(/\bsigma\b/g, "σ");
+
 export const percent = (fraction, digits = 3) =>
   fraction === null || fraction === undefined ? "-" : `${number(100 * fraction, digits)} %`;
 

@@ -6,6 +6,7 @@ const LEFT = 62;
 const RIGHT = 10;
 const TOP = 10;
 const BOTTOM = 38;
+const FALL = 500; // ms
 const MANY = 600; // points from which they are drawn small
 
 export function niceTicks(low, high, most = 6) {
@@ -31,6 +32,21 @@ export function logTicks(low, high) {
     }
   }
   return ticks.length > 1 ? ticks : niceTicks(low, high);
+}
+
+// How an axis turns a value into a length, and back. `bend`: linear up to this size and logarithmic beyond, on both sides
+// of zero, so that what is negative is seen too.
+export function turned({ log, bend }) {
+  if (bend) return { forth: (value) => Math.asinh(value / bend), back: (length) => bend * Math.sinh(length) };
+  if (log) return { forth: Math.log, back: Math.exp };
+  return { forth: (value) => value, back: (length) => length };
+}
+
+function bentTicks({ min, max, bend }) {
+  const last = Math.max(Math.abs(min), Math.abs(max));
+  const sizes = [];
+  for (let size = 10 ** Math.floor(Math.log10(bend)); size <= last * 1.001; size *= 10) sizes.push(size, 3 * size);
+  return [...sizes.map((size) => -size).reverse(), 0, ...sizes].filter((tick) => (tick === 0 || Math.abs(tick) >= bend) && tick >= min && tick <= max);
 }
 
 const short = (value) => {
@@ -88,22 +104,33 @@ export class Plot {
         ...(spec.shades || []).map((shade, lane) => this.shade(shade, lane)),
         ...(spec.bands || []).map((band) => this.band(band)),
         ...(spec.lines || []).map((line) => this.line(line)),
-        this.extraLayer, s("g", { class: "points" }, ...this.marks.filter(Boolean)),
+        this.extraLayer, ...(spec.stations || []).map((x) => this.station(x)), s("g", { class: "points" }, ...this.marks.filter(Boolean)),
         this.previewLayer, this.cursorLayer),
     );
   }
 
-  scale({ min, max, log }, from, to) {
-    const turn = log ? Math.log : (value) => value;
-    const low = turn(min);
-    const factor = (to - from) / (turn(max) - low);
-    return (value) => from + (turn(value) - low) * factor;
+  scale(axis, from, to) {
+    const { forth } = turned(axis);
+    const low = forth(axis.min);
+    const factor = (to - from) / (forth(axis.max) - low);
+    return (value) => from + (forth(value) - low) * factor;
   }
 
-  axes({ x, y }) {
+  // Where a pointer is, as shares of the picture's width and height from its lower left.
+  share(event) {
+    const box = this.svg.getBoundingClientRect();
+    const px = ((event.clientX - box.left) / box.width) * this.width;
+    const py = ((event.clientY - box.top) / box.height) * this.height;
+    return [(px - LEFT) / (this.width - LEFT - RIGHT), (this.height - BOTTOM - py) / (this.height - TOP - BOTTOM)];
+  }
+
+  axes({ x, y, corner }) {
     const { width, height } = this;
     const parts = [s("rect", { class: "frame", x: LEFT, y: TOP, width: width - LEFT - RIGHT, height: height - TOP - BOTTOM })];
-    const ticks = (axis, most) => (axis.log ? logTicks(axis.min, axis.max) : niceTicks(axis.min, axis.max, most));
+    const ticks = (axis, most) => {
+      if (axis.bend) return bentTicks(axis);
+      return axis.log ? logTicks(axis.min, axis.max) : niceTicks(axis.min, axis.max, most);
+    };
     for (const tick of ticks(x, width / 90)) {
       const at = this.x(tick);
       parts.push(s("line", { class: "grid", x1: at, x2: at, y1: TOP, y2: height - BOTTOM }));
@@ -116,6 +143,7 @@ export class Plot {
     }
     const middle = (TOP + height - BOTTOM) / 2;
     parts.push(s("text", { class: "label", x: (LEFT + width - RIGHT) / 2, y: height - 6, "text-anchor": "middle" }, x.label));
+    if (corner) parts.push(s("text", { class: "tick", x: LEFT + 5, y: TOP + 12 }, corner));
     parts.push(s("text", { class: "label", x: 12, y: middle, "text-anchor": "middle", transform: `rotate(-90 12 ${middle})` }, y.label));
     return parts;
   }
@@ -141,13 +169,13 @@ export class Plot {
     return s("path", { class: `line ${kind}`, d: this.path(xs, ys), fill: "none", stroke: colour });
   }
 
-  mark({ x, y, kind, row, colour, out }) {
+  mark({ x, y, kind, part = kind, row, colour, out }) {
     const [cx, cy] = [this.x(x), this.y(y)];
     if (!Number.isFinite(cx) || !Number.isFinite(cy)) return null;
     const common = { "data-row": row, class: `mark ${kind}${out ? " out" : ""}` };
     if (out) return s("path", { ...common, d: `M${cx - 3} ${cy - 3}l6 6m0 -6l-6 6` });
     const half = this.small ? 1.3 : 3;
-    if (kind === "loss") return s("rect", { ...common, x: cx - half, y: cy - half, width: 2 * half, height: 2 * half, stroke: colour });
+    if (part === "loss") return s("rect", { ...common, x: cx - half, y: cy - half, width: 2 * half, height: 2 * half, stroke: colour });
     return s("circle", { ...common, cx, cy, r: 1.13 * half, fill: colour });
   }
 
@@ -162,10 +190,31 @@ export class Plot {
     return s("g", {}, lane ? null : s("rect", whole, s("title", {}, says)), s("rect", bar, s("title", {}, says)));
   }
 
+  // Where to measure.
+  station(x) {
+    const [at, foot] = [this.x(x), this.height - BOTTOM];
+    return s("path", { class: "station", d: `M${at} ${foot - 8}l-4 8h8Z` });
+  }
+
   band({ xs, low, high, kind }) {
     const forth = this.path(xs, high);
     const back = this.path([...xs].reverse(), [...low].reverse()).replace("M", "L");
     return s("path", { class: `band ${kind}`, d: forth ? `${forth}${back}Z` : "" });
+  }
+
+  // The points move to where they are from where they were, on the same axes: what falls is seen to fall.
+  fall() {
+    const { spec, marks, stood } = this;
+    const places = new Map();
+    spec.points.forEach(({ row, part, y }, i) => { if (marks[i] && row !== null) places.set(`${row} ${part}`, this.y(y)); });
+    const axes = [this.width, this.height, spec.y.min, spec.y.max, spec.y.label].join();
+    this.stood = { places, axes };
+    if (stood?.axes !== axes || this.small || matchMedia("(prefers-reduced-motion: reduce)").matches) return;
+    spec.points.forEach(({ row, part }, i) => {
+      const key = `${row} ${part}`;
+      const rise = stood.places.get(key) - places.get(key);
+      if (rise) marks[i].animate([{ transform: `translateY(${rise}px)` }, { transform: "none" }], { duration: FALL, easing: "ease-in" });
+    });
   }
 
   // What would be: drawn without touching anything else, so that it costs a frame and leaves no trace.
@@ -181,7 +230,7 @@ export class Plot {
   point(row, chosen) {
     const rings = [];
     this.spec.points.forEach((point, i) => {
-      const here = point.row === row;
+      const here = row !== null && point.row === row;
       if (!this.marks[i] || !(here || chosen.has(point.row))) return;
       rings.push(s("circle", { class: here ? "ring" : "ring chosen", cx: this.x(point.x), cy: this.y(point.y), r: 7 }));
       if (here && this.spec.upright) {
@@ -197,6 +246,7 @@ export class Plot {
     let best = null;
     let least = reach;
     for (const point of this.spec.points) {
+      if (point.row === null) continue; // a shadow of what was
       const [dx, dy] = [this.x(point.x) - px, this.y(point.y) - py];
       const far = this.spec.upright && reach === Infinity ? Math.abs(dx) + 0.01 * Math.abs(dy) : Math.hypot(dx, dy);
       if (far < least) [best, least] = [point.row, far];
@@ -207,7 +257,7 @@ export class Plot {
   rowsWithin(x0, y0, x1, y1) {
     const inside = (value, one, other) => value >= Math.min(one, other) && value <= Math.max(one, other);
     return this.spec.points
-      .filter((point) => inside(this.x(point.x), x0, x1) && (this.spec.upright || inside(this.y(point.y), y0, y1)))
+      .filter((point) => point.row !== null && inside(this.x(point.x), x0, x1) && (this.spec.upright || inside(this.y(point.y), y0, y1)))
       .map((point) => point.row);
   }
 }

@@ -2,18 +2,23 @@
 //
 // K is held as { storage: [...], loss: [...] }, in the unit of the data, at the rows or along the curves of the scene.
 
-import { range } from "./plot.js";
+import { range, turned } from "./plot.js";
+
+const SMALL = 0.1; // share of the sizes below which an axis that is bent around zero is linear
+const FAR = 12; // standard deviations beyond which residuals are drawn on such an axis
+const ROOM = 1.15; // of a residual's axis beyond its largest point
+const NOISE = 3; // standard deviations up to which it is linear
 
 const degrees = (storage, loss) => (Math.atan2(loss, storage) * 180) / Math.PI;
 
-const along = (scene) => (label) => ({ label: scene.axis.label, log: scene.axis.logarithmic, of: label });
-const upright = { upright: true, x: (scene) => along(scene)("x") };
+const along = (scene) => ({ label: scene.axis.label, log: scene.axis.logarithmic });
+const upright = { upright: true, x: along };
 
 export const VIEWS = {
   "storage-loss": {
     name: "Storage and loss",
     ...upright,
-    y: (scene) => ({ label: `K' and K'' [${scene.units.stiffness}]`, log: true }),
+    y: (scene) => ({ label: `${scene.words.symbol}' and ${scene.words.symbol}'' [${scene.units.stiffness}]`, log: true }),
     parts: [
       { kind: "storage", at: (x, storage) => [x, storage] },
       { kind: "loss", at: (x, storage, loss) => [x, loss] },
@@ -27,13 +32,13 @@ export const VIEWS = {
   },
   "cole-cole": {
     name: "Cole-Cole",
-    x: (scene) => ({ label: `K' [${scene.units.stiffness}]`, log: false }),
-    y: (scene) => ({ label: `K'' [${scene.units.stiffness}]`, log: false }),
+    x: (scene) => ({ label: `${scene.words.symbol}' [${scene.units.stiffness}]`, log: false }),
+    y: (scene) => ({ label: `${scene.words.symbol}'' [${scene.units.stiffness}]`, log: false }),
     parts: [{ kind: "storage", at: (x, storage, loss) => [storage, loss] }],
   },
   "van-gurp-palmen": {
     name: "van Gurp-Palmen",
-    x: (scene) => ({ label: `|K| [${scene.units.stiffness}]`, log: true }),
+    x: (scene) => ({ label: `${scene.words.magnitude} [${scene.units.stiffness}]`, log: true }),
     y: () => ({ label: "phase δ [°]", log: false }),
     parts: [{ kind: "storage", at: (x, storage, loss) => [Math.hypot(storage, loss), degrees(storage, loss)] }],
   },
@@ -47,21 +52,38 @@ export function colourOf(scene, sweep, kind) {
 }
 
 // Points of the data and lines of the model in one view.
-export function viewSpec(name, scene, excluded, model) {
+export function viewSpec(name, scene, excluded, model, plain = "") {
   const view = VIEWS[name];
   const points = [];
   scene.rows.forEach((row, i) => {
     for (const { kind, at: place } of view.parts) {
       const [x, y] = place(scene.x[i], scene.storage[i], scene.loss[i]);
       const colour = colourOf(scene, scene.sweep[i], kind);
-      points.push({ x, y, kind, row, colour, out: excluded.has(row) });
+      points.push({ x, y, kind, row, colour, sweep: scene.sweep[i], out: excluded.has(row) });
     }
   });
   const lines = model ? viewLines(name, scene, model, "model") : [];
   const [x, y] = [view.x(scene), view.y(scene)];
-  [x.min, x.max] = range(points.map((point) => point.x), x.log, view.upright ? 0.03 : 0.06);
-  [y.min, y.max] = range(points.map((point) => point.y), y.log, 0.12);
+  bounded(x, points.map((point) => point.x), view.upright ? 0.03 : 0.06, plain.includes("x"));
+  bounded(y, points.map((point) => point.y), 0.12, plain.includes("y"));
   return { x, y, points, lines, upright: Boolean(view.upright), says: `${points.length} points` };
+}
+
+// The ends of an axis. A logarithmic one on which something is zero or negative is bent around zero: nothing measured is
+// out of sight. `plain`: linear on request.
+function bounded(axis, values, room, plain) {
+  axis.canBeLog = axis.log;
+  axis.log &&= !plain;
+  const below = values.filter((value) => value <= 0).length;
+  if (axis.log && below) {
+    const sizes = values.map(Math.abs).filter((size) => size > 0).sort((a, b) => a - b);
+    axis.bend = sizes[Math.floor(sizes.length * SMALL)] || 1;
+    axis.log = false;
+    axis.label += ` (${below} not above zero)`;
+  }
+  const { forth, back } = turned(axis);
+  const [low, high] = axis.bend ? range(values.map(forth), false, room).map(back) : range(values, axis.log, room);
+  Object.assign(axis, { min: low, max: high });
 }
 
 export function viewLines(name, scene, k, role) {
@@ -74,35 +96,55 @@ export function viewLines(name, scene, k, role) {
         xs: pairs.map((pair) => pair[0]),
         ys: pairs.map((pair) => pair[1]),
         kind: `${role} ${kind}`,
+        part: kind,
+        sweep,
         colour: role === "model" ? colourOf(scene, sweep, kind) : `var(--${role})`,
       };
     }));
 }
 
-// Residuals of the model in a plane, as the server tells them: real part filled, imaginary part open, with bands of
-// one and three sigma.
-export function planeSpec(name, scene, excluded, answer) {
-  const residual = answer.model.planes[name];
-  const points = [];
-  scene.rows.forEach((row, i) => {
-    for (const kind of ["storage", "loss"]) {
-      const colour = colourOf(scene, scene.sweep[i], kind);
-      points.push({ x: scene.x[i], y: residual[kind][i] ?? NaN, kind, row, colour, out: excluded.has(row) });
-    }
-  });
+// Data less model in a plane, as the server tells it: real part filled, imaginary part open, with bands of one and three
+// standard deviations. `sigmas`: in units of these, between ends that the first rung fixes, so that what falls is seen to
+// fall; `before`: the answer of the rung before, whose residual stays as a shadow.
+export function planeSpec(name, scene, excluded, answer, { sigmas = false, first = answer, before = null } = {}) {
+  const residual = measuredBy(answer.model.planes[name], sigmas);
+  const points = before ? pointsOf(scene, measuredBy(before.model.planes[name], sigmas), excluded, "ghost") : [];
+  points.push(...pointsOf(scene, residual, excluded));
   const widths = residual.width.map((w, i) => ({ x: scene.x[i], w: w ?? 0, sweep: scene.sweep[i] }));
-  const x = along(scene)("x");
+  const x = along(scene);
   [x.min, x.max] = range(scene.x, x.log, 0.03);
-  const used = points.filter((point) => !point.out).map((point) => point.y);
   const widest = widths.map(({ w }) => 3 * w).sort((a, b) => a - b)[Math.floor(widths.length / 2)] || 0;
-  const most = 1.12 * Math.max(widest, ...used.map(Math.abs).filter(Number.isFinite), 1e-300);
-  const y = { label: scene.planes[name].label, log: false, min: -most, max: most };
+  const fixed = sigmas ? pointsOf(scene, measuredBy(first.model.planes[name], true), excluded) : points;
+  const used = fixed.filter((point) => !point.out).map((point) => Math.abs(point.y)).filter(Number.isFinite);
+  const most = Math.max(widest, ...used, 1e-300);
+  const y = { label: sigmas ? `${shownOf(scene.planes[name].label)} / σ` : scene.planes[name].label, log: false };
+  if (sigmas && most > FAR) y.bend = NOISE;
+  const { forth, back } = turned(y);
+  y.max = back(ROOM * forth(most));
+  y.min = -y.max;
   const shades = answer.discovery.diagnosis.where
     .filter((place) => scene.axis.column === "frequency" && place.from <= place.to)
     .slice(0, 3)
     .map((place) => ({ from: place.from * scene.axis.per_hertz, to: place.to * scene.axis.per_hertz, says: place.says }));
-  const bands = [3, 1].map((sigmas) => band(widths, sigmas));
-  return { x, y, points, bands, shades, lines: [{ xs: [x.min, x.max], ys: [0, 0], kind: "zero" }], upright: true };
+  const bands = [3, 1].map((times) => band(widths, times));
+  return { x, y, points, bands, shades, lines: [{ xs: [x.min, x.max], ys: [0, 0], kind: "zero" }], upright: true, corner: "data − model" };
+}
+
+// What is shown, without its unit.
+const shownOf = (label) => label.split(" [")[0];
+
+// A residual as it is, or each part of it over its standard deviation.
+function measuredBy({ storage, loss, width }, sigmas) {
+  if (!sigmas) return { storage, loss, width };
+  const over = (values) => values.map((value, i) => (value === null || !width[i] ? null : value / width[i]));
+  return { storage: over(storage), loss: over(loss), width: width.map(() => 1) };
+}
+
+function pointsOf(scene, residual, excluded, shadow = "") {
+  return scene.rows.flatMap((row, i) => ["storage", "loss"].map((kind) => ({
+    x: scene.x[i], y: residual[kind][i] ?? NaN, kind: shadow ? `${kind} ${shadow}` : kind, part: kind,
+    row: shadow ? null : row, colour: colourOf(scene, scene.sweep[i], kind), sweep: scene.sweep[i], out: !shadow && excluded.has(row),
+  })));
 }
 
 // One sweep has a band that follows its noise; of several, that of the typical point.
@@ -115,29 +157,31 @@ function band(widths, sigmas) {
   return { kind, xs: sorted.map((one) => one.x), high, low: high.map((value) => -value) };
 }
 
-// What a candidate would leave of the residual, as lines through points of each sweep.
-export function planeLines(name, scene, k) {
-  const lines = scene.sweeps.flatMap(() => ["storage", "loss"].map((kind) => ({ xs: [], ys: [], kind: `residual ${kind}`, colour: "var(--preview)" })));
+// What a candidate would leave of the residual, as lines through points of each sweep; over `widths` where those are given.
+export function planeLines(name, scene, k, widths = null, role = "preview") {
+  const lines = scene.sweeps.flatMap(() => ["storage", "loss"].map((kind) => ({ xs: [], ys: [], kind: `residual ${role} ${kind}`, colour: `var(--${role})` })));
   scene.thin.forEach((i, at) => {
     const both = [k.planes[name].storage[at], k.planes[name].loss[at]];
     if (both.includes(null)) return;
     both.forEach((y, part) => {
       const line = lines[2 * scene.sweep[i] + part];
       line.xs.push(scene.x[i]);
-      line.ys.push(y);
+      line.ys.push(widths ? y / widths[i] : y);
     });
   });
   return lines;
 }
 
-const PLAIN = { view: "storage-loss", plane: "", plan: 0 };
+const PLAIN = { view: "storage-loss", plane: "", plan: 0, sigmas: 1, linear: "" };
 
 // What is looked at, as a session or an earlier page left it: what is not known here, perhaps of a later version, is
 // as at the beginning. Which planes there are the data say.
 export function looksOf(given = {}) {
   const view = given.view in VIEWS || given.view === "master-curve" ? given.view : PLAIN.view;
   const plane = typeof given.plane === "string" ? given.plane : PLAIN.plane;
-  return { view, plane, plan: given.plan ? 1 : 0 };
+  const linear = ["x", "y", "xy"].includes(given.linear) ? given.linear : PLAIN.linear;
+  const sigmas = given.sigmas === undefined ? PLAIN.sigmas : Number(Boolean(given.sigmas));
+  return { view, plane, plan: given.plan ? 1 : 0, sigmas, linear };
 }
 
 // The plane to show: the one that is asked for, if there is such a one, else the first.

@@ -1,0 +1,70 @@
+// The claim at a glance: the number that falls, where the model fails, what would explain it, and one button.
+
+import { changed, enable, h, put } from "./dom.js";
+import { number, percent, pretty, times } from "./numbers.js";
+import { verdict } from "./compare.js";
+
+const ERROR = "error: root mean square of |K_model - K| / |K| over all points, K being what was measured; noise floor: the error that noise alone leaves";
+const EMPTY = "See where a model fails, and which physical effect is missing from it.";
+const UNANSWERED = "These data have no answer yet: see what is said above.";
+
+// What the answer would add, if it names anything: the likeliest of the class that it leads with.
+export function proposed(diagnosis) {
+  const { leading, candidates } = diagnosis;
+  return candidates.find((candidate) => candidate.effect === leading[0]) || null;
+}
+
+export class Hero {
+  constructor(parent, app) {
+    this.app = app;
+    this.big = h("p", { id: "number", title: ERROR });
+    this.says = h("p", { id: "verdict" });
+    this.place = h("p", { id: "fails" });
+    this.add = h("button", { type: "button", id: "add", class: "primary", onclick: () => app.accept(this.effect),
+      onpointerenter: () => app.hover(this.effect), onpointerleave: () => app.hover(null) });
+    this.parent = parent;
+    put(parent, this.big, h("div", { class: "claim" }, this.place, this.says, this.add));
+  }
+
+  render() {
+    const { answer, scene, waiting } = this.app;
+    enable(this.add, waiting ? "wait for the computation, or cancel it" : "");
+    const refused = this.app.refused || this.app.unanswered;
+    if (!changed(this, answer, scene, refused)) return;
+    const diagnosis = answer?.discovery.diagnosis;
+    this.big.hidden = !answer;
+    this.parent.classList.toggle("alone", !answer);
+    this.says.textContent = answer ? verdict(answer) : withoutAnswer(scene, refused);
+    this.says.className = answer ? `verdict ${answer.discovery.verdict}` : "quiet";
+    this.place.textContent = "";
+    const found = diagnosis ? proposed(diagnosis) : null;
+    this.effect = found?.effect || null;
+    this.add.hidden = Boolean(this.app.fixed) || !found;
+    if (!answer) return;
+    this.count(diagnosis.error);
+    this.big.className = answer.discovery.verdict;
+    if (diagnosis.where.length) this.place.textContent = placeOf(diagnosis.where[0]);
+    this.place.title = this.place.textContent;
+    if (found) this.add.textContent = `Add ${found.effect} → ${fallTo(found, diagnosis.error)}`;
+  }
+
+  // In units of the noise floor, as this is what decides; the size in per cent below it.
+  count(error) {
+    const ratio = error.noise_floor > 0 ? error.relative_rms / error.noise_floor : NaN;
+    const told = Number.isFinite(ratio) ? [`${number(ratio, 2)} ×`, "the noise floor"] : [percent(error.relative_rms, 2), ""];
+    put(this.big, h("span", { class: "big" }, told[0]), h("span", {}, told[1]),
+      h("span", { class: "quiet" }, `${percent(error.relative_rms)} of |K|`));
+  }
+}
+
+function withoutAnswer(scene, refused) {
+  if (!scene) return EMPTY;
+  return refused ? UNANSWERED : "";
+}
+
+const placeOf = ({ says }) => pretty(`The model's ${says}.`);
+
+function fallTo(candidate, error) {
+  const after = candidate.error_after ?? candidate.predicted_error;
+  return times(after, error.noise_floor) || percent(after, 2);
+}

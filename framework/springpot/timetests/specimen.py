@@ -1,0 +1,246 @@
+"""What the tests of one specimen have in common, and what one of them has by itself.
+
+Effects of all, of the sweeps or of one; where in the parameters of an effect to look.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+
+from springpot.errors import DataError
+from springpot.identification.space import require_columns, require_effects
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.opening import Test
+from springpot.measurement.timetest import TimeTest
+from springpot.rheology.effect import ALL, SWEEPS, Effect, Layer
+from springpot.rheology.model import Model
+from springpot.rheology.parameters import Parameter
+from springpot.rheology.points import KELVIN, ROOM
+from springpot.rheology.stages import StageLaw
+
+from .residuals_of_tests import TestPart, part_of
+
+RIGS = (ALL, SWEEPS)
+
+
+def at_rig(effect: Effect, tests: Sequence[Test]) -> Effect:
+    """An effect as tests of one specimen can have it.
+
+    What a measuring chain does to its signals is a fault of one rig. Where sweeps stand beside
+    tests in time it is that of the sweeps: a step has no phase that a delay could turn.
+    """
+    if effect.layer is not Layer.SIGNAL or not _is_rig(effect):
+        return effect
+    if any(isinstance(test, Measurement) for test in tests):
+        return effect.at(SWEEPS)
+    return effect.at(ALL)
+
+
+def at_tests(effect: Effect, tests: Sequence[Test]) -> list[Effect]:
+    """The forms in which tests of a specimen have an effect.
+
+    All of them, all sweeps, or one test alone.
+    """
+    if effect.applies_to.one:
+        # One test by itself has nothing to be told from.
+        names = dict.fromkeys(test.name for test in tests if isinstance(test, TimeTest))
+        return [effect.of_one(name) for name in names if len(tests) > 1]
+    there = at_rig(effect, tests)
+    if not _is_rig(there) or len(tests) == 1:
+        return [there]
+    forms, sweeps = [there], [test for test in tests if isinstance(test, Measurement)]
+    if there.in_time and sweeps:
+        forms.append(there.at(SWEEPS))
+    # One rig alone may have it; one sweep is all sweeps.
+    apart = [test for test in tests if there.applies_to(test) and [test] != sweeps]
+    return forms + [there.of_one(name) for name in dict.fromkeys(test.name for test in apart)]
+
+
+def at_rigs(model: Model, tests: Sequence[Test]) -> Model:
+    """A model of tests of one specimen, each of its effects where `at_rig` puts it."""
+    return _with_effects(model, [at_rig(effect, tests) for effect in model.effects])
+
+
+def rig_of_sweeps(model: Model, tests: Sequence[Test]) -> Model | None:
+    """The model where sweeps were made on a rig of their own; None where that changes nothing."""
+    if not any(isinstance(test, Measurement) for test in tests):
+        return None
+    apart = [each.at(SWEEPS) if _is_rig(each) else each for each in model.effects]
+    if tuple(apart) == model.effects:
+        return None
+    return _with_effects(model, apart)
+
+
+def _is_rig(effect: Effect) -> bool:
+    """Whether an effect joins the specimen from outside, and nobody said of which tests."""
+    return Layer.SPECIMEN < effect.layer < Layer.TEST and effect.applies_to in RIGS
+
+
+def _with_effects(model: Model, effects: Sequence[Effect]) -> Model:
+    """The model with other effects; itself where they are its own."""
+    if tuple(effects) == model.effects:
+        return model
+    return replace(model, effects=tuple(effects))
+
+
+def runs_against(test: TimeTest) -> bool:
+    """Whether force and displacement have opposite signs all along, as if one column were reversed.
+
+    A mass pushes back too, but gives no work from one turn of its motion to another: so both are
+    asked for.
+    """
+    imposed = np.interp(test.time, test.loading.time, test.loading.value)
+    moved, pulled = imposed, test.response
+    if test.control == "force":
+        moved, pulled = pulled, moved
+    # After a step one of the two does not move at all: there the signs themselves are looked at.
+    if len(test.loading.jumps[0]):
+        return bool(np.sum(moved * pulled) < 0.0)
+    # Work over whole cycles: what a spring gives and takes cancels there.
+    steps = np.diff(moved)
+    turns = np.flatnonzero(np.diff(np.sign(steps)) != 0.0) + 1
+    # What moves when the record begins brings work of its own.
+    if len(turns) > 1:
+        steps[: turns[0]] = 0.0
+        steps[turns[-1] :] = 0.0
+    work = np.sum(0.5 * (pulled[1:] + pulled[:-1]) * steps)
+    together = np.sum((moved - moved.mean()) * (pulled - pulled.mean()))
+    return bool(work < 0.0 and together < 0.0)
+
+
+def reference_of(tests: Sequence[Test]) -> float:
+    """Temperature in kelvin at which shifts are one.
+
+    The measured one nearest to the median of all tests.
+    """
+    known = []
+    for test in tests:
+        if isinstance(test, TimeTest):
+            if test.temperature is not None:
+                known.append(test.temperature + KELVIN)
+        elif "temperature" in test.conditions:
+            known.append(test.reference_temperature)
+    if not known:
+        return ROOM
+    return float(np.sort(known)[(len(known) - 1) // 2])
+
+
+def require_its_conditions(model: Model, test: Test) -> None:
+    """Check that a test has each condition that a model needs.
+
+    Raises
+    ------
+    SpringpotError
+        If one lacks.
+    """
+    if isinstance(test, Measurement):
+        require_columns(model.had_by(test)[0], test)
+    elif "temperature" in model.needs and test.temperature is None:
+        raise DataError(
+            f"{test.name}: {model.name} needs a temperature: open it as"
+            f" '{test.name}?temperature=25[degC]'"
+        )
+
+
+def require_tests(model: Model, tests: Sequence[Test]) -> None:
+    """Check that a model has what it needs of every test.
+
+    Raises
+    ------
+    SpringpotError
+        If a condition lacks, or there are fewer numbers than parameters.
+    """
+    require_effects(model, tests)
+    for test in tests:
+        require_its_conditions(model, test)
+    numbers = sum(part_of(test).count() for test in tests)
+    if numbers < len(model.parameters):
+        raise DataError(
+            f"{tests[0].name}: {model.name} has {len(model.parameters)} parameters but there are"
+            f" only {numbers} samples; choose a simpler model"
+        )
+
+
+TIMES = 7
+"""Times tried between the shortest and the longest.
+
+Nearer than a decade, for an exponential is a decade wide.
+"""
+SHARES = (0.03, 0.1, 0.3, 0.6, 0.9)
+"""Of the largest displacement or force, where a threshold may lie."""
+INSIDE = (0.1, 0.3, 0.5, 0.7, 0.9)
+"""Of the range of a parameter that has two ends, such as an order."""
+MOST = 40
+"""Places tried of one effect; more would cost more than a fit from a poor one."""
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Sizes of the tests of a specimen.
+
+    Attributes
+    ----------
+    stiffness, reach : float
+        Typical |K|, and the largest displacement.
+    shortest, longest : float
+        Times in s that the tests tell about.
+    """
+
+    stiffness: float
+    reach: float
+    shortest: float
+    longest: float
+
+    @classmethod
+    def of(cls, parts: Sequence[TestPart]) -> Scales:
+        """Those of tests in common units."""
+        slow, fast = zip(*(part.test.seen for part in parts), strict=True)
+        stiffness = float(np.exp(np.mean([np.log(part.stiffness) for part in parts])))
+        return cls(stiffness, max(part.reach for part in parts), 1.0 / max(fast), 1.0 / min(slow))
+
+    def typical(self, parameter: Parameter) -> float:
+        """The natural size of a parameter here."""
+        unit = parameter.unit
+        # A power of s that another parameter tells is not known here.
+        time = 0.0
+        if not isinstance(unit.time, str):
+            time = float(unit.time)
+        # Times go by factors: their middle is that of the logarithms.
+        middle = float(np.sqrt(self.shortest * self.longest))
+        size = (
+            parameter.typical
+            * self.stiffness**unit.stiffness
+            * self.reach**unit.amplitude
+            * middle**time
+        )
+        return float(np.clip(size, parameter.lower, parameter.upper))
+
+    def values(self, parameter: Parameter) -> list[float]:
+        """Values worth trying."""
+        unit, width = parameter.unit, parameter.upper - parameter.lower
+        if parameter.scale == "linear" and np.isfinite(width):
+            return [parameter.lower + share * width for share in INSIDE]
+        sized = (unit.stiffness, unit.amplitude)
+        if sized == (0, 0) and unit.time in (1, -1):
+            return [
+                float(t) ** int(unit.time) for t in np.geomspace(self.shortest, self.longest, TIMES)
+            ]
+        if sized in ((0, 1), (1, 1)) and unit.time == 0:
+            largest = self.reach
+            # A threshold of force: what the specimen answers to its largest displacement.
+            if unit.stiffness:
+                largest = self.reach * self.stiffness
+            return [share * largest for share in SHARES]
+        return [self.typical(parameter)]
+
+
+def tries_of(effect: Effect, test: TimeTest, scales: Scales) -> list[tuple[float, ...]]:
+    """Places in the parameters of an effect of time tests from which to look further."""
+    law, free = effect.element, effect.element.parameters
+    if isinstance(law, StageLaw) and law.tries is not None:
+        return [tuple(map(float, place)) for place in law.tries(test)][:MOST]
+    return list(product(*(scales.values(parameter) for parameter in free)))[:MOST]

@@ -1,0 +1,70 @@
+"""A spring that yields by flowing: its first harmonic, its course in time, its two limits."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from springpot.errors import ModelError
+from springpot.registry import parse_model
+from springpot.rheology import Points, yielding_spring
+from springpot.structure import Damper
+
+K, F, A = 5.0, 1.0, 0.3
+
+
+def course(t, x, *theta):
+    return yielding_spring().in_time(t, x, np.gradient(x, t), *theta)
+
+
+def test_its_course_solves_the_equation_of_a_spring_before_a_power_law_damper():
+    t = np.linspace(0.0, 2.0, 801)
+    x = 3.0 * np.sin(2.0 * np.pi * t)
+
+    def rate(now, z):
+        speed = 6.0 * np.pi * np.cos(2.0 * np.pi * now)
+        return K * (speed - np.sign(z) * np.abs(z / F) ** (1.0 / A))
+
+    exact = solve_ivp(rate, (0.0, 2.0), [0.0], "LSODA", t, rtol=1e-9, atol=1e-10).y[0]
+    np.testing.assert_allclose(course(t, x, K, F, A)[0], exact, atol=1e-3 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize(("k", "force", "a"), [(5.0, 1.0, 0.3), (1e4, 30.0, 0.05), (0.1, 2.0, 1.0)])
+def test_its_derivatives_are_those_of_differences(k, force, a):
+    t = np.linspace(0.0, 1.5, 151)
+    x, theta = np.sin(7.0 * t), np.array([k, force, a])
+    slopes = course(t, x, *theta)[1]
+    for j, slope in enumerate(slopes):
+        step = 1e-5 * theta[j] * np.eye(3)[j]
+        up, down = (course(t, x, *(theta + sign * step))[0] for sign in (1.0, -1.0))
+        by_difference = (up - down) / (2e-5 * theta[j])
+        np.testing.assert_allclose(slope, by_difference, atol=1e-5 * np.abs(slope).max() + 1e-9)
+
+
+def test_the_force_lies_flat_over_the_speed():
+    """A hundred times the speed is no more than a^a of the force: a plateau, as of an MR fluid."""
+    forces = []
+    for speed in (1.0, 100.0):
+        t = np.linspace(0.0, 20.0 / speed, 200)
+        forces.append(course(t, speed * t, 50.0, F, 0.1)[0][-1])
+    assert forces[1] / forces[0] == pytest.approx(100.0**0.1, rel=1e-3)
+
+
+def test_its_first_harmonic_is_nearly_that_of_its_course():
+    """By the balance of the first harmonics, which is a tenth off where it yields most."""
+    model = parse_model("springpot + yielding")
+    theta = model.vector(
+        {"c": 1e-9, "alpha": 0.5, "yielding.k": K, "yielding.F": F, "yielding.a": A}
+    )
+    for amplitude in (0.02, 0.3, 3.0):
+        t = np.linspace(0.0, 6.0, 6001)
+        z = course(t, amplitude * np.cos(2.0 * np.pi * t), K, F, A)[0][5000:6000]
+        turn = np.exp(-2j * np.pi * t[5000:6000])
+        at = Points.at([2.0 * np.pi], amplitude=amplitude)
+        balanced = model.stiffness(theta, at)[0]
+        assert abs(2.0 * np.mean(z * turn) / amplitude / balanced - 1.0) < 0.11
+
+
+def test_a_structure_is_told_that_it_cannot_follow_it():
+    model = parse_model("kelvin + yielding")
+    with pytest.raises(ModelError, match="flows by a clock of its own"):
+        Damper(model, np.array([1.0, 1.0, K, F, A]))

@@ -1,0 +1,148 @@
+"""What a picture shows: closer and farther, entries hidden, below zero, residuals that fall."""
+
+from __future__ import annotations
+
+from browsing import IN_A_BROWSER, Open, Page
+
+pytestmark = IN_A_BROWSER
+
+MODEL = "fractional-maxwell"
+PLACES = """() => [...document.querySelectorAll("#plot-view circle.mark")]
+    .map((mark) => mark.getAttribute("cx"))"""
+TOPMOST = """() => {
+    const plot = document.querySelector("#plot-residual");
+    const marks = [...plot.querySelectorAll(".mark:not(.ghost)")];
+    const centre = (mark) => { const box = mark.getBBox(); return box.y + box.height / 2; };
+    const zero = plot.querySelector(".line.zero").getBBox().y;
+    return Math.max(...marks.map((mark) => Math.abs(centre(mark) - zero)));
+}"""
+
+
+def test_the_claim_is_one_number_one_sentence_one_button(page: Open, damper: bytes):
+    here = page()
+    here.drop("damper.csv", damper)
+    here.judge(MODEL)
+    assert here.reads("#number .big") == "8.5 ×"
+    assert here.reads("#fails").startswith("The model's storage stiffness 8.3 %")
+    assert here.page.locator("#plot-residual .mark.ghost").count() == 0
+    before = here.page.evaluate(TOPMOST)
+
+    here.page.click("#add")
+    here.shows(f"{MODEL} + inertia")
+    assert here.reads("#number .big").startswith("0.9")
+    assert here.page.locator("#add").is_hidden()
+    # On the axis of the first rung, and beside what it left.
+    assert here.page.evaluate(TOPMOST) < 0.5 * before
+    assert here.page.locator("#plot-residual .mark.ghost").count() == 28
+    here.page.click("#sigmas")
+    assert "/ σ" not in here.page.text_content("#plot-residual")
+
+
+def test_a_class_is_one_card_with_what_decides(page: Open, damper: bytes):
+    here = page()
+    here.drop("damper.csv", damper)
+    here.judge(MODEL)
+    card = here.page.locator(".card").first
+    assert card.locator("[role=option] .name").all_inner_texts() == ["inertia", "specimen-inertia"]
+    assert "told apart by the next experiment" in card.inner_text()
+    assert card.locator(".spark circle").count() == 28
+    folded = here.page.locator("[data-shelf='ruled-out'] [role=option]")
+    assert folded.count() > 0
+    assert not folded.first.is_visible()
+    here.page.click("#fold")
+    assert folded.first.is_visible()
+    assert here.violations() == []
+
+
+def places_of(here: Page) -> list[str]:
+    """Where the points are drawn."""
+    found: list[str] = here.page.evaluate(PLACES)
+    return found
+
+
+def by_wheel(here: Page) -> None:
+    here.page.hover("#plot-view")
+    here.page.mouse.wheel(0, -100)
+
+
+def by_key(here: Page) -> None:
+    here.page.focus("#plot-view")
+    here.page.keyboard.press("+")
+
+
+def by_button(here: Page) -> None:
+    here.page.click("button[aria-label='closer (or the wheel)']")
+
+
+def test_a_picture_comes_closer_and_goes_back(page: Open, damper: bytes):
+    here = page()
+    here.drop("damper.csv", damper)
+    here.shows("material")
+    whole = places_of(here)
+    for way in (by_wheel, by_key, by_button):
+        way(here)
+        here.page.locator("#whole").wait_for()
+        closer = places_of(here)
+        assert closer != whole, way.__name__
+        here.page.focus("#plot-view")
+        here.page.keyboard.press("Alt+ArrowRight")
+        assert places_of(here) != closer
+        here.page.keyboard.press("0")
+        assert places_of(here) == whole
+    by_button(here)
+    here.page.click("#whole")
+    assert places_of(here) == whole
+
+
+def test_an_entry_of_the_legend_hides_what_it_names(page: Open, damper: bytes):
+    here = page()
+    here.drop("damper.csv", damper)
+    here.shows("material")
+    assert here.page.locator("#plot-view .mark.loss").count() == 14
+    here.page.click("#key button.loss")
+    assert here.page.locator("#plot-view .mark.loss").count() == 0
+    assert here.page.locator("#plot-view .mark.storage").count() == 14
+    here.page.click("#key button.loss")
+    assert here.page.locator("#plot-view .mark.loss").count() == 14
+
+
+def test_what_is_negative_is_drawn(page: Open, damper: bytes):
+    here = page()
+    here.drop("below.csv", damper + b"200,-400,30\n300,-1500,25\n")
+    here.shows("material")
+    assert here.page.locator("#plot-view .mark.storage").count() == 16
+    label = here.page.text_content("#plot-view .label >> nth=1")
+    assert label == "K' and K'' [kN/m] (2 not above zero)"
+    frame = here.page.locator("#plot-view .frame").bounding_box()
+    lowest = here.page.locator("#plot-view .mark.storage").last.bounding_box()
+    assert frame["y"] < lowest["y"] < frame["y"] + frame["height"]
+
+
+def test_an_example_is_an_answered_page_by_one_click(page: Open):
+    here = page()
+    here.page.click("[data-example='artificial-fractional-zener-noise1']")
+    here.shows("kelvin")
+    assert here.page.locator(".card").count() > 0
+
+
+def test_a_finger_reads_a_point_and_stays_to_leave_it_out(page: Open, damper: bytes):
+    here = page(390, 844, has_touch=True, is_mobile=True)
+    here.drop("damper.csv", damper)
+    here.shows("material")
+    mark = here.page.locator("#plot-view .mark.storage").nth(5)
+    box = mark.bounding_box()
+    here.page.touchscreen.tap(box["x"] + 3, box["y"] + 3)
+    assert "8.00 Hz" in here.reads("#readout") or "10.0 Hz" in here.reads("#readout")
+    assert "left out" not in here.reads("#facts")
+    mark.dispatch_event(
+        "pointerdown",
+        {
+            "pointerType": "touch",
+            "pointerId": 7,
+            "button": 0,
+            "clientX": box["x"] + 3,
+            "clientY": box["y"] + 3,
+            "bubbles": True,
+        },
+    )
+    here.page.locator("#facts:has-text('1 left out')").wait_for()
