@@ -473,14 +473,15 @@ def mastercurve(
     vertical: bool = True,
     objective: Objective | str | None = None,
 ) -> MasterCurve:
-    """Bring sweeps, or relaxations, onto one curve without a model.
+    """Bring sweeps, relaxations, or creep onto one curve without a model.
 
     The laws of temperature are judged by the free factors.
 
     Parameters
     ----------
     measurement : Measurement, TimeTest, str, Path, or a sequence of them
-        The data, or their name as for `read`: sweeps, or relaxations each at one temperature.
+        The data, or their name as for `read`: sweeps, or relaxations or creep each at one
+        temperature.
     column : str
         The condition whose levels are shifted: ``"temperature"``, ``"amplitude"`` or any column of
         the data.
@@ -513,7 +514,9 @@ def mastercurve(
     if sweep is not None:
         data = sweep
     elif len(data) < len(tests):
-        raise DataError("a master curve is made of sweeps or of relaxations, not of both together")
+        raise DataError(
+            "a master curve is made of sweeps or of tests in time, not of both together"
+        )
     return mastercurve_of(
         data, column=column, reference=reference, vertical=vertical, objective=how
     )

@@ -1,10 +1,14 @@
 """Laws judged beside known factors: by their scatter, and by what sweeps have in common."""
 
+from functools import partial
+
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
 
 from springpot.identification.allowed_shifts import Allowed
 from springpot.identification.free_factors import Factors
+from springpot.rheology import Points
 from springpot.superposition.laws import SLOWER, judged_laws, slower_when_hot
 
 CELSIUS = np.array([0.0, 15.0, 30.0, 45.0, 60.0, 75.0])
@@ -24,8 +28,20 @@ def factors(log_a, sd=0.02, log_b=None, levels=CELSIUS, column="temperature"):
     )
 
 
-def as_found(element, theta):
+def as_said_by(found, element):
     """The data themselves say what the factors say."""
+    at = Points(np.zeros(len(found)), None, found.levels + 273.15, 303.15)
+    bounds = np.array([(p.lower, p.upper) for p in element.parameters]).T
+
+    def off(theta):
+        return element.respond(theta, at).value.real - found.log_a
+
+    starts = [
+        bounds[0] + np.array([0.05, share])[: len(bounds[0])] * np.ptp(bounds, axis=0)
+        for share in (0.1, 0.3, 0.6)
+    ]
+    ends = [least_squares(off, start, bounds=bounds, x_scale="jac") for start in starts]
+    theta = min(ends, key=lambda end: end.cost).x
     return theta, 0.9 * theta, 1.1 * theta
 
 
@@ -39,7 +55,11 @@ def judged(found, placed=None, told=False, overlaps=False):
     m = len(found)
     every = np.ones(m, dtype=bool)
     laws, refused = judged_laws(
-        found, every if placed is None else placed, every & told, as_found, allowed(overlaps)
+        found,
+        every if placed is None else placed,
+        every & told,
+        partial(as_said_by, found),
+        allowed(overlaps),
     )
     return {
         "laws": [{**law.to_dict(), "factors": law.log_factors, "low": law.low} for law in laws],

@@ -4,6 +4,7 @@ Where not, it is said.
 """
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from springpot.identification import fit
 from springpot.identification.allowed_shifts import allowed_shifts, refused_in_words
 from springpot.identification.free_factors import FactorRows, factors_of
 from springpot.identification.levels_alone import each_alone
+from springpot.registry import plugins
 from springpot.superposition import laws
 
 
@@ -190,13 +192,92 @@ def cost(data, expression):
     return fit(springpot.parse_model(expression), data).cost
 
 
+SHARED = Path(__file__).parents[3] / "shared" / "data"
+SWEEPS = SHARED / "polystyrene-three-tests"
+FILES = {
+    "nist": "nist-srm2491",
+    "polyisoprene": "reptate-polyisoprene-osc@molar_mass=33.6",
+    "tape": "3m-468mp-acrylic-tts",
+    "bitumen": "fhwa-ptf-binder-dsr@lane=1",
+    "bitumen of lane 5": "fhwa-ptf-binder-dsr@lane=5",
+    "rubber": "elastomer-epdm-70-dma-payne@run=tf_015p",
+    "polystyrene": [
+        f"{SWEEPS}/oscillation_ps{t}_data.csv?temperature={t}[degC],storage=Pa,loss=Pa"
+        for t in (130, 145, 160, 175, 190)
+    ],
+}
+
+
+def rows_of(found, start):
+    one = [value for name, value in found.parameters.items() if name.startswith(start)]
+    return np.array([[each.value, each.low, each.high] for each in one])
+
+
+@pytest.fixture
+def shared(monkeypatch):
+    """Folders of data sets are read when the plugins are loaded, which happens once."""
+    monkeypatch.setenv("SPRINGPOT_DATA", str(SHARED))
+    plugins.cache_clear()
+    yield
+    plugins.cache_clear()
+
+
+@pytest.mark.soak_cases(*(name for name in FILES if name != "nist"))
+@pytest.mark.parametrize("name", list(FILES))
+def test_measured_files_have_one_answer_in_all_commands(name, shared):
+    """Factors of frequency and stiffness, constants, and their intervals, to the last digit."""
+    if name != "nist" and not SHARED.is_dir():
+        pytest.skip("the data stand beside the project's folder")
+    curve = springpot.mastercurve(FILES[name])
+    free = springpot.identify(FILES[name], "material + free-shift + free-vertical-shift")
+    levels = [one for one in curve.levels if one.value != curve.reference]
+    ours = np.array([[one.a, one.a_low, one.a_high] for one in levels])
+    np.testing.assert_allclose(rows_of(free, "free-shift."), ours, rtol=1e-9)
+    ours = np.array([[one.b, one.b_low, one.b_high] for one in levels])
+    np.testing.assert_allclose(rows_of(free, "free-vertical-shift."), ours, rtol=1e-9)
+    law = wlf_of(curve)
+    found = springpot.identify(FILES[name], "material + wlf-shift + free-vertical-shift")
+    ours = np.column_stack([law.values, law.low, law.high])
+    np.testing.assert_allclose(rows_of(found, "wlf-shift."), ours, rtol=1e-9)
+
+
+def test_diagnose_tells_the_constants_of_the_curve():
+    """Of the model that is judged, and of a law that is proposed."""
+    names = ("Arrhenius", "WLF")
+    curve = springpot.mastercurve("nist-srm2491", vertical=False)
+    laws = {law.law.name: law for law in curve.laws if law.law.name in names}
+    answer = springpot.diagnose("nist-srm2491", effects=["arrhenius-shift", "wlf-shift"])
+    for name, effect in zip(names, ("arrhenius-shift", "wlf-shift"), strict=True):
+        (found,) = [each for each in answer.candidates if each.effect == effect]
+        ours = np.column_stack([laws[name].values, laws[name].low, laws[name].high])
+        theirs = [[v.value, v.low, v.high] for v in found.parameters.values()]
+        np.testing.assert_allclose(theirs, ours, rtol=1e-3)
+
+
 @pytest.mark.parametrize("lift", ["", " + free-vertical-shift"])
 @pytest.mark.parametrize("law", ["wlf-shift", "arrhenius-shift"])
 def test_free_factors_end_no_higher_than_the_laws_that_they_contain(law, lift):
-    """Within the twelve decades in which factors are searched."""
     data = measured(of_one_time, seed=3, points=9)
     free = cost(data, f"material + free-shift{lift}")
     assert free <= cost(data, f"material + {law}{lift}") * (1.0 + 1e-9)
+
+
+def test_free_factors_go_as_far_as_a_law():
+    """Sixteen decades from the level of reference: an end of the search there was above the law."""
+    celsius, omega = np.linspace(0.0, 100.0, 21), np.geomspace(0.1, 10.0, 7)
+    log_a = -np.log(10.0) * 17.44 * celsius / (51.6 + celsius)
+    log_a = 1.6 * (log_a - log_a[10])
+    clean = np.concatenate([material((1e4 * omega * np.exp(a)) ** 0.2) for a in log_a])
+    random = np.random.default_rng(5)
+    error = 0.003 * (random.normal(size=len(clean)) + 1j * random.normal(size=len(clean)))
+    data = springpot.Measurement(
+        np.tile(omega, 21),
+        clean * (1.0 + error),
+        conditions={"temperature": np.repeat(celsius, 7)},
+    )
+    assert np.abs(log_a).max() > 12.0 * np.log(10.0)
+    free, law = (cost(data, f"material + {name}") for name in ("free-shift", "wlf-shift"))
+    assert free <= law * (1.0 + 1e-9)
 
 
 def test_lines_and_factors_come_to_rest_together():

@@ -8,9 +8,11 @@ from sweeps import LOG_A, TEMPERATURES, material, measured, simple
 
 import springpot
 from springpot.identification import default_objective, fit
-from springpot.identification.coordinates import WIDEST
-from springpot.rheology import Continuum, Effect, Layer, Levels, Model, shift
-from springpot.superposition.vertical import lifted
+from springpot.identification.expected_factors import Expected
+from springpot.identification.free_factors import FactorRows
+from springpot.identification.known_factors import FURTHEST
+from springpot.identification.superposed_fit import superposed_fit
+from springpot.rheology import Continuum, Effect, Layer, Levels, Model, chain, shift
 
 CELSIUS = np.array([20.0, 30.0, 40.0, 50.0, 60.0, 70.0])
 STEEP = -0.35 * (CELSIUS - 40.0)
@@ -80,7 +82,7 @@ def test_an_open_interval_ends_at_numbers_and_warns_of_nothing():
         warnings.simplefilter("error")
         levels = springpot.mastercurve(measured(apart, noise=0.003, decades=0.5)).levels
     for level in levels:
-        assert 0.0 < level.a_low <= level.a <= level.a_high <= np.exp(2.0 * WIDEST) * 1.001
+        assert 0.0 < level.a_low <= level.a <= level.a_high <= np.exp(FURTHEST) * 1.001
 
 
 def test_no_law_where_the_material_relaxes_more_slowly_when_hot():
@@ -128,7 +130,7 @@ def test_what_is_expected_counts_beside_the_data_and_not_in_their_cost():
     count = len(TEMPERATURES) - 1
     sizes = []
     for weight in (1e-6, 2.0, 1e3):
-        one = fit(model, data, expected=weight * np.eye(count))
+        one = fit(model, data, expected=Expected(weight * np.eye(count), 1.0))
         off = np.abs(one.model.stiffness(one.theta, data.points) / data.stiffness - 1.0)
         assert one.cost == pytest.approx(float(np.sum(off**2)), rel=1e-6)
         sizes.append(float(np.log(one.theta[-1])))
@@ -195,8 +197,12 @@ def test_vertical_factors_are_never_worse_than_those_of_one(data):
     sideways = Effect(
         "shift", shift, Levels("temperature", "a", True), "a factor", Layer.TEMPERATURE
     )
-    alone = fit(Model("material", Continuum(), effects=(sideways,)), data, default_objective(data))
-    found = lifted(alone, "temperature")
+    upwards = Effect(
+        "vertical", chain, Levels("temperature", "b", False), "a factor", Layer.TEMPERATURE
+    )
+    model = Model("material", Continuum(), effects=(sideways,))
+    alone = fit(model, data, default_objective(data))
+    found = FactorRows.of(superposed_fit(model + upwards, data, default_objective(data)))
     assert found.objective <= alone.cost * (1.0 + 1e-9)
     # What is minimised beside the data is never below zero.
     assert found.objective >= found.fit.cost

@@ -74,8 +74,8 @@ def command(
 ) -> None:
     """Bring the sweeps of DATA onto one curve with free factors for each temperature.
 
-    Relaxations at several temperatures, in one file or in many, become one curve as sweeps do. The
-    levels of another column may stand in the place of temperatures.
+    Relaxations at several temperatures, in one file or in many, become one curve as sweeps do, and
+    so does creep. The levels of another column may stand in the place of temperatures.
 
     No model and no law is assumed: the curve is that of any linear passive material. Laws of
     temperature are then judged by the free factors, and a test says whether one curve is enough and
@@ -111,11 +111,11 @@ def command(
 
 
 def _table_text(curve: MasterCurve) -> str:
-    """A CSV table of the curve after a step, which opens again as a relaxation."""
+    """A CSV table of the curve after a step, which opens again as a test of its kind."""
     data = curve.reduced
     told = dict(zip(curve.columns, curve.drawn(data.omega, data.stiffness), strict=True))
-    units = {"time": "s", "relaxation": data.units.stiffness}
-    names = [f"{name} [{units[name]}]" for name in told]
+    units = ("s", curve.measured_unit)
+    names = [f"{name} [{unit}]" for name, unit in zip(told, units, strict=True)]
     # The temperature that was measured is no column of the test that the curve is.
     others = {name: data.conditions[name] for name in ("a", "a_low", "a_high", "determined")}
     order = data.omega.argsort()[::-1]

@@ -130,14 +130,17 @@ class Coordinates:
     def bounds(self) -> tuple[Real, Real]:
         """Lower and upper u for each data set, shape (B, p).
 
-        Half-open ones are twelve decades wide.
+        Half-open ones end twelve decades from the natural size.
         """
         lower = np.array([p.lower for p in self.parameters]) / self.size
         upper = np.array([p.upper for p in self.parameters]) / self.size
         with np.errstate(divide="ignore", invalid="ignore"):
-            low = np.where(self.log, np.maximum(np.log(np.maximum(lower, 0.0)), -WIDEST), lower)
-            high = np.where(self.log, np.minimum(np.log(np.maximum(upper, 0.0)), WIDEST), upper)
-        return low, high
+            low = np.where(self.log, np.log(np.maximum(lower, 0.0)), lower)
+            high = np.where(self.log, np.log(np.maximum(upper, 0.0)), upper)
+        # A range with two ends is searched to both of them.
+        ended = ~self.log.astype(bool) | (np.isfinite(low) & np.isfinite(high))
+        low = np.where(ended, low, np.maximum(low, -WIDEST))
+        return low, np.where(ended, high, np.minimum(high, WIDEST))
 
 
 @dataclass(frozen=True, eq=False)

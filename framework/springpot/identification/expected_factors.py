@@ -13,6 +13,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from springpot.rheology.levels import Levels
+from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
 POWER = 1.0
@@ -31,13 +32,13 @@ ELSEWHERE = float(np.log(2.0))
 
 @dataclass(frozen=True, eq=False)
 class Expected:
-    """What is known of the free factors before the data speak.
+    """What is known of the effects' parameters before the data speak.
 
     Attributes
     ----------
     rows : ndarray, shape (r, q)
-        The logarithms of the factors times these are expected to be normal, of unit variance about
-        zero.
+        The logarithms of the parameters times these are expected to be normal, of unit variance
+        about zero; nothing is expected of one whose column is zero.
     unit : float
         Variance of a weighted residual of the data, by which departures are weighed against these.
     """
@@ -59,27 +60,31 @@ class Expected:
         covariance[np.ix_(known, known)] = np.linalg.inv(precision[np.ix_(known, known)])
         return covariance
 
+    def of(self, columns: Sequence[int]) -> Expected | None:
+        """The same of some of the parameters; none where nothing is expected of them."""
+        rows = self.rows[:, list(columns)]
+        rows = rows[np.any(rows != 0.0, axis=1)]
+        if not len(rows):
+            return None
+        return Expected(rows, self.unit)
 
-def expectation(elements: Sequence[Levels]) -> Real:
-    """Rows (r, q) that whiten the logarithms of all free factors by what is expected of them.
 
-    Zero where nothing is.
+def expectation(model: Model) -> Real:
+    """Rows (r, q) that whiten the logarithms of free vertical factors by what is expected of them.
+
+    Of the parameters of all effects; zero where nothing is expected.
 
     Every level, that of reference too, has an error of its own, so that no level is trusted before
     the others.
     """
     blocks = np.zeros((0, 0))
-    for element in elements:
+    for effect in model.effects:
+        element = effect.element
         own = np.zeros((0, len(element.parameters)))
-        if not element.logarithmic:
-            own = whitening(element)
+        if isinstance(element, Levels) and not element.logarithmic:
+            own = np.linalg.inv(np.linalg.cholesky(_covariance(element)))
         blocks = block_diag(blocks, own)
     return np.asarray(blocks, dtype=np.float64)
-
-
-def whitening(element: Levels) -> Real:
-    """Rows (q, q) that whiten logarithms of free vertical factors by what is expected of them."""
-    return np.asarray(np.linalg.inv(np.linalg.cholesky(_covariance(element))), dtype=np.float64)
 
 
 def _covariance(element: Levels) -> Real:

@@ -22,14 +22,16 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
 from .held_material import intervals_beside_material
+from .level_weights import shifted_by, usual_objective
 from .material import is_material
 from .native import Fit, fit, require_enough
 from .notes import notes_on
-from .problem import Objective, Problem, Searched, default_objective
+from .problem import Objective, Problem, Searched
 from .result import Identification
 from .runs import Optimiser, Run, contradiction, run
 from .simulated import bootstrap, over_specimens
 from .space import require_conditions, require_size
+from .superposed_fit import superposed_fit
 from .uncertainty import Uncertainty, profile
 
 DEADLINE = 300.0
@@ -159,7 +161,7 @@ def identify(
     optimiser : Optimiser, optional
         Who searches; the native solver by default.
     objective : Objective, optional
-        How the misfit is measured; by default weighted by given standard deviations, else relative.
+        How the misfit is measured; by default as `usual_objective` says.
     budget : int, optional
         Evaluations of each restart of an optimiser; 8000 by default. The native solver ends by
         itself.
@@ -212,7 +214,7 @@ def identify(
             f"{measurement.name}: one point identifies no model; measure at two frequencies or more"
         )
     require_enough(model, measurement)
-    objective = objective or default_objective(measurement)
+    objective = usual_objective(model, measurement, objective)
     if optimiser is None or optimiser.name == NATIVE:
         name, status = NATIVE, "not converged"
         best, notes = _by_native(
@@ -251,7 +253,7 @@ def searched(
     measurement : Measurement
         To what.
     objective : Objective, optional
-        How the misfit is measured; by default weighted by given standard deviations, else relative.
+        How the misfit is measured; by default as `usual_objective` says.
     seeds_theta : sequence of ndarray, shape (p,)
         Starts worth trying beside those read off the data.
     restarts : int
@@ -259,6 +261,10 @@ def searched(
     rng : numpy.random.Generator, optional
         Moves the scanned shapes; without it they are always the same.
     """
+    if objective is None:
+        objective = usual_objective(model, measurement)
+    if shifted_by(model):
+        return superposed_fit(model, measurement, objective, seeds_theta)
     best = fit(
         model, measurement, objective, starts=STARTS * restarts, rng=rng, seeds_theta=seeds_theta
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -82,6 +82,13 @@ class Factors:
             self.quantile,
         )
 
+    @property
+    def of_modulus(self) -> Factors:
+        """The factors of the modulus where these are of a compliance, its inverse."""
+        turn = np.diag(np.repeat([1.0, -1.0], len(self)))
+        covariance = turn @ self.covariance @ turn
+        return replace(self, log_b=-self.log_b, covariance=covariance)
+
     @cached_property
     def reach_a(self) -> Real:
         """Half-widths (m,) of the intervals of ln a."""
@@ -115,18 +122,15 @@ class FactorRows:
         Numbers of their parameters in theta.
     number : ndarray of int, shape (n,)
         Level of each measured point.
-    expected : Expected, optional
-        What was expected of the free factors when they were fitted.
     """
 
     fit: Fit
     elements: tuple[Levels, ...]
     own: tuple[int, ...]
     number: NDArray[np.int64]
-    expected: Expected | None = None
 
     @classmethod
-    def of(cls, fit: Fit, expected: Expected | None = None, column: str = "") -> FactorRows:
+    def of(cls, fit: Fit, column: str = "") -> FactorRows:
         """Of a fit of a model with free factors of a column, the first one's by default."""
         column = column or columns_of_factors(fit.model)[0]
         elements: list[Levels] = []
@@ -137,7 +141,15 @@ class FactorRows:
                 elements.append(element)
                 own += [fit.model.names.index(name) for name in _names_of(effect)]
         number = levels_of(column, fit.measurement.points.need(column))
-        return cls(fit, tuple(elements), tuple(own), number, expected)
+        return cls(fit, tuple(elements), tuple(own), number)
+
+    @cached_property
+    def expected(self) -> Expected | None:
+        """What was expected of the free factors when they were fitted."""
+        if self.fit.expected is None:
+            return None
+        first = len(self.fit.theta) - self.fit.expected.rows.shape[1]
+        return self.fit.expected.of([i - first for i in self.own])
 
     def named(self, level: int) -> str:
         """A level with its unit."""
@@ -187,8 +199,8 @@ class FactorRows:
         """Derivative (2n, s) of the slopes by the spectrum with the logarithm of the frequency."""
         bent = np.zeros_like(self._others)
         slopes, bends = self._moved
-        # A spring stays as it is, a dashpot's slope is itself.
-        bent[1] = self._others[1]
+        # A spring stays as it is, a dashpot's slope is itself, or of a compliance its negative.
+        bent[1] = self.material.flow * self._others[1]
         bent[2 : 2 + len(slopes)] = np.where(self._unused[2:, None], 0.0, slopes)
         by_places = -self.fit.theta[2 : 2 + len(bends), None] * bends
         return weighted(np.concatenate([bent, by_places]), self.weights).T

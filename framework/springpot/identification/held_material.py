@@ -79,13 +79,11 @@ def _ends_by_slopes_or_profile(known: Uncertainty) -> tuple[Real, Real]:
     for i in own:
         narrow = high[i] - low[i] < abs(fit.theta[i])
         if known.at_bound[i] == 0 and (len(own) == 1 or not narrow):
-            low[i], high[i] = profile_beside_material(fit, i, rise, known.expected)
+            low[i], high[i] = profile_beside_material(fit, i, rise)
     return low, high
 
 
-def profile_beside_material(
-    fit: Fit, number: int, rise: float, expected: Real | None = None
-) -> tuple[float, float]:
+def profile_beside_material(fit: Fit, number: int, rise: float) -> tuple[float, float]:
     """Interval of an effect's parameter.
 
     Where the best objective has risen by so much, all else refitted.
@@ -98,8 +96,6 @@ def profile_beside_material(
         Number of the parameter in theta.
     rise : float
         Of the objective, at the ends of the interval.
-    expected : ndarray, shape (r, q), optional
-        What was expected of the effects' parameters, as `fit` takes it.
 
     Returns
     -------
@@ -112,6 +108,9 @@ def profile_beside_material(
     """
     own = own_parameters(fit.model)
     place = own.index(number)
+    expected = None
+    if fit.expected is not None:
+        expected = fit.expected.weighted
     search = SpectrumSearch.of(fit.model, fit.measurement, fit.objective, expected)
     # On the lattice of the search, not on the fitted lines: only there may others come in.
     best, _ = search.descend(search.solve(search.u_of(fit.theta[own])))

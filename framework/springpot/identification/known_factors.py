@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from springpot.distributions import student
 from springpot.rheology.points import Real
+from springpot.rheology.thermal import LARGEST_SHIFT
 from springpot.thresholds import SUPERPOSITION
 
 from .allowed_shifts import ROOM, meeting, ranges, scatter_between
-from .coordinates import WIDEST
 from .expected_factors import spread_between
 from .flat_sweeps import flat_levels
 from .free_factors import FactorRows, Factors, columns_of_factors, factors_of
@@ -22,11 +22,8 @@ from .material import is_material
 from .problem import relative_objective
 from .uncertainty import Uncertainty
 
-FURTHEST = 2.0 * WIDEST
-"""Logarithm beyond which no factor lies.
-
-Two levels may be at the opposite ends of what is searched.
-"""
+FURTHEST = LARGEST_SHIFT
+"""Logarithm beyond which no factor lies: as far as any law shifts, and as far as is searched."""
 ROUNDING = 1e-9
 """Share of a logarithm by which one at the end of the search may lie within it."""
 
@@ -74,7 +71,7 @@ def ends_of_factors(known: Uncertainty) -> Iterator[tuple[list[int], tuple[Real,
     if fit.dof <= 0 or known.specimens is not None:
         return
     for column in columns_of_factors(fit.model):
-        rows = FactorRows.of(fit, column=column)
+        rows = FactorRows.of(fit, column)
         factors = replace(factors_of(rows), quantile=student(known.level, fit.dof))
         of_a = interval_of(factors.log_a, factors.reach_a)
         of_b = interval_of(factors.log_b, factors.reach_b)
@@ -115,7 +112,7 @@ def known_factors(rows: FactorRows, fitted: Factors, factors: Factors, own: Alon
     # upon.
     flat = flat_levels(rows) & joined & others
     # A factor at the end of the search is where this ended, whatever its interval.
-    ended = np.abs(fitted.log_a) >= (1.0 - ROUNDING) * WIDEST
+    ended = np.abs(fitted.log_a) >= (1.0 - ROUNDING) * FURTHEST
     wide = factors.reach_a >= SUPERPOSITION.undetermined
     few = wide & (_frequencies(rows) < FEW)
     reasons = np.full(len(factors), "", dtype=object)

@@ -53,9 +53,9 @@ def lack_of_fit(known: Uncertainty, column: str) -> tuple[float, float] | None:
         weighted(np.where(number == i, slope, 0.0), weights) for i in range(int(number.max()) + 1)
     ]
     freed, residual = np.nan_to_num(np.array(columns).T), fit.residual
-    if known.expected is not None:
+    if fit.expected is not None:
         # What was expected knows of no shift.
-        beside = len(known.expected)
+        beside = len(fit.expected.rows)
         freed = np.concatenate([freed, np.zeros((beside, freed.shape[1]))])
         residual = np.concatenate([residual, known.surprise])
     basis = known.slopes[:, known.at_bound == 0]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,10 +115,46 @@ def each_alone(
         if len(np.unique(part.omega)) < FEW:
             continue
         own = fit(material, part, objective)
-        off = np.abs(own.model.stiffness(own.theta, part.points) / part.stiffness - 1.0)
+        line = own.model.stiffness(own.theta, part.points)
         cost[level], dof[level] = own.cost, own.dof
-        error[level] = float(np.sqrt(np.mean(off**2)))
+        error[level] = float(np.sqrt(np.mean(np.abs(line / part.stiffness - 1.0) ** 2)))
     return Alone(cost, dof, error, repeat_scatter(measurement, number))
+
+
+class Part(NamedTuple):
+    """Storage or loss of a sweep by itself.
+
+    Attributes
+    ----------
+    values : ndarray, shape (n,)
+        In ascending order of frequency.
+    share : float
+        Median of its size over |K|.
+    scatter, dof : float
+        Its own relative scatter, with the degrees of freedom of that.
+    """
+
+    values: Real
+    share: float
+    scatter: float
+    dof: float
+
+
+def parts_of(sweep: Measurement) -> tuple[Part, Part]:
+    """Storage and loss of a sweep, with the scatter that their own neighbours tell.
+
+    J. von Neumann et al. 1941, doi:10.1214/aoms/1177731746.
+    """
+    order = np.argsort(sweep.omega, kind="stable")
+    found = []
+    for values in (sweep.storage[order], sweep.loss[order]):
+        size = np.maximum(np.abs(values), TINY)
+        # Second differences that share points: each is worth 36 / 70 of a degree of freedom.
+        bent = np.diff(values, 2) / size[1:-1]
+        scatter = float(np.sqrt(np.mean(bent**2) / 6.0)) if len(bent) else 0.0
+        share = float(np.median(size / sweep.magnitude[order]))
+        found.append(Part(values, share, scatter, max(len(bent) * 36.0 / 70.0, 1.0)))
+    return found[0], found[1]
 
 
 def repeat_scatter(data: Measurement, number: NDArray[np.int64]) -> Real:

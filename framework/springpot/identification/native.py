@@ -19,6 +19,7 @@ from springpot.rheology.continuum import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
+from .expected_factors import Expected
 from .leastsquares import ALIKE, FLAT, Solution, levenberg_marquardt
 from .material import STILL, is_material, own_parameters
 from .material_fit import fit_spectrum, superposed
@@ -97,6 +98,8 @@ class Fit:
         Time taken.
     confirmed : bool
         Whether nothing but rounding is left, or at least two starts ended there.
+    expected : Expected, optional
+        What was expected of the effects' parameters beside the data.
     """
 
     model: Model
@@ -108,6 +111,7 @@ class Fit:
     converged: bool = True
     seconds: float = 0.0
     confirmed: bool = True
+    expected: Expected | None = None
 
     @cached_property
     def task(self) -> Task:
@@ -184,7 +188,7 @@ def fit(
     seeds_theta: Sequence[Real] = (),
     rng: np.random.Generator | None = None,
     effort: Effort | None = None,
-    expected: Real | None = None,
+    expected: Expected | None = None,
 ) -> Fit:
     """Fit a model to a measurement.
 
@@ -205,9 +209,9 @@ def fit(
         Moves the scanned shapes; without it they are always the same.
     effort : Effort, optional
         How far it goes; by default until nothing but rounding is left.
-    expected : ndarray, shape (r, q), optional
-        Of any material only: what is known of the effects' parameters beforehand; see
-        `fit_spectrum`. `Fit.cost` is that of the data alone.
+    expected : Expected, optional
+        Of any material only: what is known of the effects' parameters beforehand. `Fit.cost` is
+        that of the data alone.
 
     Returns
     -------
@@ -327,11 +331,14 @@ def _fit_material(
     starts: int,
     seeds_theta: Sequence[Real],
     effort: Effort,
-    expected: Real | None,
+    expected: Expected | None,
 ) -> Fit:
     """Any linear passive material, with the lines of its spectrum that the data ask for."""
     began = perf_counter()
     still, hopeless = max(STILL, effort.negligible), effort.hopeless
+    beside = None
+    if expected is not None:
+        beside = expected.weighted
     fitted = fit_spectrum(
         model,
         measurement,
@@ -340,7 +347,7 @@ def _fit_material(
         starts,
         still=still,
         hopeless=hopeless,
-        expected=expected,
+        expected=beside,
     )
     seconds = perf_counter() - began
     return Fit(
@@ -352,6 +359,7 @@ def _fit_material(
         fitted.evaluations,
         fitted.converged,
         seconds,
+        expected=expected,
     )
 
 

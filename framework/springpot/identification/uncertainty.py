@@ -51,9 +51,6 @@ class Uncertainty:
         sets the scale.
     level : float
         Probability of the intervals.
-    expected : ndarray, shape (r, q), optional
-        What was expected of the effects' parameters of any material beside the data, as `fit` takes
-        it.
     spread : tuple of (float, float), optional
         Standard deviation of a weighted residual and its degrees of freedom, where those of the
         scatter are not what the parameters are known by; see `lack_of_fit`.
@@ -72,7 +69,6 @@ class Uncertainty:
     fit: Fit
     absolute: bool
     level: float = INTERVAL
-    expected: Real | None = None
     spread: tuple[float, float] | None = None
 
     @classmethod
@@ -189,9 +185,10 @@ class Uncertainty:
     @property
     def surprise(self) -> Real:
         """How far the effects' parameters lie from what was expected of them, (r,)."""
-        if self.expected is None:
+        if self.fit.expected is None:
             return np.zeros(0)
-        return surprise_at(self.expected, self.fit.theta[-self.expected.shape[1] :])
+        rows = self.fit.expected.weighted
+        return surprise_at(rows, self.fit.theta[-rows.shape[1] :])
 
     @property
     def slopes(self) -> Real:
@@ -199,13 +196,12 @@ class Uncertainty:
 
         By the search coordinates.
         """
-        if self.expected is None:
+        if self.fit.expected is None:
             return self.fit.jacobian_u
-        own = self.fit.theta[-self.expected.shape[1] :]
+        rows = self.fit.expected.weighted
+        own = self.fit.theta[-rows.shape[1] :]
         turn = self.fit.task.coordinates.slopes(self.fit.theta, self.fit.task.coordinates.size[0])
-        return np.concatenate(
-            [self.fit.jacobian_u, surprise_slopes(self.expected, own, turn[-len(own) :])]
-        )
+        return np.concatenate([self.fit.jacobian_u, surprise_slopes(rows, own, turn[-len(own) :])])
 
     @property
     def sd_u(self) -> Real:
@@ -265,7 +261,7 @@ class Uncertainty:
         if np.isinf(upper[i]):
             # Compliances add where a stiffness has grown without limit, so its inverse has the
             # finite interval.
-            inverse = 1.0 / value + reach / value**2
+            inverse = (1.0 + reach / value) / value
             if not np.isfinite(inverse):
                 return float(lower[i]), float("inf")
             return max(1.0 / inverse, float(lower[i])), float("inf")

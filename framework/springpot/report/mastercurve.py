@@ -216,7 +216,7 @@ def _draw_curve(figure: Any, master: MasterCurve) -> None:
     omega: Real = np.geomspace(float(data.omega.min()), float(data.omega.max()), SMOOTH)
     x, *lines = master.drawn(omega, master.curve(omega))
     places, *measured_at = master.drawn(data.omega, data.stiffness)
-    unit = data.units.stiffness
+    unit = master.measured_unit
     for axes, points, line, name in zip(planes, measured_at, lines, names, strict=True):
         # On a logarithmic axis nothing else has a place.
         shown, drawn = points > 0, np.where(line > 0, line, np.nan)
@@ -231,7 +231,10 @@ def _draw_curve(figure: Any, master: MasterCurve) -> None:
         )
         for direction in ("x", "y"):
             logarithmic(axes, direction)
-        axes.set_ylabel(f"{name} / b [{unit}]")
+        reduced = f"{name} / b"
+        if name == "compliance":
+            reduced = f"b {name}"
+        axes.set_ylabel(f"{reduced} [{unit}]")
         axes.set_xlabel({"time": "t / a [s]"}.get(clock, "a ω [rad/s]"))
     named = level_text(master.factors.column, master.reference)
     title = f"{master.data.name} at {named}: {percent(master.simplicity.error, 2)} off"

@@ -57,6 +57,8 @@ class Continuum(Node):
     rates: tuple[float, ...] = ()
     kind: str = "material"
     columns: ClassVar[tuple[str, ...]] = ("omega", "storage", "loss")
+    flow: ClassVar[float] = 1.0
+    """Power of the frequency that the dashpot's share goes with."""
 
     def __post_init__(self) -> None:
         if not min(self.rates, default=1.0) > 0.0:
@@ -178,6 +180,43 @@ class Relaxation(Continuum):
     def _ratio(self, log_omega: Real) -> Real:
         """Times (m, n) in those of each line; what has long faded need not be told apart."""
         return np.exp(np.minimum(self._log_rates[:, None] - log_omega[..., None, :], LONG_AGO))
+
+
+@dataclass(frozen=True)
+class Retardation(Relaxation):
+    """What a material shows at the time t = 1 / omega after a step of the force: its compliance.
+
+    J = J_g + t / eta + sum of L_j (1 - exp(-r_j t)), real, all shares positive or zero (Ferry,
+    Viscoelastic Properties of Polymers, 1980, ch. 3). The shares stand in the places of K_e, c and
+    the weights, and are compliances.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology.continuum import Retardation
+    >>> from springpot.rheology import Points
+    >>> creeping = Retardation((1.0,))
+    >>> creeping.respond(np.array([1.0, 0.5, 2.0]), Points.at([1.0])).value.real.round(3)
+    array([2.764])
+    """
+
+    columns: ClassVar[tuple[str, ...]] = ("time", "compliance")
+    flow: ClassVar[float] = -1.0
+
+    def basis(self, log_omega: Real, with_slopes: bool) -> tuple[Complex, Complex]:
+        """As of `Continuum`."""
+        basis, slopes = super().basis(log_omega, with_slopes)
+        basis[..., 1, :] = np.exp(-log_omega)
+        slopes[..., 1, :] = -basis[..., 1, :]
+        # Of short times the difference of one and nearly one would be rounding.
+        basis[..., 2:, :] = -np.expm1(-self._ratio(log_omega))
+        slopes[..., 2:, :] = -slopes[..., 2:, :]
+        return basis, slopes
+
+    def moved(self, lines: Complex) -> tuple[Complex, Complex]:
+        """As of `Continuum`."""
+        slopes, bends = super().moved(1.0 - lines)
+        return -slopes, -bends
 
 
 def _one(theta: Real) -> bool:

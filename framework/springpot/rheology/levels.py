@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from .nodes import GRADIENT, VALUE, Node, Response
 from .parameters import Parameter
 from .points import KELVIN, Points, Real
+from .thermal import LARGEST_SHIFT
 
 HELD: Mapping[str, float] = {"amplitude": 0.02, "temperature": 0.5}
 """How nearly a rig holds what was set: amplitudes as a share, temperatures in kelvin.
@@ -29,8 +30,8 @@ HELD_OTHER = 2e-3
 
 They are written down rather than measured.
 """
-WIDEST = 1e20
-"""Bound on a factor and its inverse: beyond 20 decades no two sweeps have been shifted."""
+WIDEST = float(np.exp(LARGEST_SHIFT))
+"""Bound on a factor and its inverse: free factors go as far as any law, which they contain."""
 
 
 def held(column: str, values: Real) -> Real:

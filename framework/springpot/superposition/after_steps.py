@@ -1,13 +1,15 @@
-"""Relaxations at several temperatures as what a master curve is made of.
+"""Relaxations, or creep, at several temperatures as what a master curve is made of.
 
 After a step of the displacement a material shows one function of time, G(t) = K_e + sum of g_j
-exp(-r_j t), and a shift factor multiplies the times in it as it multiplies frequencies: G(t; T) =
-b G(t / a). So relaxations are laid over one another as sweeps are, at 1 / t in place of omega.
+exp(-r_j t), after one of the force another, J(t) = J_g + t / eta + sum of L_j (1 - exp(-r_j t)). A
+shift factor multiplies the times in them as it multiplies frequencies: G(t; T) = b G(t / a) and
+J(t; T) = J(t / a) / b. So they are laid over one another as sweeps are, at 1 / t in place of omega.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,42 +17,67 @@ from springpot.errors import DataError
 from springpot.identification.problem import Objective
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
+from springpot.rheology.continuum import Continuum, Relaxation, Retardation
 from springpot.rheology.points import Complex, Real
 
+SHOWN = {"relaxation": Relaxation(), "creep": Retardation()}
+"""Any material, as tests of each kind show it."""
+PER_DECADE = 20
+"""Points of a decade of time: a spectrum changes little from one to the next (a factor of 1.12)."""
 
-def after_steps(tests: Sequence[TimeTest]) -> Measurement:
-    """The relaxation moduli of all tests at 1 / t, with the temperature of each sample.
+
+class AfterSteps(NamedTuple):
+    """Tests as one set of points.
+
+    Attributes
+    ----------
+    unfitted : Continuum
+        Any material, as these tests show it.
+    points : Measurement
+        Moduli or compliances at 1 / t, with the temperature of each.
+    """
+
+    unfitted: Continuum
+    points: Measurement
+
+
+def after_steps(tests: Sequence[TimeTest]) -> AfterSteps:
+    """What all tests show at 1 / t, with the temperature of each sample.
 
     The time counts from the middle of the step, as after a ramp the answer is that of a sudden step
-    there (L. J. Zapas and J. C. Phillips, 1971, J. Res. NBS 75A, 33).
+    there (L. J. Zapas and J. C. Phillips, 1971, J. Res. NBS 75A, 33). Of samples that lie closer
+    than twenty to a decade the mean is taken.
 
     Parameters
     ----------
     tests : sequence of TimeTest
-        Relaxations, each at one temperature.
+        Relaxations or creep, each at one temperature.
 
     Raises
     ------
     DataError
-        If a test is no relaxation, its temperature is not known, or it shows no positive modulus.
+        If a test is of another kind than these or than the first, its temperature is not known, or
+        what it shows is not positive.
     """
-    columns = [_modulus(test.in_units(tests[0].units)) for test in tests]
-    rates, moduli, celsius = (np.concatenate(column) for column in zip(*columns, strict=True))
-    return Measurement(
+    kind = tests[0].kind
+    columns = [_shown(test.in_units(tests[0].units), kind) for test in tests]
+    rates, values, celsius = (np.concatenate(column) for column in zip(*columns, strict=True))
+    points = Measurement(
         rates,
-        moduli.astype(np.complex128),
+        values.astype(np.complex128),
         conditions={"temperature": celsius},
         units=tests[0].units,
         name=" + ".join(dict.fromkeys(test.name.partition("#")[0] for test in tests)),
         provenance=tests[0].provenance,
     )
+    return AfterSteps(SHOWN[kind], points)
 
 
-def _modulus(test: TimeTest) -> tuple[Real, Real, Real]:
-    """One over time, modulus and temperature (n,) of what was read after the step."""
-    if test.kind != "relaxation":
+def _shown(test: TimeTest, kind: str) -> tuple[Real, Real, Real]:
+    """One over time, what was read after the step, and the temperature (n,)."""
+    if test.kind not in SHOWN or test.kind != kind:
         raise DataError(
-            f"{test.name}: a master curve is made of sweeps or of relaxations,"
+            f"{test.name}: a master curve is made of sweeps, of relaxations or of creep, all alike,"
             f" and this is a test of {test.kind}"
         )
     if test.temperature is None:
@@ -60,12 +87,16 @@ def _modulus(test: TimeTest) -> tuple[Real, Real, Real]:
         )
     clock = test.time - test.start
     seen = clock > test.rise
-    modulus = test.response[seen] / test.loading.value[-1]
-    if not len(modulus) or np.any(modulus <= 0.0):
+    values = test.response[seen] / test.loading.value[-1]
+    if not len(values) or np.any(values <= 0.0):
         raise DataError(
-            f"{test.name}: the modulus is not positive after the step: leave such samples out"
+            f"{test.name}: what it shows is not positive after the step: leave such samples out"
         )
-    return 1.0 / (clock[seen] - 0.5 * test.rise), modulus, np.full(len(modulus), test.temperature)
+    log_rates = -np.log(clock[seen] - 0.5 * test.rise)
+    bins = np.unique(np.floor(log_rates * PER_DECADE / np.log(10.0)), return_inverse=True)[1]
+    count = np.bincount(bins)
+    rates = np.exp(np.bincount(bins, log_rates) / count)
+    return rates, np.bincount(bins, values) / count, np.full(len(count), test.temperature)
 
 
 def by_one_number(objective: Objective) -> Objective:

@@ -17,25 +17,25 @@ from springpot.format_numbers import number
 from springpot.identification.allowed_shifts import Allowed, allowed_shifts
 from springpot.identification.free_factors import FactorRows, Factors, factors_of, told_by_data
 from springpot.identification.known_factors import KnownFactors, interval_of, known_factors
-from springpot.identification.levels_alone import Alone, each_alone
-from springpot.identification.native import Fit, fit
-from springpot.identification.problem import Objective, default_objective, relative_objective
+from springpot.identification.level_weights import weighing_of
+from springpot.identification.levels_alone import Alone
+from springpot.identification.native import Fit
+from springpot.identification.problem import Objective, default_objective
+from springpot.identification.superposed_fit import superposed_fit
 from springpot.measurement.independence import at_one_frequency
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
-from springpot.rheology.continuum import Continuum, Relaxation
+from springpot.rheology.continuum import Continuum, Retardation
 from springpot.rheology.effect import Effect, Layer
-from springpot.rheology.levels import HELD, Levels, level_text, levels_of
+from springpot.rheology.levels import HELD, Levels, level_text
 from springpot.rheology.model import Model
-from springpot.rheology.nodes import shift
-from springpot.rheology.points import Complex, Real
-from springpot.thresholds import SUPERPOSITION
+from springpot.rheology.nodes import chain, shift
+from springpot.rheology.points import KELVIN, Complex, Real
 
 from .after_steps import after_steps, by_one_number
 from .direct import Direct
 from .laws import LawFit, judged_laws, slower_when_hot
 from .simplicity import Simplicity, simplicity
-from .vertical import lifted
 from .words import unit_of
 
 if TYPE_CHECKING:
@@ -160,8 +160,19 @@ class MasterCurve:
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """What was measured: ``omega``, ``storage`` and ``loss``, or ``time``, ``relaxation``."""
+        """What was measured: ``omega``, ``storage`` and ``loss``.
+
+        Or ``time``, and ``relaxation`` or ``compliance``.
+        """
         return FactorRows.of(self.fit).material.columns
+
+    @property
+    def measured_unit(self) -> str:
+        """Unit of what was measured."""
+        unit = self.data.units.stiffness
+        if "compliance" in self.columns:
+            unit = f"1/{unit}"
+        return unit
 
     def drawn(self, omega: Real, stiffness: Complex) -> tuple[Real, ...]:
         """Points or a curve (n,) in these columns, in SI and the unit of the data."""
@@ -172,7 +183,7 @@ class MasterCurve:
     def curve(self, omega: Real) -> NDArray[np.complex128]:
         """The material at the reference for `omega` (n,) in rad/s, in the data's unit.
 
-        Of relaxations its relaxation function at the times 1 / `omega`.
+        After steps its relaxation function, or its compliance, at the times 1 / `omega`.
         """
         # The fit has its factor one at a level of its own choice: the curve is carried from there.
         shift_by, lift_by = self._to_reference
@@ -227,7 +238,7 @@ class MasterCurve:
             "simplicity": rest.to_dict(),
             "curve": {
                 **dict(zip(self.columns, self.drawn(data.omega, data.stiffness), strict=True)),
-                "unit": data.units.stiffness,
+                "unit": self.measured_unit,
                 "determined": data.conditions["determined"] > 0.0,
             },
             "notes": list(self.notes),
@@ -248,7 +259,7 @@ def mastercurve(
     Parameters
     ----------
     measured : Measurement or sequence of TimeTest
-        Frequency sweeps at two levels or more, or relaxations at as many temperatures.
+        Frequency sweeps at two levels or more, or relaxations or creep at as many temperatures.
     column : str
         The condition whose levels are shifted.
     reference : float, optional
@@ -267,23 +278,25 @@ def mastercurve(
     began = perf_counter()
     unfitted, measurement = Continuum(), measured
     if not isinstance(measurement, Measurement):
-        unfitted, measurement = Relaxation(), after_steps(measurement)
+        unfitted, measurement = after_steps(measurement)
+        objective = by_one_number(objective or default_objective(measurement))
     # First of all: a slip in the name of a column must not cost a fit.
     _check(measurement, column)
-    weighing, notes = _weighing(measurement, column, objective, unfitted)
-    level = levels_of(column, measurement.points.need(column))
     # First what each level gives by itself: a level that no material follows must not bend the
     # curve of the others.
-    own = each_alone(measurement, level, weighing, unfitted)
-    weighing = _by_level(weighing, column, own.share)
-    alone, rows = _fits(measurement, column, vertical, weighing, unfitted)
+    weighing = weighing_of(measurement, column, objective, unfitted)
+    own = weighing.own
+    alone, rows = _fits(measurement, column, vertical, weighing.objective, unfitted)
     fitted = factors_of(rows)
     at, remarks = _reference(fitted, reference)
     # Referred only now: a fit is the same whatever level is asked for.
     factors = fitted.referred_to(at)
+    if isinstance(unfitted, Retardation):
+        factors = factors.of_modulus
     known = known_factors(rows, fitted, factors, own)
     told = told_by_data(rows, at)
-    notes += [
+    notes = [
+        *filter(None, [weighing.note]),
         *remarks,
         *undetermined(factors, known),
         *slower_when_hot(factors, known.determined),
@@ -307,6 +320,10 @@ def mastercurve(
     )
 
 
+SIDEWAYS = "a factor of the frequency for each level"
+UPWARDS = "a factor of the stiffness for each level"
+
+
 def _fits(
     measurement: Measurement,
     column: str,
@@ -315,14 +332,18 @@ def _fits(
     unfitted: Continuum,
 ) -> tuple[Fit, FactorRows]:
     """The material with a shift, and where asked for a vertical factor, for each level."""
-    sideways = Effect(
-        "shift", shift, Levels(column, "a", True), "a factor for each level", Layer.TEMPERATURE
-    )
-    # Shifts first: vertical factors could otherwise do what belongs to a shift (see `lifted`).
-    alone = fit(Model("material", unfitted, effects=(sideways,)), measurement, weighing)
+    sideways = Effect("shift", shift, Levels(column, "a", True), SIDEWAYS, Layer.TEMPERATURE)
+    model = Model("material", unfitted, effects=(sideways,))
+    alone = superposed_fit(model, measurement, weighing)
     if not vertical:
         return alone, FactorRows.of(alone)
-    return alone, lifted(alone, column)
+    whole = superposed_fit(model + _upwards(column), measurement, weighing, alone=alone)
+    return alone, FactorRows.of(whole)
+
+
+def _upwards(column: str) -> Effect:
+    levels = Levels(column, "b", False)
+    return Effect("vertical", chain, levels, UPWARDS, Layer.TEMPERATURE)
 
 
 def _allowed(rows: FactorRows, fitted: Factors, own: Alone) -> Allowed:
@@ -341,14 +362,16 @@ def _laws(
     They are judged against free factors: a law within the fit would bend them to itself. Their
     constants are those of a fit to the data, which any other command gives of the same model.
     """
-    unit = None
+    data, unfitted = rows.fit.measurement, replace(rows.material, rates=())
+    if factors.reference != rows.elements[0].reference:
+        # A law is one where the curve is, of another level than that of the data too.
+        data = replace(data, reference=float(factors.levels[factors.reference]) + KELVIN)
+    alone = direct = Direct(data, rows.fit.objective, unfitted)
     if rows.expected is not None:
-        unit = rows.expected.unit
-    unfitted = replace(rows.material, rates=())
-    direct = Direct(rows.fit.measurement, rows.fit.objective, factors, unit, unfitted)
+        direct = replace(alone, upwards=_upwards(factors.column), unit=rows.expected.unit)
     laws, said = judged_laws(factors, known.placed, told, direct, allowed)
-    if unit is not None:
-        said = [*said, *_without_vertical(laws, replace(direct, unit=None))]
+    if direct is not alone:
+        said = [*said, *_without_vertical(laws, alone)]
     return laws, said
 
 
@@ -357,7 +380,7 @@ def _without_vertical(laws: list[LawFit], alone: Direct) -> list[str]:
     for law in laws[:1]:
         if law.law.vertical:
             break
-        values, low, high = alone(law.law.element, law.values)
+        values, low, high = alone(law.law.element)
         if np.all((law.low <= values) & (values <= law.high)):
             break
         said = [
@@ -389,43 +412,6 @@ def _check(measurement: Measurement, column: str) -> None:
         raise DataError(
             f"{measurement.name}: all points have one frequency; a curve needs frequency sweeps"
         )
-
-
-def _weighing(
-    measurement: Measurement, column: str, objective: Objective | None, unfitted: Continuum
-) -> tuple[Objective, list[str]]:
-    """How the misfit is measured, and a note where given standard deviations are not scatter."""
-    if isinstance(unfitted, Relaxation):
-        return by_one_number(objective or default_objective(measurement)), []
-    if objective is not None or measurement.sd is None:
-        return objective or default_objective(measurement), []
-    given = default_objective(measurement)
-    own = each_alone(
-        measurement, levels_of(column, measurement.points.need(column)), given, unfitted
-    )
-    dof, cost = float(own.dof[own.judged].sum()), float(own.cost[own.judged].sum())
-    # Where each level's own material leaves as much as is given, the deviations are those of
-    # scatter.
-    if not dof or cost >= SUPERPOSITION.shared_errors**2 * dof:
-        return given, []
-    size = np.sqrt(dof / max(cost, 1e-300))
-    note = (
-        f"the given standard deviations are {size:.2g} times the scatter within a sweep: they hold"
-        " what all points share, so that relative differences are compared instead"
-    )
-    return relative_objective(), [note]
-
-
-def _by_level(objective: Objective, column: str, share: Real) -> Objective:
-    """The objective with levels that no material follows weighted by what they are worth."""
-    if np.all(share == 1.0):
-        return objective
-
-    def weights(measurement: Measurement) -> Complex:
-        here = levels_of(column, measurement.points.need(column))
-        return np.asarray(objective.weighing(measurement) * share[here], dtype=np.complex128)
-
-    return replace(objective, weights=weights)
 
 
 def _error(fitted: Fit) -> float:

@@ -63,9 +63,9 @@ class Law:
     vertical: bool = False
 
 
-DirectFit: TypeAlias = Callable[[Formula, Real], tuple[Real, Real, Real]]
-"""A law's element and its parameters (k,) to the same fitted to the data, and the ends (k,) of
-their intervals."""
+DirectFit: TypeAlias = Callable[[Formula], tuple[Real, Real, Real]]
+"""A law's element to its parameters (k,) fitted to the data, and the ends (k,) of their intervals.
+"""
 
 LAWS = (
     Law("Arrhenius", "ln a = Ea / R (1 / T - 1 / Tr)", arrhenius()),
@@ -171,7 +171,7 @@ def judged_laws(
         Levels whose vertical factors the data tell; others show what was expected of them, which is
         no evidence.
     direct : callable
-        Of a law and its parameters (k,): these fitted to the data themselves, and the ends of their
+        Of a law: its parameters (k,) fitted to the data themselves, and the ends of their
         intervals.
     allowed : Allowed
         How far neighbouring levels can be shifted.
@@ -353,7 +353,7 @@ def _fitted(
         return None
     if not law.vertical:
         # One engine: the constants are those of a model with this law, whatever command asks.
-        theta, low, high = direct(law.element, theta)
+        theta, low, high = direct(law.element)
         bounds = (low, high)
         if task.at_bound(theta):
             return None

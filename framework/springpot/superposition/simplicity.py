@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from springpot.distributions import f_sf, f_sum_sf, normal_sf
 from springpot.identification.free_factors import FactorRows, without
-from springpot.identification.levels_alone import TINY, Alone
+from springpot.identification.levels_alone import TINY, Alone, parts_of
 from springpot.identification.problem import weighted
 from springpot.rheology.points import Real
 from springpot.thresholds import SUPERPOSITION
@@ -235,33 +235,27 @@ def _no_material(rows: FactorRows, alone: Alone) -> list[Failure]:
 def _missed_parts(rows: FactorRows, alone: Alone) -> list[Failure]:
     """Levels at which the line misses storage or loss by as much as it is, and not by its scatter.
 
-    The misfit counts relative to |K|: of a glass, whose loss is a hundredth of |K| and less, the
-    line may go anywhere within the scatter of the storage. By how much a part scatters its own
-    neighbours tell (von Neumann et al. 1941, doi:10.1214/aoms/1177731746).
+    The misfit counts relative to |K|, of which a part may be a hundredth and less.
     """
     data = rows.fit.measurement
     line = rows.fit.model.stiffness(rows.fit.theta, data.points)
     values, failures = rows.elements[0].shown, []
     looked = 2 * int(alone.judged.sum())
     for level in np.flatnonzero(alone.judged).tolist():
-        here = np.flatnonzero(rows.number == level)
-        here = here[np.argsort(data.omega[here], kind="stable")]
-        of_each = ((data.storage, line.real), (data.loss, line.imag))
-        for word, (measured, drawn) in zip(rows.material.columns[1:], of_each, strict=False):
-            size = np.maximum(np.abs(measured[here]), TINY)
-            off = (measured[here] - drawn[here]) / size
+        here = rows.number == level
+        drawn = line[here][np.argsort(data.omega[here], kind="stable")]
+        parts = zip(parts_of(data.subset(here)), (drawn.real, drawn.imag), strict=True)
+        for word, (part, curve) in zip(rows.material.columns[1:], parts, strict=False):
+            off = (part.values - curve) / np.maximum(np.abs(part.values), TINY)
             typical = float(np.median(np.abs(off)))
-            bent = np.diff(off, 2)
-            # Second differences that share points: each is worth 36 / 70 of a degree of freedom.
-            ratio = float(np.mean(off**2)) / max(float(np.mean(bent**2)) / 6.0, TINY)
-            chance = looked * float(f_sf(ratio, len(here), max(len(bent) * 36.0 / 70.0, 1.0)))
+            ratio = float(np.mean(off**2)) / max(part.scatter**2, TINY)
+            chance = looked * float(f_sf(ratio, len(off), part.dof))
             if typical <= SUPERPOSITION.missed or chance >= SUPERPOSITION.alarm:
                 continue
-            of_whole = _percent(float(np.median(np.abs(off) * size / data.magnitude[here])))
             says = (
                 f"at {rows.named(level)} the line misses the {word} by {typical:.2g} times its"
-                f" size, which is {of_whole} of |K|: less than |K| scatters, and more than its own"
-                " points do"
+                f" size, which is {_percent(typical * part.share)} of |K|: less than |K| scatters,"
+                " and more than its own points do"
             )
             failures.append(
                 Failure("part", values[level], typical, min(chance, 1.0), float("nan"), says)
