@@ -20,7 +20,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from paper.draw import can_draw
-from real_sets import without_model
+from real_sets import unseen, without_model
 from real_sets.answers import answer, save, saved, table
 from real_sets.draw import draw
 from real_sets.published import published
@@ -64,12 +64,25 @@ def _with_models(one: RealSet, data: Measurement, folder: Path) -> None:
         draw(ladder, folder / f"{one.name}.png")
 
 
+def _unseen(folder: Path) -> None:
+    """Ask of each file of other people, and keep what was said so far."""
+    answers: list[dict[str, object]] = []
+    for one in unseen.FILES:
+        answers.append(unseen.ask(one))
+        print(f"{one.file}: {answers[-1].get('says', answers[-1].get('skipped'))}", flush=True)
+        unseen.save(answers, folder)
+    report(folder)
+
+
 def report(folder: Path) -> None:
     """Write the tables again."""
     answers = list(saved(folder))
     if answers:
         save_table(table(answers), folder, "real_data", ("md", "csv"))
         save_table(published(answers), folder, "published", ("md", "csv"))
+    files = unseen.saved(folder)
+    if files:
+        save_table(unseen.table(files), folder, "unseen", ("md", "csv"))
     without = list(without_model.saved(folder))
     if without:
         save_table(without_model.table(without), folder, "without_model", ("md", "csv"))
@@ -88,11 +101,17 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument(
         "--only-without-model", action="store_true", help="ask no model of the set's own"
     )
+    parser.add_argument(
+        "--unseen", action="store_true", help="ask of the files of other people alone"
+    )
     parser.add_argument("--report-only", action="store_true", help="only write the tables again")
     asked = parser.parse_args(arguments)
     if unknown := set(asked.names) - set(known):
         parser.error(f"no set {', '.join(sorted(unknown))}; there are {', '.join(known)}")
     asked.out.mkdir(parents=True, exist_ok=True)
+    if asked.unseen:
+        _unseen(asked.out)
+        return
     for name in () if asked.report_only else asked.names or known:
         run(known[name], asked.out, asked.only_without_model)
         report(asked.out)

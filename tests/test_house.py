@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
@@ -30,6 +31,7 @@ FLOORS = {
     "thresholds": 0,
     "drawing": 0,
     "markup": 0,
+    "suggestions": 0,
     "surroundings": 0,
     "plain_data": 1,
     "processes": 1,
@@ -68,18 +70,62 @@ GUESTS = {"benchmark", "solvers", "structure", "web"}
 FOR_PLUGINS = {"errors", "hooks", "rheology", "measurement", "identification", "solvers"}
 
 
+class Facts(NamedTuple):
+    """What is asked of a file, read once.
+
+    Its imports, those at once (not in functions or for types), texts other than docstrings with
+    their lines, names of classes, lines of code, and functions with theirs.
+    """
+
+    imports: list[ast.Import | ast.ImportFrom]
+    at_once: list[ast.Import | ast.ImportFrom]
+    texts: list[tuple[int, str]]
+    classes: list[str]
+    lines: int
+    functions: dict[str, int]
+
+
 @cache
+def facts(path: Path) -> Facts:
+    """Those of a file."""
+    text = path.read_text(encoding="utf-8")
+    tree = ast.parse(text)
+    nodes = list(ast.walk(tree))
+    alone = {id(node.value) for node in nodes if isinstance(node, ast.Expr)}
+    functions = [n for n in nodes if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef)]
+    return Facts(
+        [node for node in nodes if isinstance(node, ast.Import | ast.ImportFrom)],
+        [node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)],
+        [
+            (node.lineno, node.value)
+            for node in nodes
+            if isinstance(node, ast.Constant)
+            and isinstance(node.value, str)
+            # Examples in docstrings run with what is installed here.
+            and id(node) not in alone
+        ],
+        [node.name for node in nodes if isinstance(node, ast.ClassDef)],
+        lines_of_code(text, nodes),
+        {node.name: code_lines(node) for node in sorted(functions, key=code_lines)},
+    )
+
+
 def imported(path: Path, package: str) -> set[str]:
     """Absolute names of all modules that a file imports, inside functions too."""
+    return names_of(facts(path).imports, package)
+
+
+def names_of(imports: list[ast.Import | ast.ImportFrom], package: str) -> set[str]:
+    """Absolute names of imported modules."""
     names: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in imports:
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            base = package.split(".")
-            base = base[: len(base) - node.level + 1] if node.level else []
-            start = ".".join([*base, *([node.module] if node.module else [])])
-            names |= {start} | {f"{start}.{alias.name}" for alias in node.names}
+            continue
+        base = package.split(".")
+        base = base[: len(base) - node.level + 1] if node.level else []
+        start = ".".join([*base, *([node.module] if node.module else [])])
+        names |= {start} | {f"{start}.{alias.name}" for alias in node.names}
     return names
 
 
@@ -132,7 +178,7 @@ def test_the_core_names_no_module_of_a_guest():
         if path.relative_to(FRAMEWORK).parts[0] not in {*GUESTS, "__init__.py"}
     ]
     assert [
-        path.name for path in named if any(guest.search(text.value) for text in strings(path))
+        path.name for path in named if any(guest.search(text) for _, text in facts(path).texts)
     ] == []
 
 
@@ -141,25 +187,15 @@ def test_the_framework_knows_no_plugin(path: Path, package: str):
     assert not [name for name in imported(path, package) if name.startswith("springpot_plugins")]
 
 
-def strings(path: Path) -> Iterator[ast.Constant]:
-    """Texts of a file other than docstrings, whose examples run with what is installed here."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    alone = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in alone:
-            yield node
-
-
 def test_the_framework_names_no_effect():
     """Names that could be ordinary words, such as friction, are passed over."""
     names = [name for name in plugins().names("effect") if "-" in name]
     pattern = re.compile(rf"(?<![\w-])(?:{'|'.join(names)})(?![\w-])")
     guilty = []
     for path, _ in FILES:
-        for text in strings(path):
+        for line, text in facts(path).texts:
             guilty += [
-                f"{path.relative_to(ROOT)}:{text.lineno}: {found}"
-                for found in pattern.findall(text.value)
+                f"{path.relative_to(ROOT)}:{line}: {found}" for found in pattern.findall(text)
             ]
     assert guilty == []
 
@@ -226,10 +262,10 @@ def code_lines(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
     return lines
 
 
-def lines_of_code(text: str, tree: ast.AST) -> int:
+def lines_of_code(text: str, nodes: list[ast.AST]) -> int:
     """Lines of a file without docstrings, comments and blanks."""
     told: set[int] = set()
-    for node in ast.walk(tree):
+    for node in nodes:
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
             told |= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
     lines = enumerate(text.splitlines(), 1)
@@ -241,12 +277,10 @@ def lines_of_code(text: str, tree: ast.AST) -> int:
 
 @pytest.mark.parametrize(("path", "package"), [*FILES, *OWN], ids=name_of)
 def test_a_file_can_be_read(path: Path, package: str):
-    text = path.read_text(encoding="utf-8")
-    tree = ast.parse(text)
-    assert lines_of_code(text, tree) <= LONGEST
-    for node in ast.walk(tree):
-        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
-            assert code_lines(node) <= SCREEN, f"{node.name} does not fit a screen: name its steps"
+    known = facts(path)
+    assert known.lines <= LONGEST
+    for name, lines in known.functions.items():
+        assert lines <= SCREEN, f"{name} does not fit a screen: name its steps"
 
 
 DEEPEST = 39
@@ -255,29 +289,14 @@ TWICE = 0
 """Names of classes that stand for two things or more; may only fall."""
 
 
-def imported_at_once(path: Path, package: str) -> set[str]:
-    """Names of modules imported with a file: not what is imported in functions or for types."""
-    top = ast.Module(ast.parse(path.read_text(encoding="utf-8")).body, [])
-    top.body = [node for node in top.body if isinstance(node, ast.Import | ast.ImportFrom)]
-    names: set[str] = set()
-    for node in top.body:
-        if isinstance(node, ast.Import):
-            names |= {alias.name for alias in node.names}
-            continue
-        base = package.split(".")
-        base = base[: len(base) - node.level + 1] if node.level else []
-        start = ".".join([*base, *([node.module] if node.module else [])])
-        names |= {start} | {f"{start}.{alias.name}" for alias in node.names}
-    return names
-
-
 def test_the_chain_of_imports_grows_no_longer():
     named = {
         package if path.stem == "__init__" else f"{package}.{path.stem}": (path, package)
         for path, package in FILES
     }
     edges = {
-        name: imported_at_once(*where) & named.keys() - {name} for name, where in named.items()
+        name: names_of(facts(path).at_once, package) & named.keys() - {name}
+        for name, (path, package) in named.items()
     }
     depth: dict[str, int] = {}
     for name in TopologicalSorter(edges).static_order():
@@ -298,12 +317,7 @@ def test_a_measurement_needs_few_files():
 
 
 def test_no_more_names_of_classes_stand_for_two_things():
-    names = [
-        node.name
-        for path, _ in FILES
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
-    ]
+    names = [name for path, _ in FILES for name in facts(path).classes if not name.startswith("_")]
     assert sum(names.count(name) > 1 for name in set(names)) <= TWICE
 
 

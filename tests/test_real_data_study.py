@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "studies"))
 
 import real_data  # noqa: E402
-from real_sets import sets, without_model  # noqa: E402
+from real_sets import sets, unseen, without_model  # noqa: E402
 from real_sets.answers import saved, table  # noqa: E402
 from real_sets.published import published  # noqa: E402
 from springpot.benchmark.tables import to_csv, to_markdown  # noqa: E402
@@ -116,3 +116,46 @@ def test_an_unknown_set_is_refused_with_the_known_ones(capsys):
     with pytest.raises(SystemExit):
         real_data.main(["nothing"])
     assert "no set nothing; there are pdms" in capsys.readouterr().err
+
+
+def _told(**changed):
+    answer = {
+        "file": unseen.FILES[4].file,
+        "verdict": "unexplained",
+        "says": "something is missing",
+        "explains": [],
+        "helps": ["finite-ramp", "thermal-force"],
+        "missing": [],
+        "before": 0.0234,
+        "after": 0.0091,
+        "floor": 0.002,
+        "action": "accept it",
+    }
+    return answer | changed
+
+
+@pytest.mark.parametrize(
+    ("changed", "word"),
+    [
+        ({}, "right"),
+        ({"helps": ["thermal-force", "finite-ramp"]}, "defensible"),
+        ({"helps": ["thermal-force"]}, "hedged"),
+        (
+            {"verdict": "effect-missing", "explains": ["basset"], "missing": ["basset"]},
+            "confidently wrong",
+        ),
+        ({"verdict": "adequate", "helps": []}, "confidently wrong"),
+    ],
+)
+def test_an_answer_on_a_file_is_judged_by_what_is_true_of_it(changed, word):
+    one = unseen.FILES[4]
+    assert unseen.judged(one, _told(**changed)) == word
+    rows = unseen.table([_told(**changed)]).rows
+    assert rows[0][7] == word
+    assert rows[-1][7].endswith("of 1")
+
+
+def test_a_file_that_is_not_here_is_passed_over_with_the_reason(tmp_path):
+    told = unseen.ask(unseen.FILES[0], tmp_path)
+    assert told["skipped"] == "not on this machine"
+    assert unseen.table([told]).rows[-1][7].endswith("of 0")

@@ -19,6 +19,7 @@ from springpot.registry import parse_model
 from springpot.rheology.holding import allowed
 from springpot.rheology.parameters import Dimension
 from springpot.rheology.points import ROOM
+from springpot.suggestions import suggested
 
 
 def fitted(path: str | Path) -> Known:
@@ -32,7 +33,13 @@ def fitted(path: str | Path) -> Known:
     answer = load(path)
     if isinstance(answer, Identification):
         return answer.of_specimen
-    raise DataError(f"{path} is no fit: give the output of 'springpot identify ... --json'")
+    raise DataError(no_fit(path))
+
+
+def no_fit(path: str | Path) -> str:
+    """What is said of a file that holds another answer, or none."""
+    making = suggested("identify", "DATA", "--model", "EXPR", "--json")
+    return f"{path} is no fit: give the output of '{making}'"
 
 
 def stated(expression: str, values: Mapping[str, float], unit: str | None, what: str) -> Known:

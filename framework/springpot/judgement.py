@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from springpot.comparison.comparing import ONLY_NOISE, compare
-from springpot.errors import DataError, SpringpotError
-from springpot.identification.material import is_material
+from springpot.errors import DataError
 from springpot.identification.problem import default_objective
 from springpot.identification.result import Identification, Standing
 from springpot.identification.specimens import Specimens
-from springpot.misfit.material import any_material, is_of_material, lowest_error
-from springpot.timetests.fitting import identify, judgement_of
+from springpot.misfit.material import lowest_error
+from springpot.timetests.fitting import judgement_of
+from springpot.timetests.floor import material_floor
 
 FEWEST_SPARE = 4
 """Degrees of freedom from which the scatter about a model says how large the noise is."""
@@ -75,23 +73,8 @@ def standing_of(identified: Identification) -> Standing | None:
 
 def _of_tests(identified: Identification) -> Standing:
     """The same of tests of which one at least is in time."""
-    judged = judgement_of(identified, 0.0)
+    judged = judgement_of(identified, 0.0, material_floor(identified))
     error = judged.error
     good = not judged.fails
-    return Standing(error.noise_floor, error.noise_source, _lowest(identified), good, judged.says)
-
-
-def _lowest(identified: Identification) -> float:
-    """The least error of any material with the same effects; nan where none can be followed."""
-    model, error = identified.model, identified.relative_rms
-    if is_material(model):
-        return error
-    free = replace(any_material(), effects=model.effects)
-    try:
-        lowest = identify(identified.data, free).relative_rms
-    except SpringpotError:
-        return float("nan")
-    # Its lines stand apart: a model that is a material itself is a bound.
-    if lowest > error and is_of_material(model, identified.theta, identified.covered.rate, error):
-        return error
-    return lowest
+    lowest = error.material_floor
+    return Standing(error.noise_floor, error.noise_source, lowest, good, judged.says)

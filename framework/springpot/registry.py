@@ -28,6 +28,7 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.lookup import use_finder
 from springpot.rheology.model import Family, Model
 from springpot.rheology.typed import expression_parts, is_law, law, model_of
+from springpot.suggestions import suggested
 from springpot.surroundings import kept_surroundings
 
 from .catalogue import KINDS, Kind, Owner, Shelf
@@ -76,17 +77,17 @@ class Registry:
         self.manager = pluggy.PluginManager(hooks.GROUP)
         self.manager.add_hookspecs(hooks)
         self._owners: dict[str, Owner] = {}
-        for point in sorted(points, key=_order):
-            owner = self._owner(point)
+        # Once for each: to tell its name, all that is known of a distribution is read.
+        named = [(_distribution(point), point) for point in points]
+        for distribution, point in sorted(named, key=lambda pair: _order(pair[0])):
+            owner = self._owner(point.name, distribution)
             with self._guarded(owner), self._undone(owner, point.module):
                 self.manager.register(point.load(), name=owner.plugin)
         self._report_slips()
         self.shelves = {word: self._fill(kind) for word, kind in KINDS.items()}
 
-    def _owner(self, point: EntryPoint) -> Owner:
+    def _owner(self, name: str, distribution: str) -> Owner:
         """The plugin of an entry point; two distributions may well choose the same name for it."""
-        distribution = _distribution(point)
-        name = point.name
         if name in self._owners:
             name = f"{name} ({distribution})"
         return self._owners.setdefault(name, Owner(name, distribution))
@@ -269,7 +270,7 @@ def _proposal(name: str, known: Iterable[str], listed: str) -> str:
     near = get_close_matches(name, known, n=3, cutoff=0.5)
     if near:
         return f"did you mean {', '.join(near)}?"
-    return f"see 'springpot list {listed}'"
+    return f"see '{suggested(f'list {listed}')}'"
 
 
 def _distribution(point: EntryPoint) -> str:
@@ -278,10 +279,9 @@ def _distribution(point: EntryPoint) -> str:
     return point.dist.name
 
 
-def _order(point: EntryPoint) -> tuple[bool, str]:
-    name = _distribution(point)
+def _order(distribution: str) -> tuple[bool, str]:
     # False comes before True.
-    return name != hooks.GROUP, name
+    return distribution != hooks.GROUP, distribution
 
 
 def _slip(attribute: str, value: object, known: list[str]) -> str:

@@ -231,6 +231,10 @@ class EvidenceLevels:
 
     Pairs have no order, so that two against one weigh half of it.
     """
+    apparatus: float = 0.1
+    """Prior weight, in tests in time, of a fault of the apparatus beside what specimens do: they
+    flow, yield and hang loose more often than a serviced instrument drifts, saturates or lags.
+    """
     outside: float = 0.15
     """Chance, before the data, that what is missing is in no library."""
     beside: float = 0.9

@@ -13,10 +13,12 @@ from patience import patient
 
 from springpot.measurement import TimeTest
 from springpot.registry import parse_model
+from springpot.rheology.rational import Rational
 from springpot.rheology.recursion import driven
 from springpot.timetests import identify
 
 SAMPLES = 100_000
+MOST_EIGENVALUE_PROBLEMS = 11
 ROWS = {"even": 40, "uneven": 4}
 
 
@@ -100,3 +102,21 @@ def test_an_identification_costs_a_few_curves():
         f"one curve {1e3 * curve:.1f} ms"
     )
     assert whole < 100 * curve
+
+
+@patient
+def test_the_compliance_of_forty_lines_costs_a_few_eigenvalue_problems():
+    """Of as many unknowns; seven by the middle way, sixteen by Newton's steps and bisection."""
+    rng = np.random.default_rng(3)
+    rates, weights = np.geomspace(1e-6, 1e6, 40), rng.uniform(0.5, 1.5, 40)
+    slopes = np.zeros((40, 1))
+    of = Rational(np.ones(2), rates, weights, np.zeros((2, 1)), slopes, slopes)
+    matrix = rng.normal(size=(40, 40))
+    matrix = matrix @ matrix.T
+
+    def ten_times(task) -> float:
+        return seconds(lambda: [task() for _ in range(10)])
+
+    found, reference = ten_times(of.inverse), ten_times(lambda: np.linalg.eigvalsh(matrix))
+    print(f"compliance of 40 lines: {1e2 * found:.2f} ms, {found / reference:.1f} of eigvalsh")
+    assert found < MOST_EIGENVALUE_PROBLEMS * reference

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import springpot as library
+from springpot.cli.common import of_each
 from springpot.identification import Value
 from springpot.measurement import joined
 from springpot.report.text import TextTable, width, wrapped
@@ -201,3 +202,19 @@ def test_a_narrow_window_goes_without_the_spare_columns():
 )
 def test_what_the_data_leave_open_is_no_number(value, told):
     assert shown(value) == told
+
+
+@pytest.mark.parametrize(
+    ("raised", "code", "said"),
+    [(KeyboardInterrupt, 130, "interrupted: 1 of 2 are done\n"), (BrokenPipeError, 141, "")],
+)
+def test_only_who_interrupts_is_told_how_far_it_came(capsys, monkeypatch, raised, code, said):
+    """A reader that has gone, such as ``head``, interrupted nothing."""
+    monkeypatch.setattr("os.dup2", lambda *_: None)
+
+    def answer(name):
+        if name == "b":
+            raise raised
+
+    assert of_each(["a", "b"], answer) == code
+    assert capsys.readouterr().err == said

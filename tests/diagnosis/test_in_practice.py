@@ -35,12 +35,19 @@ def test_what_is_no_accuracy_is_refused_in_one_line(text):
 
 def test_nineteen_of_twenty_values_must_be_within_it():
     off = np.zeros(100)
-    off[:5] = 1.0
+    off[:5] = 0.02
     accuracy = Accuracy(0.01)
     assert accuracy.holds([Misfit(off, np.zeros(0))])
-    off[5] = 1.0
+    off[5] = 0.02
     assert not accuracy.holds([Misfit(off, np.zeros(0))])
     assert not accuracy.holds([Misfit(np.zeros(100), np.zeros(0)), Misfit(off, np.zeros(0))])
+
+
+def test_a_few_values_that_are_far_off_are_not_within_it():
+    off = np.zeros(100)
+    off[:3] = 0.2
+    assert np.mean(off <= 0.01) > 0.95
+    assert not Accuracy(0.01).holds([Misfit(off, np.zeros(0))])
 
 
 def test_modulus_and_phase_are_told_apart():

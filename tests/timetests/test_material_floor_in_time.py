@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 import springpot
 from springpot import Measurement, TimeTest, parse_model
 from springpot.timetests import identify
-from springpot.timetests.material import relaxation_of
+from springpot.timetests.convex import relaxation_of
+from springpot.timetests.floor import material_floor
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 
 DATA = (
@@ -98,6 +99,102 @@ def test_a_retardation_is_turned_into_its_relaxation(glass, fluidity):
     stiffness = found.equilibrium + found.viscosity * s + lines
     assert min(found.equilibrium, found.viscosity, found.weights.min()) >= 0.0
     np.testing.assert_allclose(stiffness * compliance, 1.0, rtol=1e-9)
+
+
+def errors(tests, model, theta):
+    """Of each test, relative to its signal, as errors are printed."""
+    parts = parts_of_specimen(tests)
+    missed = [part.residual(model, theta, 293.15).value * part.relative_sd for part in parts]
+    return np.array([np.sqrt(np.mean(one**2)) for one in missed])
+
+
+def followed(model, theta, share, rng):
+    """A record whose motion turns, and the force with noise of this share."""
+    t = np.linspace(0.0, 20.0, 150)
+    moved = np.sin(t) + 0.3 * np.sin(3.1 * t)
+    force = model.respond(theta, t, moved)
+    return [TimeTest.of_history(t, moved, noisy(force, share, rng), "mm", "N")]
+
+
+@settings(max_examples=12, deadline=None, derandomize=True)
+@given(
+    st.sampled_from(["relaxation", "creep", "record"]),
+    st.sampled_from(NETWORKS),
+    st.integers(0, 10**6),
+    st.sampled_from([1e-3, 1e-2, 0.1]),
+)
+def test_the_floor_of_a_poor_model_lies_below_every_network(kind, name, seed, share):
+    model, theta, rng = made(name, seed)
+    if kind == "record":
+        tests = followed(model, theta, share, rng)
+    else:
+        tests = measured_in(kind, model, theta, share, rng)
+    [floor] = material_floor(identify(tests, parse_model("maxwell"))).errors
+    assert 0.0 < floor <= 1.001 * errors(tests, model, theta)[0]
+
+
+def test_of_several_tests_the_floor_lies_below_the_errors_of_each_material():
+    model, theta, rng = made("burgers", 4)
+    tests = measured_in("both", model, theta, 0.01, rng)
+    poor, good = identify(tests, parse_model("zener")), identify(tests, model)
+    floor = material_floor(poor)
+    assert np.all(floor.errors <= 1.02 * np.array([one.relative_rms for one in good.parts]))
+    # It is one floor, whatever model it is sought from.
+    np.testing.assert_allclose(floor.errors[1], material_floor(good).errors[1], rtol=0.01)
+    lowered = floor.beside([good]).errors
+    assert np.all(np.array(lowered) <= [one.relative_rms for one in good.parts])
+
+
+def test_the_floor_stands_beside_the_same_effects():
+    model, theta, rng = made("zener", 5)
+    drift = 0.02 * model.relaxation(theta, T) + 0.004 * T * model.relaxation(theta, T).max()
+    exact = model.relaxation(theta, T) + drift
+    test = TimeTest.of_relaxation(T, noisy(exact, 0.003, rng), "kPa")
+    without, beside = (
+        material_floor(identify(test, parse_model(f"maxwell{more}"))).errors[0]
+        for more in ("", " + force-drift")
+    )
+    assert beside < 0.2 * without
+    # Any model with the effect is a bound of it.
+    whole = identify(test, parse_model("zener + force-drift"))
+    assert beside <= 1.01 * whole.relative_rms
+
+
+@pytest.fixture(scope="module")
+def relaxed():
+    model, theta, rng = made("burgers", 8)
+    # What drifts is no part of the material.
+    drifting = model.relaxation(theta, T) * (1.0 + 0.3 * np.sin(np.log(T)))
+    return TimeTest.of_relaxation(T, noisy(drifting, 0.002, rng), "kPa", name="relaxed")
+
+
+def test_every_answer_tells_the_floor(relaxed):
+    judged = springpot.diagnose(relaxed, "maxwell", only=["force-drift", "relaxation-mode"])
+    floor = judged.error.material_floor
+    assert 0.0 < floor < judged.error.relative_rms
+    assert judged.to_dict()["error"]["material_floor"] == floor
+    assert "material floor" in str(judged)
+    assert identify(relaxed, parse_model("maxwell")).parts[0].relative_rms > floor
+    fit = springpot.identify(relaxed, "maxwell")
+    assert fit.standing.material_floor == pytest.approx(floor, rel=1e-3)
+    assert "material floor 0." in str(fit)
+    compared = springpot.compare(relaxed, ["maxwell", "zener", "maxwell-3"])
+    assert {one.error.material_floor for one in compared.judgements} == {
+        compared.judgements[0].error.material_floor
+    }
+    for one in compared.judgements:
+        assert one.error.material_floor <= one.error.relative_rms
+
+
+def test_each_rung_has_the_floor_of_its_own_effects(relaxed):
+    ladder = springpot.discover(relaxed, "maxwell", accept=["force-drift"], only=["force-drift"])
+    first, last = ladder.steps
+    assert 0.0 < last.material_floor <= first.material_floor * 1.001
+    assert last.material_floor <= last.relative_rms
+    assert [row["material_floor"] for row in ladder.to_dict()["steps"]] == [
+        first.material_floor,
+        last.material_floor,
+    ]
 
 
 @pytest.mark.skipif(not UNSEEN.is_dir(), reason="the unseen files are not here")

@@ -10,6 +10,7 @@ import pytest
 
 import springpot
 from springpot import parse_model
+from springpot.measurement import noise_of
 from springpot.timetests import identify
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 from springpot.timetests.scatter import scatter_of
@@ -36,6 +37,42 @@ def test_a_part_that_is_missed_beyond_the_noise_is_told():
     residual = rng.normal(size=400)
     residual[200:225] += 6.0 * np.hanning(25)
     assert scatter_of(residual).misfit
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_noise_is_what_it_is_found_to_be_at_each_size_of_the_signal(seed):
+    rng = np.random.default_rng(seed)
+    t = np.geomspace(1e-3, 1e3, 300)
+    exact = 100.0 * t**-0.4
+    # Of a simulated melt: late samples are means over so many more steps.
+    share = np.where(t < 0.03, 0.5, 0.01)
+    test = springpot.TimeTest.of_relaxation(t, exact * (1.0 + share * rng.normal(size=300)), "Pa")
+    told = noise_of(test).sd / exact
+    assert np.median(told[t < 0.02]) == pytest.approx(0.5, rel=0.5)
+    assert np.median(told[t > 0.06]) == pytest.approx(0.01, rel=0.3)
+    # What is missed in the quiet part is told, though the noise of the other is much larger.
+    missed = exact * (1.0 + share * rng.normal(size=300)) + 0.1 * exact * np.sin(2.0 * np.log(t))
+    waved = springpot.TimeTest.of_relaxation(t, missed, "Pa")
+    fit = identify(waved, parse_model("fractional-maxwell"))
+    assert Left.by(fit.model, fit.theta, fit.reference, parts_of_specimen([waved])).misfit
+
+
+def test_noise_of_either_kind_is_told_as_before():
+    rng = np.random.default_rng(3)
+    t = np.geomspace(1e-3, 1e3, 300)
+    for constant, share in ((0.0, 0.02), (0.5, 0.0)):
+        exact = 100.0 * t**-0.4
+        scatter = np.hypot(constant, share * exact) * rng.normal(size=300)
+        told = noise_of(springpot.TimeTest.of_relaxation(t, exact + scatter, "Pa"))
+        expected = np.hypot(told.absolute, told.relative * exact)
+        assert np.max(np.abs(np.log(told.sd / expected))) < 0.2
+
+
+@pytest.mark.skipif(not UNSEEN.is_dir(), reason="the unseen files are not here")
+def test_a_model_is_not_adequate_where_a_material_is_plainly_nearer():
+    [test] = springpot.open_in_time(f"{UNSEEN}/C0224_NVT_450K_1atm.gt")
+    fit = identify(test, parse_model("prony-3"))
+    assert Left.by(fit.model, fit.theta, fit.reference, parts_of_specimen([test])).misfit
 
 
 @pytest.mark.skipif(not UNSEEN.is_dir(), reason="the unseen files are not here")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +15,11 @@ from springpot.registry import open_in_time, parse_model
 from springpot.timetests import identify, predicted
 from springpot.timetests.recording import recorded
 
+DATA = (
+    os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0]
+    or Path(__file__).parents[3] / "shared" / "data"
+)
+UNSEEN = Path(DATA).parent / "unseen"
 MODEL = parse_model("fractional-zener + arrhenius-shift")
 THETA = MODEL.vector({"k1": 20.0, "k2": 300.0, "c": 50.0, "alpha": 0.6, "arrhenius-shift.Ea": 80.0})
 T = np.linspace(0.0, 100.0, 401)
@@ -145,3 +152,10 @@ def test_what_cannot_follow_it_is_refused_by_name():
         TimeTest(T, T, loading, warmth=np.ones(3))
     with pytest.raises(DataError, match="temperature of sample 2 is no number"):
         TimeTest.of_relaxation([1.0, 2.0], [1.0, 1.0], temperature=[20.0, np.nan])
+
+
+@pytest.mark.skipif(not UNSEEN.is_dir(), reason="the unseen files are not here")
+def test_a_ramp_that_ends_at_a_sample_can_be_followed_by_a_clock_that_turns():
+    [test] = open_in_time(f"{UNSEEN}/rel_lapo_1200.csv?time=s,relaxation=Pa")
+    found = identify(test, parse_model("fractional-maxwell + thermal-transient + finite-ramp"))
+    assert np.isfinite(found.relative_rms)

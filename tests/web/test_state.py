@@ -358,7 +358,7 @@ def test_a_fit_by_hand_keeps_what_was_fixed_and_is_otherwise_the_fit(data: Measu
     )
     assert drawn["planes"] == free["planes"]
     for wrong in ({"value": 400.0, "upper": 320.0}, {"value": -1.0}, {"value": None}, 3):
-        with pytest.raises(ModelError, match=r"k = .* is not within|no value"):
+        with pytest.raises(ModelError, match=r"k = .* is not within|k cannot be -1|no value"):
             curve(print, state, text, hands | {"k": wrong})
     swapped = {"value": 310.0, "lower": 320.0, "upper": 305.0}
     with pytest.raises(ModelError, match="lower end 320 lies above the upper end 305; swap them"):

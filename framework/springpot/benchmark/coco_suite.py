@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from springpot.errors import SpringpotError, StudyError
+from springpot.suggestions import suggested
 
 from .columns import required
 
@@ -104,7 +105,8 @@ def postprocess(folder: Path, output: Path) -> Any:
     """
     if not (folder / NAMES).is_file():
         raise StudyError(
-            f"{folder} holds no COCO export: write one with springpot export STUDY --format coco"
+            f"{folder} holds no COCO export: write one with"
+            f" {suggested('export', 'STUDY', '--format', 'coco')}"
         )
     lines = (folder / NAMES).read_text(encoding="utf-8").splitlines()
     names = {int(number): name for number, _, name in (line.partition(" ") for line in lines)}

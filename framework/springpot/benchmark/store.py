@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from springpot.errors import StudyError
+from springpot.suggestions import suggested
 
 from .database import (
     connect,
@@ -227,7 +228,8 @@ class Store:
         if not self._told:
             self._told = True
             print(
-                f"note: {self.path}: {damage}; 'springpot run STUDY.py --retry-failed' mends it",
+                f"note: {self.path}: {damage};"
+                f" '{suggested('run', 'STUDY.py', '--retry-failed')}' mends it",
                 file=sys.stderr,
             )
 

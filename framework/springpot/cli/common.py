@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, redirect_stdout
 from functools import partial
 from pathlib import Path
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from . import completion
-from .faults import BAD_INPUT, FAULT, exit_code
+from .faults import BAD_INPUT, FAULT, INTERRUPTED, exit_code
 
 if TYPE_CHECKING:
     from springpot.measurement.measurement import Measurement
@@ -178,8 +178,9 @@ def of_each(data: Sequence[str], answer: Callable[[str], object]) -> int:
     worst = 0
     for i, name in enumerate(data):
         code = exit_code(partial(_answered, answer, name))
-        if code not in (0, BAD_INPUT, FAULT):
+        if code == INTERRUPTED:
             print(f"interrupted: {i} of {len(data)} are done", file=sys.stderr)
+        if code not in (0, BAD_INPUT, FAULT):
             return code
         worst = max(worst, code)
     return worst
@@ -316,13 +317,6 @@ def with_rows(named: str, chosen: str) -> str:
     if "@" in named and not is_file(named):
         return f"{named},{chosen}"
     return f"{named}@{chosen}"
-
-
-def turned(provenance: Mapping[str, str]) -> str:
-    """The data with one channel turned, where it seems to count the other way; empty for others."""
-    from shlex import split
-
-    return "".join(split(provenance.get("note sign", "").partition(", open ")[2]))
 
 
 @contextmanager

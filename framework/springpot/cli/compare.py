@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from springpot.suggestions import suggested, with_model
+
 from . import timetests
 from .common import (
     FILE,
@@ -16,7 +18,6 @@ from .common import (
     geometry_option,
     json_option,
     opened,
-    quoted,
     seed_option,
     window,
     with_rows,
@@ -93,7 +94,7 @@ def _show(comparison: Comparison, data: str, models: Sequence[str], figure: Path
     print(told(comparison, window()))
     if figure is not None:
         print(f"\nwritten: {figure}")
-    print(f"\nnext: springpot {_next_command(comparison, data, models)}")
+    print(f"\nnext: {_next_command(comparison, data, models)}")
 
 
 def _next_command(comparison: Comparison, data: str, models: Sequence[str]) -> str:
@@ -105,19 +106,19 @@ def _next_command(comparison: Comparison, data: str, models: Sequence[str]) -> s
 
     # Before any model: what sets several tests apart is part of none.
     if comparison.one_test:
-        given = "".join(f" --model {quoted(model)}" for model in dict.fromkeys(models))
-        return f"compare {quoted(with_rows(data, comparison.one_test))}{given}"
+        given = [word for model in dict.fromkeys(models) for word in with_model(model)]
+        return suggested("compare", with_rows(data, comparison.one_test), *given)
     best, not_enough = comparison.best, False
     if isinstance(comparison, Ranking):
         # What is missing from any material is not to be sought beside one model of it.
         if not comparison.adequate and comparison.near:
-            return f"diagnose {quoted(data)}"
+            return suggested("diagnose", data)
         not_enough = not comparison.adequate
     # Of a model that holds the parameters are worth having; of another what is missing from it.
-    command = "identify"
+    verb = "identify"
     if not_enough or best.fails or best.unclear:
-        command = "diagnose"
-    return f"{command} {quoted(data)} --model {quoted(best.model.name)}"
+        verb = "diagnose"
+    return suggested(verb, data, *with_model(best.model.name))
 
 
 def _compared(measurement: Measurement, models: list[Model], seed: int) -> Any:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from springpot.suggestions import accepting, suggested, with_model
+
 from . import completion, timetests
 from .common import (
     DATA,
@@ -22,9 +24,7 @@ from .common import (
     of_each,
     opened,
     print_json,
-    quoted,
     seed_option,
-    turned,
     verbose_option,
     window,
     with_rows,
@@ -119,31 +119,30 @@ def _text(
     diagnosis: Diagnosis, measurement: Measurement, verbose: bool, named: str, model: str | None
 ) -> None:
     """The answer, and the command that goes on from it."""
+    from springpot.measurement.sign import turned
     from springpot.report.told import told
 
     # At once: what is there stays, even where the rest is interrupted.
     print(told(diagnosis, window(), data=measurement, verbose=verbose), flush=True)
-    if command := _next_command(diagnosis, named, model, turned(measurement.provenance)):
+    if following := _next_command(diagnosis, named, model, turned(measurement.provenance)):
         word = "next"
-        if command.startswith("discover"):
+        if following.split()[1] == "discover":
             word = diagnosis.onward
-        print(f"\n{word}: springpot {command}", flush=True)
+        print(f"\n{word}: {following}", flush=True)
 
 
 def _next_command(diagnosis: Diagnosis, named: str, model: str | None, other_way: str = "") -> str:
     """The command that goes on from an answer; empty where only a measurement does."""
-    judged = ""
-    if model is not None:
-        judged = f" --model {quoted(model)}"
+    judged = with_model(model)
     # Before all else: of a force that counts the other way every other answer is wrong.
     if other_way:
-        return f"diagnose {quoted(other_way)}{judged}"
+        return suggested("diagnose", other_way, *judged)
     # Before any effect: what sets several tests apart is none, and would be mended by a wrong one.
     if diagnosis.one_test:
-        return f"diagnose {quoted(with_rows(named, diagnosis.one_test))}{judged}"
+        return suggested("diagnose", with_rows(named, diagnosis.one_test), *judged)
     if diagnosis.offered:
-        return f"discover {quoted(named)}{judged} --accept {diagnosis.offered}"
+        return suggested("discover", named, *judged, *accepting([diagnosis.offered]))
     # Of any material that is adequate the question is left which model has the fewest parameters.
     if diagnosis.verdict == "adequate" and model is None:
-        return f"compare {quoted(named)}"
+        return suggested("compare", named)
     return ""

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from springpot.suggestions import accepting, suggested, with_model
+
 from . import completion, timetests
 from .common import (
     FILE,
@@ -23,7 +25,6 @@ from .common import (
     library_from,
     library_options,
     opened,
-    quoted,
     seed_option,
     verbose_option,
     window,
@@ -60,6 +61,11 @@ ACCEPT = "Accept this effect; may be given several times."
     shell_complete=completion.names_of("effect"),
 )
 @click.option(
+    "--split",
+    metavar="COLUMN",
+    help="Give each value of a column a factor of its own, the material being shared.",
+)
+@click.option(
     "--auto", is_flag=True, help="Let the evidence decide, until nothing significant is left."
 )
 @click.option(
@@ -83,6 +89,7 @@ def command(
     more: tuple[str, ...],
     model: str | None,
     accept: tuple[str, ...],
+    split: str | None,
     auto: bool,
     report: Path | None,
     figure: Path | None,
@@ -104,6 +111,8 @@ def command(
     from springpot.report.told import told
 
     accept = (*accept, *more)  # as in: --accept inertia time-delay
+    if split is not None:
+        accept = (_of_each(split), *accept)
     _require_one_choice(auto, accept)
     _check_paths(report, figure)
     expression = None
@@ -165,6 +174,19 @@ def _check_paths(report: Path | None, figure: Path | None) -> None:
         check_figure_path(figure)
 
 
+def _of_each(column: str) -> str:
+    """The effect that gives each value of a column a factor of its own, by the name it then has."""
+    from springpot.errors import OptionError
+    from springpot.registry import plugins
+
+    for effect in plugins().items("effect"):
+        if effect.by_levels and effect.plane != "shift":
+            return str(effect.of_column(column).name)
+    raise OptionError(
+        f"--split {column}: no installed effect has a factor of its own at each value"
+    )
+
+
 def _require_one_choice(auto: bool, accept: tuple[str, ...]) -> None:
     """Either the evidence decides, or the user names what is accepted."""
     if auto and accept:
@@ -181,14 +203,12 @@ def _next(ladder: Ladder, data: str, model: str | None) -> str:
 
     One test, or one effect more where one is named, or the parameters reached.
     """
-    judged = ""
-    if model is not None:
-        judged = f" --model {quoted(model)}"
+    judged = with_model(model)
     diagnosis = ladder.diagnosis
     # As `diagnose` does: what sets several tests apart is no effect, and the parameters of them all
     # are of none.
     if diagnosis.one_test:
-        return f"springpot diagnose {quoted(with_rows(data, diagnosis.one_test))}{judged}"
+        return suggested("diagnose", with_rows(data, diagnosis.one_test), *judged)
     taken = [step.accepted for step in ladder.steps if step.accepted]
     # What was dropped again, marked by a hyphen, is not asked for a second time.
     named = [name for name in taken if not name.startswith("-")]
@@ -198,9 +218,8 @@ def _next(ladder: Ladder, data: str, model: str | None) -> str:
     if diagnosis.best is not None:
         following = [diagnosis.best.effect]
     if not following:
-        return f"springpot identify {quoted(data)} --model {quoted(ladder.model.name)}"
-    accept = " ".join(f"--accept {quoted(name)}" for name in [*named, *following])
-    return f"springpot discover {quoted(data)}{judged} {accept}"
+        return suggested("identify", data, *with_model(ladder.model.name))
+    return suggested("discover", data, *judged, *accepting([*named, *following]))
 
 
 def _climbed(tests: Sequence[Test], model: Model | None, **arguments: Any) -> tuple[Ladder, int]:

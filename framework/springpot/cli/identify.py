@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from springpot.suggestions import suggested, with_model
 from springpot.thresholds import INTERVALS
 
 from . import completion, timetests
@@ -23,7 +24,6 @@ from .common import (
     of_each,
     opened,
     print_json,
-    quoted,
     seed_option,
     verbose_option,
     window,
@@ -204,4 +204,4 @@ def _show(
     if figure is not None:
         print(f"figure      {figure}")
     if identified.standing is not None and not identified.standing.good_enough and len(data) == 1:
-        print(f"\nnext: springpot diagnose {quoted(data[0])} --model {quoted(model)}")
+        print(f"\nnext: {suggested('diagnose', data[0], *with_model(model))}")

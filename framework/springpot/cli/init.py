@@ -7,7 +7,9 @@ from pathlib import Path
 
 import click
 
-from .common import FOLDER, emit, json_option
+from springpot.suggestions import suggested
+
+from .common import FOLDER, emit, json_option, quoted
 
 KINDS: dict[str, dict[str, str]] = {
     "study": {"study": "race.py"},
@@ -19,11 +21,6 @@ KINDS: dict[str, dict[str, str]] = {
     "ci": {"ci": ".github/workflows/accuracy.yml", "study": "race.py"},
 }
 """For each kind the templates and where they go."""
-NEXT = {
-    "study": "springpot run race.py",
-    "plugin": "pip install -e . && pytest && springpot list models my-model",
-    "ci": "springpot regression update race.py",
-}
 
 
 @click.command("init", epilog="Example: springpot init study")
@@ -54,10 +51,28 @@ def command(kind: str, folder: Path, as_json: bool) -> None:
         template = files(__package__) / "templates" / f"{name}.txt"
         write_text(path, template.read_text(encoding="utf-8"))
     written = [str(path) for path in paths.values()]
-    emit({"schema": "springpot.files/1", "files": written}, as_json, lambda: _show(kind, written))
+    emit(
+        {"schema": "springpot.files/1", "files": written},
+        as_json,
+        lambda: _show(kind, folder, written),
+    )
 
 
-def _show(kind: str, written: list[str]) -> None:
+def _show(kind: str, folder: Path, written: list[str]) -> None:
     for path in written:
         print(f"written: {path}")
-    print(f"\nnext: {NEXT[kind]}")
+    print(f"\nnext: {_next(kind, folder)}")
+
+
+def _next(kind: str, folder: Path) -> str:
+    """What to do with what was written, in the folder in which it is."""
+    steps = []
+    if folder != Path():
+        steps.append(f"cd {quoted(str(folder))}")
+    if kind == "study":
+        steps.append(suggested("run", KINDS[kind]["study"]))
+    elif kind == "ci":
+        steps.append(suggested("regression update", KINDS[kind]["study"]))
+    else:
+        steps += ["pip install -e .", "pytest", suggested("list models", "my-model")]
+    return " && ".join(steps)

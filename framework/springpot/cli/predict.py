@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from springpot.identified import no_fit
+
 from . import timetests
 from .common import DATA, FILE, INPUT, emit, geometry_option, json_option
 
@@ -92,7 +94,7 @@ def command(
     _require_one_question(frequency, omega, history, geometry)
     known = load(fit)
     if not isinstance(known, Identification):
-        raise DataError(f"{fit} is no fit: give the output of 'springpot identify ... --json'")
+        raise DataError(no_fit(fit))
     if history is not None:
         timetests.predict(known, history, temperature, level, geometry, output, figure, as_json)
         return

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .common import DATA, FILE, POSITIVE, emit, json_option, of_each, quoted
+from springpot.suggestions import suggested
+
+from .common import DATA, FILE, POSITIVE, emit, json_option, of_each
 
 if TYPE_CHECKING:
     from springpot.measurement.from_signals import OneTest
@@ -137,7 +139,4 @@ def _show(result: dict[str, Any]) -> None:
         if "note" in key:
             print(f"{key}: {value}")
     if result["output"]:
-        print(
-            f"written: {result['output']}\n\nnext: springpot compare"
-            f" {quoted(str(result['output']))}"
-        )
+        print(f"written: {result['output']}\n\nnext: {suggested('compare', result['output'])}")

@@ -7,7 +7,9 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .common import emit, note_to_stderr, opened, quoted, seen_through, turned, window
+from springpot.suggestions import accepting, suggested, with_model
+
+from .common import emit, note_to_stderr, opened, quoted, seen_through, window
 
 if TYPE_CHECKING:
     from springpot.diagnosis.result import Diagnosis
@@ -99,8 +101,7 @@ def _show(
     if figure is not None:
         print(f"figure      {figure}")
     if identified.standing is not None and not identified.standing.good_enough:
-        named = " ".join(map(quoted, data))
-        print(f"\nnext: springpot diagnose {named} --model {quoted(expression)}")
+        print(f"\nnext: {suggested('diagnose', *data, *with_model(expression))}")
 
 
 def compare(
@@ -155,22 +156,20 @@ def _show_diagnosis(
     from springpot.report.told import told
 
     print(told(diagnosis, window(), verbose=verbose))
-    judged = ""
-    if model is not None:
-        judged = f" --model {quoted(model)}"
+    judged = with_model(model)
     # Before all else: of a force that counts the other way every other answer is wrong.
     right_way = _turned(tests, data)
     if right_way != list(data):
-        print(f"\nnext: springpot diagnose {' '.join(map(quoted, right_way))}{judged}")
-    elif diagnosis.leading:
-        named = " ".join(map(quoted, data))
-        accept = f"--accept {quoted(diagnosis.leading[0])}"
-        print(f"\n{diagnosis.onward}: springpot discover {named}{judged} {accept}")
+        print(f"\nnext: {suggested('diagnose', *right_way, *judged)}")
+    elif diagnosis.offered:
+        accepted = accepting([diagnosis.offered])
+        print(f"\n{diagnosis.onward}: {suggested('discover', *data, *judged, *accepted)}")
 
 
 def _turned(tests: Sequence[Test], data: Sequence[str]) -> list[str]:
     """The data, each with its force turned where that seems to count the other way."""
     from springpot.measurement.reader import file_and_choice
+    from springpot.measurement.sign import turned
 
     others = [other for test in tests if (other := turned(test.provenance))]
     return [

@@ -14,6 +14,7 @@ import numpy as np
 from springpot.identification.part_result import PartResult, in_floors
 from springpot.identification.value import Value
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.sign import turned
 from springpot.misfit.drift_search import Course, change_in_order, course_behind
 from springpot.misfit.error import Error
 from springpot.misfit.material import MaterialFloor, error_of, split_in_words
@@ -32,6 +33,7 @@ from springpot.misfit.words import times
 from springpot.rheology.effect import Effect
 from springpot.thresholds import EVIDENCE, EXPERIMENT, VERDICT
 
+from .actions import ToDo, leaving_out, splitting, turning
 from .evidence import Evidence, best_with
 from .experiment import (
     experiment_on_confounded,
@@ -278,11 +280,26 @@ def answer(
         leading=tuple(leading),
         one_test=one_test,
         tests=(_as_test(measurement, error),),
+        steps=tuple(_steps(measurement, search, outliers, cause)),
     )
     # A factor at each temperature would be another name for the time.
     if course is None:
         diagnosis = _with_factors(diagnosis, search, evidence, library)
     return diagnosis
+
+
+def _steps(
+    measurement: Measurement, search: Search, outliers: Sequence[Outlier], cause: Cause
+) -> Iterator[ToDo]:
+    """What can be done with the data themselves."""
+    if spec := turned(measurement.provenance):
+        yield turning(spec)
+    error = search.base.error
+    if isinstance(cause, Column) and cause.name in measurement.conditions:
+        yield splitting(cause.name, error * float(np.sqrt(max(1.0 - cause.share, 0.0))))
+    # The error is that without them: that is how the answer was found.
+    for row in [outlier.row for outlier in outliers if outlier.row is not None]:
+        yield leaving_out(row, error)
 
 
 def _split(search: Search, floor: MaterialFloor, nothing: bool) -> str:

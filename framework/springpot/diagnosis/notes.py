@@ -34,6 +34,7 @@ from springpot.misfit.words import percent, plain, times
 from springpot.rheology.effect import Effect
 from springpot.rheology.parameters import INERTANCE
 from springpot.rheology.points import Complex, Real
+from springpot.suggestions import suggested
 from springpot.thresholds import EVIDENCE, SCATTER, VERDICT
 
 from .evidence import Evidence
@@ -164,7 +165,7 @@ def _by_column(
         return
     yield (
         f"whether a factor of the times at each {column.name} joins them is told by "
-        f"'springpot mastercurve DATA --column {column.name}'; "
+        f"'{suggested('mastercurve', 'DATA', '--column', column.name)}'; "
         f"'{NAME} + {free[0].of_column(column.name).name}' fits them together"
     )
 

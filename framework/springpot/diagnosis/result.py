@@ -19,6 +19,8 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.thresholds import VERDICT
 
+from .actions import ToDo, accepting
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -29,6 +31,8 @@ EffectVerdict = Literal["missing", "absent", "cannot-tell"]
 Shelf = Literal["explains", "helps", "ruled-out"]
 
 SCHEMA = "springpot.diagnosis/2"
+MOST_ACCEPTED = 3
+"""Effects that are offered to be accepted."""
 RENAMED = frozenset({"physics", "alike"})
 """Of a candidate: told as its effect and its class."""
 
@@ -214,6 +218,9 @@ class Diagnosis:
         Each test beside its noise floor.
     left_out : mapping of str to str
         Effects that could not be fitted, and why.
+    steps : tuple of ToDo
+        What can be done with the data themselves: turn a channel, split by a column, leave a row
+        out.
 
     Examples
     --------
@@ -245,6 +252,19 @@ class Diagnosis:
     one_test: str = ""
     tests: tuple[PartResult, ...] = ()
     left_out: Mapping[str, str] = field(default_factory=dict)
+    steps: tuple[ToDo, ...] = ()
+
+    @property
+    def actions(self) -> tuple[ToDo, ...]:
+        """What can be done next: first with the data themselves, then the effects to accept."""
+        if self.verdict == "adequate":
+            return self.steps
+        explain = self.on_shelf("explains")
+        shown = [*explain, *self.on_shelf("helps")][:MOST_ACCEPTED]
+        return (
+            *self.steps,
+            *(accepting(row.effect, row in explain, row.after) for row in shown),
+        )
 
     @property
     def best(self) -> Candidate | None:
@@ -276,7 +296,9 @@ class Diagnosis:
         """The effects of a shelf; of those that help the one that takes most of the error first."""
         found = [each for each in self.candidates if self.shelf_of(each) == shelf]
         if shelf == "helps":
-            found.sort(key=lambda each: (each.effect not in self.leading, each.after))
+            # What the headline names stands as it names it.
+            first = {name: place for place, name in enumerate(self.leading)}
+            found.sort(key=lambda each: (first.get(each.effect, len(first)), each.after))
         return tuple(found)
 
     @property
@@ -337,6 +359,8 @@ class Diagnosis:
             "notes": self.notes,
             "evidence": self.evidence,
             "left_out": self.left_out,
+            "steps": self.steps,
+            "actions": self.actions,
         }
         return dict(jsonable(answer))
 
@@ -364,6 +388,7 @@ class Diagnosis:
             notes=tuple(answer["notes"]),
             evidence=answer["evidence"],
             left_out=answer["left_out"],
+            steps=tuple(ToDo.from_dict(row) for row in answer["steps"]),
         )
 
     def _repr_html_(self) -> str:

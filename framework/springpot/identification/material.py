@@ -10,7 +10,9 @@ lines that carry weight.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import chain
 
 import numpy as np
@@ -19,20 +21,13 @@ from springpot.measurement.measurement import Measurement
 from springpot.nonnegative import non_negative
 from springpot.rheology.continuum import Continuum
 from springpot.rheology.model import Model
-from springpot.rheology.nodes import (
-    GRADIENT,
-    Chain,
-    Node,
-    Parallel,
-    Renamed,
-    Response,
-    Scaled,
-    Shift,
-)
-from springpot.rheology.points import Complex, Points, Real
+from springpot.rheology.nodes import GRADIENT, Node, Response
+from springpot.rheology.points import Complex, Real
 
+from .around_material import Probe, Tabulated, asked_as_measured, linear_in_material
 from .coordinates import Coordinates
 from .problem import Objective, numbers_of, weighted
+from .trials import Solving, Trial, Way
 
 PER_DECADE = 3
 """Lines a decade of the first lattice.
@@ -55,12 +50,8 @@ QUICK = 10
 """Steps after which it is asked whether a descent is hopeless."""
 STILL = 1e-8
 """Relative drop of the objective below which a step changes nothing that is printed."""
-SHORTEST = 1e-7
-"""Step in coordinates, most of them logarithms, that changes nothing that is printed."""
 WIDEST = 60.0 * float(np.log(10.0))
 """Range of reduced frequencies that no material has."""
-REACH = 3.0
-"""Longest step of a coordinate: a factor of e^3 for a parameter searched by its logarithm."""
 INNER = 6
 """Solutions for the weights where K is not linear in them, as behind a spring in series."""
 FORETOLD = 1e-6
@@ -76,6 +67,8 @@ So that its residual tells something of the scatter. Most
 data with noise make it use far fewer lines; few or exact ones would be followed by a line for every
 number.
 """
+AT_ONCE = 7000
+"""Numbers of dK/dtheta that are worked out at once, so that they stay in the processor's cache."""
 STEP = float(np.log(10.0)) / PER_DECADE
 """Between lines of the first lattice, in ln r."""
 FINE = STEP / 8
@@ -148,33 +141,6 @@ class Spectral:
     converged: bool
 
 
-@dataclass(frozen=True)
-class _Probe(Node):
-    """Stands in a material's place and keeps the reduced frequencies that reach it."""
-
-    seen: list[tuple[float, float]]
-
-    def respond(self, theta: Real, at: Points, depth: int = 0) -> Response:
-        self.seen.append((float(np.min(at.log_omega.real)), float(np.max(at.log_omega.real))))
-        one = np.ones(at.log_omega.shape, dtype=np.complex128)
-        empty = np.zeros((*theta.shape[:-1], 0, at.log_omega.shape[-1]), dtype=np.complex128)
-        return Response(one, empty, np.zeros_like(one))
-
-    @property
-    def parameters(self) -> tuple[()]:
-        return ()
-
-
-@dataclass(frozen=True, eq=False)
-class Trial:
-    """The best spectrum at given parameters of the effects."""
-
-    u: Real
-    log_rates: Real
-    weights: Real
-    cost: float
-
-
 class SpectrumSearch:
     """Variable projection for one model and one set of data."""
 
@@ -198,11 +164,13 @@ class SpectrumSearch:
         self.low, self.high = (bound[0] for bound in self.coordinates.bounds())
         # Then one solution is exact; behind a spring in series K bends with the weights, and it
         # takes a few.
-        self.linear = _linear_in_material(model.network)
+        self.linear = linear_in_material(model.network)
+        # Then the lines are what they are at all settings, and their curves are worked out once.
+        self.as_measured = asked_as_measured(model.network)
         self.evaluations = 0
-        self._with_lines: dict[bytes, Model] = {}
-        self._probe = _Probe([])
-        self._probed = replace(model, material=self._probe)
+        self._with_lines: dict[bytes, Node] = {}
+        self._probe = Probe([])
+        self._probed = replace(model, material=self._probe).network
 
     @classmethod
     def of(
@@ -251,16 +219,26 @@ class SpectrumSearch:
         return surprise_at(self.expected, own)
 
     def with_lines(self, log_rates: Real) -> Model:
-        """The model with a spectrum of these lines.
+        """The model with a spectrum of these lines."""
+        material = self.model.material
+        assert isinstance(material, Continuum)
+        lines = replace(material, rates=tuple(np.exp(log_rates).tolist()))
+        return replace(self.model, material=lines)
 
-        Neighbouring settings mostly have the same ones.
+    def _network(self, log_rates: Real) -> Node:
+        """Its network at the measured points.
+
+        Neighbouring settings mostly have the same lines.
         """
         key = log_rates.tobytes()
         if key not in self._with_lines:
-            material = self.model.material
-            assert isinstance(material, Continuum)
-            lines = replace(material, rates=tuple(np.exp(log_rates).tolist()))
-            self._with_lines[key] = replace(self.model, material=lines)
+            model = self.with_lines(log_rates)
+            if self.as_measured:
+                material = model.material
+                assert isinstance(material, Continuum)
+                basis, _ = material.basis(self.points.log_omega, False)
+                model = replace(model, material=Tabulated(basis, material))
+            self._with_lines[key] = model.network
         return self._with_lines[key]
 
     def lattice(self, own: Real) -> Real:
@@ -268,10 +246,19 @@ class SpectrumSearch:
 
         Those that the reduced frequencies can show.
         """
+        if self.as_measured:
+            return self._first_lattice
+        return self._lattice(own)
+
+    @cached_property
+    def _first_lattice(self) -> Real:
+        return self._lattice(self.theta_of(np.clip(np.zeros(len(self.own)), self.low, self.high)))
+
+    def _lattice(self, own: Real) -> Real:
         probe = self._probe
         probe.seen.clear()
         with np.errstate(all="ignore"):
-            self._probed.network.respond(own, self.points)
+            self._probed.respond(own, self.points)
         ends = list(chain.from_iterable(probe.seen))
         if not np.all(np.isfinite(ends)) or max(ends) - min(ends) > WIDEST:
             return np.zeros(
@@ -285,16 +272,46 @@ class SpectrumSearch:
 
     def respond(self, trial: Trial) -> Response:
         """K of a trial and its derivative."""
-        self.evaluations += 1
-        theta = np.concatenate([trial.weights, self.theta_of(trial.u)])
+        [response] = self.respond_each([trial])
+        return response
+
+    def respond_each(self, trials: Sequence[Trial]) -> list[Response]:
+        """The same of several, those of the same lines at once."""
+        self.evaluations += len(trials)
+        alike: dict[bytes, list[int]] = {}
+        for i, trial in enumerate(trials):
+            alike.setdefault(trial.log_rates.tobytes(), []).append(i)
+        responses: dict[int, Response] = {}
+        for rows in alike.values():
+            one = trials[rows[0]]
+            most = max(1, AT_ONCE // (len(one.weights) * len(self.data)))
+            for some in (rows[k : k + most] for k in range(0, len(rows), most)):
+                for i, response in zip(some, self._at_once([trials[i] for i in some]), strict=True):
+                    responses[i] = response
+        return [responses[i] for i in range(len(trials))]
+
+    def _at_once(self, trials: Sequence[Trial]) -> Iterator[Response]:
+        """Responses of trials of the same lines."""
+        network = self._network(trials[0].log_rates)
+        theta = np.array([np.concatenate([t.weights, self.theta_of(t.u)]) for t in trials])
         with np.errstate(all="ignore"):
-            return self.with_lines(trial.log_rates).network.respond(theta, self.points, GRADIENT)
+            if len(trials) == 1:
+                yield network.respond(theta[0], self.points, GRADIENT)
+                return
+            both = network.respond(theta, self.points, GRADIENT)
+        for value, by_theta in zip(both.value, both.by_theta, strict=True):
+            yield Response(value, by_theta)
 
     def solve(self, u: Real, log_rates: Real | None = None, near: Trial | None = None) -> Trial:
         """The best spectrum for the effects' `u`; of infinite cost where K is no number.
 
         The weights of a trial nearby, if it has the same lines, are a start.
         """
+        [best] = self.solve_each([self.begun(u, log_rates, near)])
+        return best
+
+    def begun(self, u: Real, log_rates: Real | None = None, near: Trial | None = None) -> Trial:
+        """What `solve` begins with."""
         if log_rates is None:
             log_rates = self.lattice(self.theta_of(u))
         count = 2 + len(log_rates)
@@ -306,34 +323,47 @@ class SpectrumSearch:
             start = np.full(count, self.scale / count)
             if near is not None and np.array_equal(near.log_rates, log_rates):
                 start = near.weights
-        best = trial = Trial(u, log_rates, start, np.inf)
-        foretold = np.inf
-        surprise = self.surprise(self.theta_of(u))
-        beside = float(surprise @ surprise)
+        return Trial(u, log_rates, start, np.inf)
+
+    def solve_each(self, begun: Sequence[Trial]) -> list[Trial]:
+        """The best spectra for several settings, side by side."""
+        all_of_them = [Solving(trial, trial) for trial in begun]
+        going = all_of_them
         for _ in range(INNER):
-            response = self.respond(trial)
-            if not (np.all(np.isfinite(response.value)) and np.all(np.isfinite(response.by_theta))):
+            responses = self.respond_each([each.trial for each in going])
+            pairs = zip(going, responses, strict=True)
+            going = [each for each, response in pairs if self._solved_once(each, response)]
+            if not going:
                 break
-            residual = weighted(self.data - response.value, self.weights)
-            with np.errstate(over="ignore"):
-                cost = float(residual @ residual) + beside
-            if not np.isfinite(cost):
-                # K is a number, its square is none: a wave in a specimen driven at its resonance.
-                break
-            if np.isfinite(foretold):
-                if cost < best.cost:
-                    best = replace(trial, cost=cost)
-                if abs(cost - foretold) <= FORETOLD * foretold + ROUNDING:
-                    break
-            # What the last weights explain is put back: whole weights are found, and these must not
-            # be negative.
-            columns = weighted(response.by_theta[:count], self.weights)
-            weights, left = non_negative(columns.T, residual + trial.weights @ columns)
-            foretold = left + beside
-            trial = replace(trial, weights=weights)
-            if self.linear:
-                return replace(trial, cost=foretold)
-        return best
+        return [each.best for each in all_of_them]
+
+    def _solved_once(self, at: Solving, response: Response) -> bool:
+        """Solve for the weights with K as it is there, and tell whether to do so once more."""
+        trial, count = at.trial, len(at.trial.weights)
+        if not (np.all(np.isfinite(response.value)) and np.all(np.isfinite(response.by_theta))):
+            return False
+        surprise = self.surprise(self.theta_of(trial.u))
+        beside = float(surprise @ surprise)
+        residual = weighted(self.data - response.value, self.weights)
+        with np.errstate(over="ignore"):
+            cost = float(residual @ residual) + beside
+        if not np.isfinite(cost):
+            # K is a number, its square is none: a wave in a specimen driven at its resonance.
+            return False
+        if np.isfinite(at.foretold):
+            if cost < at.best.cost:
+                at.best = replace(trial, cost=cost)
+            if abs(cost - at.foretold) <= FORETOLD * at.foretold + ROUNDING:
+                return False
+        # What the last weights explain is put back: whole weights are found, and these must not be
+        # negative.
+        columns = weighted(response.by_theta[:count], self.weights)
+        weights, left = non_negative(columns.T, residual + trial.weights @ columns)
+        at.foretold = left + beside
+        at.trial = replace(trial, weights=weights)
+        if self.linear:
+            at.best = replace(at.trial, cost=at.foretold)
+        return not self.linear
 
     def descend(
         self,
@@ -349,34 +379,46 @@ class SpectrumSearch:
 
         The spectrum has the given lines, by default those of the first lattice.
         """
-        if not len(trial.u) or not np.isfinite(trial.cost):
-            return trial, True
-        # Nearly a Gauss-Newton step at first; what the data do not bear makes it shorter.
-        damping, slopes = 1e-3, self._slopes(trial)
-        for step in range(iterations):
-            if step == QUICK and trial.cost > hopeless:
-                return trial, False
-            moved = np.clip(trial.u + _step(*slopes, damping), self.low, self.high)
-            if float(np.max(np.abs(moved - trial.u))) < SHORTEST:
-                return trial, True
-            other = self.solve(moved, lines, trial)
-            drop = trial.cost - other.cost
-            if not drop > 0.0:
-                # Not better, or no number: a shorter step, nearer to the steepest descent.
-                damping *= 10.0
-                continue
-            trial, damping = other, max(0.1 * damping, 1e-9)
-            if drop <= still * trial.cost:
-                return trial, True
-            slopes = self._slopes(trial)
-        return trial, False
+        [end] = self.descend_each([trial], iterations, still, hopeless, lines)
+        return end
 
-    def _slopes(self, trial: Trial) -> tuple[Real, Real]:
+    def descend_each(
+        self,
+        trials: Sequence[Trial],
+        iterations: int = ITERATIONS,
+        still: float = STILL,
+        hopeless: float = np.inf,
+        lines: Real | None = None,
+    ) -> list[tuple[Trial, bool]]:
+        """The same from several trials, side by side."""
+        ways = [Way(trial) for trial in trials]
+        going = [way for way in ways if len(way.trial.u) and np.isfinite(way.trial.cost)]
+        self._turn(going)
+        for step in range(iterations):
+            if step == QUICK:
+                going = [way for way in going if not way.trial.cost > hopeless]
+            going = [way for way in going if way.moves(self.low, self.high)]
+            if not going:
+                break
+            begun = [self.begun(way.ahead, lines, way.trial) for way in going]
+            for way, other in zip(going, self.solve_each(begun), strict=True):
+                way.take(other, still)
+            going = [way for way in going if not way.at_rest]
+            self._turn([way for way in going if way.better])
+        return [(way.trial, way.at_rest) for way in ways]
+
+    def _turn(self, ways: Sequence[Way]) -> None:
+        """The slopes where each of them has come to."""
+        responses = self.respond_each([way.trial for way in ways])
+        for way, response in zip(ways, responses, strict=True):
+            way.slopes = self._slopes(way.trial, response)
+
+    def _slopes(self, trial: Trial, response: Response) -> tuple[Real, Real]:
         """Residual (m,) and its fall (m, q) with u where the lines that carry weight follow.
 
         0 at a bound.
         """
-        response, own = self.respond(trial), self.theta_of(trial.u)
+        own = self.theta_of(trial.u)
         count = len(trial.weights)
         residual = weighted(self.data - response.value, self.weights)
         by_u = self.coordinates.carry(response.by_theta[count:].copy(), own, self.size)
@@ -490,40 +532,3 @@ class SpectrumSearch:
         # What was expected guides the search; the objective that is told is that of the data.
         cost = trial.cost - float(surprise @ surprise)
         return Spectral(model, theta, cost, self.evaluations, converged)
-
-
-def _step(residual: Real, slopes: Real, damping: float) -> Real:
-    """A damped Gauss-Newton step (q,), no coordinate of it beyond `REACH`."""
-    size = np.linalg.norm(slopes, axis=0)
-    # Slopes so small that their squares are zero have no size: divided by less they would drown the
-    # damping.
-    size = np.maximum(size, 1e-9 * max(float(size.max()), 1e-150))
-    scaled = slopes / size
-    matrix = scaled.T @ scaled + damping * np.eye(len(size))
-    step: Real = np.clip(np.linalg.solve(matrix, scaled.T @ residual) / size, -REACH, REACH)
-    return step
-
-
-def _linear_in_material(network: Node) -> bool:
-    """Whether K is linear in the weights of the spectrum.
-
-    Only sums, factors and shifts stand around it.
-    """
-    if isinstance(network, Continuum):
-        return True
-    if isinstance(network, Renamed | Scaled):
-        return _linear_in_material(network.node)
-    if isinstance(network, Parallel):
-        return any(_linear_in_material(child) for child in network.children)
-    if isinstance(network, Chain | Shift):
-        return _linear_in_material(network.children[0])
-    return False
-
-
-def reduced_range(fitted: Model, theta: Real, points: Points) -> tuple[float, float]:
-    """Least and largest logarithm of the reduced frequencies that reach a fitted material."""
-    probe = _Probe([])
-    own = theta[len(fitted.material.parameters) :]
-    with np.errstate(all="ignore"):
-        replace(fitted, material=probe).network.respond(own, points)
-    return min(seen[0] for seen in probe.seen), max(seen[1] for seen in probe.seen)

@@ -27,10 +27,11 @@ from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Real
 from springpot.rheology.thermal import arrhenius, wlf
 
-from .material import ITERATIONS, STILL, Spectral, SpectrumSearch, Trial
+from .material import ITERATIONS, STILL, Spectral, SpectrumSearch
 from .problem import Objective, relative_objective
 from .ranges import Window, settings
 from .starts import thinned
+from .trials import Trial
 
 NEAR = 0.02
 """Error of a prediction between measured points, in ln|K| and in radian.
@@ -398,13 +399,12 @@ def _deepest(
     search: SpectrumSearch, places: Sequence[Iterable[Real]], still: float, hopeless: float
 ) -> tuple[Trial, bool]:
     """The best end of descents from the best starts of each kind; whether it came to rest."""
-    ends = []
+    begun: list[Trial] = []
     for some in places:
         # A setting costs one convex problem; descents are begun only from the best of them.
-        trials = sorted(
-            (search.solve(search.u_of(own)) for own in some), key=lambda trial: trial.cost
-        )
-        ends += [search.descend(trial, ITERATIONS, still, hopeless) for trial in trials[:KEPT]]
+        trials = search.solve_each([search.begun(search.u_of(own)) for own in some])
+        begun += sorted(trials, key=lambda trial: trial.cost)[:KEPT]
+    ends = search.descend_each(begun, ITERATIONS, still, hopeless)
     return min(ends, key=lambda end: end[0].cost)
 
 

@@ -25,6 +25,7 @@ from springpot.measurement.units import Units
 from springpot.rheology.levels import held
 from springpot.rheology.model import Model
 from springpot.rheology.points import KELVIN, Complex, Real
+from springpot.suggestions import suggested
 from springpot.thresholds import INTERVAL
 
 from .uncertainty import lost_and_known
@@ -384,7 +385,7 @@ def require_known(model: Model, covered: Covered, name: str, column: Real) -> No
     hint = ""
     # Any other column is known to effects that are given its name.
     if name in KNOWN_TO_EFFECTS:
-        hint = ", one that 'springpot list effects' says needs it"
+        hint = f", one that '{suggested('list effects')}' says needs it"
     raise ModelError(
         f"{model.name} does not know {name}, which {span}: fit a model with an effect of it{hint}"
     )

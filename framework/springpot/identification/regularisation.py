@@ -21,7 +21,8 @@ from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Complex, Points, Real
 from springpot.thresholds import INTERVAL
 
-from .material import BEYOND, is_material, reduced_range
+from .around_material import reduced_range
+from .material import BEYOND, is_material
 from .native import Fit
 from .problem import weighted
 

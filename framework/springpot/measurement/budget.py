@@ -16,6 +16,7 @@ from typing import TypeVar
 from springpot.errors import DataError
 from springpot.inputs import require_regular
 from springpot.limits import OverTime, limited
+from springpot.suggestions import suggested
 
 T = TypeVar("T")
 
@@ -83,6 +84,6 @@ def within_budget(path: Path, action: Callable[[], T]) -> T:
         spent = f"more than {budget.memory >> 20} MiB of memory"
     raise DataError(
         f"{path}: reading it was ended: it takes {spent}, too much for its size; save only the"
-        " table that matters, in several files if need be ('springpot signals' reads time signals"
-        " of any length)"
+        f" table that matters, in several files if need be ({suggested('signals', 'FILE')} reads"
+        " time signals of any length)"
     )

@@ -26,6 +26,7 @@ from springpot.errors import DataError, SpringpotError
 from springpot.files import keep_input
 from springpot.inputs import require_regular
 from springpot.owners import described, owned
+from springpot.suggestions import suggested
 
 from .budget import within_budget
 from .from_signals import OneTest, measurement_of_tests, one_test
@@ -407,7 +408,7 @@ def _named(text: str, datasets: Iterable[DataSet], readers: Iterable[Reader]) ->
     if text and ("/" in text or "\\" in text or re.search(r"\.\w{1,5}$", text)):
         raise DataError(f"{short(text)}: there is no such file")
     near = get_close_matches(text, known, n=3, cutoff=0.5)
-    hint = "see 'springpot list datasets'"
+    hint = f"see '{suggested('list datasets')}'"
     if near:
         hint = f"did you mean {', '.join(near)}?"
     raise DataError(f"'{short(text)}' is neither a file nor a registered data set: {hint}")
@@ -611,7 +612,7 @@ def _signals_by(path: Path, choice: Choice, readers: list[Reader]) -> Signals:
         advice = "if they are, say which by name or number: " + in_quotes(
             f"{path}?NAME=time[s],NAME=displacement[mm],NAME=force[N]"
         )
-        otherwise = f"otherwise springpot inspect {in_quotes(str(path))} shows what it holds"
+        otherwise = f"otherwise {suggested('inspect', path)} shows what it holds"
         raise DataError(
             f"{path}: these are no signals against time (read as {reader.name});"
             f" {advice}; {otherwise}"

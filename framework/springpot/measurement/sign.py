@@ -6,6 +6,7 @@ A specimen that gives work away, or pulls when pushed.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from shlex import split
 
 import numpy as np
 
@@ -26,6 +27,11 @@ Beyond, a record would be worth no sample.
 def said_of_sign(provenance: Mapping[str, str]) -> list[str]:
     """What was noted of the sign when data were opened, as a list of one or none."""
     return [said for key, said in provenance.items() if key == NOTE]
+
+
+def turned(provenance: Mapping[str, str]) -> str:
+    """The data with one channel turned, where it seems to count the other way; empty for others."""
+    return "".join(split(provenance.get(NOTE, "").partition(", open ")[2]))
 
 
 def sign_note(test: TimeTest, hint: str) -> dict[str, str]:

@@ -224,9 +224,7 @@ LONGER = 4.0
 A fraction of a cycle over one of them is less than half a cycle over the next.
 """
 
-_ONE_WAY = (
-    "a single loading is a test in time, which springpot inspect shows and springpot identify fits"
-)
+_ONE_WAY = "a single loading is a test in time, which inspect shows and identify fits"
 
 __all__ = ["Harmonics", "Signals", "harmonics_of"]
 

@@ -3,12 +3,14 @@
 Divided differences of the fourth order do not see what is smooth, at any sampling: what is left is
 noise. It is told apart into a constant part (the resolution of a transducer) and one in proportion
 to the signal. Gasser, Sroka & Jennen-Steinmetz 1986, doi:10.1093/biomet/73.3.625, with a higher
-order.
+order. Where it plainly goes otherwise, as where late samples are means over longer times, it is
+what it is found to be at each size of the signal.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +46,9 @@ Their variances are 1/0.37 and 1/0.38 of the best one's: neighbouring difference
 """
 PLAINLY = 4.0
 """By which two parts must be likelier than one (twice the logarithm): a chance of 5 %."""
+RULED_OUT = 1e-3
+"""Chance of levels that either kind of noise, or both, show by themselves: below it neither does.
+"""
 NOTHING = 1e-12
 """Share of the largest signal that stands for none, by which nothing can be divided."""
 LEAST_EXPECTED = 1e-6
@@ -64,7 +69,8 @@ class SignalNoise:
     sd : ndarray, shape (n,)
         Standard deviation of each sample.
     absolute, relative : float
-        Its constant part in the unit of the signal, and its share of the signal.
+        Its constant part in the unit of the signal, and its share of the signal, as near as these
+        come to it.
     estimated : bool
         Whether the signal told it; otherwise one per cent is assumed.
     """
@@ -122,8 +128,7 @@ def noise_of(test: TimeTest, misfit: Real | None = None, *, all_noise: bool = Fa
     if misfit is not None:
         signal = misfit
     if all_noise:
-        absolute, relative = _two_parts(signal, level, EFFICIENCY)
-        return _noise(test, size, max(absolute, LEAST * largest), relative)
+        return _noise(test, size, *_two_parts(signal, level, EFFICIENCY))
     scatter = _scatter(clock, signal)
     level = level[ORDER // 2 : len(level) - ORDER // 2]
     telling = _moving(test)
@@ -132,17 +137,47 @@ def noise_of(test: TimeTest, misfit: Real | None = None, *, all_noise: bool = Fa
         telling &= _without_jumps(test)
     if np.count_nonzero(telling) >= FEWEST:
         scatter, level = scatter[telling], level[telling]
-    absolute, relative = _two_parts(scatter, level, EFFICIENCY * OF_DIFFERENCES)
-    return _noise(test, size, max(absolute, LEAST * largest), relative)
+    return _noise(test, size, *_two_parts(scatter, level, EFFICIENCY * OF_DIFFERENCES))
 
 
-def _noise(test: TimeTest, size: Real, absolute: float, relative: float) -> SignalNoise:
-    """Noise of these two parts, for a signal of that size (n,)."""
+class _Levels(NamedTuple):
+    """Variance of the noise (g,) at sizes (g,) of the signal, and the numbers it was told by."""
+
+    size: Real
+    power: Real
+    worth: Real
+
+    def cost(self, expected: Real) -> float:
+        """Minus twice the logarithm of the likelihood of a variance, but for a constant."""
+        return float(np.sum(self.worth * (np.log(expected) + self.power / expected)))
+
+    def rule_out(self, cost: float) -> bool:
+        """Whether parts of this cost are plainly not how the noise goes (likelihood ratio)."""
+        from scipy.special import chdtri
+
+        beyond = cost - self.cost(self.power)
+        return len(self.size) > 2 and bool(beyond > chdtri(len(self.size) - 1, RULED_OUT))
+
+    def at(self, size: Real) -> Real:
+        """Standard deviation at sizes (n,), by straight lines between the logarithms."""
+        order = np.argsort(self.size)
+        known, sd = self.size[order], 0.5 * np.log(self.power[order])
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.exp(np.interp(np.log(size), np.log(known), sd)))
+
+
+def _noise(
+    test: TimeTest, size: Real, absolute: float, relative: float, levels: _Levels | None
+) -> SignalNoise:
+    """Noise of these two parts, or as these levels show it, for a signal of that size (n,)."""
+    absolute = max(absolute, LEAST * float(np.abs(test.response).max()))
     sd = np.hypot(relative * size, absolute)
     if test.kind == "history" and test.response.min() < 0.0 < test.response.max():
         # Where a loop crosses zero the rig is no quieter than elsewhere, and these few samples must
         # not outvote it.
         sd = np.full(len(test), float(np.sqrt(np.mean(sd**2))))
+    elif levels is not None:
+        sd = np.maximum(levels.at(size), LEAST * float(np.abs(test.response).max()))
     return SignalNoise(sd, absolute, relative, True)
 
 
@@ -185,8 +220,10 @@ def _scatter(clock: Real, signal: Real) -> Real:
     return scatter
 
 
-def _two_parts(scatter: Real, level: Real, efficiency: float) -> tuple[float, float]:
-    """Constant and proportional part of the noise.
+def _two_parts(
+    scatter: Real, level: Real, efficiency: float
+) -> tuple[float, float, _Levels | None]:
+    """Constant and proportional part of the noise; its levels, where these rule both out.
 
     From its robust size at each level of the signal, a sample of the scatter worth `efficiency`.
 
@@ -196,7 +233,7 @@ def _two_parts(scatter: Real, level: Real, efficiency: float) -> tuple[float, fl
     """
     least = max(float(level.min()), NOTHING * float(level.max()))
     if level.max() < WIDE * least:
-        return NORMAL * float(np.median(np.abs(scatter))), 0.0
+        return NORMAL * float(np.median(np.abs(scatter))), 0.0, None
     order = np.argsort(level)
     groups = np.array_split(order, min(BINS, max(2, len(order) // FEWEST_IN_BIN)))
     size = np.array([np.median(level[group]) for group in groups])
@@ -205,28 +242,30 @@ def _two_parts(scatter: Real, level: Real, efficiency: float) -> tuple[float, fl
     # Of groups without any scatter (printed digits that repeat) nothing is known.
     known = spread > 0.0
     if not known.any():
-        return 0.0, 0.0
+        return 0.0, 0.0, None
     columns = np.column_stack([np.ones_like(size), size**2])[known]
     # The square of an uncertain number is too large by its variance, 1/(2 n) of n independent ones.
     power = spread[known] ** 2 / (1.0 + 0.5 / worth[known])
-    worth = worth[known]
-    tried = [
-        _fitted(columns * which, power, worth) for which in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))
-    ]
+    told = _Levels(size[known], power, worth[known])
+    tried = [_fitted(columns * which, told) for which in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))]
+    levels = None
+    if told.rule_out(min(each[1] for each in tried)):
+        levels = told
     alone, both = tried[:2], tried[2]
     parts, cost = map(np.array, zip(*alone, strict=True))
     # Both kinds at once only where the data plainly ask for it.
     if both[1] < cost.min() - PLAINLY:
-        return float(np.sqrt(both[0][0])), float(np.sqrt(both[0][1]))
+        return float(np.sqrt(both[0][0])), float(np.sqrt(both[0][1])), levels
     # Where they do not tell one from the other, the mean of what these say: else a few small
     # samples would count for all others.
     chance = np.exp(-0.5 * (cost - cost.min()))
     constant, in_proportion = chance @ parts / chance.sum()
-    return float(np.sqrt(constant)), float(np.sqrt(in_proportion))
+    return float(np.sqrt(constant)), float(np.sqrt(in_proportion)), levels
 
 
-def _fitted(columns: Real, power: Real, worth: Real) -> tuple[Real, float]:
+def _fitted(columns: Real, levels: _Levels) -> tuple[Real, float]:
     """Non-negative amounts of the columns, and minus twice the logarithm of their likelihood."""
+    power, worth = levels.power, levels.worth
     expected, parts = power, np.zeros(columns.shape[1])
     for _ in range(ROUNDS):
         # Weighed by what is expected: by what was found, groups that are small by chance would
@@ -234,7 +273,7 @@ def _fitted(columns: Real, power: Real, worth: Real) -> tuple[Real, float]:
         share = np.sqrt(worth) / expected
         parts, _ = non_negative(columns * share[:, None], power * share)
         expected = np.maximum(columns @ parts, LEAST_EXPECTED * power)
-    return parts, float(np.sum(worth * (np.log(expected) + power / expected)))
+    return parts, levels.cost(expected)
 
 
 def relative_scatter(sweep: Measurement) -> float:

@@ -170,6 +170,7 @@ def diagnosis_document(
         Prose(absent),
         left_out(diagnosis.left_out),
         Prose(_next(diagnosis)),
+        steps_of(diagnosis),
         Listing(notes[:most], mark="note: "),
         Prose(_more(diagnosis, verbose, len(notes) - most)),
     ]
@@ -424,6 +425,18 @@ def absent_text(diagnosis: Diagnosis, most: int | None = None) -> str:
 def left_out(reasons: Mapping[str, str]) -> Listing:
     """What could not be tried, and why."""
     return Listing([f"{name}: {reason}" for name, reason in reasons.items()], mark="left out: ")
+
+
+def steps_of(diagnosis: Diagnosis) -> Listing:
+    """What can be done with the data themselves, with the error that is foretold."""
+    before = percent(diagnosis.error.relative_rms)
+    lines = []
+    for step in diagnosis.steps:
+        after = ""
+        if isfinite(step.error_after):
+            after = f" ({before} -> {percent(step.error_after)})"
+        lines.append(f"{step.says}{after}: {step.command}")
+    return Listing(lines, mark="to do: ")
 
 
 def _next(diagnosis: Diagnosis) -> str:

@@ -6,7 +6,7 @@ import csv
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from io import StringIO
-from math import log
+from math import isfinite, log
 
 from springpot.format_numbers import counted, number
 from springpot.identification.result import Identification
@@ -127,6 +127,10 @@ def _lines(identified: Identification, verbose: bool) -> list[str]:
             f"error       {percent(identified.relative_rms)} of {identified.magnitude} (relative"
             f" rms){beside_floors(identified)}"
         )
+    elif identified.standing is not None and isfinite(identified.standing.material_floor):
+        worst = max(identified.tests, key=lambda test: test.over_floor)
+        floor = percent(identified.standing.material_floor, 2)
+        lines.append(f"floor       material floor {floor} of {worst.name}")
     if identified.standing is not None:
         verdict = "not good enough"
         if identified.standing.good_enough:

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from shlex import quote
 from typing import Any
 
 from springpot.format_numbers import counted, number
 from springpot.measurement.reader import with_part
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units
+from springpot.suggestions import suggested
 
 from .numbers import percent
 from .text import TextTable, cut, wrapped
@@ -211,7 +211,7 @@ def next_step(result: dict[str, Any], spec: str) -> str:
         # Only the first condition of a selection begins with @; a further one follows a comma.
         if "@" in spec:
             chosen = chosen.replace("@", ",", 1)
-        return f"next: springpot inspect {quote(spec + chosen)}"
+        return f"next: {suggested('inspect', spec + chosen)}"
     # To a degree: what wanders about one setting is no second temperature.
     temperatures = {
         round(sweep["temperature"])
@@ -223,11 +223,11 @@ def next_step(result: dict[str, Any], spec: str) -> str:
     )
     # Sweeps at several temperatures: whether they make one curve is asked before any model.
     if len(temperatures) > 1 and swept:
-        return f"next: springpot mastercurve {quote(spec)}"
+        return f"next: {suggested('mastercurve', spec)}"
     if "note parts" in result["provenance"] and swept:
         used = next(part for part in result["parts"] if part["usable"])
-        return f"next: springpot compare {quote(with_part(spec, used['number']))}"
-    return f"next: springpot compare {quote(spec)}"
+        return f"next: {suggested('compare', with_part(spec, used['number']))}"
+    return f"next: {suggested('compare', spec)}"
 
 
 def in_time_text(result: dict[str, Any], tests: Sequence[TimeTest], spec: str, width: int) -> str:
@@ -240,11 +240,13 @@ def in_time_text(result: dict[str, Any], tests: Sequence[TimeTest], spec: str, w
         _test_text(each, test, width) for each, test in zip(result["tests"], tests, strict=True)
     ]
     following = (
-        f"next: springpot identify {quote(spec)} --model EXPR   (springpot list models shows all)"
+        f"next: {suggested('identify', spec, '--model', 'EXPR')}"
+        f"   ({suggested('list models')} shows all)"
     )
     # A steady sine is a point of a sweep as well.
     if any(test.kind == HISTORY for test in tests):
-        following += f"\nor, if it swings steadily: springpot signals {quote(spec)} -o sweep.csv"
+        following += "\nor, if it swings steadily: "
+        following += suggested("signals", spec, "-o", "sweep.csv")
     return "\n\n".join([wrapped(head, width), *blocks, following])
 
 

@@ -18,6 +18,7 @@ from springpot.rheology.drawing import drawing_of
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Family, Model
 from springpot.rheology.parameters import Parameter
+from springpot.suggestions import suggested
 
 from .text import TextTable, indented
 
@@ -120,7 +121,7 @@ def optimiser(item: type[Optimiser] | OptimiserFamily) -> dict[str, Any]:
     """Describe an optimiser with its options and their defaults, or a library of optimisers."""
     if isinstance(item, OptimiserFamily):
         # What its members can do is known only once the library is imported.
-        summary = f"{item.summary}: springpot list optimisers {item.name}"
+        summary = f"{item.summary}: {suggested('list optimisers', item.name)}"
         known = dict.fromkeys(("global", "gradient", "batched", "stochastic"), False)
         return {"name": item.name, "summary": summary, "citation": "", **known, "options": {}}
     card = item.card

@@ -182,6 +182,9 @@ class Effect:
     prior : float
         How common the effect is beside the others before any data are seen: 1 for what every
         laboratory meets, less, but not 0, for rarer physics.
+    apparatus : bool
+        Whether it is a fault of the apparatus and nothing of the specimen; what is of the layer
+        ``SIGNAL`` always is. Of a test in time it needs more evidence than what specimens do.
     narrow : bool
         Whether its shape can imitate any narrow feature of a sweep. Such an effect is tried only
         where simple common ones do not explain the data, and some of its probability is left to
@@ -223,6 +226,7 @@ class Effect:
     approximate: str = ""
     absent_at: float | None = None
     prior: float = 1.0
+    apparatus: bool = False
     narrow: bool = False
     equation: str = ""
     constant: InstrumentConstant | None = None
@@ -310,6 +314,11 @@ class Effect:
     def of_test(self) -> bool:
         """Whether it is what a test in time did, which no network shows."""
         return issubclass(self.composition.kind, Stage)
+
+    @property
+    def of_apparatus(self) -> bool:
+        """Whether it is a fault of the apparatus and nothing of the specimen."""
+        return self.apparatus or self.layer is Layer.SIGNAL
 
     @property
     def in_time(self) -> bool:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -185,7 +186,7 @@ class InTime:
 
     def _linear(self, what: str) -> tuple[Passive, list[int]]:
         """The network in time, and where its parameters stand in theta."""
-        inside, beside, signals = sorted_out(self.model)
+        _, beside, signals = sorted_out(self.model)
         # The first that stands in the way is named: one thing to mend at a time.
         for effect, _, _ in [*beside, *signals]:
             kind = "belongs to the signals"
@@ -198,7 +199,12 @@ class InTime:
             raise ModelError(
                 f"{what} is for one temperature: ask for respond with a history of temperatures"
             )
-        network, own = network_of(self.model, inside)
+        return self._inside
+
+    @cached_property
+    def _inside(self) -> tuple[Passive, list[int]]:
+        # Kept, as it is asked several things at one theta: each would take it apart anew.
+        network, own = network_of(self.model, sorted_out(self.model)[0])
         return replace(self._passive(network), theta=self.theta[own]), own
 
     def _passive(self, network: Node, temperature: float | None = None) -> Passive:
@@ -212,10 +218,10 @@ class InTime:
         )
 
     def _materials(self, inside: list[Placed], t: Real, x: Real) -> Traced:
-        network, own = network_of(self.model, inside)
-        if not isinstance(self.temperature, np.ndarray):
-            return self._placed(self._passive(network), own, t, x)
-        return self._reduced(inside, t, x)
+        if isinstance(self.temperature, np.ndarray):
+            return self._reduced(inside, t, x)
+        passive, own = self._inside
+        return self._padded(passive.respond(t, x), own)
 
     def _placed(
         self, passive: Passive, own: list[int], t: Real, x: Real, control: str = "displacement"

@@ -95,6 +95,11 @@ class Passive:
         """The network taken apart."""
         return Sum.of(self.network, self.theta, self.conditions)
 
+    @cached_property
+    def yielding(self) -> Sum:
+        """The same of its compliance, in p = 1/s."""
+        return Sum.of(self.network, self.theta, self.conditions, compliance=True)
+
     def spectrum(self, shortest: float, longest: float) -> Spectrum:
         """The sum of exponentials that serves times from `shortest` to `longest`."""
         return summed(self.parts, *self._band(shortest, longest), self.tolerance, signed=True)
@@ -271,9 +276,8 @@ class Passive:
             return swinging(self.spectrum(shortest, longest))
         # 1/K of passive parts has the form of a stiffness in p = 1/s: the same rule reads its
         # spectrum.
-        whole = Sum.of(self.network, self.theta, self.conditions, compliance=True)
         low, high = self._band(shortest, longest)
-        compliance = summed(whole, -high, -low, self.tolerance)
+        compliance = summed(self.yielding, -high, -low, self.tolerance)
         # In p = 1/s: p / (p + r) is 1/r / (s + 1/r).
         rates, slopes = 1.0 / compliance.rates, compliance.by_theta
         turned = Slopes(

@@ -168,52 +168,66 @@ class Rational:
         One between two rates, and where a spring or a dashpot is, beyond.
         """
         spring, dashpot = self.ends
-        poles = np.sort(self.rates)
-        low, high = poles[:-1], poles[1:]
-        if not len(poles):
-            # A spring beside a dashpot: k - c r is zero once. One of them alone never is.
-            if spring > 0.0 and dashpot > 0.0:
-                return np.array([spring / dashpot])
-            return np.zeros(0)
-        first, last = poles[0], poles[-1]
-        slope = dashpot + 2.0 * (self.weights / self.rates).sum()
-        height = spring + 2.0 * self.weights.sum()
+        order = np.argsort(self.rates)
+        poles, pulls = self.rates[order], self.weights[order]
+        # K(-r) / r is infinite at each rate, and where there is a spring at r = 0.
         if spring > 0.0:
-            # K(-r) is positive there: up to half the first rate it is no less than spring - slope
-            # r. A hundredth further out than need be: rounding must not leave the zero outside.
-            low, high = (
-                np.append(0.99 * min(0.5 * first, spring / slope), low),
-                np.append(first, high),
-            )
+            poles, pulls = np.append(0.0, poles), np.append(spring, pulls)
+        if not len(poles):
+            return poles
+        low, high = poles[:-1], poles[1:]
         if dashpot > 0.0:
-            # And negative there: from twice the last rate on it is no more than height - dashpot r.
-            low, high = (
-                np.append(low, last),
-                np.append(high, 1.01 * max(2.0 * last, height / dashpot)),
-            )
+            # No further out than if all of it pulled from the last pole. A hundredth more than need
+            # be: rounding must not leave the zero outside.
+            last = poles[-1] + 1.01 * pulls.sum() / dashpot
+            low, high = np.append(low, poles[-1]), np.append(high, last)
         # Two modes of one rate are one, and no zero lies between them.
         apart = high > low * (1.0 + SAME)
-        return self._between(np.log(low[apart]), np.log(high[apart]))
+        return _between(poles, pulls, dashpot, low[apart], high[apart])
 
-    def _between(self, low: Real, high: Real) -> Real:
-        """The zero of K(-exp(u)), which falls, in each interval of u.
 
-        Newton's steps, held by bisection.
-        """
-        spring, dashpot = self.ends
-        # In logarithms: rates may lie twenty decades apart, and intervals be as wide.
-        u = 0.5 * (low + high)
-        for _ in range(100):
-            r = np.exp(u)[:, None]
-            away = 1.0 / (r - self.rates)
-            value = spring - dashpot * r[:, 0] + (r * away) @ self.weights
-            slope = -dashpot * r[:, 0] - (r * away**2) @ (self.weights * self.rates)
-            low, high = np.where(value > 0.0, u, low), np.where(value > 0.0, high, u)
-            moved = inside(u - value / slope, u, low, high)
-            if settled(moved, u):
-                break
-            u = moved
-        return np.exp(u)
+def _between(poles: Real, pulls: Real, constant: float, low: Real, high: Real) -> Real:
+    """The zero of f(r) = constant + sum of pulls / (poles - r), which rises, in each interval.
+
+    By the middle way: a constant and the two poles at the ends, with what lies to the left and to
+    the right of r in their slopes, have a zero that is the next r (Li 1993, LAPACK Working Note
+    89), held by bisection.
+    """
+    left = poles <= low[:, None]
+    # In logarithms the middle is one: rates may lie twenty decades apart, intervals be as wide.
+    with np.errstate(divide="ignore"):
+        ends = np.log(np.where(low > 0.0, low, 0.5 * _least(poles, pulls, constant))), np.log(high)
+    u = 0.5 * (ends[0] + ends[1])
+    for _ in range(100):
+        r = np.exp(u)
+        away = 1.0 / (poles - r[:, None])
+        value, squares = constant + away @ pulls, away * away
+        slope, of_left = squares @ pulls, (squares * left) @ pulls
+        before, behind = low - r, high - r
+        a = (before + behind) * value - before * behind * slope
+        b = before * behind * value
+        c = value - before * of_left - behind * (slope - of_left)
+        root = np.sqrt(np.maximum(a * a - 4.0 * b * c, 0.0))
+        with np.errstate(all="ignore"):
+            step = np.where(a > 0.0, 2.0 * b / (a + root), (a - root) / (2.0 * c))
+            wanted = np.log(r + step)
+        ends = np.where(value < 0.0, u, ends[0]), np.where(value < 0.0, ends[1], u)
+        moved = inside(wanted, u, *ends)
+        if settled(moved, u):
+            break
+        u = moved
+    return np.exp(u)
+
+
+def _least(poles: Real, pulls: Real, constant: float) -> float:
+    """An r below the zero between a pole at 0 and the next: what pulls from beyond is at most this.
+
+    Up to half the next pole each of the others pulls no more than twice as much as at 0.
+    """
+    if len(poles) < 2:
+        return float(pulls[0] / constant)
+    others = constant + 2.0 * float((pulls[1:] / poles[1:]).sum())
+    return float(min(0.5 * poles[1], pulls[0] / others))
 
 
 def rational_of(node: Node, theta: Real, chain: Real, conditions: Points) -> Rational | None:

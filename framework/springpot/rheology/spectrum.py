@@ -414,12 +414,15 @@ class Sum:
         The error of the rule with the step h is 2 exp(-pi^2 / h), the kernel's poles lying pi/2
         from the axis.
         """
-        own, modes = self.classical, self._modes(low, high, tolerance, find_peaks, signed)
-        ends, slopes = self._ends(low, high, modes)
-        ends += [*own.ends, self.mass]
-        slopes += np.vstack([own.end_slopes, self.mass_slopes])
-        lines = Lines(own.rates, own.weights, own.rate_slopes, own.weight_slopes)
-        modes = Lines(*(np.concatenate(pair) for pair in zip(lines, modes, strict=True)))
+        own = self.classical
+        ends = np.array([*own.ends, self.mass])
+        slopes = np.vstack([own.end_slopes, self.mass_slopes])
+        modes = Lines(own.rates, own.weights, own.rate_slopes, own.weight_slopes)
+        if self.parts:
+            others = self._modes(low, high, tolerance, find_peaks, signed)
+            more, more_slopes = self._ends(low, high, others)
+            ends, slopes = ends + more, slopes + more_slopes
+            modes = Lines(*(np.concatenate(pair) for pair in zip(modes, others, strict=True)))
         # Lines and nodes come one after the other: rising, as `Spectrum` promises, they are mixed.
         modes = Lines(*(field[np.argsort(modes.rates)] for field in modes))
         by_theta = Slopes(slopes[0], slopes[1], slopes[2], modes.rate_slopes, modes.weight_slopes)
@@ -428,6 +431,11 @@ class Sum:
         spectrum = Spectrum(
             spring, dashpot, mass, modes.rates, modes.weights, band, np.inf, by_theta
         )
+        if not self.parts:
+            # Springs and dashpots are their modes: no rule is there to err.
+            if not (np.all(np.isfinite(ends)) and np.all(np.isfinite(modes.weights))):
+                raise _NoSpectrumError("is not finite on the band")
+            return replace(spectrum, error=0.0)
         # What the rule promises holds for smooth spectra only: the error is measured against the
         # network itself.
         return replace(spectrum, error=self._error(spectrum, low, high))

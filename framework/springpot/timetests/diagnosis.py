@@ -29,6 +29,7 @@ from springpot.rheology.points import Real
 
 from .exponentials import UnfollowedError, quick_parts
 from .fitting import identify
+from .floor import material_floor
 from .material import UntoldError
 from .native import TimeSearch
 from .residuals_of_tests import (
@@ -43,7 +44,7 @@ from .scatter import (
 )
 from .score import TimeScan
 from .specimen import at_rigs, at_tests
-from .verdict import Left, Promise, TimeCase, Tried, answer_of, delta_bic, independent
+from .verdict import Left, Promise, TimeCase, Tried, answer_of, delta_bic, independent, worst_of
 
 LEADING = 14
 """Effects that are fitted, nearly: the others fell behind by a linear step already."""
@@ -156,7 +157,9 @@ def examine(
         # second.
         case = _judged(given, model, library, None, noise)
     told = in_practice(case.diagnosis, case.misfits, accuracy)
-    return case._replace(diagnosis=told)
+    lowest = material_floor(case.base).errors[worst_of(told.tests)]
+    error = replace(told.error, material_floor=lowest)
+    return case._replace(diagnosis=replace(told, error=error))
 
 
 def _listed(tests: Sequence[Test] | Test) -> list[Test]:
@@ -225,10 +228,14 @@ def _judged(
     # By a criterion that needs no noise, which is only read from what the best one leaves.
     best = min((each.left for each in tried), key=_plain_bic, default=before)
     noise = _noise(before, best)
-    judged = [
-        replace(each, delta=_of_what_helps(parts, before, each, _delta(before, each, noise, base)))
-        for each in tried
-    ]
+    judged = [replace(each, delta=_delta(before, each, noise, base)) for each in tried]
+    # Where the misfit is not certain by itself, it is the noise over which an effect shows it.
+    if before.misfit and best.misfit:
+        # No unit but that of what the best explanation misses: over the noise alone whatever takes
+        # a little more of a large misfit would be proved.
+        judged = [replace(each, delta=_over_misses(parts, before, each, best)) for each in tried]
+    else:
+        judged = [_of_what_helps(parts, before, each) for each in judged]
     # By their chances, so that what is rare stands behind what is common and explains the tests as
     # well.
     # Where all leave less than the noise, the one that leaves least stands first all the same.
@@ -438,23 +445,32 @@ def _delta(
     return delta_bic(before, each.left, noise, len(each.theta) - len(base.theta))
 
 
-def _of_what_helps(parts: Sequence[TestPart], before: Left, each: Tried, delta: float) -> float:
-    """The evidence for an effect that leaves more than noise: none where it explains next to none.
+def _of_what_helps(parts: Sequence[TestPart], before: Left, each: Tried) -> Tried:
+    """An effect that leaves more than noise has no evidence where it explains next to none.
 
-    Over the noise alone any small share of a large misfit would be proof. So it must be the better
-    story too where what it leaves is taken for noise, samples that are missed alike counted once.
+    It must be the better story too where what it leaves is taken for noise.
     """
     if not each.left.misfit:
-        return delta
-    gain, count = 0.0, 0.0
-    for part, old, new in zip(parts, before.residuals, each.left.residuals, strict=True):
-        unit = max(part.sampled(new), 1e-300)
-        gain += float(old @ old - new @ new) / unit
-        count += float(new @ new) / unit
-    helps = gain - (each.left.count - before.count) * float(np.log(max(count, 2.0)))
+        return each
+    helps = _over_misses(parts, before, each, each.left)
     if helps > 0.0:
-        return delta
-    return helps
+        return each
+    return replace(each, delta=helps)
+
+
+def _over_misses(parts: Sequence[TestPart], before: Left, each: Tried, unit: Left) -> float:
+    """The evidence for an effect in units of what a fit misses.
+
+    Samples that are missed alike count once.
+    """
+    gain, count = 0.0, 0.0
+    for part, old, new, missed in zip(
+        parts, before.residuals, each.left.residuals, unit.residuals, strict=True
+    ):
+        of_one = max(part.sampled(missed), 1e-300)
+        gain += float(old @ old - new @ new) / of_one
+        count += float(missed @ missed) / of_one
+    return gain - (each.left.count - before.count) * float(np.log(max(count, 2.0)))
 
 
 def _plain_bic(left: Left) -> float:

@@ -19,7 +19,6 @@ import numpy as np
 
 from springpot.comparison.comparing import ONLY_NOISE, Comparison, Judgement
 from springpot.errors import DataError, ModelError, SpringpotError
-from springpot.identification.coordinates import Coordinates
 from springpot.identification.fitting import NATIVE, best_run, refuse_search, start_at
 from springpot.identification.material import is_material
 from springpot.identification.problem import Objective, Searched
@@ -36,6 +35,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
 from .exponentials import quick_parts
+from .floor import TimeFloor, coordinates_around, effects_of, material_floors
 from .intervals import with_intervals
 from .material import FoundLines, UntoldError, spectral
 from .native import DOUBTFUL, Minimum, TimeSearch
@@ -423,13 +423,7 @@ def _of_material(
     # For its sizes only: the spectrum has a way of its own to its minimum.
     typical = TimeSearch(model, parts, reference)
     around = len(model.material.parameters)
-    coordinates = Coordinates.of(
-        model.parameters[around:],
-        typical.middle,
-        np.array(typical.sizes[:1]),
-        typical.sizes[1],
-    )
-
+    coordinates = coordinates_around(model, typical)
     own = [seed[len(seed) - len(model.parameters) + around :] for seed in seeds]
 
     # The lines are chosen anew by each fit: every one has a search of its own, in other
@@ -515,7 +509,11 @@ def compare(
     ranked = sorted(zip(criteria, fits, strict=True), key=lambda pair: pair[0])
     # One noise for all, that about the best model.
     noise = _left(ranked[0][1]).scatters
-    judged = [judgement_of(fit, float(value - least), noise) for value, fit in ranked]
+    floors = material_floors(fits)
+    judged = [
+        judgement_of(fit, float(value - least), floors[effects_of(fit.model)], noise)
+        for value, fit in ranked
+    ]
     names = " + ".join(test.name for test in fits[0].tests)
     comparison = Comparison(names, tuple(judged), (), (), "", left_out=left_out)
     vars(comparison).update(magnitude="the signal")
@@ -527,7 +525,10 @@ def _left(fit: Identification) -> Left:
 
 
 def judgement_of(
-    fit: Identification, delta: float, noise: Sequence[ResidualScatter] | None = None
+    fit: Identification,
+    delta: float,
+    floor: TimeFloor,
+    noise: Sequence[ResidualScatter] | None = None,
 ) -> Judgement:
     """One model against the tests that it was fitted to.
 
@@ -537,6 +538,8 @@ def judgement_of(
         Of tests of which one at least is in time.
     delta : float
         Its information criterion above that of the best model.
+    floor : TimeFloor
+        What any material reaches with the same effects.
     noise : sequence of ResidualScatter, optional
         Of each test; by default that about this model.
     """
@@ -544,7 +547,7 @@ def judgement_of(
     if noise is None:
         noise = left.noise
     tests = left.rows(parts, noise, fit.tests)
-    error = error_of(tests, noise)
+    error = error_of(tests, noise, floor)
     where: tuple[Where, ...] = ()
     says = ONLY_NOISE
     if left.misfit:

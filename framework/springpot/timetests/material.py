@@ -5,15 +5,6 @@ Its spectrum by non-negative least squares, what surrounds it too.
 A relaxation is linear in the weights of the lines, a creep is not: Gauss-Newton steps serve both,
 whose weights come from non-negative least squares and the parameters of effects from what these
 leave (Golub & Pereyra 2003, doi:10.1088/0266-5611/19/2/201).
-
-A test in time as exponentials of amounts that are not negative.
-
-For these a convex problem, with one solution.
-
-After a step of displacement, and under any history of it, the force is linear in the weights of
-relaxation; under a force the displacement is linear in those of retardation, J_g + t/eta + sum of
-L_j (1 - exp(-t/tau_j)). Either tells the other: the poles of K are the zeros of 1/K, one between
-each two of its own poles (N. W. Tschoegl, 1989, doi:10.1007/978-3-642-73602-5).
 """
 
 from __future__ import annotations
@@ -33,140 +24,19 @@ from springpot.rheology.continuum import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
+from .convex import CLOSER, ConvexSpectrum, lattice, lines_of
 from .residuals_of_tests import InTimePart, TestPart
 from .specimen import Scales, tries_of
-from .start import answers_of
-
-SLOWER, FASTER = 1.0, 0.5
-"""Decades beyond the times of the tests.
-
-What relaxes more slowly is a spring there, and of what is gone before the
-first sample, but for a few per cent, any amount could have been."""
-CLOSER = (0.25, 0.0625)
-"""Spacings, over that of the first lattice, at which lines are looked for about those that carry.
-"""
-APART = 0.2
-"""Least distance of lines in ln tau.
-
-The exact response tells those apart that differ by more than a twentieth.
-"""
-MOST = 2000
-"""Samples that the lines are read off: more take longer and show no more."""
-HALVINGS = 100
-"""Of an interval between two rates, until nothing but rounding is left of it."""
-
-
-class ConvexSpectrum(NamedTuple):
-    """K = K_e + c s + sum of weight s / (s + rate), none of them negative."""
-
-    equilibrium: float
-    viscosity: float
-    rates: Real
-    weights: Real
-
-    def among(self, others: Real) -> tuple[Real, Real]:
-        """Rates (m,) of these lines and of others apart from them, and all weights (2 + m,)."""
-        far = [rate for rate in others if np.all(np.abs(np.log(self.rates / rate)) > APART)]
-        rates = np.concatenate([self.rates, far])
-        weights = np.concatenate([self.weights, np.zeros(len(far))])
-        order = np.argsort(rates)
-        return rates[order], np.concatenate([[self.equilibrium, self.viscosity], weights[order]])
-
-
-def lines_of(part: InTimePart) -> ConvexSpectrum:
-    """The material that a test shows when nothing but a material has made it."""
-    test = part.test
-    low, high = test.seen
-    step = float(np.log(10.0)) / PER_DECADE
-    ends = -np.log(high * 10.0**FASTER), -np.log(low * 10.0**-SLOWER)
-    logs = np.arange(ends[0], ends[1] + step, step)
-    amounts = _amounts(part, logs)
-    for share in CLOSER:
-        carrying = logs[amounts[2:] > 0.0]
-        near = carrying[:, None] + share * step * np.arange(-4.0, 5.0)
-        logs = np.unique(np.round(near.ravel() / (share * step))) * share * step
-        logs = logs[(logs > ends[0] - share * step) & (logs < ends[1] + share * step)]
-        amounts = _amounts(part, logs)
-    logs = _apart(logs[amounts[2:] > 0.0], amounts[2:][amounts[2:] > 0.0])
-    amounts = _amounts(part, logs)
-    kept = amounts[2:] > 0.0
-    times, weights = np.exp(logs[kept]), amounts[2:][kept]
-    if test.control == "displacement":
-        return ConvexSpectrum(float(amounts[0]), float(amounts[1]), 1.0 / times, weights)
-    return relaxation_of(float(amounts[0]), float(amounts[1]), times, weights)
-
-
-def relaxation_of(glass: float, fluidity: float, times: Real, weights: Real) -> ConvexSpectrum:
-    """The relaxation of a retardation J = glass + fluidity t + sum of weight (1 - exp(-t / time)).
-
-    Parameters
-    ----------
-    glass, fluidity : float
-        J_g in 1/Pa, and 1/eta in 1/(Pa s).
-    times, weights : ndarray, shape (m,)
-        Of retardation, in s and 1/Pa.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from springpot.timetests.material import relaxation_of
-    >>> found = relaxation_of(0.5, 0.0, np.array([2.0]), np.array([0.5]))
-    >>> found.equilibrium, found.viscosity, found.rates.round(6), found.weights.round(6)
-    (1.0, 0.0, array([1.]), array([1.]))
-    """
-    poles = np.sort(1.0 / times)
-    amounts = (weights / times)[np.argsort(1.0 / times)]
-    # A flow is a retardation without end.
-    if fluidity > 0.0:
-        poles, amounts = np.append(0.0, poles), np.append(fluidity, amounts)
-    equilibrium = viscosity = 0.0
-    if not fluidity > 0.0:
-        equilibrium = 1.0 / (glass + float(weights.sum()))
-    if not glass > 0.0 and len(poles):
-        viscosity = 1.0 / float(amounts.sum())
-    # J at s = -r rises from one of its poles to the next, and beyond the last towards J_g.
-    low = poles[: len(poles) - (not glass > 0.0)]
-    high = poles[1:]
-    if glass > 0.0 and len(poles):
-        high = np.append(high, poles[-1] + amounts.sum() / glass)
-    for _ in range(HALVINGS):
-        middle = np.where(low > 0.0, np.sqrt(low * high), 0.5 * high)
-        below = glass - np.sum(amounts / (middle[:, None] - poles), axis=1) < 0.0
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
-    rates = np.where(low > 0.0, np.sqrt(low * high), high)
-    slopes = np.sum(amounts / (rates[:, None] - poles) ** 2, axis=1)
-    return ConvexSpectrum(equilibrium, viscosity, rates, 1.0 / (rates * slopes))
-
-
-def _amounts(part: InTimePart, logs: Real) -> Real:
-    """Amounts (2 + m,) of spring, dashpot and exponentials of these times nearest to a test."""
-    test = part.test
-    rows = np.unique(np.linspace(0, len(test) - 1, min(len(test), MOST)).astype(int))
-    rows = rows[~np.isin(test.time[rows], test.loading.jumps[0])]
-    answers = answers_of(test.loading, test.control, np.exp(logs), test.time[rows])
-    # Without the mass, which is no part of such a sum.
-    columns = np.delete(answers, 2, axis=1) / part.sd[rows, None]
-    return non_negative(columns, test.response[rows] / part.sd[rows])[0]
-
-
-def _apart(logs: Real, amounts: Real) -> Real:
-    """Places of lines, those that stand too near to one another as one in their middle."""
-    placed: list[float] = []
-    held: list[float] = []
-    for log, amount in zip(logs, amounts, strict=True):
-        if placed and log - placed[-1] < APART:
-            placed[-1] = (held[-1] * placed[-1] + amount * log) / (held[-1] + amount)
-            held[-1] += amount
-        else:
-            placed.append(float(log))
-            held.append(float(amount))
-    return np.array(placed)
-
+from .where import rms
 
 STEPS = 60
 """A relaxation alone takes two, a creep or an effect around the material ten to thirty."""
+ROUNDING = 1e-9
+"""Relative error below which a test counts no more: what is left is arithmetic."""
 STILL = 1e-7
 """Relative drop of the sum of squares below which a step changes nothing that is printed."""
+NEARLY_STILL = 1e-4
+"""The same of an error alone, of which three digits are printed."""
 BRIEF = 3
 """Steps from each place where an effect of a test may lie.
 
@@ -198,6 +68,20 @@ class FoundLines(NamedTuple):
     evaluations: int
     untold: str
     again: Callable[[Sequence[TestPart]], FoundLines]
+
+    @property
+    def spectrum(self) -> ConvexSpectrum:
+        """The material alone."""
+        return spectrum_of(self.model, self.theta)
+
+
+def spectrum_of(model: Model, theta: Real) -> ConvexSpectrum:
+    """The lines (m,) of a material that has them, K_e, c and weights first in its theta (p,)."""
+    assert isinstance(model.material, Continuum), "no other material has lines"
+    rates = np.array(model.material.rates)
+    return ConvexSpectrum(
+        float(theta[0]), float(theta[1]), rates, np.asarray(theta[2 : 2 + len(rates)])
+    )
 
 
 class UntoldError(ModelError):
@@ -254,6 +138,72 @@ def spectral(
     for lines in [lines_of(part) for part in parts if isinstance(part, InTimePart)]:
         other = _Search(model, parts, reference, coordinates, lines)
         ends.append((other, other.descended(other.placed(other.start()), STEPS)))
+    return _best(ends, parts)
+
+
+def descended_from(
+    lines: ConvexSpectrum, model: Model, parts: Sequence[TestPart], reference: float, around: Around
+) -> FoundLines:
+    """A material near a known one, and near those that the convex form of each test tells.
+
+    Parameters
+    ----------
+    lines : ConvexSpectrum
+        The known one.
+    model, parts, reference
+        As for `spectral`.
+    around : Around
+        The coordinates of the effects, and the parameters (q,) at which they begin.
+
+    Raises
+    ------
+    ModelError
+        If the model cannot be followed there.
+    """
+    known = [lines]
+    if len(parts) > 1:
+        # Each test by what a material leaves of it when it follows that test alone.
+        alone = [descended_from(lines, model, [part], reference, around) for part in parts]
+        pairs = list(zip(parts, alone, strict=True))
+        parts = [
+            part.with_scale(max(_left_by(found, part, reference), ROUNDING))
+            for part, found in pairs
+        ]
+        known += [found.spectrum for found in alone]
+    elif len(around.own):
+        known.append(lines_of(parts[0]))
+    else:
+        # Of one test without effects the convex form is the answer.
+        known = [lines_of(parts[0])]
+    starts = []
+    for each in known:
+        search = _Search(model, parts, reference, around.coordinates, each.beside(known))
+        starts += [(search, start) for start in search.seeded([around.own])]
+    if not starts:
+        raise ModelError(f"{model.name} cannot be followed in these tests")
+    search, start = min(starts, key=lambda each: each[1].cost)
+    return _best([(search, search.descended(start, STEPS, NEARLY_STILL))], parts, spared=False)
+
+
+def _left_by(found: FoundLines, part: TestPart, reference: float) -> float:
+    """Root mean square of what lines leave of a test."""
+    return rms(part.residual(found.model, found.theta, reference).value)
+
+
+class Around(NamedTuple):
+    """What surrounds a material: coordinates of its effects, and their parameters (q,)."""
+
+    coordinates: Coordinates
+    own: Real
+
+
+def _best(
+    ends: Sequence[tuple[_Search, MaterialPoint]], parts: Sequence[TestPart], spared: bool = True
+) -> FoundLines:
+    """The best end of searches, with lines at places of their own where they pay.
+
+    Where no line is `spared` wherever they leave less: of an error alone none costs anything.
+    """
     evaluations = sum(each.evaluations for each in dict.fromkeys(each for each, _ in ends))
     search, place = min(ends, key=lambda end: end[1].cost)
     linear = all(
@@ -266,7 +216,7 @@ def spectral(
         for share in CLOSER:
             closer, there = search.closer(place, share)
             evaluations += closer.evaluations
-            if _pays(place, there, samples):
+            if _pays(place, there, samples) or (not spared and there.cost < place.cost):
                 search, place = closer, there
     return search.found(place, evaluations)
 
@@ -317,13 +267,8 @@ class _Search:
     ) -> None:
         self.parts, self.reference = list(parts), reference
         self.coordinates, self.size = coordinates, coordinates.size[0]
-        seen = [part.resolved for part in parts]
-        low, high = min(each[0] for each in seen), max(each[1] for each in seen)
-        decades = np.log10(high / low) + SLOWER + FASTER
         # A fixed lattice: of given rates the weights are a convex problem, with one solution.
-        self.rates = np.geomspace(
-            low * 10.0**-SLOWER, high * 10.0**FASTER, int(PER_DECADE * decades) + 2
-        )
+        self.rates = lattice(parts, PER_DECADE)
         weights = None
         if lines is not None:
             self.rates, weights = lines.among(self.rates)
@@ -362,10 +307,13 @@ class _Search:
 
         Those that cannot be followed are none.
         """
-        weights = self.start().weights
+        weights = self.weights
+        if weights is None:
+            weights = self.start().weights
         starts = []
         for seed in seeds:
             u = self.coordinates.u(np.asarray(seed, dtype=float).copy(), self.size)
+            u = np.clip(u, self.bounds[0][0], self.bounds[1][0])
             starts.append(MaterialPoint(weights, u, self.cost(weights, u)))
         return [start for start in starts if np.isfinite(start.cost)]
 
@@ -426,7 +374,7 @@ class _Search:
         """Where the coordinates of effects of tests begin, behind those of effects of the rig."""
         return len(self.model.of_specimen.parameters) - self.count
 
-    def descended(self, place: MaterialPoint, steps: int) -> MaterialPoint:
+    def descended(self, place: MaterialPoint, steps: int, still: float = STILL) -> MaterialPoint:
         """Gauss-Newton steps, until one changes nothing that is printed."""
         for _ in range(steps):
             better = self.step(place, *self.slopes(place.weights, place.u))
@@ -434,7 +382,7 @@ class _Search:
                 break
             drop = place.cost - better.cost
             place = better
-            if drop <= STILL * place.cost:
+            if drop <= still * place.cost:
                 break
         return place
 
@@ -530,8 +478,12 @@ class _Search:
             # Lines for the step that is taken, not for the one that was too long.
             move = allowed
             wanted = non_negative(by_weights, target - by_u @ move)[0]
+        foretold = value + by_weights @ (wanted - weights) + by_u @ move
+        gain = cost - float(foretold @ foretold)
         share = 1.0
-        while share > SHORTEST:
+        # A share of the way gains twice that share of it at most: less than `STILL` would end the
+        # descent, found or not.
+        while share > SHORTEST and 2.0 * share * gain > STILL * cost:
             there = u + share * move
             # Between two sets of weights without a negative one there is none with one.
             nearer = weights + share * (wanted - weights)

@@ -507,6 +507,10 @@ def _pace(law: Node, values: Real, here: Real) -> Real:
     return pace
 
 
+ONE_INSTANT = 1e-12
+"""Share of a record below which two times of it differ by rounding alone."""
+
+
 def _by_clock(inside: InTime, loading: Loading, clock: Clock, t: Real, control: str) -> Real:
     """Derivatives (n, q) of the response by the parameters of the clock."""
     # Jumps and the rest apart: the answer to a jump has its derivative in closed form, the rest a
@@ -524,6 +528,9 @@ def _by_clock(inside: InTime, loading: Loading, clock: Clock, t: Real, control: 
     if smooth is not None and len(np.union1d(smooth.time, t)) > 1:
         grid = np.union1d(smooth.time, t)
         turned, own = clock.with_slopes(grid)
-        whole = inside.by_clock(turned, np.interp(grid, smooth.time, smooth.value), control, own)
-        derivatives += whole[np.searchsorted(grid, t)]
+        imposed = np.interp(grid, smooth.time, smooth.value)
+        # The end of a ramp beside a sample, nearer than a clock can tell, is one instant.
+        apart = np.concatenate([[True], np.diff(turned) > ONE_INSTANT * np.ptp(turned)])
+        whole = inside.by_clock(turned[apart], imposed[apart], control, own[apart])
+        derivatives += whole[(np.cumsum(apart) - 1)[np.searchsorted(grid, t)]]
     return derivatives

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from springpot.diagnosis.actions import turning
 from springpot.diagnosis.evidence import chances_of, log_prior_of_one, size_of_library, unknown_odds
 from springpot.diagnosis.in_practice import Misfit
 from springpot.diagnosis.result import Candidate, Diagnosis, EffectVerdict, Verdict
@@ -20,7 +21,7 @@ from springpot.diagnosis.verdict import Facts, rule_for
 from springpot.identification.part_result import PartResult
 from springpot.identification.result import Identification
 from springpot.identification.value import Value
-from springpot.measurement.sign import said_of_sign
+from springpot.measurement.sign import said_of_sign, turned
 from springpot.misfit.error import Error
 from springpot.misfit.where import Where
 from springpot.rheology.effect import Effect
@@ -28,6 +29,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
+from .floor import TimeFloor
 from .residuals_of_tests import SweepPart, TestPart
 from .scatter import ResidualScatter, times_noise
 from .where import rms, worst_first
@@ -35,17 +37,36 @@ from .where import rms, worst_first
 NAN = float("nan")
 
 
-def error_of(tests: Sequence[PartResult], noise: Sequence[ResidualScatter]) -> Error:
-    """The error of a model beside the noise, of the test that it misses most."""
-    # A model is as good as it is for that test.
-    worst, scatter = max(zip(tests, noise, strict=True), key=lambda pair: pair[0].over_floor)
+def worst_of(tests: Sequence[PartResult]) -> int:
+    """Number of the test that a model misses most: it is as good as it is for that one."""
+    return max(range(len(tests)), key=lambda i: tests[i].over_floor)
+
+
+def error_of(
+    tests: Sequence[PartResult], noise: Sequence[ResidualScatter], floor: TimeFloor | None = None
+) -> Error:
+    """The error of a model beside the noise, of the test that it misses most.
+
+    Beside the least of any material in that test, where one was looked for.
+    """
+    at = worst_of(tests)
+    worst, scatter = tests[at], noise[at]
     # Of few samples the presumed noise is believed as it is: its size is one, to the last bit.
     source = "residual"
     if scatter.size == 1.0:
         source = "signal"
-    error, floor = worst.relative_rms, worst.noise_floor
-    # Of no material: none was looked for.
-    return Error(error, floor, source, "", NAN, NAN, noise_memory=scatter.memory)
+    lowest = NAN
+    if floor is not None:
+        lowest = floor.errors[at]
+    return Error(
+        worst.relative_rms,
+        worst.noise_floor,
+        source,
+        "",
+        lowest,
+        NAN,
+        noise_memory=scatter.memory,
+    )
 
 
 def leading_of(candidates: Sequence[Candidate]) -> tuple[str, ...]:
@@ -324,7 +345,14 @@ class Tried:
     @property
     def evidence(self) -> float:
         """The same with how common the effect is: twice the logarithm of its odds."""
-        return self.delta + 2.0 * float(np.log(self.effect.prior))
+        return self.delta + 2.0 * float(np.log(weight_of(self.effect)))
+
+
+def weight_of(effect: Effect) -> float:
+    """How common an effect is in tests in time, before any data are seen."""
+    if effect.of_apparatus:
+        return effect.prior * EVIDENCE.apparatus
+    return effect.prior
 
 
 class TimeCase(NamedTuple):
@@ -396,6 +424,7 @@ def answer_of(
         tests=tests,
         left_out=left_out,
         evidence=nothing,
+        steps=tuple(turning(spec) for part in parts if (spec := turned(part.test.provenance))),
     )
     return TimeCase(diagnosis, base, best_fit, tuple(_misfit(part, base) for part in parts))
 

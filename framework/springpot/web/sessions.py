@@ -30,6 +30,7 @@ from springpot.measurement.joining import joined as together
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.reader import Part
 from springpot.registry import open_in_time, open_measurement, parts_of, plugins
+from springpot.suggestions import suggested
 
 LONGEST = 80
 """Signs of a file's name that are kept."""
@@ -117,8 +118,8 @@ def opened(spec: str) -> Measurement:
             raise
     raise DataError(
         f"{spec} holds a test in time, and this page judges sweeps at frequencies; in a shell"
-        f" 'springpot diagnose {spec} --model EXPR' judges it, 'springpot identify SWEEP {spec}"
-        " --model EXPR' joins it to a sweep"
+        f" {suggested('diagnose', spec, '--model', 'EXPR')} judges it,"
+        f" {suggested('identify', 'SWEEP', spec, '--model', 'EXPR')} joins it to a sweep"
     )
 
 

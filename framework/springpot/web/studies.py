@@ -13,6 +13,7 @@ from springpot.benchmark.standings import Findings, study_tables
 from springpot.benchmark.store import Store
 from springpot.benchmark.tables import Table
 from springpot.errors import DataError, SpringpotError
+from springpot.suggestions import suggested
 
 RESULTS = Path("results")
 SHOWN = ("choice", "summary", "ranks", "failures")
@@ -85,7 +86,8 @@ def _store_of(name: str) -> Path:
     path = _stores().get(name)
     if path is None:
         raise DataError(
-            f"there is no study '{name[:40]}' in {RESULTS}; run 'springpot run STUDY.py' here"
+            f"there is no study '{name[:40]}' in {RESULTS}; run"
+            f" '{suggested('run', 'STUDY.py')}' here"
         )
     return path
 

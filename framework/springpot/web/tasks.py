@@ -35,6 +35,7 @@ from springpot.report.plugin_cards import EXAMPLE_MEMBER
 from springpot.report.plugin_cards import effect as effect_card
 from springpot.report.plugin_cards import model as model_card
 from springpot.rheology.model import Family, Model
+from springpot.suggestions import suggested
 
 from . import leaving
 from .held import hand_of, theta_of
@@ -273,7 +274,9 @@ def dataset(told: Told, name: str) -> dict[str, Any]:
         if bare in (item.name, *item.aliases) and not item.remote
     ]
     if not known:
-        raise DataError(f"'{name[:80]}' is no registered data set; see 'springpot list datasets'")
+        raise DataError(
+            f"'{name[:80]}' is no registered data set; see '{suggested('list datasets')}'"
+        )
     return _understood(open_measurement(name), name)
 
 

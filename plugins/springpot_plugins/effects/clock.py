@@ -102,6 +102,7 @@ EFFECTS = (
         ),
         "the specimen comes to its temperature while it is tested: ln a_T = s exp(-t / tau)",
         citation="reduced time, Morland and Lee 1960, doi:10.1122/1.548856",
+        apparatus=True,
         applies_to=AppliesTo(suits=_long),
         signature="early the response is that of another temperature, from some tau on that of the"
         " set one",

@@ -76,10 +76,10 @@ EFFECTS = (
         "power-law-slip",
         balanced_series,
         slip_film("F", "a"),
-        "the specimen slips on its plates, the faster the larger the stress: stiffness is lost at"
-        " large amplitude",
+        "the whole specimen yields, or slips on its plates: it flows the faster the larger the"
+        " stress, and stiffness is lost at large amplitude",
         citation="Hatzikiriakos and Dealy 1991, J. Rheol. 35, 497",
-        aliases=("stress-slip", "nonlinear-slip"),
+        aliases=("stress-slip", "nonlinear-slip", "yielding-as-a-whole"),
         approximate=BALANCE,
         prior=0.3,
         equation=(

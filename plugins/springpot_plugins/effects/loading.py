@@ -30,7 +30,7 @@ SHARES = (0.1, 0.3, 0.5, 0.7, 0.9)
 """Shares of the way up to which a specimen may hang loose, where the search begins."""
 
 
-GROWTHS = (-1.0, 1.0, 4.0, 16.0)
+GROWTHS = (1.0, 4.0, 16.0)
 """Exponents at the largest strain at which stiffening is sought: tissue comes to ten and more."""
 
 
@@ -178,7 +178,7 @@ EFFECTS = (
         on_loading,
         StageLaw(
             stiffened,
-            (Parameter("B", "B", Dimension(amplitude=-1), -np.inf, scale="linear", typical=0.5),),
+            (Parameter("B", "B", Dimension(amplitude=-1), 0.0, scale="linear", typical=0.5),),
             _growths,
         ),
         "the specimen stiffens as it is stretched: what relaxes is an exponential of the strain, as"

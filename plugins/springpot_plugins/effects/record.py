@@ -127,6 +127,7 @@ EFFECTS = (
         "this test is too large against the others of the specimen: a calibration, an area or a gap"
         " is wrong",
         citation=ELEMENTARY,
+        apparatus=True,
         applies_to=AppliesTo(one=True),
         signature="the whole record by one factor; a test by itself cannot show it, as its material"
         " takes it over",
@@ -158,6 +159,7 @@ EFFECTS = (
         StageLaw(drifted, (Parameter("rate", "r", FORCE_RATE, -np.inf, scale="linear"),)),
         "the zero of the force transducer drifts at a steady rate",
         citation=ELEMENTARY,
+        apparatus=True,
         applies_to=AppliesTo(("displacement",)),
         signature="a straight line in linear time, from the first sample to the last, whatever the"
         " load does",
@@ -168,6 +170,7 @@ EFFECTS = (
         StageLaw(drifted, (Parameter("rate", "r", AMPLITUDE_RATE, -np.inf, scale="linear"),)),
         "the zero of the displacement transducer drifts at a steady rate",
         citation=ELEMENTARY,
+        apparatus=True,
         applies_to=AppliesTo(("force",)),
         signature="a straight line in linear time, from the first sample to the last; in creep it"
         " looks like flow",
@@ -179,6 +182,7 @@ EFFECTS = (
         "fixture and specimen grow while they come to their temperature, and press on the"
         " transducer",
         citation="Newton's law of cooling; free thermal strain",
+        apparatus=True,
         applies_to=AppliesTo(("displacement",)),
         signature="a force that comes up within some tau and stays, whatever the load does",
         prior=0.5,
@@ -190,6 +194,7 @@ EFFECTS = (
         "fixture and specimen grow while they come to their temperature, and the transducer takes"
         " it for creep",
         citation="Newton's law of cooling; free thermal strain",
+        apparatus=True,
         applies_to=AppliesTo(("force",)),
         signature="a displacement that comes up within some tau and stays; it does not recover with"
         " the load",
@@ -201,6 +206,7 @@ EFFECTS = (
         StageLaw(clipped, (Parameter("limit", "L", FORCE),), _limits),
         "the force channel saturates: it shows no more than a limit on either side",
         citation=ELEMENTARY,
+        apparatus=True,
         applies_to=AppliesTo(("displacement",), _level),
         signature="flat tops of the force, where the loop is highest",
         absent_at=np.inf,
@@ -211,6 +217,7 @@ EFFECTS = (
         StageLaw(clipped, (Parameter("limit", "L", AMPLITUDE),), _limits),
         "the displacement channel saturates: it shows no more than a limit on either side",
         citation=ELEMENTARY,
+        apparatus=True,
         applies_to=AppliesTo(("force",), _level),
         signature="flat tops of the displacement, where the loop is widest",
         absent_at=np.inf,

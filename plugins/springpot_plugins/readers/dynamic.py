@@ -298,9 +298,7 @@ def picked(blocks: Sequence[Block], part: str) -> list[Block]:
     if match := re.fullmatch(r"(\d{1,6})(?:-(\d{1,6}))?", part):
         first, last = int(match[1]), int(match[2] or match[1])
         if not 1 <= first <= last <= len(blocks):
-            raise DataError(
-                f"there is no part {part}; it has {len(blocks)} (see 'springpot inspect')"
-            )
+            raise DataError(f"there is no part {part}; it has {len(blocks)} (inspect lists them)")
         return list(blocks[first - 1 : last])
     named = [block for block in blocks if part.casefold() in block.name.casefold()]
     if not named:

@@ -20,7 +20,6 @@ import zipfile
 from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from xml.sax.saxutils import quoteattr
 
 from springpot.solvers import Handoff, Writer
 
@@ -204,6 +203,9 @@ def _variables(count: int) -> list[str]:
 
 def description_of(handoff: Handoff) -> str:
     """modelDescription.xml."""
+    # It brings all that opens addresses on the network along: most commands write no such file.
+    from xml.sax.saxutils import quoteattr
+
     count = len(handoff.prony.times)
     name = quoteattr(handoff.name)
     # It tells which description belongs to which library (FMI 2.0); the same model has the same.

@@ -23,6 +23,7 @@ from springpot.errors import DataError, StudyError
 from springpot.files import write_text
 from springpot.inputs import json_of, text_in
 from springpot.rheology.points import Real
+from springpot.suggestions import suggested
 
 from ..statistics import hitting_time, holm, least_mann_whitney, target_value
 from ..store import Store
@@ -371,8 +372,8 @@ def read_baseline(path: Path) -> Baseline:
         text = text_in(path)
     except DataError as error:
         raise StudyError(
-            f"there is no baseline {path} ({error}): make it with springpot regression update"
-            " STUDY.py and commit it"
+            f"there is no baseline {path} ({error}): make it with"
+            f" {suggested('regression update', 'STUDY.py')} and commit it"
         ) from None
     try:
         content = json_of(text, finite=True)

@@ -20,6 +20,7 @@ import numpy as np
 from springpot.errors import StudyError
 from springpot.format_numbers import number
 from springpot.rheology.points import Real
+from springpot.suggestions import suggested
 
 from ..runner import run_study
 from ..statistics import bands
@@ -358,7 +359,8 @@ def compare(
         if float(facts[key]) != before.settings[key]:
             raise StudyError(
                 f"{path} was made with a {key} of {before.settings[key]:g}, the study has"
-                f" {float(facts[key]):g}: make it again with springpot regression update"
+                f" {float(facts[key]):g}: make it again with"
+                f" {suggested('regression update', 'STUDY.py')}"
             )
     after = samples_like(store, before)
     judged = changes_since(before, after, level, factor)
@@ -407,7 +409,9 @@ def _notes(before: Baseline, judged: Sequence[Change], store: Store) -> list[str
     # Told, not failed: a new optimiser has nothing that it could have become worse than.
     new = [key for key in baseline_of(store).samples if key not in before.samples]
     return notes + [
-        f"{who(key)} is not in the baseline: springpot regression update takes it up" for key in new
+        f"{who(key)} is not in the baseline:"
+        f" {suggested('regression update', 'STUDY.py')} takes it up"
+        for key in new
     ]
 
 
@@ -474,6 +478,7 @@ def known_scripts(out: Path = Path("results")) -> list[Path]:
     scripts = [Path(baseline.script) for baseline in baselines if baseline.script]
     if not scripts:
         raise StudyError(
-            f"there is no baseline under {out}: make one with springpot regression update STUDY.py"
+            f"there is no baseline under {out}: make one with"
+            f" {suggested('regression update', 'STUDY.py')}"
         )
     return scripts

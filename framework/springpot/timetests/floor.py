@@ -1,0 +1,137 @@
+"""The least error of any linear passive material in tests of which one at least is in time.
+
+Below it lies what a spring, dashpot, springpot or mode may mend, above it what no material does. It
+is sought from a fitted model, whose material is set free while its effects go on from where they
+are: so it lies below the model's own error from the first step on, and takes a few.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from springpot.errors import ModelError, SpringpotError
+from springpot.identification.coordinates import Coordinates
+from springpot.identification.material import PER_DECADE, is_material
+from springpot.identification.result import Identification
+from springpot.misfit.material import any_material, is_of_material
+from springpot.nonnegative import non_negative
+from springpot.rheology.continuum import Continuum
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
+
+from .convex import ConvexSpectrum, lattice
+from .material import Around, descended_from, spectrum_of
+from .native import TimeSearch
+from .residuals_of_tests import TestPart, parts_of_specimen
+from .where import rms
+
+
+@dataclass(frozen=True)
+class TimeFloor:
+    """Any linear passive material with the effects of a model.
+
+    Attributes
+    ----------
+    errors : tuple of float
+        The least error in each test, relative to its signal; nan where none can be told.
+    """
+
+    errors: tuple[float, ...]
+
+    def beside(self, fits: Sequence[Identification]) -> TimeFloor:
+        """The same, lowered by fits with the same effects whose own material is linear and passive.
+
+        Lines stand apart, tests weigh against one another, and a search beside effects may stop
+        short: a model that is such a material itself is a bound.
+        """
+        errors = list(self.errors)
+        for fit in fits:
+            own = [part.relative_rms for part in fit.parts]
+            lower = [not floor <= error for floor, error in zip(errors, own, strict=True)]
+            if any(lower) and is_linear(fit):
+                errors = np.fmin(errors, own).tolist()
+        return TimeFloor(tuple(errors))
+
+
+def is_linear(fit: Identification) -> bool:
+    """Whether the material of a fitted model is a linear passive one, as its error needs it."""
+    if is_material(fit.model):
+        return True
+    return is_of_material(fit.model, fit.theta, fit.covered.rate, fit.relative_rms)
+
+
+def material_floor(fit: Identification) -> TimeFloor:
+    """The least error of any material in the place of a model's own, its effects going on.
+
+    Parameters
+    ----------
+    fit : Identification
+        Of tests of which one at least is in time.
+    """
+    free = replace(any_material(), effects=fit.model.effects)
+    # So that residuals are shares of the signal, as errors are printed.
+    parts = [part.with_sd(part.size) for part in parts_of_specimen(fit.data)]
+    own = fit.theta[len(fit.model.material.parameters) :]
+    around = Around(coordinates_around(free, TimeSearch(free, parts, fit.reference)), own)
+    try:
+        lines = as_lines(fit.model, fit.theta, lattice(parts, PER_DECADE))
+        found = descended_from(lines, free, parts, fit.reference, around)
+    except SpringpotError:
+        # Its effects have no law around lines: what remains is whether the model is a bound.
+        return TimeFloor((float("nan"),) * len(parts)).beside([fit])
+    errors = [rms(_missed(part, found.model, found.theta, fit.reference)) for part in parts]
+    return TimeFloor(tuple(errors)).beside([fit])
+
+
+def material_floors(fits: Sequence[Identification]) -> Mapping[tuple[str, ...], TimeFloor]:
+    """The floor for each set of effects, sought from the best of the fits with them."""
+    alike: dict[tuple[str, ...], list[Identification]] = {}
+    for fit in fits:
+        alike.setdefault(effects_of(fit.model), []).append(fit)
+    return {
+        effects: material_floor(min(group, key=lambda fit: fit.cost)).beside(group)
+        for effects, group in alike.items()
+    }
+
+
+def effects_of(model: Model) -> tuple[str, ...]:
+    """Names of the effects of a model."""
+    return tuple(effect.name for effect in model.effects)
+
+
+def coordinates_around(free: Model, search: TimeSearch) -> Coordinates:
+    """Search coordinates of the effects around a material, of the sizes that a search has told."""
+    effects = free.parameters[len(free.material.parameters) :]
+    size, reach = search.sizes
+    return Coordinates.of(effects, search.middle, np.array([size]), reach)
+
+
+def as_lines(model: Model, theta: Real, rates: Real) -> ConvexSpectrum:
+    """The material of a model as lines at given rates (m,), as near as any come to its K.
+
+    Raises
+    ------
+    ModelError
+        If its material asks for a condition.
+    """
+    if isinstance(model.material, Continuum):
+        return spectrum_of(model, theta)
+    if model.material.needs:
+        raise ModelError(f"{model.name}: its material is none of one temperature and amplitude")
+    alone = replace(model, effects=())
+    s = 1j * rates[:, None]
+    stiffness = alone.stiffness(theta[: len(alone.parameters)], rates)
+    size = np.abs(stiffness)
+    columns = np.hstack([np.ones_like(s), s, s / (s + rates)]) / size[:, None]
+    wanted = stiffness / size
+    amounts, _ = non_negative(
+        np.concatenate([columns.real, columns.imag]), np.concatenate([wanted.real, wanted.imag])
+    )
+    return ConvexSpectrum(float(amounts[0]), float(amounts[1]), rates, amounts[2:])
+
+
+def _missed(part: TestPart, model: Model, theta: Real, reference: float) -> Real:
+    return part.residual(model, theta, reference).value

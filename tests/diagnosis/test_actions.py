@@ -1,0 +1,79 @@
+"""What can be done with an answer: each step has a command, and the error that it leaves."""
+
+import json
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.cli.discover import _of_each
+from springpot.diagnosis.actions import leaving_out, splitting, turning
+from springpot.measurement.sign import sign_note, turned
+from springpot.report.numbers import percent
+
+pytestmark = pytest.mark.usefixtures("asked_once")
+
+OMEGA = np.geomspace(1.0, 100.0, 12)
+
+
+def two_currents(extra=0.0):
+    """A springpot that is half as stiff again at the second current."""
+    current = np.repeat([0.5, 1.0], len(OMEGA))
+    omega = np.tile(OMEGA, 2)
+    gain = np.where(current > 0.7, 1.5, 1.0)
+    noise = 0.005 * np.random.default_rng(3).normal(size=(2, len(omega)))
+    stiffness = 50.0 * gain * (1j * omega) ** 0.4 * (1.0 + noise[0] + 1j * noise[1])
+    stiffness[5] *= 1.0 + extra
+    return springpot.Measurement(omega, stiffness, conditions={"current": current})
+
+
+@pytest.fixture(scope="module")
+def apart():
+    return springpot.diagnose(two_currents(), "springpot")
+
+
+def test_a_column_with_which_the_misfit_goes_is_split_with_the_error_foretold(apart):
+    (step,) = apart.steps
+    assert step.command == "springpot discover DATA --split current"
+    assert apart.error.relative_rms > 0.1
+    ladder = springpot.discover(two_currents(), "springpot", accept=_of_each("current"))
+    assert step.error_after < 0.3 * apart.error.relative_rms
+    assert ladder.steps[-1].relative_rms < 0.1 * apart.error.relative_rms
+
+
+def test_steps_are_told_with_the_error_before_and_after(apart):
+    text = " ".join(str(apart).split())
+    before = percent(apart.error.relative_rms)
+    after = percent(apart.steps[0].error_after)
+    assert "one factor a value, the material shared" in text
+    assert f"({before} -> {after}): springpot discover DATA --split current" in text
+
+
+def test_programs_get_them_and_give_them_back(apart):
+    answer = json.loads(json.dumps(apart.to_dict()))
+    assert answer["actions"][0]["command"] == "springpot discover DATA --split current"
+    assert type(apart).from_dict(answer).steps == apart.steps
+
+
+def test_effects_that_lower_the_error_are_offered_after_the_steps():
+    found = springpot.diagnose("artificial-hidden", "fractional-maxwell")
+    commands = [action.command for action in found.actions]
+    assert commands[0] == "springpot discover DATA --accept inertia"
+    after = [action.error_after for action in found.actions]
+    assert all(error < 0.9 * found.error.relative_rms for error in after)
+
+
+def test_a_force_that_counts_the_other_way_is_turned():
+    t = np.linspace(0.0, 2.0, 200)
+    x = np.sin(2.0 * np.pi * t)
+    force = -(3.0 * x + 2.0 * np.gradient(x, t))
+    test = springpot.TimeTest.of_history(t, x, force, "mm", "N")
+    spec = turned(sign_note(test, "force=-N"))
+    assert spec == "FILE?force=-N"
+    assert turning("my file?force=-N").command == "springpot diagnose 'my file?force=-N'"
+    assert turned({}) == ""
+
+
+def test_a_row_that_stands_out_is_left_out_by_its_number():
+    assert leaving_out(12, 0.01).command == "springpot diagnose DATA --exclude row=12"
+    assert splitting("band tension", 0.1).command.endswith("--split 'band tension'")
