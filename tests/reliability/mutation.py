@@ -6,8 +6,9 @@ annotations, docstrings, assertions that two lists are of one length, guards aga
 zero, and settings: numbers with a name of their own, of which studies say what is best. A setting
 of none, or of yes or no, is a rule.
 
-A room's tests that enter the changed function run first, the shortest of them before all others;
-the rest of the room's tests follow, as what another process enters was not seen.
+A room's tests that enter the changed function run first, the shortest of them before all others,
+then those that start processes, as what another process enters is not seen; the rest of the room's
+tests follow.
 """
 
 from __future__ import annotations
@@ -209,18 +210,23 @@ class Room:
     failed: list[str] = field(default_factory=list)
 
     def first(self, mutant: Mutant) -> list[str]:
-        """The tests that enter the changed function, the shortest first.
+        """The tests that enter the changed function, then those that start processes.
 
-        Of a module itself, any part of it.
+        Of both the shortest first; of a module itself, any part of it is entered.
         """
         file = str(self.folder / mutant.path)
         line = _function(mutant)
-        seen = {
-            name: each["seconds"]
-            for name, each in self.entered.items()
-            if any(path == file and line in (None, start) for path, start in each["entered"])
-        }
-        return sorted(seen, key=lambda name: seen[name])
+
+        def place(name: str) -> tuple[bool, float]:
+            each = self.entered[name]
+            enters = any(path == file and line in (None, start) for path, start in each["entered"])
+            return not enters, each["seconds"]
+
+        places = {name: place(name) for name in self.entered}
+        chosen = [
+            name for name, each in self.entered.items() if not places[name][0] or each["started"]
+        ]
+        return sorted(chosen, key=lambda name: places[name])
 
 
 def _function(mutant: Mutant) -> int | None:

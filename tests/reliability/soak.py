@@ -14,6 +14,7 @@ import argparse
 import csv
 import sys
 from collections.abc import Iterable, Sequence
+from datetime import date
 from importlib import import_module
 from pathlib import Path
 from time import perf_counter
@@ -52,27 +53,37 @@ def parts() -> list[str]:
     return sorted(path.stem.removeprefix(PREFIX) for path in FOLDER.glob(f"{PREFIX}*.py"))
 
 
-def table(part: str, rows: Iterable[Row]) -> list[str]:
-    """The rows as Markdown, under the name of their part."""
-    lines = [f"## {part}", "", "| what | cases | held | measured |", "|---|---:|---:|---|"]
+def table(part: str, rows: Iterable[Row], made: str) -> list[str]:
+    """The rows as Markdown, under the name of their part and how it was made."""
+    lines = [
+        f"## {part}",
+        "",
+        f"Made with {made}.",
+        "",
+        "| what | cases | held | measured |",
+        "|---|---:|---:|---|",
+    ]
     lines += [f"| {row.what} | {row.cases} | {row.held} | {row.measured} |" for row in rows]
     return [*lines, ""]
 
 
-def write(found: dict[str, list[Row]], folder: Path) -> None:
-    """A CSV file for each part, and all that are there as one page."""
+def write(found: dict[str, list[Row]], folder: Path, made: str) -> None:
+    """A CSV file for each part, and all that are there as one page.
+
+    Parts made at other times, by another scale or seed, stay as they are and say so.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     for part, rows in found.items():
         with (folder / f"{part}.csv").open("w", newline="", encoding="utf-8") as stream:
-            csv.writer(stream, lineterminator="\n").writerows([Row._fields, *rows])
+            csv.writer(stream, lineterminator="\n").writerows(
+                [[*Row._fields, "made"], *([*row, made] for row in rows)]
+            )
     lines = ["# What `make soak` found", ""]
     for part in sorted(path.stem for path in folder.glob("*.csv")):
         with (folder / f"{part}.csv").open(newline="", encoding="utf-8") as stream:
-            entries = [
-                Row(what, int(cases), int(held), said)
-                for what, cases, held, said in list(csv.reader(stream))[1:]
-            ]
-        lines += table(part, entries)
+            read = list(csv.reader(stream))[1:]
+        entries = [Row(what, int(cases), int(held), said) for what, cases, held, said, _ in read]
+        lines += table(part, entries, read[0][-1])
     (folder / "README.md").write_text("\n".join(lines).rstrip() + "\n", encoding="utf-8")
 
 
@@ -105,7 +116,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if unknown := set(given.parts) - set(parts()):
         asked.error(f"no part {', '.join(sorted(unknown))}; there are {', '.join(parts())}")
     found = {part: run(part, given.seed, given.scale) for part in given.parts or parts()}
-    write(found, given.out)
+    made = f"scale {given.scale:g}, seed {given.seed}, on {date.today()}"
+    write(found, given.out, made)
     return int(any(row.held < row.cases for rows in found.values() for row in rows))
 
 

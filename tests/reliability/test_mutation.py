@@ -77,11 +77,13 @@ def test_the_tests_that_enter_the_changed_function_run_first_and_the_shortest_of
     )
     here, beside = [str(ROOT / path), function.lineno], [str(ROOT / path), 1]
     entered = {
-        "long": {"seconds": 2.0, "entered": [beside, here]},
-        "beside": {"seconds": 0.1, "entered": [beside]},
-        "short": {"seconds": 1.0, "entered": [here]},
+        "long": {"seconds": 2.0, "entered": [beside, here], "started": False},
+        "beside": {"seconds": 0.1, "entered": [beside], "started": False},
+        "short": {"seconds": 1.0, "entered": [here], "started": True},
+        "outside": {"seconds": 0.2, "entered": [], "started": True},
     }
     room = Room(ROOT, 3.1, entered)
     inside = Mutant(path, Change(function.body[-1].lineno, 0, 0, "", ""))
-    assert room.first(inside) == ["short", "long"]
-    assert room.first(Mutant(path, Change(1, 0, 0, "", ""))) == ["beside", "short", "long"]
+    assert room.first(inside) == ["short", "long", "outside"]
+    of_module = room.first(Mutant(path, Change(1, 0, 0, "", "")))
+    assert of_module == ["beside", "short", "long", "outside"]

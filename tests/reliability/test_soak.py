@@ -33,6 +33,10 @@ def test_a_broken_promise_is_told_by_the_exit_code_and_kept_in_the_table(part, t
         "a part that was run before stays on the page"
     )
     assert "| flips | 3 | 2 |  |" in page
+    assert soak.main(["bad", "--out", str(tmp_path), "--scale", "0.5", "--seed", "7"]) == 1
+    page = (tmp_path / "README.md").read_text()
+    assert "scale 1, seed 1" in page.partition("## good")[2], "each part says how it was made"
+    assert "scale 0.5, seed 7" in page.partition("## good")[0]
 
 
 def test_an_unknown_part_is_refused(capsys):
