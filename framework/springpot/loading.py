@@ -7,6 +7,7 @@ a comparison and an invention the file holds what they say, not the fits behind 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -16,6 +17,7 @@ from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Diagnosis
 from springpot.errors import DataError, ModelError
 from springpot.files import keep_input
+from springpot.identification.level_weights import usual_objective
 from springpot.identification.problem import Objective, default_objective
 from springpot.identification.result import Identification
 from springpot.inputs import json_of, text_in
@@ -24,6 +26,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.plain_data import as_declared
 from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect
+from springpot.rheology.model import Model
 
 AGAIN = "give the output of a command of springpot with --json"
 
@@ -117,16 +120,16 @@ def _read(path: Path) -> Any:
 
 def _fit(answer: dict[str, Any]) -> Identification:
     model = parse_model(answer["model"])
-    return Identification.from_dict(answer, model, _objective)
+    return Identification.from_dict(answer, model, partial(_objective, model))
 
 
-def _objective(name: str, data: Measurement) -> Objective:
+def _objective(model: Model, name: str, data: Measurement) -> Objective:
     # The objective that is taken where none is named need not be a plugin's, so it comes first.
     standard = default_objective(data)
-    if standard.name == name:
-        return standard
-    objective: Objective = plugins().find("objective", name)
-    return objective
+    objective = standard
+    if standard.name != name:
+        objective = plugins().find("objective", name)
+    return usual_objective(model, data, objective)
 
 
 def _comparison(answer: dict[str, Any]) -> Comparison:

@@ -10,7 +10,7 @@ import pytest
 import springpot
 from springpot import TimeTest
 from springpot.rheology import Points
-from springpot.rheology.continuum import Relaxation, Retardation
+from springpot.rheology.continuum import Compliance, Relaxation
 from springpot.superposition.after_steps import after_steps
 
 MODEL = springpot.parse_model("fractional-zener")
@@ -114,7 +114,7 @@ def test_the_table_of_a_creep_curve_is_creep(springpot, tmp_path):
 
 
 def test_a_creep_compliance_is_that_of_its_lines_with_exact_slopes():
-    lines = Retardation((0.1, 1.0, 10.0))
+    lines = Compliance((0.1, 1.0, 10.0))
     theta, x = np.array([1.0, 0.5, 2.0, 3.0, 4.0]), np.log([0.02, 0.5, 3.0])
     t = np.exp(-x)
     exact = 1.0 + 0.5 * t + np.array([2.0, 3.0, 4.0]) @ -np.expm1(-np.outer([0.1, 1.0, 10.0], t))

@@ -16,8 +16,7 @@ from springpot.rheology.continuum import Relaxation
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.levels import Levels, level_text, levels_of
 from springpot.rheology.model import Model
-from springpot.rheology.points import Real
-from springpot.rheology.thermal import LARGEST_SHIFT
+from springpot.rheology.points import LARGEST_SHIFT, Real
 
 from .levels_alone import Alone, each_alone
 from .native import Fit

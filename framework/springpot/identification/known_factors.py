@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import student
-from springpot.rheology.points import Real
-from springpot.rheology.thermal import LARGEST_SHIFT
+from springpot.rheology.points import LARGEST_SHIFT, Real
 from springpot.thresholds import SUPERPOSITION
 
 from .allowed_shifts import ROOM, meeting, ranges, scatter_between

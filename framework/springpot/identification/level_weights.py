@@ -8,6 +8,7 @@ worth less than the others.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +27,7 @@ from .material import is_material
 from .problem import Objective, default_objective, relative_objective
 
 
-@dataclass(frozen=True, eq=False)
-class Weighing:
+class Weighing(NamedTuple):
     """How the points of sweeps at several levels weigh.
 
     Attributes

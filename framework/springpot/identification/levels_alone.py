@@ -121,7 +121,7 @@ def each_alone(
     return Alone(cost, dof, error, repeat_scatter(measurement, number))
 
 
-class Part(NamedTuple):
+class StorageOrLoss(NamedTuple):
     """Storage or loss of a sweep by itself.
 
     Attributes
@@ -140,7 +140,7 @@ class Part(NamedTuple):
     dof: float
 
 
-def parts_of(sweep: Measurement) -> tuple[Part, Part]:
+def parts_of(sweep: Measurement) -> tuple[StorageOrLoss, StorageOrLoss]:
     """Storage and loss of a sweep, with the scatter that their own neighbours tell.
 
     J. von Neumann et al. 1941, doi:10.1214/aoms/1177731746.
@@ -153,7 +153,7 @@ def parts_of(sweep: Measurement) -> tuple[Part, Part]:
         bent = np.diff(values, 2) / size[1:-1]
         scatter = float(np.sqrt(np.mean(bent**2) / 6.0)) if len(bent) else 0.0
         share = float(np.median(size / sweep.magnitude[order]))
-        found.append(Part(values, share, scatter, max(len(bent) * 36.0 / 70.0, 1.0)))
+        found.append(StorageOrLoss(values, share, scatter, max(len(bent) * 36.0 / 70.0, 1.0)))
     return found[0], found[1]
 
 

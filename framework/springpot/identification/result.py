@@ -35,7 +35,6 @@ from .kept import (
     measurement_to_dict,
     rates_of,
 )
-from .level_weights import usual_objective
 from .material import is_material
 from .native import Fit
 from .part_result import PartResult, parts_of, spare
@@ -547,7 +546,7 @@ class Identification(Known):
         objective = str(answer["objective"]["name"])
         if "measurement" in kept:
             data = measurement_of(kept["measurement"])
-            by = usual_objective(model, data, objective_of(objective, data))
+            by = objective_of(objective, data)
             spent, converged = told["evaluations"], bool(kept["converged"])
             fit = Fit(model, data, by, theta, cost, spent, converged)
             return cls.of_sweep(Uncertainty(fit, bool(kept["absolute"])), low, high, **told)

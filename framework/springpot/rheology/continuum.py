@@ -183,7 +183,7 @@ class Relaxation(Continuum):
 
 
 @dataclass(frozen=True)
-class Retardation(Relaxation):
+class Compliance(Relaxation):
     """What a material shows at the time t = 1 / omega after a step of the force: its compliance.
 
     J = J_g + t / eta + sum of L_j (1 - exp(-r_j t)), real, all shares positive or zero (Ferry,
@@ -193,9 +193,9 @@ class Retardation(Relaxation):
     Examples
     --------
     >>> import numpy as np
-    >>> from springpot.rheology.continuum import Retardation
+    >>> from springpot.rheology.continuum import Compliance
     >>> from springpot.rheology import Points
-    >>> creeping = Retardation((1.0,))
+    >>> creeping = Compliance((1.0,))
     >>> creeping.respond(np.array([1.0, 0.5, 2.0]), Points.at([1.0])).value.real.round(3)
     array([2.764])
     """

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from .nodes import GRADIENT, VALUE, Node, Response
 from .parameters import Parameter
-from .points import KELVIN, Points, Real
-from .thermal import LARGEST_SHIFT
+from .points import KELVIN, LARGEST_SHIFT, Points, Real
 
 HELD: Mapping[str, float] = {"amplitude": 0.02, "temperature": 0.5}
 """How nearly a rig holds what was set: amplitudes as a share, temperatures in kelvin.

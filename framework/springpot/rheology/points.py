@@ -16,6 +16,8 @@ Complex: TypeAlias = NDArray[np.complex128]
 
 KELVIN = 273.15
 """0 degC in kelvin."""
+LARGEST_SHIFT = 60.0
+"""Bound on |ln a_T|: 26 decades, so that a search that strays cannot overflow."""
 ROOM = 293.15
 """20 degC in kelvin: where a shift is one if no test and no user says another temperature."""
 COLDEST = 75.0

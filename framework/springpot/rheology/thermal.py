@@ -9,12 +9,10 @@ import numpy as np
 from .formula import Formula
 from .nodes import FULL, GRADIENT, VALUE, Composing, Composition, Response, Shift
 from .parameters import PURE, Dimension, Parameter, stiffness, viscosity
-from .points import Points, Real
+from .points import LARGEST_SHIFT, Points, Real
 
 GAS_CONSTANT = 8.31446261815324e-3
 """Molar gas constant in kJ/(mol K), exact in the SI of 2019."""
-LARGEST_SHIFT = 60.0
-"""Bound on |ln a_T|: 26 decades, so that a search that strays cannot overflow."""
 LN_10 = float(np.log(10.0))
 NEEDS_TEMPERATURE = ("temperature",)
 ACTIVATION = Dimension(label="kJ/mol")

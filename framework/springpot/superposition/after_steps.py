@@ -17,10 +17,10 @@ from springpot.errors import DataError
 from springpot.identification.problem import Objective
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
-from springpot.rheology.continuum import Continuum, Relaxation, Retardation
+from springpot.rheology.continuum import Compliance, Continuum, Relaxation
 from springpot.rheology.points import Complex, Real
 
-SHOWN = {"relaxation": Relaxation(), "creep": Retardation()}
+SHOWN = {"relaxation": Relaxation(), "creep": Compliance()}
 """Any material, as tests of each kind show it."""
 PER_DECADE = 20
 """Points of a decade of time: a spectrum changes little from one to the next (a factor of 1.12)."""

@@ -25,7 +25,7 @@ from springpot.identification.superposed_fit import superposed_fit
 from springpot.measurement.independence import at_one_frequency
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
-from springpot.rheology.continuum import Continuum, Retardation
+from springpot.rheology.continuum import Compliance, Continuum
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.levels import HELD, Levels, level_text
 from springpot.rheology.model import Model
@@ -284,19 +284,18 @@ def mastercurve(
     _check(measurement, column)
     # First what each level gives by itself: a level that no material follows must not bend the
     # curve of the others.
-    weighing = weighing_of(measurement, column, objective, unfitted)
-    own = weighing.own
-    alone, rows = _fits(measurement, column, vertical, weighing.objective, unfitted)
+    weighing, own, note = weighing_of(measurement, column, objective, unfitted)
+    alone, rows = _fits(measurement, column, vertical, weighing, unfitted)
     fitted = factors_of(rows)
     at, remarks = _reference(fitted, reference)
     # Referred only now: a fit is the same whatever level is asked for.
     factors = fitted.referred_to(at)
-    if isinstance(unfitted, Retardation):
+    if isinstance(unfitted, Compliance):
         factors = factors.of_modulus
     known = known_factors(rows, fitted, factors, own)
     told = told_by_data(rows, at)
     notes = [
-        *filter(None, [weighing.note]),
+        *filter(None, [note]),
         *remarks,
         *undetermined(factors, known),
         *slower_when_hot(factors, known.determined),
