@@ -16,9 +16,9 @@ from .dimensional import units_of
 from .formula import Formula
 from .grammar import free_names, names_in, parsed
 from .parameters import PURE, Dimension, Parameter, order
-from .points import ROOM, Points
+from .points import LARGEST_SHIFT, ROOM, Points
 from .terms import LOG_OMEGA, Dual, Joined, Name, Number, Power, Term, inverse
-from .thermal import LARGEST_SHIFT, activation_energy, bounded_shift
+from .thermal import activation_energy, bounded_shift
 
 EXPONENT = Parameter("n", "n", PURE, 0.0, 4.0, "linear", 1.0)
 """A free power: whoever expects a negative one writes its sign, as in X^(-n)."""
