@@ -355,7 +355,7 @@ def invent(
     --------
     >>> import springpot
     >>> springpot.invent("artificial-hidden@frequency=..20", "fractional-maxwell").verdict
-    'class'
+    'none'
     """
     tests = excluded(_tests(measurement), exclude)
     data = sweep_of(tests)

@@ -90,7 +90,7 @@ def conditions_of(measurement: Measurement) -> list[str]:
     >>> import springpot
     >>> from springpot.invention.grammar import conditions_of
     >>> conditions_of(springpot.read("nist-srm2491"))
-    ['temperature']
+    ['nist_loss', 'nist_storage', 'temperature']
     """
     varied = [
         name

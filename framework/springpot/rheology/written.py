@@ -23,7 +23,7 @@ from .thermal import activation_energy, bounded_shift
 EXPONENT = Parameter("n", "n", PURE, 0.0, 4.0, "linear", 1.0)
 """A free power: whoever expects a negative one writes its sign, as in X^(-n)."""
 KELVINS = Parameter("T", "T", Dimension(label="K"), 0.0, 1e4, typical=100.0)
-LEAST, MOST = 1e-9, 1e9
+LEAST, MOST = 1e-18, 1e18
 """Sizes, beside those of the data, at which a law must be gone to be one that may be missing."""
 GONE = 1e-6
 """Share of its usual size that is left there."""

@@ -26,7 +26,7 @@ from .networks import (
 )
 
 COLUMNS = frozenset({"amplitude", "temperature"})
-NEARLY = 1e-12
+NEARLY = 1e-24
 """Distance from the size at which an effect vanishes, relative to its typical size."""
 GONE = 1e-6
 """Relative change of K that is left there; more means that the effect does not vanish."""

@@ -304,7 +304,6 @@ def answer_of(
     if verdict == "effect-missing" and len(alike) == 1:
         candidates[0] = replace(candidates[0], verdict="missing")
     tests = before.rows(parts, noise, base.tests)
-    told = slip.says if slipped else ""
     named = [] if slipped and weights[-1] > VERDICT.likely else candidates
     # What noise leaves of an adequate model stands out somewhere too.
     where = () if verdict == "adequate" else where_missed(parts, before, noise)
@@ -313,7 +312,7 @@ def answer_of(
         model=base.model,
         error=error_of(tests, noise),
         verdict=verdict,
-        says=sentence(error_of(tests, noise), verdict, named, where, told),
+        says=sentence(error_of(tests, noise), verdict, named, where, slip.says if slipped else ""),
         split="",
         where=where,
         candidates=tuple(candidates),
@@ -327,8 +326,8 @@ def answer_of(
         steps=tuple(turning(spec) for part in parts if (spec := turned(part.test.provenance))),
     )
     # The next round of a discovery goes on from the best fit that there is.
-    fits = [each.fit for each in tried if each.effect.name in alike[:1]]
-    return TimeCase(diagnosis, base, next(filter(None, fits), base), _misfits(parts, base))
+    fits = (each.fit for each in tried if each.effect.name in alike[:1] and each.fit is not None)
+    return TimeCase(diagnosis, base, next(fits, base), _misfits(parts, base))
 
 
 def _misfits(parts: Sequence[TestPart], base: Identification) -> tuple[Misfit, ...]:
