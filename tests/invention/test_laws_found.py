@@ -67,6 +67,14 @@ def test_nearly_exact_data_give_the_exponent_in_any_unit():
     assert answers == [("parallel: i*k*X^(-n)", 0.6)] * 2
 
 
+def test_exact_data_give_the_exponent_exactly():
+    best = springpot.invent(swept(lossy, 0.0)).best
+    assert best is not None
+    assert best.text == "parallel: i*k*X^(-n)"
+    assert best.parameters["n"].value == pytest.approx(0.6, abs=1e-4)
+
+
+@pytest.mark.soak_cases("1", "2")
 @pytest.mark.parametrize("seed", range(3))
 def test_nothing_is_invented_from_noise(seed: int):
     found = springpot.invent(swept(lambda k, x: k, 0.01, seed))

@@ -17,6 +17,7 @@ from springpot.diagnosis.grown import Grown, Search
 from springpot.diagnosis.scan import applicable, best_pairs, enough_for, scan_effects
 from springpot.diagnosis.search import grown_with, sort_by_evidence
 from springpot.identification.passive import within_material
+from springpot.misfit.floor import is_arithmetic
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.residual_battery import battery
 from springpot.rheology.effect import Effect
@@ -56,7 +57,9 @@ def sought(base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> 
     search.grown = [grown_with(search, score) for score in leaders]
     _sort(search)
     search.left = battery(search.best.frame(), rng)
-    if search.grown and search.left.p_value < SEARCH.left_over:
+    # Of computed data the first law to reach arithmetic is the law, whatever rounding looks like.
+    done = search.left.p_value >= SEARCH.left_over or is_arithmetic(search.best)
+    if search.grown and not done:
         search.grown += [*_with_conditions(search, effects), *_with_terms(search, effects)]
         _sort(search)
         search.left = battery(search.best.frame(), rng)

@@ -13,6 +13,7 @@ from springpot.diagnosis.grown import Grown, Search
 from springpot.diagnosis.marginal import harmonic_evidence, marginal
 from springpot.diagnosis.scan import scan_effects
 from springpot.diagnosis.search import grown_with
+from springpot.misfit.floor import is_arithmetic
 from springpot.rheology.effect import Effect
 from springpot.thresholds import EVIDENCE, INVENTION, VERDICT
 
@@ -58,9 +59,15 @@ def weighed(search: Search) -> list[Weighed]:
     for grown in search.grown:
         best.setdefault(grown.effects[0].name, grown)
     rivals = [grown for grown in best.values() if _is_rival(search, grown)]
-    logs = np.array([marginal(search, grown) + _log_prior(grown.effects[0]) for grown in rivals])
-    if not len(logs):
+    if not rivals:
         return []
+    exact = [grown for grown in best.values() if is_arithmetic(grown.refit)]
+    if exact:
+        # What is left is rounding, and says nothing: the shortest formula is the law.
+        rivals = exact
+        logs = np.array([search.best.log_likelihood + _log_prior(g.effects[0]) for g in exact])
+    else:
+        logs = np.array([marginal(search, g) + _log_prior(g.effects[0]) for g in rivals])
     chances = np.exp(logs - logs.max())
     chances = chances / chances.sum()
     rows = zip(rivals, logs.tolist(), chances.tolist(), strict=True)
@@ -108,7 +115,8 @@ def verdict_of(search: Search, laws: Sequence[Weighed]) -> Verdict:
     if not laws or search.alarm >= INVENTION.alarm:
         return "none"
     clear = laws[0].log_weight > nothing(search) + EVIDENCE.as_good
-    if not clear or search.left.p_value < VERDICT.structure_alarm:
+    structure = search.left.p_value < VERDICT.structure_alarm
+    if not clear or (structure and not is_arithmetic(laws[0].grown.refit)):
         return "none"
     return "law" if len(rivals_of(laws)) == 1 else "class"
 
