@@ -207,7 +207,8 @@ class SpectrumSearch:
     def theta_of(self, u: Real) -> Real:
         """The effects' parameters (..., q) within their bounds."""
         theta = self.coordinates.theta(u, self.size)
-        return np.minimum(np.maximum(theta, self._lower), self._upper)
+        bounded: Real = np.minimum(np.maximum(theta, self._lower), self._upper)
+        return bounded
 
     def u_of(self, own: Real) -> Real:
         """Search coordinates (q,) of the effects' parameters."""
