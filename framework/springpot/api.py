@@ -12,7 +12,14 @@ import numpy as np
 from springpot.comparison.comparing import Comparison
 from springpot.comparison.comparing import compare as compare_objects
 from springpot.comparison.ranking import rank
-from springpot.constraints import Bounds, constrained, excluded, optimiser_of, own_values
+from springpot.constraints import (
+    Bounds,
+    constrained,
+    excluded,
+    optimiser_of,
+    own_values,
+    owning,
+)
 from springpot.diagnosis.examination import Progress, silent
 from springpot.diagnosis.examination import diagnose as diagnose_objects
 from springpot.diagnosis.in_practice import Accuracy
@@ -97,6 +104,7 @@ def identify(
     simpler: Sequence[Model | str] = (),
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
+    own: Mapping[str, str] | None = None,
     start: Mapping[str, float] | None = None,
     exclude: str | Sequence[str] = (),
 ) -> Identification:
@@ -121,6 +129,9 @@ def identify(
         Parameters that are held, in printed units: ``{"alpha": 0.5}``.
     bounds : mapping of str to (float, float), optional
         Ends between which parameters are sought, in printed units: ``{"k": (0.0, 200.0)}``.
+    own : mapping of str to str, optional
+        Parameters of which each level of a column has its own, and the column: ``{"k": "batch"}``;
+        ``"file"`` where each sweep is a specimen. All others are shared.
     start : mapping of str to float, optional
         Where the native solver begins too, in printed units.
     exclude : str or sequence of str
@@ -152,7 +163,7 @@ def identify(
     tests = excluded(_tests(measurement), exclude)
     # Values come as they are printed: the units of the data must be known to read them.
     units = units_of(tests)
-    judged = constrained(_model(model), units, fix, bounds)
+    judged, tests = owning(constrained(_model(model), units, fix, bounds), tests, own)
     search: dict[str, Any] = {"budget": budget, "restarts": restarts, "seed": seed}
     search |= {"optimiser": _optimiser(optimiser), "objective": _objective(objective)}
     search |= {"intervals": intervals, "start": own_values(judged, units, start, "start")}
@@ -177,6 +188,7 @@ def diagnose(
     seed: int = 0,
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
+    own: Mapping[str, str] | None = None,
     exclude: str | Sequence[str] = (),
     accuracy: Accuracy | str | None = None,
     progress: Progress = silent,
@@ -199,7 +211,7 @@ def diagnose(
         Names of effects that may not: a user knows that nothing slips.
     seed : int
         Of simulated noise; the same seed gives the same bits.
-    fix, bounds, exclude
+    fix, bounds, own, exclude
         What is known beforehand, and rows to leave out; see `identify`.
     accuracy : Accuracy or str, optional
         What the instrument promises, such as ``1%,3mrad``: a misfit within it is no verdict on the
@@ -224,7 +236,7 @@ def diagnose(
     'inertia'
     """
     tests = excluded(_tests(measurement), exclude)
-    judged = constrained(_judged(model), units_of(tests), fix, bounds)
+    judged, tests = owning(constrained(_judged(model), units_of(tests), fix, bounds), tests, own)
     promised = _promised(accuracy)
     data = sweep_of(tests)
     if data is None:
@@ -247,6 +259,7 @@ def discover(
     seed: int = 0,
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
+    own: Mapping[str, str] | None = None,
     exclude: str | Sequence[str] = (),
     accuracy: Accuracy | str | None = None,
     progress: Progress = silent,
@@ -269,7 +282,7 @@ def discover(
         Which effects may be named; see `diagnose`.
     seed : int
         Of simulated noise.
-    fix, bounds, exclude
+    fix, bounds, own, exclude
         What is known beforehand, and rows to leave out; see `identify`.
     accuracy : Accuracy or str, optional
         What the instrument promises, such as ``1%,3mrad``: a misfit within it is no verdict on the
@@ -293,7 +306,7 @@ def discover(
     ['24.1%', '4.4%']
     """
     tests = excluded(_tests(measurement), exclude)
-    begin = constrained(_judged(model), units_of(tests), fix, bounds)
+    begin, tests = owning(constrained(_judged(model), units_of(tests), fix, bounds), tests, own)
     promised = _promised(accuracy)
     data = sweep_of(tests)
     known = library(effects, only, without, data)
@@ -322,6 +335,7 @@ def invent(
     seed: int = 0,
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
+    own: Mapping[str, str] | None = None,
     exclude: str | Sequence[str] = (),
     progress: Progress = silent,
 ) -> Invention:
@@ -337,7 +351,7 @@ def invent(
         Columns that a law may go with; by default all that were varied by themselves.
     seed : int
         Of simulated noise; the same seed gives the same bits.
-    fix, bounds, exclude
+    fix, bounds, own, exclude
         What is known beforehand, and rows to leave out; see `identify`.
     progress : callable, optional
         Told in a few words what is being done.
@@ -360,10 +374,10 @@ def invent(
     'none'
     """
     tests = excluded(_tests(measurement), exclude)
+    judged, tests = owning(constrained(_judged(model), units_of(tests), fix, bounds), tests, own)
     data = sweep_of(tests)
     if data is None:
         raise DataError("a law is sought in sweeps: tests in time are read by diagnose")
-    judged = constrained(_judged(model), units_of(tests), fix, bounds)
     rng = np.random.default_rng(seed)
     columns = None if along is None else _listed(along)
     return invent_objects(data, judged, library(data=data), rng, columns, progress)

@@ -85,15 +85,14 @@ def all_parameters(
     held = model.held
     if not held:
         return free
-    rows = {}
+    rows, known_as = {}, dict(zip(model.names, model.origins, strict=True))
     for parameter in model.released().parameters:
         name = parameter.name
         if name in held:
             factor, label = units.of(parameter.unit)
             value = factor * held[name]
             rows[name] = Value(value, value, value, label, fixed=True)
-        elif name in free:
-            rows[name] = free[name]
+        rows |= {own: row for own, row in free.items() if known_as[own] == name}
     return rows
 
 
@@ -508,6 +507,7 @@ class Identification(Known):
             "seed": self.seed,
             "held": self.model.held,
             "bounds": bounds_of(self.model),
+            "own": self.model.own,
             "only_sweeps": self.on_sweeps,
             "rates": rates_of(self.model),
         }
