@@ -21,12 +21,18 @@ from springpot.diagnosis import Ladder
 from springpot.errors import DataError, ModelError
 from springpot.measurement import Measurement
 from springpot.report.interactive import scene as drawing
-from springpot.report.interactive.answers import proposed_points
 from springpot.report.interactive.bench import modules
-from springpot.report.interactive.scene import MOST_POINTS, PageScene, relative_error, rounded
+from springpot.report.interactive.scene import (
+    MOST_POINTS,
+    PageScene,
+    proposed_points,
+    relative_error,
+    rounded,
+)
 from springpot.report.jsontext import to_json
 from springpot.rheology.nodes import PLANES, Parallel
 from springpot.web import leaving, tasks
+from springpot.web.files import safe_name
 from springpot.web.sessions import (
     State,
     digest_of,
@@ -35,7 +41,6 @@ from springpot.web.sessions import (
     kept,
     measured_in,
     measurement_of,
-    safe_name,
     session_of,
     text_of,
 )

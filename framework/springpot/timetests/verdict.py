@@ -269,12 +269,15 @@ class TimeCase(NamedTuple):
         The model with the best effect, where one is missing; else the base.
     misfits : tuple of Misfit
         How far the base lies beside each test.
+    tried : tuple of Tried
+        The model grown by each effect that was fitted.
     """
 
     diagnosis: Diagnosis
     base: Identification
     best_fit: Identification
     misfits: tuple[Misfit, ...]
+    tried: tuple[Tried, ...] = ()
 
 
 def answer_of(
@@ -327,7 +330,7 @@ def answer_of(
     )
     # The next round of a discovery goes on from the best fit that there is.
     fits = (each.fit for each in tried if each.effect.name in alike[:1] and each.fit is not None)
-    return TimeCase(diagnosis, base, next(fits, base), _misfits(parts, base))
+    return TimeCase(diagnosis, base, next(fits, base), _misfits(parts, base), tuple(tried))
 
 
 def _misfits(parts: Sequence[TestPart], base: Identification) -> tuple[Misfit, ...]:

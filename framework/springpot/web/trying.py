@@ -13,11 +13,13 @@ from springpot.invention.result import Invention
 from springpot.measurement.measurement import Measurement
 from springpot.report.interactive.answers import preview
 from springpot.report.interactive.hypotheses import Preview
+from springpot.report.interactive.in_time import TimeScene
 from springpot.report.interactive.scene import PageScene
 from springpot.rheology.effect import Effect
 from springpot.rheology.typed import law
 
 from .sessions import LONGEST_NAME, State, kept
+from .specimen import Opened, Specimen
 
 
 def with_law(state: State, typed: object) -> tuple[State, Effect | None]:
@@ -41,9 +43,7 @@ def _next_name(state: State) -> str:
     return f"law-{len(state.accepted) + 1}"
 
 
-def tried(
-    state: State, own: Effect | None, measurement: Measurement, fit: Identification
-) -> dict[str, Any]:
+def tried(state: State, own: Effect | None, data: Opened, fit: Identification) -> dict[str, Any]:
     """The model of a state fitted to its rows.
 
     Parameters
@@ -52,7 +52,7 @@ def tried(
         What is tried.
     own : Effect, optional
         The law that was typed; it is the last that the state has accepted.
-    measurement : Measurement
+    data : Measurement or Specimen
         The data, all rows.
     fit : Identification
         Of the rows that the state uses.
@@ -66,16 +66,22 @@ def tried(
     says, mine = "", ""
     if own is not None:
         says, mine = own.summary, f"{own.name}."
-    used = kept(measurement, state.excluded)
-    shown = Preview(state.expression, fit.model, fit.theta, True)
     values = {name: value for name, value in fit.parameters.items() if name.startswith(mine)}
     sizes = [f"{name.removeprefix(mine)} = {value}" for name, value in values.items()]
     return {
-        **preview(PageScene(measurement), used, shown),
+        **_drawn(state, data, fit),
         "says": says,
         "accept": list(state.accepted[-1:]),
         "sizes": sizes,
     }
+
+
+def _drawn(state: State, data: Opened, fit: Identification) -> dict[str, Any]:
+    if isinstance(data, Specimen):
+        told = {"model": fit.model.name, "error": fit.relative_rms, "refitted": True}
+        return {**told, **TimeScene(data.tests).curve(fit.model, fit.theta, fit.reference)}
+    used = kept(data, state.excluded)
+    return preview(PageScene(data), used, Preview(state.expression, fit.model, fit.theta, True))
 
 
 def invented(state: State, measurement: Measurement, found: Invention) -> dict[str, Any]:

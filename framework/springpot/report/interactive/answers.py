@@ -15,11 +15,11 @@ from springpot.diagnosis.examination import Case
 from springpot.diagnosis.ladder import Ladder
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.model import Model
-from springpot.rheology.points import KELVIN, Complex, Points, Real
+from springpot.rheology.points import Complex, Points, Real
 
 from ..answers import reference_note
 from .hypotheses import Preview, acted, grown_by_each
-from .scene import PageScene, in_parts, relative_error, rounded
+from .scene import PageScene, in_parts, parameters_of, proposed_points, relative_error, rounded
 
 DRAWABLE = {"omega", "amplitude", "temperature", "repeats"}
 """What an experiment may change for its rivals to be drawn."""
@@ -40,7 +40,8 @@ def drawn(ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``discovery`` (schema ``springpot.discovery/2``); ``parameters`` of the last rung;
+        ``discovery`` (schema ``springpot.discovery/2``); ``of``: what errors are shares of;
+        ``parameters`` of the last rung;
         ``noise``: standard deviations of storage and loss at the drawn points; ``reference``: to
         which temperature or amplitude the parameters belong; ``model``: K of the last rung,
         ``{"points", "curves", "planes"}``, each with ``storage`` and ``loss``, at the drawn points,
@@ -59,7 +60,8 @@ def drawn(ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
     acted_on = {act.name: preview(scene, act.used, act.preview) for act in acts}
     return {
         "discovery": ladder.to_dict(),
-        "parameters": parameters_of(ladder),
+        "of": "|K|",
+        "parameters": parameters_of(base.model, ladder.steps[-1].parameters, used.units),
         "noise": in_parts(noise),
         "reference": reference_note(used, [base.model.network]),
         "model": scene.curve(base.model, base.theta, np.maximum(noise.real, noise.imag)),
@@ -77,33 +79,6 @@ def rungs(ladder: Ladder, measurement: Measurement) -> list[dict[str, Any]]:
         part = Ladder(ladder.data, ladder.steps[: count + 1], diagnosis.verdict, diagnosis)
         answers.append(drawn(part, measurement))
     return answers
-
-
-def parameters_of(ladder: Ladder) -> list[dict[str, Any]]:
-    """Parameters of the last rung in printed units, with the ends that a search respects."""
-    step = ladder.steps[-1]
-    units = step.case.search.base.fit.measurement.units
-    rows = []
-    for parameter in step.case.search.base.model.parameters:
-        value = step.parameters.get(parameter.name)
-        # A line of a free spectrum: hundreds of them, none of which anybody would move.
-        if value is None:
-            continue
-        factor, _ = units.of(parameter.unit)
-        rows.append(
-            {
-                "name": parameter.name,
-                "symbol": parameter.symbol,
-                "unit": value.unit,
-                "value": value.value,
-                "low": value.low,
-                "high": value.high,
-                "lower": parameter.lower * factor,
-                "upper": parameter.upper * factor,
-                "scale": parameter.scale,
-            }
-        )
-    return rows
 
 
 def _noise(scene: PageScene, case: Case) -> Complex:
@@ -161,35 +136,6 @@ def _along(points: Points, action: dict[str, list[float]]) -> Points:
     whole = points.mapped(lambda column: column[rows])
     log_omega = np.linspace(points.log_omega.min(), points.log_omega.max(), ON_A_RIVAL)
     return replace(whole, log_omega=log_omega)
-
-
-def proposed_points(action: dict[str, list[float]], measurement: Measurement) -> Points:
-    """Where a proposed experiment measures.
-
-    Conditions that it leaves open are as they were on the median.
-    """
-    omega = np.asarray(action["omega"], dtype=float)
-    points = measurement.points
-
-    def level(name: str, column: Real | None) -> Real | None:
-        # The model was never told it.
-        if column is None:
-            return None
-        if not action.get(name):
-            return np.full(omega.shape, float(np.median(column)))
-        given = np.resize(np.asarray(action[name], dtype=float), omega.shape)
-        if name == "temperature":
-            given = given + KELVIN
-        return given
-
-    columns = {name: level(name, column) for name, column in points.columns.items()}
-    return replace(
-        points,
-        log_omega=np.log(omega),
-        amplitude=level("amplitude", points.amplitude),
-        temperature=level("temperature", points.temperature),
-        columns={name: column for name, column in columns.items() if column is not None},
-    )
 
 
 def _band(model: Model, theta: Real, points: Points, floor: float) -> dict[str, Any]:

@@ -5,6 +5,7 @@ At the measured points and on smooth curves between them.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -12,10 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.identification.value import Value
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.units import Units
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import FULL, PLANES
-from springpot.rheology.points import Complex, Points, Real
+from springpot.rheology.points import KELVIN, Complex, Points, Real
 
 from ..residuals import plane_of
 from ..sweeps import DrawnSweep, chosen
@@ -118,8 +121,7 @@ class PageScene:
             "planes": planes,
             "thin": self.thin.tolist(),
             "units": {
-                "stiffness": measurement.units.stiffness,
-                "amplitude": measurement.units.amplitude,
+                name: getattr(measurement.units, name) for name in ("stiffness", "amplitude")
             },
             "axis": {
                 "column": self.axis.column,
@@ -128,6 +130,7 @@ class PageScene:
                 "per_hertz": per_hertz,
             },
             "words": {
+                "each": "sweep",
                 "symbol": measurement.units.magnitude.strip("|*"),
                 "magnitude": measurement.units.magnitude,
                 "clock": measurement.units.clock,
@@ -207,3 +210,48 @@ def in_parts(values: Complex, digits: int = DIGITS) -> dict[str, Any]:
 def _rows_of(points: Points, rows: NDArray[np.int64]) -> Points:
     log_omega = np.broadcast_to(points.log_omega, (points.log_omega.size,))
     return replace(points.mapped(lambda column: column[rows]), log_omega=log_omega[rows])
+
+
+def parameters_of(model: Model, values: Mapping[str, Value], units: Units) -> list[dict[str, Any]]:
+    """Parameters of a model in printed units, with the ends that a search respects."""
+    rows = []
+    for parameter in model.parameters:
+        value = values.get(parameter.name)
+        # A line of a free spectrum: hundreds of them, none of which anybody would move.
+        if value is None:
+            continue
+        factor, _ = units.of(parameter.unit)
+        told = {name: getattr(value, name) for name in ("unit", "value", "low", "high")}
+        ends = {"lower": parameter.lower * factor, "upper": parameter.upper * factor}
+        names = {"name": parameter.name, "symbol": parameter.symbol, "scale": parameter.scale}
+        rows.append({**names, **told, **ends})
+    return rows
+
+
+def proposed_points(action: dict[str, list[float]], measurement: Measurement) -> Points:
+    """Where a proposed experiment measures.
+
+    Conditions that it leaves open are as they were on the median.
+    """
+    omega = np.asarray(action["omega"], dtype=float)
+    points = measurement.points
+
+    def level(name: str, column: Real | None) -> Real | None:
+        # The model was never told it.
+        if column is None:
+            return None
+        if not action.get(name):
+            return np.full(omega.shape, float(np.median(column)))
+        given = np.resize(np.asarray(action[name], dtype=float), omega.shape)
+        if name == "temperature":
+            given = given + KELVIN
+        return given
+
+    columns = {name: level(name, column) for name, column in points.columns.items()}
+    return replace(
+        points,
+        log_omega=np.log(omega),
+        amplitude=level("amplitude", points.amplitude),
+        temperature=level("temperature", points.temperature),
+        columns={name: column for name, column in columns.items() if column is not None},
+    )

@@ -30,7 +30,7 @@ export class Law {
     if (!answer) why = "there is no answer yet";
     else if (busy || waiting) why = "wait for the computation, or cancel it";
     enable(this.find, laws ? "they stand above" : why);
-    this.find.hidden = !answer || !["unexplained", "inconclusive"].includes(answer.discovery.verdict);
+    this.find.hidden = !answer || Boolean(data.scene.views) || !["unexplained", "inconclusive"].includes(answer.discovery.verdict);
     if (this.of !== answer) this.forget();
     this.of = answer;
     this.enable();

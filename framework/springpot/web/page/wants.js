@@ -48,7 +48,7 @@ function theAnswer(app, state) {
 
 function theMasterCurve(app, state) {
   const of = rowsOf(state);
-  if (app.looks.view !== "master-curve" || app.master?.of === of) return null;
+  if (app.looks.view !== "master-curve" || !app.canShift || app.master?.of === of) return null;
   return {
     name: `master curve ${of}`,
     ask: (how) => api.ask("mastercurve", { state: withoutModel(state) }, how),

@@ -89,7 +89,8 @@ export class Missing {
   }
 
   option(candidate, floor) {
-    const after = candidate.error_after;
+    // Of tests in time nearly fitted effects tell an error too.
+    const after = candidate.error_after ?? (this.app.scene.views ? candidate.predicted_error : null);
     const size = Object.entries(candidate.parameters || {}).slice(0, 1).map(([name, value]) => `${name} = ${number(value.value, 3)} ${value.unit === "-" ? "" : pretty(value.unit)}`);
     return h("div", {
       id: idOf(candidate.effect), role: "option", "aria-selected": "false", class: "option",
@@ -98,7 +99,7 @@ export class Missing {
       onclick: (event) => this.clicked(event, candidate.effect),
     },
     h("span", { class: "name", title: candidate.effect }, candidate.label || candidate.effect),
-    h("span", { class: "fall", title: after === null ? "not fitted by itself" : `error with it: ${percent(after)} of |K|, ${times(after, floor)}` }, `→ ${percent(after, 2)}`),
+    h("span", { class: "fall", title: after === null ? "not fitted by itself" : `error with it: ${percent(after)} of ${this.app.answer.of}, ${times(after, floor)}` }, `→ ${percent(after, 2)}`),
     h("span", { class: "size", title: candidate.says }, candidate.shown || size[0] || "not fitted"),
     candidate.probability === undefined ? null : h("span", { class: `word ${candidate.verdict}`, title: "probability that it is among what is missing" }, `chance ${probability(candidate.probability)}`));
   }
@@ -177,7 +178,7 @@ export class Missing {
         ...row("error", preview ? `${percent(diagnosis.error.relative_rms)} → ${percent(preview.error)} (${times(preview.error, floor)})${preview.refitted ? "" : ", by the scan alone"}` : "no preview: it was not fitted alone"),
         ...row("evidence", `probability ${probability(candidate.probability)}, ΔBIC ${number(candidate.delta_bic, 3)}`),
         ...row("cannot be told from", others.join(", ") || "nothing: it has its own curve"),
-        ...(candidate.verdict === "missing" ? [] : row("would have been seen", `from ${percent(candidate.bound, 2)} of |K| on`))));
+        ...(candidate.verdict === "missing" || candidate.bound === null ? [] : row("would have been seen", `from ${percent(candidate.bound, 2)} of |K| on`))));
   }
 }
 
