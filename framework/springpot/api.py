@@ -39,7 +39,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test, sweep_of
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.material import any_material
-from springpot.registry import open_tests, parse_model, plugins
+from springpot.registry import effect_of, open_tests, parse_model, plugins
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.superposition.curve import MasterCurve
@@ -274,7 +274,8 @@ def discover(
     model : Model or str, optional
         Where to begin; without it any linear passive material.
     accept : Effect, str or sequence of them, optional
-        Effects to accept, in this order; without it the evidence decides.
+        Effects to accept, in this order, each by its name or as a law (`springpot.law`); without
+        it the evidence decides.
     effects : sequence of Effect or str, optional
         Effects to look for beside the installed ones.
     only, without
@@ -312,7 +313,8 @@ def discover(
     # None lets the evidence decide; an empty list accepts nothing.
     wanted = None
     if accept is not None:
-        wanted = [_met(_effect(effect, known), data) for effect in _listed(accept)]
+        asked = enumerate(_listed(accept), 1)
+        wanted = [_met(_effect(effect, known, number), data) for number, effect in asked]
     if data is None:
         return discover_in_time(tests, begin, known, wanted, progress, reached, promised)
     grown = begin
@@ -589,7 +591,7 @@ def _met(effect: Effect, data: Measurement | None) -> Effect:
     return effect.bound_to(data.points)
 
 
-def _effect(effect: Effect | str, among: Sequence[Effect]) -> Effect:
+def _effect(effect: Effect | str, among: Sequence[Effect], number: int = 1) -> Effect:
     if isinstance(effect, Effect):
         return effect
     if not isinstance(effect, str):
@@ -598,7 +600,7 @@ def _effect(effect: Effect | str, among: Sequence[Effect]) -> Effect:
     for known in among:
         if known.name == effect:
             return known
-    return plugins().effect(effect)
+    return effect_of(effect, number)
 
 
 def _tests(data: Data) -> list[Test]:

@@ -483,7 +483,10 @@ def _open(each: Tried, alike: Sequence[str]) -> EffectVerdict:
 def _candidate(each: Tried, chance: float, alike: Sequence[str], after: Error) -> Candidate:
     name = each.effect.name
     parameters: dict[str, Value] = {}
+    # Nearly fitted it is foretold: what acceptance gives is known of an exact fit alone.
+    predicted, reached = after.relative_rms, NAN
     if each.fit is not None:
+        predicted, reached = NAN, after.relative_rms
         # A parameter is called effect.own, and effect#2.own where the model has the effect already.
         for whole, value in each.fit.parameters.items():
             prefix, _, own = whole.rpartition(".")
@@ -499,8 +502,8 @@ def _candidate(each: Tried, chance: float, alike: Sequence[str], after: Error) -
         delta_bic=each.delta,
         score=NAN,
         verdict=_open(each, alike),
-        predicted_error=NAN,
-        error_after=after.relative_rms,
+        predicted_error=predicted,
+        error_after=reached,
         over_floor=after.over_floor,
         bound=NAN,
         parameters=parameters,

@@ -18,7 +18,9 @@ from springpot.diagnosis.ladder import Ladder
 from springpot.errors import DataError
 from springpot.measurement.csv_safe import guarded
 from springpot.measurement.measurement import Measurement
-from springpot.report.interactive.answers import PageScene, grown_by_each, proposed_points
+from springpot.report.interactive.answers import proposed_points
+from springpot.report.interactive.hypotheses import grown_by_each
+from springpot.report.interactive.scene import PageScene
 from springpot.rheology.points import KELVIN
 from springpot.terminal_safe import plain
 

@@ -30,6 +30,7 @@ from springpot.measurement.joining import joined as together
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.reader import Part
 from springpot.registry import open_in_time, open_measurement, parts_of, plugins
+from springpot.rheology.typed import is_law
 from springpot.suggestions import suggested
 
 LONGEST = 80
@@ -298,7 +299,9 @@ class State:
     @property
     def expression(self) -> str:
         """The grown model as it is typed."""
-        return " + ".join([self.model or "material", *self.accepted])
+        # A law has a + of its own.
+        joins = (f"({name})" if is_law(name) and name[0] != "(" else name for name in self.accepted)
+        return " + ".join([self.model or "material", *joins])
 
     def accepting(self, effect: str) -> State:
         """The next rung."""

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from springpot.api import compare, discover, identify, mastercurve
+from springpot.api import compare, discover, identify, invent, mastercurve
 from springpot.diagnosis.examination import silent
 from springpot.diagnosis.ladder import Ladder
 from springpot.errors import DataError, SpringpotError
@@ -29,7 +29,8 @@ from springpot.measurement.mixed_tests import runs_of
 from springpot.measurement.reader import OpenQuestion, Part, parts_as_opened
 from springpot.owners import blamed, described
 from springpot.registry import open_measurement, parse_model, parts_of, plugins
-from springpot.report.interactive.answers import PageScene, drawn, relative_error
+from springpot.report.interactive.answers import drawn
+from springpot.report.interactive.scene import PageScene, relative_error
 from springpot.report.network import network_svg
 from springpot.report.plugin_cards import EXAMPLE_MEMBER
 from springpot.report.plugin_cards import effect as effect_card
@@ -53,6 +54,7 @@ from .sessions import (
     text_of,
 )
 from .studies import report_of, studies, study
+from .trying import invented, tried, with_law
 
 SCHEMA = "springpot.workbench/1"
 Told = Callable[[str], None]
@@ -386,6 +388,22 @@ def _drawn(state: State, measurement: Measurement, model: Model, theta: Any) -> 
     return {"error": error, **PageScene(measurement).curve(model, theta)}
 
 
+def trial(told: Told, state: Mapping[str, Any], text: str, law: object) -> dict[str, Any]:
+    """The model of a state, with a law that is typed if there is one, fitted and drawn."""
+    (asked, own), measurement = with_law(State.of(state), law), _measured(text)
+    used = kept(measurement, asked.excluded)
+    fit: Any = identify(used, parse_model(asked.expression))
+    return tried(asked, own, measurement, fit)
+
+
+def laws(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
+    """The laws that may be missing from the model of a state, each drawn."""
+    asked, measurement = State.of(state), _measured(text)
+    used = kept(measurement, asked.excluded)
+    found = invent(used, asked.expression, seed=asked.seed, progress=told)
+    return invented(asked, measurement, found)
+
+
 def ranking(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     """All installed models against what any material reaches; schema ``springpot.comparison/2``."""
     asked = State.of(state)
@@ -456,6 +474,8 @@ TASKS: dict[str, Callable[..., dict[str, Any]]] = {
     "answer": answered,
     "curve": curve,
     "held": held,
+    "trial": trial,
+    "laws": laws,
     "ranking": ranking,
     "mastercurve": mastered,
     "leave": leave,

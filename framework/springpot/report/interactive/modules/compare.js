@@ -56,7 +56,8 @@ export class Compare {
     this.key = h("div", { id: "key", class: "legend", role: "group", "aria-label": "Legend: press an entry to hide it" });
     this.readout = h("p", { id: "readout", class: "quiet", role: "status" });
     this.places = h("ul", { id: "places", class: "places" });
-    this.exclude = h("button", { type: "button", id: "exclude", hidden: true, onclick: () => this.toggle([...this.chosen]) });
+    this.exclude = h("button", { type: "button", id: "exclude", hidden: true, onclick: () => this.toggle([...this.chosen]),
+      onpointerenter: () => app.attempt(`${this.chosen.size} points ${this.exclude.textContent.startsWith("Take") ? "taken back" : "left out"}`, { ...app.state, excluded: this.toggled([...this.chosen]) }), onpointerleave: () => app.leaveAttempt() });
     this.frames = h("div", { class: "plots" }, this.main.svg, this.residual.svg);
     this.bar = h("div", { class: "bar" }, this.view, this.plane, this.sigmas, this.scales, this.closer, this.whole, this.exclude);
     this.intro = h("ol", { class: "intro" }, ...STEPS.map((step) => h("li", {}, step)));
@@ -183,7 +184,8 @@ export class Compare {
   }
 
   entry(what, look, text) {
-    return h("button", { type: "button", class: `swatch ${look}`, "aria-pressed": String(!this.hidden.has(what)), title: "press to hide or show it", onclick: () => this.press(what) }, text);
+    return h("button", { type: "button", class: "swatch", "aria-pressed": String(!this.hidden.has(what)), title: "press to hide or show it", onclick: () => this.press(what) },
+      h("span", { class: look }, text[0]), text.slice(1));
   }
 
   // On a desk all stands on one screen: the picture gets the height that the words around it leave.
@@ -376,13 +378,19 @@ export class Compare {
   // Points are greyed and left out, or taken back; never deleted.
   toggle(rows) {
     if (this.app.fixed) return;
+    const out = this.toggled(rows);
+    this.selected(new Set());
+    this.app.leaveOut(out);
+  }
+
+  // Rows that are left out with these left out too; back again, where all of them were.
+  toggled(rows) {
     const out = new Set(this.app.state.excluded);
     const back = rows.every((row) => out.has(row));
     for (const row of rows) {
       if (back) out.delete(row);
       else out.add(row);
     }
-    this.selected(new Set());
-    this.app.leaveOut([...out].sort((a, b) => a - b));
+    return [...out].sort((a, b) => a - b);
   }
 }

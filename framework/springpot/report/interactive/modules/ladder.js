@@ -42,7 +42,7 @@ export class Ladder {
       put(this.other, h("p", { class: "quiet" }, answer ? "" : "The error of each model against the noise floor is drawn here."));
       return;
     }
-    put(this.list, this.app.steps.map((step, i) => this.rung(step, i, i === this.app.rung)));
+    put(this.list, this.leftOut(), this.app.steps.map((step, i) => this.rung(step, i, i === this.app.rung)));
     put(this.other, beside ? this.besideList(beside) : null);
     this.draw(this.app.steps, beside);
     this.preview(this.app.hovered);
@@ -63,6 +63,15 @@ export class Ladder {
       i && !this.app.fixed ? h("button", { type: "button", id: `remove-${i}`, class: "small", "aria-label": `remove ${name}`, title: "leave this effect out, keep the others",
         onclick: () => this.app.remove(i - 1) }, "×") : null,
       alike.length ? h("span", { class: "alike quiet" }, `or ${alike.join(", ")}`) : null);
+  }
+
+  // What is fitted to fewer rows than were measured says so, before its first rung.
+  leftOut() {
+    const { excluded } = this.app.state;
+    if (!excluded.length) return null;
+    const rows = excluded.length === 1 ? `row ${excluded[0] + 1}` : `${excluded.length} rows`;
+    return h("li", { id: "left-out", title: `left out: rows ${excluded.slice(0, 40).map((row) => row + 1).join(", ")}` }, `without ${rows}`,
+      this.app.fixed ? null : h("button", { type: "button", class: "small", "aria-label": `take back ${rows}`, title: "take them back", onclick: () => this.app.leaveOut([]) }, "×"));
   }
 
   renderBranches(history) {
