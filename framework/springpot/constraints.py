@@ -25,6 +25,8 @@ from springpot.rheology.parameters import HasParameters
 
 Bounds = tuple[float, float]
 V = TypeVar("V")
+EVERY = "*"
+"""In the place of a parameter's name."""
 
 
 def constrained(
@@ -81,7 +83,7 @@ def owning(
     tests : sequence of Test
         A sweep, where a parameter is to be a level's own.
     own : mapping of str to str, optional
-        The column of each such parameter: ``{"k": "batch"}``.
+        The column of each such parameter: ``{"k": "batch"}``; ``"*"`` is every parameter.
 
     Raises
     ------
@@ -100,7 +102,12 @@ def owning(
         raise DataError("parameters of a level of its own are found in sweeps, not beside time")
     for name, column in wanted.items():
         sweep = _numbered(sweep, column)
-        model = model.owning([name], column)
+        names = [name]
+        if name == EVERY:
+            # Factors of levels are each level's already.
+            of_levels = {prefix for effect, prefix in model.named_effects() if effect.by_levels}
+            names = [each for each in model.names if each.rpartition(".")[0] not in of_levels]
+        model = model.owning(names, column)
     return model, [sweep]
 
 

@@ -40,3 +40,12 @@ def test_what_is_no_parameter_or_column_is_one_line(springpot, specimens):
     springpot("identify", one, "-m", "kelvin", "--own", "k:").is_one_line("NAMES:COLUMN")
     springpot("identify", one, "-m", "kelvin", "--own", "k:day").is_one_line("no column 'day'")
     springpot("diagnose", one, "-m", "kelvin", "--own", "q:row").is_one_line("row")
+
+
+def test_a_population_has_every_parameter_for_itself(springpot, specimens, write):
+    third = write(specimens[0].read_text().replace(",90.0,", ",100.0,"), "third.csv")
+    found = springpot(
+        "identify", *specimens, third, "--joint", "-m", "kelvin", "--population", "file", "--json"
+    )
+    assert set(found.json["population"]) == {"k", "c"}
+    assert found.json["specimens"]["2"]["k"] == pytest.approx(110.0, rel=1e-5)

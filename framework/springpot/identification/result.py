@@ -38,6 +38,7 @@ from .kept import (
 from .material import is_material
 from .native import Fit
 from .part_result import PartResult, parts_of, spare
+from .population import Population, populations, specimens_of
 from .prediction import Known
 from .problem import Objective, sizes
 from .regularisation import SmoothSpectrum, regularised
@@ -368,6 +369,11 @@ class Identification(Known):
         covariance[touched, touched] = np.inf
         return covariance
 
+    @cached_property
+    def populations(self) -> dict[str, Population]:
+        """Of parameters that specimens have for themselves: their mean and scatter; else none."""
+        return populations(self.model, self._factors * self.theta, self.covariance, self.units)
+
     @property
     def _factors(self) -> Real:
         """From own to printed units (p,)."""
@@ -493,6 +499,9 @@ class Identification(Known):
             answer["error"] = {"relative_rms": self.relative_rms, **vars(self.standing)}
         if self.spectrum is not None:
             answer["spectrum"] = self._spectrum(self.spectrum)
+        if self.populations:
+            answer["population"] = self.populations
+            answer["specimens"] = specimens_of(self.populations)
         return dict(jsonable(answer))
 
     def _kept(self) -> dict[str, Any]:
