@@ -31,6 +31,7 @@ from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from .floor import TimeFloor
 from .left import Left
+from .lines import lines_in
 from .residuals_of_tests import SweepPart, TestPart
 from .scatter import ResidualScatter
 from .slip import Slip
@@ -317,7 +318,10 @@ def answer_of(
         where=where,
         candidates=tuple(candidates),
         classes=_classes(promises, tried, alike),
-        notes=tuple(note for part in parts for note in said_of_sign(part.test.provenance)),
+        notes=(
+            *(note for part in parts for note in said_of_sign(part.test.provenance)),
+            *(note for pair in zip(parts, best.residuals, strict=True) for note in lines_in(*pair)),
+        ),
         parameters=base.parameters,
         leading=leading_of(named),
         tests=tests,
