@@ -12,7 +12,14 @@ import numpy as np
 from springpot.comparison.comparing import Comparison
 from springpot.comparison.comparing import compare as compare_objects
 from springpot.comparison.ranking import rank
-from springpot.constraints import Bounds, constrained, excluded, optimiser_of, own_values
+from springpot.constraints import (
+    Bounds,
+    constrained,
+    excluded,
+    optimiser_of,
+    own_values,
+    owning,
+)
 from springpot.diagnosis.examination import Progress, silent
 from springpot.diagnosis.examination import diagnose as diagnose_objects
 from springpot.diagnosis.in_practice import Accuracy
@@ -32,7 +39,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test, sweep_of
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.material import any_material
-from springpot.registry import open_tests, parse_model, plugins
+from springpot.registry import effect_of, open_tests, parse_model, plugins
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.superposition.curve import MasterCurve
@@ -97,6 +104,7 @@ def identify(
     simpler: Sequence[Model | str] = (),
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
+    own: Mapping[str, str] | None = None,
     start: Mapping[str, float] | None = None,
     exclude: str | Sequence[str] = (),
 ) -> Identification:
@@ -121,6 +129,9 @@ def identify(
         Parameters that are held, in printed units: ``{"alpha": 0.5}``.
     bounds : mapping of str to (float, float), optional
         Ends between which parameters are sought, in printed units: ``{"k": (0.0, 200.0)}``.
+    own : mapping of str to str, optional
+        Parameters of which each level of a column has its own, and the column: ``{"k": "batch"}``;
+        ``"file"`` where each sweep is a specimen. All others are shared.
     start : mapping of str to float, optional
         Where the native solver begins too, in printed units.
     exclude : str or sequence of str
@@ -152,7 +163,7 @@ def identify(
     tests = excluded(_tests(measurement), exclude)
     # Values come as they are printed: the units of the data must be known to read them.
     units = units_of(tests)
-    judged = constrained(_model(model), units, fix, bounds)
+    judged, tests = owning(constrained(_model(model), units, fix, bounds), tests, own)
     search: dict[str, Any] = {"budget": budget, "restarts": restarts, "seed": seed}
     search |= {"optimiser": _optimiser(optimiser), "objective": _objective(objective)}
     search |= {"intervals": intervals, "start": own_values(judged, units, start, "start")}
@@ -177,6 +188,7 @@ def diagnose(
     seed: int = 0,
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
+    own: Mapping[str, str] | None = None,
     exclude: str | Sequence[str] = (),
     accuracy: Accuracy | str | None = None,
     progress: Progress = silent,
@@ -199,7 +211,7 @@ def diagnose(
         Names of effects that may not: a user knows that nothing slips.
     seed : int
         Of simulated noise; the same seed gives the same bits.
-    fix, bounds, exclude
+    fix, bounds, own, exclude
         What is known beforehand, and rows to leave out; see `identify`.
     accuracy : Accuracy or str, optional
         What the instrument promises, such as ``1%,3mrad``: a misfit within it is no verdict on the
@@ -224,7 +236,7 @@ def diagnose(
     'inertia'
     """
     tests = excluded(_tests(measurement), exclude)
-    judged = constrained(_judged(model), units_of(tests), fix, bounds)
+    judged, tests = owning(constrained(_judged(model), units_of(tests), fix, bounds), tests, own)
     promised = _promised(accuracy)
     data = sweep_of(tests)
     if data is None:
@@ -247,6 +259,7 @@ def discover(
     seed: int = 0,
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
+    own: Mapping[str, str] | None = None,
     exclude: str | Sequence[str] = (),
     accuracy: Accuracy | str | None = None,
     progress: Progress = silent,
@@ -261,14 +274,15 @@ def discover(
     model : Model or str, optional
         Where to begin; without it any linear passive material.
     accept : Effect, str or sequence of them, optional
-        Effects to accept, in this order; without it the evidence decides.
+        Effects to accept, in this order, each by its name or as a law (`springpot.law`); without
+        it the evidence decides.
     effects : sequence of Effect or str, optional
         Effects to look for beside the installed ones.
     only, without
         Which effects may be named; see `diagnose`.
     seed : int
         Of simulated noise.
-    fix, bounds, exclude
+    fix, bounds, own, exclude
         What is known beforehand, and rows to leave out; see `identify`.
     accuracy : Accuracy or str, optional
         What the instrument promises, such as ``1%,3mrad``: a misfit within it is no verdict on the
@@ -292,14 +306,15 @@ def discover(
     ['24.1%', '4.4%']
     """
     tests = excluded(_tests(measurement), exclude)
-    begin = constrained(_judged(model), units_of(tests), fix, bounds)
+    begin, tests = owning(constrained(_judged(model), units_of(tests), fix, bounds), tests, own)
     promised = _promised(accuracy)
     data = sweep_of(tests)
     known = library(effects, only, without, data)
     # None lets the evidence decide; an empty list accepts nothing.
     wanted = None
     if accept is not None:
-        wanted = [_met(_effect(effect, known), data) for effect in _listed(accept)]
+        asked = enumerate(_listed(accept), 1)
+        wanted = [_met(_effect(effect, known, number), data) for number, effect in asked]
     if data is None:
         return discover_in_time(tests, begin, known, wanted, progress, reached, promised)
     grown = begin
@@ -320,6 +335,7 @@ def invent(
     seed: int = 0,
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
+    own: Mapping[str, str] | None = None,
     exclude: str | Sequence[str] = (),
     progress: Progress = silent,
 ) -> Invention:
@@ -335,7 +351,7 @@ def invent(
         Columns that a law may go with; by default all that were varied by themselves.
     seed : int
         Of simulated noise; the same seed gives the same bits.
-    fix, bounds, exclude
+    fix, bounds, own, exclude
         What is known beforehand, and rows to leave out; see `identify`.
     progress : callable, optional
         Told in a few words what is being done.
@@ -358,10 +374,10 @@ def invent(
     'none'
     """
     tests = excluded(_tests(measurement), exclude)
+    judged, tests = owning(constrained(_judged(model), units_of(tests), fix, bounds), tests, own)
     data = sweep_of(tests)
     if data is None:
         raise DataError("a law is sought in sweeps: tests in time are read by diagnose")
-    judged = constrained(_judged(model), units_of(tests), fix, bounds)
     rng = np.random.default_rng(seed)
     columns = None if along is None else _listed(along)
     return invent_objects(data, judged, library(data=data), rng, columns, progress)
@@ -575,7 +591,7 @@ def _met(effect: Effect, data: Measurement | None) -> Effect:
     return effect.bound_to(data.points)
 
 
-def _effect(effect: Effect | str, among: Sequence[Effect]) -> Effect:
+def _effect(effect: Effect | str, among: Sequence[Effect], number: int = 1) -> Effect:
     if isinstance(effect, Effect):
         return effect
     if not isinstance(effect, str):
@@ -584,7 +600,7 @@ def _effect(effect: Effect | str, among: Sequence[Effect]) -> Effect:
     for known in among:
         if known.name == effect:
             return known
-    return plugins().effect(effect)
+    return effect_of(effect, number)
 
 
 def _tests(data: Data) -> list[Test]:

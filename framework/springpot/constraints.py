@@ -7,19 +7,26 @@ takes.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any, TypeVar
 
-from springpot.errors import ModelError, OptionError
+import numpy as np
+
+from springpot.errors import DataError, ModelError, OptionError
 from springpot.identification.runs import Optimiser
-from springpot.measurement.opening import Test, conditions, tests_without
+from springpot.measurement.joining import FILE
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.opening import Test, conditions, sweep_of, tests_without
 from springpot.measurement.units import Units
 from springpot.registry import plugins
+from springpot.rheology.levels import levels_of
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import HasParameters
 
 Bounds = tuple[float, float]
 V = TypeVar("V")
+EVERY = "*"
+"""In the place of a parameter's name."""
 
 
 def constrained(
@@ -59,6 +66,78 @@ def constrained(
         low, high = ends
         own_bounds[name] = (own_value(model, units, name, low), own_value(model, units, name, high))
     return model.holding(fixed, own_bounds)
+
+
+def owning(
+    model: Model, tests: Sequence[Test], own: Mapping[str, str] | None
+) -> tuple[Model, list[Test]]:
+    """The model with parameters of which each level of a column has its own, and the tests.
+
+    Words of a column, such as the names of files, are numbered in their order, so that the levels
+    have a place in a model.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    tests : sequence of Test
+        A sweep, where a parameter is to be a level's own.
+    own : mapping of str to str, optional
+        The column of each such parameter: ``{"k": "batch"}``; ``"*"`` is every parameter.
+
+    Raises
+    ------
+    ModelError
+        If a name is unknown.
+    DataError
+        If the data have no such column or a single level of it, or one of them is a test in time.
+    OptionError
+        If it is no mapping.
+    """
+    wanted = by_name(own, "own", '{"k": "batch"}')
+    if not wanted:
+        return model, list(tests)
+    sweep = sweep_of(tests)
+    if sweep is None:
+        raise DataError("parameters of a level of its own are found in sweeps, not beside time")
+    for name, column in wanted.items():
+        sweep = _numbered(sweep, column)
+        names = [name]
+        if name == EVERY:
+            # Factors of levels are each level's already.
+            of_levels = {prefix for effect, prefix in model.named_effects() if effect.by_levels}
+            names = [each for each in model.names if each.rpartition(".")[0] not in of_levels]
+        model = model.owning(names, column)
+    return model, [sweep]
+
+
+def _numbered(sweep: Measurement, column: str) -> Measurement:
+    """The sweep with a column of numbers, where it has one of words."""
+    if column in sweep.labels:
+        labels = dict(sweep.labels)
+        given = labels.pop(column).tolist()
+        words = list(dict.fromkeys(given))
+        number = np.array([1.0 + words.index(word) for word in given])
+        meant = ", ".join(f"{i} is {word}" for i, word in enumerate(words, 1))
+        sweep = replace(
+            sweep,
+            conditions={**sweep.conditions, column: number},
+            labels=labels,
+            provenance={**sweep.provenance, f"note {column}": f"{column}: {meant}"},
+        )
+    if column not in sweep.conditions:
+        known = ", ".join([*sweep.conditions, *sweep.labels]) or "none"
+        raise DataError(f"{sweep.name} has no column '{column}' (there are: {known})")
+    level = levels_of(column, sweep.points.need(column))
+    if len(np.unique(level)) < 2:
+        raise DataError(f"{sweep.name} has one level of {column}: nothing is its own")
+    if sweep.repeat is None:
+        return sweep
+    # Counted anew within a level: what has parameters of its own is no repeat of another.
+    repeat = sweep.repeat.copy()
+    for each in np.unique(level):
+        repeat[level == each] -= repeat[level == each].min()
+    return replace(sweep, repeat=repeat)
 
 
 def own_values(
@@ -171,6 +250,24 @@ def bounds_of(texts: Iterable[str]) -> dict[str, Bounds]:
             most = _number(high, text)
         bounds[name] = (least, most)
     return bounds
+
+
+def own_of(texts: Iterable[str]) -> dict[str, str]:
+    """Columns by name of parameter, of texts such as ``k,c:batch``; of each file without a column.
+
+    Raises
+    ------
+    OptionError
+        If one names no parameter.
+    """
+    own = {}
+    for text in texts:
+        names, colon, column = text.partition(":")
+        for name in names.split(","):
+            if not name.strip() or (colon and not column.strip()):
+                raise OptionError(f"'{text}': write --own NAMES:COLUMN, such as k,c:batch")
+            own[name.strip()] = column.strip() or FILE
+    return own
 
 
 def optimiser_of(text: str) -> Optimiser:

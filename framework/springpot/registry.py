@@ -14,7 +14,14 @@ from typing import Any, TypeVar
 import pluggy
 
 import springpot.hooks as hooks  # not from the package, whose table of names leads back here
-from springpot.errors import DataError, ModelError, OutputError, PluginError, SpringpotError
+from springpot.errors import (
+    DataError,
+    ModelError,
+    OptionError,
+    OutputError,
+    PluginError,
+    SpringpotError,
+)
 from springpot.files import write_text
 from springpot.identification.runs import Optimiser
 from springpot.measurement.from_signals import OneTest
@@ -367,11 +374,45 @@ def parse_model(expression: str) -> Model:
         model = model_of(parts.model)
     else:
         model = _named(parts.model)
-    # A law without a name is called by its number.
     for number, name in enumerate(parts.effects, 1):
-        effect = law(name, f"law-{number}") if is_law(name) else registry.effect(name)
-        model = model.taking(effect)
+        model = model.taking(effect_of(name, number))
     return model
+
+
+def effect_of(text: str, number: int = 1) -> Effect:
+    """The effect of a name, or of a law as text; without a name of its own by its number.
+
+    Raises
+    ------
+    ModelError
+        If there is none of that name, or the law is none.
+
+    Examples
+    --------
+    >>> from springpot.registry import effect_of
+    >>> effect_of("inertia").name, effect_of("parallel: -m*omega^2", 2).name
+    ('inertia', 'law-2')
+    """
+    if is_law(text):
+        return law(text, f"law-{number}")
+    return plugins().effect(text)
+
+
+def of_each(column: str) -> Effect:
+    """The effect that gives each value of a column a factor of its own.
+
+    Raises
+    ------
+    OptionError
+        If none of the installed ones does.
+    """
+    for effect in plugins().items("effect"):
+        if effect.by_levels and effect.plane != "shift":
+            each: Effect = effect.of_column(column)
+            return each
+    raise OptionError(
+        f"--split {column}: no installed effect has a factor of its own at each value"
+    )
 
 
 def _named(name: str) -> Model:

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.cli.discover import _of_each
 from springpot.diagnosis.actions import leaving_out, splitting, turning
 from springpot.measurement.sign import sign_note, turned
+from springpot.registry import of_each
 from springpot.report.numbers import percent
 
 pytestmark = pytest.mark.usefixtures("asked_once")
@@ -36,7 +36,7 @@ def test_a_column_with_which_the_misfit_goes_is_split_with_the_error_foretold(ap
     (step,) = apart.steps
     assert step.command == "springpot discover DATA --split current"
     assert apart.error.relative_rms > 0.1
-    ladder = springpot.discover(two_currents(), "springpot", accept=_of_each("current"))
+    ladder = springpot.discover(two_currents(), "springpot", accept=of_each("current"))
     assert step.error_after < 0.3 * apart.error.relative_rms
     assert ladder.steps[-1].relative_rms < 0.1 * apart.error.relative_rms
 

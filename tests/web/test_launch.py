@@ -183,12 +183,12 @@ def test_what_the_command_line_names_is_opened(
     assert opened["text"] == found["text"]
 
 
-def test_time_signals_are_one_point_of_a_test(tmp_path: Path):
+def test_a_record_is_a_test_in_time(tmp_path: Path):
     lines = "".join(f"{i / 200},{i % 100 - 50},{(i + 5) % 100 - 50}\n" for i in range(1000))
     content = base64.b64encode(f"time [s],displacement [mm],force [kN]\n{lines}".encode()).decode()
     found = understand(print, "signals.csv", content)
-    assert found["scene"]["count"] == 1
-    assert found["scene"]["axis"]["column"] == "frequency"
+    assert found["scene"]["count"] == 1000
+    assert found["scene"]["axis"]["column"] == "time"
 
 
 def test_the_browser_is_called_without_the_token(monkeypatch: pytest.MonkeyPatch):

@@ -345,16 +345,6 @@ def test_what_is_open_or_refused_is_told(page: Open):
     )
 
 
-def test_a_test_in_time_is_sent_to_the_command_that_judges_it(page: Open):
-    here = page()
-    rows = b"".join(b"%g,%g\n" % (0.1 * 1.3**i, 300.0 * 0.95**i) for i in range(20))
-    here.drop("relaxed.csv", b"time [s],relaxation [kPa]\n" + rows)
-    here.page.locator("#refused").wait_for()
-    assert here.reads("#refused").startswith("relaxed.csv holds a test in time")
-    assert "springpot diagnose relaxed.csv" in here.reads("#refused")
-    assert here.page.locator("#question").count() == 0
-
-
 def test_a_name_without_end_is_cut_before_a_button_is(page: Open, damper: bytes):
     here = page()
     usual = here.page.locator("header").bounding_box()["height"]

@@ -20,18 +20,19 @@ import springpot
 from springpot.diagnosis import Ladder
 from springpot.errors import DataError, ModelError
 from springpot.measurement import Measurement
-from springpot.report.interactive import answers
-from springpot.report.interactive.answers import (
+from springpot.report.interactive import scene as drawing
+from springpot.report.interactive.bench import modules
+from springpot.report.interactive.scene import (
     MOST_POINTS,
     PageScene,
     proposed_points,
     relative_error,
     rounded,
 )
-from springpot.report.interactive.bench import modules
 from springpot.report.jsontext import to_json
 from springpot.rheology.nodes import PLANES, Parallel
 from springpot.web import leaving, tasks
+from springpot.web.files import safe_name
 from springpot.web.sessions import (
     State,
     digest_of,
@@ -40,7 +41,6 @@ from springpot.web.sessions import (
     kept,
     measured_in,
     measurement_of,
-    safe_name,
     session_of,
     text_of,
 )
@@ -190,8 +190,8 @@ def test_a_plane_of_residuals_is_told_to_the_page_as_data(data: Measurement, mon
         def slope(modelled):
             return 0.5 / modelled.value
 
-    monkeypatch.setattr(answers, "PLANES", (*PLANES, Squared))
-    scene, model = answers.PageScene(data), springpot.parse_model("kelvin")
+    monkeypatch.setattr(drawing, "PLANES", (*PLANES, Squared))
+    scene, model = drawing.PageScene(data), springpot.parse_model("kelvin")
     assert scene.to_dict()["planes"]["squared"]["label"] == "ΔK² [(kN/m)²]"
     theta = model.theta(k=100.0, c=1.0)
     told = scene.curve(model, theta, np.ones(len(data)))["planes"]["squared"]

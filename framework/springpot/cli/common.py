@@ -206,7 +206,7 @@ def note_to_stderr(name: str, note: str) -> None:
 
 
 def known_options(command: F) -> F:
-    """Add what a user knows beforehand: ``--fix``, ``--bounds`` and ``--exclude``."""
+    """Add what a user knows beforehand: its values, bounds, whose own it is, and rows."""
     # A decorator that is applied last is listed first: hence the last option of the help stands
     # first.
     for option in (
@@ -221,6 +221,17 @@ def known_options(command: F) -> F:
             multiple=True,
             metavar="NAME=LOW:HIGH",
             help="Keep a parameter within: k1=0:200.",
+        ),
+        click.option(
+            "--own",
+            multiple=True,
+            metavar="NAMES:COLUMN",
+            help="Parameters that each level has for itself: k,c:batch; each file without COLUMN.",
+        ),
+        click.option(
+            "--population",
+            metavar="COLUMN",
+            help="Every parameter is each specimen's own: mean and scatter over COLUMN, or file.",
         ),
         click.option(
             "--fix", multiple=True, metavar="NAME=VALUE", help="Hold a parameter, in printed units."
@@ -271,11 +282,15 @@ def library_from(options: dict[str, Any]) -> dict[str, Any]:
 
 def known_from(options: dict[str, Any]) -> dict[str, Any]:
     """The arguments ``fix``, ``bounds`` and ``exclude``, taken out of a command's options."""
-    from springpot.constraints import bounds_of, values_of
+    from springpot.constraints import EVERY, bounds_of, own_of, values_of
 
+    own, column = own_of(options.pop("own")), options.pop("population")
+    if column is not None:
+        own[EVERY] = column
     return {
         "fix": values_of(options.pop("fix")),
         "bounds": bounds_of(options.pop("bounds")),
+        "own": own,
         "exclude": options.pop("exclude"),
     }
 

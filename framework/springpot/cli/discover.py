@@ -110,12 +110,12 @@ def command(
 
     Ctrl-C ends with the answer of the last step that was reached.
     """
-    from springpot.registry import parse_model
+    from springpot.registry import of_each, parse_model
     from springpot.report.told import told
 
     accept = (*accept, *more)  # as in: --accept inertia time-delay
     if split is not None:
-        accept = (_of_each(split), *accept)
+        accept = (of_each(split).name, *accept)
     _require_one_choice(auto, accept)
     _check_paths(report, figure)
     expression = None
@@ -154,14 +154,11 @@ def accepted(name: str, place: int) -> Effect:
         In the order of what is accepted: a law without a name is called by it.
     """
     from springpot.loading import law_of
-    from springpot.registry import plugins
-    from springpot.rheology.typed import is_law, law
+    from springpot.registry import effect_of
 
     if name.endswith(".json"):
         return law_of(name, f"law-{place}")
-    if is_law(name):
-        return law(name, f"law-{place}")
-    return plugins().effect(name)
+    return effect_of(name, place)
 
 
 def _write(
@@ -196,19 +193,6 @@ def _check_paths(report: Path | None, figure: Path | None) -> None:
         check_report_path(report)
     if figure is not None:
         check_figure_path(figure)
-
-
-def _of_each(column: str) -> str:
-    """The effect that gives each value of a column a factor of its own, by the name it then has."""
-    from springpot.errors import OptionError
-    from springpot.registry import plugins
-
-    for effect in plugins().items("effect"):
-        if effect.by_levels and effect.plane != "shift":
-            return str(effect.of_column(column).name)
-    raise OptionError(
-        f"--split {column}: no installed effect has a factor of its own at each value"
-    )
 
 
 def _require_one_choice(auto: bool, accept: tuple[str, ...]) -> None:

@@ -112,7 +112,8 @@ def command(
     if as_csv and as_json:
         raise click.UsageError("give --csv or --json, not both", click.get_current_context())
     expression = parse_model(model)
-    arguments = {**options, **known_from(options), "start": values_of(options["start"])}
+    known = known_from(options)
+    arguments = {**options, **known, "start": values_of(options["start"])}
     tests = timetests.named_tests(data, geometry)
     if tests is not None:
         timetests.identify(tests, data, expression, figure, as_csv, as_json, arguments)

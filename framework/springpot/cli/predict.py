@@ -50,6 +50,13 @@ Eight and more for each decade of a usual sweep.
     "--amplitude", "-a", type=float, metavar="X", help="In the amplitude unit of the data."
 )
 @click.option(
+    "--at",
+    "others",
+    multiple=True,
+    metavar="COLUMN=VALUE",
+    help="Another column that the model depends on: batch=2.",
+)
+@click.option(
     "--level", type=click.FloatRange(0.0, 1.0, True, True), default=0.95, show_default=True
 )
 @click.option(
@@ -67,6 +74,7 @@ def command(
     history: str | None,
     temperature: float | None,
     amplitude: float | None,
+    others: tuple[str, ...],
     level: float,
     output: Path | None,
     figure: Path | None,
@@ -80,6 +88,7 @@ def command(
     frequencies, and it is told whether the prediction holds; where only what is imposed is in FILE,
     the answer to it is given.
     """
+    from springpot.constraints import values_of
     from springpot.errors import DataError
     from springpot.files import require_writable, write_text
     from springpot.identification.result import Identification
@@ -99,6 +108,7 @@ def command(
         timetests.predict(known, history, temperature, level, geometry, output, figure, as_json)
         return
     asked: dict[str, Any] = {"temperature": temperature, "amplitude": amplitude, "level": level}
+    asked |= values_of(others)
     if frequency is not None:
         asked["frequency"] = numbers(frequency)
     if omega is not None:

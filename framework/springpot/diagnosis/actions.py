@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from springpot.plain_data import jsonable, number
@@ -25,15 +25,22 @@ class ToDo:
         What does it; `DATA` stands for the data, and for the model that is judged.
     error_after : float
         The relative error that is foretold, NaN where only the step itself will tell.
+    split : str
+        The column that is split, if that is the step; a file does not hold it.
+    exclude : tuple of int
+        Rows of the data that are left out, the first being 1; a file does not hold them.
     """
 
     says: str
     command: str
     error_after: float = float("nan")
+    split: str = field(default="", compare=False)
+    exclude: tuple[int, ...] = field(default=(), compare=False)
 
     def to_dict(self) -> dict[str, Any]:
         """As in the schema."""
-        return dict(jsonable(vars(self)))
+        row = {"says": self.says, "command": self.command, "error_after": self.error_after}
+        return dict(jsonable(row))
 
     @classmethod
     def from_dict(cls, row: Mapping[str, Any]) -> ToDo:
@@ -52,13 +59,14 @@ def turning(spec: str) -> ToDo:
 def splitting(column: str, error_after: float) -> ToDo:
     """To let each value of a column have a factor of its own, the material being shared."""
     says = f"what is missing goes with {column}: one factor a value, the material shared"
-    return ToDo(says, suggested("discover", DATA, "--split", column), error_after)
+    return ToDo(says, suggested("discover", DATA, "--split", column), error_after, split=column)
 
 
 def leaving_out(row: int, error_after: float) -> ToDo:
     """To leave out a point that stands out, as the answer itself has done."""
     says = f"row {row} stands out: leave it out of every fit too"
-    return ToDo(says, suggested("diagnose", DATA, "--exclude", f"row={row}"), error_after)
+    command = suggested("diagnose", DATA, "--exclude", f"row={row}")
+    return ToDo(says, command, error_after, exclude=(row,))
 
 
 def accepting(effect: str, explains: bool, error_after: float) -> ToDo:

@@ -113,8 +113,8 @@ class Candidate:
 
     def lowers(self, error: Error) -> bool:
         """Whether it takes enough of an error to be seen, and is worth its parameters."""
-        # An effect that was not fitted has no evidence: the better ones stood in its place.
-        worth = self.delta_bic > 0.0 or not isfinite(self.error_after)
+        # What was not tried at all has no evidence: the better ones stood in its place.
+        worth = self.delta_bic > 0.0 or not isfinite(self.delta_bic)
         return worth and self.after < VERDICT.helps * error.relative_rms
 
     def to_dict(self) -> dict[str, Any]:

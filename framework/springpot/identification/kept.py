@@ -45,8 +45,11 @@ def bounds_of(model: Model) -> dict[str, list[float | None]]:
     # Only what a user narrowed is kept: bounds of physics belong to the model, and may be mended
     # there.
     wide = {p.name: (p.lower, p.upper) for p in model.released().parameters}
-    narrow = [p for p in model.parameters if (p.lower, p.upper) != wide[p.name]]
-    return {p.name: _finite(np.array([p.lower, p.upper])) for p in narrow}
+    narrow = {}
+    for origin, p in zip(model.origins, model.parameters, strict=True):
+        if (p.lower, p.upper) != wide[origin]:
+            narrow[origin] = _finite(np.array([p.lower, p.upper]))
+    return narrow
 
 
 def measurement_to_dict(data: Measurement) -> dict[str, Any]:
@@ -129,6 +132,8 @@ def fitted_model(model: Model, kept: Mapping[str, Any]) -> tuple[Model, Real]:
     bounds = {name: _ends(pair) for name, pair in kept["bounds"].items()}
     # As when it was fitted: first what is held, then the levels of the data.
     model = replace(model, effects=tuple(effects)).holding(kept["held"], bounds)
+    for name, column in kept.get("own", {}).items():
+        model = model.owning([name], column)
     if "measurement" in kept:
         model = model.bound_to(measurement_of(kept["measurement"]).points)
     # Strictly: of a model that has changed since the numbers may mean something else, and it is

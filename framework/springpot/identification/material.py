@@ -162,6 +162,8 @@ class SpectrumSearch:
         self.coordinates = Coordinates.of(self.own, log_omega, np.array([self.scale]), typical)
         self.size = self.coordinates.size[0]
         self.low, self.high = (bound[0] for bound in self.coordinates.bounds())
+        self._lower = np.array([parameter.lower for parameter in self.own])
+        self._upper = np.array([parameter.upper for parameter in self.own])
         # Then one solution is exact; behind a spring in series K bends with the weights, and it
         # takes a few.
         self.linear = linear_in_material(model.network)
@@ -203,20 +205,21 @@ class SpectrumSearch:
         return trial
 
     def theta_of(self, u: Real) -> Real:
-        """The effects' parameters (q,) within their bounds."""
-        theta = self.coordinates.theta(u.copy(), self.size)
-        return np.clip(theta, [p.lower for p in self.own], [p.upper for p in self.own])
+        """The effects' parameters (..., q) within their bounds."""
+        theta = self.coordinates.theta(u, self.size)
+        bounded: Real = np.minimum(np.maximum(theta, self._lower), self._upper)
+        return bounded
 
     def u_of(self, own: Real) -> Real:
         """Search coordinates (q,) of the effects' parameters."""
         return self.coordinates.u(np.asarray(own, dtype=float).copy(), self.size)
 
-    def surprise(self, own: Real) -> Real:
-        """How far the effects' parameters (q,) lie from what is expected of them, weighted (r,)."""
+    def surprise(self, u: Real) -> Real:
+        """How far the effects' parameters at `u` lie from what is expected, weighted (r,)."""
         # Where nothing is expected, a parameter may be zero and have no logarithm.
         if not len(self.expected):
             return np.zeros(0)
-        return surprise_at(self.expected, own)
+        return surprise_at(self.expected, self.theta_of(u))
 
     def with_lines(self, log_rates: Real) -> Model:
         """The model with a spectrum of these lines."""
@@ -293,7 +296,8 @@ class SpectrumSearch:
     def _at_once(self, trials: Sequence[Trial]) -> Iterator[Response]:
         """Responses of trials of the same lines."""
         network = self._network(trials[0].log_rates)
-        theta = np.array([np.concatenate([t.weights, self.theta_of(t.u)]) for t in trials])
+        own = self.theta_of(np.array([trial.u for trial in trials]))
+        theta = np.concatenate([[trial.weights for trial in trials], own], axis=1)
         with np.errstate(all="ignore"):
             if len(trials) == 1:
                 yield network.respond(theta[0], self.points, GRADIENT)
@@ -342,7 +346,7 @@ class SpectrumSearch:
         trial, count = at.trial, len(at.trial.weights)
         if not (np.all(np.isfinite(response.value)) and np.all(np.isfinite(response.by_theta))):
             return False
-        surprise = self.surprise(self.theta_of(trial.u))
+        surprise = self.surprise(trial.u)
         beside = float(surprise @ surprise)
         residual = weighted(self.data - response.value, self.weights)
         with np.errstate(over="ignore"):
@@ -429,7 +433,7 @@ class SpectrumSearch:
         basis, _ = np.linalg.qr(carrying / np.maximum(np.linalg.norm(carrying, axis=0), 1e-300))
         slopes = slopes - basis @ (basis.T @ slopes)
         if len(self.expected):
-            residual = np.concatenate([residual, -self.surprise(own)])
+            residual = np.concatenate([residual, -self.surprise(trial.u)])
             turn = self.coordinates.slopes(own, self.size)
             slopes = np.concatenate([slopes, surprise_slopes(self.expected, own, turn)])
         downhill = slopes.T @ residual
@@ -528,7 +532,7 @@ class SpectrumSearch:
         kept = trial.weights[2:] > 0.0
         model = self.with_lines(trial.log_rates[kept])
         theta = np.concatenate([trial.weights[:2], trial.weights[2:][kept], self.theta_of(trial.u)])
-        surprise = self.surprise(self.theta_of(trial.u))
+        surprise = self.surprise(trial.u)
         # What was expected guides the search; the objective that is told is that of the data.
         cost = trial.cost - float(surprise @ surprise)
         return Spectral(model, theta, cost, self.evaluations, converged)

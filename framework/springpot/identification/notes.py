@@ -59,6 +59,7 @@ def notes_on(known: Uncertainty, low: Real, high: Real) -> list[str]:
     return [
         *_undetermined(known.fit),
         *refused_in_words(known.fit),
+        *_levels_in_words(known.fit),
         *told(known.fit),
         *_bounds(known),
         *_orders(known, low, high),
@@ -73,6 +74,14 @@ def _undetermined(fit: Fit) -> Iterator[str]:
         yield (
             "there are as many parameters as measured numbers: nothing is left to judge the fit by"
         )
+
+
+def _levels_in_words(fit: Fit) -> Iterator[str]:
+    """What the numbers of the levels stand for that have parameters of their own."""
+    told_of = fit.measurement.provenance
+    for column in dict.fromkeys(fit.model.own.values()):
+        if f"note {column}" in told_of:
+            yield told_of[f"note {column}"]
 
 
 def _is_order(fit: Fit, parameter: Parameter) -> bool:

@@ -38,6 +38,7 @@ from .kept import (
 from .material import is_material
 from .native import Fit
 from .part_result import PartResult, parts_of, spare
+from .population import Population, populations, specimens_of
 from .prediction import Known
 from .problem import Objective, sizes
 from .regularisation import SmoothSpectrum, regularised
@@ -85,15 +86,14 @@ def all_parameters(
     held = model.held
     if not held:
         return free
-    rows = {}
+    rows, known_as = {}, dict(zip(model.names, model.origins, strict=True))
     for parameter in model.released().parameters:
         name = parameter.name
         if name in held:
             factor, label = units.of(parameter.unit)
             value = factor * held[name]
             rows[name] = Value(value, value, value, label, fixed=True)
-        elif name in free:
-            rows[name] = free[name]
+        rows |= {own: row for own, row in free.items() if known_as[own] == name}
     return rows
 
 
@@ -369,6 +369,11 @@ class Identification(Known):
         covariance[touched, touched] = np.inf
         return covariance
 
+    @cached_property
+    def populations(self) -> dict[str, Population]:
+        """Of parameters that specimens have for themselves: their mean and scatter; else none."""
+        return populations(self.model, self._factors * self.theta, self.covariance, self.units)
+
     @property
     def _factors(self) -> Real:
         """From own to printed units (p,)."""
@@ -494,6 +499,9 @@ class Identification(Known):
             answer["error"] = {"relative_rms": self.relative_rms, **vars(self.standing)}
         if self.spectrum is not None:
             answer["spectrum"] = self._spectrum(self.spectrum)
+        if self.populations:
+            answer["population"] = self.populations
+            answer["specimens"] = specimens_of(self.populations)
         return dict(jsonable(answer))
 
     def _kept(self) -> dict[str, Any]:
@@ -508,6 +516,7 @@ class Identification(Known):
             "seed": self.seed,
             "held": self.model.held,
             "bounds": bounds_of(self.model),
+            "own": self.model.own,
             "only_sweeps": self.on_sweeps,
             "rates": rates_of(self.model),
         }

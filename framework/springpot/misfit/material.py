@@ -113,6 +113,8 @@ def material_floor(base: Refit, rng: np.random.Generator) -> MaterialFloor:
         # no start.
         found = refit(free, base.data, base.noise, [_own(base.model, base.theta)])
     lowest = lowest_error(found.model, base.data.raw, found.theta, found.relative_rms)
+    if base.model.own:
+        lowest = min(lowest, lowest_error(base.model, base.data.raw, base.theta, base.relative_rms))
     floor = MaterialFloor(found, battery(found.frame(), rng), lowest, is_material(base.model))
     return floor.beside([base])
 
@@ -131,6 +133,8 @@ def lowest_error(model: Model, measurement: Measurement, theta: Real, error: flo
     error : float
         What it leaves of |K|.
     """
+    if model.own:
+        return _of_levels(model, measurement, theta, error)
     free = replace(any_material(), effects=model.effects)
     lowest = least_error(free, measurement, [_own(model, theta)])
     # Lines stand apart, and a search beside effects may stop short; a model that is a material
@@ -139,6 +143,17 @@ def lowest_error(model: Model, measurement: Measurement, theta: Real, error: flo
     if lowest > error and is_of_material(model, theta, rate, error):
         return error
     return lowest
+
+
+def _of_levels(model: Model, measurement: Measurement, theta: Real, error: float) -> float:
+    """The least error where each level may have a material of its own."""
+    number, square = model.levels(measurement.points), 0.0
+    for i in np.unique(number).tolist():
+        (one, places), part = model.of_level(i), measurement.subset(number == i)
+        missed = one.stiffness(theta[places], part.points) / part.stiffness - 1.0
+        own = float(np.sqrt(np.mean(np.abs(missed) ** 2)))
+        square += len(part) * lowest_error(one, part, theta[places], own) ** 2
+    return min(float(np.sqrt(square / len(measurement))), error)
 
 
 def is_of_material(model: Model, theta: Real, rate: tuple[float, float], error: float) -> bool:
@@ -188,7 +203,8 @@ def split_in_words(base: Refit, floor: MaterialFloor) -> str:
     floor : MaterialFloor
         What any material reaches.
     """
-    if is_material(base.model):
+    # Of parameters that levels have for themselves one material for all is no measure.
+    if is_material(base.model) or base.model.own:
         return ""
     spare = base.fit.dof
     misfit, left = max(base.rss - spare, 0.0), max(floor.refit.rss - floor.refit.fit.dof, 0.0)

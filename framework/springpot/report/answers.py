@@ -217,7 +217,7 @@ def error_line(diagnosis: Diagnosis) -> str:
     before = f"error {percent(error.relative_rms)}"
     if best is None:
         return f"{before}, {times(error.relative_rms, error)}; {floors(error)}"
-    after = f"{percent(best.error_after)} with {best.effect}, {times(best.error_after, error)}"
+    after = f"{percent(best.after)} with {best.effect}, {times(best.after, error)}"
     return f"{before} -> {after}; {floors(error)}"
 
 

@@ -9,6 +9,7 @@ from io import StringIO
 from math import isfinite, log
 
 from springpot.format_numbers import counted, number
+from springpot.identification.population import Population, specimens_of
 from springpot.identification.result import Identification
 from springpot.identification.value import Value
 from springpot.rheology.drawing import drawing_of
@@ -26,6 +27,8 @@ FAR = log(1e6)
 BIASED = (
     "the intervals are those of this model as it is: what it misses may move its parameters by more"
 )
+FEW_SPECIMENS = 6
+"""Specimens whose values are told one by one."""
 HANG = " " * 12
 """Below the words that stand behind the name of a line."""
 
@@ -50,7 +53,8 @@ def fit_document(identified: Identification, verbose: bool = False) -> list[Pass
     return [
         Prose(f"{identified.model.name} fitted to {identified.name} ({_size(identified)})"),
         Preformatted(drawing_of(identified.model)),
-        parameters_table("parameter", identified.parameters, gone(identified)),
+        parameters_table("parameter", _listed(identified, verbose), gone(identified)),
+        _populations(identified),
         search,
         Prose(reference_note(identified.sweep, [identified.model.network])),
         Prose(_spectrum(identified)),
@@ -102,6 +106,41 @@ def parameters_table(
             size, interval = "-", OPEN
         rows.append([name, size, interval, value.unit])
     return TextTable((heading, "value", "95 % interval", "unit"), rows, frozenset({"value"}))
+
+
+def _listed(identified: Identification, verbose: bool) -> Mapping[str, Value]:
+    """The parameters that are told one by one: of many specimens those that they share."""
+    if verbose or len(specimens_of(identified.populations)) <= FEW_SPECIMENS:
+        return identified.parameters
+    pairs = zip(identified.model.names, identified.model.origins, strict=True)
+    theirs = {name for name, origin in pairs if origin in identified.populations}
+    return {name: value for name, value in identified.parameters.items() if name not in theirs}
+
+
+def _populations(identified: Identification) -> Passage:
+    """Mean and scatter of what specimens have for themselves."""
+    if not identified.populations:
+        return Prose()
+    rows = []
+    for name, population in identified.populations.items():
+        size, interval = shown(population.mean)
+        apart = _scatter(population)
+        rows.append([name, size, interval, population.mean.unit, apart])
+    title = f"{len(specimens_of(identified.populations))} specimens"
+    return TextTable(
+        (title, "mean", "95 % interval", "unit", "between them"), rows, frozenset({"mean"})
+    )
+
+
+def _scatter(population: Population) -> str:
+    """Standard deviation between specimens with its interval, in per cent where it is a share."""
+    between = population.between
+    ends = [between.value, between.low, between.high]
+    if population.relative:
+        size, low, high = (percent(end, 2) for end in ends)
+    else:
+        size, low, high = (number(end, 2) for end in ends)
+    return f"{size} [{low}, {high}]"
 
 
 def gone(identified: Identification) -> set[str]:

@@ -33,8 +33,9 @@ from .answers import (
 )
 from .canvas import require_matplotlib
 from .fit_text import parameters_table
-from .interactive.answers import PageScene, rungs
+from .interactive.answers import rungs
 from .interactive.bench import PageParts, bench_of
+from .interactive.scene import PageScene
 from .ladder import draw_ladder
 from .ladder_text import accepted_name, remarks, steps_table
 from .network import network_svg

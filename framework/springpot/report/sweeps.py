@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.measurement.measurement import Measurement
+from springpot.rheology.levels import levels_of
 from springpot.rheology.points import Real
 
 Rows = NDArray[np.int64]
@@ -82,7 +83,9 @@ def travels(along: Real, column: Real) -> bool:
     return way > PROFILE * whole or float(np.max(high - low)) > 0.5 * whole > 0.0
 
 
-def all_sweeps(measurement: Measurement, column: str, along: Real) -> list[DrawnSweep]:
+def all_sweeps(
+    measurement: Measurement, column: str, along: Real, own: Collection[str] = ()
+) -> list[DrawnSweep]:
     """Every sweep of a measurement, by repeat, temperature and amplitude in ascending order.
 
     Where a condition was not held but wandered, its points are taken together in levels or, if
@@ -96,6 +99,8 @@ def all_sweeps(measurement: Measurement, column: str, along: Real) -> list[Drawn
         What the axis shows, which no sweep holds.
     along : ndarray, shape (n,)
         Where each point stands on it.
+    own : collection of str
+        Further columns of which a model has parameters for each level.
     """
     parts = [np.arange(len(measurement))]
     # Only what tells sweeps from one another is worth a word in their labels.
@@ -115,6 +120,10 @@ def all_sweeps(measurement: Measurement, column: str, along: Real) -> list[Drawn
         if len(finer) > len(parts):
             telling.append((name, values))
         parts = finer
+    for name in sorted(set(own) - {"temperature", "amplitude"}):
+        values = measurement.conditions[name]
+        parts = [one for part in parts for one in _alike(part, levels_of(name, values))]
+        telling.append((name, values))
     ordered = [rows[np.argsort(along[rows], kind="stable")] for rows in parts]
     return [
         DrawnSweep(_label(rows, telling, measurement.units.amplitude), rows) for rows in ordered

@@ -17,7 +17,7 @@ A band about zero, for each sweep its own where sweeps differ.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -119,9 +119,11 @@ def axis_of(measurement: Measurement) -> DrawnAxis:
     return along_frequency
 
 
-def sweeps_of(measurement: Measurement, axis: DrawnAxis) -> list[DrawnSweep]:
-    """Every sweep along `axis`; one of everything where nothing was held."""
-    return all_sweeps(measurement, axis.column, axis.values)
+def sweeps_of(
+    measurement: Measurement, axis: DrawnAxis, own: Collection[str] = ()
+) -> list[DrawnSweep]:
+    """Every sweep along `axis`, of `own` columns too; one of everything where nothing was held."""
+    return all_sweeps(measurement, axis.column, axis.values, own)
 
 
 def smooth(measurement: Measurement, axis: DrawnAxis, sweep: DrawnSweep) -> tuple[Real, Points]:
@@ -189,7 +191,8 @@ class Scene:
     @cached_property
     def every_sweep(self) -> list[DrawnSweep]:
         """All sweeps along it."""
-        return sweeps_of(self.measurement, self.axis)
+        own = {column for fit in self.fits for column in fit.model.own.values()}
+        return sweeps_of(self.measurement, self.axis, own)
 
     @cached_property
     def sweeps(self) -> list[DrawnSweep]:

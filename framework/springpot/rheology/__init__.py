@@ -69,6 +69,7 @@ if TYPE_CHECKING:
         slip_film,
         thinning,
     )
+    from .own import Own
     from .parameters import (
         AMPLITUDE,
         FORCE,
@@ -186,6 +187,7 @@ __all__ = [
     "Mapped",
     "Model",
     "Node",
+    "Own",
     "PURE",
     "Parallel",
     "Parameter",
@@ -268,6 +270,7 @@ _WHERE = {
     "Model": "springpot.rheology.model",
     "Node": "springpot.rheology.nodes",
     "PURE": "springpot.rheology.parameters",
+    "Own": "springpot.rheology.own",
     "Parallel": "springpot.rheology.nodes",
     "Parameter": "springpot.rheology.parameters",
     "Placed": "springpot.rheology.named",

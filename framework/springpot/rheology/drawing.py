@@ -10,6 +10,7 @@ from typing import TypeAlias
 from .continuum import Continuum
 from .named import NamedNetwork
 from .nodes import Chain, Composition, Mapped, Node, Parallel, Renamed, Series, Shift
+from .own import Own
 from .stages import Stage
 
 SYMBOLS = {"spring": "╱╲╱╲╱", "dashpot": "━[┣━", "springpot": "◇", "mass": "█"}
@@ -65,7 +66,7 @@ def sketch(node: Node, prefix: str = "") -> Sketch:
     """
     if isinstance(node, Renamed):
         return sketch(node.node, _prefixed(prefix, node.prefix))
-    if isinstance(node, Mapped):
+    if isinstance(node, Mapped | Own):
         return sketch(node.node, prefix)
     # It has as many parameters as lines: the parts that they stand for are drawn instead.
     if isinstance(node, Continuum):
@@ -95,8 +96,9 @@ def _prefixed(prefix: str, name: str) -> str:
 
 
 def _leaf(node: Node, prefix: str) -> Leaf:
-    while isinstance(node, Renamed):
-        prefix = _prefixed(prefix, node.prefix)
+    while isinstance(node, Renamed | Own):
+        if isinstance(node, Renamed):
+            prefix = _prefixed(prefix, node.prefix)
         node = node.node
     label = ", ".join(parameter.name for parameter in node.parameters)
     # An element of a plugin need not name its kind: its class does.

@@ -67,6 +67,17 @@ class Held(Mapped):
         return all(value is None or not parameter.unit.stiffness for parameter, value in pairs)
 
     @property
+    def released(self) -> Node:
+        """The inner node."""
+        return self.node
+
+    @property
+    def held(self) -> dict[str, float]:
+        """Parameters that are held, by name."""
+        pairs = zip(self.node.parameters, self.forward.values, strict=True)
+        return {parameter.name: value for parameter, value in pairs if value is not None}
+
+    @property
     def absent_at(self) -> float | None:
         """As the inner node says."""
         return self.node.absent_at
@@ -77,7 +88,7 @@ class Held(Mapped):
         if bound is self.node:
             return self
         bounds = {each.name: (each.lower, each.upper) for each in self.parameters}
-        return hold(bound, held_values(self), bounds)
+        return hold(bound, self.held, bounds)
 
     def third_harmonic(self, theta: Real, at: Points) -> Complex | None:
         """That of the inner node, where it knows one."""
@@ -152,26 +163,11 @@ def hold(node: Node, values: Mapping[str, float], bounds: Mapping[str, Bounds]) 
     if not names & (set(values) | set(bounds)):
         return node
     # What is held already stays held, in one wrapping for all.
-    inner, known = released(node), held_values(node)
+    inner, known = node.released, node.held
     known |= {name: allowed(p, values[name]) for p in node.parameters if (name := p.name) in values}
     free = [_bounded(p, bounds.get(p.name), known) for p in node.parameters if p.name not in known]
     inserted = Inserted(tuple(known.get(parameter.name) for parameter in inner.parameters))
     return Held(inner, tuple(free), inserted, inserted.jacobian)
-
-
-def released(node: Node) -> Node:
-    """The node with all its parameters free, within the bounds of physics."""
-    if isinstance(node, Held):
-        return node.node
-    return node
-
-
-def held_values(node: Node) -> dict[str, float]:
-    """Parameters that are held, by name."""
-    if not isinstance(node, Held):
-        return {}
-    pairs = zip(node.node.parameters, node.forward.values, strict=True)
-    return {parameter.name: value for parameter, value in pairs if value is not None}
 
 
 def allowed(parameter: Parameter, value: float) -> float:

@@ -8,22 +8,24 @@ Whether an effect that a model has already would be the same thing once more.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple, Self, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.errors import ModelError
 
 from .effect import Effect, Layer, Test
 from .elements import HALF_PI, KnownMass
 from .forms import SearchForm
-from .holding import Bounds, Fixed, Held, held_values, hold, released
+from .holding import Bounds, Fixed, Held, hold
 from .levels import Levels
 from .lookup import find_effect
 from .nodes import FULL, GRADIENT, VALUE, Node, Response, Scaled, parallel
+from .own import Own, own_of, owned
 from .parameters import HasParameters, Parameter
 from .points import ROOM, Complex, Points, Real
 
@@ -284,25 +286,102 @@ class NamedNetwork(HasParameters):
     @property
     def held(self) -> dict[str, float]:
         """Parameters that are held, by name, in the unit of theta."""
-        values = held_values(self.material)
+        values = dict(self.material.held)
         for effect, prefix in self.named_effects():
-            values |= {
-                f"{prefix}.{name}": value for name, value in held_values(effect.element).items()
-            }
+            values |= {f"{prefix}.{name}": value for name, value in effect.element.held.items()}
         return values
+
+    def owning(self, names: Collection[str], column: str) -> Self:
+        """The model with parameters of which each level of a condition has its own.
+
+        Parameters
+        ----------
+        names : collection of str
+            Of parameters: ``["k", "inertia.m"]``. All others are shared by all levels.
+        column : str
+            The condition: ``"temperature"``, or a column that numbers specimens.
+
+        Raises
+        ------
+        ModelError
+            If a name is unknown, or a constant would share its unit with several orders.
+
+        Examples
+        --------
+        >>> from springpot.rheology import Model, Points, dashpot, parallel, spring
+        >>> model = Model("kelvin", parallel(spring(), dashpot())).owning(["k"], "batch")
+        >>> at = Points(np.zeros(2), columns={"batch": np.array([1.0, 2.0])})
+        >>> model.bound_to(at).names
+        ('k_1', 'k_2', 'c')
+        """
+        for name in names:
+            if name not in self.names:
+                raise ModelError(
+                    f"{self.name} has no free parameter '{name}': it has {', '.join(self.names)}"
+                )
+        if others := set(self.own.values()) - {column}:
+            raise ModelError(
+                f"{', '.join(self.own)}: each {', '.join(others)} has its own already,"
+                f" and none can be each {column}'s"
+            )
+        effects = [
+            replace(
+                effect, element=owned(effect.element, _own(dict.fromkeys(names), prefix), column)
+            )
+            for effect, prefix in self.named_effects()
+        ]
+        material = owned(self.material, names, column)
+        return replace(self, material=material, effects=tuple(effects), search=None)
+
+    @property
+    def own(self) -> dict[str, str]:
+        """Parameters of which each level of a condition has its own, and the condition."""
+        of = own_of(self.material)
+        for effect, prefix in self.named_effects():
+            of |= {f"{prefix}.{name}": by for name, by in own_of(effect.element).items()}
+        return of
+
+    def levels(self, at: Points) -> NDArray[np.intp]:
+        """Number of the level (n,) whose own parameters each point has; 0 where all share them."""
+        nodes = [self.material, *(effect.element for effect in self.effects)]
+        own = next((node for node in nodes if isinstance(node, Own)), None)
+        if own is None:
+            return np.zeros(at.log_omega.shape[-1], dtype=np.intp)
+        return own.level(at)
+
+    def of_level(self, number: int) -> tuple[Self, list[int]]:
+        """The model that one level has, and where its parameters stand in theta."""
+        first, places, nodes, placed = 0, list[int](), list[Node](), self.placed()
+        for node in (self.material, *(each.effect.element for each in placed)):
+            mine, last = np.arange(len(node.parameters)), first + len(node.parameters)
+            if isinstance(node, Own):
+                mine, node = node.places[number], node.node
+            places += (first + mine).tolist()
+            nodes.append(node)
+            first = last
+        effects = tuple(
+            replace(each.effect, element=node) for each, node in zip(placed, nodes[1:], strict=True)
+        )
+        return replace(self, material=nodes[0], effects=effects), places
 
     @property
     def constrained(self) -> bool:
-        """Whether a parameter is held or has narrower bounds than physics gives."""
+        """Whether parameters are held, kept within narrower bounds, or each level's own."""
         nodes = [self.material, *(effect.element for effect in self.effects)]
-        return any(isinstance(node, Held) for node in nodes)
+        return any(isinstance(node, Held | Own) for node in nodes)
 
     def released(self) -> Self:
-        """The same model with all its parameters free, within the bounds of physics."""
-        effects = tuple(
-            replace(effect, element=released(effect.element)) for effect in self.effects
-        )
-        return replace(self, material=released(self.material), effects=effects)
+        """The same model with all its parameters free and shared, within the bounds of physics."""
+        effects = tuple(replace(effect, element=effect.element.released) for effect in self.effects)
+        return replace(self, material=self.material.released, effects=effects)
+
+    @property
+    def origins(self) -> tuple[str, ...]:
+        """For each parameter its name in the `released` model."""
+        names = list(self.material.origins)
+        for effect, prefix, _ in self.placed():
+            names += [f"{prefix}.{name}" for name in effect.element.origins]
+        return tuple(names)
 
     def fixed_at(self, theta: Real) -> Self:
         """The model as it is at `theta` (p,), without parameters.

@@ -118,6 +118,21 @@ class Node:
         """
         return theta, self
 
+    @property
+    def released(self) -> Node:
+        """The node with all its parameters free, within the bounds of physics; mostly itself."""
+        return self
+
+    @property
+    def held(self) -> dict[str, float]:
+        """Parameters of the `released` node that are held at a value, by name; mostly none."""
+        return {}
+
+    @property
+    def origins(self) -> tuple[str, ...]:
+        """For each parameter its name in the `released` node."""
+        return tuple(parameter.name for parameter in self.parameters)
+
     def with_prefix(self, prefix: str) -> Node:
         """The node with every parameter name preceded by `prefix` and a dot."""
         # Wrapped and not copied: an element of a plugin need know nothing of prefixes.

@@ -134,7 +134,19 @@ class Points:
         """The same points at other amplitudes (..., n), as the share that a part takes."""
         return self._unchecked(amplitude=amplitude)
 
-    def _unchecked(self, **changed: Real) -> Points:
+    def some(self, rows: NDArray[np.intp]) -> Points:
+        """Some of the points, by their numbers."""
+        changed: dict[str, Any] = {
+            "log_omega": self.log_omega[..., rows],
+            "columns": {name: column[..., rows] for name, column in self.columns.items()},
+        }
+        if self.amplitude is not None:
+            changed["amplitude"] = self.amplitude[..., rows]
+        if self.temperature is not None:
+            changed["temperature"] = self.temperature[..., rows]
+        return self._unchecked(**changed)
+
+    def _unchecked(self, **changed: Any) -> Points:
         # On the way to a fit any shift is tried, however far, and in each evaluation: nothing is
         # checked here.
         other = object.__new__(Points)

@@ -270,12 +270,15 @@ class TimeCase(NamedTuple):
         The model with the best effect, where one is missing; else the base.
     misfits : tuple of Misfit
         How far the base lies beside each test.
+    tried : tuple of Tried
+        The model grown by each effect that was fitted.
     """
 
     diagnosis: Diagnosis
     base: Identification
     best_fit: Identification
     misfits: tuple[Misfit, ...]
+    tried: tuple[Tried, ...] = ()
 
 
 def answer_of(
@@ -331,7 +334,7 @@ def answer_of(
     )
     # The next round of a discovery goes on from the best fit that there is.
     fits = (each.fit for each in tried if each.effect.name in alike[:1] and each.fit is not None)
-    return TimeCase(diagnosis, base, next(fits, base), _misfits(parts, base))
+    return TimeCase(diagnosis, base, next(fits, base), _misfits(parts, base), tuple(tried))
 
 
 def _misfits(parts: Sequence[TestPart], base: Identification) -> tuple[Misfit, ...]:
@@ -487,7 +490,10 @@ def _open(each: Tried, alike: Sequence[str]) -> EffectVerdict:
 def _candidate(each: Tried, chance: float, alike: Sequence[str], after: Error) -> Candidate:
     name = each.effect.name
     parameters: dict[str, Value] = {}
+    # Nearly fitted it is foretold: what acceptance gives is known of an exact fit alone.
+    predicted, reached = after.relative_rms, NAN
     if each.fit is not None:
+        predicted, reached = NAN, after.relative_rms
         # A parameter is called effect.own, and effect#2.own where the model has the effect already.
         for whole, value in each.fit.parameters.items():
             prefix, _, own = whole.rpartition(".")
@@ -503,8 +509,8 @@ def _candidate(each: Tried, chance: float, alike: Sequence[str], after: Error) -
         delta_bic=each.delta,
         score=NAN,
         verdict=_open(each, alike),
-        predicted_error=NAN,
-        error_after=after.relative_rms,
+        predicted_error=predicted,
+        error_after=reached,
         over_floor=after.over_floor,
         bound=NAN,
         parameters=parameters,

@@ -18,11 +18,13 @@ from springpot.diagnosis.ladder import Ladder
 from springpot.errors import DataError
 from springpot.measurement.csv_safe import guarded
 from springpot.measurement.measurement import Measurement
-from springpot.report.interactive.answers import PageScene, grown_by_each, proposed_points
+from springpot.report.interactive.hypotheses import grown_by_each
+from springpot.report.interactive.scene import PageScene, proposed_points
 from springpot.rheology.points import KELVIN
 from springpot.terminal_safe import plain
 
-from .sessions import State, safe_name
+from .files import safe_name
+from .sessions import State
 
 MOST_RANGES = 20
 """Ranges of rows that are said on a command line; more are left out in a file of their own."""
@@ -68,7 +70,7 @@ def excluded_rows(state: State) -> list[str]:
     return choices
 
 
-def _rows_to_exclude(state: State) -> list[str]:
+def rows_to_exclude(state: State) -> list[str]:
     """What command and script are to leave out.
 
     Nothing where the file that they read lacks these rows already.
@@ -80,7 +82,7 @@ def _rows_to_exclude(state: State) -> list[str]:
 
 
 def _exclude_argument(state: State) -> str:
-    rows = _rows_to_exclude(state)
+    rows = rows_to_exclude(state)
     if not rows:
         return ""
     return f", exclude={rows!r}"
@@ -106,27 +108,33 @@ def command(state: State, source: str) -> str:
         words += ["--model", state.model]
     for name in state.accepted:
         words += ["--accept", name]
-    for rows in _rows_to_exclude(state):
+    for rows in rows_to_exclude(state):
         words += ["--exclude", rows]
     return shlex.join([*words, "--seed", str(state.seed)])
 
 
-def script(state: State, source: str) -> str:
+def script(state: State, *sources: str) -> str:
     """A Python program that gives the same numbers.
 
-    It reads `source` from the folder in which it is run.
+    It reads `sources`, each a test of the specimen, from the folder in which it is run.
     """
     # Names come from outside: a line break in one would end the comment and begin a statement.
-    title = " ".join(plain(f"{state.expression} of {source}, as the workbench showed it").split())
-    on_command_line = " ".join(plain(command(state, source)).split())
+    title = f"{state.expression} of {', '.join(sources)}, as the workbench showed it"
+    comments = [" ".join(plain(title).split())]
+    # Several tests are one specimen to Python alone; discover takes their names.
+    reads = repr(list(sources))
+    if len(sources) == 1:
+        on_command_line = " ".join(plain(command(state, sources[0])).split())
+        comments.append(f"On the command line: {on_command_line}")
+        reads = f"springpot.read({sources[0]!r})"
+    head = "\n".join(f"# {line}" for line in comments)
     # By `repr`, as all that is set into the program: a name stays a text, whatever stands in it.
     accepted, exclude = list(state.accepted), _exclude_argument(state)
     asked = f"{state.model or None!r}, accept={accepted!r}, seed={state.seed}{exclude}"
-    return f"""# {title}
-# On the command line: {on_command_line}
+    return f"""{head}
 import springpot
 
-data = springpot.read({source!r})
+data = {reads}
 
 # Each accepted effect is one rung: the model is fitted, and what is missing from it is sought anew.
 ladder = springpot.discover(data, {asked})
@@ -140,6 +148,22 @@ for name, value in ladder.steps[-1].parameters.items():
 
 print(ladder.verdict + ":", ladder.diagnosis.says)
 """
+
+
+def report(ladder: Ladder, tests: Any, command: list[str]) -> str:
+    """The page of a colleague; `tests` are the data, all rows, `command` what gave the answer.
+
+    Raises
+    ------
+    OutputError
+        If pictures cannot be drawn here.
+    """
+    # Pictures are an extra: the page works without them, and says here what is missing.
+    from springpot.report.canvas import require_matplotlib
+    from springpot.report.html import report_html
+
+    require_matplotlib()
+    return report_html(ladder, tests, command)
 
 
 def curves_csv(ladder: Ladder, measurement: Measurement) -> str:
@@ -193,7 +217,7 @@ def curves_csv(ladder: Ladder, measurement: Measurement) -> str:
                         *_flat(values),
                     ]
                 )
-    return _csv(table)
+    return csv_of(table)
 
 
 def plan_csv(ladder: Ladder, measurement: Measurement) -> str:
@@ -224,7 +248,7 @@ def plan_csv(ladder: Ladder, measurement: Measurement) -> str:
         table.append([*settings, "", ""])
     # The proposal is to stay one line of comment, whatever it says.
     reason = " ".join(proposed.says.split())
-    return f"# {reason}\n" + _csv(table)
+    return f"# {reason}\n" + csv_of(table)
 
 
 def _frequencies(omega: float) -> list[float]:
@@ -238,7 +262,8 @@ def _flat(values: Sequence[complex]) -> list[float]:
     return parts
 
 
-def _csv(rows: Sequence[Sequence[Any]]) -> str:
+def csv_of(rows: Sequence[Sequence[Any]]) -> str:
+    """Rows as a table, in which no text is a formula."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     for row in rows:

@@ -382,7 +382,7 @@ class Server:
         arguments = {"state": state.to_dict(), "text": data["text"]}
         for name in EXTRA.get(task, ()):
             nothing: Any = {}
-            if name == "kind":
+            if name in ("kind", "law"):
                 nothing = ""
             arguments[name] = given.get(name) or nothing
         if task in ("leave", "again"):
@@ -436,12 +436,13 @@ LANES = {
     "mastercurve": "long",
     "leave": "long",
     "held": "long",
+    "laws": "long",
 }
-LANES |= {"curve": "short", "again": "short"}
+LANES |= {"curve": "short", "again": "short", "trial": "short"}
 """Which workers do what the page asks of data."""
-EXTRA = {"curve": ("hands",), "held": ("hands",), "leave": ("kind",)}
+EXTRA = {"curve": ("hands",), "held": ("hands",), "leave": ("kind",), "trial": ("law",)}
 """What these tasks are told beside the state."""
-KEPT = frozenset({"answer", "ranking", "mastercurve"})
+KEPT = frozenset({"answer", "ranking", "mastercurve", "laws"})
 """Pure functions of the state alone."""
 
 

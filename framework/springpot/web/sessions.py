@@ -13,72 +13,29 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import re
-import tempfile
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.inputs import json_of
+from springpot.inputs import bytes_of, json_of
 from springpot.measurement.joining import joined as together
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.reader import Part
-from springpot.registry import open_in_time, open_measurement, parts_of, plugins
-from springpot.suggestions import suggested
+from springpot.registry import open_measurement, open_tests, parts_of, plugins
+from springpot.rheology.typed import is_law
 
-LONGEST = 80
-"""Signs of a file's name that are kept."""
-UNSAFE = re.compile(r"[^\w.+() -]", re.ASCII)
-"""What has a meaning in paths, FILE#PART?COLUMN=UNIT@CONDITION or a terminal is none of these."""
+from .files import as_file, safe_name
+from .specimen import Opened, Specimen, is_specimen, specimen_of
 
-
-def safe_name(name: str) -> str:
-    r"""The last part of a name that a browser gave, with nothing in it that means more than a name.
-
-    Examples
-    --------
-    >>> names = "../../etc/passwd", "C:\\\\data\\\\my damper.csv", "-rf?x=1"
-    >>> [safe_name(name) for name in names]
-    ['passwd', 'my damper.csv', '_rf_x_1']
-    """
-    # Both slashes: the browser may run on another system than this.
-    last = re.split(r"[/\\]", name)[-1]
-    # The end is kept, where the suffix stands.
-    plain = UNSAFE.sub("_", last)[-LONGEST:].strip()
-    # A hyphen would begin an option, and a dot hide the file.
-    return re.sub(r"^[-.]+", "_", plain) or "data"
+Kept = TypeVar("Kept", bound=Opened)
 
 
-@contextmanager
-def as_file(name: str, content: bytes) -> Iterator[Path]:
-    """A file of that name in a folder of its own, which is the current one meanwhile.
-
-    Errors name just the file.
-
-    Only for worker processes, which do one thing at a time.
-    """
-    here = os.getcwd()
-    with tempfile.TemporaryDirectory(prefix="springpot-") as folder:
-        os.chdir(folder)
-        try:
-            # Relative, within the new folder: no name can lead out of it.
-            path = Path(safe_name(name))
-            path.write_bytes(content)
-            yield path
-        finally:
-            # Before the folder is removed: no process may stay in what is gone.
-            os.chdir(here)
-
-
-def measured_in(
-    name: str, content: bytes, choice: str = ""
-) -> tuple[Measurement, tuple[Part, ...]]:
+def measured_in(name: str, content: bytes, choice: str = "") -> tuple[Opened, tuple[Part, ...]]:
     """What an uploaded file holds, by the same readers and budget as a file that is named.
 
     Parameters
@@ -93,60 +50,56 @@ def measured_in(
 
     Raises
     ------
+    OpenQuestion
+        If its reader must be told more.
     DataError
         If it cannot be read.
     """
     with as_file(name, content) as path:
-        return opened(f"{path}{choice}"), parts_of(path)
+        first = open_tests(f"{path}{choice}")[0]
+        # A sweep comes alone.
+        if isinstance(first, Measurement):
+            return first, parts_of(path)
+    return Specimen.of_file(name, content, choice), ()
 
 
-def opened(spec: str) -> Measurement:
-    """What a file or data set holds, at frequencies.
+def opened(spec: str) -> tuple[Opened, tuple[Part, ...]]:
+    """What a file or data set that the command line names holds, with its parts.
 
     Raises
     ------
-    OpenQuestion
-        If its reader must be told more.
-    DataError
-        If it cannot be read, or holds a test in time, which this page does not judge.
+    OpenQuestion, DataError
+        As `measured_in`.
     """
-    try:
-        return open_measurement(spec)
-    except DataError:
-        # Asked only where it did not open: nearly all that is dropped are sweeps.
-        if not _in_time(spec):
-            raise
-    raise DataError(
-        f"{spec} holds a test in time, and this page judges sweeps at frequencies; in a shell"
-        f" {suggested('diagnose', spec, '--model', 'EXPR')} judges it,"
-        f" {suggested('identify', 'SWEEP', spec, '--model', 'EXPR')} joins it to a sweep"
-    )
+    name = re.sub(r"[#?@].*$", "", spec)
+    for path in (Path(spec), Path(name)):
+        if path.is_file():
+            return measured_in(path.name, bytes_of(path), spec[len(str(path)) :])
+    return open_measurement(spec), parts_of(spec)
 
 
-def _in_time(spec: str) -> bool:
-    """Whether the readers of tests in time take it.
-
-    A sweep's reader would ask for columns that are not there.
-    """
-    try:
-        return bool(open_in_time(spec))
-    except DataError:
-        return False
-
-
-def text_of(measurement: Measurement) -> str:
-    """The text of a CSV file that reads back as the same bits.
+def text_of(measurement: Opened) -> str:
+    """The text of a CSV file that reads back as the same bits; of tests in time their files.
 
     Raises
     ------
     DataError
         If no plugin offers such a format.
     """
+    if isinstance(measurement, Specimen):
+        return measurement.text
     for reader in plugins().items("reader"):
         if reader.text is not None:
             text: str = reader.text(measurement)
             return text
     raise DataError("no plugin offers a format to keep measurements in")
+
+
+def data_of(text: str) -> Opened:
+    """The data in a text by `text_of`."""
+    if is_specimen(text):
+        return specimen_of(text)
+    return measurement_of(text)
 
 
 def measurement_of(text: str) -> Measurement:
@@ -155,7 +108,7 @@ def measurement_of(text: str) -> Measurement:
         return open_measurement(path)
 
 
-def kept(measurement: Measurement, excluded: tuple[int, ...]) -> Measurement:
+def kept(measurement: Kept, excluded: tuple[int, ...]) -> Kept:
     """The data without the rows that are left out; what is relative to their temperature stays so.
 
     Raises
@@ -175,7 +128,8 @@ def kept(measurement: Measurement, excluded: tuple[int, ...]) -> Measurement:
         raise DataError(f"{measurement.name}: all points are left out; take some back")
     rows = np.ones(len(measurement), dtype=bool)
     rows[list(excluded)] = False
-    return measurement.subset(rows)
+    rest: Any = measurement.subset(rows)
+    return rest  # type: ignore[no-any-return]
 
 
 def _copied(both: Measurement, count: int) -> bool:
@@ -190,10 +144,16 @@ def _copied(both: Measurement, count: int) -> bool:
     return all(row.tobytes() in there for row in rows[count:])
 
 
-def joined(one: Measurement, other: Measurement) -> Measurement:
-    """New data below those that are there, in their units.
+def _specimen(data: Opened) -> Specimen:
+    if isinstance(data, Specimen):
+        return data
+    return Specimen.of_file(f"{data.name}.csv", text_of(data).encode(), "")
 
-    So that a next experiment joins the first.
+
+def joined(one: Opened, other: Opened) -> Opened:
+    """New data below those that are there, in their units: a next experiment joins the first.
+
+    Sweeps become one table; with a test in time they are tests of one specimen.
 
     Raises
     ------
@@ -201,6 +161,20 @@ def joined(one: Measurement, other: Measurement) -> Measurement:
         If one is a modulus and the other a stiffness, one lacks a condition of the other, or the
         new data are there already.
     """
+    first, second = _sweep(one), _sweep(other)
+    if first is None or second is None:
+        return _specimen(one).joined(_specimen(other))
+    return _one_table(first, second)
+
+
+def _sweep(data: Opened) -> Measurement | None:
+    """As points at frequencies: a record of one frequency is one of them."""
+    if isinstance(data, Specimen):
+        return data.as_sweep()
+    return data
+
+
+def _one_table(one: Measurement, other: Measurement) -> Measurement:
     both = together([one, other])
     if _copied(both, len(one)):
         raise DataError(
@@ -298,7 +272,9 @@ class State:
     @property
     def expression(self) -> str:
         """The grown model as it is typed."""
-        return " + ".join([self.model or "material", *self.accepted])
+        # A law has a + of its own.
+        joins = (f"({name})" if is_law(name) and name[0] != "(" else name for name in self.accepted)
+        return " + ".join([self.model or "material", *joins])
 
     def accepting(self, effect: str) -> State:
         """The next rung."""

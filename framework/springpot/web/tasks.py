@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from springpot.api import compare, discover, identify, mastercurve
+from springpot.api import compare, discover, identify, invent, mastercurve
 from springpot.diagnosis.examination import silent
 from springpot.diagnosis.ladder import Ladder
 from springpot.errors import DataError, SpringpotError
@@ -28,8 +28,10 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import runs_of
 from springpot.measurement.reader import OpenQuestion, Part, parts_as_opened
 from springpot.owners import blamed, described
-from springpot.registry import open_measurement, parse_model, parts_of, plugins
-from springpot.report.interactive.answers import PageScene, drawn, relative_error
+from springpot.registry import open_measurement, parse_model, plugins
+from springpot.report.interactive.answers import drawn
+from springpot.report.interactive.in_time import drawn_in_time
+from springpot.report.interactive.scene import PageScene, relative_error
 from springpot.report.network import network_svg
 from springpot.report.plugin_cards import EXAMPLE_MEMBER
 from springpot.report.plugin_cards import effect as effect_card
@@ -38,27 +40,30 @@ from springpot.rheology.model import Family, Model
 from springpot.suggestions import suggested
 
 from . import leaving
+from .files import safe_name
 from .held import hand_of, theta_of
 from .sessions import (
     State,
+    data_of,
     digest_of,
     is_session,
     joined,
     kept,
     measured_in,
-    measurement_of,
     opened,
-    safe_name,
     session_of,
     text_of,
 )
+from .specimen import Opened, Specimen, given
 from .studies import report_of, studies, study
+from .testing import leave_in_time, understood_in_time
+from .trying import invented, tried, with_law
 
 SCHEMA = "springpot.workbench/1"
 Told = Callable[[str], None]
 
 
-def ladder_of(state: State, measurement: Measurement, told: Told = silent) -> Ladder:
+def ladder_of(state: State, measurement: Opened, told: Told = silent) -> Ladder:
     """The ladder of a state; the same bits for the same state and data.
 
     Raises
@@ -66,7 +71,7 @@ def ladder_of(state: State, measurement: Measurement, told: Told = silent) -> La
     SpringpotError
         If a name is unknown, or if model and data do not fit each other.
     """
-    used = kept(measurement, state.excluded)
+    used = given(kept(measurement, state.excluded))
     # A list, though it may be empty: without one the evidence would accept effects by itself.
     ladder = discover(
         used, state.model or None, accept=list(state.accepted), seed=state.seed, progress=told
@@ -75,7 +80,7 @@ def ladder_of(state: State, measurement: Measurement, told: Told = silent) -> La
     return ladder
 
 
-def answer(state: State, ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
+def answer(state: State, ladder: Ladder, measurement: Opened) -> dict[str, Any]:
     """Schema ``springpot.workbench/1``: the discovery, and K of the model and of every candidate.
 
     Parameters
@@ -92,12 +97,11 @@ def answer(state: State, ladder: Ladder, measurement: Measurement) -> dict[str, 
     dict
         ``schema``, ``state``, its ``key``, and all that `springpot.report.interactive.drawn` gives.
     """
-    return {
-        "schema": SCHEMA,
-        "state": state.to_dict(),
-        "key": state.key,
-        **drawn(ladder, measurement),
-    }
+    if isinstance(measurement, Specimen):
+        shown = drawn_in_time(ladder, measurement.tests)
+    else:
+        shown = drawn(ladder, measurement)
+    return {"schema": SCHEMA, "state": state.to_dict(), "key": state.key, **shown}
 
 
 LADDERS = 8
@@ -114,14 +118,21 @@ _ladders: OrderedDict[str, Ladder] = OrderedDict()
 
 
 @lru_cache(maxsize=4)
+def _opened(text: str) -> Opened:
+    return data_of(text)
+
+
 def _measured(text: str) -> Measurement:
-    return measurement_of(text)
+    data = _opened(text)
+    if isinstance(data, Specimen):
+        raise DataError("that is for sweeps at frequencies: these are tests in time")
+    return data
 
 
 def _ladder(state: State, text: str, told: Told) -> Ladder:
     # What one leaves with is asked after the answer: its ladder need not be climbed twice.
     if state.key not in _ladders:
-        _ladders[state.key] = ladder_of(state, _measured(text), told)
+        _ladders[state.key] = ladder_of(state, _opened(text), told)
         while len(_ladders) > LADDERS:
             _ladders.popitem(last=False)
     # The one asked for last goes last: what somebody works with stays, however early it was
@@ -186,7 +197,7 @@ def understand(
     raw = base64.b64decode(content)
     if is_session(raw):
         session = session_of(raw)
-        measurement = measurement_of(session["data"].pop("text"))
+        measurement = data_of(session["data"].pop("text"))
         return {**_understood(measurement, session["data"]["source"]), "session": session}
     told(f"reading {len(raw)} bytes")
     try:
@@ -194,7 +205,7 @@ def understand(
     except OpenQuestion as error:
         return {"question": _asked(error)}
     if onto:
-        measurement = joined(_measured(onto), measurement)
+        measurement = joined(_opened(onto), measurement)
     return _understood(measurement, onto_name or f"{name}{choice}", parts, joined=bool(onto))
 
 
@@ -222,7 +233,8 @@ def begin(told: Told, spec: str, model: str = "") -> dict[str, Any]:
         content = base64.b64encode(bytes_of(path)).decode()
         return understand(told, path.name, content)
     try:
-        return _understood(opened(spec), _relative(spec), parts_of(spec))
+        data, parts = opened(spec)
+        return _understood(data, _relative(spec), parts)
     except OpenQuestion as error:
         # Something is said behind its name already: the page cannot say more.
         if not path.is_file():
@@ -255,7 +267,7 @@ def again(
     told: Told, state: Mapping[str, Any], text: str, source: str, joined: bool
 ) -> dict[str, Any]:
     """Data that the server still has, for a page that was loaded anew."""
-    return _understood(_measured(text), source, joined=joined)
+    return _understood(_opened(text), source, joined=joined)
 
 
 def dataset(told: Told, name: str) -> dict[str, Any]:
@@ -281,9 +293,16 @@ def dataset(told: Told, name: str) -> dict[str, Any]:
 
 
 def _understood(
-    measurement: Measurement, source: str, parts: tuple[Part, ...] = (), joined: bool = False
+    data: Opened, source: str, parts: tuple[Part, ...] = (), joined: bool = False
 ) -> dict[str, Any]:
-    text = text_of(measurement)
+    text = text_of(data)
+    whole = {"digest": digest_of(text), "text": text, "source": source, "joined": joined}
+    if isinstance(data, Specimen):
+        return {**whole, **understood_in_time(data)}
+    return {**whole, **_understood_sweeps(data, parts)}
+
+
+def _understood_sweeps(measurement: Measurement, parts: tuple[Part, ...]) -> dict[str, Any]:
     columns = [("frequency", "Hz", measurement.frequency)]
     columns += [("storage", measurement.units.stiffness, measurement.storage)]
     columns += [("loss", measurement.units.stiffness, measurement.loss)]
@@ -299,10 +318,6 @@ def _understood(
     if measurement.repeat is not None:
         repeats = len(np.unique(measurement.repeat))
     return {
-        "digest": digest_of(text),
-        "text": text,
-        "source": source,
-        "joined": joined,
         "scene": PageScene(measurement).to_dict(),
         "columns": [
             {
@@ -346,7 +361,7 @@ def answered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     ladder = _ladder(asked, text, told)
     # Told, as the previews of a large library take a while themselves.
     told("drawing what each effect would change")
-    return answer(asked, ladder, _measured(text))
+    return answer(asked, ladder, _opened(text))
 
 
 def curve(
@@ -386,10 +401,27 @@ def _drawn(state: State, measurement: Measurement, model: Model, theta: Any) -> 
     return {"error": error, **PageScene(measurement).curve(model, theta)}
 
 
+def trial(told: Told, state: Mapping[str, Any], text: str, law: object) -> dict[str, Any]:
+    """The model of a state, with a law that is typed if there is one, fitted and drawn."""
+    (asked, own), data = with_law(State.of(state), law), _opened(text)
+    used = given(kept(data, asked.excluded))
+    fit: Any = identify(used, parse_model(asked.expression))
+    return tried(asked, own, data, fit)
+
+
+def laws(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
+    """The laws that may be missing from the model of a state, each drawn."""
+    asked, measurement = State.of(state), _measured(text)
+    used = kept(measurement, asked.excluded)
+    found = invent(used, asked.expression, seed=asked.seed, progress=told)
+    return invented(asked, measurement, found)
+
+
 def ranking(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     """All installed models against what any material reaches; schema ``springpot.comparison/2``."""
     asked = State.of(state)
-    return compare(kept(_measured(text), asked.excluded), seed=asked.seed, progress=told).to_dict()
+    used = given(kept(_opened(text), asked.excluded))
+    return compare(used, seed=asked.seed, progress=told).to_dict()
 
 
 def mastered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
@@ -409,8 +441,10 @@ def leave(
     told: Told, kind: str, state: Mapping[str, Any], text: str, source: str, joined: bool
 ) -> dict[str, Any]:
     """One of the things that a user leaves with: its text and the name of its file."""
-    asked, measurement = State.of(state), _measured(text)
-    stem = Path(safe_name(source)).stem
+    asked, data = State.of(state), _opened(text)
+    if isinstance(data, Specimen):
+        return leave_in_time(kind, asked, data, lambda: _ladder(asked, text, told))
+    measurement, stem = data, Path(safe_name(source)).stem
     shown = leaving.source_of(source, asked, joined)
     if kind == "command":
         return {"name": f"{stem}.txt", "text": leaving.command(asked, shown) + "\n"}
@@ -430,12 +464,7 @@ def leave(
 
 
 def _report(ladder: Ladder, measurement: Measurement, state: State, source: str) -> str:
-    # Pictures are an extra: the page works without them, and says here what is missing.
-    from springpot.report.canvas import require_matplotlib
-    from springpot.report.html import report_html
-
-    require_matplotlib()
-    return report_html(ladder, measurement, shlex.split(leaving.command(state, source)))
+    return leaving.report(ladder, measurement, shlex.split(leaving.command(state, source)))
 
 
 def raced(told: Told, name: str = "", report: bool = False) -> dict[str, Any]:
@@ -456,6 +485,8 @@ TASKS: dict[str, Callable[..., dict[str, Any]]] = {
     "answer": answered,
     "curve": curve,
     "held": held,
+    "trial": trial,
+    "laws": laws,
     "ranking": ranking,
     "mastercurve": mastered,
     "leave": leave,

@@ -151,7 +151,7 @@ export class Data {
     const rows = data.columns.map((column) => h("tr", {}, h("th", { scope: "row" }, column.name),
       h("td", { title: `least ${column.name}` }, plainly(column.from)), h("td", { title: `largest ${column.name}` }, plainly(column.to)), h("td", {}, column.unit)));
     const sweeps = data.scene.sweeps.length;
-    const facts = [`${data.scene.count} point${data.scene.count === 1 ? "" : "s"}`, `${sweeps} sweep${sweeps === 1 ? "" : "s"}`,
+    const facts = [`${data.scene.count} point${data.scene.count === 1 ? "" : "s"}`, `${sweeps} ${data.scene.words.each}${sweeps === 1 ? "" : "s"}`,
       data.repeats > 1 ? `${data.repeats} repeats` : "", data.deviations ? "standard deviations given" : ""];
     const shown = data.scene.rows.length;
     if (shown < data.scene.count) facts.push(`${shown} of them drawn`);

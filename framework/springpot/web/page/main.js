@@ -8,6 +8,7 @@ import { Hands } from "./hands.js";
 import { Hero } from "./hero.js";
 import { History } from "./history.js";
 import { Ladder } from "./ladder.js";
+import { Law } from "./law.js";
 import { leaveDialog } from "./leave.js";
 import { masterSpec } from "./master.js";
 import { Missing } from "./missing.js";
@@ -45,6 +46,7 @@ class App {
       (this.compare = new Compare(byId("compare-body"), this, byId("failing-body"))),
       (this.ladder = new Ladder(byId("ladder-body"), this)),
       (this.missing = new Missing(byId("missing-body"), this)),
+      (this.law = new Law(byId("law-body"), this)),
       new Next(byId("next-body"), this),
     ];
     this.race = new Race(byId("race"));
@@ -222,8 +224,41 @@ class App {
 
   judging(model) { return { ...this.state, model, accepted: [] }; }
 
-  accept(effect) {
-    if (!this.waiting) this.step({ ...this.state, accepted: [...this.state.accepted, effect] });
+  // An effect by its name, a law by its text, or what can be done with the data.
+  accept(name) {
+    if (this.waiting) return;
+    const { accept, exclude } = this.answer.actions.find((action) => action.name === name) || { accept: [name], exclude: [] };
+    const { accepted, excluded } = this.state;
+    const out = new Set(excluded);
+    // Rows of an action count among those that are used.
+    const used = exclude.length ? [...Array(this.scene.count).keys()].filter((row) => !out.has(row)) : [];
+    const rows = [...excluded, ...exclude.map((i) => used[i])].sort((a, b) => a - b);
+    this.step({ ...this.state, accepted: [...accepted, ...accept], excluded: rows });
+  }
+
+  // What another state would be, as soon as a fit has told it; nothing where the pointer has gone on meanwhile.
+  async attempt(name, state) {
+    this.attempted = name;
+    const { answer } = this;
+    if (!answer || this.waiting) return;
+    try {
+      answer.previews[name] = await api.ask("trial", { state });
+    } catch { return; } // it is told when it is taken
+    if (answer === this.answer && this.attempted === name) this.hover(name);
+  }
+
+  leaveAttempt() {
+    this.attempted = null;
+    this.hover(null);
+  }
+
+  // The laws that were found for the present state, if they were sought.
+  get laws() { return this.state && this.found?.of === keyOf(this.state) ? this.found : null; }
+
+  findLaws() {
+    this.refused = "";
+    this.toFind = keyOf(this.state);
+    this.pursue();
   }
 
   // A rung is one of the ladder that is drawn, which may still be that of the state before.

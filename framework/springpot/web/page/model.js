@@ -98,7 +98,8 @@ export class ModelPanel {
       return;
     }
     const rows = ranking.models.slice(0, 8).map((model) => h("li", {},
-      h("button", { type: "button", title: model.says, onclick: () => this.app.judge(model.model) },
+      h("button", { type: "button", title: model.says, onclick: () => this.app.judge(model.model),
+        onpointerenter: () => this.app.attempt(model.model, this.app.judging(model.model)), onpointerleave: () => this.app.leaveAttempt() },
         h("span", { class: "name" }, model.model), ` ${percent(model.error.relative_rms)}${model.fails ? "" : ", holds"}`)));
     put(this.ranked, h("p", {}, ranking.ranking?.says || `best: ${ranking.best}`), h("ol", {}, ...rows));
   }
@@ -111,7 +112,7 @@ export class ModelPanel {
       put(this.table);
       return;
     }
-    const movable = answer.parameters.length && answer.state.model !== "" && answer.state.model !== "material";
+    const movable = !this.app.scene.views && answer.parameters.length && answer.state.model !== "" && answer.state.model !== "material";
     const rows = answer.parameters.map((parameter) => this.row(parameter, movable));
     this.told = h("p", { id: "edited-says", class: "quiet", role: "status" });
     this.fit = h("button", { type: "button", id: "fit", onclick: () => { if (usable(this.fit)) this.app.hands.fit(this.asked()); } }, "Fit within these");

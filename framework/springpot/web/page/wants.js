@@ -21,7 +21,7 @@ export function lacking(app) {
   const { state } = app;
   if (!state) return null;
   if (!app.known.has(state.data)) return wanted(app, theData(app, state));
-  const wants = [theAnswer(app, state), theMasterCurve(app, state), theRanking(app, state), theOneBeside(app)];
+  const wants = [theAnswer(app, state), theMasterCurve(app, state), theRanking(app, state), theLaws(app, state), theOneBeside(app)];
   return wants.find((want) => wanted(app, want)) || null;
 }
 
@@ -48,7 +48,7 @@ function theAnswer(app, state) {
 
 function theMasterCurve(app, state) {
   const of = rowsOf(state);
-  if (app.looks.view !== "master-curve" || app.master?.of === of) return null;
+  if (app.looks.view !== "master-curve" || !app.canShift || app.master?.of === of) return null;
   return {
     name: `master curve ${of}`,
     ask: (how) => api.ask("mastercurve", { state: withoutModel(state) }, how),
@@ -65,6 +65,20 @@ function theRanking(app, state) {
     ask: (how) => api.ask("ranking", { state: withoutModel(state) }, how),
     take: (found) => { app.ranking = { ...found, of }; },
     leave: () => { app.toRank = null; },
+  };
+}
+
+function theLaws(app, state) {
+  const of = keyOf(state);
+  if (app.toFind !== of || app.found?.of === of) return null;
+  return {
+    name: `laws ${of}`,
+    ask: (how) => api.ask("laws", { state }, how),
+    take: ({ invention, laws, previews }) => {
+      Object.assign(app.answers.get(of).previews, previews);
+      app.found = { of, invention, texts: laws };
+    },
+    leave: () => { app.toFind = null; },
   };
 }
 

@@ -3,7 +3,7 @@
 import { h, put } from "./dom.js";
 import { number, percent, pretty } from "./numbers.js";
 import { Plot, range } from "./plot.js";
-import { VIEWS, planeLines, planeOf, planeSpec, viewLines, viewSpec } from "./views.js";
+import { planeLines, planeOf, planeSpec, viewLines, viewOf, viewSpec, viewsOf } from "./views.js";
 import { DESK, Zoom } from "./zoom.js";
 
 const STEPS = [
@@ -27,10 +27,10 @@ const COARSE = matchMedia("(pointer: coarse)");
 const titleOf = (plane) => `${plane[0].toUpperCase()}${plane.slice(1)} plane`;
 
 // One sentence of what the answer is, above the picture.
-export function verdict({ discovery }) {
+export function verdict({ discovery, of }) {
   const { diagnosis } = discovery;
   const says = diagnosis.says[0].toUpperCase() + diagnosis.says.slice(1);
-  return `${diagnosis.model}: ${discovery.verdict}, at ${percent(diagnosis.error.relative_rms)} of |K|. ${says}.`;
+  return `${diagnosis.model}: ${discovery.verdict}, at ${percent(diagnosis.error.relative_rms)} of ${of}. ${says}.`;
 }
 
 export class Compare {
@@ -44,9 +44,7 @@ export class Compare {
     this.row = null;
     this.hidden = new Set(); // what was taken out of the picture by its entry in the legend
     this.zoom = new Zoom(this.main, () => this.render());
-    this.view = h("select", { id: "view", "aria-label": "View", onchange: () => { this.zoom.ends = null; app.look({ view: this.view.value }); } },
-      ...Object.entries(VIEWS).map(([name, view]) => h("option", { value: name }, view.name)),
-      app.fixed ? null : h("option", { value: "master-curve" }, "Master curve"));
+    this.view = h("select", { id: "view", "aria-label": "View", onchange: () => { this.zoom.ends = null; app.look({ view: this.view.value }); } });
     this.plane = h("select", { id: "plane", "aria-label": "Residual plane", onchange: () => app.look({ plane: this.plane.value }) });
     this.scales = ["x", "y"].map((axis) => h("button", { type: "button", id: `log-${axis}`, class: "small", title: `logarithmic ${axis} axis`, onclick: () => this.bend(axis) }, `log ${axis}`));
     this.sigmas = h("button", { type: "button", id: "sigmas", class: "small", title: "residual in standard deviations of the noise, or in the plane's own unit", onclick: () => app.look({ sigmas: app.looks.sigmas ? 0 : 1 }) }, "σ");
@@ -56,7 +54,8 @@ export class Compare {
     this.key = h("div", { id: "key", class: "legend", role: "group", "aria-label": "Legend: press an entry to hide it" });
     this.readout = h("p", { id: "readout", class: "quiet", role: "status" });
     this.places = h("ul", { id: "places", class: "places" });
-    this.exclude = h("button", { type: "button", id: "exclude", hidden: true, onclick: () => this.toggle([...this.chosen]) });
+    this.exclude = h("button", { type: "button", id: "exclude", hidden: true, onclick: () => this.toggle([...this.chosen]),
+      onpointerenter: () => app.attempt(`${this.chosen.size} points ${this.exclude.textContent.startsWith("Take") ? "taken back" : "left out"}`, { ...app.state, excluded: this.toggled([...this.chosen]) }), onpointerleave: () => app.leaveAttempt() });
     this.frames = h("div", { class: "plots" }, this.main.svg, this.residual.svg);
     this.bar = h("div", { class: "bar" }, this.view, this.plane, this.sigmas, this.scales, this.closer, this.whole, this.exclude);
     this.intro = h("ol", { class: "intro" }, ...STEPS.map((step) => h("li", {}, step)));
@@ -87,25 +86,27 @@ export class Compare {
       this.chosen = new Set();
       this.hidden = new Set();
       this.zoom.ends = null;
+      put(this.view, Object.entries(viewsOf(scene)).map(([name, view]) => h("option", { value: name }, view.name)),
+        this.app.fixed || scene.views ? null : h("option", { value: "master-curve" }, "Master curve"));
       put(this.plane,
         Object.keys(scene.planes).map((name) => h("option", { value: name }, titleOf(name))),
         h("option", { value: "none" }, "No residuals"));
     }
     this.drawn = scene;
     const excluded = new Set(state.excluded);
-    this.view.value = looks.view;
     const plane = planeOf(scene, looks.plane);
     this.plane.value = plane;
     this.plane.title = scene.planes[plane]?.shows || "";
     const phone = this.width < NARROW;
     const [tall, low] = phone ? HEIGHTS.phone : [this.tall || HEIGHTS.desk[0], HEIGHTS.desk[1]];
-    const master = looks.view === "master-curve" && this.app.hasMaster;
+    const master = this.viewed === "master-curve";
     this.view.querySelector("[value=master-curve]")?.toggleAttribute("disabled", !this.app.canShift);
-    const view = looks.view === "master-curve" && !master ? "storage-loss" : looks.view;
+    const view = viewOf(scene, looks.view);
+    this.view.value = looks.view === "master-curve" && !scene.views ? looks.view : view;
     const shown = answer && answer.state.data === state.data ? answer : null;
     const spec = master ? this.app.masterSpec() : viewSpec(view, scene, excluded, shown?.model, looks.linear);
     this.told(spec);
-    this.main.title = master ? "Master curve" : VIEWS[view].name;
+    this.main.title = master ? "Master curve" : viewsOf(scene)[view].name;
     this.planned(spec, master);
     this.without(spec);
     this.zoom.limit(spec);
@@ -116,16 +117,16 @@ export class Compare {
     if (residual) {
       this.residual.title = `${titleOf(plane)}, residual of ${shown.discovery.diagnosis.model}`;
       const { first, before } = this.app;
-      const below = planeSpec(plane, scene, excluded, shown, { sigmas: Boolean(looks.sigmas), first: first || shown, before });
+      const below = planeSpec(plane, scene, excluded, shown, viewsOf(scene)[view], { sigmas: Boolean(looks.sigmas), first: first || shown, before });
       this.without(below);
-      if (spec.upright) [below.x.min, below.x.max, below.x.log] = [spec.x.min, spec.x.max, spec.x.log];
+      if (spec.upright) below.x = { ...spec.x };
       this.residual.draw(below, this.width, low);
       this.residual.fall();
     }
     const { where = [], notes = [] } = shown?.discovery.diagnosis || {};
     if (spec.told) put(this.places, spec.told.map((text) => this.sentence(text)));
     else put(this.places,
-      where.slice(0, MOST_PLACES).map((place) => this.sentence(pretty(place.plane === plane ? place.says : `${place.says} (${place.plane} plane)`), place)),
+      where.slice(0, MOST_PLACES).map((place) => this.sentence(pretty(place.plane === plane || scene.views ? place.says : `${place.says} (${place.plane} plane)`), place)),
       notes.slice(0, MOST_NOTES).map((note) => this.sentence(pretty(`note: ${note}`))));
     this.places.closest("section").hidden = !this.places.childElementCount;
     this.drawBeside();
@@ -143,6 +144,7 @@ export class Compare {
 
   rowsIn(place) {
     const { scene } = this.app;
+    if (scene.views) return scene.rows.filter((row, i) => place.plane === "signal" && scene.sweeps[scene.sweep[i]].label === place.condition && scene.x[i] >= place.from && scene.x[i] <= place.to);
     if (scene.axis.column !== "frequency" || !(place.from <= place.to)) return [];
     const [from, to] = [place.from, place.to].map((hertz) => hertz * scene.axis.per_hertz);
     return scene.rows.filter((row, i) => scene.x[i] >= from * 0.999 && scene.x[i] <= to * 1.001);
@@ -150,6 +152,12 @@ export class Compare {
 
   lit(rows) {
     for (const plot of [this.main, this.residual]) if (plot.spec) plot.point(this.row, new Set([...this.chosen, ...rows]));
+  }
+
+  // The view that is drawn: what is asked for, where there is such a one.
+  get viewed() {
+    const { scene, looks, hasMaster } = this.app;
+    return looks.view === "master-curve" && hasMaster ? looks.view : viewOf(scene, looks.view);
   }
 
   // The buttons beside the picture say what it is like: which axes are logarithmic, whether all of it is seen.
@@ -183,7 +191,8 @@ export class Compare {
   }
 
   entry(what, look, text) {
-    return h("button", { type: "button", class: `swatch ${look}`, "aria-pressed": String(!this.hidden.has(what)), title: "press to hide or show it", onclick: () => this.press(what) }, text);
+    return h("button", { type: "button", class: "swatch", "aria-pressed": String(!this.hidden.has(what)), title: "press to hide or show it", onclick: () => this.press(what) },
+      h("span", { class: look }, text[0]), text.slice(1));
   }
 
   // On a desk all stands on one screen: the picture gets the height that the words around it leave.
@@ -203,7 +212,7 @@ export class Compare {
   planned(spec, master) {
     const next = this.app.looks.plan ? this.app.answer?.next : null;
     if (!next?.rivals.length || master || !spec.upright || this.app.scene.axis.column !== "frequency") return;
-    const view = VIEWS[this.app.looks.view];
+    const view = viewsOf(this.app.scene)[this.viewed];
     const xs = next.frequency.map((hertz) => hertz * this.app.scene.axis.per_hertz);
     const all = [];
     next.rivals.forEach((rival, number_) => {
@@ -211,7 +220,7 @@ export class Compare {
         const ys = xs.map((x, i) => at(x, rival.storage[i], rival.loss[i])[1]);
         all.push(...ys);
         spec.lines.push({ xs, ys, kind: `rival rival-${number_} ${kind}`, colour: `var(--rival-${number_})` });
-        if (this.app.looks.view !== "storage-loss") return;
+        if (this.viewed !== "storage-loss") return;
         const [low, high] = [-1, 1].map((side) => ys.map((y, i) => y + side * rival.width[i]));
         spec.bands = [...(spec.bands || []), { xs, low, high, kind: `rival-${number_}` }];
       });
@@ -230,22 +239,24 @@ export class Compare {
     const { scene, looks, answer, edited, beside } = this.app;
     const lines = [];
     const entries = [];
-    if (looks.view !== "master-curve") {
-      if (beside) lines.push(...viewLines(looks.view, scene, beside.model, "beside"));
-      if (edited) lines.push(...viewLines(looks.view, scene, edited, "edited"));
+    const view = this.viewed;
+    if (view !== "master-curve") {
+      if (beside) lines.push(...viewLines(view, scene, beside.model, "beside"));
+      if (edited) lines.push(...viewLines(view, scene, edited, "edited"));
     }
     this.main.extra(lines);
     if (this.residual.spec) this.residual.extra(this.leftBy(edited, "edited"));
     const single = scene.sweeps.length < 2;
     const { symbol } = scene.words;
-    if (single) {
-      entries.push(this.entry("storage", "storage", VIEWS[looks.view]?.parts.length === 1 ? "● data" : `● ${symbol}' data`));
-      if (looks.view === "storage-loss") entries.push(this.entry("loss", "loss", `□ ${symbol}'' data`));
+    if (scene.views) entries.push(this.entry("storage", "storage", "● measured"));
+    else if (single) {
+      entries.push(this.entry("storage", "storage", viewsOf(scene)[view]?.parts.length === 1 ? "● data" : `● ${symbol}' data`));
+      if (view === "storage-loss") entries.push(this.entry("loss", "loss", `□ ${symbol}'' data`));
     } else {
       entries.push(...scene.sweeps.map((sweep, i) =>
         this.entry(`sweep-${i}`, `sweep-${Math.round((8 * i) / (scene.sweeps.length - 1))}`, `● ${sweep.label}`)));
     }
-    if (answer && looks.view !== "master-curve") entries.push(this.entry("model", "", `━ ${answer.discovery.diagnosis.model} (accepted)`));
+    if (answer && view !== "master-curve") entries.push(this.entry("model", "", `━ ${answer.discovery.diagnosis.model} (accepted)`));
     if (this.app.hovered) entries.push(h("span", { class: "swatch preview" }, `╌ with ${this.app.hovered} (preview)`));
     if (edited) entries.push(h("span", { class: "swatch edited" }, `┈ edited by hand, ${percent(edited.error)}`));
     if (beside) entries.push(h("span", { class: "swatch beside" }, `─ branch ${beside.branch}: ${beside.discovery.diagnosis.model}`));
@@ -261,8 +272,8 @@ export class Compare {
     const { scene, answer, looks } = this.app;
     const k = effect && answer ? answer.previews[effect] : null;
     if (!scene || !this.main.spec) return;
-    const drawn = k && looks.view !== "master-curve";
-    this.main.preview(drawn ? viewLines(looks.view, scene, k, "preview") : []);
+    const drawn = k && this.viewed !== "master-curve";
+    this.main.preview(drawn ? viewLines(this.viewed, scene, k, "preview") : []);
     if (this.residual.spec) {
       this.residual.preview(this.leftBy(k, "preview"));
     }
@@ -274,7 +285,7 @@ export class Compare {
     const { scene, answer, looks } = this.app;
     const plane = planeOf(scene, looks.plane);
     if (!k || !answer || plane === "none") return [];
-    return planeLines(plane, scene, k, looks.sigmas ? answer.model.planes[plane].width : null, role);
+    return planeLines(plane, scene, k, viewsOf(scene)[viewOf(scene, looks.view)], looks.sigmas ? answer.model.planes[plane].width : null, role);
   }
 
   listen(plot) {
@@ -351,6 +362,10 @@ export class Compare {
       return;
     }
     const i = this.index(row);
+    if (scene.views) {
+      this.readout.textContent = this.readInTime(i) + (state.excluded.includes(row) ? "; left out" : "");
+      return;
+    }
     const { stiffness } = scene.units;
     const { clock, per_hertz, symbol } = scene.words;
     let says = `${number((scene.omega[i] / 2 / Math.PI) * per_hertz, 3)} ${clock}: ${symbol}' ${number(scene.storage[i])}, ${symbol}'' ${number(scene.loss[i])} ${stiffness}`;
@@ -362,6 +377,19 @@ export class Compare {
     }
     if (state.excluded.includes(row)) says += "; left out";
     this.readout.textContent = says;
+  }
+
+  readInTime(i) {
+    const { scene, answer } = this.app;
+    const { x, y } = scene.views[this.viewed];
+    const [name, unit] = y.label.split(" [");
+    let says = `${x.label.replace(/ \[.*/, "")} ${number(x.column === "moved" ? scene.moved[i] : scene.x[i])}: ${name} ${number(scene.storage[i])} ${unit.slice(0, -1)}`;
+    if (answer) {
+      const model = answer.model.points.storage[i];
+      const off = (scene.storage[i] - model) / answer.noise.storage[i];
+      says += `; model ${number(model)}; data − model ${off < 0 ? "−" : "+"}${number(Math.abs(off), 2)} σ`;
+    }
+    return says;
   }
 
   selected(rows) {
@@ -376,13 +404,19 @@ export class Compare {
   // Points are greyed and left out, or taken back; never deleted.
   toggle(rows) {
     if (this.app.fixed) return;
+    const out = this.toggled(rows);
+    this.selected(new Set());
+    this.app.leaveOut(out);
+  }
+
+  // Rows that are left out with these left out too; back again, where all of them were.
+  toggled(rows) {
     const out = new Set(this.app.state.excluded);
     const back = rows.every((row) => out.has(row));
     for (const row of rows) {
       if (back) out.delete(row);
       else out.add(row);
     }
-    this.selected(new Set());
-    this.app.leaveOut([...out].sort((a, b) => a - b));
+    return [...out].sort((a, b) => a - b);
   }
 }

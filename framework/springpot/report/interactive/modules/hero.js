@@ -30,31 +30,38 @@ export class Hero {
     const { answer, scene, waiting } = this.app;
     enable(this.add, waiting ? "wait for the computation, or cancel it" : "");
     const refused = this.app.refused || this.app.unanswered;
-    if (!changed(this, answer, scene, refused)) return;
+    const { laws } = this.app;
+    if (!changed(this, answer, scene, refused, laws)) return;
     const diagnosis = answer?.discovery.diagnosis;
     this.big.hidden = !answer;
     this.parent.classList.toggle("alone", !answer);
     this.says.textContent = answer ? verdict(answer) : withoutAnswer(scene, refused);
     this.says.className = answer ? `verdict ${answer.discovery.verdict}` : "quiet";
     this.place.textContent = "";
-    const found = diagnosis ? proposed(diagnosis) : null;
+    const found = lawOf(answer, laws) || (diagnosis ? proposed(diagnosis) : null);
     this.effect = found?.effect || null;
     this.add.hidden = Boolean(this.app.fixed) || !found;
     if (!answer) return;
-    this.count(diagnosis.error);
+    this.count(diagnosis.error, answer.of);
     this.big.className = answer.discovery.verdict;
-    if (diagnosis.where.length) this.place.textContent = placeOf(diagnosis.where[0]);
+    if (diagnosis.where.length) this.place.textContent = placeOf(diagnosis.where[0], scene);
     this.place.title = this.place.textContent;
-    if (found) this.add.textContent = `Add ${found.effect} → ${fallTo(found, diagnosis.error)}`;
+    if (found) this.add.textContent = `Add ${found.effect.split(" =")[0]} → ${fallTo(found, diagnosis.error)}`;
   }
 
   // In units of the noise floor, as this is what decides; the size in per cent below it.
-  count(error) {
+  count(error, of) {
     const ratio = error.noise_floor > 0 ? error.relative_rms / error.noise_floor : NaN;
     const told = Number.isFinite(ratio) ? [`${number(ratio, 2)} ×`, "the noise floor"] : [percent(error.relative_rms, 2), ""];
     put(this.big, h("span", { class: "big" }, told[0]), h("span", {}, told[1]),
-      h("span", { class: "quiet" }, `${percent(error.relative_rms)} of |K|`));
+      h("span", { class: "quiet" }, `${percent(error.relative_rms)} of ${of}`));
   }
+}
+
+// A law that was found comes before effects that only help.
+function lawOf(answer, laws) {
+  if (!answer || !laws || laws.invention.verdict === "none") return null;
+  return { effect: laws.texts[0], error_after: answer.previews[laws.texts[0]].error };
 }
 
 function withoutAnswer(scene, refused) {
@@ -62,7 +69,8 @@ function withoutAnswer(scene, refused) {
   return refused ? UNANSWERED : "";
 }
 
-const placeOf = ({ says }) => pretty(`The model's ${says}.`);
+// Of tests in time whole sentences are said.
+const placeOf = ({ says }, { views }) => (views ? pretty(`${says[0].toUpperCase()}${says.slice(1)}.`) : pretty(`The model's ${says}.`));
 
 function fallTo(candidate, error) {
   const after = candidate.error_after ?? candidate.predicted_error;

@@ -42,7 +42,7 @@ export class Ladder {
       put(this.other, h("p", { class: "quiet" }, answer ? "" : "The error of each model against the noise floor is drawn here."));
       return;
     }
-    put(this.list, this.app.steps.map((step, i) => this.rung(step, i, i === this.app.rung)));
+    put(this.list, this.leftOut(), this.app.steps.map((step, i) => this.rung(step, i, i === this.app.rung)));
     put(this.other, beside ? this.besideList(beside) : null);
     this.draw(this.app.steps, beside);
     this.preview(this.app.hovered);
@@ -63,6 +63,15 @@ export class Ladder {
       i && !this.app.fixed ? h("button", { type: "button", id: `remove-${i}`, class: "small", "aria-label": `remove ${name}`, title: "leave this effect out, keep the others",
         onclick: () => this.app.remove(i - 1) }, "×") : null,
       alike.length ? h("span", { class: "alike quiet" }, `or ${alike.join(", ")}`) : null);
+  }
+
+  // What is fitted to fewer rows than were measured says so, before its first rung.
+  leftOut() {
+    const { excluded } = this.app.state;
+    if (!excluded.length) return null;
+    const rows = excluded.length === 1 ? `row ${excluded[0] + 1}` : `${excluded.length} rows`;
+    return h("li", { id: "left-out", title: `left out: rows ${excluded.slice(0, 40).map((row) => row + 1).join(", ")}` }, `without ${rows}`,
+      this.app.fixed ? null : h("button", { type: "button", class: "small", "aria-label": `take back ${rows}`, title: "take them back", onclick: () => this.app.leaveOut([]) }, "×"));
   }
 
   renderBranches(history) {
@@ -111,7 +120,7 @@ export class Ladder {
       parts.push(s("text", { class: "tick", x: this.x(i), y: this.height - 8, "text-anchor": "middle" }, cut(name, (2 * half) / LONGEST)));
     });
     const middle = (8 + bottom) / 2;
-    parts.push(s("text", { class: "label", x: 11, y: middle, "text-anchor": "middle", transform: `rotate(-90 11 ${middle})` }, "error of |K|"));
+    parts.push(s("text", { class: "label", x: 11, y: middle, "text-anchor": "middle", transform: `rotate(-90 11 ${middle})` }, this.app.answer.of === "|K|" ? "error of |K|" : "error"));
     parts.push(s("text", { class: "tick", x: LEFT + 3, y: bottom - 3 }, "noise floor"));
     // No error lies below the material floor: under its line there is room, unless the other words stand there.
     const dashes = this.y(steps[0].material_floor);

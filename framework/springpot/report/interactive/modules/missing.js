@@ -34,22 +34,32 @@ export class Missing {
   }
 
   render() {
-    const { answer } = this.app;
-    if (!changed(this, answer)) {
+    const { answer, laws } = this.app;
+    if (!changed(this, answer, laws)) {
       this.show(this.app.hovered);
       return;
     }
     const diagnosis = answer?.discovery.diagnosis;
     this.active = null;
     this.candidates = diagnosis?.candidates || [];
-    this.says.textContent = diagnosis ? sentence(diagnosis, this.app.fixed) : "Effects are ranked here as soon as there are data.";
+    this.others = othersOf(this.app);
+    this.says.title = laws ? pretty(laws.invention.says) : "";
+    this.says.textContent = diagnosis ? sentence(diagnosis, this.app.fixed, laws?.invention) : "Effects are ranked here as soon as there are data.";
     this.shelves = SHELVES.map(([name, title]) => [name, title, cardsOf(this.candidates.filter((one) => one.shelf === name))])
       .filter(([, , cards]) => cards.length);
     put(this.list, this.shelves.map(([name, title, cards]) =>
       h("div", { role: "group", class: "shelf", "aria-label": title, "data-title": title, "data-shelf": name },
         cards.map((card) => this.card(card, diagnosis)))));
-    this.list.hidden = this.candidates.length === 0;
-    this.accept.hidden = Boolean(this.app.fixed) || this.candidates.length === 0;
+    // Laws that were asked for stand first; what is folded last.
+    const shelf = (title) => h("div", { role: "group", class: "shelf", "aria-label": title, "data-title": title },
+      this.others.filter((one) => one.shelf === title).map((one) => this.card([one], diagnosis)));
+    if (laws) this.list.prepend(shelf(titleOf(laws)));
+    if (this.others.some((one) => one.shelf === ON_DATA)) this.list.append(shelf(ON_DATA));
+    const ruledOut = this.list.querySelector(`[data-shelf="${FOLDED}"]`);
+    if (ruledOut) this.list.append(ruledOut);
+    const none = this.candidates.length + this.others.length === 0;
+    this.list.hidden = none;
+    this.accept.hidden = Boolean(this.app.fixed) || none;
     this.unfold(this.folded);
     this.show(this.app.hovered);
   }
@@ -58,7 +68,7 @@ export class Missing {
   unfold(folded) {
     this.folded = folded;
     const shelf = this.list.querySelector(`[data-shelf="${FOLDED}"]`);
-    const alone = this.shelves?.length === 1;
+    const alone = this.list.childElementCount === 1;
     if (shelf) shelf.hidden = folded && !alone;
     this.fold.hidden = !shelf || alone;
     const out = this.candidates.filter((candidate) => candidate.shelf === FOLDED).map((candidate) => candidate.effect);
@@ -79,18 +89,19 @@ export class Missing {
   }
 
   option(candidate, floor) {
-    const after = candidate.error_after;
-    const size = Object.entries(candidate.parameters).slice(0, 1).map(([name, value]) => `${name} = ${number(value.value, 3)} ${value.unit === "-" ? "" : pretty(value.unit)}`);
+    // Of tests in time nearly fitted effects tell an error too.
+    const after = candidate.error_after ?? (this.app.scene.views ? candidate.predicted_error : null);
+    const size = Object.entries(candidate.parameters || {}).slice(0, 1).map(([name, value]) => `${name} = ${number(value.value, 3)} ${value.unit === "-" ? "" : pretty(value.unit)}`);
     return h("div", {
-      id: `effect-${candidate.effect}`, role: "option", "aria-selected": "false", class: "option",
+      id: idOf(candidate.effect), role: "option", "aria-selected": "false", class: "option",
       "data-effect": candidate.effect,
       onpointerenter: (event) => { if (event.pointerType !== "touch") this.app.hover(candidate.effect); },
       onclick: (event) => this.clicked(event, candidate.effect),
     },
-    h("span", { class: "name" }, candidate.effect),
-    h("span", { class: "fall", title: after === null ? "not fitted by itself" : `error with it: ${percent(after)} of |K|, ${times(after, floor)}` }, `→ ${percent(after, 2)}`),
-    h("span", { class: "size" }, size[0] || "not fitted"),
-    h("span", { class: `word ${candidate.verdict}`, title: "probability that it is among what is missing" }, `chance ${probability(candidate.probability)}`));
+    h("span", { class: "name", title: candidate.effect }, candidate.label || candidate.effect),
+    h("span", { class: "fall", title: after === null ? "not fitted by itself" : `error with it: ${percent(after)} of ${this.app.answer.of}, ${times(after, floor)}` }, `→ ${percent(after, 2)}`),
+    h("span", { class: "size", title: candidate.says }, candidate.shown || size[0] || "not fitted"),
+    candidate.probability === undefined ? null : h("span", { class: `word ${candidate.verdict}`, title: "probability that it is among what is missing" }, `chance ${probability(candidate.probability)}`));
   }
 
   // A mouse has seen the preview before it clicks; a finger has not, so its first tap only shows it.
@@ -132,17 +143,23 @@ export class Missing {
       if (here) this.list.setAttribute("aria-activedescendant", option.id);
     }
     if (!effect) this.list.removeAttribute("aria-activedescendant");
-    else if (effect === this.active) document.getElementById(`effect-${effect}`)?.scrollIntoView({ block: "nearest" });
+    else if (effect === this.active) document.getElementById(idOf(effect))?.scrollIntoView({ block: "nearest" });
     this.describe(effect);
   }
 
   describe(effect) {
     const diagnosis = this.app.answer?.discovery.diagnosis;
     const candidate = this.candidates?.find((one) => one.effect === effect);
+    const other = this.others?.find((one) => one.effect === effect);
     let why = "point at an effect first";
     if (this.app.waiting) why = "wait for the computation, or cancel it";
-    else if (candidate) why = "";
+    else if (candidate || other) why = "";
     enable(this.accept, why);
+    if (other) {
+      put(this.details, h("p", {}, pretty(other.says)),
+        h("dl", {}, ...row("error", `${percent(diagnosis.error.relative_rms)} → ${percent(other.error_after)} (${times(other.error_after, diagnosis.error.noise_floor)})`)));
+      return;
+    }
     if (!candidate) {
       const hint = "Point at an effect, or go through them with the arrow keys: the dashed curve shows what it would do.";
       put(this.details, h("p", { class: "quiet" }, this.candidates?.length ? hint : ""));
@@ -161,8 +178,30 @@ export class Missing {
         ...row("error", preview ? `${percent(diagnosis.error.relative_rms)} → ${percent(preview.error)} (${times(preview.error, floor)})${preview.refitted ? "" : ", by the scan alone"}` : "no preview: it was not fitted alone"),
         ...row("evidence", `probability ${probability(candidate.probability)}, ΔBIC ${number(candidate.delta_bic, 3)}`),
         ...row("cannot be told from", others.join(", ") || "nothing: it has its own curve"),
-        ...(candidate.verdict === "missing" ? [] : row("would have been seen", `from ${percent(candidate.bound, 2)} of |K| on`))));
+        ...(candidate.verdict === "missing" || candidate.bound === null ? [] : row("would have been seen", `from ${percent(candidate.bound, 2)} of |K| on`))));
   }
+}
+
+const idOf = (effect) => `effect-${effect.replace(/[^\w:-]+/g, "-")}`;
+
+const ON_DATA = "With the data themselves";
+const titleOf = ({ invention }) => ({ none: "Laws that come nearest", class: "Laws that these data cannot tell apart", law: "The law that is missing" })[invention.verdict];
+
+// What is no effect of the library and yet a hypothesis like one: laws that were found, what can be done with the data.
+function othersOf({ answer, laws }) {
+  if (!answer) return [];
+  const known = new Set(answer.discovery.diagnosis.candidates.map((candidate) => candidate.effect));
+  const acts = answer.actions.filter((action) => !known.has(action.name)).map((action) => ({
+    effect: action.name, label: action.label, says: action.says, shown: action.accept[0] || "the error of the others", shelf: ON_DATA }));
+  const found = (laws?.texts || []).map((text, i) => {
+    const { says, parameters, probability } = laws.invention.laws[i];
+    const sizes = Object.entries(parameters).map(([name, value]) => {
+      const [told, interval] = withInterval(value.value, value.low, value.high);
+      return pretty(`${name} = ${told} ${interval} ${value.unit === "-" ? "" : value.unit}`.trim());
+    });
+    return { effect: text, label: pretty(text.replace(/^.*?= */, "")), says: `${sizes.join("; ")}; ${says}`, shown: sizes[0], probability, shelf: titleOf(laws) };
+  });
+  return [...found, ...acts].map((one) => ({ ...one, class: [], error_after: answer.previews[one.effect].error }));
 }
 
 const MEANS = {
@@ -174,11 +213,19 @@ const MEANS = {
 };
 const row = (term, text) => [h("dt", { title: MEANS[term] }, term), h("dd", { title: MEANS[term] }, text)];
 
-function sentence(diagnosis, fixed) {
+function sentence(diagnosis, fixed, invention) {
+  if (invention) return foundIn(invention);
   if (diagnosis.verdict === "adequate") return "Nothing is missing: what is left is noise. These were tried.";
   if (diagnosis.verdict === "unexplained") return "No known effect explains what is left. These were tried.";
   if (diagnosis.verdict === "inconclusive") return "These data cannot decide. These were tried.";
   return fixed ? "Point at one to see what it would do." : "Point to preview, click to accept.";
+}
+
+// Beside the cards of the laws: what would tell them apart, or why there is none.
+function foundIn({ verdict, says, next_experiment: next }) {
+  if (verdict === "none") return pretty(`${says}.`);
+  if (next?.separates.length) return pretty(`To tell the two likeliest laws apart: ${next.says}.`);
+  return verdict === "law" ? "No other law of the grammar does as well." : "No measurement that is at hand would tell these laws apart.";
 }
 
 // Members of a class are one card, where the likeliest of them stands.

@@ -45,7 +45,9 @@ export function turned({ log, bend }) {
 function bentTicks({ min, max, bend }) {
   const last = Math.max(Math.abs(min), Math.abs(max));
   const sizes = [];
-  for (let size = 10 ** Math.floor(Math.log10(bend)); size <= last * 1.001; size *= 10) sizes.push(size, 3 * size);
+  // So many that they stand apart: of many decades some are passed over.
+  const decades = Math.log10(last / bend);
+  for (let size = 10 ** Math.floor(Math.log10(bend)); size <= last * 1.001; size *= 10 ** Math.ceil(decades / 3)) sizes.push(size, ...(decades < 1.8 ? [3 * size] : []));
   return [...sizes.map((size) => -size).reverse(), 0, ...sizes].filter((tick) => (tick === 0 || Math.abs(tick) >= bend) && tick >= min && tick <= max);
 }
 

@@ -21,6 +21,7 @@ export function sparkline(scene, answer, effect, wanted) {
   scene.thin.forEach((row, at) => {
     const x = 2 + ((WIDTH - 4) * at) / Math.max(scene.thin.length - 1, 1);
     for (const kind of ["storage", "loss"]) {
+      if (after[kind][at] === null) continue;
       const sigmas = Math.max(-MOST, Math.min(MOST, after[kind][at] / width[row]));
       if (Number.isFinite(sigmas)) svg.append(s("circle", { class: `mark ${kind}`, cx: x.toFixed(1), cy: place(sigmas).toFixed(1), r: 1.2 }));
     }

@@ -44,6 +44,25 @@ export const VIEWS = {
   },
 };
 
+// The views of these data: those that the server tells, of columns against each other, or the usual ones of rheology.
+export function viewsOf(scene) {
+  if (!scene.views) return VIEWS;
+  scene.made ||= Object.fromEntries(Object.entries(scene.views).map(([id, view]) => [id, told(view)]));
+  return scene.made;
+}
+
+// A view of one of several tests; what is not of it is not drawn.
+function told({ name, x, y, parts, test, along: axis, residual }) {
+  const place = x.column === "moved" ? (at, moved) => moved : (at) => at;
+  return { name, test, residual, along: axis, upright: x.column === "x", x: () => ({ label: x.label, log: x.log }), y: () => ({ label: y.label, log: y.log }),
+    parts: parts.map((kind) => ({ kind, at: (at, storage, loss, moved) => [place(at, moved), kind === "loss" ? loss : storage] })) };
+}
+
+const shows = ({ test }, sweep) => test === undefined || test === sweep;
+
+// The view to show: the one that is asked for, if these data have it, else their first.
+export const viewOf = (scene, name) => (name in viewsOf(scene) ? name : Object.keys(viewsOf(scene))[0]);
+
 // Colour of a sweep, dark to light on white and the reverse on black; storage and loss where there is one sweep.
 export function colourOf(scene, sweep, kind) {
   const count = scene.sweeps.length;
@@ -53,11 +72,12 @@ export function colourOf(scene, sweep, kind) {
 
 // Points of the data and lines of the model in one view.
 export function viewSpec(name, scene, excluded, model, plain = "") {
-  const view = VIEWS[name];
+  const view = viewsOf(scene)[name];
   const points = [];
   scene.rows.forEach((row, i) => {
+    if (!shows(view, scene.sweep[i])) return;
     for (const { kind, at: place } of view.parts) {
-      const [x, y] = place(scene.x[i], scene.storage[i], scene.loss[i]);
+      const [x, y] = place(scene.x[i], scene.storage[i], scene.loss[i], scene.moved?.[i]);
       const colour = colourOf(scene, scene.sweep[i], kind);
       points.push({ x, y, kind, row, colour, sweep: scene.sweep[i], out: excluded.has(row) });
     }
@@ -87,11 +107,11 @@ function bounded(axis, values, room, plain) {
 }
 
 export function viewLines(name, scene, k, role) {
-  const view = VIEWS[name];
-  return scene.grids.flatMap((grid, sweep) =>
+  const view = viewsOf(scene)[name];
+  return scene.grids.flatMap((grid, sweep) => (!shows(view, sweep) ? [] :
     view.parts.map(({ kind, at: place }) => {
       const curve = k.curves[sweep];
-      const pairs = grid.x.map((x, i) => place(x, curve.storage[i], curve.loss[i]));
+      const pairs = grid.x.map((x, i) => place(x, curve.storage[i], curve.loss[i], grid.moved?.[i]));
       return {
         xs: pairs.map((pair) => pair[0]),
         ys: pairs.map((pair) => pair[1]),
@@ -100,30 +120,33 @@ export function viewLines(name, scene, k, role) {
         sweep,
         colour: role === "model" ? colourOf(scene, sweep, kind) : `var(--${role})`,
       };
-    }));
+    })));
 }
 
 // Data less model in a plane, as the server tells it: real part filled, imaginary part open, with bands of one and three
 // standard deviations. `sigmas`: in units of these, between ends that the first rung fixes, so that what falls is seen to
 // fall; `before`: the answer of the rung before, whose residual stays as a shadow.
-export function planeSpec(name, scene, excluded, answer, { sigmas = false, first = answer, before = null } = {}) {
+export function planeSpec(name, scene, excluded, answer, view, { sigmas = false, first = answer, before = null } = {}) {
+  const pointsOf = (...what) => residuals(scene, view, excluded, ...what);
   const residual = measuredBy(answer.model.planes[name], sigmas);
-  const points = before ? pointsOf(scene, measuredBy(before.model.planes[name], sigmas), excluded, "ghost") : [];
-  points.push(...pointsOf(scene, residual, excluded));
-  const widths = residual.width.map((w, i) => ({ x: scene.x[i], w: w ?? 0, sweep: scene.sweep[i] }));
-  const x = along(scene);
-  [x.min, x.max] = range(scene.x, x.log, 0.03);
+  const points = before ? pointsOf(measuredBy(before.model.planes[name], sigmas), "ghost") : [];
+  points.push(...pointsOf(residual));
+  const widths = residual.width.map((w, i) => ({ x: scene.x[i], w: w ?? 0, sweep: scene.sweep[i] })).filter(({ sweep }) => shows(view, sweep));
+  const x = view.along ? { label: view.along.label, log: view.along.log } : along(scene);
+  [x.min, x.max] = range(widths.map((one) => one.x), x.log, 0.03);
   const widest = widths.map(({ w }) => 3 * w).sort((a, b) => a - b)[Math.floor(widths.length / 2)] || 0;
-  const fixed = sigmas ? pointsOf(scene, measuredBy(first.model.planes[name], true), excluded) : points;
+  const fixed = sigmas ? pointsOf(measuredBy(first.model.planes[name], true)) : points;
   const used = fixed.filter((point) => !point.out).map((point) => Math.abs(point.y)).filter(Number.isFinite);
   const most = Math.max(widest, ...used, 1e-300);
-  const y = { label: sigmas ? `${shownOf(scene.planes[name].label)} / σ` : scene.planes[name].label, log: false };
+  const label = view.residual || scene.planes[name].label;
+  const y = { label: sigmas ? `${shownOf(label)} / σ` : label, log: false };
   if (sigmas && most > FAR) y.bend = NOISE;
   const { forth, back } = turned(y);
   y.max = back(ROOM * forth(most));
   y.min = -y.max;
+  const here = scene.views ? ({ plane, condition }) => plane === name && condition === scene.sweeps[view.test].label : () => scene.axis.column === "frequency";
   const shades = answer.discovery.diagnosis.where
-    .filter((place) => scene.axis.column === "frequency" && place.from <= place.to)
+    .filter((place) => here(place) && place.from <= place.to)
     .slice(0, 3)
     .map((place) => ({ from: place.from * scene.axis.per_hertz, to: place.to * scene.axis.per_hertz, says: place.says }));
   const bands = [3, 1].map((times) => band(widths, times));
@@ -140,8 +163,8 @@ function measuredBy({ storage, loss, width }, sigmas) {
   return { storage: over(storage), loss: over(loss), width: width.map(() => 1) };
 }
 
-function pointsOf(scene, residual, excluded, shadow = "") {
-  return scene.rows.flatMap((row, i) => ["storage", "loss"].map((kind) => ({
+function residuals(scene, view, excluded, residual, shadow = "") {
+  return scene.rows.flatMap((row, i) => (!shows(view, scene.sweep[i]) ? [] : ["storage", "loss"]).map((kind) => ({
     x: scene.x[i], y: residual[kind][i] ?? NaN, kind: shadow ? `${kind} ${shadow}` : kind, part: kind,
     row: shadow ? null : row, colour: colourOf(scene, scene.sweep[i], kind), sweep: scene.sweep[i], out: !shadow && excluded.has(row),
   })));
@@ -158,26 +181,27 @@ function band(widths, sigmas) {
 }
 
 // What a candidate would leave of the residual, as lines through points of each sweep; over `widths` where those are given.
-export function planeLines(name, scene, k, widths = null, role = "preview") {
+export function planeLines(name, scene, k, view, widths = null, role = "preview") {
   const lines = scene.sweeps.flatMap(() => ["storage", "loss"].map((kind) => ({ xs: [], ys: [], kind: `residual ${role} ${kind}`, colour: `var(--${role})` })));
   scene.thin.forEach((i, at) => {
     const both = [k.planes[name].storage[at], k.planes[name].loss[at]];
-    if (both.includes(null)) return;
+    if (!shows(view, scene.sweep[i])) return;
     both.forEach((y, part) => {
+      if (y === null) return;
       const line = lines[2 * scene.sweep[i] + part];
       line.xs.push(scene.x[i]);
       line.ys.push(widths ? y / widths[i] : y);
     });
   });
-  return lines;
+  return lines.filter((line) => line.xs.length);
 }
 
 const PLAIN = { view: "storage-loss", plane: "", plan: 0, sigmas: 1, linear: "" };
 
 // What is looked at, as a session or an earlier page left it: what is not known here, perhaps of a later version, is
-// as at the beginning. Which planes there are the data say.
+// as at the beginning. Which views and planes there are the data say.
 export function looksOf(given = {}) {
-  const view = given.view in VIEWS || given.view === "master-curve" ? given.view : PLAIN.view;
+  const view = typeof given.view === "string" ? given.view : PLAIN.view;
   const plane = typeof given.plane === "string" ? given.plane : PLAIN.plane;
   const linear = ["x", "y", "xy"].includes(given.linear) ? given.linear : PLAIN.linear;
   const sigmas = given.sigmas === undefined ? PLAIN.sigmas : Number(Boolean(given.sigmas));

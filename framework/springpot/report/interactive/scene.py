@@ -1,0 +1,257 @@
+"""What is drawn of data, and K of fitted models there.
+
+At the measured points and on smooth curves between them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.identification.value import Value
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.units import Units
+from springpot.rheology.model import Model
+from springpot.rheology.nodes import FULL, PLANES
+from springpot.rheology.points import KELVIN, Complex, Points, Real
+
+from ..residuals import plane_of
+from ..sweeps import DrawnSweep, chosen
+from ..views import DrawnAxis, axis_of, smooth, sweeps_of
+
+MOST_POINTS = 1500
+"""Measured points that are drawn.
+
+As SVG, each is an element of the page, and a screen has hardly more columns.
+"""
+MOST_ON_CURVES = 480
+"""Points on all smooth curves of one model together, and of its residuals in a plane.
+
+With thirty previews this keeps an answer below half a MB.
+"""
+DIGITS = 6
+"""Significant digits of what is drawn; a screen shows three."""
+OF_RESIDUALS = 4
+"""Significant digits of residuals, of which an answer has the most numbers."""
+
+
+@dataclass(frozen=True, eq=False)
+class PageScene:
+    """Data as the page draws them.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        All rows, those that are left out among them.
+    """
+
+    measurement: Measurement
+
+    @cached_property
+    def axis(self) -> DrawnAxis:
+        """The column along which the data are drawn."""
+        return axis_of(self.measurement)
+
+    @cached_property
+    def sweeps(self) -> list[DrawnSweep]:
+        """The sweeps that are drawn."""
+        return chosen(sweeps_of(self.measurement, self.axis))
+
+    @cached_property
+    def rows(self) -> NDArray[np.int64]:
+        """Numbers of the rows that are drawn: all, or evenly many of each sweep."""
+        rows = np.concatenate([sweep.rows for sweep in self.sweeps])
+        if len(rows) <= MOST_POINTS:
+            return rows
+        # Evenly along each sweep, its ends among them: a browser draws some thousand marks without
+        # a pause.
+        return np.asarray(rows[np.linspace(0, len(rows) - 1, MOST_POINTS).round().astype(int)])
+
+    @cached_property
+    def thin(self) -> NDArray[np.int64]:
+        """Which of the drawn rows the residuals of a preview are lines through."""
+        step = max(1, int(np.ceil(len(self.rows) / MOST_ON_CURVES)))
+        return np.arange(0, len(self.rows), step)
+
+    @cached_property
+    def points(self) -> Points:
+        """Where these rows were measured."""
+        return _rows_of(self.measurement.points, self.rows)
+
+    @cached_property
+    def grids(self) -> list[tuple[Real, Points]]:
+        """For each sweep the places of its smooth curve along the axis, and their conditions."""
+        whole = [smooth(self.measurement, self.axis, sweep) for sweep in self.sweeps]
+        # Each preview carries such a curve for each sweep: the page would otherwise grow by
+        # megabytes.
+        count = sum(len(x) for x, _ in whole)
+        step = max(2, int(np.ceil(count / MOST_ON_CURVES)))
+        thin = []
+        for x, points in whole:
+            # With its last point, or a curve would end before its data.
+            rows = np.unique(np.append(np.arange(0, len(x), step), len(x) - 1))
+            thin.append((x[rows], _rows_of(points, rows)))
+        return thin
+
+    def to_dict(self) -> dict[str, Any]:
+        """Rows, sweeps and axis, as the page needs them."""
+        measurement, rows = self.measurement, self.rows
+        sweep_of = np.zeros(len(measurement), dtype=int)
+        for number, sweep in enumerate(self.sweeps):
+            sweep_of[sweep.rows] = number
+        conditions = {
+            name: rounded(column[rows]) for name, column in measurement.conditions.items()
+        }
+        # Places of a diagnosis and planned frequencies are in Hz, whatever the data are told in.
+        per_hertz = 1.0
+        if self.axis.column == "frequency":
+            per_hertz = measurement.units.on_clock(1.0)
+        planes = {
+            plane.plane: {"shows": plane.shows, "label": plane.label(measurement.units.stiffness)}
+            for plane in PLANES
+        }
+        return {
+            "name": measurement.name,
+            "count": len(measurement),
+            "planes": planes,
+            "thin": self.thin.tolist(),
+            "units": {
+                name: getattr(measurement.units, name) for name in ("stiffness", "amplitude")
+            },
+            "axis": {
+                "column": self.axis.column,
+                "label": self.axis.label,
+                "logarithmic": self.axis.logarithmic,
+                "per_hertz": per_hertz,
+            },
+            "words": {
+                "each": "sweep",
+                "symbol": measurement.units.magnitude.strip("|*"),
+                "magnitude": measurement.units.magnitude,
+                "clock": measurement.units.clock,
+                "per_hertz": measurement.units.on_clock(1.0),
+            },
+            "rows": rows.tolist(),
+            "x": rounded(self.axis.values[rows]),
+            "omega": rounded(measurement.omega[rows]),
+            "storage": rounded(measurement.storage[rows]),
+            "loss": rounded(measurement.loss[rows]),
+            "conditions": conditions,
+            "sweep": sweep_of[rows].tolist(),
+            "sweeps": [{"label": sweep.label, "points": len(sweep.rows)} for sweep in self.sweeps],
+            "grids": [
+                {"x": rounded(x), "omega": rounded(np.broadcast_to(points.omega, x.shape))}
+                for x, points in self.grids
+            ],
+        }
+
+    def curve(self, model: Model, theta: Real, sd: Real | None = None) -> dict[str, Any]:
+        """K of a model on the smooth curves, and its residuals in each plane.
+
+        Parameters
+        ----------
+        model : Model
+            The model.
+        theta : ndarray, shape (p,)
+            Its parameters.
+        sd : ndarray, shape (n,), optional
+            Standard deviation of K at the drawn points. With it K is told there too, and residuals
+            at all of them with the width of their noise; else at the thinned ones.
+        """
+        rows, width = self.thin, np.zeros(len(self.thin))
+        if sd is not None:
+            rows, width = np.arange(len(self.rows)), sd
+        response = model.network.respond(theta, _rows_of(self.points, rows), FULL)
+        measured, drawn = self.measurement.stiffness[self.rows[rows]], {}
+        planes = {}
+        for plane in PLANES:
+            # What is no model at some point, or no loss at all, has no residual there.
+            with np.errstate(all="ignore"):
+                residual, noise = plane_of(plane, measured, response, width)
+            planes[plane.plane] = in_parts(residual, OF_RESIDUALS)
+            if sd is not None:
+                planes[plane.plane]["width"] = rounded(noise, OF_RESIDUALS)
+        if sd is not None:
+            drawn["points"] = in_parts(response.value)
+        curves = [in_parts(model.stiffness(theta, points)) for _, points in self.grids]
+        return {**drawn, "curves": curves, "planes": planes}
+
+
+def relative_error(measurement: Measurement, model: Model, theta: Real) -> float:
+    """Root mean square of |K_model - K| / |K| over all rows, K being what was measured."""
+    left = measurement.stiffness - model.stiffness(theta, measurement.points)
+    return float(np.sqrt(np.mean(np.abs(left / measurement.stiffness) ** 2)))
+
+
+def rounded(values: Real, digits: int = DIGITS) -> list[float | None]:
+    """Numbers with as many digits as a picture needs; null for what is not finite."""
+    values = np.asarray(values, dtype=float)
+    finite = np.isfinite(values)
+    # Neither zero nor an infinity has a first digit to count from.
+    size = np.where(finite & (values != 0.0), np.abs(values), 1.0)
+    scale = 10.0 ** (digits - 1 - np.floor(np.log10(size)))
+    whole = np.round(np.where(finite, values, 0.0) * scale) / scale
+    told: list[float | None] = whole.tolist()
+    for i in np.flatnonzero(~finite):
+        told[i] = None
+    return told
+
+
+def in_parts(values: Complex, digits: int = DIGITS) -> dict[str, Any]:
+    """Storage and loss of complex numbers, rounded."""
+    return {"storage": rounded(values.real, digits), "loss": rounded(values.imag, digits)}
+
+
+def _rows_of(points: Points, rows: NDArray[np.int64]) -> Points:
+    log_omega = np.broadcast_to(points.log_omega, (points.log_omega.size,))
+    return replace(points.mapped(lambda column: column[rows]), log_omega=log_omega[rows])
+
+
+def parameters_of(model: Model, values: Mapping[str, Value], units: Units) -> list[dict[str, Any]]:
+    """Parameters of a model in printed units, with the ends that a search respects."""
+    rows = []
+    for parameter in model.parameters:
+        value = values.get(parameter.name)
+        # A line of a free spectrum: hundreds of them, none of which anybody would move.
+        if value is None:
+            continue
+        factor, _ = units.of(parameter.unit)
+        told = {name: getattr(value, name) for name in ("unit", "value", "low", "high")}
+        ends = {"lower": parameter.lower * factor, "upper": parameter.upper * factor}
+        names = {"name": parameter.name, "symbol": parameter.symbol, "scale": parameter.scale}
+        rows.append({**names, **told, **ends})
+    return rows
+
+
+def proposed_points(action: dict[str, list[float]], measurement: Measurement) -> Points:
+    """Where a proposed experiment measures.
+
+    Conditions that it leaves open are as they were on the median.
+    """
+    omega = np.asarray(action["omega"], dtype=float)
+    points = measurement.points
+
+    def level(name: str, column: Real | None) -> Real | None:
+        # The model was never told it.
+        if column is None:
+            return None
+        if not action.get(name):
+            return np.full(omega.shape, float(np.median(column)))
+        given = np.resize(np.asarray(action[name], dtype=float), omega.shape)
+        if name == "temperature":
+            given = given + KELVIN
+        return given
+
+    columns = {name: level(name, column) for name, column in points.columns.items()}
+    return replace(
+        points,
+        log_omega=np.log(omega),
+        amplitude=level("amplitude", points.amplitude),
+        temperature=level("temperature", points.temperature),
+        columns={name: column for name, column in columns.items() if column is not None},
+    )

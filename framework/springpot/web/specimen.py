@@ -1,0 +1,136 @@
+"""Tests in time on the page: one specimen, of which each file is kept as it came.
+
+Their text is a line of JSON with the files in it, where that of sweeps is a table: so both cross to
+workers, stand in sessions, and are known by their digest.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, TypeAlias, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.errors import DataError
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.timetest import TimeTest
+from springpot.registry import open_measurement, open_tests
+
+from .files import as_file, safe_name
+
+SCHEMA = "springpot.tests/1"
+
+
+@dataclass(frozen=True, eq=False)
+class Specimen:
+    """Tests of one specimen, at least one of them in time.
+
+    Parameters
+    ----------
+    files : tuple of dict
+        Each ``{"name", "choice", "content"}``: what was dropped, in base64, and what was answered.
+    out : tuple of int
+        Rows that are left out, ascending; possible where there is one test.
+    """
+
+    files: tuple[dict[str, str], ...]
+    out: tuple[int, ...] = ()
+
+    @classmethod
+    def of_file(cls, name: str, content: bytes, choice: str) -> Specimen:
+        """The tests in one file."""
+        return cls(
+            ({"name": name, "choice": choice, "content": base64.b64encode(content).decode()},)
+        )
+
+    @cached_property
+    def tests(self) -> tuple[TimeTest | Measurement, ...]:
+        """All of them, without what is left out."""
+        found = [test for file in self.files for test in _opened(file, open_tests)]
+        if not self.out:
+            return tuple(found)
+        if len(found) > 1:
+            raise DataError(
+                "rows of several tests cannot be left out together: open one test alone to leave"
+                " rows out of it"
+            )
+        stays = np.ones(len(found[0]), dtype=bool)
+        stays[list(self.out)] = False
+        return (found[0].subset(stays),)
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        return ", ".join(test.name for test in self.tests)
+
+    def __len__(self) -> int:
+        return sum(map(len, self.tests))
+
+    def subset(self, rows: NDArray[np.bool_]) -> Specimen:
+        """The same without some rows of its one test."""
+        return replace(self, out=tuple(np.flatnonzero(~rows).tolist()))
+
+    def joined(self, other: Specimen) -> Specimen:
+        """With the tests of another."""
+        return Specimen((*self.files, *other.files))
+
+    def as_sweep(self) -> Measurement | None:
+        """Its one file as points at frequencies, if that is what its signals are too."""
+        if len(self.files) > 1:
+            return None
+        try:
+            return _opened(self.files[0], open_measurement)
+        except DataError:
+            return None
+
+    @property
+    def sources(self) -> list[str]:
+        """The files as a command names them."""
+        return [f"{safe_name(file['name'])}{file['choice']}" for file in self.files]
+
+    @property
+    def text(self) -> str:
+        """What `specimen_of` reads."""
+        return json.dumps({"schema": SCHEMA, "files": self.files})
+
+
+Tests = TypeVar("Tests")
+Opened: TypeAlias = Measurement | Specimen
+
+
+def _opened(file: dict[str, str], by: Callable[[str], Tests]) -> Tests:
+    with as_file(file["name"], base64.b64decode(file["content"])) as path:
+        return by(f"{path}{file['choice']}")
+
+
+def is_specimen(text: str) -> bool:
+    """Whether a text is one of tests in time."""
+    return text.startswith(f'{{"schema": "{SCHEMA}"')
+
+
+def specimen_of(text: str) -> Specimen:
+    """The tests in a text.
+
+    Raises
+    ------
+    DataError
+        If it is none, as that of a session may be that a stranger wrote.
+    """
+    try:
+        files = json.loads(text)["files"]
+        kept = [{key: str(file[key]) for key in ("name", "choice", "content")} for file in files]
+    except (ValueError, KeyError, TypeError) as error:
+        raise DataError(f"these are no tests in time: {error}") from None
+    return Specimen(tuple(kept))
+
+
+def given(data: Opened) -> Any:
+    """What every function of springpot takes."""
+    if isinstance(data, Specimen):
+        return data.tests
+    return data

@@ -1,0 +1,110 @@
+"""What the page is told of tests in time, and what a user leaves with."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from springpot.diagnosis.ladder import Ladder
+from springpot.errors import DataError
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.timetest import TimeTest
+from springpot.report.interactive.in_time import TimeScene, case_of
+from springpot.timetests.residuals_of_tests import parts_of_specimen
+
+from . import leaving
+from .sessions import State, kept
+from .specimen import Specimen
+
+LACKS = {
+    "data": "tests in time leave as the files that were opened, which the session holds too",
+    "plan": "no further measurement is proposed of tests in time",
+}
+"""Why something that leaves with sweeps does not leave with tests in time."""
+
+
+def understood_in_time(data: Specimen) -> dict[str, Any]:
+    """What was understood of tests in time, as `springpot.web.tasks.understand` tells it."""
+    columns = [column for test in data.tests for column in _columns(test, len(data.tests) > 1)]
+    notes = {
+        key if len(data.tests) == 1 else f"{test.name}: {key}": str(value)
+        for test in data.tests
+        for key, value in test.provenance.items()
+    }
+    return {
+        "scene": TimeScene(data.tests).to_dict(),
+        "columns": [
+            {"name": name, "unit": unit, "from": float(np.min(values)), "to": float(np.max(values))}
+            for name, unit, values in columns
+        ],
+        "runs": [],
+        "levels": [],
+        "repeats": 0,
+        "deviations": False,
+        "parts": [],
+        "provenance": notes,
+    }
+
+
+def _columns(test: TimeTest | Measurement, several: bool) -> list[tuple[str, str, Any]]:
+    of = f"{test.name}: " if several else ""
+    if isinstance(test, Measurement):
+        unit = test.units.stiffness
+        columns = [("frequency", "Hz", test.frequency)]
+        columns += [("storage", unit, test.storage), ("loss", unit, test.loss)]
+        return [(f"{of}{name}", unit, values) for name, unit, values in columns]
+    imposed, answered = test.words
+    return [
+        (f"{of}time", "s", test.time),
+        (f"{of}{answered}", test.response_unit, test.response),
+        (f"{of}{imposed}", test.loading_unit, test.loading.value),
+    ]
+
+
+def leave_in_time(
+    kind: str, state: State, data: Specimen, ladder: Callable[[], Ladder]
+) -> dict[str, str]:
+    """One of the things that a user leaves with; `ladder` is asked only where it is needed.
+
+    Raises
+    ------
+    DataError
+        If there is no such thing of tests in time.
+    """
+    if kind in LACKS:
+        raise DataError(LACKS[kind])
+    sources, stem = data.sources, Path(data.sources[0]).stem
+    if kind == "script":
+        return {"name": f"{stem}.py", "text": leaving.script(state, *sources)}
+    # The command takes one file.
+    command = leaving.command(state, sources[0])
+    if kind == "command":
+        if len(sources) > 1:
+            raise DataError("one command takes one file: the Python script takes all of them")
+        return {"name": f"{stem}.txt", "text": command + "\n"}
+    if kind == "curves":
+        return {"name": f"{stem}-curves.csv", "text": _curves(ladder(), kept(data, state.excluded))}
+    if kind == "report":
+        tests = kept(data, state.excluded).tests
+        text = leaving.report(ladder(), tests, shlex.split(command))
+        return {"name": f"{stem}-report.html", "text": text}
+    raise DataError(f"there is nothing called '{kind[:40]}' to leave with")
+
+
+def _curves(ladder: Ladder, data: Specimen) -> str:
+    """What each test measured and what the model computes there, number by number."""
+    base = case_of(ladder.steps[-1]).base
+    table: list[list[Any]] = [["test", "at [s, or Hz of a sweep]", "measured", "model", "unit"]]
+    for part in parts_of_specimen(data.tests):
+        rows = np.arange(len(part.measured))
+        model = part.answer(base.model, base.theta, base.reference, rows).value
+        unit = part.unit
+        table += [
+            [part.test.name, float(at), float(measured), float(computed), unit]
+            for at, measured, computed in zip(part.at, part.measured, model, strict=True)
+        ]
+    return leaving.csv_of(table)

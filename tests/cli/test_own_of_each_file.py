@@ -1,0 +1,51 @@
+"""``--own``: parameters that each file, or each level of a column, has for itself."""
+
+import numpy as np
+import pytest
+
+FREQUENCY = np.geomspace(0.5, 50.0, 10)
+
+
+@pytest.fixture
+def specimens(write):
+    """Two files, one stiffer than the other, with the same dashpot."""
+
+    def table(k):
+        rows = [f"{f:.5g},{k},{0.8 * np.pi * f:.6g}" for f in FREQUENCY]
+        return "\n".join(["frequency [Hz],storage [N/mm],loss [N/mm]", *rows])
+
+    return [write(table(90.0), "soft.csv"), write(table(110.0), "stiff.csv")]
+
+
+def test_each_file_has_its_own_where_no_column_is_named(springpot, specimens):
+    found = springpot("identify", *specimens, "--joint", "-m", "kelvin", "--own", "k", "--json")
+    parameters = found.json["parameters"]
+    assert parameters["k_1"]["value"] == pytest.approx(90.0, rel=1e-5)
+    assert parameters["k_2"]["value"] == pytest.approx(110.0, rel=1e-5)
+    assert "file: 1 is soft, 2 is stiff" in found.json["notes"]
+
+
+def test_a_prediction_says_of_which_level(springpot, specimens, tmp_path):
+    fit = tmp_path / "fit.json"
+    fit.write_text(
+        springpot("identify", *specimens, "--joint", "-m", "kelvin", "--own", "k", "--json").out
+    )
+    told = springpot("predict", fit, "--frequency", "1", "--at", "file=2", "--json")
+    assert told.json["points"][0]["storage"] == pytest.approx(110.0, rel=1e-5)
+    springpot("predict", fit, "--frequency", "1").is_one_line("depends on file", "file=")
+
+
+def test_what_is_no_parameter_or_column_is_one_line(springpot, specimens):
+    one = specimens[0]
+    springpot("identify", one, "-m", "kelvin", "--own", "k:").is_one_line("NAMES:COLUMN")
+    springpot("identify", one, "-m", "kelvin", "--own", "k:day").is_one_line("no column 'day'")
+    springpot("diagnose", one, "-m", "kelvin", "--own", "q:row").is_one_line("row")
+
+
+def test_a_population_has_every_parameter_for_itself(springpot, specimens, write):
+    third = write(specimens[0].read_text().replace(",90.0,", ",100.0,"), "third.csv")
+    found = springpot(
+        "identify", *specimens, third, "--joint", "-m", "kelvin", "--population", "file", "--json"
+    )
+    assert set(found.json["population"]) == {"k", "c"}
+    assert found.json["specimens"]["2"]["k"] == pytest.approx(110.0, rel=1e-5)

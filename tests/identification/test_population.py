@@ -1,0 +1,79 @@
+"""Specimens as a population: means and scatter hold what their intervals promise."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.identification.population import of_one
+
+LEVELS = [str(i) for i in range(24)]
+
+
+def drawn(between: float, own: float, rng: np.random.Generator, count: int = 24) -> np.ndarray:
+    """Logarithms about one, of so many specimens, each with an error of its own."""
+    return 1.0 + between * rng.standard_normal(count) + own * rng.standard_normal(count)
+
+
+@pytest.mark.parametrize("count", [3, 8, 24])
+def test_intervals_hold_mean_and_scatter(count: int, rng: np.random.Generator) -> None:
+    held, draws = np.zeros(2), 400
+    for _ in range(draws):
+        found = of_one(
+            drawn(0.05, 0.02, rng, count), 4e-4 * np.eye(count), False, LEVELS[:count], "-"
+        )
+        held += [
+            found.mean.low <= 1.0 <= found.mean.high,
+            found.between.low <= 0.05 <= found.between.high,
+        ]
+    share = held / draws
+    assert 0.92 <= share[0] <= 0.985
+    assert share[1] >= 0.92
+
+
+def test_errors_alone_are_no_scatter(rng: np.random.Generator) -> None:
+    flagged = 0
+    for _ in range(200):
+        found = of_one(drawn(0.0, 0.02, rng), 4e-4 * np.eye(24), False, LEVELS, "-")
+        flagged += found.between.low > 0.0
+    assert flagged <= 0.06 * 200
+
+
+def test_a_vague_specimen_is_drawn_to_the_mean_and_a_sure_one_is_not() -> None:
+    value, error = np.array([0.9, 1.0, 1.1, 1.5]), np.diag([1e-8, 1e-8, 1e-8, 0.25])
+    found = of_one(value, error, False, LEVELS[:4], "-")
+    assert found.specimens["0"] == pytest.approx(0.9, abs=1e-3)
+    assert abs(found.specimens["3"] - found.mean.value) < 0.1
+
+
+def test_an_error_that_all_share_moves_the_mean_and_is_no_scatter() -> None:
+    value = np.linspace(-1e-3, 1e-3, 6)
+    shared = of_one(value, 0.01 * np.ones((6, 6)) + 1e-6 * np.eye(6), False, LEVELS[:6], "-")
+    assert shared.between.value < 0.01
+    assert shared.mean.high - shared.mean.low > 0.4
+
+
+def test_a_fit_tells_its_population(rng: np.random.Generator) -> None:
+    omega, batch = np.tile(np.geomspace(1.0, 100.0, 10), 8), np.repeat(np.arange(1.0, 9.0), 10)
+    k = 100.0 * np.exp(0.06 * rng.standard_normal(8))
+    exact = k[batch.astype(int) - 1] + 2.0j * omega
+    noise = 1.0 + 0.003 * (rng.standard_normal(80) + 1j * rng.standard_normal(80))
+    data = springpot.Measurement(omega, exact * noise, conditions={"batch": batch})
+    fit = springpot.identify(data, "kelvin", own={"*": "batch"})
+    answer = fit.to_dict()
+    assert set(answer["population"]) == {"k", "c"}
+    between = answer["population"]["k"]["between"]
+    assert between["low"] < np.std(np.log(k), ddof=1) < between["high"]
+    assert answer["population"]["c"]["between"]["low"] == 0.0
+    assert answer["specimens"]["3"]["k"] == pytest.approx(k[2], rel=0.01)
+    assert "8 specimens" in str(fit)
+    assert "k_1" not in str(fit)
+
+
+def test_two_specimens_are_no_population() -> None:
+    omega, batch = np.tile(np.geomspace(1.0, 100.0, 10), 2), np.repeat([1.0, 2.0], 10)
+    data = springpot.Measurement(omega, batch + 0.1j * omega, conditions={"batch": batch})
+    fit = springpot.identify(data, "kelvin", own={"k": "batch"})
+    assert not fit.populations
+    assert "population" not in fit.to_dict()

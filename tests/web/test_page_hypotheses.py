@@ -1,0 +1,198 @@
+"""What is no effect of the library is a hypothesis like one.
+
+Laws that are typed or found, columns that are split and rows that stand out: each is seen before it
+is taken, taken with a click, and stands in the ladder, the session and the command.
+"""
+
+from __future__ import annotations
+
+import json
+import shlex
+from typing import Any
+
+import numpy as np
+import pytest
+from browsing import IN_A_BROWSER, Open
+
+import springpot
+from springpot.diagnosis.examination import silent
+from springpot.errors import SpringpotError
+from springpot.measurement import Measurement
+from springpot.report.jsontext import to_json
+from springpot.web import leaving
+from springpot.web.sessions import State, digest_of, measured_in, text_of
+from springpot.web.tasks import answer, ladder_of, trial
+
+MODEL = "fractional-maxwell"
+LAW = "my-mass = parallel: -m*omega^2"
+OMEGA = np.geomspace(3.0, 300.0, 12)
+
+
+def table(data: Measurement, **columns: str) -> str:
+    """A CSV file of these data."""
+    head = ["omega [rad/s]", "storage [N/mm]", "loss [N/mm]"]
+    head += [f"{name} [{unit}]" for name, unit in columns.items()]
+    rows = np.column_stack(
+        [data.omega, data.storage, data.loss, *(data.conditions[name] for name in columns)]
+    )
+    lines = [",".join(head), *(",".join(f"{value:.7g}" for value in row) for row in rows)]
+    return "\n".join(lines) + "\n"
+
+
+def of_amplitudes() -> Measurement:
+    """What softens by a power of the amplitude, which no effect of the library does."""
+    omega, amplitude = np.tile(OMEGA, 4), np.repeat([0.2, 0.5, 1.0, 3.0], len(OMEGA))
+    model = springpot.parse_model(f"{MODEL} + (series: X^n/k)")
+    conditions = {"amplitude": amplitude}
+    at = springpot.Measurement(omega, omega + 0j, conditions=conditions).points
+    exact = model.stiffness(np.array([400.0, 60.0, 0.5, 900.0, 0.7]), at)
+    noise = 0.01 * np.random.default_rng(1).normal(size=(2, len(omega)))
+    return springpot.Measurement(
+        omega, exact * (1 + noise[0] + 1j * noise[1]), conditions=conditions
+    )
+
+
+def of_currents(extra: float = 0.0) -> Measurement:
+    """Half as stiff again at the second current; the sixth point by `extra` more."""
+    omega, current = np.tile(OMEGA, 2), np.repeat([0.5, 1.0], len(OMEGA))
+    noise = 0.005 * np.random.default_rng(3).normal(size=(2, len(omega)))
+    stiffness = 50.0 * np.where(current > 0.7, 1.5, 1.0) * (1j * omega) ** 0.4
+    stiffness *= 1.0 + noise[0] + 1j * noise[1]
+    stiffness[5] *= 1.0 + extra
+    return springpot.Measurement(omega, stiffness, conditions={"current": current})
+
+
+def asked(data: Measurement, model: str, *accepted: str) -> tuple[State, dict[str, Any]]:
+    """A state and its answer, as the page gets it."""
+    state = State(digest_of(text_of(data)), model, accepted)
+    return state, json.loads(to_json(answer(state, ladder_of(state, data), data)))
+
+
+def tried(state: State, data: Measurement, law: object) -> dict[str, Any]:
+    """What the page is told of a state with a law, before it is asked for."""
+    return trial(silent, state.to_dict(), text_of(data), law)
+
+
+@pytest.fixture(scope="module")
+def damper_data(damper: bytes) -> Measurement:
+    return measured_in("damper.csv", damper)[0]
+
+
+def test_a_law_is_tried_with_the_error_that_its_rung_has(damper_data: Measurement):
+    state = State("0" * 64, MODEL)
+    found = tried(state, damper_data, LAW)
+    assert found["accept"] == [LAW]
+    assert found["sizes"][0].startswith("m = 0.59")
+    known = springpot.identify(damper_data, f"{MODEL} + inertia")
+    assert found["error"] == pytest.approx(known.relative_rms, rel=1e-3)
+    assert len(found["curves"][0]["storage"]) > 50
+
+
+def test_a_law_without_a_name_is_called_by_its_place(damper_data: Measurement):
+    state = State("0" * 64, MODEL, (LAW,))
+    (law,) = tried(state, damper_data, "series: 1/k")["accept"]
+    assert law == "law-2 = series: 1/k"
+    assert state.accepting(law).expression == f"{MODEL} + ({LAW}) + ({law})"
+
+
+@pytest.mark.parametrize("typed", ["foo", "x = parallel: -m*omega^", 7, "x" * 300])
+def test_what_is_no_law_is_one_line(damper_data: Measurement, typed: object):
+    with pytest.raises(SpringpotError) as told:
+        tried(State("0" * 64, MODEL), damper_data, typed)
+    assert "\n" not in str(told.value)
+
+
+def test_an_accepted_law_is_a_rung_and_stands_in_command_and_session(damper_data: Measurement):
+    state = State(digest_of(text_of(damper_data)), MODEL, (LAW,))
+    ladder = ladder_of(state, damper_data)
+    assert [step.accepted for step in ladder.steps] == [None, "my-mass"]
+    assert ladder.verdict == "adequate"
+    words = shlex.split(leaving.command(state, "damper.csv"))
+    assert words[words.index("--accept") + 1] == LAW
+    assert State.of(json.loads(json.dumps(state.to_dict()))) == state
+
+
+def test_a_column_is_split_with_the_error_that_its_rung_has():
+    data = of_currents()
+    state, told = asked(data, "springpot")
+    (action,) = told["actions"]
+    assert action["label"] == "split by current"
+    ladder = ladder_of(state.accepting(*action["accept"]), data)
+    preview = told["previews"][action["name"]]
+    assert preview["error"] == pytest.approx(ladder.steps[-1].relative_rms, rel=0.01)
+    assert preview["error"] < 0.1 * told["discovery"]["diagnosis"]["error"]["relative_rms"]
+
+
+def test_a_row_that_stands_out_is_seen_left_out(damper_data: Measurement):
+    stiffness = damper_data.stiffness.copy()
+    stiffness[7] *= 1.3
+    data = springpot.Measurement(damper_data.omega, stiffness)
+    _, told = asked(data, f"{MODEL} + inertia")
+    (action,) = told["actions"]
+    assert (action["label"], action["exclude"]) == ("leave out row 8", [7])
+    whole = springpot.identify(data, f"{MODEL} + inertia").relative_rms
+    assert told["previews"][action["name"]]["error"] < 0.3 * whole
+
+
+@IN_A_BROWSER
+def test_a_law_is_previewed_while_it_is_typed_taken_and_undone(page: Open, damper: bytes):
+    here = page()
+    here.drop("damper.csv", damper)
+    here.judge(MODEL)
+    here.page.fill("#law", "my-mass = parallel: -m*omega^")
+    here.page.locator("#law-says", has_text="no formula").wait_for()
+    assert here.page.get_attribute("#add-law", "aria-disabled") == "true"
+    here.page.fill("#law", LAW)
+    here.page.locator("#law-says", has_text="m = 0.59").wait_for()
+    assert "kg" in here.reads("#law-says")
+    assert here.page.locator("#plot-view .line.preview").count() == 2
+    assert "0.57" in here.page.text_content("#plot-ladder .ghost")
+    assert here.violations() == []
+    here.page.press("#law", "Enter")
+    here.shows(f"{MODEL} + ({LAW})")
+    assert "+ my-mass" in here.reads("#rungs")
+    here.page.reload()
+    here.shows(f"{MODEL} + ({LAW})")
+    here.page.click("#undo")
+    here.shows(MODEL)
+
+
+@IN_A_BROWSER
+def test_a_law_is_found_where_no_effect_explains(page: Open):
+    here = page()
+    here.drop("rubber.csv", table(of_amplitudes(), amplitude="mm").encode())
+    here.judge(MODEL)
+    assert "unexplained" in here.reads("#verdict")
+    here.page.click("#find-law")
+    here.done()
+    first = here.page.locator("#effects .shelf").first
+    assert first.get_attribute("data-title") == "Laws that these data cannot tell apart"
+    option = first.locator("[role=option]").first
+    option.hover()
+    assert here.page.locator("#plot-view .line.preview").count() == 8
+    assert "13.0 % → 1.17 %" in here.reads("#effect-details")
+    assert here.violations() == []
+    option.click()
+    here.shows(f"{MODEL} + (law-1 = series: X^n/k)")
+    assert "adequate" in here.reads("#verdict")
+
+
+@IN_A_BROWSER
+def test_points_are_seen_left_out_before_they_are(page: Open, damper: bytes):
+    here = page()
+    here.drop("damper.csv", damper)
+    here.judge(f"{MODEL} + inertia")
+    box = here.page.locator("#plot-residual").bounding_box()
+    here.page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 20)
+    here.page.mouse.down()
+    here.page.mouse.move(box["x"] + 0.98 * box["width"], box["y"] + 90, steps=3)
+    here.page.mouse.up()
+    here.page.hover("#exclude")
+    here.page.locator("#plot-view .line.preview").first.wait_for(state="attached")
+    ghost = here.page.text_content("#plot-ladder .ghost")
+    here.page.click("#exclude")
+    here.page.locator("#left-out").wait_for()
+    here.done()
+    assert f"{float(ghost.split()[0]):.2g}" == f"{100 * here.error():.2g}"
+    here.page.click("#left-out button")
+    here.page.locator("#left-out").wait_for(state="detached")

@@ -1,0 +1,173 @@
+"""Tests in time go through the whole loop on the page, alone and beside a sweep of the specimen."""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from browsing import IN_A_BROWSER, Open
+
+import springpot
+from springpot.diagnosis.examination import silent
+from springpot.errors import DataError
+from springpot.report.jsontext import to_json
+from springpot.web.sessions import data_of, joined, measured_in, session_of, text_of
+from springpot.web.specimen import Specimen
+from springpot.web.tasks import answered, perform, trial, understand
+
+TIME = np.geomspace(0.1, 100.0, 40)
+ORDER = 0.2
+
+
+def relaxation() -> bytes:
+    """What relaxes as a power of time."""
+    noise = 1.0 + 0.005 * np.random.default_rng(1).normal(size=len(TIME))
+    rows = zip(TIME, 300.0 * TIME**-ORDER * noise, strict=True)
+    return b"time [s],relaxation [kPa]\n" + b"".join(b"%.6g,%.6g\n" % row for row in rows)
+
+
+def sweep() -> bytes:
+    """The same material at frequencies."""
+    omega = np.geomspace(0.05, 50.0, 25)
+    noise = 0.005 * np.random.default_rng(2).normal(size=(2, len(omega)))
+    modulus = 300.0 * math.gamma(1.0 - ORDER) * (1j * omega) ** ORDER
+    modulus *= 1.0 + noise[0] + 1j * noise[1]
+    rows = zip(omega / 2 / np.pi, modulus.real, modulus.imag, strict=True)
+    head = b"frequency [Hz],storage [kPa],loss [kPa]\n"
+    return head + b"".join(b"%.6g,%.6g,%.6g\n" % row for row in rows)
+
+
+def record() -> bytes:
+    """A spring beside a dashpot that swings up."""
+    t = np.linspace(0.0, 2.0, 160)
+    moved = 5.0 * np.sin(8.0 * t) * (1.0 - np.exp(-3.0 * t))
+    pulled = 40.0 * moved + 3.0 * np.gradient(moved, t)
+    pulled += np.random.default_rng(3).normal(size=len(t))
+    rows = zip(t, moved, pulled, strict=True)
+    head = b"time [s],displacement [mm],force [N]\n"
+    return head + b"".join(b"%.6g,%.6g,%.6g\n" % row for row in rows)
+
+
+def opened(name: str, content: bytes) -> dict[str, Any]:
+    """What the page is told of a file."""
+    return understand(silent, name, base64.b64encode(content).decode())
+
+
+@pytest.fixture(scope="module")
+def relaxed() -> dict[str, Any]:
+    return opened("relax.csv", relaxation())
+
+
+@pytest.fixture(scope="module")
+def answer(relaxed: dict[str, Any]) -> dict[str, Any]:
+    state = {"data": relaxed["digest"], "model": "maxwell"}
+    return json.loads(to_json(answered(silent, state, relaxed["text"])))
+
+
+def test_the_answer_is_that_of_discover(answer: dict[str, Any]):
+    test = Specimen.of_file("relax.csv", relaxation(), "").tests[0]
+    same = springpot.discover([test], "maxwell", accept=[])
+    assert answer["discovery"] == json.loads(to_json(same))
+
+
+def test_every_effect_that_was_fitted_comes_with_its_curve(answer: dict[str, Any]):
+    best = answer["discovery"]["diagnosis"]["candidates"][0]
+    preview = answer["previews"][best["effect"]]
+    assert preview["error"] == pytest.approx(best["error_after"], rel=1e-6)
+    assert len(preview["curves"][0]["storage"]) > 100
+    left = np.array(preview["planes"]["signal"]["storage"])
+    width = np.array(answer["model"]["planes"]["signal"]["width"])
+    assert np.sqrt(np.mean((left / width) ** 2)) < 2.0
+
+
+def test_views_are_told_to_the_page_as_data(relaxed: dict[str, Any]):
+    (view,) = relaxed["scene"]["views"].values()
+    assert (view["name"], view["x"]["log"]) == ("stress over time", True)
+    views = opened("record.csv", record())["scene"]["views"]
+    assert [view["name"] for view in views.values()] == [
+        "force over time",
+        "force over displacement",
+    ]
+    assert [view["x"]["log"] for view in views.values()] == [False, False]
+
+
+def test_a_law_is_tried_on_a_test_in_time(relaxed: dict[str, Any]):
+    state = {"data": relaxed["digest"], "model": "maxwell"}
+    found = trial(silent, state, relaxed["text"], "gel = parallel: k*(i*omega)^a")
+    assert "a = 0.199" in found["sizes"][1]
+    assert found["error"] < 0.01
+
+
+def test_files_cross_as_they_came_and_so_into_a_session(relaxed: dict[str, Any]):
+    data = data_of(relaxed["text"])
+    assert isinstance(data, Specimen)
+    assert text_of(data) == relaxed["text"]
+    session = {
+        "schema": "springpot.session/1",
+        "data": {"source": "relax.csv", "text": relaxed["text"]},
+        "branches": [{"name": "A", "states": [{"data": relaxed["digest"]}], "at": 0}],
+    }
+    known = session_of(json.dumps(session).encode())
+    assert known["branches"][0]["states"][0]["data"] == relaxed["digest"]
+
+
+def test_a_relaxation_and_a_sweep_are_tests_of_one_specimen():
+    one, other = measured_in("relax.csv", relaxation())[0], measured_in("sweep.csv", sweep())[0]
+    both = joined(one, other)
+    assert isinstance(both, Specimen)
+    assert [test.name for test in both.tests] == ["relax", "sweep"]
+    with pytest.raises(DataError, match="rows of several tests"):
+        both.subset(np.arange(len(both)) > 0).tests  # noqa: B018
+
+
+@pytest.mark.parametrize("kind", ["command", "script", "curves", "data", "plan"])
+def test_what_leaves_with_a_test_in_time_is_whole_or_says_why(relaxed: dict[str, Any], kind: str):
+    state = {"data": relaxed["digest"], "model": "maxwell", "excluded": [0]}
+    asked = {"kind": kind, "state": state, "text": relaxed["text"], "source": "", "joined": False}
+    told = perform("leave", asked, silent)
+    if kind in ("data", "plan"):
+        assert not told["fault"]
+    elif kind == "curves":
+        assert len(told["result"]["text"].splitlines()) == len(TIME)
+    else:
+        assert "relax.csv" in told["result"]["text"]
+        assert "row=1" in told["result"]["text"]
+
+
+@IN_A_BROWSER
+def test_a_relaxation_goes_through_the_whole_loop(page: Open):
+    here = page()
+    here.drop("relax.csv", relaxation())
+    here.judge("maxwell")
+    assert here.reads("#facts") == "40 points, 1 test"
+    assert "effect-missing" in here.reads("#verdict")
+    here.page.hover("#effect-parallel-springpot")
+    assert here.page.locator("#plot-view .line.preview").count() == 1
+    assert here.page.locator("#plot-residual .line.preview").count() == 1
+    assert here.violations() == []
+    here.page.click("#effect-parallel-springpot")
+    here.shows("maxwell + parallel-springpot")
+    assert "adequate" in here.reads("#verdict")
+    here.page.click("#undo")
+    here.shows("maxwell")
+    here.page.reload()
+    here.shows("maxwell")
+    here.page.mouse.move(600, 450)
+    assert "kPa; model" in here.reads("#readout")
+
+
+@IN_A_BROWSER
+def test_a_record_is_drawn_as_loops_and_sweeps_stand_beside(page: Open):
+    here = page()
+    here.drop("record.csv", record())
+    here.judge("kelvin")
+    here.page.select_option("#view", "loop-0")
+    label = here.page.get_attribute("#plot-view", "aria-label")
+    assert "force [N] against displacement [mm]" in label
+    assert "adequate" in here.reads("#verdict")
+    here.page.set_viewport_size({"width": 390, "height": 844})
+    assert here.violations() == []
