@@ -172,7 +172,7 @@ def _family(frame: NoiseFrame, curves: Real | Complex, says: str, whose: str = C
 
 
 def _slopes(frame: NoiseFrame) -> Complex:
-    """d ln K / d ln omega (n,) of the fitted model along each sweep; 0 in one of one frequency."""
+    """Slope of ln K (n,) along ln omega, in each sweep of a fitted model; 0 where there is none."""
     log_stiffness = np.log(relative_to(frame.model_stiffness, frame.measurement))
     slopes = np.zeros(len(log_stiffness), dtype=np.complex128)
     for rows, _ in sweeps_of(frame.measurement):
