@@ -11,14 +11,13 @@ from springpot.distributions import student
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL, SUPERPOSITION
 
+from ..numerics import ALIKE, DECADE
+
 if TYPE_CHECKING:
     from .free_factors import FactorRows
 
 FEWEST = 3
 """Points of a sweep that a slope and its scatter take up."""
-EXACT = 1e-9
-"""Share of the stiffness that is rounding."""
-DECADE = float(np.log(10.0))
 
 
 def flat_levels(rows: FactorRows) -> NDArray[np.bool_]:
@@ -45,6 +44,6 @@ def _is_level(x: Real, values: Real) -> bool:
     # Few points or a short sweep show no slope either, and leave room for a large one.
     room = slope + student(INTERVAL, freedom) * sd
     return (
-        slope <= student(SUPERPOSITION.seen, freedom) * sd + EXACT
+        slope <= student(SUPERPOSITION.seen, freedom) * sd + ALIKE
         and DECADE * room < SUPERPOSITION.flat
     )

@@ -12,6 +12,7 @@ from springpot.distributions import student
 from springpot.rheology.points import LARGEST_SHIFT, Real
 from springpot.thresholds import SUPERPOSITION
 
+from ..numerics import ALIKE
 from .allowed_shifts import ROOM, meeting, ranges, scatter_between
 from .expected_factors import spread_between
 from .flat_sweeps import flat_levels
@@ -23,8 +24,6 @@ from .uncertainty import Uncertainty
 
 FURTHEST = LARGEST_SHIFT
 """Logarithm beyond which no factor lies: as far as any law shifts, and as far as is searched."""
-ROUNDING = 1e-9
-"""Share of a logarithm by which one at the end of the search may lie within it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +110,7 @@ def known_factors(rows: FactorRows, fitted: Factors, factors: Factors, own: Alon
     # upon.
     flat = flat_levels(rows) & joined & others
     # A factor at the end of the search is where this ended, whatever its interval.
-    ended = np.abs(fitted.log_a) >= (1.0 - ROUNDING) * FURTHEST
+    ended = np.abs(fitted.log_a) >= (1.0 - ALIKE) * FURTHEST
     wide = factors.reach_a >= SUPERPOSITION.undetermined
     few = wide & (_frequencies(rows) < FEW)
     reasons = np.full(len(factors), "", dtype=object)

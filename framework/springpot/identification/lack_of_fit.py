@@ -17,13 +17,11 @@ from springpot.rheology.levels import levels_of
 from springpot.rheology.points import Real
 from springpot.thresholds import SUPERPOSITION
 
+from ..numerics import ALIKE, ROUNDING
 from .allowed_shifts import laws_of_shift
 from .levels_alone import alike
 from .problem import weighted
-from .uncertainty import RANK, Uncertainty
-
-ROUNDING = 1e-20
-"""Share of the sum of squares that is no more than rounding."""
+from .uncertainty import Uncertainty
 
 
 def lack_of_fit(known: Uncertainty, column: str) -> tuple[float, float] | None:
@@ -66,7 +64,7 @@ def lack_of_fit(known: Uncertainty, column: str) -> tuple[float, float] | None:
         return None
     gain = float(np.sum((gained.T @ residual) ** 2))
     whole = float(residual @ residual)
-    rest = max((whole - gain) / left, ROUNDING * whole / left)
+    rest = max((whole - gain) / left, ROUNDING**2 * whole / left)
     mean = gain / spare
     if not mean > rest or float(f_sf(mean / rest, spare, left)) >= SUPERPOSITION.alarm:
         return None
@@ -106,11 +104,11 @@ def _spanned(columns: Real, whole: Real | None = None) -> Real:
     size = np.linalg.norm(columns, axis=0)
     if whole is None:
         whole = size
-    kept = size > np.sqrt(RANK) * np.maximum(whole, 1e-300)
+    kept = size > np.sqrt(ALIKE) * np.maximum(whole, 1e-300)
     if not np.any(kept):
         return np.zeros((len(columns), 0))
     left, values, _ = np.linalg.svd(columns[:, kept] / size[kept], full_matrices=False)
-    return np.asarray(left[:, values > np.sqrt(RANK) * values[0]], dtype=np.float64)
+    return np.asarray(left[:, values > np.sqrt(ALIKE) * values[0]], dtype=np.float64)
 
 
 def _without(basis: Real, columns: Real) -> Real:

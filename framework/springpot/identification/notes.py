@@ -9,6 +9,7 @@ import numpy as np
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import Real
 
+from ..numerics import NEGLIGIBLE, ROUNDING
 from .allowed_shifts import refused_in_words
 from .native import Fit
 from .specimens import told
@@ -30,13 +31,9 @@ LOOSE = 2.0
 """Given standard deviations that a misfit may be on average before intervals by them are called too
 narrow.
 """
-AT_END = 1e-6
-"""Difference of an order from 0 or 1 that no measured phase shows."""
 NEAR_END = 0.1
 """The same that may be taken for none: the phase is within 9 degrees of a spring's or a dashpot's.
 """
-ROUNDING = 1e-12
-"""Between the end of an interval and the bound that cut it."""
 PAIRS = 3
 """Correlated pairs that are told, the strongest."""
 
@@ -120,7 +117,7 @@ def _orders(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:
             continue
         for bound, end in ((0, low[i]), (1, high[i])):
             near = abs(known.fit.theta[i] - bound)
-            if near < AT_END:
+            if near < NEGLIGIBLE:
                 yield f"{parameter.name} is {bound}: the springpot is a {element[bound]}"
             elif near < NEAR_END and abs(end - bound) < ROUNDING:
                 yield (

@@ -12,6 +12,7 @@ from springpot.format_numbers import number
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.words import over_floor
 
+from ..numerics import NEGLIGIBLE
 from .answers import (
     beside_floor,
     diagnosis_document,
@@ -35,8 +36,6 @@ MOVED = 1.1
 
 Their own uncertainty is about as large.
 """
-NOTHING = 1e-6
-"""Share of its old value below which a parameter is nothing."""
 
 
 def ladder_document(ladder: Ladder, verbose: bool = False) -> list[Passage]:
@@ -150,11 +149,11 @@ def change(ratio: float) -> str:
     """
     if ratio < 0.0:
         return "changed sign"
-    if ratio < NOTHING:
+    if ratio < NEGLIGIBLE:
         return "fell to nothing"
     if ratio < 1.0 / FAR:
         return f"fell more than {FAR:.0f}-fold"
-    if ratio > 1.0 / NOTHING:
+    if ratio > 1.0 / NEGLIGIBLE:
         return "rose beyond all bounds"
     if ratio > FAR:
         return f"rose more than {FAR:.0f}-fold"
