@@ -16,7 +16,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
-from ..numerics import ALIKE, NEGLIGIBLE, ROUNDING
+from ..numerics import ALIKE, ROUNDING
 from .expected_factors import Expected
 from .levels_alone import alike
 from .material import is_material
@@ -25,6 +25,10 @@ from .problem import weighted
 
 OPEN = 30.0
 """Standard deviation in ln a of what is not determined: thirteen decades."""
+
+
+LOST = 1e-5
+"""Singular value over the largest below which a direction of the factors is not determined."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -365,7 +369,7 @@ def _covariance(rows: FactorRows, expected: Expected | None) -> Real:
     # Of a factor of which nothing is known the slope has no size to divide by.
     size = np.maximum(size, max(ROUNDING * np.max(size), 1e-150))
     left, values, right = np.linalg.svd(slopes / size, full_matrices=False)
-    known = values > NEGLIGIBLE * values[0]
+    known = values > LOST * values[0]
     # Least squares: u = (V / s) L' r, so that its covariance is that of r carried along.
     carry = (right[known].T / values[known]) @ left[:, known].T / size[:, None]
     covariance = (carry * sd**2) @ carry.T
@@ -428,7 +432,7 @@ def _beyond_noise(slopes: Real, noise: Real) -> Real:
     size = np.maximum(size, max(ROUNDING * np.max(size), 1e-150))
     power, ways = np.linalg.eigh(noise / np.outer(size, size))
     # At least a trifle, so that there is some error everywhere to be compared with.
-    root = np.sqrt(np.maximum(power, NEGLIGIBLE**2))[:, None] * ways.T * size
+    root = np.sqrt(np.maximum(power, LOST**2))[:, None] * ways.T * size
     left, values, right = np.linalg.svd(np.linalg.solve(root.T, slopes.T).T, full_matrices=False)
     beyond = np.sqrt(np.maximum(values**2 - 1.0, 0.0))
     return np.asarray((left * beyond) @ right @ root, dtype=np.float64)

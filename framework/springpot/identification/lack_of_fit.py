@@ -17,11 +17,11 @@ from springpot.rheology.levels import levels_of
 from springpot.rheology.points import Real
 from springpot.thresholds import SUPERPOSITION
 
-from ..numerics import ALIKE, ROUNDING
+from ..numerics import ROUNDING
 from .allowed_shifts import laws_of_shift
 from .levels_alone import alike
 from .problem import weighted
-from .uncertainty import Uncertainty
+from .uncertainty import RANK, Uncertainty
 
 
 def lack_of_fit(known: Uncertainty, column: str) -> tuple[float, float] | None:
@@ -104,11 +104,11 @@ def _spanned(columns: Real, whole: Real | None = None) -> Real:
     size = np.linalg.norm(columns, axis=0)
     if whole is None:
         whole = size
-    kept = size > np.sqrt(ALIKE) * np.maximum(whole, 1e-300)
+    kept = size > np.sqrt(RANK) * np.maximum(whole, 1e-300)
     if not np.any(kept):
         return np.zeros((len(columns), 0))
     left, values, _ = np.linalg.svd(columns[:, kept] / size[kept], full_matrices=False)
-    return np.asarray(left[:, values > np.sqrt(ALIKE) * values[0]], dtype=np.float64)
+    return np.asarray(left[:, values > np.sqrt(RANK) * values[0]], dtype=np.float64)
 
 
 def _without(basis: Real, columns: Real) -> Real:

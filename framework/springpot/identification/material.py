@@ -24,7 +24,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT, Node, Response
 from springpot.rheology.points import Complex, Real
 
-from ..numerics import ALIKE, NEGLIGIBLE, ROUNDING
+from ..numerics import NEGLIGIBLE, ROUNDING
 from .around_material import Probe, Tabulated, asked_as_measured, linear_in_material
 from .coordinates import Coordinates
 from .problem import Objective, numbers_of, weighted
@@ -49,6 +49,8 @@ ITERATIONS = 40
 """Steps at most of a descent."""
 QUICK = 10
 """Steps after which it is asked whether a descent is hopeless."""
+STILL = 1e-8
+"""Relative drop of the objective below which a step changes nothing that is printed."""
 WIDEST = 60.0 * float(np.log(10.0))
 """Range of reduced frequencies that no material has."""
 INNER = 6
@@ -364,7 +366,7 @@ class SpectrumSearch:
         self,
         trial: Trial,
         iterations: int = ITERATIONS,
-        still: float = ALIKE,
+        still: float = STILL,
         hopeless: float = np.inf,
         lines: Real | None = None,
     ) -> tuple[Trial, bool]:
@@ -381,7 +383,7 @@ class SpectrumSearch:
         self,
         trials: Sequence[Trial],
         iterations: int = ITERATIONS,
-        still: float = ALIKE,
+        still: float = STILL,
         hopeless: float = np.inf,
         lines: Real | None = None,
     ) -> list[tuple[Trial, bool]]:

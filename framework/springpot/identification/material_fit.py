@@ -27,8 +27,8 @@ from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Real
 from springpot.rheology.thermal import arrhenius, wlf
 
-from ..numerics import ALIKE, DECADE
-from .material import ITERATIONS, Spectral, SpectrumSearch
+from ..numerics import DECADE
+from .material import ITERATIONS, STILL, Spectral, SpectrumSearch
 from .problem import Objective, relative_objective
 from .ranges import Window, settings
 from .starts import thinned
@@ -330,7 +330,7 @@ def fit_spectrum(
     seeds_theta: Sequence[Real] = (),
     starts: int = 8,
     *,
-    still: float = ALIKE,
+    still: float = STILL,
     hopeless: float = np.inf,
     expected: Real | None = None,
 ) -> Spectral:

@@ -22,7 +22,7 @@ from springpot.rheology.points import Real
 from ..numerics import ALIKE, NEGLIGIBLE
 from .expected_factors import Expected
 from .leastsquares import FLAT, Solution, levenberg_marquardt
-from .material import is_material, own_parameters
+from .material import STILL, is_material, own_parameters
 from .material_fit import fit_spectrum, superposed
 from .problem import Objective, Problem, default_objective, numbers_of
 from .recorder import Recorder
@@ -334,7 +334,7 @@ def _fit_material(
 ) -> Fit:
     """Any linear passive material, with the lines of its spectrum that the data ask for."""
     began = perf_counter()
-    still, hopeless = max(ALIKE, effort.negligible), effort.hopeless
+    still, hopeless = max(STILL, effort.negligible), effort.hopeless
     beside = None
     if expected is not None:
         beside = expected.weighted

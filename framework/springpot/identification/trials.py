@@ -8,10 +8,12 @@ import numpy as np
 
 from springpot.rheology.points import Real
 
-from ..numerics import ALIKE
-
 REACH = 3.0
 """Longest step of a coordinate: a factor of e^3 for a parameter searched by its logarithm."""
+
+
+SHORTEST = 1e-7
+"""Step in coordinates, most of them logarithms, that changes nothing that is printed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +52,7 @@ class Way:
         """Take the next step in view, and tell whether it is one."""
         # Nearly a Gauss-Newton step at first; what the data do not bear makes it shorter.
         self.ahead = np.clip(self.trial.u + _step(*self.slopes, self.damping), low, high)
-        self.at_rest = bool(np.max(np.abs(self.ahead - self.trial.u)) < ALIKE)
+        self.at_rest = bool(np.max(np.abs(self.ahead - self.trial.u)) < SHORTEST)
         return not self.at_rest
 
     def take(self, other: Trial, still: float) -> None:

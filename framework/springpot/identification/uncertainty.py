@@ -16,17 +16,19 @@ from springpot.distributions import student
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
-from ..numerics import ALIKE, NEGLIGIBLE
+from ..numerics import NEGLIGIBLE
 from .coordinates import WIDEST, Coordinates
 from .leastsquares import Rows, levenberg_marquardt
 from .material import surprise_at, surprise_slopes
 from .native import Fit
 from .specimens import Specimens, follows_specimens
 
+RANK = 1e-10
+"""Directions with a singular value this small a share of the largest are undetermined."""
 PART = 1e-3
 """Part in such a direction from which a parameter is lost with it.
 
-Rounding mixes directions by 1e-16 / ALIKE.
+Rounding mixes directions by 1e-16 / RANK.
 """
 PROFILED = 1e-4
 """Relative error of the ends of a profile's interval: below the four digits that are printed."""
@@ -161,7 +163,7 @@ class Uncertainty:
         # Of the Jacobian itself: its square would lose half of the digits that tell what is
         # determined.
         _, values, directions = np.linalg.svd(inner / size, full_matrices=False)
-        known = values > ALIKE * values.max(initial=0.0)
+        known = values > RANK * values.max(initial=0.0)
         inverse = np.where(known, 1.0 / np.where(known, values, 1.0), 0.0)
         spread = inverse[:, None] * directions / size
         covariance = np.zeros((len(self.fit.u),) * 2)
@@ -241,13 +243,13 @@ class Uncertainty:
         others = fit.jacobian_u[:, self.at_bound == 0]
         # What the others can make up for tells nothing of this one.
         if others.size:
-            slope = slope - others @ np.linalg.lstsq(others, slope, rcond=ALIKE)[0]
+            slope = slope - others @ np.linalg.lstsq(others, slope, rcond=RANK)[0]
         size = float(np.linalg.norm(slope))
         # From a bound there is one way only: the whole tail lies on that side.
         side = student(2.0 * self.level - 1.0, self.freedom)
         reach = float("inf")
         # What rounding leaves of a slope that the others make up for is none.
-        if size > ALIKE * whole:
+        if size > RANK * whole:
             reach = side * self.scale / size
         value = float(fit.theta[i])
         if self.at_bound[i] < 0:

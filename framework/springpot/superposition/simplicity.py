@@ -20,9 +20,13 @@ from springpot.identification.problem import weighted
 from springpot.rheology.points import Real
 from springpot.thresholds import SUPERPOSITION
 
-from ..numerics import ALIKE, DECADE, ROUNDING
+from ..numerics import DECADE, ROUNDING
 
 Verdict = Literal["simple", "nearly-simple", "not-simple", "not-judged"]
+
+
+LEFT = 1e-8
+"""Share of a direction's power left by rounding where spectrum and factors can do all of it."""
 
 
 @dataclass(frozen=True)
@@ -379,7 +383,7 @@ def _one_step(
     slopes = without(np.column_stack([spectrum, rows.factors]) / scale, asked)
     square = np.sum(slopes**2, axis=0)
     whole = np.sum(asked**2, axis=0)
-    seen = square > ALIKE * np.maximum(whole, 1e-300)
+    seen = square > LEFT * np.maximum(whole, 1e-300)
     square = np.where(seen, square, 1.0)
     residual = rows.residual / scale[:, 0]
     size = np.where(seen, slopes.T @ residual / square, 0.0)
