@@ -12,6 +12,10 @@ from .numerics import SMALLEST
 DIGITS = 4
 """Significant digits of a number whose uncertainty is not known."""
 
+NAMED = 3
+"""Of a list in a sentence, how many are named; the rest is counted."""
+LISTED = 12
+"""Rows of a table, or names where one of many is wanted; the rest is counted."""
 PLAIN = 4
 """Decimals of what rounds to zero.
 

@@ -9,6 +9,7 @@ import numpy as np
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import Real
 
+from ..format_numbers import NAMED
 from ..numerics import NEGLIGIBLE, ROUNDING
 from .allowed_shifts import refused_in_words
 from .native import Fit
@@ -34,8 +35,6 @@ narrow.
 NEAR_END = 0.1
 """The same that may be taken for none: the phase is within 9 degrees of a spring's or a dashpot's.
 """
-PAIRS = 3
-"""Correlated pairs that are told, the strongest."""
 
 
 def notes_on(known: Uncertainty, low: Real, high: Real) -> list[str]:
@@ -159,7 +158,7 @@ def _correlated(known: Uncertainty) -> list[str]:
     # Neighbouring lines of a spectrum are nearly one: nobody asks for either by itself.
     correlation[detail] = correlation[:, detail] = 0.0
     rows, columns = np.tril_indices(len(names), -1)
-    order = np.argsort(-np.abs(correlation[rows, columns]), kind="stable")[:PAIRS].tolist()
+    order = np.argsort(-np.abs(correlation[rows, columns]), kind="stable")[:NAMED].tolist()
     pairs = [(int(rows[k]), int(columns[k])) for k in order]
     return [
         f"{names[j]} and {names[i]} are strongly correlated ({correlation[i, j]:+.3f}): the data"

@@ -12,6 +12,7 @@ from springpot.format_numbers import number
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.words import over_floor
 
+from ..format_numbers import LISTED
 from ..numerics import NEGLIGIBLE
 from .answers import (
     beside_floor,
@@ -190,8 +191,6 @@ def accepted_name(step: Step) -> str:
 SPARE = ("material floor", "predicted")
 """Columns of steps that a narrow window goes without, the first first."""
 HEADERS = ("model", "verdict", "error", "x floor", "delta BIC", "parameters")
-NAMED = 12
-"""Models of a group that are named."""
 
 
 def ranking_document(ranking: Ranking) -> list[Passage]:
@@ -264,9 +263,9 @@ def _alike(group: tuple[Judgement, ...]) -> str:
     # The effects that all share are told once, behind the names; other models are named in full,
     # and last.
     names = [one.base for one in same] + [one.name for one in others if one not in same]
-    text = f"{first} cannot be told from {', '.join(names[:NAMED])}"
-    if len(names) > NAMED:
-        text += f" and {len(names) - NAMED} more"
+    text = f"{first} cannot be told from {', '.join(names[:LISTED])}"
+    if len(names) > LISTED:
+        text += f" and {len(names) - LISTED} more"
     if first.effects and same:
         text += " with the same effects"
     return text
