@@ -199,11 +199,6 @@ class Uncertainty:
         turn = self.fit.task.coordinates.slopes(self.fit.theta, self.fit.task.coordinates.size[0])
         return np.concatenate([self.fit.jacobian_u, surprise_slopes(rows, own, turn[-len(own) :])])
 
-    @property
-    def sd_u(self) -> Real:
-        """Standard deviations (p,) of search coordinates: relative for logarithmic parameters."""
-        return np.sqrt(np.diag(self.covariance))
-
     @cached_property
     def correlation(self) -> Real:
         """Correlation (p, p) of the parameters as printed; NaN where undetermined or at a bound."""
