@@ -14,7 +14,7 @@ DIGITS = 4
 
 NAMED = 3
 """Of a list in a sentence, how many are named; the rest is counted."""
-LISTED = 12
+LISTED = 8
 """Rows of a table, or names where one of many is wanted; the rest is counted."""
 PLAIN = 4
 """Decimals of what rounds to zero.
