@@ -141,9 +141,7 @@ def _of_cause(
     if verdict == "unexplained" and not search.confounded:
         kind = explaining_unknown(search)
     if kind is not None and kind.says:
-        yield (
-            f"what is missing looks like {kind.says}: the measuring chain rather than the material"
-        )
+        yield f"what is missing looks like {kind.says}: {kind.whose}"
     # What rounding leaves of computed data is full of patterns, and nothing is missing.
     elif search.left.p_value < VERDICT.structure_alarm and not is_arithmetic(search.base):
         yield from _of_rest(search)

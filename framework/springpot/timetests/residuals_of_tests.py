@@ -35,6 +35,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 
 from ..numerics import NEGLIGIBLE
+from .digits import digit_of, roundings
 from .recording import recorded, spread
 from .scatter import ResidualScatter, scatter_of, scatter_of_sweep
 from .start import apparent
@@ -207,6 +208,13 @@ class TestPart(ABC):
         likeness = float(np.clip(np.mean(rows[1:] * rows[:-1]) / power, 0.0, LIKENESS))
         return square * (1.0 + likeness) / (1.0 - likeness)
 
+    def rounded(self, residual: Real) -> Real:
+        """Errors (k, m) that the digits of the test may make of what leaves this residual (m,).
+
+        Over the standard deviations, as the residual is.
+        """
+        return np.zeros((0, len(residual)))
+
     def places(self, residual: Real) -> list[Where]:
         """Where a residual (m,) over the noise is plainly more than that, the worst first."""
         return []
@@ -346,7 +354,19 @@ class InTimePart(TestPart):
 
     def scatter(self, residual: Real) -> ResidualScatter:
         """From the spectrum of the residual."""
-        return scatter_of(residual)
+        errors, power = self.rounded(residual), float(np.mean(residual**2))
+        if len(errors) == 0 or power == 0.0:
+            return scatter_of(residual)
+        # What rounding leaves of a motion that repeats itself has lines too; beside noise they are
+        # as much weaker as its share of the variance.
+        share = min(float(np.mean(errors**2)) / power, 1.0)
+        lines = float(np.mean([scatter_of(row).excess for row in errors]))
+        return scatter_of(residual, share**2 * max(lines, 0.0))
+
+    def rounded(self, residual: Real) -> Real:
+        """Of a channel with few values."""
+        exact = self.measured + residual * self.sd
+        return roundings(exact, digit_of(self.measured)) / self.sd
 
     def places(self, residual: Real) -> list[Where]:
         """Between which times, and where in a loop."""

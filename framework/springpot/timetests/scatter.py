@@ -133,13 +133,15 @@ class ResidualScatter:
         return np.asarray(white, dtype=float)
 
 
-def scatter_of(residual: Real) -> ResidualScatter:
+def scatter_of(residual: Real, usual: float = 0.0) -> ResidualScatter:
     """The noise in a residual over its presumed noise.
 
     Parameters
     ----------
     residual : ndarray, shape (n,)
         Of one test, sample after sample.
+    usual : float
+        Excess that is no misfit, as of rounding that repeats itself.
 
     Returns
     -------
@@ -151,7 +153,7 @@ def scatter_of(residual: Real) -> ResidualScatter:
     if n < FEWEST:
         worth = 0.5 * CLIP * n
         return ResidualScatter(1.0, 0.0, 0.0, _chance(float(np.mean(residual**2)), n, worth), worth)
-    power, omega = _periodogram(residual)
+    power, omega = periodogram(residual)
     # Three stories: noise alone at all frequencies, noise above and something smooth below, or
     # noise and one jump.
     alone = _fitted(power, omega)
@@ -171,7 +173,7 @@ def scatter_of(residual: Real) -> ResidualScatter:
     smooth = likely - _log_likelihood(power, _spectrum(omega, *alone))
     excess = 2.0 * max(smooth, _of_a_jump(residual))
     local = _local(residual, above[1])
-    found = ResidualScatter(*alone, float(excess), local)
+    found = ResidualScatter(*alone, float(excess) - usual, local)
     if found.misfit:
         return replace(found, size=above[0], memory=above[1])
     return found
@@ -246,7 +248,11 @@ def _scattered(residual: Real) -> NDArray[np.bool_]:
     return new
 
 
-def _periodogram(residual: Real) -> tuple[Real, Real]:
+def periodogram(residual: Real) -> tuple[Real, Real]:
+    """Power of a residual (n,) at each of its frequencies, in radians a sample; its mean left out.
+
+    Of white noise the power is its variance at each of them.
+    """
     n = len(residual)
     fade = max(1, int(TAPER * n))
     # Without a taper the ends of a slow misfit would look like noise at all frequencies.
@@ -287,7 +293,7 @@ def _of_a_jump(residual: Real) -> float:
             taken[best + width : best + 2 * width] -= height
     likely = []
     for story in (even, taken):
-        power, omega = _periodogram(story)
+        power, omega = periodogram(story)
         likely.append(_log_likelihood(power, _spectrum(omega, *_fitted(power, omega))))
     return likely[1] - likely[0] - float(np.log(n))
 
