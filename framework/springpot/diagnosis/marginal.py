@@ -15,7 +15,14 @@ from springpot.identification.ranges import Window, shown
 from springpot.identification.uncertainty import Uncertainty, held_costs
 from springpot.measurement.independence import distinct_log_omega, telling
 from springpot.measurement.measurement import CONDITIONS
-from springpot.misfit.frame import DRIFT_DEGREE, LEAST_SEEN, NoiseFrame, orthonormal
+from springpot.measurement.mixed_tests import sweeps_of
+from springpot.misfit.frame import (
+    DRIFT_DEGREE,
+    LEAST_SEEN,
+    NoiseFrame,
+    orthonormal,
+    relative_to,
+)
 from springpot.misfit.refit import Refit
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import EVIDENCE, VERDICT
@@ -24,6 +31,8 @@ from .grown import Grown, Search
 
 ROW_BY_ROW = "from row to row"
 """How the kinds are called that follow the order of the rows."""
+CHAIN = "the measuring chain rather than the material"
+"""To what a gain or a phase points that no material has."""
 SETTLING_TIMES = (0.03, 0.06, 0.12, 0.25, 0.5, 1.0)
 """Times, in durations of the measurement, in which a rig may settle.
 
@@ -96,11 +105,14 @@ class Unknown:
         Drop of the whitened residual sum of squares, at each place at which the shape was tried.
     shapes : int
         How many shapes follow the residual.
+    whose : str
+        To what such a structure points.
     """
 
     says: str
     drops: Real
     shapes: int
+    whose: str = CHAIN
 
     @property
     def drop(self) -> float:
@@ -130,8 +142,18 @@ def unknowns(frame: NoiseFrame) -> Iterator[Unknown]:
     for name in CONDITIONS:
         curves = _own_levels(frame, name)
         if len(curves):
-            yield _family(frame, curves, f"a gain of its own at each {name}")
-            yield _family(frame, np.multiply(1j, curves), f"a phase of its own at each {name}")
+            # A law of the condition changes K from level to level too.
+            whose = f"the measuring chain, or a law of the {name} that no effect has"
+            yield _family(frame, curves, f"a gain of its own at each {name}", whose)
+            phases = np.multiply(1j, curves)
+            yield _family(frame, phases, f"a phase of its own at each {name}", whose)
+            # What the same factor of all times changes: K is moved along frequency.
+            yield _family(
+                frame,
+                curves * _slopes(frame),
+                f"times of their own at each {name}",
+                f"a {name} that was not what the file says, or a law of it that the model lacks",
+            )
     yield from _step(frame)
 
 
@@ -144,9 +166,23 @@ def _stand_by_a_condition(frame: NoiseFrame) -> bool:
     return False
 
 
-def _family(frame: NoiseFrame, curves: Real | Complex, says: str) -> Unknown:
+def _family(frame: NoiseFrame, curves: Real | Complex, says: str, whose: str = CHAIN) -> Unknown:
     basis = frame.beyond(frame.whiten(frame.model_stiffness * curves).T)
-    return Unknown(says, _explained(frame, basis), int(basis.shape[1]))
+    return Unknown(says, _explained(frame, basis), int(basis.shape[1]), whose)
+
+
+def _slopes(frame: NoiseFrame) -> Complex:
+    """Slope of ln K (n,) along ln omega, in each sweep of a fitted model; 0 where there is none."""
+    log_stiffness = np.log(relative_to(frame.model_stiffness, frame.measurement))
+    slopes = np.zeros(len(log_stiffness), dtype=np.complex128)
+    for rows, _ in sweeps_of(frame.measurement):
+        # By distinct frequencies: between two points at one there is no slope.
+        log_omega, first, place = np.unique(
+            np.log(frame.measurement.omega[rows]), return_index=True, return_inverse=True
+        )
+        if len(log_omega) > 1:
+            slopes[rows] = np.gradient(log_stiffness[rows][first], log_omega)[place]
+    return slopes
 
 
 def _own_levels(frame: NoiseFrame, name: str) -> Real:

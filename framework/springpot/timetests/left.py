@@ -31,11 +31,15 @@ class Left:
         Of each test over the noise of its signal.
     scatters : tuple of ResidualScatter
         The noise in them.
+    rounded : tuple of ndarray
+        Of each test the errors that its digits may make of what the fit says, in the units of its
+        residual (k, m); no rows where they are fine.
     """
 
     count: int
     residuals: tuple[Real, ...]
     scatters: tuple[ResidualScatter, ...]
+    rounded: tuple[Real, ...]
 
     @classmethod
     def by(cls, model: Model, theta: Real, reference: float, parts: Sequence[TestPart]) -> Left:
@@ -44,7 +48,8 @@ class Left:
         plain = [part.with_scale(1.0) for part in parts]
         residuals = [part.residual(model, theta, reference).value for part in plain]
         scatters = [part.scatter(value) for part, value in zip(parts, residuals, strict=True)]
-        return cls(len(theta), tuple(residuals), tuple(scatters))
+        rounded = [part.rounded(value) for part, value in zip(plain, residuals, strict=True)]
+        return cls(len(theta), tuple(residuals), tuple(scatters), tuple(rounded))
 
     @property
     def noise(self) -> list[ResidualScatter]:
@@ -122,7 +127,27 @@ def independent(residuals: Sequence[Real], noise: Sequence[ResidualScatter]) -> 
     return max(float(sum(counts)), 2.0)
 
 
+def _alike(base: Left, other: Left, noise: Sequence[ResidualScatter]) -> float:
+    """By how much rounding varies more than noise along what another fit changes; at least 1.
+
+    Rounding to a coarse digit errs alike wherever the signal comes by again, so that as many
+    samples tell less, as those of a cluster do (Kish 1965, Survey Sampling, section 5.4).
+    """
+    pairs = zip(base.residuals, other.residuals, noise, strict=True)
+    changes = [scatter.whitened(one - two) for one, two, scatter in pairs]
+    size, varied = sum(float(change @ change) for change in changes), 0.0
+    for change, errors, scatter in zip(changes, base.rounded, noise, strict=True):
+        share = 0.0
+        if len(errors):
+            share = min(float(np.mean(errors**2)) / scatter.size**2, 1.0)
+        varied += (1.0 - share) * float(change @ change)
+        if share > 0.0:
+            drawn = np.array([scatter.whitened(row) for row in errors])
+            varied += share * float(np.mean((drawn @ change) ** 2) / np.mean(drawn**2))
+    return max(varied / max(size, 1e-300), 1.0)
+
+
 def delta_bic(base: Left, other: Left, noise: Sequence[ResidualScatter], more: int) -> float:
     """By how much the Bayesian information criterion falls with `more` parameters."""
-    gain = base.squares(noise) - other.squares(noise)
+    gain = (base.squares(noise) - other.squares(noise)) / _alike(base, other, noise)
     return float(gain - more * np.log(independent(base.residuals, noise)))

@@ -34,7 +34,9 @@ from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 
-from .recording import TOLERANCE, recorded, spread
+from ..numerics import NEGLIGIBLE
+from .digits import digit_of, roundings
+from .recording import recorded, spread
 from .scatter import ResidualScatter, scatter_of, scatter_of_sweep
 from .start import apparent
 from .where import places, rms
@@ -206,6 +208,13 @@ class TestPart(ABC):
         likeness = float(np.clip(np.mean(rows[1:] * rows[:-1]) / power, 0.0, LIKENESS))
         return square * (1.0 + likeness) / (1.0 - likeness)
 
+    def rounded(self, residual: Real) -> Real:
+        """Errors (k, m) that the digits of the test may make of what leaves this residual (m,).
+
+        Over the standard deviations, as the residual is.
+        """
+        return np.zeros((0, len(residual)))
+
     def places(self, residual: Real) -> list[Where]:
         """Where a residual (m,) over the noise is plainly more than that, the worst first."""
         return []
@@ -337,7 +346,7 @@ class InTimePart(TestPart):
 
     def answer(self, model: Model, theta: Real, reference: float, rows: NDArray[np.intp]) -> Traced:
         """What the test records of a model and of what it did itself."""
-        return recorded(model, theta, self.test, reference, self.at[rows], TOLERANCE)
+        return recorded(model, theta, self.test, reference, self.at[rows], NEGLIGIBLE)
 
     def with_sd(self, sd: Real) -> Self:
         """The same with this noise."""
@@ -345,7 +354,19 @@ class InTimePart(TestPart):
 
     def scatter(self, residual: Real) -> ResidualScatter:
         """From the spectrum of the residual."""
-        return scatter_of(residual)
+        errors, power = self.rounded(residual), float(np.mean(residual**2))
+        if len(errors) == 0 or power == 0.0:
+            return scatter_of(residual)
+        # What rounding leaves of a motion that repeats itself has lines too; beside noise they are
+        # as much weaker as its share of the variance.
+        share = min(float(np.mean(errors**2)) / power, 1.0)
+        lines = float(np.mean([scatter_of(row).excess for row in errors]))
+        return scatter_of(residual, share**2 * max(lines, 0.0))
+
+    def rounded(self, residual: Real) -> Real:
+        """Of a channel with few values."""
+        exact = self.measured + residual * self.sd
+        return roundings(exact, digit_of(self.measured)) / self.sd
 
     def places(self, residual: Real) -> list[Where]:
         """Between which times, and where in a loop."""

@@ -21,6 +21,8 @@ from numpy.typing import NDArray
 
 from springpot.rheology.points import Real
 
+from ..numerics import ALIKE, NORMAL
+
 FEWEST = 40
 """Samples below which a spectrum tells nothing.
 
@@ -66,12 +68,8 @@ EFFICIENT = 18.0 / 35.0
 """The same of second differences (von Neumann et al. 1941, doi:10.1214/aoms/1177731746)."""
 OF_FOURTH = 0.38
 """The same of fourth differences: what goes up and down over four points is no noise to them."""
-NORMAL = 1.482602218505602
-"""Standard deviation of normal noise over the median of its absolute values."""
 LEVEL = 4
 """Samples on either side of a jump at least: two that are off by chance are none yet."""
-KNOWN = 1e-8
-"""Share of the best known direction of the parameters below which one is not known at all."""
 
 
 @dataclass(frozen=True)
@@ -135,13 +133,15 @@ class ResidualScatter:
         return np.asarray(white, dtype=float)
 
 
-def scatter_of(residual: Real) -> ResidualScatter:
+def scatter_of(residual: Real, usual: float = 0.0) -> ResidualScatter:
     """The noise in a residual over its presumed noise.
 
     Parameters
     ----------
     residual : ndarray, shape (n,)
         Of one test, sample after sample.
+    usual : float
+        Excess that is no misfit, as of rounding that repeats itself.
 
     Returns
     -------
@@ -153,7 +153,7 @@ def scatter_of(residual: Real) -> ResidualScatter:
     if n < FEWEST:
         worth = 0.5 * CLIP * n
         return ResidualScatter(1.0, 0.0, 0.0, _chance(float(np.mean(residual**2)), n, worth), worth)
-    power, omega = _periodogram(residual)
+    power, omega = periodogram(residual)
     # Three stories: noise alone at all frequencies, noise above and something smooth below, or
     # noise and one jump.
     alone = _fitted(power, omega)
@@ -173,7 +173,7 @@ def scatter_of(residual: Real) -> ResidualScatter:
     smooth = likely - _log_likelihood(power, _spectrum(omega, *alone))
     excess = 2.0 * max(smooth, _of_a_jump(residual))
     local = _local(residual, above[1])
-    found = ResidualScatter(*alone, float(excess), local)
+    found = ResidualScatter(*alone, float(excess) - usual, local)
     if found.misfit:
         return replace(found, size=above[0], memory=above[1])
     return found
@@ -248,7 +248,11 @@ def _scattered(residual: Real) -> NDArray[np.bool_]:
     return new
 
 
-def _periodogram(residual: Real) -> tuple[Real, Real]:
+def periodogram(residual: Real) -> tuple[Real, Real]:
+    """Power of a residual (n,) at each of its frequencies, in radians a sample; its mean left out.
+
+    Of white noise the power is its variance at each of them.
+    """
     n = len(residual)
     fade = max(1, int(TAPER * n))
     # Without a taper the ends of a slow misfit would look like noise at all frequencies.
@@ -289,7 +293,7 @@ def _of_a_jump(residual: Real) -> float:
             taken[best + width : best + 2 * width] -= height
     likely = []
     for story in (even, taken):
-        power, omega = _periodogram(story)
+        power, omega = periodogram(story)
         likely.append(_log_likelihood(power, _spectrum(omega, *_fitted(power, omega))))
     return likely[1] - likely[0] - float(np.log(n))
 
@@ -342,7 +346,7 @@ def likeliest_jump(
     size = np.linalg.norm(whole, axis=0)
     size[size == 0.0] = 1.0
     basis, values, turn = np.linalg.svd(whole / size, full_matrices=False)
-    good = values > KNOWN * values.max(initial=0.0)
+    good = values > ALIKE * values.max(initial=0.0)
     basis, turn = basis[:, good], (turn[good].T / values[good]) / size[:, None]
     missed = value - basis @ (basis.T @ value)
     rows = [slice(*ends) for ends in pairwise(np.cumsum([0, *map(len, white)]).tolist())]
@@ -381,7 +385,7 @@ def _jumps(
     taken = _from_each(at, after, basis)
     alone = at**2 + np.append(np.cumsum((after**2)[::-1])[::-1][1:], 0.0)
     left = alone - np.sum(taken**2, axis=1)
-    drops = np.where(left > KNOWN * alone, fall**2 / np.maximum(left, 1e-300), 0.0)
+    drops = np.where(left > ALIKE * alone, fall**2 / np.maximum(left, 1e-300), 0.0)
     # What comes in its first or last part is how a test began and ended, which has other causes.
     edge = max(LEVEL, len(drops) // PARTS)
     drops[:edge] = drops[len(drops) - edge + 1 :] = 0.0

@@ -7,7 +7,7 @@ What a scan finds of one effect: what it would add to the residuals, and what th
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -31,6 +31,7 @@ from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from .floor import TimeFloor
 from .left import Left
+from .lines import lines_in
 from .residuals_of_tests import SweepPart, TestPart
 from .scatter import ResidualScatter
 from .slip import Slip
@@ -320,7 +321,7 @@ def answer_of(
         where=where,
         candidates=tuple(candidates),
         classes=_classes(promises, tried, alike),
-        notes=tuple(note for part in parts for note in said_of_sign(part.test.provenance)),
+        notes=tuple(_notes_on(parts, best)),
         parameters=base.parameters,
         leading=leading_of(named),
         tests=tests,
@@ -331,6 +332,14 @@ def answer_of(
     # The next round of a discovery goes on from the best fit that there is.
     fits = (each.fit for each in tried if each.effect.name in alike[:1] and each.fit is not None)
     return TimeCase(diagnosis, base, next(fits, base), _misfits(parts, base), tuple(tried))
+
+
+def _notes_on(parts: Sequence[TestPart], best: Left) -> Iterator[str]:
+    """What one should know of the tests beside the verdict."""
+    for part in parts:
+        yield from said_of_sign(part.test.provenance)
+    for part, residual in zip(parts, best.residuals, strict=True):
+        yield from lines_in(part, residual)
 
 
 def _misfits(parts: Sequence[TestPart], base: Identification) -> tuple[Misfit, ...]:
