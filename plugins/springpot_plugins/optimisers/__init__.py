@@ -12,6 +12,7 @@ from . import (
     evolution,
     hopping,
     leastsquares,
+    minion,
     native,
     nloptlib,
     sampling,
@@ -51,4 +52,4 @@ def springpot_optimisers() -> Iterable[type[Optimiser]]:
 @hookimpl
 def springpot_optimiser_families() -> Iterable[OptimiserFamily]:
     """Libraries of many."""
-    return (unified.FAMILY,)
+    return (unified.FAMILY, minion.FAMILY)
