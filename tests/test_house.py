@@ -24,6 +24,7 @@ FLOORS = {
     "lazy": -1,
     "terminal_safe": -1,
     "limits": -1,
+    "numerics": -1,
     "errors": 0,
     "distributions": 0,
     "owners": 0,

@@ -264,6 +264,7 @@ def discover(
     accuracy: Accuracy | str | None = None,
     progress: Progress = silent,
     reached: Callable[[Any], None] | None = None,
+    begun: Ladder | None = None,
 ) -> Ladder:
     """Add missing effects one by one and watch the error fall.
 
@@ -292,6 +293,9 @@ def discover(
     reached : callable, optional
         Given the ladder as it stands after each step: what was reached is there even if the rest is
         interrupted.
+    begun : Ladder, optional
+        The answer for the first of what is accepted now, all else being the same: its steps are not
+        computed again.
 
     Raises
     ------
@@ -316,7 +320,7 @@ def discover(
         asked = enumerate(_listed(accept), 1)
         wanted = [_met(_effect(effect, known, number), data) for number, effect in asked]
     if data is None:
-        return discover_in_time(tests, begin, known, wanted, progress, reached, promised)
+        return discover_in_time(tests, begin, known, wanted, progress, reached, promised, begun)
     grown = begin
     # Grown as it will be: an effect may be refused because of one accepted before it.
     for effect in wanted or ():
@@ -324,7 +328,7 @@ def discover(
     # What cannot be accepted is told before the first fit, not after it.
     require_conditions(grown, data)
     rng = np.random.default_rng(seed)
-    return discover_objects(data, begin, known, rng, wanted, progress, reached, promised)
+    return discover_objects(data, begin, known, rng, wanted, progress, reached, promised, begun)
 
 
 def invent(

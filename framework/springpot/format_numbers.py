@@ -7,11 +7,15 @@ from __future__ import annotations
 
 from math import floor, isfinite, log10
 
-TINY = 1e-300
-"""Below, a number is printed as nothing: its power of ten can no longer be divided by."""
+from .numerics import SMALLEST
+
 DIGITS = 4
 """Significant digits of a number whose uncertainty is not known."""
 
+NAMED = 3
+"""Of a list in a sentence, how many are named; the rest is counted."""
+LISTED = 8
+"""Rows of a table, or names where one of many is wanted; the rest is counted."""
 PLAIN = 4
 """Decimals of what rounds to zero.
 
@@ -36,7 +40,7 @@ def number(value: float | None, digits: int = DIGITS) -> str:
 
 def exponent_of(value: float, digits: int = DIGITS) -> int:
     """Power of ten of the first digit, after rounding to `digits`: 9.9999 is printed as 10.00."""
-    if abs(value) < TINY:
+    if abs(value) < SMALLEST:
         return 0
     exponent = floor(log10(abs(value)))
     return exponent + (round(abs(value) / 10.0**exponent, digits - 1) >= 10)

@@ -73,8 +73,11 @@ class TestEffects(PluginContract):
     "optimiser dual-annealing",
     "optimiser least-squares",
     "optimiser native",
+    "optimiser basin-hopping",
+    "optimiser cobyqa",
     "optimiser nlopt-lbfgs",
     "optimiser nlopt-mlsl",
+    "optimiser shgo",
 )
 class TestOptimisers(PluginContract):
     plugin = "springpot_plugins.optimisers"

@@ -14,6 +14,7 @@ from paper_problems import artificial, scale, truth
 from springpot.errors import OptionError
 from springpot.identification import BatchedOptimiser, Problem, run, run_batch
 from springpot.registry import plugins
+from springpot_plugins.optimisers import evolution
 
 OPTIMISERS = {item.name: item for item in plugins().items("optimiser")}
 NAMES = sorted(OPTIMISERS)
@@ -26,6 +27,10 @@ BUDGETS = [1, 2, 7, 57, 200]
 # in other implementations.
 GOOD = {
     "cma-es": 4000,
+    "bipop-cma-es": 4000,
+    "basin-hopping": 1000,
+    "cobyqa": 3000,
+    "shgo": 1000,
     "differential-evolution": 8000,
     "nlopt-crs": 8000,
     "nlopt-mlsl": 3000,
@@ -107,12 +112,43 @@ def test_good_ones_find_the_artificial_optimum(name, model):
     np.testing.assert_allclose(found.theta, truth(model), rtol=0.02)
 
 
-@pytest.mark.soak_cases("cma-es", "least-squares", "nlopt-lbfgs")
+@pytest.mark.soak_cases("basin-hopping", "cma-es", "cobyqa", "least-squares", "nlopt-lbfgs", "shgo")
 @pytest.mark.parametrize("name", NAMES)
 def test_every_one_beats_a_handful_of_random_points(name):
     problem = artificial("fractional-maxwell")
     bests = [run(OPTIMISERS[name](), problem, 400, generator(seed)).best for seed in range(5)]
     assert np.median(bests) < 0.05 * scale("fractional-maxwell")
+
+
+def test_bipop_shares_its_evaluations_between_large_and_small_populations(monkeypatch):
+    runs = []
+
+    def evolved(cube, size, sigma, allowed, rng):
+        # Ten generations of chance, so that only the schedule is left to see.
+        spent = min(10 * size, allowed)
+        cube.batch(rng.random((spent, cube.dimension)))
+        runs.append((size, sigma, allowed, spent))
+
+    monkeypatch.setattr(evolution, "_evolve", evolved)
+    run(evolution.BipopCmaEs(), artificial("fractional-kelvin4"), 20_000, generator())
+    (default, *_), rest = runs[0], runs[1:]
+    assert default == 8
+    large = [r for r in rest if r[2] == evolution.UNENDING]
+    small = [r for r in rest if r[2] != evolution.UNENDING]
+    assert [size for size, *_ in large] == [default * 2 ** (i + 1) for i in range(len(large))]
+    assert len(small) >= 5
+    spent, last = {True: 0, False: 0}, large[0]
+    for chosen in rest:
+        is_small = chosen in small
+        assert is_small == (spent[True] < spent[False])
+        if is_small:
+            size, sigma, allowed, _ = chosen
+            assert default <= size <= max(default, last[0] // 2)
+            assert 0.002 <= sigma <= 0.2
+            assert allowed == last[3] // 2
+        else:
+            last = chosen
+        spent[is_small] += chosen[3]
 
 
 class Broken(Problem):

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ElementTree
-from pathlib import Path
 
 import pytest
 
 from springpot.registry import plugins
-from springpot.report.network import LETTER, Label, marks, network_png, network_svg, size
+from springpot.report.network import LETTER, Label, marks, network_svg, size
 from springpot.rheology import Node, chain, dashpot, mass, parallel, series, spring, springpot
 from springpot.rheology.drawing import sketch
 from springpot.rheology.model import Family
@@ -55,9 +54,3 @@ def test_names_are_escaped():
     svg = network_svg(spring("<k&1>"))
     assert "&lt;k&amp;1&gt;" in svg
     assert [text.text for text in ElementTree.fromstring(svg).iter(f"{SVG}text")] == ["<k&1>"]
-
-
-def test_png_is_written(tmp_path: Path):
-    pytest.importorskip("matplotlib")
-    network_png(NETWORKS[-1], tmp_path / "network.png")
-    assert (tmp_path / "network.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"

@@ -177,6 +177,13 @@ MODELS = {
 }
 
 
+WRONG_UNITS = {
+    "stiffness": of(lambda at, k: (np.sqrt(k) + 0 * at.omega, (0.5 / np.sqrt(k),), 0.0)),
+    "time": MODELS["a viscosity called stiffness"][0],
+    "amplitude": MODELS["a length without a unit"][0],
+}
+
+
 def says(found: list[str], sentence: str) -> bool:
     """Whether one of the complaints begins with that sentence, and all are single lines."""
     assert not any("\n" in complaint for complaint in found)
@@ -185,6 +192,14 @@ def says(found: list[str], sentence: str) -> bool:
 
 def test_a_good_model_is_given_no_complaint():
     assert check_model(GOOD, passive=True) == []
+
+
+@pytest.mark.parametrize("unit", ["stiffness", "time", "amplitude"])
+def test_a_wrong_unit_is_told_of_that_unit_alone(unit: str):
+    found = [each for each in check_model(WRONG_UNITS[unit]) if "units" in each]
+    assert found == [
+        f"units: K does not follow a change of the unit of {unit}: a parameter's Dimension is wrong"
+    ]
 
 
 @pytest.mark.parametrize("case", MODELS)

@@ -35,7 +35,7 @@ def test_the_claim_is_one_number_one_sentence_one_button(page: Open, damper: byt
     assert here.page.evaluate(TOPMOST) < 0.5 * before
     assert here.page.locator("#plot-residual .mark.ghost").count() == 28
     here.page.click("#sigmas")
-    assert "/ σ" not in here.page.text_content("#plot-residual")
+    assert "data − model) / σ" not in here.page.text_content("#plot-residual")
 
 
 def test_a_class_is_one_card_with_what_decides(page: Open, damper: bytes):

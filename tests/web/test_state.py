@@ -475,7 +475,7 @@ def test_the_error_is_relative_to_what_was_measured_as_the_page_says(data: Measu
 def test_the_ladder_that_was_asked_for_last_is_remembered_longest(monkeypatch):
     climbed = []
 
-    def climb(state, measurement, told):
+    def climb(state, measurement, told, begun):
         climbed.append(state.model)
         return state.model
 

@@ -197,7 +197,7 @@ def _excess(values: Real, best: float, reference: float) -> Real:
     """
     above = np.zeros_like(values)
     np.subtract(values, best, out=above, where=values > best)
-    span = max(reference - best, 0.0)
+    span = reference - best
     if span > 0.0:
         return above / span
     # Nothing is worse than the best that is known: there is no scale on which to be half as bad.

@@ -160,10 +160,6 @@ class Plan:
         """Number of trials."""
         return len(self.cells) * self.repetitions
 
-    def trial_digest(self, cell: Cell, repetition: int) -> str:
-        """What a trial is known by."""
-        return digest_of(cell.digest, repetition)
-
     def stream(self, cell: Cell, repetition: int) -> np.random.SeedSequence:
         """The trial's random stream, from names only and the same for every optimiser."""
         case = self.cases[cell.case]

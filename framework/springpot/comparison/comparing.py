@@ -14,6 +14,7 @@ from springpot.diagnosis.examination import Progress, silent
 from springpot.diagnosis.notes import judged, overtones
 from springpot.drawing import draw, html_of, text_of
 from springpot.errors import DataError, OptionError
+from springpot.format_numbers import NAMED
 from springpot.identification.material import is_material
 from springpot.identification.part_result import PartResult, parts_of
 from springpot.identification.space import require_conditions
@@ -59,8 +60,6 @@ TOLD = (
 """Of a judgement, in the order of its schema."""
 STARTS = 4
 """Starts of each of a few models that a user compares, from the fit that found its own noise."""
-MOST_PLACES = 3
-"""Places named in the sentence on a model; all are in `where`."""
 
 ONLY_NOISE = "nothing is left but noise"
 """What is said of a model beside which no pattern is left."""
@@ -209,7 +208,7 @@ class Judgement:
         # test.
         if not self.where:
             return f"{ratio}; {next(finding.says for finding in self.findings if finding.found)}"
-        return f"{ratio}; {'; '.join(place.says for place in self.where[:MOST_PLACES])}"
+        return f"{ratio}; {'; '.join(place.says for place in self.where[:NAMED])}"
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data."""

@@ -7,9 +7,9 @@ In units of a noise that is borne out, and without points that no physics explai
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -303,6 +303,8 @@ class Case:
         The answer.
     course : Course or None
         How the specimen changed with time, where that is what the misfit goes with.
+    drawn : mapping or None
+        State of the generator of simulated noise after it, from which a further rung goes on.
     """
 
     search: Search
@@ -312,6 +314,7 @@ class Case:
     outliers: tuple[Outlier, ...]
     diagnosis: Diagnosis
     course: Course | None = None
+    drawn: Mapping[str, Any] | None = None
 
     def __repr__(self) -> str:
         return f"<Case {self.diagnosis!r:.200}>"

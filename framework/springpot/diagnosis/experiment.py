@@ -35,6 +35,7 @@ from springpot.rheology.parameters import INERTANCE
 from springpot.rheology.points import KELVIN, Complex, Points, Real
 from springpot.thresholds import EXPERIMENT
 
+from ..format_numbers import NAMED
 from .result import NextExperiment
 
 TYPED_IN, WAITED_FOR, WORKED_FOR = 1.0, 1.5, 2.0
@@ -222,8 +223,6 @@ BESIDE = (0.97, 1.0, 1.03)
 
 So near that no material changes, and off the line of a hum.
 """
-MOST_NAMED = 3
-"""Effects that are named as what a measurement is for."""
 MOST_TOLD = 1000.0
 """Standard deviations that are told at most.
 
@@ -482,7 +481,7 @@ def experiment_on_confounded(measurement: Measurement, names: Sequence[str]) -> 
     omega = np.exp(distinct_log_omega(measurement))[:MOST_POINTS]
     says = (
         f"measure the same frequencies at one {moved}, and again at another: only then can an"
-        f" effect of it ({', '.join(names[:MOST_NAMED])}) be told from one of the frequency"
+        f" effect of it ({', '.join(names[:NAMED])}) be told from one of the frequency"
     )
     return NextExperiment(says, (), None, {"omega": omega.tolist(), moved: [middle]})
 
@@ -495,7 +494,7 @@ def experiment_on_points(outliers: Sequence[Outlier]) -> NextExperiment:
     outliers : sequence of Outlier
         The points that were set aside.
     """
-    places = " and ".join(outlier.at for outlier in outliers[:MOST_NAMED])
+    places = " and ".join(outlier.at for outlier in outliers[:NAMED])
     says = (
         f"measure again at {places}, and close beside: a bad point does not come back, an"
         " interference or a resonance does"

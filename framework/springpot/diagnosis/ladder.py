@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
@@ -244,6 +245,7 @@ def climbed(
     accept: Sequence[Effect] | None = None,
     progress: Progress = silent,
     reached: Reached | None = None,
+    begun: Ladder | None = None,
 ) -> Ladder:
     """Accept effects until nothing significant is left, or the given ones in order.
 
@@ -261,6 +263,9 @@ def climbed(
         Given the ladder as it stands after each rung, so that what was reached is there even if the
         rest is interrupted. The ladder that is returned may be shorter: rungs that led nowhere are
         taken back.
+    begun : Ladder, optional
+        The first rungs, with the first of what is accepted, of the same tests and model: they are
+        not climbed again.
 
     Raises
     ------
@@ -278,7 +283,11 @@ def climbed(
     # Every rung is examined in full: what is missing beside the last effect is asked of the grown
     # model anew.
     given = iter(accept or ())
-    climb(rung_of(rungs.examined(model, within("step 0", progress), None, None)))
+    if begun is None:
+        climb(rung_of(rungs.examined(model, within("step 0", progress), None, None)))
+    else:
+        steps += begun.steps
+        given = islice(given, len(steps) - 1, None)
     while True:
         # One effect a rung: which one is missing beside it is better told once it is there.
         effect = next(given, None)
@@ -348,6 +357,7 @@ def discover(
     progress: Progress = silent,
     reached: Reached | None = None,
     accuracy: Accuracy | None = None,
+    begun: Ladder | None = None,
 ) -> Ladder:
     """Accept effects that are missing from a model of a sweep; see `climbed`.
 
@@ -359,13 +369,18 @@ def discover(
         Effects that may be missing.
     rng : numpy.random.Generator
         For simulated noise.
-    model, accept, progress, reached
+    model, accept, progress, reached, begun
         As for `climbed`.
     accuracy : Accuracy, optional
         What the instrument promises.
     """
+    # The same noise as if all of it were climbed now, so that the ladder is the same to the bit.
+    if begun is not None:
+        drawn = begun.steps[-1].case.drawn
+        assert drawn is not None
+        rng.bit_generator.state = drawn
     rungs = SweepRungs(measurement, library, rng, accuracy)
-    return climbed(rungs, model, accept, progress, reached)
+    return climbed(rungs, model, accept, progress, reached, begun)
 
 
 @dataclass(frozen=True, eq=False)
@@ -397,9 +412,10 @@ class SweepRungs:
         if before is not None and effect is not None:
             require_conditions(model, self.measurement)
             starts = _starts(before.case, effect)
-        return examine(
+        case = examine(
             self.measurement, model, self.effects, self.rng, starts, progress, self.accuracy
         )
+        return replace(case, drawn=self.rng.bit_generator.state)
 
     def wanted(self, steps: Sequence[Step], refused: Container[str]) -> Effect | None:
         """The effect whose absence is beyond doubt, if there is one and a further rung could count.

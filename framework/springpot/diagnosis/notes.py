@@ -37,13 +37,12 @@ from springpot.rheology.points import Complex, Real
 from springpot.suggestions import suggested
 from springpot.thresholds import EVIDENCE, SCATTER, VERDICT
 
+from ..format_numbers import NAMED
 from .evidence import Evidence
 from .grown import Search
 from .marginal import explaining_unknown, harmonic_evidence
 from .result import Candidate, Verdict
 
-LEADING = 3
-"""Grown models of which it is told that they are beyond what physics allows."""
 MOST_RUNS = 6
 """Runs whose own gains a note shows; of more it would be a table."""
 MEANINGS = {
@@ -185,7 +184,7 @@ def _beyond_physics(search: Search) -> Iterator[str]:
     refused: dict[str, str] = {}
     too_large: dict[Effect, None] = {}
     # Each once, in the order of the models.
-    for grown in search.grown[:LEADING]:
+    for grown in search.grown[:NAMED]:
         refused.update(grown.refused)
         too_large.update(dict.fromkeys(grown.beyond_physics))
     for effect in too_large:

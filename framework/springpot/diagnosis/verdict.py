@@ -249,21 +249,26 @@ def _below_noise(base: Refit) -> bool:
 
 
 def _stand_out_together(base: Refit) -> bool:
-    """Whether more of the points that stand out are neighbours than chance would put there.
-
-    Of m points dealt out over n places, C(n-m+1, r) C(m-1, r-1) of all C(n, m) ways make r runs
-    (Wald and Wolfowitz 1940, doi:10.1214/aoms/1177731909).
-    """
+    """Whether more of the points that stand out are neighbours than chance would put there."""
     _, inside = undragged(base)
     n, m = len(inside), int(np.sum(~inside))
     pairs = 0
     for sweep in sweeps_of(base.data.mean):
         outside = ~inside[sweep.rows]
         pairs += int(np.sum(outside[1:] & outside[:-1]))
+    return pairs > 0 and _chance_of_pairs(n, m, pairs) < VERDICT.neighbours
+
+
+def _chance_of_pairs(n: int, m: int, pairs: int) -> float:
+    """Chance of so many neighbouring pairs or more among m points dealt out over n places.
+
+    C(n-m+1, r) C(m-1, r-1) of all C(n, m) ways make r runs (Wald and Wolfowitz 1940,
+    doi:10.1214/aoms/1177731909).
+    """
     # So many neighbouring pairs or more are so many runs or fewer.
     ways = sum(comb(n - m + 1, runs) * comb(m - 1, runs - 1) for runs in range(1, m - pairs + 1))
     # A quotient of whole numbers: of many points each of them is beyond any floating-point number.
-    return pairs > 0 and ways / comb(n, m) < VERDICT.neighbours
+    return ways / comb(n, m)
 
 
 def drifted(search: Search) -> bool:

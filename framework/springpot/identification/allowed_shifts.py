@@ -18,15 +18,13 @@ from springpot.rheology.levels import Levels, level_text, levels_of
 from springpot.rheology.model import Model
 from springpot.rheology.points import LARGEST_SHIFT, Real
 
+from ..numerics import ALIKE, DECADE
 from .levels_alone import Alone, each_alone
 from .native import Fit
 from .problem import relative_objective
 
-DECADE = float(np.log(10.0))
 ROOM = 2.0
 """Standard deviations within which moduli meet."""
-AT_BOUND = 1e-9
-"""Share of the largest shift within which one is at it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +133,7 @@ def refused_in_words(fit: Fit) -> Iterator[str]:
 
 
 def _beyond_its_pole(fit: Fit, effect: Effect, log_a: Real) -> str:
-    there = np.abs(log_a) >= (1.0 - AT_BOUND) * LARGEST_SHIFT
+    there = np.abs(log_a) >= (1.0 - ALIKE) * LARGEST_SHIFT
     if not np.any(there):
         return ""
     (column,) = effect.needs

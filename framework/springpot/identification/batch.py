@@ -9,8 +9,9 @@ from springpot.errors import OptionError
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Points, Real
 
+from ..numerics import NEGLIGIBLE
 from .leastsquares import Rows, Solution
-from .native import CONFIRMED, NEAR, SAME, within_bounds
+from .native import CONFIRMED, NEAR, within_bounds
 from .task import Task
 
 
@@ -139,7 +140,7 @@ def _take_best(solution: Solution, best: Real, cost: Real, rows: Rows) -> NDArra
     which = np.argmin(costs, axis=1)
     least = costs[np.arange(len(rows)), which]
     # One that was stopped on its way may be as low by chance: only those at rest confirm.
-    agree = solution.converged.reshape(costs.shape) & (costs <= least[:, None] * (1.0 + SAME))
+    agree = solution.converged.reshape(costs.shape) & (costs <= least[:, None] * (1.0 + NEGLIGIBLE))
     better = least < cost[rows]
     best[rows[better]] = at[better, which[better]]
     cost[rows[better]] = least[better]

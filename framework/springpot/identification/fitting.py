@@ -21,6 +21,7 @@ from springpot.rheology.levels import Levels
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
+from ..numerics import NEGLIGIBLE
 from .held_material import intervals_beside_material
 from .level_weights import shifted_by, usual_objective
 from .material import is_material
@@ -133,8 +134,6 @@ MORE_STARTS = 32
 """Starts of a fit that has not been confirmed, or that a simpler model beats."""
 RESAMPLES = 400
 """Of a bootstrap: ten of them lie beyond each end of a 95 % interval."""
-NESTING = 1e-6
-"""A richer model may be worse than one it contains by this fraction, from rounding."""
 
 
 def identify(
@@ -374,7 +373,7 @@ def _no_worse_than_simpler(whole: Fit, simpler: Sequence[Model]) -> tuple[Fit, l
 def _beats(simpler: Fit, whole: Fit) -> bool:
     """Whether a simpler model fits better by more than rounding."""
     # Below the floor a cost is rounding: of two exact fits neither beats the other.
-    return bool(simpler.cost < whole.cost * (1.0 - NESTING) - whole.task.floor[0])
+    return bool(simpler.cost < whole.cost * (1.0 - NEGLIGIBLE) - whole.task.floor[0])
 
 
 def _better(one: Fit, other: Fit) -> Fit:

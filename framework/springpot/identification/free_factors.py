@@ -16,22 +16,19 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
+from ..numerics import ALIKE, ROUNDING
 from .expected_factors import Expected
 from .levels_alone import alike
 from .material import is_material
 from .native import Fit
 from .problem import weighted
 
-LOST = 1e-5
-"""Singular value over the largest below which a direction of the factors is not determined."""
-ALIKE = 1e-9
-"""Singular value, relative to the largest, below which columns of a basis say the same."""
-SMALLEST = 1e-12
-"""Size of a slope, relative to the largest, that is no more than rounding."""
 OPEN = 30.0
 """Standard deviation in ln a of what is not determined: thirteen decades."""
-LEAST = 1e-12
-"""Least standard deviation of a weighted residual: exact data leave rounding."""
+
+
+LOST = 1e-5
+"""Singular value over the largest below which a direction of the factors is not determined."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -281,7 +278,7 @@ class FactorRows:
         """
         squares = np.bincount(self.level_of_row, self.residual**2) / np.bincount(self.level_of_row)
         spent = len(self.residual) / max(self.fit.dof, 1)
-        sd = np.maximum(np.sqrt(squares * spent), LEAST)
+        sd = np.maximum(np.sqrt(squares * spent), ROUNDING)
         return np.asarray(sd[self.level_of_row], dtype=np.float64)
 
     @cached_property
@@ -295,7 +292,7 @@ class FactorRows:
     @cached_property
     def unit(self) -> float:
         """Variance of a weighted residual, by which departures from expectation are weighed."""
-        return max(self.alike * self.fit.cost / max(self.fit.dof, 1), LEAST**2)
+        return max(self.alike * self.fit.cost / max(self.fit.dof, 1), ROUNDING**2)
 
     @cached_property
     def objective(self) -> float:
@@ -370,7 +367,7 @@ def _covariance(rows: FactorRows, expected: Expected | None) -> Real:
         sd = np.concatenate([sd, np.full(len(expected.rows), np.sqrt(expected.unit))])
     size = np.linalg.norm(slopes, axis=0)
     # Of a factor of which nothing is known the slope has no size to divide by.
-    size = np.maximum(size, max(SMALLEST * np.max(size), 1e-150))
+    size = np.maximum(size, max(ROUNDING * np.max(size), 1e-150))
     left, values, right = np.linalg.svd(slopes / size, full_matrices=False)
     known = values > LOST * values[0]
     # Least squares: u = (V / s) L' r, so that its covariance is that of r carried along.
@@ -432,7 +429,7 @@ def _beyond_noise(slopes: Real, noise: Real) -> Real:
     Of every direction the square of the slope is lessened by that of its error.
     """
     size = np.sqrt(np.sum(slopes**2, axis=0) + np.abs(np.diag(noise)))
-    size = np.maximum(size, max(SMALLEST * np.max(size), 1e-150))
+    size = np.maximum(size, max(ROUNDING * np.max(size), 1e-150))
     power, ways = np.linalg.eigh(noise / np.outer(size, size))
     # At least a trifle, so that there is some error everywhere to be compared with.
     root = np.sqrt(np.maximum(power, LOST**2))[:, None] * ways.T * size

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from springpot.distributions import student
 from springpot.rheology.points import LARGEST_SHIFT, Real
-from springpot.thresholds import SUPERPOSITION
+from springpot.thresholds import INTERVAL, SUPERPOSITION
 
+from ..numerics import ALIKE, DECADE
 from .allowed_shifts import ROOM, meeting, ranges, scatter_between
 from .expected_factors import spread_between
-from .flat_sweeps import flat_levels
 from .free_factors import FactorRows, Factors, columns_of_factors, factors_of
 from .levels_alone import FEW, Alone, each_alone
 from .material import is_material
@@ -23,8 +23,8 @@ from .uncertainty import Uncertainty
 
 FURTHEST = LARGEST_SHIFT
 """Logarithm beyond which no factor lies: as far as any law shifts, and as far as is searched."""
-ROUNDING = 1e-9
-"""Share of a logarithm by which one at the end of the search may lie within it."""
+FEWEST = 3
+"""Points of a sweep that a slope and its scatter take up."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +111,7 @@ def known_factors(rows: FactorRows, fitted: Factors, factors: Factors, own: Alon
     # upon.
     flat = flat_levels(rows) & joined & others
     # A factor at the end of the search is where this ended, whatever its interval.
-    ended = np.abs(fitted.log_a) >= (1.0 - ROUNDING) * FURTHEST
+    ended = np.abs(fitted.log_a) >= (1.0 - ALIKE) * FURTHEST
     wide = factors.reach_a >= SUPERPOSITION.undetermined
     few = wide & (_frequencies(rows) < FEW)
     reasons = np.full(len(factors), "", dtype=object)
@@ -199,3 +199,32 @@ def _gaps(first: Real, last: Real, start: float, stop: float) -> float:
         bare += max(begin - reached, 0.0)
         reached = max(reached, min(float(last[i]), stop))
     return bare
+
+
+def flat_levels(rows: FactorRows) -> NDArray[np.bool_]:
+    """Levels (m,) whose storage and loss neither rise nor fall with frequency beyond scatter."""
+    data = rows.fit.measurement
+    flat = np.zeros(len(rows.elements[0].values), dtype=np.bool_)
+    for level in range(len(flat)):
+        here = rows.number == level
+        x = np.log(data.omega[here])
+        if len(x) <= FEWEST or np.ptp(x) == 0.0:
+            continue
+        shares = data.stiffness[here] / np.median(data.magnitude[here])
+        flat[level] = all(_is_level(x, part) for part in (shares.real, shares.imag))
+    return flat
+
+
+def _is_level(x: Real, values: Real) -> bool:
+    """Whether values (n,) do not follow x (n,) beyond their scatter, and cannot do so by much."""
+    away = x - x.mean()
+    slope = abs(float(away @ values / (away @ away)))
+    left = values - values.mean() - away * (away @ values / (away @ away))
+    freedom = len(x) - 2
+    sd = float(np.sqrt(left @ left / freedom / (away @ away)))
+    # Few points or a short sweep show no slope either, and leave room for a large one.
+    room = slope + student(INTERVAL, freedom) * sd
+    return (
+        slope <= student(SUPERPOSITION.seen, freedom) * sd + ALIKE
+        and DECADE * room < SUPERPOSITION.flat
+    )

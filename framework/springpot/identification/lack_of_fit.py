@@ -17,13 +17,11 @@ from springpot.rheology.levels import levels_of
 from springpot.rheology.points import Real
 from springpot.thresholds import SUPERPOSITION
 
+from ..numerics import ROUNDING
 from .allowed_shifts import laws_of_shift
 from .levels_alone import alike
 from .problem import weighted
 from .uncertainty import RANK, Uncertainty
-
-ROUNDING = 1e-20
-"""Share of the sum of squares that is no more than rounding."""
 
 
 def lack_of_fit(known: Uncertainty, column: str) -> tuple[float, float] | None:
@@ -66,7 +64,7 @@ def lack_of_fit(known: Uncertainty, column: str) -> tuple[float, float] | None:
         return None
     gain = float(np.sum((gained.T @ residual) ** 2))
     whole = float(residual @ residual)
-    rest = max((whole - gain) / left, ROUNDING * whole / left)
+    rest = max((whole - gain) / left, ROUNDING**2 * whole / left)
     mean = gain / spare
     if not mean > rest or float(f_sf(mean / rest, spare, left)) >= SUPERPOSITION.alarm:
         return None

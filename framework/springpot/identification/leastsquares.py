@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from springpot.rheology.points import Real
 
+from ..numerics import ALIKE, ROUNDING
+
 Rows: TypeAlias = NDArray[np.intp]
 Evaluate: TypeAlias = Callable[[Real, Rows], tuple[Real, Real]]
 
@@ -25,10 +27,6 @@ SHRINK = 0.05
 """Strongest reduction of the damping after a step that did as foretold."""
 FLAT = 1e-13
 """A predicted drop of this share of the objective moves no parameter by 1e-6 of its deviation."""
-STILL = 1e-12
-"""A step of this size in search coordinates (ratios) changes nothing that is printed."""
-ALIKE = 1e-9
-"""Ends of two descents within this fraction of the objective are one optimum."""
 REACH = 3.0
 """Longest step in one search coordinate: a factor of e^3 for a parameter searched by its logarithm.
 """
@@ -276,7 +274,7 @@ def _advance(evaluate: Evaluate, state: _State, rules: _Rules) -> NDArray[np.boo
     gain = state.cost - cost
     # A trial whose objective is no number compares as not better, and is taken back.
     better = gain > 0.0
-    still = np.abs(step).max(axis=1, initial=0.0) <= STILL
+    still = np.abs(step).max(axis=1, initial=0.0) <= ROUNDING
     # A damped step foretells less than is left to gain: only a nearly free one may stop early.
     within = np.where(state.damping <= START_DAMPING, rules.flat, FLAT)
     level = np.abs(predicted) <= within * state.cost

@@ -22,7 +22,8 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import SUPERPOSITION
 
-from .levels_alone import ANY, TINY, Alone, each_alone, parts_of
+from ..numerics import ROUNDING
+from .levels_alone import ANY, Alone, each_alone, parts_of
 from .material import is_material
 from .problem import Objective, default_objective, relative_objective
 
@@ -159,12 +160,12 @@ def _by_own_size(
         parts = parts_of(measurement.subset(number == level))
         for i, part in enumerate(parts[: len(unfitted.columns) - 1]):
             # What is left of |K|, relative to the part.
-            left = own.error[level] / max(part.share, TINY)
+            left = own.error[level] / max(part.share, ROUNDING**2)
             if left <= SUPERPOSITION.missed:
                 continue
-            ratio = (left / max(part.scatter, TINY)) ** 2
+            ratio = (left / max(part.scatter, ROUNDING**2)) ** 2
             if looked * float(f_sf(ratio, own.dof[level], part.dof)) < SUPERPOSITION.alarm:
-                factors[level, i] = 1.0 / max(part.share, TINY)
+                factors[level, i] = 1.0 / max(part.share, ROUNDING**2)
     return np.asarray(factors[:, 0] + 1j * factors[:, 1], dtype=np.complex128)
 
 

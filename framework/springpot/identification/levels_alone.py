@@ -15,11 +15,10 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import SUPERPOSITION
 
+from ..numerics import ROUNDING
 from .native import fit
 from .problem import Objective
 
-TINY = 1e-24
-"""Least variance: exact data leave rounding."""
 ANY = Continuum()
 """Any material, as sweeps show it."""
 FEW = 4
@@ -64,7 +63,7 @@ class Alone:
         strange = self.strange
         if not np.any(strange):
             return np.ones(len(self.error))
-        ratio = np.median(self.error[self.judged]) / np.maximum(self.error, TINY)
+        ratio = np.median(self.error[self.judged]) / np.maximum(self.error, ROUNDING**2)
         return np.where(strange, np.sqrt(np.where(strange, ratio, 1.0)), 1.0)
 
     @property
@@ -148,7 +147,7 @@ def parts_of(sweep: Measurement) -> tuple[StorageOrLoss, StorageOrLoss]:
     order = np.argsort(sweep.omega, kind="stable")
     found = []
     for values in (sweep.storage[order], sweep.loss[order]):
-        size = np.maximum(np.abs(values), TINY)
+        size = np.maximum(np.abs(values), ROUNDING**2)
         # Second differences that share points: each is worth 36 / 70 of a degree of freedom.
         bent = np.diff(values, 2) / size[1:-1]
         scatter = float(np.sqrt(np.mean(bent**2) / 6.0)) if len(bent) else 0.0

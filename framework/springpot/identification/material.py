@@ -24,6 +24,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT, Node, Response
 from springpot.rheology.points import Complex, Real
 
+from ..numerics import NEGLIGIBLE, ROUNDING
 from .around_material import Probe, Tabulated, asked_as_measured, linear_in_material
 from .coordinates import Coordinates
 from .problem import Objective, numbers_of, weighted
@@ -54,10 +55,6 @@ WIDEST = 60.0 * float(np.log(10.0))
 """Range of reduced frequencies that no material has."""
 INNER = 6
 """Solutions for the weights where K is not linear in them, as behind a spring in series."""
-FORETOLD = 1e-6
-"""Relative difference between foretold and real objective at which the weights have settled."""
-ROUNDING = 1e-12
-"""Objective that is no more than rounding."""
 CLOSER = 0.25
 """Each refined lattice has lines this much closer than the one before."""
 SPARE = 3
@@ -79,10 +76,6 @@ NEIGHBOURS = (-1 / 4, -1 / 16, -1 / 64, 0.0, 1 / 64, 1 / 16, 1 / 4)
 """Places about a line to which it may move, in steps of the first lattice: far, or a little."""
 EXCHANGES = 20
 """Times that lines are added and others given up; most spectra take five."""
-SETTLED = 1e-6
-"""Share of the objective that further lines must explain to be worth another round."""
-ORTHOGONAL = 1e-6
-"""Cosine between what is left and a line up to which the line explains nothing of it."""
 
 
 def is_material(model: Model) -> bool:
@@ -357,7 +350,7 @@ class SpectrumSearch:
         if np.isfinite(at.foretold):
             if cost < at.best.cost:
                 at.best = replace(trial, cost=cost)
-            if abs(cost - at.foretold) <= FORETOLD * at.foretold + ROUNDING:
+            if abs(cost - at.foretold) <= NEGLIGIBLE * at.foretold + ROUNDING:
                 return False
         # What the last weights explain is put back: whole weights are found, and these must not be
         # negative.
@@ -476,7 +469,7 @@ class SpectrumSearch:
         for _ in range(EXCHANGES):
             carrying = trial.log_rates[trial.weights[2:] > 0.0]
             finer = self.solve(trial.u, np.union1d(carrying, self._promising(trial)))
-            if not finer.cost < (1.0 - SETTLED) * trial.cost:
+            if not finer.cost < (1.0 - NEGLIGIBLE) * trial.cost:
                 return min(trial, finer, key=lambda each: each.cost)
             trial = finer
         return trial
@@ -493,7 +486,7 @@ class SpectrumSearch:
         # explain.
         size = np.maximum(np.linalg.norm(columns, axis=1), 1e-300)
         slope = columns @ weighted(self.data - response.value, self.weights) / size
-        worth = slope[1:-1] > ORTHOGONAL * np.sqrt(trial.cost)
+        worth = slope[1:-1] > NEGLIGIBLE * np.sqrt(trial.cost)
         peaks = 1 + np.flatnonzero((slope[1:-1] >= slope[:-2]) & (slope[1:-1] >= slope[2:]) & worth)
         before, at, after = slope[peaks - 1], slope[peaks], slope[peaks + 1]
         # The top of the parabola through three neighbours; of a flat one its middle.

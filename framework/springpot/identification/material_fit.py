@@ -27,6 +27,7 @@ from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Real
 from springpot.rheology.thermal import arrhenius, wlf
 
+from ..numerics import DECADE
 from .material import ITERATIONS, STILL, Spectral, SpectrumSearch
 from .problem import Objective, relative_objective
 from .ranges import Window, settings
@@ -47,8 +48,6 @@ LOST = 3.0
 """The most that a prediction is wrong by; points further off say nothing."""
 STEP = 0.1
 """Grid of shifts in ln omega, beside which the best is found by a parabola."""
-GAP = float(np.log(10.0))
-"""Sweeps may lie up to a decade apart."""
 LAWS = 4096
 """Settings of a law that are held against the factors: each costs no fit."""
 NEAREST = 12
@@ -107,7 +106,7 @@ def _slope(x: Real, y: Real) -> Real:
 
 def _pair(one: _Curve, other: _Curve, moves: bool, lifts: bool) -> tuple[float, float]:
     """The ln a and ln b for which `other` at omega is b times `one` at a omega."""
-    low, high = one.x[0] - other.x[-1] - GAP, one.x[-1] - other.x[0] + GAP
+    low, high = one.x[0] - other.x[-1] - DECADE, one.x[-1] - other.x[0] + DECADE
     grid = np.zeros(1)
     if moves:
         grid = np.arange(low, high + STEP, STEP)

@@ -19,8 +19,9 @@ from springpot.rheology.continuum import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
+from ..numerics import ALIKE, NEGLIGIBLE
 from .expected_factors import Expected
-from .leastsquares import ALIKE, FLAT, Solution, levenberg_marquardt
+from .leastsquares import FLAT, Solution, levenberg_marquardt
 from .material import STILL, is_material, own_parameters
 from .material_fit import fit_spectrum, superposed
 from .problem import Objective, Problem, default_objective, numbers_of
@@ -46,8 +47,6 @@ CONFIRMED = 2
 """The same of descents that went to their ends, which is no chance meeting of two that were stopped
 on their way.
 """
-SAME = 1e-6
-"""Relative difference of the objectives at such ends that are one optimum."""
 SCANNED, NEAR = 1e-4, 1e-6
 """Damping at a start that a scan has found, and at one beside its end.
 
@@ -262,7 +261,7 @@ def fit(
         evaluations,
         bool(solution.converged[best]),
         perf_counter() - began,
-        _agreed(solution, task.floor[0], CONFIRMED, SAME),
+        _agreed(solution, task.floor[0], CONFIRMED, NEGLIGIBLE),
     )
 
 

@@ -9,6 +9,8 @@ import numpy as np
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import Real
 
+from ..format_numbers import NAMED
+from ..numerics import NEGLIGIBLE, ROUNDING
 from .allowed_shifts import refused_in_words
 from .native import Fit
 from .specimens import told
@@ -30,15 +32,9 @@ LOOSE = 2.0
 """Given standard deviations that a misfit may be on average before intervals by them are called too
 narrow.
 """
-AT_END = 1e-6
-"""Difference of an order from 0 or 1 that no measured phase shows."""
 NEAR_END = 0.1
 """The same that may be taken for none: the phase is within 9 degrees of a spring's or a dashpot's.
 """
-ROUNDING = 1e-12
-"""Between the end of an interval and the bound that cut it."""
-PAIRS = 3
-"""Correlated pairs that are told, the strongest."""
 
 
 def notes_on(known: Uncertainty, low: Real, high: Real) -> list[str]:
@@ -120,7 +116,7 @@ def _orders(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:
             continue
         for bound, end in ((0, low[i]), (1, high[i])):
             near = abs(known.fit.theta[i] - bound)
-            if near < AT_END:
+            if near < NEGLIGIBLE:
                 yield f"{parameter.name} is {bound}: the springpot is a {element[bound]}"
             elif near < NEAR_END and abs(end - bound) < ROUNDING:
                 yield (
@@ -162,7 +158,7 @@ def _correlated(known: Uncertainty) -> list[str]:
     # Neighbouring lines of a spectrum are nearly one: nobody asks for either by itself.
     correlation[detail] = correlation[:, detail] = 0.0
     rows, columns = np.tril_indices(len(names), -1)
-    order = np.argsort(-np.abs(correlation[rows, columns]), kind="stable")[:PAIRS].tolist()
+    order = np.argsort(-np.abs(correlation[rows, columns]), kind="stable")[:NAMED].tolist()
     pairs = [(int(rows[k]), int(columns[k])) for k in order]
     return [
         f"{names[j]} and {names[i]} are strongly correlated ({correlation[i, j]:+.3f}): the data"

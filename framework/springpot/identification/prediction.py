@@ -28,6 +28,7 @@ from springpot.rheology.points import KELVIN, Complex, Real
 from springpot.suggestions import suggested
 from springpot.thresholds import INTERVAL
 
+from ..numerics import NEGLIGIBLE, ROUNDING, SMALLEST
 from .uncertainty import lost_and_known
 
 if TYPE_CHECKING:
@@ -40,12 +41,6 @@ AT_REST = (-80.0, -160.0, -320.0, -640.0)
 
 A springpot of order 0.05 has fallen by 14 decades at the
 last, and beyond -700 the frequency itself is no number."""
-NOTHING = 1e-12
-"""Share of the measured stiffness that is no more than rounding."""
-SEEN = 1e-6
-"""Share of K by which a parameter that the data do not determine may move a prediction before it
-has no band.
-"""
 KNOWN_TO_EFFECTS = ("amplitude", "temperature")
 """Conditions that effects of a library may need."""
 FAR_KELVIN = 150.0
@@ -57,8 +52,6 @@ doi:10.1021/ja01619a008).
 """
 ENDLESS = 1e12
 """Variance of a coordinate that the tests do not determine: a million natural sizes."""
-TINY = 1e-300
-"""Angular frequency in place of none at all, whose logarithm would be no number."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -402,8 +395,8 @@ def _value_and_sd(
     if not np.any(still):
         return value, sd
     # At rest K may be zero, which limits approach but never reach: so little is none.
-    slowest = np.where(still, np.log(max(known.covered.rate[0], TINY)), log_omega)
-    tiny = NOTHING * float(np.min(np.abs(_at(known, slowest, conditions)[0])))
+    slowest = np.where(still, np.log(max(known.covered.rate[0], SMALLEST)), log_omega)
+    tiny = ROUNDING * float(np.min(np.abs(_at(known, slowest, conditions)[0])))
     for place in AT_REST:
         nearer, spread = _at(known, np.where(still, place, log_omega), conditions)
         # A limit that is no number further out keeps the last one that was.
@@ -444,5 +437,5 @@ def _band(by_u: Real, covariance: Real, size: Real) -> Real:
     """Standard deviations (n,) of what depends on the coordinates by `by_u` (n, q)."""
     lost, known = lost_and_known(covariance)
     variance = np.einsum("ij,jk,ik->i", by_u, known, by_u)
-    open_ended = np.any(np.abs(by_u[:, lost]) > SEEN * size[:, None], axis=1)
+    open_ended = np.any(np.abs(by_u[:, lost]) > NEGLIGIBLE * size[:, None], axis=1)
     return np.where(open_ended, np.inf, np.sqrt(np.maximum(variance, 0.0)))

@@ -28,6 +28,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT, Node
 from springpot.rheology.points import Complex, Points, Real
 
+from ..numerics import ALIKE
 from .space import SearchSpace, paper_box
 
 STEPS = (1e-3, 1e-4, 1e-5)
@@ -199,13 +200,6 @@ def _differences(model: Model, theta: Real, points: Points, direction: Real) -> 
     return differences
 
 
-LEAST_SIZE = 1e-9
-"""Share of the largest |K| by which a difference is divided at least.
-
-What is smaller is rounding of the others.
-"""
-
-
 @dataclass(frozen=True)
 class Objective:
     """A weighted sum of squared differences of K' and K'' (or of ln|K| and the phase).
@@ -317,7 +311,7 @@ def sizes(measurement: Measurement) -> Real:
     size = measurement.magnitude
     # A point of nearly no stiffness, as at an antiresonance, must not divide by zero and decide
     # alone.
-    return np.asarray(np.maximum(size, LEAST_SIZE * size.max()), dtype=np.float64)
+    return np.asarray(np.maximum(size, ALIKE * size.max()), dtype=np.float64)
 
 
 def relative_objective() -> Objective:

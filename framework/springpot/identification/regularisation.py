@@ -21,6 +21,7 @@ from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Complex, Points, Real
 from springpot.thresholds import INTERVAL
 
+from ..numerics import ALIKE
 from .around_material import reduced_range
 from .material import BEYOND, is_material
 from .native import Fit
@@ -34,8 +35,6 @@ WEAKEST, STRONGEST = -12.0, 8.0
 """Decades of the weight of smoothness, in units of the noise's variance, that are searched."""
 HALVINGS = 14
 """Of that range: the weight is found to 1e-3 decades."""
-EXACT = 1e-9
-"""Relative noise that is assumed at least: exact data would allow no smoothing at all."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,7 +208,7 @@ class _System:
         size = np.abs(material.respond(lines, Points(log_rates)).value)
         # Where a channel counts the other way no line has weight, and K is nowhere.
         size[size == 0.0] = np.mean(np.abs(data))
-        rounding = weighted(EXACT * data, weights)
+        rounding = weighted(ALIKE * data, weights)
         variance = max(fit.cost / max(fit.dof, 1), float(np.mean(rounding**2)))
         # Reduced once to as many rows as columns, because every halving and every draw solves it
         # again.

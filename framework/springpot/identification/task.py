@@ -11,8 +11,9 @@ from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Complex, Points, Real
 
+from ..numerics import ALIKE
 from .coordinates import Coordinates
-from .leastsquares import ALIKE, FLAT, Evaluate, Rows, Solution, levenberg_marquardt
+from .leastsquares import FLAT, Evaluate, Rows, Solution, levenberg_marquardt
 from .problem import require_derivative
 from .starts import (
     Branches,

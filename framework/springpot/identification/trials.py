@@ -8,10 +8,12 @@ import numpy as np
 
 from springpot.rheology.points import Real
 
-SHORTEST = 1e-7
-"""Step in coordinates, most of them logarithms, that changes nothing that is printed."""
 REACH = 3.0
 """Longest step of a coordinate: a factor of e^3 for a parameter searched by its logarithm."""
+
+
+SHORTEST = 1e-7
+"""Step in coordinates, most of them logarithms, that changes nothing that is printed."""
 
 
 @dataclass(frozen=True, eq=False)

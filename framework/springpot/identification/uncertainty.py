@@ -16,6 +16,7 @@ from springpot.distributions import student
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
+from ..numerics import NEGLIGIBLE
 from .coordinates import WIDEST, Coordinates
 from .leastsquares import Rows, levenberg_marquardt
 from .material import surprise_at, surprise_slopes
@@ -28,11 +29,6 @@ PART = 1e-3
 """Part in such a direction from which a parameter is lost with it.
 
 Rounding mixes directions by 1e-16 / RANK.
-"""
-TRACELESS = 1e-6
-"""Change of the data, over their size, by a factor e of a parameter that has left no trace.
-
-No instrument sees it.
 """
 PROFILED = 1e-4
 """Relative error of the ends of a profile's interval: below the four digits that are printed."""
@@ -120,7 +116,7 @@ class Uncertainty:
         # Zero is infinitely far from a logarithm: one that has left no trace in the data is as good
         # as there.
         free = log & (np.abs(np.where(np.isfinite(low), low, -WIDEST)) >= WIDEST)
-        traceless = np.linalg.norm(self.fit.jacobian_u, axis=0) <= TRACELESS * np.linalg.norm(
+        traceless = np.linalg.norm(self.fit.jacobian_u, axis=0) <= NEGLIGIBLE * np.linalg.norm(
             self._data_size
         )
         below = (u <= low + np.where(log, _slack(low), linear)) | (free & traceless & (u < 0))
@@ -202,11 +198,6 @@ class Uncertainty:
         own = self.fit.theta[-rows.shape[1] :]
         turn = self.fit.task.coordinates.slopes(self.fit.theta, self.fit.task.coordinates.size[0])
         return np.concatenate([self.fit.jacobian_u, surprise_slopes(rows, own, turn[-len(own) :])])
-
-    @property
-    def sd_u(self) -> Real:
-        """Standard deviations (p,) of search coordinates: relative for logarithmic parameters."""
-        return np.sqrt(np.diag(self.covariance))
 
     @cached_property
     def correlation(self) -> Real:

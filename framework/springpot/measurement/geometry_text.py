@@ -15,6 +15,7 @@ from springpot.drawing import draw
 from springpot.errors import DataError, OptionError, OutputError
 from springpot.markup import Html, joined, table, tag
 
+from ..format_numbers import LISTED
 from .geometry import GEOMETRIES, Geometry
 from .rows import Rows
 from .units import ANGLE_UNITS, LENGTH_UNITS, known_unit, normal_unit
@@ -141,10 +142,6 @@ def _example(kind: type[Geometry]) -> str:
     )
 
 
-SHOWN = 8
-"""Rows of a table; the curve shows the rest."""
-
-
 def html_of(data: Rows) -> Html:
     """The first rows in their units, and the curve where pictures can be drawn."""
     unit = data.units.stiffness
@@ -158,7 +155,7 @@ def html_of(data: Rows) -> Html:
         data.loss,
         *data.conditions.values(),
     ]
-    rows = [[f"{column[i]:.4g}" for column in columns] for i in range(min(SHOWN, len(data)))]
+    rows = [[f"{column[i]:.4g}" for column in columns] for i in range(min(LISTED, len(data)))]
     more = len(data) - len(rows)
     beside = joined(())
     if more > 0:

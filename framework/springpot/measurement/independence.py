@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 from springpot.rheology.points import Real
 from springpot.thresholds import VARIED
 
+from ..numerics import NORMAL
 from .measurement import CONDITIONS, Measurement, numbers_of_levels
 
 DECIMALS = 6
@@ -155,8 +156,6 @@ ROUNDS = 20
 
 Changes are below a per cent after ten.
 """
-NORMAL = 1.4826
-"""Standard deviation over the median of the absolute values of a normal distribution."""
 
 
 @dataclass(frozen=True)

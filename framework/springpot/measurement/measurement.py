@@ -20,6 +20,7 @@ from springpot.rheology.levels import HELD
 from springpot.rheology.points import KELVIN, ROOM, Complex, Points, Real
 from springpot.terminal_safe import plain
 
+from ..numerics import NEGLIGIBLE
 from .geometry import Conversion, Geometry, to_modulus, to_stiffness
 from .geometry_text import html_of, words_of
 from .rows import Rows, rows_without
@@ -32,8 +33,6 @@ if TYPE_CHECKING:
 CONDITIONS = ("temperature", "amplitude")
 NEARLY = 0.85
 """Likeness of a name to one of these from which it is taken for a slip."""
-WRITTEN = 1e-6
-"""By which the decimals of a converted temperature may be off: rounding, and no more."""
 WARM = 200.0
 """degC above which a number that ends in .15, as every whole degree does in kelvin, is taken for
 one in kelvin.
@@ -233,7 +232,7 @@ class Measurement(Rows):
                 f"{self.name}: temperature is in degC, and below the absolute zero of -273.15"
             )
         if celsius is not None and np.all(
-            (celsius > WARM) & (np.abs(celsius % 1.0 - KELVIN % 1.0) < WRITTEN)
+            (celsius > WARM) & (np.abs(celsius % 1.0 - KELVIN % 1.0) < NEGLIGIBLE)
         ):
             raise DataError(
                 f"{self.name}: temperature is in degC; {celsius[0]:g} looks like kelvin:"

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from springpot.errors import DataError
 from springpot.rheology.points import Complex, Real
 
+from ..format_numbers import LISTED
 from .units import Units
 
 
@@ -74,8 +75,6 @@ CLOSE = {"amplitude": 0.05}
 """Relative agreement of a condition, where it is coarser than one per cent."""
 PLACES = ("frequency", "omega", "row", "sample")
 """Columns that all tests of a kind have: they go without saying."""
-SHOWN = 12
-"""Values listed where none fits; of more the first ones and the last."""
 
 
 class Asked(Protocol):
@@ -256,6 +255,6 @@ def _matching_words(measured: Asked, key: str, value: str) -> NDArray[np.bool_]:
 
 def _listed(values: list[str]) -> str:
     # A message is one line: a column of a thousand values must not fill the screen.
-    if len(values) > SHOWN:
-        values = [*values[: SHOWN - 2], "...", values[-1]]
+    if len(values) > LISTED:
+        values = [*values[: LISTED - 2], "...", values[-1]]
     return ", ".join(values)

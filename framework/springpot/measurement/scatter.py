@@ -17,6 +17,7 @@ from springpot.distributions import chi2_quantile
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import SCATTER
 
+from ..numerics import ALIKE, NEGLIGIBLE, SMALLEST
 from .measurement import Measurement
 
 Source = Literal["given", "repeats", "estimated"]
@@ -25,17 +26,8 @@ LEAST_RELATIVE = 1e-7
 """No measurement scatters less than this share of |K|; smaller differences are arithmetic."""
 LEAST_VARIANCE = 1e-30
 """Stands for no scatter at all, of which there is no logarithm."""
-LEAST_PART = 1e-6
-"""Least share of |K| that a part counts with where noise goes by it.
-
-A part may cross zero, its noise does not.
-"""
-LEAST_RSS = 1e-300
-"""Stands for a residual of nothing, of which there is no logarithm."""
 MOST_DIGITS = 9
 """Digits from which a value counts as written in full: single precision has seven."""
-WHOLE = 1e-9
-"""Relative distance from a whole number that arithmetic leaves."""
 STUDENT_DOF = 4.0
 """Degrees of freedom of the tails by which shapes are compared.
 
@@ -104,7 +96,7 @@ class Noise:
         # freedom is a Student's t.
         if self.source == "repeats":
             return -0.5 * (self.dof + size) * float(np.log1p(rss / self.dof))
-        return -0.5 * size * float(np.log(max(rss, LEAST_RSS)))
+        return -0.5 * size * float(np.log(max(rss, SMALLEST)))
 
     def of(self, rows: NDArray[np.bool_]) -> Noise:
         """The noise of some of the points, (n,)."""
@@ -179,7 +171,7 @@ def _shapes_of(measurement: Measurement) -> Iterator[Shape]:
     """Noise proportional to |K|, to each part by itself, or beside a floor of constant force."""
     size = measurement.magnitude
     parts = [
-        np.maximum(np.abs(part), LEAST_PART * size)
+        np.maximum(np.abs(part), NEGLIGIBLE * size)
         for part in (measurement.storage, measurement.loss)
     ]
     yield Shape(size, size, True, 0.0)
@@ -201,7 +193,7 @@ def _uneven_shapes_of(measurement: Measurement) -> Iterator[Shape]:
     """
     size = measurement.magnitude
     parts = [
-        np.maximum(np.abs(part), LEAST_PART * size)
+        np.maximum(np.abs(part), NEGLIGIBLE * size)
         for part in (measurement.storage, measurement.loss)
     ]
     yield Shape(size, size, False, SCATTER.parts_differ)
@@ -453,7 +445,7 @@ def _fewest(power_of: Callable[[int], Real], size: Real) -> int | None:
     for power in range(12, -MOST_DIGITS, -1):
         step = 10.0 ** power_of(power)
         steps = size / step
-        if np.all(np.abs(steps - np.round(steps)) <= WHOLE * np.abs(steps)):
+        if np.all(np.abs(steps - np.round(steps)) <= ALIKE * np.abs(steps)):
             if np.max(np.abs(steps)) < 10.0**MOST_DIGITS:
                 return power
             return None

@@ -18,6 +18,7 @@ from springpot.errors import DataError
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import SIGNALS
 
+from ..numerics import ROUNDING
 from .fit import GONE, Basis, HarmonicFit, fit_harmonics, refined_frequency
 from .steady import (
     MendedSignals,
@@ -36,8 +37,6 @@ The fit's second transient column makes up for what lies between them.
 """
 LONGEST = 4.0
 """Periods; what dies away more slowly than that is a drift and cannot pass for a harmonic."""
-ROUNDING = 1e-20
-"""Share of the square of exact signals that is left over."""
 
 
 def fit_with_transient(record: MendedSignals, basis: Basis) -> tuple[Basis, HarmonicFit]:
@@ -75,7 +74,7 @@ def unsteady_cycles(fit: HarmonicFit) -> int:
     centre = settled.mean()
     scatter = float(np.sum(np.abs(settled - centre) ** 2))
     # Computed signals scatter by rounding only, which must not make every cycle an exception.
-    variance = max(scatter / (2 * (n - 1)), ROUNDING * float(abs(centre)) ** 2)
+    variance = max(scatter / (2 * (n - 1)), ROUNDING**2 * float(abs(centre)) ** 2)
     limit = 2 * variance * (1 + 1 / n) * fdtri(2, 2 * (n - 1), 1 - SIGNALS.first_cycle_alarm)
     unlike = np.abs(each[: len(each) // 2] - centre) ** 2 > limit
     # Only an unbroken beginning is a transient; what comes later is scatter.
@@ -113,9 +112,9 @@ def _strongest(record: MendedSignals, basis: Basis) -> tuple[Basis, Real, Real]:
         square += np.sum(both**2, axis=0)
         count += len(time)
     gain, explained = _gains(normal, right, size)
-    left = np.maximum(square - explained, ROUNDING * square) + np.finfo(float).tiny
+    left = np.maximum(square - explained, ROUNDING**2 * square) + np.finfo(float).tiny
     best = int(np.argmax(np.sum(gain / left, axis=1)))
-    noise = np.maximum(left - gain[best], ROUNDING * square) / max(count - size - 2, 1)
+    noise = np.maximum(left - gain[best], ROUNDING**2 * square) / max(count - size - 2, 1)
     # Too few samples to tell a transient from what the other columns leave.
     if count <= 2 * size:
         return basis, np.zeros(2), np.ones(2)

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from springpot.nonnegative import non_negative
 from springpot.rheology.points import Real
 
+from ..numerics import ALIKE, NEGLIGIBLE, NORMAL, ROUNDING
 from .measurement import Measurement
 from .timetest import TimeTest
 
@@ -27,8 +28,6 @@ FEWEST = 12
 """Samples below which the scatter tells nothing: then `ASSUMED` stands."""
 ASSUMED = 0.01
 """Relative noise where there are too few samples: rheometers state 1 to 2 %."""
-NORMAL = 1.482602218505602
-"""Standard deviation of normal noise over the median of its absolute values, 1/0.6745."""
 WIDE = 3.0
 """Ratio of the largest to the smallest signal from which a constant part can be told from a
 proportional one.
@@ -49,15 +48,6 @@ PLAINLY = 4.0
 RULED_OUT = 1e-3
 """Chance of levels that either kind of noise, or both, show by themselves: below it neither does.
 """
-NOTHING = 1e-12
-"""Share of the largest signal that stands for none, by which nothing can be divided."""
-LEAST_EXPECTED = 1e-6
-"""Share of the power found in a group that is expected there at least.
-
-Weights stay finite where parts are zero.
-"""
-LEAST = 1e-9
-"""Noise, over the largest signal, below which a record is taken as exact: it was computed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,14 +160,14 @@ def _noise(
     test: TimeTest, size: Real, absolute: float, relative: float, levels: _Levels | None
 ) -> SignalNoise:
     """Noise of these two parts, or as these levels show it, for a signal of that size (n,)."""
-    absolute = max(absolute, LEAST * float(np.abs(test.response).max()))
+    absolute = max(absolute, ALIKE * float(np.abs(test.response).max()))
     sd = np.hypot(relative * size, absolute)
     if test.kind == "history" and test.response.min() < 0.0 < test.response.max():
         # Where a loop crosses zero the rig is no quieter than elsewhere, and these few samples must
         # not outvote it.
         sd = np.full(len(test), float(np.sqrt(np.mean(sd**2))))
     elif levels is not None:
-        sd = np.maximum(levels.at(size), LEAST * float(np.abs(test.response).max()))
+        sd = np.maximum(levels.at(size), ALIKE * float(np.abs(test.response).max()))
     return SignalNoise(sd, absolute, relative, True)
 
 
@@ -231,7 +221,7 @@ def _two_parts(
     there would otherwise be found by chance, and make the noise too large where the signal is
     small.
     """
-    least = max(float(level.min()), NOTHING * float(level.max()))
+    least = max(float(level.min()), ROUNDING * float(level.max()))
     if level.max() < WIDE * least:
         return NORMAL * float(np.median(np.abs(scatter))), 0.0, None
     order = np.argsort(level)
@@ -272,7 +262,7 @@ def _fitted(columns: Real, levels: _Levels) -> tuple[Real, float]:
         # count for more.
         share = np.sqrt(worth) / expected
         parts, _ = non_negative(columns * share[:, None], power * share)
-        expected = np.maximum(columns @ parts, LEAST_EXPECTED * power)
+        expected = np.maximum(columns @ parts, NEGLIGIBLE * power)
     return parts, levels.cost(expected)
 
 
@@ -303,4 +293,4 @@ def relative_scatter(sweep: Measurement) -> float:
         scatters += [_scatter(clock, turned.real), _scatter(clock, np.unwrap(turned.imag))]
     if not scatters or sum(map(len, scatters)) < FEWEST - ORDER:
         return ASSUMED
-    return max(NORMAL * float(np.median(np.abs(np.concatenate(scatters)))), LEAST)
+    return max(NORMAL * float(np.median(np.abs(np.concatenate(scatters)))), ALIKE)

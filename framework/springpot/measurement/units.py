@@ -19,6 +19,8 @@ from springpot.errors import DataError
 from springpot.rheology.parameters import Dimension, Exponent
 from springpot.rheology.points import KELVIN
 
+from ..format_numbers import LISTED
+
 MODULI = {"shear": "G", "young": "E", "bulk": "K"}
 """What users call the moduli, and their letters."""
 MODULUS_WORDS = {"": "modulus", "G": "shear modulus", "E": "Young's modulus", "K": "bulk modulus"}
@@ -150,8 +152,6 @@ _POWER_BEFORE = re.compile(r"(?:[x×]\s*)?(?:10\^\s*(-?\d)|1[eE]([-+]?\d))\s*(?=
 _POWER_BEHIND = re.compile(r"([A-Za-z].*?)\s*[x×]\s*10\^\s*(-?\d)\Z")
 _PREFIXES = {3: "k", 6: "M", 9: "G", -3: "m", -6: "u"}
 _WITHOUT_BLANK = {"Nm": "N m", "mNm": "mN m", "uNm": "uN m", "kNm": "kN m", "Nmm": "N mm"}
-_SHOWN = 12
-"""Units that a message lists."""
 
 
 _IN_RUSSIAN = (
@@ -257,8 +257,8 @@ def known_unit(text: str, table: dict[str, float], what: str) -> str:
     if near:
         proposals = " or ".join(f"[{known}]" for known in near)
         hint = f"did you mean {proposals}? "
-    shown = ", ".join(list(table)[:_SHOWN])
-    if len(table) > _SHOWN:
+    shown = ", ".join(list(table)[:LISTED])
+    if len(table) > LISTED:
         shown += ", ..."
     raise DataError(f"unknown unit [{text}] for {what}: {hint}known are {shown}")
 

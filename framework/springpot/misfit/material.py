@@ -30,6 +30,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import SUPERPOSITION, VERDICT
 
+from ..format_numbers import NAMED
 from .error import Error
 from .refit import Refit, refit
 from .residual_battery import Battery, battery
@@ -40,8 +41,6 @@ FEWEST_LEVELS = 3
 """Levels from which one can stand out from the others."""
 POINTS_OF_EACH = 6
 """Points of a level from which a free spectrum can fail at it."""
-MOST_NAMED = 3
-"""Levels that are named in a sentence."""
 FOLLOWED = 0.1
 """Share of an error to which a spectrum follows a model that is a linear passive material itself.
 """
@@ -421,12 +420,10 @@ def strange_in_words(
     levels, strange : sequence of ConditionLevel
         All, and those that stand out.
     """
-    places = " and ".join(
-        with_unit(measurement, name, level.value) for level in strange[:MOST_NAMED]
-    )
-    if len(strange) > MOST_NAMED:
-        places = f"{places} and {len(strange) - MOST_NAMED} more"
-    errors = " and ".join(percent(level.error) for level in strange[:MOST_NAMED])
+    places = " and ".join(with_unit(measurement, name, level.value) for level in strange[:NAMED])
+    if len(strange) > NAMED:
+        places = f"{places} and {len(strange) - NAMED} more"
+    errors = " and ".join(percent(level.error) for level in strange[:NAMED])
     usual = percent(float(np.median([level.error for level in levels])))
     causes = "the instrument, the amplitude or a change of the specimen, not a shift"
     if name == "amplitude":

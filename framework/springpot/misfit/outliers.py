@@ -29,6 +29,7 @@ from springpot.measurement.mixed_tests import sweeps_of
 from springpot.rheology.points import Real
 from springpot.thresholds import OUTLIERS, SCATTER
 
+from ..numerics import ALIKE
 from .frame import LEAST_SEEN, NoiseFrame, drift_shapes, orthonormal, spectrum, waves
 from .mains_hum import HARMONICS, near_mains
 from .refit import Refit
@@ -39,8 +40,6 @@ MOST_TURNS = 10
 """Times that the points which stand out are found anew; nearly all settle in three."""
 FINE = 41
 """Periods tried between the neighbours of the strongest one."""
-LEAST_WAVE = 1e-9
-"""Singular value, beside the largest, below which a direction of a ripple is rounding."""
 MOST_RIPPLES = 2
 """Periods that are taken out of the scatter; a third could follow noise."""
 SLOWEST_RIPPLE = 16.0
@@ -188,7 +187,7 @@ def _energy_of_ripples(frame: NoiseFrame, left: Real, periods: Real) -> Real:
         )
         along = np.einsum("kji,j->ki", axes, np.concatenate([left[rows], left[rows + n]]))
         # The fastest alternation has no sine: its direction is rounding.
-        energy += np.sum(along**2 * (sizes > LEAST_WAVE * sizes[:, :1]), axis=1)
+        energy += np.sum(along**2 * (sizes > ALIKE * sizes[:, :1]), axis=1)
     return energy
 
 

@@ -26,11 +26,9 @@ from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import VERDICT
 
+from ..numerics import NEGLIGIBLE
 from .frame import Drawn, NoiseFrame
 from .words import times
-
-NO_INFLUENCE = 1e-06
-"""Relative change of K per relative change of a parameter below which that has no influence."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,7 +222,7 @@ class Refit:
         # residual to one side.
         at_lower = (self.theta <= bounds[:, 0] + room) & (downhill < 0)
         at_upper = (self.theta >= bounds[:, 1] - room) & (downhill > 0)
-        gone = logs & (influence < NO_INFLUENCE * np.sqrt(len(value)))
+        gone = logs & (influence < NEGLIGIBLE * np.sqrt(len(value)))
         free: NDArray[np.bool_] = ~(at_lower | at_upper | gone)
         return free
 

@@ -33,6 +33,7 @@ from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import VERDICT
 
+from ..numerics import MOST_STEPS
 from .frame import LEAST_SEEN, NoiseFrame, chance_of_squares, orthonormal, relative_to
 from .refit import Refit
 from .where import where
@@ -50,8 +51,6 @@ BEYOND = 5.0
 """Range of ln omega beyond the data in which bumps may lie."""
 MOST_BESIDE = 25
 """Bumps beyond each end of the data at most."""
-MOST_STEPS = 60
-"""Steps along the frequency at most."""
 WIDTHS = (0.3, 0.6, 1.2, 2.5, 5.0, 10.0)
 """Widths of the bumps in steps of the measured frequencies."""
 RESONANCES = (0.02, 0.05, 0.1, 0.2, 0.4, 0.8)

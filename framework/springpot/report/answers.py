@@ -25,6 +25,7 @@ from springpot.rheology.lookup import find_effect
 from springpot.rheology.nodes import Node
 from springpot.rheology.points import KELVIN, Points, Real
 
+from ..format_numbers import LISTED, NAMED
 from .document import Listing, Passage, Prose
 from .numbers import percent
 from .text import TextTable
@@ -92,8 +93,6 @@ HOPELESS = 0.01
 One in a hundred data sets.
 """
 RANKED = frozenset({"probability", "delta BIC", "predicted", "after"})
-SEEN_AT = 8
-"""Effects that are named of those that have no row."""
 FOLDED: Mapping[Shelf, str] = {
     "helps": "helps too",
     "ruled-out": "ruled out, as the error stays",
@@ -105,8 +104,6 @@ SHELVES: Mapping[Shelf, str] = {
 }
 LEAST_CHANCE = 1e-6
 """Chance that is told at least: of a smaller one nobody can mean the number."""
-EXPLAINED = 3
-"""Effects whose physics is told."""
 
 
 def diagnosis_document(
@@ -151,12 +148,12 @@ def diagnosis_document(
     # Told once: beside the fitted parameters, or else below the ranking.
     if not refers:
         below = effects_note(data, (row.effect for row in rows))
-    folded, absent = not_shown(diagnosis, rows, SEEN_AT), ""
+    folded, absent = not_shown(diagnosis, rows, LISTED), ""
     # Of an adequate model the sizes at which effects would have been seen are the answer; beside a
     # missing effect they are detail.
     if verbose or diagnosis.verdict == "adequate":
         folded = Prose()
-        absent = absent_text(diagnosis, SEEN_AT)
+        absent = absent_text(diagnosis, LISTED)
     title = f"{lead}{diagnosis.model.name} of {diagnosis.data}: {diagnosis.verdict}"
     return [
         Prose(f"{title}{_held_values(diagnosis, data)}", diagnosis.says),
@@ -359,7 +356,7 @@ def _after(row: Candidate, floor: float) -> str:
     return beside_floor(row.error_after, floor, 2)
 
 
-def physics(rows: Sequence[Candidate], most: int = EXPLAINED) -> Listing:
+def physics(rows: Sequence[Candidate], most: int = NAMED) -> Listing:
     """What the first effects do, in a sentence each."""
     return Listing([f"{row.effect}: {row.says}" for row in rows[:most]], mark="  ")
 

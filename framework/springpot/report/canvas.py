@@ -42,6 +42,10 @@ SUFFIXES = (".png", ".svg", ".pdf")
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Told apart by the colour-blind; doi:10.1038/nmeth.1618."""
 
+SMOOTH = 200
+"""Points of a drawn curve: hardly fewer than a picture has columns."""
+TENFOLD = 10.0
+"""Values that differ by more than this are drawn on a logarithmic axis."""
 NARROW = 300.0
 """A logarithmic axis whose ends differ by less than this factor is also labelled at 2 and 5."""
 

@@ -21,6 +21,7 @@ from springpot.identification.result import Identification
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.points import Real
 
+from ..format_numbers import NAMED
 from . import views
 from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic, save
 from .numbers import percent
@@ -268,8 +269,6 @@ def literal(text: str) -> str:
 DECADES = 4.0
 """Decades of H below its peak that a logarithmic axis shows: what is smaller is as good as nothing.
 """
-MOST_PEAKS = 4
-"""Peaks that the sentence names, the highest."""
 
 
 def figure_material(identified: Identification, path: str | Path | None = None) -> Figure | Path:
@@ -336,11 +335,11 @@ def in_words(spectrum: SmoothSpectrum, unit: str) -> str:
     low, high = (number(end, 2) for end in spectrum.within(0.5))
     half = f"half of the relaxing {number(total, 3)} {unit} at rates from {low} to {high} rad/s"
     # Two digits: no peak of such a spectrum is known better.
-    shown = [f"{number(spectrum.rates[i], 2)}" for i in spectrum.peaks[:MOST_PEAKS]]
+    shown = [f"{number(spectrum.rates[i], 2)}" for i in spectrum.peaks[:NAMED]]
     if not shown:
         return f"{half}; no peak within what was measured"
     word = "the peak"
     if len(shown) > 1:
-        word = f"{len(shown)} peaks, the highest first,"
+        word = f"{len(spectrum.peaks)} peaks, the highest first,"
     height = number(float(spectrum.density[spectrum.peaks[0]]), 2)
     return f"{half}; {word} of H at {', '.join(shown)} rad/s, {height} {unit} high"

@@ -19,6 +19,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test, sweep_of
 from springpot.versions import versions
 
+from ..format_numbers import LISTED
 from .answers import (
     absent_text,
     effects_note,
@@ -55,8 +56,6 @@ from .timetests import figure_tests, fits_in_time
 from .views import DrawnFit, Scene
 
 SUFFIXES = (".html", ".htm")
-RANKED = 10
-"""Effects in a ranking."""
 
 
 def check_report_path(path: str | Path) -> Path:
@@ -328,9 +327,9 @@ def _rankings(ladder: Ladder) -> Iterator[Html]:
 
 def _ranking(step: Step, diagnosis: Diagnosis) -> Iterator[Html]:
     yield tag("p", f"{_capital(diagnosis.says)}.")
-    shown = worth_showing(diagnosis, RANKED)
+    shown = worth_showing(diagnosis, LISTED)
     yield ranking(diagnosis, shown).as_html()
-    yield physics(shown, RANKED).as_html()
+    yield physics(shown, LISTED).as_html()
     if isinstance(step.examined, Case):
         raw = step.case.search.base.data.raw
         yield from _note(effects_note(raw, (row.effect for row in shown)))

@@ -12,6 +12,8 @@ from springpot.format_numbers import number
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.words import over_floor
 
+from ..format_numbers import LISTED
+from ..numerics import NEGLIGIBLE
 from .answers import (
     beside_floor,
     diagnosis_document,
@@ -35,8 +37,6 @@ MOVED = 1.1
 
 Their own uncertainty is about as large.
 """
-NOTHING = 1e-6
-"""Share of its old value below which a parameter is nothing."""
 
 
 def ladder_document(ladder: Ladder, verbose: bool = False) -> list[Passage]:
@@ -150,11 +150,11 @@ def change(ratio: float) -> str:
     """
     if ratio < 0.0:
         return "changed sign"
-    if ratio < NOTHING:
+    if ratio < NEGLIGIBLE:
         return "fell to nothing"
     if ratio < 1.0 / FAR:
         return f"fell more than {FAR:.0f}-fold"
-    if ratio > 1.0 / NOTHING:
+    if ratio > 1.0 / NEGLIGIBLE:
         return "rose beyond all bounds"
     if ratio > FAR:
         return f"rose more than {FAR:.0f}-fold"
@@ -191,8 +191,6 @@ def accepted_name(step: Step) -> str:
 SPARE = ("material floor", "predicted")
 """Columns of steps that a narrow window goes without, the first first."""
 HEADERS = ("model", "verdict", "error", "x floor", "delta BIC", "parameters")
-NAMED = 12
-"""Models of a group that are named."""
 
 
 def ranking_document(ranking: Ranking) -> list[Passage]:
@@ -265,9 +263,9 @@ def _alike(group: tuple[Judgement, ...]) -> str:
     # The effects that all share are told once, behind the names; other models are named in full,
     # and last.
     names = [one.base for one in same] + [one.name for one in others if one not in same]
-    text = f"{first} cannot be told from {', '.join(names[:NAMED])}"
-    if len(names) > NAMED:
-        text += f" and {len(names) - NAMED} more"
+    text = f"{first} cannot be told from {', '.join(names[:LISTED])}"
+    if len(names) > LISTED:
+        text += f" and {len(names) - LISTED} more"
     if first.effects and same:
         text += " with the same effects"
     return text

@@ -13,7 +13,8 @@ from springpot.rheology.points import KELVIN, Points, Real
 from springpot.superposition.curve import MasterCurve
 from springpot.superposition.laws import LawFit
 
-from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic
+from ..format_numbers import LISTED
+from .canvas import COLOURS, INK, QUIET, SMOOTH, TENFOLD, blank, finished, logarithmic
 from .document import Listing, Passage, Prose
 from .numbers import percent, seconds, with_interval
 from .text import TextTable
@@ -30,16 +31,10 @@ WORDS = {
     "not-simple": "one curve does not hold: it adds {added} to the error",
     "not-judged": "no level has points enough to judge whether one curve holds",
 }
-MOST_SAID = 8
-"""Places of failure that are told; the rest are in the JSON."""
 LEGEND = 8
 """Levels that a legend names; more are told by a bar of colours."""
-DECADE = 10.0
-"""Values that differ by more than this are drawn on a logarithmic axis."""
 EXACT = "exact by construction"
 """How far a law with as many constants as factors is off."""
-SMOOTH = 400
-"""Points of a drawn curve."""
 
 
 def mastercurve_document(master: MasterCurve) -> list[Passage]:
@@ -49,9 +44,9 @@ def mastercurve_document(master: MasterCurve) -> list[Passage]:
     """
     rest = master.simplicity
     reference = level_text(master.factors.column, master.reference)
-    places = [failure.says for failure in rest.failures[:MOST_SAID]]
-    if len(rest.failures) > MOST_SAID:
-        places.append(f"and {len(rest.failures) - MOST_SAID} places more, see --json")
+    places = [failure.says for failure in rest.failures[:LISTED]]
+    if len(rest.failures) > LISTED:
+        places.append(f"and {len(rest.failures) - LISTED} places more, see --json")
     laws: Passage = Prose()
     if master.laws:
         laws = _laws(master)
@@ -289,8 +284,8 @@ def _draw_factors(axes: Axes, master: MasterCurve, vertical: bool) -> None:
             label="not determined",
         )
         if not vertical:
-            axes.set_ylim(value.min() / DECADE, value.max() * DECADE)
-    if value.max() > DECADE * value.min():
+            axes.set_ylim(value.min() / TENFOLD, value.max() * TENFOLD)
+    if value.max() > TENFOLD * value.min():
         logarithmic(axes, "y")
     axes.set_xlabel(f"{master.factors.column}{_in_unit(master.unit)}")
     title = "factors a of frequency"
@@ -341,7 +336,9 @@ def _draw_errors(axes: Axes, master: MasterCurve) -> None:
         linewidth=1.0,
     )
     # A level with too few points has no error of its own, and is left out.
-    if max(level.error for level in levels) > DECADE * np.nanmin([level.alone for level in levels]):
+    if max(level.error for level in levels) > TENFOLD * np.nanmin(
+        [level.alone for level in levels]
+    ):
         logarithmic(axes, "y")
     else:
         axes.set_ylim(bottom=0.0)

@@ -1,11 +1,10 @@
-"""Pictures of networks with the standard symbols, as self-contained SVG or as PNG."""
+"""Pictures of networks with the standard symbols, as self-contained SVG."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
 from typing import TypeAlias
 from xml.sax.saxutils import escape, quoteattr
 
@@ -241,50 +240,3 @@ def network_svg(node: Node) -> str:
         f' font-family="sans-serif" font-size="{FONT}"'
         f' text-anchor="middle">\n{labels}\n</g>\n</svg>\n'
     )
-
-
-def network_png(node: Node, path: Path, scale: float = 2.0) -> None:
-    """Write a network as a PNG file; needs matplotlib.
-
-    Parameters
-    ----------
-    node : Node
-        Any network.
-    path : Path
-        Where to write.
-    scale : float
-        Pixels of the file for each of the SVG's.
-    """
-    from matplotlib.figure import Figure
-
-    width, height, drawn = _picture(node)
-    # By itself: pyplot would keep it in a global state.
-    figure = Figure(figsize=(width / 72, height / 72))
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    # SVG, for which the places were made, counts downwards.
-    axes.set(xlim=(0, width), ylim=(height, 0))
-    axes.axis("off")
-    for mark in drawn:
-        if isinstance(mark, Label):
-            # A dollar sign in a label begins no formula.
-            axes.text(
-                mark.x,
-                mark.y,
-                mark.text,
-                ha="center",
-                va="center",
-                fontsize=FONT - 1,
-                parse_math=False,
-            )
-        else:
-            points = mark.points
-            # A polygon of SVG closes itself; a line of matplotlib has to come back.
-            if mark.closed:
-                points += points[:1]
-            style = "-"
-            if mark.dashed:
-                style = ":"
-            axes.plot(
-                [x for x, _ in points], [y for _, y in points], style, color="black", linewidth=1.2
-            )
-    figure.savefig(path, dpi=72 * scale, format="png")

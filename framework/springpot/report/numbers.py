@@ -5,7 +5,9 @@ from __future__ import annotations
 from math import floor, isfinite, log10
 from typing import TYPE_CHECKING
 
-from springpot.format_numbers import TINY, at_place, exponent_of, number
+from springpot.format_numbers import at_place, exponent_of, number
+
+from ..numerics import SMALLEST
 
 if TYPE_CHECKING:
     from springpot.measurement.measurement import Measurement
@@ -46,7 +48,7 @@ def with_interval(value: float, low: float | None, high: float | None) -> tuple[
         return number(value), f"[{number(low)}, {number(high)}]"
     # A value of nothing has no size to count digits from: its interval has.
     sized = value
-    if abs(value) < TINY:
+    if abs(value) < SMALLEST:
         sized = width
     size = exponent_of(sized)
     place = max(_place(width), size - MOST_DIGITS + 1)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from springpot.comparison.ranking import MOST_DRAWN
 from springpot.identification.result import Identification
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
@@ -21,22 +22,16 @@ from springpot.timetests.residuals_of_tests import InTimePart, Test, parts_of_sp
 from springpot.timetests.verdict import TimeCase
 from springpot.timetests.where import TestPrediction
 
-from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic
+from .canvas import COLOURS, INK, QUIET, SMOOTH, TENFOLD, blank, finished, logarithmic
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MOST_DRAWN = 4
-"""Models in one picture: more colours are not told apart."""
-SMOOTH = 300
-"""Points of a drawn curve."""
 DRAWN = 2000
 """Samples that are drawn of a test: more make a picture large and no clearer."""
 CLOCKS = {"Hz": "f [Hz]", "rad/s": "ω [rad/s]"}
 """Titles of an axis of frequencies."""
-DECADE = 10.0
-"""Values that differ by more than this are drawn on a logarithmic axis."""
 
 
 def figure_tests(
@@ -94,7 +89,7 @@ def _draw_test(row: Sequence[Axes], part: InTimePart, fits: Sequence[Identificat
         axes.set_xlabel("t [s]")
         if scale == "log":
             logarithmic(axes, "x")
-            if test.response.min() > 0.0 and test.response.max() > DECADE * test.response.min():
+            if test.response.min() > 0.0 and test.response.max() > TENFOLD * test.response.min():
                 logarithmic(axes, "y")
     row[0].set_ylabel(f"{test.words[1]} [{test.response_unit}]")
     row[0].set_title(f"{test.name}: {test.kind}")

@@ -28,15 +28,11 @@ from springpot.measurement.measurement import Measurement
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Points, Real
 
-from .canvas import COLOURS, INK, QUIET, logarithmic
+from .canvas import COLOURS, INK, QUIET, SMOOTH, logarithmic
 from .sweeps import DrawnSweep, all_sweeps, chosen, travels, varies
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-
-SMOOTH = 200
-"""Points on each curve."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,7 @@ from typing import TypeAlias
 
 from springpot.errors import ModelError
 
+from ..numerics import ALIKE
 from .grammar import free_names
 from .parameters import Dimension, Exponent
 from .terms import Called, Joined, Name, Number, Power, Term
@@ -20,7 +21,6 @@ Unit: TypeAlias = dict[tuple[str, str], float]
 
 ``("?", "k")`` is the unit of the parameter k, yet to be found.
 """
-_SMALL = 1e-9
 PURE: Unit = {}
 OF_VARIABLE: dict[str, Unit] = {
     "omega": {("time", ""): -1.0},
@@ -197,7 +197,7 @@ def _sum(a: Unit, b: Unit, times: float = 1.0) -> Unit:
     whole = dict(a)
     for key, power in b.items():
         whole[key] = whole.get(key, 0.0) + times * power
-    return {key: power for key, power in whole.items() if abs(power) > _SMALL}
+    return {key: power for key, power in whole.items() if abs(power) > ALIKE}
 
 
 def _plain(power: float) -> float:

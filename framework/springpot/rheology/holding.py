@@ -61,12 +61,6 @@ class Held(Mapped):
     forward: Inserted
 
     @property
-    def scaled_alone(self) -> bool:
-        """Whether no stiffness is held, so that the free ones still scale the whole."""
-        pairs = zip(self.node.parameters, self.forward.values, strict=True)
-        return all(value is None or not parameter.unit.stiffness for parameter, value in pairs)
-
-    @property
     def released(self) -> Node:
         """The inner node."""
         return self.node

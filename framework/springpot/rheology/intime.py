@@ -15,6 +15,7 @@ import numpy as np
 
 from springpot.errors import ModelError
 
+from ..numerics import ALIKE
 from .elements import HALF_PI
 from .nodes import FULL, Node
 from .points import Points, Real
@@ -26,8 +27,6 @@ FAR = 300.0
 """Logarithm of a frequency at which a stiffness has come to its limit: 130 decades from one."""
 BEYOND = 1.0
 """Share of a decade by which a band of frequencies reaches beyond the inverse of the times."""
-LEVEL = 1e-9
-"""Power of omega below which a stiffness is level there: it has a finite, non-zero limit."""
 
 
 class Traced(NamedTuple):
@@ -128,7 +127,7 @@ class Passive:
                 response = part.respond(where, FULL)
                 # Its local power tells a part that is level from one that still falls or grows.
                 power = float((response.by_log_omega[0] / response.value[0]).real)
-                if abs(power) < LEVEL:
+                if abs(power) < ALIKE:
                     value, slopes = (
                         value + float(response.value[0].real),
                         slopes + response.by_theta[:, 0].real,

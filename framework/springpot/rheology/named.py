@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from springpot.errors import ModelError
 
+from ..numerics import ALIKE
 from .effect import Effect, Layer, Test
 from .elements import HALF_PI, KnownMass
 from .forms import SearchForm
@@ -29,8 +30,6 @@ from .own import Own, own_of, owned
 from .parameters import HasParameters, Parameter
 from .points import ROOM, Complex, Points, Real
 
-ALONG = 1e-9
-"""Sine of the angle between two slopes below which they are one direction."""
 _GRID = np.meshgrid(np.log(np.geomspace(0.1, 10.0, 5)), [0.5, 2.0], [280.0, 300.0], indexing="ij")
 _POINTS = Points(_GRID[0].ravel(), _GRID[1].ravel(), _GRID[2].ravel(), ROOM)
 
@@ -72,7 +71,7 @@ def same_twice(effect: Effect) -> bool:
         return False
     # Two of one kind are the same where both move K in one direction.
     left = second - first * (first @ second) / (first @ first)
-    return bool(np.linalg.norm(left) < ALONG * np.linalg.norm(second))
+    return bool(np.linalg.norm(left) < ALIKE * np.linalg.norm(second))
 
 
 def _inside(parameter: Parameter, share: float) -> float:

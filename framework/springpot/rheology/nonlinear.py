@@ -22,6 +22,7 @@ from typing import Any
 
 import numpy as np
 
+from ..numerics import ALIKE, MOST_STEPS
 from .formula import Formula
 from .laws import cubic_dashpot as cubic_dashpot_law
 from .laws import cubic_spring as cubic_spring_law
@@ -459,11 +460,6 @@ def crosstalk_force(force: str = "F", angle: str = "phi") -> Formula:
     return Formula(free, _leak, NEEDS_AMPLITUDE, "crosstalk", _no_third)
 
 
-NEWTON_STEPS = 40
-"""Six are enough for slip with exponents from 0.1 to 1 and forces over nine decades.
-
-The equation is monotone.
-"""
 LONGEST = 100.0
 """Longest step in the logarithm of the amplitude.
 
@@ -471,8 +467,6 @@ Between its two asymptotes the equation bends one way, so that a
 long first step ends beyond the solution and the next ones come back to it; this only keeps numbers
 finite.
 """
-CONVERGED = 1e-8
-"""Step after which only rounding is left, as Newton's method squares the error each time."""
 
 
 @dataclass(frozen=True)
@@ -546,7 +540,7 @@ class BalancedSeries(Composition):
         shape = np.broadcast_shapes(body.shape, (*own.shape[:-1], 1))
         # Begun as if the element took all of the displacement.
         log_own = np.broadcast_to(np.log(at.need("amplitude")), shape)
-        for _ in range(NEWTON_STEPS):
+        for _ in range(MOST_STEPS):
             there = at.at_amplitude(np.exp(log_own))
             own_value = element.respond(theta, there).value
             both = body + own_value
@@ -555,7 +549,7 @@ class BalancedSeries(Composition):
             slope = 1.0 + np.real(element.log_slope(theta, own_value) / both)
             step = np.clip(-off / slope, -LONGEST, LONGEST)
             log_own = log_own + step
-            if np.max(np.abs(step), initial=0.0) < CONVERGED:
+            if np.max(np.abs(step), initial=0.0) < ALIKE:
                 break
         there = at.at_amplitude(np.exp(log_own))
         # By the outer node again: the derivative is asked for by the parameters that are free.

@@ -27,6 +27,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics import ALIKE, ROUNDING
 from .elements import HALF_PI, FixedPower, KnownMass
 from .nodes import (
     FULL,
@@ -189,14 +190,8 @@ FAR = 8.0
 
 They are 3000 times as fast.
 """
-DISCRETE = 1e-8
-"""Share of K that the loss must reach on the negative axis to be a spectrum and not rounding."""
 NARROW = 1.2
 """Wider peaks in ln r do not disturb the trapezoidal rule, whose kernel has the width pi/2."""
-ROUNDED = 1e-13
-"""Step in ln r of Newton's method after which the next one is rounding."""
-SAME = 1e-9
-"""Step after which a search has ended, and distance in ln r within which two peaks are one."""
 MOST_SAMPLES, MOST_POLES = 250, 30
 """Of the rational approximation: it takes some 20 ms."""
 AROUND = 0.3
@@ -248,14 +243,14 @@ class Edge(NamedTuple):
         """Whether all relaxation is at single rates."""
         # Between its lines a discrete spectrum has no loss on the axis; a continuous one has it
         # everywhere.
-        return bool(np.all(np.abs(self.value.imag) <= DISCRETE * np.abs(self.value)))
+        return bool(np.all(np.abs(self.value.imag) <= ALIKE * np.abs(self.value)))
 
     @property
     def lines(self) -> NDArray[np.intp]:
         """Numbers of the steps in which there is a line: everywhere else K falls as r grows."""
         rise = np.diff(self.value.real)
         # Where K is all but zero, it also rises by rounding.
-        return np.flatnonzero(rise > DISCRETE * np.median(np.abs(self.value)))
+        return np.flatnonzero(rise > ALIKE * np.median(np.abs(self.value)))
 
     @property
     def clear(self) -> int:
@@ -368,9 +363,9 @@ def peaks_of(branch: Branch, edge: Edge) -> Complex:
         )
         # By no more than half a factor e at a time, lest it run on to another peak.
         u = u + change / np.maximum(2.0 * np.abs(change), 1.0)
-        if np.all(np.abs(change) < ROUNDED):
+        if np.all(np.abs(change) < ROUNDING):
             break
-    ended = (np.abs(change) < SAME) & (u.imag > 0.0) & (u.imag < NARROW)
+    ended = (np.abs(change) < ALIKE) & (u.imag > 0.0) & (u.imag < NARROW)
     within = ended & (u.real > edge.u[0]) & (u.real < edge.u[-1])
     # Neighbouring starts end at one peak, and it must count once.
     return np.unique(np.round(u[within], 9))
@@ -399,16 +394,11 @@ def all_peaks_of(branch: Branch, edge: Edge) -> Complex:
         # all the same.
         warnings.simplefilter("ignore")
         u = AAA(edge.u[some][fine], power[fine], rtol=1e-7, max_terms=MOST_POLES).poles()
-    within = (u.imag > SAME) & (u.imag < NARROW) & (u.real > edge.u[0]) & (u.real < edge.u[-1])
+    within = (u.imag > ALIKE) & (u.imag < NARROW) & (u.real > edge.u[0]) & (u.real < edge.u[-1])
     # One pole may be found twice, apart by rounding.
     return np.unique(np.round(u[within], 9))
 
 
-NARROWEST = 1e-12
-"""Half width of a peak in ln r at least.
-
-That of a line by itself is none, by which nothing can be divided.
-"""
 CUT_OFF = 0.1
 """Share of the tolerance that may be cut off at each end.
 
@@ -426,7 +416,7 @@ def nodes_of(low: float, high: float, step: float, peaks: Complex) -> tuple[Real
     """
     # The rule converges as its integrand is wide: what is narrow is stretched until it is as wide
     # as the kernel.
-    widths = np.maximum(peaks.imag, NARROWEST)
+    widths = np.maximum(peaks.imag, ROUNDING)
     # A peak as wide as the kernel needs no stretching; the narrower, the more.
     strengths = np.clip(1.0 - 2.0 * widths / np.pi, 0.0, 1.0)
 

@@ -15,6 +15,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics import ALIKE, ROUNDING
 from .points import Real
 
 Modes: TypeAlias = NDArray[np.inexact[Any]]
@@ -26,10 +27,6 @@ ROWS = 64
 """Parts of a block that are scanned side by side, as long as they are many."""
 RUN = 64
 """Evenly spaced samples that are one product of matrices."""
-EVEN = 1e-9
-"""Relative scatter of the steps below which the sampling is even."""
-HARDLY = 1e-12
-"""Below this |r h| the factor g is one to twelve digits; at nothing its closed form is 0/0."""
 SMALL = 1e-2
 """Below this |r h| the power series of g' is as exact as its closed form."""
 
@@ -62,7 +59,7 @@ def driven(rates: Modes, steps: Modes, changes: Real, mix: Modes, rate_mix: Mode
     moving = np.flatnonzero(np.any(rate_mix != 0.0, axis=1))
     last, last_slope = np.zeros(len(rates), dtype=kind), np.zeros(len(moving), dtype=kind)
     inner = steps[1:]
-    if n > BLOCK and not np.iscomplexobj(inner) and np.ptp(inner) <= EVEN * np.max(inner):
+    if n > BLOCK and not np.iscomplexobj(inner) and np.ptp(inner) <= ALIKE * np.max(inner):
         return _driven_evenly(rates, float(np.mean(inner)), changes, mix, rate_mix)
     for start in range(0, n, BLOCK):
         part = slice(start, min(start + BLOCK, n))
@@ -91,7 +88,7 @@ def _step(rates: Modes, step: Modes) -> tuple[Modes, Modes]:
     z = rates * step
     # 1 - exp(-z) as it stands would lose all digits of a slow mode in a short step.
     lost = -np.expm1(-z)
-    gain = np.where(np.abs(z) < HARDLY, 1.0, lost / np.where(z == 0.0, 1.0, z))
+    gain = np.where(np.abs(z) < ROUNDING, 1.0, lost / np.where(z == 0.0, 1.0, z))
     return 1.0 - lost, gain
 
 

@@ -17,6 +17,7 @@ import numpy as np
 
 from springpot.errors import ModelError
 
+from ..numerics import NEGLIGIBLE, ROUNDING
 from .effect import Effect, Layer
 from .elements import HALF_PI
 from .named import NamedNetwork
@@ -49,15 +50,11 @@ Those that have one stay far below.
 """
 NEGATIVE = 1e-7
 """Share of K by which H may be negative from rounding."""
-ROUNDING = 1e-12
-"""The same as a share of the largest K of the band: a network may cancel where it is soft."""
 SCALES = np.arange(-45.0, 45.0, 0.25)
 """Twenty decades of rates either side of one, in which a model's own relaxation times are sought.
 """
 MARGIN = 2.0 * np.log(10.0)
 """Two decades beyond a model's own times are of interest by default."""
-ONE_POWER = 1e-6
-"""Change of the local power of |K| in a step of `SCALES` up to which it is one power throughout."""
 NOTED = 0.05
 """Share of the largest change of that power from which a turn is a time of the model's own."""
 WITHOUT_TIME = (np.log(1e-3), np.log(1e3))
@@ -392,7 +389,7 @@ class Sum:
         change = np.abs(np.diff(power))
         # Where |K| grows as one power throughout, as of a springpot alone, no time stands out.
         largest = np.max(change)
-        if not largest > ONE_POWER:
+        if not largest > NEGLIGIBLE:
             return WITHOUT_TIME
         inner = change[1:-1]
         turns = (inner >= change[:-2]) & (inner >= change[2:]) & (inner > NOTED * largest)

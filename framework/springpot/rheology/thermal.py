@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..numerics import DECADE
 from .formula import Formula
 from .nodes import FULL, GRADIENT, VALUE, Composing, Composition, Response, Shift
 from .parameters import PURE, Dimension, Parameter, stiffness, viscosity
@@ -13,7 +14,6 @@ from .points import LARGEST_SHIFT, Points, Real
 
 GAS_CONSTANT = 8.31446261815324e-3
 """Molar gas constant in kJ/(mol K), exact in the SI of 2019."""
-LN_10 = float(np.log(10.0))
 NEEDS_TEMPERATURE = ("temperature",)
 ACTIVATION = Dimension(label="kJ/mol")
 
@@ -63,7 +63,7 @@ def _wlf(at: Points, c1: Any, c2: Any) -> Any:
     room = c2 + above
     # At and below the pole Tr - C2 the material is frozen: the shift stays at its bound.
     frozen = np.real(room) <= 1e-6
-    unit = -LN_10 * above / np.where(frozen, 1.0, room)
+    unit = -DECADE * above / np.where(frozen, 1.0, room)
     value, slopes, flat = bounded_shift(c1 * unit, (unit, -c1 * unit / np.where(frozen, 1.0, room)))
     return (
         np.where(frozen, LARGEST_SHIFT, value),

@@ -12,6 +12,7 @@ import numpy as np
 
 from springpot.errors import ModelError
 
+from ..numerics import ALIKE, NEGLIGIBLE
 from .dimensional import units_of
 from .formula import Formula
 from .grammar import free_names, names_in, parsed
@@ -25,10 +26,6 @@ EXPONENT = Parameter("n", "n", PURE, 0.0, 4.0, "linear", 1.0)
 KELVINS = Parameter("T", "T", Dimension(label="K"), 0.0, 1e4, typical=100.0)
 LEAST, MOST = 1e-18, 1e18
 """Sizes, beside those of the data, at which a law must be gone to be one that may be missing."""
-GONE = 1e-6
-"""Share of its usual size that is left there."""
-ROUNDING = 1e-9
-"""What a factor must differ from one by, elsewhere, to be more than rounding."""
 FACTORS = ("log-complex", "shift")
 
 
@@ -301,7 +298,7 @@ def size_of(element: Written) -> tuple[str, float] | None:
     at, usual = examples(element)
     law = element.law
     assert isinstance(law, TypedLaw)
-    least = ROUNDING if law.plane in FACTORS else 0.0
+    least = ALIKE if law.plane in FACTORS else 0.0
     with np.errstate(all="ignore"):
         whole = _there(law, at, usual)
         for place, parameter in enumerate(element.free):
@@ -312,7 +309,9 @@ def size_of(element: Written) -> tuple[str, float] | None:
                 others = [value * 1.3 for value in usual]
                 for values in (list(usual), others):
                     values[place] = factor * usual[place]
-                    if not np.all(np.abs(_there(law, at, values)) < GONE * np.max(np.abs(whole))):
+                    if not np.all(
+                        np.abs(_there(law, at, values)) < NEGLIGIBLE * np.max(np.abs(whole))
+                    ):
                         break
                 else:
                     if np.max(np.abs(whole)) > least:

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ..numerics import MOST_STEPS, ROUNDING
 from .elements import spring
 from .formula import Formula
 from .nodes import FULL
@@ -24,10 +25,6 @@ STAGE = 1.0 - sqrt(0.5)
 
 They are of second order and damp whatever is fast.
 """
-NEWTON_STEPS = 60
-"""Mostly five are enough; the equation is monotone and bends one way."""
-CONVERGED = 1e-12
-"""Relative step after which only rounding is left."""
 BALANCED = balanced_series(spring("k"), slip_film("F", "a"))
 
 
@@ -87,11 +84,11 @@ def _flowed(free: float, share: float, force: float, power: float, near: float) 
     z: float = min(size, force * (size / share) ** (1.0 / power))
     if near * free > 0.0:
         z = min(z, abs(near))
-    for _ in range(NEWTON_STEPS):
+    for _ in range(MOST_STEPS):
         flow = share * (z / force) ** power
         change = (z + flow - size) / (1.0 + power * flow / z)
         z -= change
-        if abs(change) <= CONVERGED * size:
+        if abs(change) <= ROUNDING * size:
             break
     if free < 0.0:
         return -z

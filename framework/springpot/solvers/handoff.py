@@ -12,6 +12,7 @@ import numpy as np
 from springpot.errors import ModelError
 from springpot.measurement.units import MODULUS_WORDS
 
+from ..numerics import NEGLIGIBLE
 from .prony import Solid, solid_of, young_of
 
 if TYPE_CHECKING:
@@ -212,7 +213,7 @@ class Writer:
                 f"{self.name} needs a modulus, and {handoff.model} is {given}: identify it with the"
                 " --geometry"
             )
-        if self.solid and not prony.equilibrium >= LEAST * prony.instantaneous:
+        if self.solid and not prony.equilibrium >= NEGLIGIBLE * prony.instantaneous:
             raise ModelError(
                 f"{self.name} needs a solid, and {handoff.model} is a liquid on this band"
                 f" (long-term modulus {prony.equilibrium:.3g}): add a spring beside it or begin the"
@@ -230,7 +231,3 @@ class Writer:
         if self.modulus:
             handoff = handoff.as_modulus(self.modulus)
         return self.text(handoff)
-
-
-LEAST = 1e-6
-"""Long-term over instantaneous modulus below which a material flows for every solver."""

@@ -24,6 +24,8 @@ from springpot.measurement.units import MODULUS_WORDS
 from springpot.nonnegative import non_negative
 from springpot.rheology.points import Complex, Real
 
+from ..numerics import HALVINGS
+
 if TYPE_CHECKING:
     from springpot.rheology.spectrum import Spectrum
 
@@ -253,8 +255,6 @@ def _weights(s: Complex, u: Real, target: Complex, share: Real, dashpot: bool) -
 BULKS = ("constant", "relaxing")
 RUBBERY = 0.45
 """Poisson's ratio above which the bulk modulus is taken to be constant, where nobody says."""
-HALVINGS = 100
-"""Of an interval with a root: beyond them only rounding is left."""
 
 
 @dataclass(frozen=True, eq=False)

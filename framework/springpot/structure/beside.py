@@ -16,18 +16,9 @@ import numpy as np
 
 from springpot.rheology.points import Real
 
+from ..numerics import NEGLIGIBLE, ROUNDING
 from .frame import Damper
 
-TURNING = 1e-12
-"""Speed that is next to none, in the damper's own unit of length a second.
-
-Which side of a jump is meant.
-"""
-JUMP = 1e-6
-"""Share of the force at a speed of one below which a change of side is no jump.
-
-It is then the foot of a slope.
-"""
 CLOSE = 1e-7
 """Relative change of the forces at which they are found.
 
@@ -74,8 +65,10 @@ class Beside:
                 self.sliders.append((slides, theta.tolist()))
         self.carried = [0.0] * len(self.sliders)
         # Asked on either side of rest: what differs there by more than a slope could is a jump.
-        back, on = self._pointwise(0.0, -TURNING), self._pointwise(0.0, TURNING)
-        self.jumps = on - back > JUMP * (self._pointwise(0.0, 1.0) - self._pointwise(0.0, -1.0))
+        back, on = self._pointwise(0.0, -ROUNDING), self._pointwise(0.0, ROUNDING)
+        self.jumps = on - back > NEGLIGIBLE * (
+            self._pointwise(0.0, 1.0) - self._pointwise(0.0, -1.0)
+        )
 
     def _pointwise(self, way: float, speed: float) -> float:
         """Force in the damper's own units, of all laws that remember nothing."""
@@ -110,8 +103,8 @@ class Beside:
             force = self.size * (self._pointwise(way, speed) + slid)
             return force, force
         back, on = (
-            self._pointwise(way, min(speed, -TURNING)),
-            self._pointwise(way, max(speed, TURNING)),
+            self._pointwise(way, min(speed, -ROUNDING)),
+            self._pointwise(way, max(speed, ROUNDING)),
         )
         return self.size * (back + slid), self.size * (on + slid)
 

@@ -22,10 +22,10 @@ from springpot.rheology.named import Placed
 from springpot.rheology.nodes import FULL
 from springpot.rheology.points import KELVIN, ROOM, Complex, Points, Real
 
+from ..numerics import MOST_STEPS, NEGLIGIBLE, ROUNDING
+
 Number = TypeVar("Number", np.float64, np.complex128)
 
-UPRIGHT = 1e-6
-"""Cosine of a slope that is none: rounding leaves 6e-17 of that of 90 degrees."""
 QUARTER = 0.5j * np.pi
 """By which ln s exceeds ln omega where s = i omega."""
 
@@ -89,7 +89,7 @@ class Damper:
         if not self.count > 0.0:
             raise ModelError(f"there are {self.count:g} of a damper: its count is above zero")
         # An upright one feels nothing of a drift, and its force is endless beside it.
-        if not UPRIGHT < self.cosine <= 1.0:
+        if not NEGLIGIBLE < self.cosine <= 1.0:
             raise ModelError(
                 "a damper slopes by less than 90 degrees against the floor, either way"
             )
@@ -345,12 +345,6 @@ class Frame:
         return value, slope
 
 
-ITERATIONS = 60
-"""Newton steps before a mode counts as not found."""
-CLOSE = 1e-12
-"""Relative change of an eigenvalue at which it is found."""
-
-
 @dataclass(frozen=True, eq=False)
 class Mode:
     """A free vibration x = Re(shape exp(s t)).
@@ -424,7 +418,7 @@ def _newton(frame: Frame, s: complex, shape: Complex, share: float) -> tuple[com
     n, border = len(shape), shape.conj()
     # Without its own damping too: that comes in with the dampers.
     bare = Frame(frame.mass, frame.stiffness)
-    for _ in range(ITERATIONS):
+    for _ in range(MOST_STEPS):
         # K_d(s) of a springpot is no polynomial: it is taken at s itself, with its exact slope.
         at = np.array([s])
         whole, plain = frame.dynamic(at), bare.dynamic(at)
@@ -435,7 +429,7 @@ def _newton(frame: Frame, s: complex, shape: Complex, share: float) -> tuple[com
         right = np.append(-value @ shape, 0.0)
         step = np.linalg.solve(system, right)
         shape, s = shape + step[:n], s + complex(step[n])
-        if abs(step[n]) <= CLOSE * abs(s):
+        if abs(step[n]) <= ROUNDING * abs(s):
             return s, shape
     raise ModelError(
         "a mode of the frame was not found: its dampers are far stiffer than its storeys"

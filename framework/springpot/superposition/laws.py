@@ -20,6 +20,8 @@ from springpot.rheology.points import KELVIN, Points, Real
 from springpot.rheology.thermal import arrhenius, temperature_power, vogel, wlf
 from springpot.thresholds import INTERVAL, SUPERPOSITION
 
+from ..numerics import NEGLIGIBLE
+
 Verdict = Literal["holds", "departs", "cannot-tell"]
 TRIES = 12
 """Starts of a law's fit along its second parameter, which alone can have two minima."""
@@ -28,13 +30,6 @@ BISECTIONS = 8
 
 Known to a few per cent.
 """
-EXACT = 1e-6
-"""Standard deviation in ln a to which no factor is known better.
-
-Exact data would make every law depart.
-"""
-BOUND = 1e-6
-"""Share of a parameter's range within which it rests on a bound: steps beyond end this near."""
 SLOWER = (
     "it relaxes more slowly when hot: no law of temperature does so; is the column a temperature,"
     " or did the specimen dry or cure?"
@@ -222,7 +217,7 @@ def slower_when_hot(factors: Factors, determined: NDArray[np.bool_]) -> list[str
     if factors.column != "temperature" or not len(used):
         return []
     away, log_a = factors.levels[used] - factors.levels[factors.reference], factors.log_a[used]
-    covariance = factors.covariance[np.ix_(used, used)] + EXACT**2 * np.eye(len(used))
+    covariance = factors.covariance[np.ix_(used, used)] + NEGLIGIBLE**2 * np.eye(len(used))
     # The slope of least squares over its standard deviation.
     weighing = np.linalg.solve(covariance, away)
     score = float(weighing @ log_a) / float(np.sqrt(weighing @ away))
@@ -292,7 +287,7 @@ class _Task:
 
         It is then the bound's value and not the material's.
         """
-        width = BOUND * (self.high - self.low)
+        width = NEGLIGIBLE * (self.high - self.low)
         return bool(np.any((theta - self.low < width) | (self.high - theta < width)))
 
     def own_error(self, start: Real, spare: int) -> float:
@@ -303,7 +298,7 @@ class _Task:
         Without it, factors that share an error would draw a law that is not theirs to one side of
         all of them.
         """
-        low, high = EXACT, float(np.ptp(self.target)) + EXACT
+        low, high = NEGLIGIBLE, float(np.ptp(self.target)) + NEGLIGIBLE
         for _ in range(BISECTIONS):
             # By its logarithm, as the size of the error is not known to a power of ten.
             middle = float(np.sqrt(low * high))
@@ -326,7 +321,7 @@ def _fitted(
         # In the covariance the vertical factors follow on all horizontal ones.
         offset, target = len(factors), factors.log_b[used]
     block = np.ix_(used + offset, used + offset)
-    covariance = factors.covariance[block] + EXACT**2 * np.eye(len(used))
+    covariance = factors.covariance[block] + NEGLIGIBLE**2 * np.eye(len(used))
     at = Points(np.zeros(len(factors)), temperature=kelvin, reference_temperature=reference)
     task = _Task(law, at, used, target, covariance, *_box(law, kelvin, reference))
     theta, square, slopes = task.solve(_starts(task.low, task.high))

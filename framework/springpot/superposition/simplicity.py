@@ -15,15 +15,17 @@ from numpy.typing import NDArray
 
 from springpot.distributions import f_sf, f_sum_sf, normal_sf
 from springpot.identification.free_factors import FactorRows, without
-from springpot.identification.levels_alone import TINY, Alone, parts_of
+from springpot.identification.levels_alone import Alone, parts_of
 from springpot.identification.problem import weighted
 from springpot.rheology.points import Real
 from springpot.thresholds import SUPERPOSITION
 
+from ..numerics import DECADE, ROUNDING
+
 Verdict = Literal["simple", "nearly-simple", "not-simple", "not-judged"]
-BAND = float(np.log(10.0))
-"""Width of a branch of relaxation times: a decade."""
-ROUNDING = 1e-8
+
+
+LEFT = 1e-8
 """Share of a direction's power left by rounding where spectrum and factors can do all of it."""
 
 
@@ -165,7 +167,7 @@ def _variance(alone: Alone, rows: FactorRows) -> Real:
     """
     common = np.bincount(rows.level_of_row, rows.scale**2) / np.bincount(rows.level_of_row)
     own = alone.cost / np.maximum(alone.dof, 1.0)
-    return np.maximum(np.where(alone.judged, own, common), TINY)
+    return np.maximum(np.where(alone.judged, own, common), ROUNDING**2)
 
 
 def _excess(alone: Alone, rows: FactorRows) -> Real:
@@ -246,9 +248,9 @@ def _missed_parts(rows: FactorRows, alone: Alone) -> list[Failure]:
         drawn = line[here][np.argsort(data.omega[here], kind="stable")]
         parts = zip(parts_of(data.subset(here)), (drawn.real, drawn.imag), strict=True)
         for word, (part, curve) in zip(rows.material.columns[1:], parts, strict=False):
-            off = (part.values - curve) / np.maximum(np.abs(part.values), TINY)
+            off = (part.values - curve) / np.maximum(np.abs(part.values), ROUNDING**2)
             typical = float(np.median(np.abs(off)))
-            ratio = float(np.mean(off**2)) / max(part.scatter**2, TINY)
+            ratio = float(np.mean(off**2)) / max(part.scatter**2, ROUNDING**2)
             chance = looked * float(f_sf(ratio, len(off), part.dof))
             if typical <= SUPERPOSITION.missed or chance >= SUPERPOSITION.alarm:
                 continue
@@ -334,14 +336,14 @@ def _branches(rows: FactorRows, alone: Alone) -> list[Failure]:
     by_shift = weights[:, None] * by_x * factor * (x - data.points.log_omega)
     # Of each line in |K|: what adds nothing to the data can be shifted as one likes.
     share = np.abs(weights[:, None] * basis * factor) / data.magnitude
-    band = np.floor(log_rates / BAND).astype(np.int64)
+    band = np.floor(log_rates / DECADE).astype(np.int64)
     columns, places = [], []
     for each in np.unique(band).tolist():
         lines = band == each
         # A branch at the edge of what was measured stands for all that lies beyond.
         if share[lines].sum(axis=0).max() > SUPERPOSITION.branch_seen and _inside(each, x):
             columns.append(by_shift[lines].sum(axis=0))
-            places.append(float(np.exp(-(each + 0.5) * BAND)))
+            places.append(float(np.exp(-(each + 0.5) * DECADE)))
     # A branch shifts more or less than the others: one alone has none to differ from.
     if len(columns) < 2:
         return []
@@ -362,7 +364,7 @@ def _branches(rows: FactorRows, alone: Alone) -> list[Failure]:
 
 
 def _inside(band: int, x: Real) -> bool:
-    return bool((band + 1) * BAND > x.min() and band * BAND < x.max())
+    return bool((band + 1) * DECADE > x.min() and band * DECADE < x.max())
 
 
 def _one_step(
@@ -381,7 +383,7 @@ def _one_step(
     slopes = without(np.column_stack([spectrum, rows.factors]) / scale, asked)
     square = np.sum(slopes**2, axis=0)
     whole = np.sum(asked**2, axis=0)
-    seen = square > ROUNDING * np.maximum(whole, 1e-300)
+    seen = square > LEFT * np.maximum(whole, 1e-300)
     square = np.where(seen, square, 1.0)
     residual = rows.residual / scale[:, 0]
     size = np.where(seen, slopes.T @ residual / square, 0.0)

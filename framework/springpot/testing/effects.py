@@ -12,6 +12,7 @@ from springpot.rheology.effect import CONTROLS, Effect, Layer
 from springpot.rheology.model import Model
 from springpot.rheology.points import Points
 
+from ..numerics import NEGLIGIBLE
 from .laws import law_aspects
 from .networks import (
     POINTS,
@@ -28,8 +29,6 @@ from .networks import (
 COLUMNS = frozenset({"amplitude", "temperature"})
 NEARLY = 1e-24
 """Distance from the size at which an effect vanishes, relative to its typical size."""
-GONE = 1e-6
-"""Relative change of K that is left there; more means that the effect does not vanish."""
 
 
 def check_effect(effect: Effect, *, on: Model = SAMPLE, skip: Collection[str] = ()) -> list[str]:
@@ -108,7 +107,7 @@ def _vanishes(effect: Effect, on: Model, grown: Model) -> Iterator[str]:
     else:
         theta[:, n] = null + NEARLY * null
     left = np.max(np.abs(grown.stiffness(theta, POINTS) / alone - 1.0))
-    if not left < GONE:
+    if not left < NEGLIGIBLE:
         yield (
             f"it does not vanish when {size.name}, its first parameter, goes to {null:g}: K still"
             f" changes by {left:.1e}; put the parameter that measures its size first, or give"

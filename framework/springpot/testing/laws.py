@@ -18,6 +18,7 @@ from springpot.timetests.recording import recorded
 from springpot.timetests.residuals_of_tests import InTimePart
 from springpot.timetests.specimen import Scales, tries_of
 
+from ..numerics import ALIKE
 from .networks import SEED, Aspect
 
 MODEL = Model("sample", parallel(spring("k0"), series(spring("k"), springpot("c", "alpha"))))
@@ -31,8 +32,6 @@ The response itself is good to 1e-6.
 """
 APART = 0.03
 """Share of the samples that may lie at a corner, where a difference is no derivative."""
-NEARLY = 1e-9
-"""Distance from the size at which an effect is absent, over the size that was tried."""
 GONE = 1e-5
 """Change of the record that is left there, over the largest response."""
 
@@ -140,9 +139,9 @@ def _vanishes(effect: Effect, tests: list[TimeTest]) -> Iterator[str]:
             yield f"in a {test.kind} test it changes nothing at a size that is tried"
         tried, null = abs(theta[n]), effect.vanishes_at
         if np.isinf(null):
-            theta[n] = tried / NEARLY
+            theta[n] = tried / ALIKE
         else:
-            theta[n] = null + NEARLY * tried
+            theta[n] = null + ALIKE * tried
         left = np.abs(recorded(MODEL + effect, theta, test).value[1:] - there).max() / size
         if not left < GONE:
             yield (

@@ -122,10 +122,10 @@ def _files(samples: list[bytes]) -> Iterator[bytes]:
         for _ in range(RANDOM_FILES):
             # Cut off, then with bytes that are wrong: what a broken transfer and a broken disk make
             # of a file.
-            yield sample[: rng.integers(0, len(sample))]
+            yield sample[: rng.integers(len(sample))]
             damaged = bytearray(sample)
-            for place in rng.integers(0, len(sample), 3):
-                damaged[place] = rng.integers(0, 256)
+            for place in rng.integers(len(sample), size=3):
+                damaged[place] = rng.integers(256)
             yield bytes(damaged)
 
 

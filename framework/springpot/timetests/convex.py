@@ -19,6 +19,7 @@ from springpot.identification.material import PER_DECADE
 from springpot.nonnegative import non_negative
 from springpot.rheology.points import Real
 
+from ..numerics import HALVINGS
 from .residuals_of_tests import InTimePart, TestPart
 from .start import answers_of
 
@@ -37,8 +38,6 @@ The exact response tells those apart that differ by more than a twentieth.
 """
 MOST = 2000
 """Samples that the lines are read off: more take longer and show no more."""
-HALVINGS = 100
-"""Of an interval between two rates, until nothing but rounding is left of it."""
 
 
 class ConvexSpectrum(NamedTuple):

@@ -27,6 +27,7 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
+from ..numerics import NEGLIGIBLE
 from .exponentials import UnfollowedError, quick_parts
 from .fitting import identify
 from .floor import material_floor
@@ -78,11 +79,6 @@ COSTLY = 0.05
 """Share of the best promise that makes an effect by which the specimen swings worth its fit."""
 ASTRAY = 3.0
 """Error over the noise of the best effect from which its fit is not believed to be at its minimum.
-"""
-NOTHING = 1e-6
-"""Share of the sum of squares that two searches for the same minimum may differ by.
-
-They stop at less.
 """
 
 
@@ -257,7 +253,7 @@ def _no_worse(each: Tried, before: Left) -> Tried:
 
     It has no size.
     """
-    if _power(each.left) < (1.0 - NOTHING) * _power(before):
+    if _power(each.left) < (1.0 - NEGLIGIBLE) * _power(before):
         return each
     return replace(each, left=replace(before, count=each.left.count), fit=None)
 

@@ -25,6 +25,7 @@ def discover(
     progress: Progress = silent,
     reached: Reached | None = None,
     accuracy: Accuracy | None = None,
+    begun: Ladder | None = None,
 ) -> Ladder:
     """Add missing effects one by one; see `springpot.diagnosis.ladder.climbed`.
 
@@ -36,7 +37,7 @@ def discover(
         Where to begin.
     effects : sequence of Effect, optional
         What may be missing; by default all that is installed.
-    accept, progress, reached
+    accept, progress, reached, begun
         As for `climbed`.
     accuracy : Accuracy, optional
         What the instrument promises.
@@ -50,7 +51,7 @@ def discover(
         model = parse_model(model)
     if effects is None:
         effects = list(plugins().items("effect"))
-    return climbed(TimeRungs(tests, effects, accuracy), model, accept, progress, reached)
+    return climbed(TimeRungs(tests, effects, accuracy), model, accept, progress, reached, begun)
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,6 +29,7 @@ from springpot.rheology.nodes import GRADIENT, Response
 from springpot.rheology.points import Complex, Points, Real
 from springpot.rheology.stages import on_clock, on_loading
 
+from ..numerics import ALIKE
 from .recording import Clock, at_stage, indices, reached, shown, spread
 from .residuals_of_tests import InTimePart, Residual, TestPart
 from .start import answers_of
@@ -60,8 +61,6 @@ There they are read off.
 """
 CLOSE = 0.05
 """How nearly K must go there as omega or omega squared."""
-ROUNDING = 1e-9
-"""Share of a change of K that is rounding."""
 STEP = 1e-5
 """Relative step of the derivative by a clock's parameters, which a search needs to three digits."""
 
@@ -198,7 +197,7 @@ class QuickPart(InTimePart):
         missed = np.linalg.norm(basis @ amounts - asked, axis=0)
         # Of a mass alone nothing but rounding is left to be followed.
         whole = np.linalg.norm(change[:, :-2] * self.share, axis=1)
-        good = missed <= FOLLOWED * np.linalg.norm(asked, axis=0) + ROUNDING * whole
+        good = missed <= FOLLOWED * np.linalg.norm(asked, axis=0) + ALIKE * whole
         # What was taken off K comes back as amounts of dashpot and mass.
         amounts[1:3] += ends
         return np.where(good, amounts, np.nan)

@@ -24,15 +24,12 @@ from springpot.rheology.continuum import Continuum
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
+from ..numerics import ALIKE, MOST_STEPS, NEGLIGIBLE
 from .convex import CLOSER, ConvexSpectrum, lattice, lines_of
 from .residuals_of_tests import InTimePart, TestPart
 from .specimen import Scales, tries_of
 from .where import rms
 
-STEPS = 60
-"""A relaxation alone takes two, a creep or an effect around the material ten to thirty."""
-ROUNDING = 1e-9
-"""Relative error below which a test counts no more: what is left is arithmetic."""
 STILL = 1e-7
 """Relative drop of the sum of squares below which a step changes nothing that is printed."""
 NEARLY_STILL = 1e-4
@@ -42,8 +39,6 @@ BRIEF = 3
 
 The material needs two, and the effect one.
 """
-SHORTEST = 1e-6
-"""Share of a step below which none goes downhill."""
 LONGEST = 1.0
 """Of a step of a searched coordinate, most of which are logarithms.
 
@@ -132,12 +127,12 @@ def spectral(
     """
     search = _Search(model, parts, reference, coordinates)
     starts = [search.placed(search.start()), *search.seeded(seeds)]
-    ends = [(search, search.descended(start, STEPS)) for start in starts]
+    ends = [(search, search.descended(start, MOST_STEPS)) for start in starts]
     # From all lines alike a creep may end anywhere: its own convex form, which knows no effect,
     # tells where it lies.
     for lines in [lines_of(part) for part in parts if isinstance(part, InTimePart)]:
         other = _Search(model, parts, reference, coordinates, lines)
-        ends.append((other, other.descended(other.placed(other.start()), STEPS)))
+        ends.append((other, other.descended(other.placed(other.start()), MOST_STEPS)))
     return _best(ends, parts)
 
 
@@ -166,8 +161,7 @@ def descended_from(
         alone = [descended_from(lines, model, [part], reference, around) for part in parts]
         pairs = list(zip(parts, alone, strict=True))
         parts = [
-            part.with_scale(max(_left_by(found, part, reference), ROUNDING))
-            for part, found in pairs
+            part.with_scale(max(_left_by(found, part, reference), ALIKE)) for part, found in pairs
         ]
         known += [found.spectrum for found in alone]
     elif len(around.own):
@@ -182,7 +176,7 @@ def descended_from(
     if not starts:
         raise ModelError(f"{model.name} cannot be followed in these tests")
     search, start = min(starts, key=lambda each: each[1].cost)
-    return _best([(search, search.descended(start, STEPS, NEARLY_STILL))], parts, spared=False)
+    return _best([(search, search.descended(start, MOST_STEPS, NEARLY_STILL))], parts, spared=False)
 
 
 def _left_by(found: FoundLines, part: TestPart, reference: float) -> float:
@@ -233,11 +227,6 @@ No test is run for less.
 """
 SEEN = 4.0
 """Rise of the sum of squares over the noise that such a move must cost: two standard deviations."""
-LEAST = 1e-9
-"""Share of the stiffness that a line keeps while others are sought.
-
-A thousandth of the best transducer's noise.
-"""
 
 
 class MaterialPoint(NamedTuple):
@@ -350,7 +339,7 @@ class _Search:
         search.rates, search.count = np.exp(rates), 2 + len(rates)
         search.model = with_rates(self.model, search.rates.tolist())
         weights = np.concatenate([place.weights[:2], before[first]])
-        return search, search.descended(place._replace(weights=weights), STEPS)
+        return search, search.descended(place._replace(weights=weights), MOST_STEPS)
 
     def found(self, place: MaterialPoint, evaluations: int) -> FoundLines:
         """What is known of this place."""
@@ -364,7 +353,7 @@ class _Search:
             search = copy(self)
             search.parts, search.evaluations, search.last = list(parts), 0, None
             start = place._replace(cost=search.cost(weights, u))
-            end = search.descended(start, STEPS)
+            end = search.descended(start, MOST_STEPS)
             return search.found(end, search.evaluations)
 
         return FoundLines(model, theta, evaluations, self.untold(weights, u), again)
@@ -401,7 +390,7 @@ class _Search:
     def _residual(self, weights: Real, u: Real) -> tuple[Real, Real]:
         # A line of no weight at all has no place among the times of the creep, and so no slope
         # there.
-        least = LEAST * weights.sum()
+        least = ALIKE * weights.sum()
         theta = np.concatenate([weights[:2], np.maximum(weights[2:], least), self.own(u)])
         # A step that is taken asks for the slopes of where its cost was asked for.
         if self.last is not None and np.array_equal(self.last[0], theta):
@@ -483,7 +472,7 @@ class _Search:
         share = 1.0
         # A share of the way gains twice that share of it at most: less than `STILL` would end the
         # descent, found or not.
-        while share > SHORTEST and 2.0 * share * gain > STILL * cost:
+        while share > NEGLIGIBLE and 2.0 * share * gain > STILL * cost:
             there = u + share * move
             # Between two sets of weights without a negative one there is none with one.
             nearer = weights + share * (wanted - weights)

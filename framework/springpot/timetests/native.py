@@ -25,6 +25,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
+from ..numerics import ROUNDING
 from .exponentials import UnfollowedError, quick_parts
 from .residuals_of_tests import InTimePart, SweepPart, TestPart
 from .specimen import Scales, runs_against, tries_of
@@ -37,8 +38,6 @@ AT_LEISURE = 60
 """Steps of the best start where each costs next to nothing."""
 LAST = 30
 """Steps with all of them."""
-LEAST_INFORMATION = 1e-12
-"""Of a coordinate: its standard deviation would be a million natural sizes."""
 ORDERS = (0.3, 0.5, 0.8)
 """Of springpots, to begin at.
 
@@ -394,7 +393,7 @@ class TimeSearch:
             information += slopes @ slopes.T / scatter
         # A direction that no test sees is left with next to no information, and so with endless
         # variance.
-        scale = np.sqrt(np.maximum(np.diag(information), LEAST_INFORMATION))
+        scale = np.sqrt(np.maximum(np.diag(information), ROUNDING))
         scaled = information / np.outer(scale, scale) + 1e-12 * np.eye(len(u))
         covariance: Real = np.linalg.inv(scaled) / np.outer(scale, scale)
         return covariance

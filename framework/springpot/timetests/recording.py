@@ -26,11 +26,7 @@ from springpot.rheology.nodes import Composing, Node
 from springpot.rheology.points import KELVIN, ROOM, Real
 from springpot.rheology.stages import acting, on_clock, on_loading, on_response
 
-SUDDEN = 1e-6
-"""Share of the time to the next sample that a step takes.
-
-It is a ramp here, whose error is of that size.
-"""
+from ..numerics import NEGLIGIBLE, ROUNDING
 
 
 def warming(
@@ -86,13 +82,8 @@ def _gradual(loading: Loading, samples: Real) -> Loading:
         wait = 1.0
         if len(later):
             wait = float(later.min()) - time[i]
-        time[i + 1] += SUDDEN * wait
+        time[i + 1] += NEGLIGIBLE * wait
     return Loading(time, loading.value)
-
-
-TOLERANCE = 1e-6
-"""Relative error of K for which the spectrum is read: a thousandth of the best transducer's noise.
-"""
 
 
 def predicted(
@@ -101,7 +92,7 @@ def predicted(
     test: TimeTest,
     reference: float | None = None,
     at: Real | None = None,
-    tolerance: float = TOLERANCE,
+    tolerance: float = NEGLIGIBLE,
 ) -> Traced:
     """The response of a model to the loading of a test.
 
@@ -149,7 +140,11 @@ def predicted(
 
 
 def specimen(
-    model: Model, theta: Real, test: TimeTest, reference: float | None, tolerance: float = TOLERANCE
+    model: Model,
+    theta: Real,
+    test: TimeTest,
+    reference: float | None,
+    tolerance: float = NEGLIGIBLE,
 ) -> InTime:
     """A model with its parameters at the temperature of a test."""
     if reference is None:
@@ -218,7 +213,7 @@ def recorded(
     test: TimeTest,
     reference: float | None = None,
     at: Real | None = None,
-    tolerance: float = TOLERANCE,
+    tolerance: float = NEGLIGIBLE,
 ) -> Traced:
     """What a test records of a model and of what the test itself did; see `predicted`.
 
@@ -507,10 +502,6 @@ def _pace(law: Node, values: Real, here: Real) -> Real:
     return pace
 
 
-ONE_INSTANT = 1e-12
-"""Share of a record below which two times of it differ by rounding alone."""
-
-
 def _by_clock(inside: InTime, loading: Loading, clock: Clock, t: Real, control: str) -> Real:
     """Derivatives (n, q) of the response by the parameters of the clock."""
     # Jumps and the rest apart: the answer to a jump has its derivative in closed form, the rest a
@@ -530,7 +521,7 @@ def _by_clock(inside: InTime, loading: Loading, clock: Clock, t: Real, control: 
         turned, own = clock.with_slopes(grid)
         imposed = np.interp(grid, smooth.time, smooth.value)
         # The end of a ramp beside a sample, nearer than a clock can tell, is one instant.
-        apart = np.concatenate([[True], np.diff(turned) > ONE_INSTANT * np.ptp(turned)])
+        apart = np.concatenate([[True], np.diff(turned) > ROUNDING * np.ptp(turned)])
         whole = inside.by_clock(turned[apart], imposed[apart], control, own[apart])
         derivatives += whole[(np.cumsum(apart) - 1)[np.searchsorted(grid, t)]]
     return derivatives

@@ -34,8 +34,9 @@ from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 
+from ..numerics import NEGLIGIBLE
 from .digits import digit_of, roundings
-from .recording import TOLERANCE, recorded, spread
+from .recording import recorded, spread
 from .scatter import ResidualScatter, scatter_of, scatter_of_sweep
 from .start import apparent
 from .where import places, rms
@@ -345,7 +346,7 @@ class InTimePart(TestPart):
 
     def answer(self, model: Model, theta: Real, reference: float, rows: NDArray[np.intp]) -> Traced:
         """What the test records of a model and of what it did itself."""
-        return recorded(model, theta, self.test, reference, self.at[rows], TOLERANCE)
+        return recorded(model, theta, self.test, reference, self.at[rows], NEGLIGIBLE)
 
     def with_sd(self, sd: Real) -> Self:
         """The same with this noise."""

@@ -21,6 +21,8 @@ from numpy.typing import NDArray
 
 from springpot.rheology.points import Real
 
+from ..numerics import ALIKE, NORMAL
+
 FEWEST = 40
 """Samples below which a spectrum tells nothing.
 
@@ -66,12 +68,8 @@ EFFICIENT = 18.0 / 35.0
 """The same of second differences (von Neumann et al. 1941, doi:10.1214/aoms/1177731746)."""
 OF_FOURTH = 0.38
 """The same of fourth differences: what goes up and down over four points is no noise to them."""
-NORMAL = 1.482602218505602
-"""Standard deviation of normal noise over the median of its absolute values."""
 LEVEL = 4
 """Samples on either side of a jump at least: two that are off by chance are none yet."""
-KNOWN = 1e-8
-"""Share of the best known direction of the parameters below which one is not known at all."""
 
 
 @dataclass(frozen=True)
@@ -348,7 +346,7 @@ def likeliest_jump(
     size = np.linalg.norm(whole, axis=0)
     size[size == 0.0] = 1.0
     basis, values, turn = np.linalg.svd(whole / size, full_matrices=False)
-    good = values > KNOWN * values.max(initial=0.0)
+    good = values > ALIKE * values.max(initial=0.0)
     basis, turn = basis[:, good], (turn[good].T / values[good]) / size[:, None]
     missed = value - basis @ (basis.T @ value)
     rows = [slice(*ends) for ends in pairwise(np.cumsum([0, *map(len, white)]).tolist())]
@@ -387,7 +385,7 @@ def _jumps(
     taken = _from_each(at, after, basis)
     alone = at**2 + np.append(np.cumsum((after**2)[::-1])[::-1][1:], 0.0)
     left = alone - np.sum(taken**2, axis=1)
-    drops = np.where(left > KNOWN * alone, fall**2 / np.maximum(left, 1e-300), 0.0)
+    drops = np.where(left > ALIKE * alone, fall**2 / np.maximum(left, 1e-300), 0.0)
     # What comes in its first or last part is how a test began and ended, which has other causes.
     edge = max(LEVEL, len(drops) // PARTS)
     drops[:edge] = drops[len(drops) - edge + 1 :] = 0.0

@@ -27,8 +27,9 @@ from springpot.rheology.nodes import GRADIENT, Node
 from springpot.rheology.points import Complex, Points, Real
 from springpot.rheology.stages import acting, on_loading, on_response
 
+from ..numerics import ALIKE, NEGLIGIBLE
 from .exponentials import QuickPart, points_at
-from .recording import TOLERANCE, Clock, reached, recorded
+from .recording import Clock, reached, recorded
 from .residuals_of_tests import Residual, TestPart
 from .specimen import Scales, stepped, tries_of
 from .verdict import TWINS, Atom, Promise
@@ -38,8 +39,6 @@ STEEP = 1.2
 
 It is then never small: dashpots have 1, Basset's layer 1.5, a mass 2.
 """
-NEXT_TO_NOTHING = 1e-6
-"""Of the natural size of an effect, where its share of K is linear."""
 GIVING = (0.3, 1.0, 3.0, 10.0)
 """Of the natural size of what gives way in series: sizes at which it is tried as it is.
 
@@ -47,12 +46,8 @@ K saturates there, which no
 small step foretells."""
 RESONANCES = 12
 """Sizes at which an effect that makes the specimen swing is tried."""
-KNOWN = 1e-8
-"""Share of the best known direction of the parameters below which one is not known at all."""
 THE_SAME = 0.9999
 """Cosine from which two places of an effect are one: its size alone differs."""
-ABSORBED = 1e-5
-"""Share of a column left once the model has taken its part, below which nothing is to be seen."""
 
 
 class TimeScan:
@@ -88,7 +83,7 @@ class TimeScan:
         self.size = np.where(size > 0.0, size, 1.0)
         # By singular values: parameters that these tests cannot tell apart have no plain inverse.
         u, s, v = np.linalg.svd(slopes / self.size, full_matrices=False)
-        good = s > KNOWN * s.max(initial=0.0)
+        good = s > ALIKE * s.max(initial=0.0)
         self.taken, self._back = u[:, good], (v[good].T / s[good]) / self.size[:, None]
 
     def promises(self, effects: Iterable[Effect]) -> dict[str, list[Promise]]:
@@ -112,7 +107,7 @@ class TimeScan:
         for atom in self._all_atoms(effects):
             column = atom.column - basis @ (basis.T @ atom.column)
             length = float(np.linalg.norm(column))
-            if not length > ABSORBED * float(np.linalg.norm(atom.column)):
+            if not length > NEGLIGIBLE * float(np.linalg.norm(atom.column)):
                 continue
             shared = float(column @ rest) / length
             if abs(shared) > TWINS * float(np.linalg.norm(rest)):
@@ -151,7 +146,7 @@ class TimeScan:
         fall = -columns.T @ missed
         promises: dict[str, list[Promise]] = {}
         for k, atom in enumerate(atoms):
-            if not left[k] > ABSORBED * whole[k]:
+            if not left[k] > NEGLIGIBLE * whole[k]:
                 continue
             # Least squares with one unknown; the sum of squares falls by amount times fall.
             amount = float(fall[k] / left[k] ** 2)
@@ -195,10 +190,10 @@ class TimeScan:
         # thing and is tried.
         places = list(product(*(self.scales.values(each) for each in shape)))
         endless = np.isinf(effect.vanishes_at)
-        little = self.scales.typical(size) * NEXT_TO_NOTHING
+        little = self.scales.typical(size) * NEGLIGIBLE
         scale = 1.0
         if endless:
-            little = self.scales.typical(size) * (1.0 / NEXT_TO_NOTHING)
+            little = self.scales.typical(size) * (1.0 / NEGLIGIBLE)
             # By 1/size, of which such an effect has next to nothing: d/d(1/s) = -s^2 d/ds.
             scale = -(little**2)
         values = np.array([[little, *place] for place in places])
@@ -248,7 +243,7 @@ class TimeScan:
         stiffness = np.abs(stiffness_of(self.base, at, view.part.test))
         atoms = []
         for place in places:
-            next_to_nothing = np.array([[NEXT_TO_NOTHING, *place]])
+            next_to_nothing = np.array([[NEGLIGIBLE, *place]])
             change = _Change(self.model, self.theta, effect, next_to_nothing)
             slope = change(at, view.part.test)[0]
             for size in stiffness / np.abs(slope):
@@ -411,7 +406,7 @@ class View:
         self.part, self.base, self.quick = part, base, part
         self.t, self.weight = self.quick.t, self.quick.weight
         # The exact answer once, for what is left; only the changes go by fixed exponentials.
-        answer = recorded(base.model, base.theta, part.test, base.reference, self.t, TOLERANCE)
+        answer = recorded(base.model, base.theta, part.test, base.reference, self.t, NEGLIGIBLE)
         seen = self.quick.seen
         self.value = np.where(seen, answer.value, 0.0)
         self.residual = (
@@ -484,7 +479,7 @@ class View:
 
     def with_model(self, model: Model, theta: Real) -> Real:
         """The change of the residuals with another model."""
-        answer = recorded(model, theta, self.part.test, self.base.reference, self.t, TOLERANCE)
+        answer = recorded(model, theta, self.part.test, self.base.reference, self.t, NEGLIGIBLE)
         # At the instant of a step, of weight nothing, the answer may be endless: their product
         # would be no number.
         return np.where(self.weight > 0.0, answer.value - self.value, 0.0) * self.weight

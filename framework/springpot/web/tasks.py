@@ -13,6 +13,7 @@ import base64
 import shlex
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -63,8 +64,12 @@ SCHEMA = "springpot.workbench/1"
 Told = Callable[[str], None]
 
 
-def ladder_of(state: State, measurement: Opened, told: Told = silent) -> Ladder:
+def ladder_of(
+    state: State, measurement: Opened, told: Told = silent, begun: Ladder | None = None
+) -> Ladder:
     """The ladder of a state; the same bits for the same state and data.
+
+    `begun` is that of the state before its last effect, where it is known: it is not climbed again.
 
     Raises
     ------
@@ -73,9 +78,8 @@ def ladder_of(state: State, measurement: Opened, told: Told = silent) -> Ladder:
     """
     used = given(kept(measurement, state.excluded))
     # A list, though it may be empty: without one the evidence would accept effects by itself.
-    ladder = discover(
-        used, state.model or None, accept=list(state.accepted), seed=state.seed, progress=told
-    )
+    accepted, model = list(state.accepted), state.model or None
+    ladder = discover(used, model, accept=accepted, seed=state.seed, progress=told, begun=begun)
     assert isinstance(ladder, Ladder)
     return ladder
 
@@ -132,7 +136,9 @@ def _measured(text: str) -> Measurement:
 def _ladder(state: State, text: str, told: Told) -> Ladder:
     # What one leaves with is asked after the answer: its ladder need not be climbed twice.
     if state.key not in _ladders:
-        _ladders[state.key] = ladder_of(state, _opened(text), told)
+        before = replace(state, accepted=state.accepted[:-1])
+        begun = _ladders.get(before.key) if state.accepted else None
+        _ladders[state.key] = ladder_of(state, _opened(text), told, begun)
         while len(_ladders) > LADDERS:
             _ladders.popitem(last=False)
     # The one asked for last goes last: what somebody works with stays, however early it was

@@ -7,7 +7,18 @@ from collections.abc import Iterable
 from springpot.hooks import hookimpl
 from springpot.identification import Optimiser, OptimiserFamily
 
-from . import annealing, evolution, leastsquares, native, nloptlib, sampling, swarm, unified
+from . import (
+    annealing,
+    evolution,
+    hopping,
+    leastsquares,
+    minion,
+    native,
+    nloptlib,
+    sampling,
+    swarm,
+    unified,
+)
 
 
 @hookimpl
@@ -16,6 +27,7 @@ def springpot_optimisers() -> Iterable[type[Optimiser]]:
     return (
         swarm.PaperSwarm,
         evolution.CmaEs,
+        evolution.BipopCmaEs,
         evolution.DifferentialEvolution,
         nloptlib.Crs,
         nloptlib.Isres,
@@ -28,6 +40,9 @@ def springpot_optimisers() -> Iterable[type[Optimiser]]:
         nloptlib.Lbfgs,
         annealing.DualAnnealing,
         annealing.ScipyDirect,
+        hopping.BasinHopping,
+        hopping.Cobyqa,
+        hopping.Shgo,
         leastsquares.LeastSquares,
         native.Native,
         sampling.RandomSearch,
@@ -37,4 +52,4 @@ def springpot_optimisers() -> Iterable[type[Optimiser]]:
 @hookimpl
 def springpot_optimiser_families() -> Iterable[OptimiserFamily]:
     """Libraries of many."""
-    return (unified.FAMILY,)
+    return (unified.FAMILY, minion.FAMILY)

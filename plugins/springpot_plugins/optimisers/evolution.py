@@ -58,30 +58,85 @@ class CmaEs(Optimiser):
 
         def attempt() -> None:
             nonlocal size
-            self._evolve(Cube(problem), int(size), rng)
+            _evolve(Cube(problem), int(size), self.sigma, UNENDING, rng)
             size *= self.growth
 
         keep_on(problem, attempt)
 
-    def _evolve(self, cube: Cube, size: int, rng: np.random.Generator) -> None:
-        import cma
 
-        options = {
-            "bounds": [0.0, 1.0],
-            "popsize": size,
-            # Its own numbers come from a process-wide generator; these from ours, and seeding is
-            # switched off.
-            "randn": lambda *shape: rng.standard_normal(shape),
-            "seed": np.nan,
-            "maxiter": UNENDING,
-            # No words, and no files of its own in the user's folder.
-            "verbose": -9,
-            "verb_log": 0,
-        }
-        strategy = cma.CMAEvolutionStrategy(rng.random(cube.dimension), self.sigma, options)
-        while not strategy.stop():
-            points = strategy.ask()
-            strategy.tell(points, cube.batch(np.array(points)).tolist())
+@dataclass(frozen=True)
+class BipopCmaEs(Optimiser):
+    """CMA-ES of pycma in the unit cube, restarted with large and small populations in turn.
+
+    Whichever kind has used fewer evaluations is next. Large ones double;
+    small ones are drawn between the default and half of the last large one, begin with a step of
+    1 to 0.01 of the first, and may take half of what the last large one took.
+
+    Parameters
+    ----------
+    sigma : float
+        Initial step as a part of the box; the source's 2 in a box of width 10 by default.
+    """
+
+    sigma: float = 0.2
+
+    name: ClassVar[str] = "bipop-cma-es"
+    card: ClassVar[Card] = Card(
+        "covariance matrix adaptation, two populations (pycma)",
+        "Hansen 2009, doi:10.1145/1570256.1570333",
+    )
+
+    def __post_init__(self) -> None:
+        self._require("sigma", self.sigma > 0, "positive")
+
+    def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
+        """Restart until the recorder ends it."""
+        cube, default = Cube(problem), 4 + int(3 * np.log(problem.dimension))
+        large, last, spent_large, spent_small = default, 0, 0, 0
+
+        def attempt() -> None:
+            nonlocal large, last, spent_large, spent_small
+            before = problem.evaluations
+            # The first run is of neither kind: it counts for none.
+            if not last:
+                _evolve(cube, default, self.sigma, UNENDING, rng)
+                last = problem.evaluations - before
+            elif spent_small < spent_large:
+                share = float(rng.random())
+                size = int(default * (0.5 * large / default) ** share**2)
+                step = self.sigma * 10.0 ** (-2.0 * float(rng.random()))
+                _evolve(cube, max(size, default), step, last // 2, rng)
+                spent_small += problem.evaluations - before
+            else:
+                large *= 2
+                _evolve(cube, large, self.sigma, UNENDING, rng)
+                last = problem.evaluations - before
+                spent_large += last
+
+        keep_on(problem, attempt)
+
+
+def _evolve(cube: Cube, size: int, sigma: float, allowed: int, rng: np.random.Generator) -> None:
+    """One run of pycma from a uniform start, of `allowed` evaluations at most."""
+    import cma
+
+    options = {
+        "bounds": [0.0, 1.0],
+        "popsize": size,
+        # Its own numbers come from a process-wide generator; these from ours, and seeding is
+        # switched off.
+        "randn": lambda *shape: rng.standard_normal(shape),
+        "seed": np.nan,
+        "maxiter": UNENDING,
+        "maxfevals": allowed,
+        # No words, and no files of its own in the user's folder.
+        "verbose": -9,
+        "verb_log": 0,
+    }
+    strategy = cma.CMAEvolutionStrategy(rng.random(cube.dimension), sigma, options)
+    while not strategy.stop():
+        points = strategy.ask()
+        strategy.tell(points, cube.batch(np.array(points)).tolist())
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,7 @@ from springpot.inputs import json_of, text_in
 from springpot.rheology.points import Real
 from springpot.suggestions import suggested
 
+from ...numerics import ROUNDING
 from ..statistics import hitting_time, holm, least_mann_whitney, target_value
 from ..store import Store
 from ..summary import CellRow, ProblemRow, TrialRow
@@ -226,8 +227,6 @@ def interval(values: Real, level: float) -> tuple[float, float]:
 SCHEMA = "springpot.baseline/2"
 EVALUATIONS, ERROR = "evaluations", "error"
 """What is compared: evaluations to the target, or the final error where most trials miss it."""
-ROUNDING = 1e-12
-"""Final errors below are rounding."""
 SEPARATOR = " | "
 
 

@@ -20,6 +20,7 @@ from springpot.markup import Html, joined, table, tag
 from springpot.report.numbers import seconds
 from springpot.report.style import page
 
+from ...format_numbers import NAMED
 from .study_plots import (
     Pens,
     accuracy_against_time,
@@ -33,9 +34,6 @@ from .study_plots import (
     share_text,
     verdict,
 )
-
-NAMED = 3
-"""Optimisers named in one cell as being as good."""
 
 STYLE = """
 .plot { width: 100%; height: auto; display: block; font: 12px system-ui, sans-serif; }

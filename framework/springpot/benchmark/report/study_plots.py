@@ -141,7 +141,7 @@ def progress(findings: Findings, race: ProblemRace, pens: Pens) -> Iterator[Html
     top = 1.0
     for scores in race.cells:
         median = scores.curve[1]
-        top = max(top, float(median[np.isfinite(median)].max(initial=1.0)))
+        top = float(median[np.isfinite(median)].max(initial=top))
     y = PlotAxis("excess, median", target, max(10.0 * target, top), logarithmic=True)
     yield _curves(findings, race, pens, [s.curve for s in race.cells], y, "Excess with quartiles")
     clean = [scores.clean for scores in race.cells]

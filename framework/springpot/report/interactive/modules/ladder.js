@@ -10,6 +10,7 @@ const LEFT = 60;
 const BOTTOM = 24;
 const LONGEST = 7; // px for a letter of a name below its step
 const RIGHT = 12;
+const ASIDE = 92; // px to the words of the noise floor where those of the material floor stand in their place
 
 const SMALL = matchMedia("(max-height: 850px)");
 const cut = (name, most) => (name.length > most ? `${name.slice(0, Math.max(1, Math.floor(most) - 1))}…` : name);
@@ -121,9 +122,9 @@ export class Ladder {
     });
     const middle = (8 + bottom) / 2;
     parts.push(s("text", { class: "label", x: 11, y: middle, "text-anchor": "middle", transform: `rotate(-90 11 ${middle})` }, this.app.answer.of === "|K|" ? "error of |K|" : "error"));
-    parts.push(s("text", { class: "tick", x: LEFT + 3, y: bottom - 3 }, "noise floor"));
     // No error lies below the material floor: under its line there is room, unless the other words stand there.
     const dashes = this.y(steps[0].material_floor);
+    parts.push(s("text", { class: "tick", x: LEFT + (dashes + 14 < bottom ? 3 : ASIDE), y: bottom - 3 }, "noise floor"));
     parts.push(s("text", { class: "tick", x: LEFT + 3, y: dashes + (dashes + 28 < bottom ? 12 : -4) }, "material floor"));
     parts.push(...this.stairs(others, "beside"), ...this.stairs(steps, "accepted"));
     this.ghost = s("g", { class: "ghost" });

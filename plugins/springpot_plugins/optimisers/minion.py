@@ -1,0 +1,90 @@
+"""Differential evolutions and swarms of the CEC competitions, of the library minionpy.
+
+Each an optimiser ``minion-...``; the library is imported when one of its names is asked for.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.util import find_spec
+from math import inf
+from typing import ClassVar
+
+import numpy as np
+
+from springpot.errors import ModelError
+from springpot.identification import Card, Optimiser, OptimiserFamily, Recorder
+from springpot.rheology import Real
+
+from .cube import Cube, integer, keep_on
+
+PREFIX = "minion-"
+INSTALL = "pip install 'springpot[race]'"
+ALGORITHMS = {
+    "lshade": ("LSHADE", "Tanabe and Fukunaga 2014, doi:10.1109/CEC.2014.6900380"),
+    "jso": ("jSO", "Brest et al. 2017, doi:10.1109/CEC.2017.7969456"),
+    "arrde": ("ARRDE", "Muzakka, github.com/khoirulmuzakka/Minion"),
+    "spso-2011": ("SPSO2011", "Zambrano-Bigiarini et al. 2013, doi:10.1109/CEC.2013.6557848"),
+}
+"""The library's name of an algorithm and the source of the method."""
+
+
+@dataclass(frozen=True)
+class Minion(Optimiser):
+    """An algorithm of minionpy in the unit cube, with the library's own settings.
+
+    Its schedules run over the whole budget, as in the competitions.
+    """
+
+    algorithm: ClassVar[str] = ""
+
+    def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
+        """Search once over the budget, and anew with what is left of it."""
+        cube = Cube(problem)
+        keep_on(problem, lambda: self._attempt(cube, budget - problem.evaluations, rng))
+
+    def _attempt(self, cube: Cube, budget: int, rng: np.random.Generator) -> None:
+        from minionpy import Minimizer
+
+        ended: list[BaseException] = []
+
+        def values(points: Real, _: object = None) -> list[float]:
+            # An exception that crosses the library comes out as another one: keep it until then.
+            if not ended:
+                try:
+                    return [float(value) for value in cube.batch(np.asarray(points))]
+                except BaseException as error:
+                    ended.append(error)
+            return [inf] * len(points)
+
+        box = [(0.0, 1.0)] * cube.dimension
+        Minimizer(values, box, None, self.algorithm, budget, None, integer(rng)).optimize()
+        if ended:
+            raise ended[0]
+
+
+def _made(name: str, algorithm: str, citation: str) -> type[Minion]:
+    card = Card(f"{algorithm} of minionpy", citation, distribution="minionpy")
+    space = {"name": PREFIX + name, "card": card, "algorithm": algorithm, "__module__": __name__}
+    # Under its own name in this module, where a worker finds it.
+    return type(f"Minion_{algorithm}", (Minion,), space | {"__doc__": Minion.__doc__})
+
+
+MEMBERS = {PREFIX + name: _made(name, *about) for name, about in ALGORITHMS.items()}
+globals().update({kind.__name__: kind for kind in MEMBERS.values()})
+
+
+def members() -> dict[str, type[Optimiser]]:
+    """All of them by name.
+
+    Raises
+    ------
+    ModelError
+        If minionpy is not installed.
+    """
+    if find_spec("minionpy") is None:
+        raise ModelError(f"optimisers {PREFIX}... need minionpy: {INSTALL}")
+    return dict(MEMBERS)
+
+
+FAMILY = OptimiserFamily(f"{PREFIX}NAME", "L-SHADE, jSO, ARRDE and SPSO-2011 of minionpy", members)

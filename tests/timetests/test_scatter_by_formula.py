@@ -1,0 +1,160 @@
+"""Statistics of a residual's noise: against their definitions, covariances and simulated noise."""
+
+import numpy as np
+import pytest
+from scipy import stats
+from scipy.linalg import toeplitz
+
+from springpot.timetests.scatter import (
+    FEWEST,
+    LEVEL,
+    LOCAL,
+    PARTS,
+    TENFOLD,
+    ResidualScatter,
+    _chance,
+    _fitted,
+    _jumps,
+    _log_likelihood,
+    _of_a_ripple,
+    _scattered,
+    _spectrum,
+    likeliest_jump,
+    periodogram,
+    scatter_of_sweep,
+    times_noise,
+)
+
+
+def noise(rng, n, memory, size=1.0):
+    new = rng.normal(size=n) * size * np.sqrt(1.0 - memory**2)
+    found = np.empty(n)
+    found[0] = size * rng.normal()
+    for i in range(1, n):
+        found[i] = memory * found[i - 1] + new[i]
+    return found
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.4, 0.7])
+def test_whitened_by_the_covariance_of_an_autoregression(rng, memory):
+    scatter = ResidualScatter(2.0, memory, 0.0, 1.0)
+    residual = rng.normal(size=12)
+    covariance = 4.0 * toeplitz(memory ** np.arange(12.0))
+    white = scatter.whitened(residual)
+    assert white @ white == pytest.approx(residual @ np.linalg.solve(covariance, residual))
+    turned = np.column_stack([scatter.whitened(e) for e in np.eye(12)])
+    np.testing.assert_allclose(turned @ covariance @ turned.T, np.eye(12), atol=1e-12)
+
+
+def test_the_spectrum_of_an_autoregression_sums_to_its_covariances():
+    omega = 2.0 * np.pi * np.arange(4096) / 4096
+    spectrum = _spectrum(omega, 3.0, 0.6)
+    for lag in (0, 1, 2, 5):
+        assert np.mean(spectrum * np.cos(lag * omega)) == pytest.approx(9.0 * 0.6**lag)
+
+
+def test_the_periodogram_of_white_noise_is_its_variance(rng):
+    powers = [periodogram(2.0 * rng.normal(size=64) + 5.0)[0] for _ in range(2000)]
+    omega = periodogram(np.zeros(64))[1]
+    np.testing.assert_allclose(omega, 2.0 * np.pi * np.arange(1, 33) / 64)
+    # Of each frequency but the last, which is real, the scatter of the mean is 4 / sqrt(2000).
+    np.testing.assert_allclose(np.mean(powers, axis=0)[2:], 4.0, rtol=0.15)
+
+
+def test_size_and_memory_are_read_from_a_spectrum(rng):
+    residual = noise(rng, 4000, 0.4, size=3.0)
+    size, memory = _fitted(*periodogram(residual))
+    assert (size, memory) == (pytest.approx(3.0, rel=0.05), pytest.approx(0.4, abs=0.05))
+    # The likelihood is largest there.
+    power, omega = periodogram(residual)
+    best = _log_likelihood(power, _spectrum(omega, size, memory))
+    for other in ((1.02 * size, memory), (0.98 * size, memory), (size, memory + 0.04)):
+        assert _log_likelihood(power, _spectrum(omega, *other)) < best
+
+
+def test_chances_are_those_of_f_and_chi_square():
+    assert _chance(1.7, 12.0, 30.0) == pytest.approx(stats.f.sf(1.7, 12, 30))
+    assert _chance(1.7, 12.0, np.inf) == pytest.approx(stats.chi2.sf(1.7 * 12, 12))
+    assert _chance(1.7, 12.0, 0.3) == pytest.approx(stats.f.sf(1.7, 12, 1))
+
+
+@pytest.mark.parametrize(
+    ("excess", "local", "chance"),
+    [(0.0, 1.0, 1.0), (-5.0, 1.0, 1.0), (2 * TENFOLD, 1.0, 0.01), (TENFOLD, 0.003, 0.003)],
+)
+def test_the_chance_of_noise_alone_is_the_smaller_one(excess, local, chance):
+    scatter = ResidualScatter(1.0, 0.0, excess, local)
+    assert scatter.chance == pytest.approx(chance)
+    assert (scatter.misfit, scatter.doubtful) == (chance < 1e-3, chance < 1e-2)
+
+
+def test_surprise_is_chi_square_or_that_of_student():
+    residual = np.full(10, 2.0)
+    known = ResidualScatter(1.0, 0.0, 0.0, 1.0)
+    assert known.surprise(residual) == pytest.approx(40.0)
+    # What is less than the noise is no likelier than it.
+    assert known.surprise(0.1 * residual) == pytest.approx(10.0)
+    told = ResidualScatter(1.0, 0.0, 0.0, 1.0, worth=5.0)
+    assert told.surprise(residual) == pytest.approx(15.0 * np.log(1.0 + 40.0 / 5.0))
+
+
+def test_a_sample_that_repeats_the_last_one_has_no_noise():
+    moving = np.arange(FEWEST, dtype=float)
+    stuck = np.append(moving, np.full(20, moving[-1]))
+    assert np.count_nonzero(_scattered(stuck)) == FEWEST
+    assert _scattered(stuck[1:]).all()
+    wanted = np.sqrt(np.sum(stuck**2) / FEWEST) / 2.0
+    assert times_noise(stuck, 2.0) == pytest.approx(wanted)
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_of_a_sweep_noise_alone_is_rarely_missed(rng, known):
+    found = [scatter_of_sweep(rng.normal(size=60), known) for _ in range(400)]
+    assert np.mean([each.local < 0.05 for each in found]) < 0.1
+    assert np.median([each.size for each in found]) == pytest.approx(1.0, abs=0.05)
+    assert all(np.isinf(each.worth) for each in found if each.local >= LOCAL)
+
+
+def test_a_ripple_or_twice_the_noise_is_told(rng):
+    n = 30
+    ripple = 2.0 * np.cos(2.0 * np.pi * 6.0 * np.arange(n) / n)
+    both = np.concatenate([ripple, ripple])
+    assert _of_a_ripple((rng.normal(size=2 * n) + both).reshape(2, -1)) < 1e-3
+    assert _of_a_ripple(np.zeros((2, n))) == 1.0
+    assert _of_a_ripple(both.reshape(2, -1)[:, :11]) == 1.0
+    chances = [_of_a_ripple(rng.normal(size=(2, n))) for _ in range(500)]
+    assert np.mean(np.array(chances) < 0.2) < 0.25
+    assert scatter_of_sweep(2.0 * rng.normal(size=60), True).local < LOCAL
+    assert scatter_of_sweep(2.0 * rng.normal(size=60), False).local >= LOCAL
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.5])
+def test_a_jump_takes_what_a_refit_with_it_takes(rng, memory):
+    n, scatter = 40, ResidualScatter(1.5, memory, 0.0, 1.0)
+    weight = rng.uniform(0.5, 2.0, n)
+    slopes = rng.normal(size=(n, 3))
+    residual = noise(rng, n, memory) + 6.0 * weight * (np.arange(n) >= 23)
+    white = scatter.whitened(residual)
+    known = np.column_stack([scatter.whitened(column) for column in slopes.T])
+    basis = np.linalg.qr(known)[0]
+    drops, column = _jumps(weight, scatter, white - basis @ (basis.T @ white), basis)
+
+    def left(*more):
+        every = np.column_stack([known, *more])
+        return np.sum((white - every @ np.linalg.lstsq(every, white)[0]) ** 2)
+
+    edge = max(LEVEL, n // PARTS)
+    for k in range(n):
+        jump = scatter.whitened(weight * (np.arange(n) >= k))
+        np.testing.assert_allclose(column(k), jump, atol=1e-12)
+        wanted = left() - left(jump)
+        if k < edge or k > n - edge:
+            wanted = 0.0
+        assert drops[k] == pytest.approx(wanted, abs=1e-9)
+    found = likeliest_jump([(residual, slopes)], [weight], [scatter])
+    assert (found.number, found.row, found.places) == (0, int(np.argmax(drops)), n)
+    assert np.sum(scatter.whitened(found.left[0]) ** 2) == pytest.approx(left() - drops.max())
+    # One whose samples do not follow one another has no jump.
+    none = likeliest_jump([(residual, slopes)], [None], [scatter])
+    assert none.places == 0
+    assert np.sum(scatter.whitened(none.left[0]) ** 2) == pytest.approx(left())
