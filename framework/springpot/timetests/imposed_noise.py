@@ -14,9 +14,9 @@ from springpot.measurement.imposed import Loading
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
+from ..numerics import NORMAL
 from .lines import is_even
 from .residuals_of_tests import InTimePart, TestPart
-from .scatter import NORMAL
 
 ORDER = 8
 """Of the differences that tell the noise: of a sine of twelve samples a hundredth is left."""
