@@ -67,9 +67,7 @@ class ConvexSpectrum(NamedTuple):
 
 def lines_of(part: TestPart) -> ConvexSpectrum:
     """The material that a test shows when nothing but a material has made it."""
-    low, high = part.resolved
-    if isinstance(part, InTimePart):
-        low, high = part.test.seen
+    low, high = part.test.seen
     step = float(np.log(10.0)) / PER_DECADE
     ends = -np.log(high * 10.0**FASTER), -np.log(low * 10.0**-SLOWER)
     logs = np.arange(ends[0], ends[1] + step, step)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from springpot.distributions import student
 from springpot.errors import DataError
 from springpot.identification.prediction import Known
+from springpot.identification.uncertainty import spread_of
 from springpot.measurement.opening import Test
 from springpot.measurement.units import (
     AMPLITUDE_UNITS,
@@ -81,7 +82,7 @@ def predict_test(known: Known, test: Test, level: float = INTERVAL) -> TestPredi
         measured, noise, size = value, np.zeros(len(rows)), np.full(len(rows), rms(value))
     # Relative to the signal, so that tests in different units and of any kind are judged alike.
     share = (value - measured) / size
-    known_sd = _reach(answer.by_theta, covariance)
+    known_sd = spread_of(answer.by_theta, covariance)
     wide = student(level, known.dof) * known_sd
     # Independent reasons to be off: what the parameters leave open and the noise of the test.
     known_error = np.hypot(known_sd, noise) / size
@@ -112,13 +113,6 @@ def predict_test(known: Known, test: Test, level: float = INTERVAL) -> TestPredi
         clock=test.units.clock,
         level=level,
     )
-
-
-def _reach(slopes: Real, covariance: Real) -> Real:
-    """Standard deviation (m,) of what has the derivatives `slopes` (m, p) by the parameters."""
-    variance: Real = np.einsum("mi,ij,mj->m", slopes, covariance, slopes)
-    # Rounding takes a variance of nothing below zero.
-    return np.sqrt(np.maximum(variance, 0.0))
 
 
 def _settings(part: TestPart, rows: NDArray[np.intp], units: Units) -> dict[str, Real]:
