@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.suggestions import accepting, suggested, with_model
+from springpot.suggestions import accepting, with_model
 
 from . import completion, timetests
 from .common import (
@@ -29,6 +29,7 @@ from .common import (
     window,
     with_rows,
 )
+from .onward import suggested
 from .waiting import Waiting
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from springpot.suggestions import accepting, suggested, with_model
+from springpot.suggestions import accepting, with_model
 
 from . import completion, timetests
 from .common import (
@@ -31,6 +31,7 @@ from .common import (
     with_rows,
 )
 from .faults import INTERRUPTED
+from .onward import suggested
 from .waiting import Waiting
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.suggestions import suggested, with_model
+from springpot.suggestions import with_model
 from springpot.thresholds import INTERVALS
 
 from . import completion, timetests
@@ -28,6 +28,7 @@ from .common import (
     verbose_option,
     window,
 )
+from .onward import suggested
 from .waiting import Waiting
 
 if TYPE_CHECKING:

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from springpot.suggestions import accepting, with_model
+
 from .common import (
     FILE,
     data_argument,
@@ -21,6 +23,7 @@ from .common import (
     seed_option,
     window,
 )
+from .onward import kept_by
 from .waiting import Waiting
 
 if TYPE_CHECKING:
@@ -98,5 +101,5 @@ def _next(found: Invention, data: str, model: str | None) -> str:
     """The command that takes the law up; empty where none was found."""
     if found.best is None:
         return ""
-    judged = "" if model is None else f" --model {quoted(model)}"
-    return f"discover {quoted(data)}{judged} --accept {quoted(found.best.text)}"
+    judged = [*with_model(model), *accepting([found.best.text]), *kept_by("discover")]
+    return " ".join(["discover", quoted(data), *map(quoted, judged)])

@@ -7,9 +7,10 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from springpot.suggestions import accepting, suggested, with_model
+from springpot.suggestions import accepting, with_model
 
 from .common import emit, note_to_stderr, opened, quoted, seen_through, window
+from .onward import suggested
 
 if TYPE_CHECKING:
     from springpot.diagnosis.result import Diagnosis

@@ -14,6 +14,7 @@ from springpot.identification.part_result import PartResult
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
+from .imposed_noise import felt
 from .residuals_of_tests import TestPart
 from .scatter import ResidualScatter, times_noise
 from .where import rms
@@ -34,12 +35,15 @@ class Left:
     rounded : tuple of ndarray
         Of each test the errors that its digits may make of what the fit says, in the units of its
         residual (k, m); no rows where they are fine.
+    felt : tuple of ndarray
+        Of each test what the fit answers to noise of the imposed channel, likewise (m,).
     """
 
     count: int
     residuals: tuple[Real, ...]
     scatters: tuple[ResidualScatter, ...]
     rounded: tuple[Real, ...]
+    felt: tuple[Real, ...]
 
     @classmethod
     def by(cls, model: Model, theta: Real, reference: float, parts: Sequence[TestPart]) -> Left:
@@ -49,7 +53,8 @@ class Left:
         residuals = [part.residual(model, theta, reference).value for part in plain]
         scatters = [part.scatter(value) for part, value in zip(parts, residuals, strict=True)]
         rounded = [part.rounded(value) for part, value in zip(plain, residuals, strict=True)]
-        return cls(len(theta), tuple(residuals), tuple(scatters), tuple(rounded))
+        heard = [felt(part, model, theta, reference) for part in plain]
+        return cls(len(theta), tuple(residuals), tuple(scatters), tuple(rounded), tuple(heard))
 
     @property
     def noise(self) -> list[ResidualScatter]:
@@ -108,6 +113,11 @@ class Left:
         pairs = zip(self.residuals, noise, strict=True)
         return sum(scatter.surprise(value) for value, scatter in pairs)
 
+    def squares_felt(self, noise: Sequence[ResidualScatter]) -> float:
+        """The same that noise of the imposed channels is to be expected to leave."""
+        pairs = zip(self.felt, noise, strict=True)
+        return sum(float(np.sum(scatter.whitened(value) ** 2)) for value, scatter in pairs)
+
     def over(self, noise: Sequence[ResidualScatter]) -> float:
         """Error over that noise, of the worst test."""
         pairs = zip(self.residuals, noise, strict=True)
@@ -149,5 +159,7 @@ def _alike(base: Left, other: Left, noise: Sequence[ResidualScatter]) -> float:
 
 def delta_bic(base: Left, other: Left, noise: Sequence[ResidualScatter], more: int) -> float:
     """By how much the Bayesian information criterion falls with `more` parameters."""
-    gain = (base.squares(noise) - other.squares(noise)) / _alike(base, other, noise)
+    # To answer less to what the specimen never felt is no evidence.
+    spared = max(base.squares_felt(noise) - other.squares_felt(noise), 0.0)
+    gain = (base.squares(noise) - other.squares(noise) - spared) / _alike(base, other, noise)
     return float(gain - more * np.log(independent(base.residuals, noise)))

@@ -31,18 +31,22 @@ WIDE = 3
 """Ordinates on either side over which a line that falls between two of them is spread."""
 
 
+def is_even(time: Real) -> bool:
+    """Whether times (n,) are evenly spaced."""
+    steps = np.diff(time)
+    return bool(np.ptp(steps) < EVEN * float(np.mean(steps)))
+
+
 def lines_in(part: TestPart, residual: Real) -> Iterator[str]:
     """The strongest line in a residual (m,) over the noise, in words; nothing where there is none.
 
     Sought where a misfit of a model does not reach, and at the frequencies of the mains.
     """
-    steps = np.diff(part.at)
-    even = len(steps) >= FEWEST and np.ptp(steps) < EVEN * float(np.mean(steps))
-    if not isinstance(part, InTimePart) or not even:
+    if not isinstance(part, InTimePart) or len(part.at) < FEWEST or not is_even(part.at):
         return
     missed = residual * part.sd
     power, omega = periodogram(missed)
-    hertz = omega / (2.0 * np.pi * float(np.mean(steps)))
+    hertz = omega / (2.0 * np.pi * float(np.mean(np.diff(part.at))))
     around = np.lib.stride_tricks.sliding_window_view(
         np.pad(power, AROUND, mode="reflect"), 2 * AROUND + 1
     )

@@ -59,5 +59,5 @@ def slip_beside(parts: Sequence[TestPart], base: Identification, before: Left) -
     part = plain[jump.number]
     says = f"a jump in {part.test.name} at {part.at[jump.row]:.3g} s, as of what slips or lets go"
     # Its size is one number, and the choice of its place costs as much as two.
-    left = Left(before.count + 3, tuple(jump.left), tuple(scatters), before.rounded)
+    left = Left(before.count + 3, tuple(jump.left), tuple(scatters), before.rounded, before.felt)
     return Slip(says, left, jump.places)

@@ -1,0 +1,54 @@
+"""Noise of the displacement that was imposed: a model answers to it, and no effect is its cause."""
+
+import numpy as np
+import pytest
+
+from springpot import parse_model
+from springpot.measurement import Loading, TimeTest
+from springpot.registry import plugins
+from springpot.timetests import diagnose
+from springpot.timetests.imposed_noise import imposed_noise
+
+TIME = 0.005 * np.arange(1000)
+EFFECTS = ("inertia", "time-delay", "filter-mismatch")
+
+
+def judged(noise, mass, seed=0, digit=0.0, rate=0.0):
+    """A Zener element under a sine or a sweep, its displacement read with noise or to a digit."""
+    rng = np.random.default_rng(seed)
+    stroke = 2.0 * np.sin(3.0 * np.pi * TIME * (1.0 + rate * TIME))
+    model = parse_model("zener + inertia")
+    theta = model.theta(k1=0.1, k2=0.3, c=0.02, **{"inertia.m": mass})
+    force = model.respond(theta, TIME, stroke) + 0.002 * rng.normal(size=len(TIME))
+    read = stroke + noise * rng.normal(size=len(TIME))
+    if digit:
+        read = digit * np.round(read / digit)
+    test = TimeTest(TIME, force, Loading(TIME, read), control="displacement", name="record")
+    return diagnose([test], parse_model("zener"), [plugins().effect(name) for name in EFFECTS])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_mass_is_found_in_it(seed):
+    found = judged(0.004, 1e-9, seed)
+    assert found.verdict == "adequate"
+    assert found.leading == ()
+
+
+def test_nor_in_coarse_digits_of_the_displacement():
+    assert "inertia" not in judged(0.0, 1e-9, digit=0.05).leading
+
+
+def test_a_mass_is_found_all_the_same():
+    # Under a sweep: at one frequency a mass is no more than a softer spring.
+    found = judged(0.001, 2.5e-4, rate=0.2)
+    assert found.verdict == "effect-missing"
+    assert "inertia" in found.leading
+
+
+def test_corners_and_smooth_motion_are_no_noise():
+    triangle = np.abs((TIME % 1.0) - 0.5)
+    assert imposed_noise(triangle) < 1e-12
+    assert imposed_noise(np.sin(0.3 * np.arange(1000))) < 1e-5
+    assert imposed_noise(0.1 * np.random.default_rng(1).normal(size=3000)) == pytest.approx(
+        0.1, rel=0.1
+    )
