@@ -116,6 +116,7 @@ BOUNDARIES = {
     "plugins/springpot_plugins/datasets/folders.py:_dataset": STRANGER,
     "plugins/springpot_plugins/datasets/rheodata.py:_columns": FOREIGN,
     "plugins/springpot_plugins/optimisers/annealing.py:guarded": CARRIED,
+    "plugins/springpot_plugins/optimisers/minion.py:values": CARRIED,
     "plugins/springpot_plugins/optimisers/nloptlib.py:_objective": CARRIED,
     "plugins/springpot_plugins/optimisers/unified.py:_attempt": OPTIMISER,
     "plugins/springpot_plugins/readers/excel.py:_check_archive": FOREIGN,

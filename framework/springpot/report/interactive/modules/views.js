@@ -139,7 +139,7 @@ export function planeSpec(name, scene, excluded, answer, view, { sigmas = false,
   const used = fixed.filter((point) => !point.out).map((point) => Math.abs(point.y)).filter(Number.isFinite);
   const most = Math.max(widest, ...used, 1e-300);
   const label = view.residual || scene.planes[name].label;
-  const y = { label: sigmas ? "(data − model) / σ" : label, log: false };
+  const y = { label: sigmas ? `${label.split(" [")[0]} / σ (data − model)` : label, log: false };
   if (sigmas && most > FAR) y.bend = NOISE;
   const { forth, back } = turned(y);
   y.max = back(ROOM * forth(most));
