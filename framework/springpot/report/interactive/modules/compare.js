@@ -120,6 +120,8 @@ export class Compare {
       const below = planeSpec(plane, scene, excluded, shown, viewsOf(scene)[view], { sigmas: Boolean(looks.sigmas), first: first || shown, before });
       this.without(below);
       if (spec.upright) below.x = { ...spec.x };
+      // What the sign means: along the short axis it would be cut, in a corner it would lie over points.
+      below.x.label = `${below.x.label}; Δ = data − model`;
       this.residual.draw(below, this.width, low);
       this.residual.fall();
     }

@@ -126,7 +126,7 @@ export class Plot {
     return [(px - LEFT) / (this.width - LEFT - RIGHT), (this.height - BOTTOM - py) / (this.height - TOP - BOTTOM)];
   }
 
-  axes({ x, y, corner }) {
+  axes({ x, y }) {
     const { width, height } = this;
     const parts = [s("rect", { class: "frame", x: LEFT, y: TOP, width: width - LEFT - RIGHT, height: height - TOP - BOTTOM })];
     const ticks = (axis, most) => {
@@ -145,7 +145,6 @@ export class Plot {
     }
     const middle = (TOP + height - BOTTOM) / 2;
     parts.push(s("text", { class: "label", x: (LEFT + width - RIGHT) / 2, y: height - 6, "text-anchor": "middle" }, x.label));
-    if (corner) parts.push(s("text", { class: "tick", x: LEFT + 5, y: TOP + 12 }, corner));
     parts.push(s("text", { class: "label", x: 12, y: middle, "text-anchor": "middle", transform: `rotate(-90 12 ${middle})` }, y.label));
     return parts;
   }

@@ -139,7 +139,7 @@ export function planeSpec(name, scene, excluded, answer, view, { sigmas = false,
   const used = fixed.filter((point) => !point.out).map((point) => Math.abs(point.y)).filter(Number.isFinite);
   const most = Math.max(widest, ...used, 1e-300);
   const label = view.residual || scene.planes[name].label;
-  const y = { label: sigmas ? `${label.split(" [")[0]} / σ (data − model)` : label, log: false };
+  const y = { label: sigmas ? `${label.split(" [")[0]} / σ` : label, log: false };
   if (sigmas && most > FAR) y.bend = NOISE;
   const { forth, back } = turned(y);
   y.max = back(ROOM * forth(most));
@@ -150,7 +150,7 @@ export function planeSpec(name, scene, excluded, answer, view, { sigmas = false,
     .slice(0, 3)
     .map((place) => ({ from: place.from * scene.axis.per_hertz, to: place.to * scene.axis.per_hertz, says: place.says }));
   const bands = [3, 1].map((times) => band(widths, times));
-  return { x, y, points, bands, shades, lines: [{ xs: [x.min, x.max], ys: [0, 0], kind: "zero" }], upright: true, corner: sigmas ? "" : "data − model" };
+  return { x, y, points, bands, shades, lines: [{ xs: [x.min, x.max], ys: [0, 0], kind: "zero" }], upright: true };
 }
 
 // A residual as it is, or each part of it over its standard deviation.
