@@ -30,6 +30,16 @@ def creep(rng: np.random.Generator) -> springpot.TimeTest:
     )
 
 
+def record(rng: np.random.Generator) -> springpot.TimeTest:
+    """A standard solid that is moved to and fro, and carries a mass."""
+    clock = np.linspace(0.0, 12.0, 300)
+    moved = np.sin(1.5 * clock) * (1.0 - np.exp(-clock))
+    model = springpot.parse_model("zener + inertia")
+    force = model.respond(model.theta(k1=2.0, k2=3.0, c=1.5, inertia__m=0.15), clock, moved)
+    noise = NOISE * np.std(force) * rng.standard_normal(len(clock))
+    return springpot.TimeTest.of_history(clock, moved, force + noise, "mm", "N")
+
+
 def sweep(rng: np.random.Generator) -> springpot.Measurement:
     """The first of them at frequencies."""
     omega = np.geomspace(0.05, 50.0, 16)
@@ -38,13 +48,14 @@ def sweep(rng: np.random.Generator) -> springpot.Measurement:
     return springpot.Measurement(omega, stiffness * noise)
 
 
-@pytest.mark.parametrize("kind", ["relaxation", "creep", "joint"])
+@pytest.mark.parametrize("kind", ["relaxation", "creep", "record", "joint"])
 def test_what_is_printed_as_after_is_what_acceptance_gives(
     kind: str, rng: np.random.Generator
 ) -> None:
     tests: Sequence[Test] = {
         "relaxation": lambda: [relaxation(rng)],
         "creep": lambda: [creep(rng)],
+        "record": lambda: [record(rng)],
         "joint": lambda: [relaxation(rng), sweep(rng)],
     }[kind]()
     found = springpot.diagnose(tests, "zener")
