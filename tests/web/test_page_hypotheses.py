@@ -112,6 +112,7 @@ def test_an_accepted_law_is_a_rung_and_stands_in_command_and_session(damper_data
     assert State.of(json.loads(json.dumps(state.to_dict()))) == state
 
 
+@pytest.mark.soak
 def test_a_column_is_split_with_the_error_that_its_rung_has():
     data = of_currents()
     state, told = asked(data, "springpot")
@@ -158,6 +159,7 @@ def test_a_law_is_previewed_while_it_is_typed_taken_and_undone(page: Open, dampe
 
 
 @IN_A_BROWSER
+@pytest.mark.soak
 def test_a_law_is_found_where_no_effect_explains(page: Open):
     here = page()
     here.drop("rubber.csv", table(of_amplitudes(), amplitude="mm").encode())
