@@ -16,6 +16,7 @@ def test_a_simple_material_is_called_simple():
     assert np.median([each.chance for each in verdicts]) > 0.05
 
 
+@pytest.mark.soak
 def test_many_short_sweeps_of_a_simple_material_are_simple():
     """Of each the scatter is known from few points: their ratios of variances have long tails."""
     omega, celsius = np.geomspace(0.1, 10.0, 12), np.linspace(-10.0, 80.0, 19)

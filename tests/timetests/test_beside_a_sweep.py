@@ -72,7 +72,7 @@ def test_a_delay_of_the_sweep_is_found_beside_a_relaxation(seed):
     assert diagnosis.best.effect == "time-delay"
 
 
-@pytest.mark.soak_cases("3")
+@pytest.mark.soak
 @pytest.mark.parametrize("seed", [2, 3])
 def test_a_discovery_from_a_sweep_and_a_relaxation_ends_at_the_truth(seed):
     ladder = discover(house(seed), "fractional-maxwell")

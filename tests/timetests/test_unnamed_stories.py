@@ -89,6 +89,7 @@ def test_white_noise_holds_no_ripple():
     assert np.mean(np.array(chances) < 0.01) < 0.02
 
 
+@pytest.mark.soak
 def test_a_springpot_of_order_one_has_the_name_of_a_dashpot_too():
     """From a model that misses creep by far a linear step leads past the dashpot."""
     solvent = parse_model("zener + parallel-dashpot")

@@ -476,6 +476,7 @@ def test_a_session_with_an_unknown_view_is_opened_with_the_usual_one(
     assert here.page.input_value("#view") == "storage-loss"
 
 
+@pytest.mark.soak
 def test_after_a_restart_the_printed_address_goes_on_in_the_same_tab(browser: Any, damper: bytes):
     first = Workbench().start()
     context = browser.new_context()
