@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from springpot.errors import DataError, ModelError, OptionError
+from springpot.identification.material import is_material
 from springpot.identification.runs import Optimiser
 from springpot.measurement.joining import FILE
 from springpot.measurement.measurement import Measurement
@@ -88,7 +89,7 @@ def owning(
     Raises
     ------
     ModelError
-        If a name is unknown.
+        If a name is unknown, or the material is a free spectrum.
     DataError
         If the data have no such column or a single level of it, or one of them is a test in time.
     OptionError
@@ -97,6 +98,11 @@ def owning(
     wanted = by_name(own, "own", '{"k": "batch"}')
     if not wanted:
         return model, list(tests)
+    if is_material(model):
+        raise ModelError(
+            f"{model.name}: levels have parameters of their own in a model with a name, not in a"
+            " free spectrum: name one, such as fractional-zener"
+        )
     sweep = sweep_of(tests)
     if sweep is None:
         raise DataError("parameters of a level of its own are found in sweeps, not beside time")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.errors import DataError, OptionError
+from springpot.errors import DataError, ModelError, OptionError
 from springpot.loading import load
 
 STIFFNESS = {1.0: 100.0, 2.0: 112.0, 3.0: 93.0}
@@ -94,5 +94,7 @@ def test_what_cannot_be_a_levels_own_is_told(rng: np.random.Generator) -> None:
     relaxation = springpot.TimeTest.of_relaxation([0.1, 1.0, 10.0], [3.0, 2.0, 1.0])
     with pytest.raises(DataError, match="not beside time"):
         springpot.identify(relaxation, "maxwell", own={"k": "batch"})
+    with pytest.raises(ModelError, match="not in a free spectrum"):
+        springpot.identify(data, "material", own={"*": "batch"})
     with pytest.raises(OptionError, match="own is a dictionary by parameter"):
         springpot.identify(data, "kelvin", own="k")  # type: ignore[arg-type]
