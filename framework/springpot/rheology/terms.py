@@ -168,7 +168,7 @@ class Name(Term):
 
 
 @dataclass(frozen=True)
-class Known(Term):
+class WorkedOut(Term):
     """A part that no parameter moves, worked out."""
 
     dual: Dual
@@ -271,7 +271,7 @@ def settled(term: Term, known: Mapping[str, Dual], free: Collection[str]) -> Ter
     if not term.parts:
         return term
     if not any(isinstance(part, Name) and part.name in free for part in term.walk()):
-        return Known(term.place, term.at(known))
+        return WorkedOut(term.place, term.at(known))
     match term:
         case Joined(left=left, right=right):
             return replace(term, left=settled(left, known, free), right=settled(right, known, free))
