@@ -9,7 +9,7 @@ from lawful_data import AMPLITUDE, OMEGA, lossy, material, swept
 import springpot
 from springpot import Invention, Measurement, Units
 from springpot.errors import ModelError, OptionError
-from springpot.invention import grammar
+from springpot.invention import conditions, grammar
 
 
 @pytest.fixture(scope="module")
@@ -37,6 +37,10 @@ def test_the_named_effect_of_which_it_is_a_special_case_is_told(found: Invention
     assert found.best is not None
     assert "payne" in found.best.like
     assert "payne has the same curve here, with" in found.best.says
+
+
+def test_all_that_is_told_of_it(found: Invention, stays):
+    stays(found.to_dict())
 
 
 def test_the_text_tells_class_floors_and_parameters(found: Invention):
@@ -84,10 +88,11 @@ def test_nothing_is_invented_from_noise(seed: int):
         found.effect()
 
 
-def test_what_no_formula_is_is_called_so():
+def test_what_no_formula_is_is_called_so(stays):
     found = springpot.invent(swept(lambda k, x: k * (1.0 + 0.1 * np.sin(9.0 * np.log(OMEGA) + x))))
     assert found.verdict == "none"
     assert "no law of the grammar follows it" in found.says
+    stays(found.to_dict())
 
 
 def test_a_law_of_the_frequency_alone_is_one_beside_a_named_model():
@@ -103,7 +108,7 @@ def grammar_notes(data: Measurement) -> list[str]:
 def test_parameters_are_not_called_as_columns_are():
     column = {"k": AMPLITUDE, "too-long a name": AMPLITUDE}
     data = swept(lambda k, x: k, conditions=column)
-    assert grammar.conditions_of(data) == ["k"]
+    assert conditions.conditions_of(data) == ["k"]
     texts = [grammar.text_of(law) for law in grammar.candidates(data, ["k"])]
     assert "parallel: k2*k^n" in texts
     assert "parallel: i*k2/(1 + (k/Xc)^n)" in texts

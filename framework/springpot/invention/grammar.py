@@ -12,7 +12,6 @@ from itertools import product
 from zlib import crc32
 
 from springpot.errors import ModelError
-from springpot.measurement.independence import telling
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.effect import PLANES, Effect
 from springpot.rheology.grammar import parsed
@@ -63,7 +62,6 @@ ALONE = (
 )
 """Laws of the frequency alone."""
 _WORD = re.compile(r"[A-Za-z]\w*")
-_COLUMN = re.compile(r"[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9]+)*")
 
 
 def candidates(measurement: Measurement, conditions: Iterable[str]) -> list[Effect]:
@@ -80,24 +78,6 @@ def candidates(measurement: Measurement, conditions: Iterable[str]) -> list[Effe
     for condition in conditions:
         texts += [filled(text, condition, measurement.conditions) for text in _of(condition)]
     return laws(texts, measurement)
-
-
-def conditions_of(measurement: Measurement) -> list[str]:
-    """Columns that were varied by themselves and whose name may stand in a formula.
-
-    Examples
-    --------
-    >>> import springpot
-    >>> from springpot.invention.grammar import conditions_of
-    >>> conditions_of(springpot.read("nist-srm2491"))
-    ['nist_loss', 'nist_storage', 'temperature']
-    """
-    varied = [
-        name
-        for name in sorted(telling(measurement))
-        if measurement.conditions[name].max() > measurement.conditions[name].min()
-    ]
-    return [name for name in varied if _COLUMN.fullmatch(name)]
 
 
 def forms_of(condition: str, plane: str) -> list[str]:

@@ -24,7 +24,8 @@ from springpot.rheology.physical import causal, passive, told
 from springpot.rheology.written import FACTORS, Written
 from springpot.thresholds import INVENTION, VERDICT
 
-from .grammar import candidates, conditions_of, formula_of, text_of
+from .conditions import conditions_of
+from .grammar import candidates, formula_of, text_of
 from .result import FoundLaw, Invention
 from .search import sought
 from .weighing import Verdict, Weighed, known_alike, rivals_of, verdict_of, weighed
