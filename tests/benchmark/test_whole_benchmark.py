@@ -248,7 +248,7 @@ def test_verdicts_on_costs_and_counts(stays):
             "of counts": [baseline.verdicts([], 0.05, 1.25, [count]) for count in counts],
             "drops": [[baseline.drop(*count), baseline.drop(*count[::-1])] for count in counts],
             "least": [baseline.least_drop(n, m) for n, m in ((0, 3), (3, 0), (1, 1), (3, 5))],
-            "intervals": {name: baseline.interval(after, 0.05) for name, (_, after) in pairs.items()},
+            "intervals": {name: baseline.interval(pair[1], 0.05) for name, pair in pairs.items()},
             "rises": {
                 name: [regression.least_rise(after, share) for share in (0.05, 1e-4)]
                 for name, (_, after) in pairs.items()
