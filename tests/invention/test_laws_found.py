@@ -39,6 +39,10 @@ def test_the_named_effect_of_which_it_is_a_special_case_is_told(found: Invention
     assert "payne has the same curve here, with" in found.best.says
 
 
+def test_all_that_is_told_of_it(found: Invention, stays):
+    stays(found.to_dict())
+
+
 def test_the_text_tells_class_floors_and_parameters(found: Invention):
     text = str(found)
     for word in ("verdict     class", "material floor", "i*k*X^(-n)", "next experiment", "payne"):
@@ -84,10 +88,11 @@ def test_nothing_is_invented_from_noise(seed: int):
         found.effect()
 
 
-def test_what_no_formula_is_is_called_so():
+def test_what_no_formula_is_is_called_so(stays):
     found = springpot.invent(swept(lambda k, x: k * (1.0 + 0.1 * np.sin(9.0 * np.log(OMEGA) + x))))
     assert found.verdict == "none"
     assert "no law of the grammar follows it" in found.says
+    stays(found.to_dict())
 
 
 def test_a_law_of_the_frequency_alone_is_one_beside_a_named_model():

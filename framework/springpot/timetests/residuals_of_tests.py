@@ -291,8 +291,12 @@ class InTimePart(TestPart):
 
     @property
     def size(self) -> Real:
-        """The root mean square of the response."""
-        return np.full(len(self.at), rms(self.measured))
+        """The root mean square of the response, shared among its samples as its noise is.
+
+        So an error and the noise go together: of noise in proportion to the signal it is that of
+        each sample over the sample, of constant noise that of all over all.
+        """
+        return np.asarray(self.sd * (rms(self.measured) / max(rms(self.sd), 1e-300)), dtype=float)
 
     @property
     def stiffness(self) -> float:
