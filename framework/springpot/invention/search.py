@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.diagnosis.grown import Grown, Search
-from springpot.diagnosis.scan import applicable, best_pairs, enough_for, scan_effects
+from springpot.diagnosis.scan import Scan, Score, best_pairs, enough_for, scan_effects
 from springpot.diagnosis.search import grown_with, sort_by_evidence
 from springpot.identification.passive import within_material
 from springpot.misfit.floor import is_arithmetic
@@ -26,10 +26,12 @@ from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Real
 from springpot.thresholds import INVENTION, SEARCH
 
-from .grammar import filled, forms_of, formula_of, laws, renamed, text_of, times
+from .grammar import filled, forms_of, formula_of, laws, new_names, renamed, symbols, text_of, times
 
 SUMMED = ("stiffness", "compliance")
 """Planes in which terms add up; in the others they are factors."""
+OF_A_CONDITION = frozenset({"n", "n2", "Xc", "Xc2"})
+"""Parameters of the form of a condition."""
 RATIO = "r"
 """The size of a second term in that of the first."""
 
@@ -53,7 +55,7 @@ def sought(base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> 
     # Where noise alone goes as far, nothing is fitted: that is what keeps laws from being invented.
     if search.alarm >= SEARCH.look_further:
         return search
-    leaders = search.scan.scores[: INVENTION.refined]
+    leaders = _promising(search.scan, base, INVENTION.refined)
     search.grown = [grown_with(search, score) for score in leaders]
     _sort(search)
     search.left = battery(search.best.frame(), rng)
@@ -67,10 +69,10 @@ def sought(base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> 
 
 
 def possible(base: Refit, library: Sequence[Effect]) -> list[Effect]:
-    """Candidates that these data can tell of, and that are no part of any material."""
+    """Candidates that these data are enough for, and that are no part of any material."""
     return [
         effect
-        for effect in applicable(library, base.fit.measurement)
+        for effect in library
         if enough_for(base, base.model + effect) and not within_material(base.model, effect)
     ]
 
@@ -79,6 +81,30 @@ def _sort(search: Search) -> None:
     """The best first, without those that a search has led to where they give no numbers."""
     search.grown = [grown for grown in search.grown if _has_numbers(grown)]
     sort_by_evidence(search)
+
+
+def _promising(scan: Scan, fitted: Refit, count: int) -> list[Score]:
+    """The scores of most evidence, were they right: what explains the same is better if shorter."""
+
+    def price(score: Score) -> float:
+        effect = score.influence.effect
+        drop = max(fitted.rss - score.predicted, 0.0)
+        paid = len(effect.element.parameters) * float(np.log1p(drop))
+        return score.predicted + paid + 2.0 * INVENTION.symbol * symbols(effect)
+
+    return sorted(scan.scores, key=price)[:count]
+
+
+def _of_each_kind(search: Search) -> list[Grown]:
+    """The best laws that differ by more than the form of their condition."""
+    kinds: dict[tuple[object, ...], Grown] = {}
+    for grown in search.grown:
+        (effect,) = grown.effects
+        text = formula_of(effect)
+        of_frequency = frozenset(_names(effect)) - OF_A_CONDITION
+        kind = (effect.plane, of_frequency, text.startswith("-"), "i*" in text)
+        kinds.setdefault(kind, grown)
+    return list(kinds.values())[: INVENTION.extended]
 
 
 def _has_numbers(grown: Grown) -> bool:
@@ -92,8 +118,7 @@ def _with_conditions(search: Search, effects: Sequence[Effect]) -> Iterator[Grow
     """The best laws, each with a further condition."""
     base, measurement = search.base, search.base.fit.measurement
     conditions = frozenset[str]().union(*(effect.needs for effect in effects))
-    for grown in search.grown[: INVENTION.extended]:
-        (effect,) = grown.effects
+    for effect in [grown.effects[0] for grown in _of_each_kind(search)]:
         taken = [*_names(effect), *measurement.conditions]
         forms = [
             filled(form, name, taken)
@@ -102,7 +127,7 @@ def _with_conditions(search: Search, effects: Sequence[Effect]) -> Iterator[Grow
         ]
         products = laws(filter(None, (_times(effect, form) for form in forms)), measurement)
         scanned = scan_effects(base, search.frame, possible(base, products))
-        for score in scanned.scores[: INVENTION.seconds]:
+        for score in _promising(scanned, base, INVENTION.seconds):
             yield grown_with(search, score)
 
 
@@ -143,13 +168,13 @@ def _with_terms(search: Search, effects: Sequence[Effect]) -> Iterator[Grown]:
 
 def _after_the_best(search: Search, effects: Sequence[Effect]) -> Iterator[_Two]:
     """What the best laws leave shows a second term."""
-    for grown in search.grown[: INVENTION.extended]:
+    for grown in _of_each_kind(search):
         (first,) = grown.effects
         others = [other for other in effects if other.plane == first.plane and other != first]
         if first.plane not in SUMMED:
             continue
         scanned = scan_effects(grown.refit, grown.refit.frame(), others)
-        for score in scanned.scores[: INVENTION.seconds]:
+        for score in _promising(scanned, grown.refit, INVENTION.seconds):
             for start in score.starts:
                 yield _Two(first, score.influence.effect, score.influence.model, start)
 
@@ -169,8 +194,10 @@ def _joined(first: Effect, second: Effect) -> str:
     """
     word, _, one = text_of(first).partition(": ")
     other = renamed(formula_of(second), _names(first))
-    size = renamed(_names(second)[0], _names(first))
-    other = re.sub(rf"\b{size}\b", f"{_names(first)[0]}*{RATIO}", other)
+    size = new_names(formula_of(second), _names(first))[_names(second)[0]]
+    mine = f"{_names(first)[0]}*{RATIO}"
+    other = re.sub(rf"/{size}\b", f"/({mine})", other)
+    other = re.sub(rf"\b{size}\b", mine, other)
     return f"{word}: {one} + {other}".replace("+ -", "- ")
 
 
@@ -180,8 +207,9 @@ def _carried(two: _Two, both: Effect) -> Real:
     mine = {name: values.pop(f"{two.first.name}.{name}") for name in _names(two.first)}
     size, *others = _names(two.second)
     ratio = values.pop(f"{two.second.name}.{size}") / mine[_names(two.first)[0]]
+    called = new_names(formula_of(two.second), _names(two.first))
     for name in others:
-        mine[renamed(name, _names(two.first))] = values.pop(f"{two.second.name}.{name}")
+        mine[called[name]] = values.pop(f"{two.second.name}.{name}")
     mine[RATIO] = ratio
     # A fit of a material takes the effects' parameters from the end, and asks for no lines.
     return np.array([*values.values(), *(mine[name] for name in _names(both))])
