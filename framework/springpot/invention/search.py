@@ -8,7 +8,7 @@ law and the material's passivity is assumed.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -27,13 +27,12 @@ from springpot.rheology.points import Real
 from springpot.thresholds import INVENTION, SEARCH
 
 from .grammar import filled, forms_of, formula_of, laws, new_names, renamed, symbols, text_of, times
+from .shorter import RATIO, shorter
 
 SUMMED = ("stiffness", "compliance")
 """Planes in which terms add up; in the others they are factors."""
 OF_A_CONDITION = frozenset({"n", "n2", "Xc", "Xc2"})
 """Parameters of the form of a condition."""
-RATIO = "r"
-"""The size of a second term in that of the first."""
 
 
 def sought(base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> Search:
@@ -63,6 +62,8 @@ def sought(base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> 
     done = search.left.p_value >= SEARCH.left_over or is_arithmetic(search.best)
     if search.grown and not done:
         search.grown += [*_with_conditions(search, effects), *_with_terms(search, effects)]
+        _sort(search)
+        search.grown += _shortened(search)
         _sort(search)
         search.left = battery(search.best.frame(), rng)
     return search
@@ -161,7 +162,7 @@ def _with_terms(search: Search, effects: Sequence[Effect]) -> Iterator[Grown]:
         for both in laws([text], base.fit.measurement):
             model = base.model + both
             if enough_for(base, model):
-                seeds = [_carried(two, both) for two in tried]
+                seeds = [_carried(two, model, both) for two in tried]
                 fitted = refit(model, base.data, base.noise, seeds, starts=0)
                 yield Grown((both,), fitted, fitted.rss)
 
@@ -187,6 +188,25 @@ def _together(search: Search) -> Iterator[_Two]:
         yield _Two(first, second, pair.model, pair.start)
 
 
+def _shortened(search: Search) -> Iterator[Grown]:
+    """The best laws with one thing less, each once."""
+    base = search.base
+    done = {text_of(grown.effects[0]) for grown in search.grown}
+    for grown in search.grown[: INVENTION.extended]:
+        (effect,) = grown.effects
+        names, theta = grown.refit.model.names, grown.refit.theta.tolist()
+        known = dict(zip(names, theta, strict=True))
+        values = {name: known.pop(f"{effect.name}.{name}") for name in _names(effect)}
+        for text, start in shorter(effect, values):
+            if text in done:
+                continue
+            done.add(text)
+            for law in laws([text], base.fit.measurement):
+                model = base.model + law
+                fitted = refit(model, base.data, base.noise, [_seed(model, known, law, start)], 0)
+                yield Grown((law,), fitted, fitted.rss)
+
+
 def _joined(first: Effect, second: Effect) -> str:
     """The text of the sum of two laws, the second's size being told in that of the first.
 
@@ -201,7 +221,7 @@ def _joined(first: Effect, second: Effect) -> str:
     return f"{word}: {one} + {other}".replace("+ -", "- ")
 
 
-def _carried(two: _Two, both: Effect) -> Real:
+def _carried(two: _Two, model: Model, both: Effect) -> Real:
     """The start of the model with two laws, as that of the model with one law of both."""
     values = dict(zip(two.model.names, two.start.tolist(), strict=True))
     mine = {name: values.pop(f"{two.first.name}.{name}") for name in _names(two.first)}
@@ -211,8 +231,16 @@ def _carried(two: _Two, both: Effect) -> Real:
     for name in others:
         mine[called[name]] = values.pop(f"{two.second.name}.{name}")
     mine[RATIO] = ratio
+    return _seed(model, values, both, mine)
+
+
+def _seed(
+    model: Model, known: Mapping[str, float], law: Effect, values: Mapping[str, float]
+) -> Real:
+    """Parameters of a model with a law, the law's own by their short names."""
+    whole = {**known, **{f"{law.name}.{name}": values[name] for name in _names(law)}}
     # A fit of a material takes the effects' parameters from the end, and asks for no lines.
-    return np.array([*values.values(), *(mine[name] for name in _names(both))])
+    return np.array([whole[name] for name in model.names if name in whole])
 
 
 def _names(effect: Effect) -> list[str]:
