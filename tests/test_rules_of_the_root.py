@@ -14,6 +14,7 @@ import pytest
 from springpot import api, constraints, files, inputs, limits, nonnegative, plain_data, processes
 from springpot import distributions as own
 from springpot import format_numbers as numbers
+from springpot.api import library
 from springpot.errors import DataError, ModelError, OptionError, OutputError, SpringpotError
 from springpot.measurement import Measurement, Units
 from springpot.measurement.timetest import TimeTest
@@ -327,7 +328,7 @@ def test_words_of_constraints(stays):
 def test_what_users_hand_over_is_a_list(stays):
     relaxed = TimeTest.of_relaxation([0.1, 1.0, 10.0], [3.0, 2.0, 1.5], "kPa")
     model = parse_model("kelvin")
-    effects = api.library(only=["inertia", "time-delay"])
+    effects = library(only=["inertia", "time-delay"])
     stays(
         {
             "listed": [api._listed("ab"), api._listed(3), api._listed([1, 2])],
@@ -339,9 +340,9 @@ def test_what_users_hand_over_is_a_list(stays):
             "no model": answer(lambda: api._model(3)),
             "shown": api._shown(np.zeros(40)),
             "effects": [each.name for each in effects],
-            "without": [each.name for each in api.library(only=["inertia"], without=())],
-            "no effect": answer(lambda: api.library(only=["inertia"], without="inertia")),
-            "unknown": answer(lambda: api.library(only=["nothing"])),
+            "without": [each.name for each in library(only=["inertia"], without=())],
+            "no effect": answer(lambda: library(only=["inertia"], without="inertia")),
+            "unknown": answer(lambda: library(only=["nothing"])),
             "no name": answer(lambda: api._effect(3, [])),
             "several": answer(
                 lambda: api.predict(api.identify(DATA, "kelvin"), [relaxed, relaxed])
