@@ -31,7 +31,7 @@ def test_time_counts_from_the_middle_of_the_ramp_and_what_was_read_within_it_doe
     test = relaxation(time, [1.0, 1.0, 9.0, 6.0, 4.0], start=5.0, rise=1.0)
     assert (test.start, test.rise) == (5.0, 1.0)
     rates, values, celsius = steps._shown(test, "relaxation")
-    # After the ramp's end, which is no time after it: 7 and 105 s are 1.5 and 99.5 s from its middle.
+    # The ramp's end is no time after it; 7 and 105 s are 1.5 and 99.5 s from its middle.
     np.testing.assert_allclose(rates, [1 / 99.5, 1 / 1.5])
     np.testing.assert_allclose(values, [2.0, 3.0])
     np.testing.assert_array_equal(celsius, [25.0, 25.0])
