@@ -27,13 +27,18 @@ def conditions_of(measurement: Measurement) -> list[str]:
     >>> sorted(data.conditions), conditions_of(data)
     (['nist_loss', 'nist_storage', 'temperature'], ['temperature'])
     """
+    told = telling(measurement)
     return [
         name
-        for name in sorted(telling(measurement))
-        if _COLUMN.fullmatch(name)
-        and np.ptp(measurement.conditions[name]) > 0.0
-        and (name in CONDITIONS or not repeats(measurement, name))
+        for name in varied(measurement)
+        if name in told and (name in CONDITIONS or not repeats(measurement, name))
     ]
+
+
+def varied(measurement: Measurement) -> list[str]:
+    """Columns that were varied at all and whose name may stand in a formula."""
+    columns = measurement.conditions
+    return [name for name in sorted(columns) if _COLUMN.fullmatch(name) and np.ptp(columns[name])]
 
 
 def repeats(measurement: Measurement, name: str) -> bool:
