@@ -16,11 +16,12 @@ import argparse
 import csv
 import json
 import os
+import re
 import sys
 import time
 import warnings
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -48,6 +49,32 @@ CLEAR = 400.0
 NEAR = 0.5
 """Distance of a curve from the true one, in standard deviations of the noise, at which it is back.
 """
+
+
+LAWS: dict[str, dict[str, Callable[[Any], dict[str, float]]]] = {
+    "parallel-springpot": {"parallel: c*(i*omega)^a": lambda v: {"a": v["alpha"]}},
+    "series-springpot": {"series: 1/(c*(i*omega)^a)": lambda v: {"a": v["alpha"]}},
+    "basset": {"parallel: c*(i*omega)^(1 + a)": lambda v: {"a": 0.5}},
+    "friction": {"parallel: i*k*X^(-n)": lambda v: {"n": 1.0}},
+    "power-law-damper": {
+        "parallel: i*c*omega^a*X^n": lambda v: {"a": v["a"], "n": v["a"] - 1.0},
+        "parallel: i*c*omega^a*X^(-n)": lambda v: {"a": v["a"], "n": 1.0 - v["a"]},
+    },
+    "cubic-damping": {"parallel: i*c*omega^a*X^n": lambda v: {"a": 3.0, "n": 2.0}},
+    "cubic-stiffness": {
+        "parallel: k*X^n": lambda v: {"n": 2.0},
+        "parallel: -k*X^n": lambda v: {"n": 2.0},
+    },
+    "intrinsic-nonlinearity": {"chain: 1 + b*(X^n)": lambda v: {"n": 2.0}},
+    "strain-softening": {"chain: 1/(1 + (X/Xc)^n)": lambda v: {"n": v["n"]}},
+    "shear-thinning": {"chain: 1/(1 + ((omega*X)/Xc)^n)": lambda v: {"n": v["n"]}},
+    "crosstalk": {
+        "parallel: k*(1 + i*h)*X^(-n)": lambda v: {"n": 1.0},
+        "parallel: -k*(1 - i*h)*X^(-n)": lambda v: {"n": 1.0},
+    },
+    "vertical-shift": {"chain: (T/T0)^n": lambda v: {"n": v["n"]}},
+}
+"""Effects that are a law of the grammar, and its exponents from their parameters."""
 
 
 def noisy(
@@ -80,7 +107,8 @@ def left_out(name: str, share: float, noise: float, rng: np.random.Generator) ->
         curves = (base.fixed_at(np.array(own)) + effect).network.respond(tried, blank.points).value
     change = np.sqrt(np.mean(np.abs(curves / plain - 1.0) ** 2, axis=1))
     near = np.argsort(np.abs(np.log(np.where(change > 0, change, 1e-9) / share)))[:5]
-    exact = curves[int(rng.choice(near))]
+    chosen = int(rng.choice(near))
+    exact = curves[chosen]
     data = noisy(rng, omega, exact, noise, conditions)
     begun = time.process_time()
     found = springpot.invent(data, base)
@@ -92,7 +120,11 @@ def left_out(name: str, share: float, noise: float, rng: np.random.Generator) ->
     off = float(np.sqrt(np.mean(np.abs((curve - exact) / exact) ** 2) / 2.0)) / noise
     law = found.laws[0].text if found.laws else ""
     row = {"effect": name, "share": share, "noise": noise, "verdict": found.verdict, "law": law}
-    return row | {"distance": off, "seconds": seconds}
+    row |= {"distance": off, "seconds": seconds}
+    drawn = dict(zip([p.name for p in effect.element.parameters], tried[chosen], strict=True))
+    return row | {
+        "exponents": exponents(found, {t: v(drawn) for t, v in LAWS.get(name, {}).items()})
+    }
 
 
 def blind(number: int, rng: np.random.Generator) -> dict[str, Any]:
@@ -102,7 +134,8 @@ def blind(number: int, rng: np.random.Generator) -> dict[str, Any]:
     share, noise = float(rng.choice([0.08, 0.2])), float(rng.choice([0.005, 0.01]))
     omega, amplitude, column = grid(rng, family.column)
     plain = material(rng, omega)
-    exact = with_law(family, plain, family.draw(rng, omega, amplitude, column), share)
+    values = family.draw(rng, column if family.column else amplitude)
+    exact = with_law(family, plain, family.law(values, omega, amplitude, column), share)
     conditions = {"P": column} if family.column else {"amplitude": amplitude}
     data = noisy(rng, omega, exact, noise, conditions)
     begun = time.process_time()
@@ -115,7 +148,26 @@ def blind(number: int, rng: np.random.Generator) -> dict[str, Any]:
     drop = base.rss - len(data) * 2.0
     row = {"family": family.name, "outside": not family.texts, "share": share, "noise": noise}
     row |= {"verdict": found.verdict, "first": first, "in_class": inside, "drop": drop}
-    return row | {"law": named[0] if named else "", "class": len(members), "seconds": seconds}
+    row |= {"law": named[0] if named else "", "class": len(members), "seconds": seconds}
+    return row | {"exponents": exponents(found, dict.fromkeys(family.texts, values))}
+
+
+def exponents(found: Any, truths: Mapping[str, Mapping[str, float]]) -> list[list[Any]]:
+    """Name, truth, low and high end of each exponent of the laws of a class that are true.
+
+    The first of them that is told, which is not always the first of the class.
+    """
+    if found.verdict == "none":
+        return []
+    for law in found.laws:
+        if law.text in truths:
+            names = [name for name in law.parameters if re.fullmatch("[an]2?", name)]
+            values = truths[law.text]
+            if law.text.startswith("parallel: i*k*X^(-n) + k*r"):
+                values = {"n": values["n2"], "n2": values["n"]}
+            told = [(name, law.parameters[name]) for name in names if name in values]
+            return [[name, values[name], value.low, value.high] for name, value in told]
+    return []
 
 
 def nothing(number: int, rng: np.random.Generator) -> dict[str, Any]:
@@ -176,7 +228,7 @@ def run(part: str, count: int, sizes: Any, seed: int, folder: Path) -> list[dict
 
 def percent(hits: list[bool]) -> str:
     """A share with the count behind it."""
-    return f"{sum(hits)} of {len(hits)}"
+    return f"{sum(hits)} of {len(hits)} ({np.mean(hits):.3f})" if hits else "0 of 0"
 
 
 def tables(parts: dict[str, list[dict[str, Any]]]) -> dict[str, list[list[str]]]:
@@ -206,6 +258,10 @@ def tables(parts: dict[str, list[dict[str, Any]]]) -> dict[str, list[list[str]]]
     if rows := parts.get("nothing"):
         invented = percent([row["verdict"] != "none" for row in rows])
         found["nothing"] = [["question", "answer"], ["a law invented where none is", invented]]
+    told = [told for rows in parts.values() for row in rows for told in row.get("exponents", [])]
+    if told:
+        within = percent([low <= true <= high for _, true, low, high in told])
+        found["exponents"] = [["exponents in their 95 % intervals"], [within]]
     seconds = [row["seconds"] for rows in parts.values() for row in rows]
     times = [f"{np.median(seconds):.1f}", f"{np.quantile(seconds, 0.95):.1f}"]
     found["seconds"] = [["processor time a case [s], median", "95 %"], times]

@@ -50,7 +50,8 @@ def plain(part: Any) -> Any:
     if dataclasses.is_dataclass(part):
         return {each.name: plain(getattr(part, each.name)) for each in dataclasses.fields(part)}
     if hasattr(part, "savefig"):
-        return [_of_axes(axes) for axes in part.axes]
+        size = plain(np.array(part.get_size_inches()))
+        return [{"size": size}, *(_of_axes(axes) for axes in part.axes)]
     if hasattr(part, "_asdict"):
         return plain(part._asdict())
     return [plain(each) for each in part]
@@ -79,20 +80,47 @@ def _of_axes(axes: Any) -> dict[str, Any]:
     legend = axes.get_legend()
     return {
         "title": axes.get_title(),
-        "x": [axes.get_xlabel(), axes.get_xscale(), *plain(np.array(axes.get_xlim()))],
-        "y": [axes.get_ylabel(), axes.get_yscale(), *plain(np.array(axes.get_ylim()))],
+        "x": [axes.get_xlabel(), *_of_axis(axes.xaxis), *plain(np.array(axes.get_xlim()))],
+        "y": [axes.get_ylabel(), *_of_axis(axes.yaxis), *plain(np.array(axes.get_ylim()))],
         "legend": [text.get_text() for text in legend.get_texts()] if legend else [],
         "texts": [text.get_text() for text in axes.texts],
         "lines": [
-            [str(line.get_color()), line.get_linewidth(), plain(np.array(line.get_xydata()))]
+            [_of_look(line, str(line.get_color())), plain(np.array(line.get_xydata()))]
             for line in axes.lines
         ],
         "areas": [
-            plain(np.concatenate([path.vertices for path in each.get_paths()] or [np.zeros(0)]))
+            [
+                _of_look(each, plain(np.array(each.get_facecolor()))),
+                plain(
+                    np.concatenate([path.vertices for path in each.get_paths()] or [np.zeros(0)])
+                ),
+            ]
             for each in axes.collections
         ],
         "patches": [plain(np.array(patch.get_extents().size)) for patch in axes.patches],
     }
+
+
+def _of_axis(axis: Any) -> list[str]:
+    """How an axis is scaled, and by which rules its numbers are placed and written."""
+    return [
+        axis.get_scale(),
+        type(axis.get_major_locator()).__name__,
+        type(axis.get_major_formatter()).__name__,
+    ]
+
+
+def _of_look(drawn: Any, colour: Any) -> list[Any]:
+    """Colour, opacity, width of its lines and what lies above what."""
+    return [
+        colour,
+        *(plain(each) for each in (drawn.get_alpha(), drawn.get_zorder())),
+        _wide(drawn),
+    ]
+
+
+def _wide(drawn: Any) -> Any:
+    return plain(np.array(drawn.get_linewidth()))
 
 
 def moved(before: Any, after: Any, within: float, place: str = "") -> Iterator[str]:

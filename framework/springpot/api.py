@@ -37,6 +37,7 @@ from springpot.invention.result import Invention
 from springpot.measurement.joining import joined
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test, sweep_of
+from springpot.measurement.other_test import OtherTest
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.material import any_material
 from springpot.registry import effect_of, open_tests, parse_model, plugins
@@ -535,7 +536,7 @@ def mastercurve(
         data = sweep
     elif len(data) < len(tests):
         raise DataError(
-            "a master curve is made of sweeps or of tests in time, not of both together"
+            "a master curve is made of sweeps or of tests in time, not of several kinds together"
         )
     return mastercurve_of(
         data, column=column, reference=reference, vertical=vertical, objective=how
@@ -615,7 +616,7 @@ def _tests(data: Data) -> list[Test]:
         given = list(data)
     tests: list[Test] = []
     for each in given:
-        if isinstance(each, Measurement | TimeTest):
+        if isinstance(each, Measurement | TimeTest | OtherTest):
             tests.append(each)
         elif isinstance(each, str | PurePath):
             tests += open_tests(each)

@@ -692,6 +692,8 @@ class InventionLevels:
     """Effects with a name that are held against the likeliest law."""
     told: int = 8
     """Laws of a class that are told at most."""
+    repeated: float = 0.1
+    """Share of a column's spread that other columns leave, below which it only repeats them."""
 
 
 INVENTION = InventionLevels()

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-Draw = Callable[[np.random.Generator, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+Values = dict[str, float]
+Law = Callable[[Values, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -25,145 +26,176 @@ class Family:
     plane : str
         ``parallel`` adds to K, ``series`` to 1/K, ``chain`` multiplies K,
         and ``exponent`` by its exponential.
-    draw : callable
-        Of a generator, omega, amplitude and column: what it adds, of any size; of a chain the
-        change of the factor.
+    law : callable
+        Of values, omega, amplitude and column: what it adds, of any size; of a chain the change of
+        the factor.
+    values : dict of str to (float, float)
+        Parameters and the range that each is drawn of; ``Xc`` in shares of the range of what it is
+        a place of, in logarithms.
     texts : tuple of str
-        Formulas that are this law, in the words of springpot.
+        Formulas that are this law, in the words of springpot; its exponents have the names that
+        they have here.
     column : bool
         Whether the column ``P`` was varied in the place of the amplitude.
     """
 
     name: str
     plane: str
-    draw: Draw
+    law: Law
+    values: dict[str, tuple[float, float]]
     texts: tuple[str, ...] = ()
     column: bool = False
 
-
-def _power(rng: np.random.Generator) -> float:
-    return float(rng.uniform(0.4, 1.6))
-
-
-def _place(rng: np.random.Generator, x: np.ndarray) -> float:
-    """A place inside the range of a condition."""
-    low, high = np.log(x.min()), np.log(x.max())
-    return float(np.exp(low + rng.uniform(0.3, 0.7) * (high - low)))
+    def draw(self, rng: np.random.Generator, x: np.ndarray) -> Values:
+        """Parameters, places in the range of a condition."""
+        values = {name: float(rng.uniform(*ends)) for name, ends in self.values.items()}
+        if "Xc" in values:
+            low, high = np.log(x.min()), np.log(x.max())
+            values["Xc"] = float(np.exp(low + values["Xc"] * (high - low)))
+        return values
 
 
-def _saturated(rng: np.random.Generator, x: np.ndarray) -> np.ndarray:
-    return 1.0 / (1.0 + (x / _place(rng, x)) ** rng.uniform(1.0, 2.0))
+POWER = {"n": (0.4, 1.6)}
+PLACE = {"Xc": (0.3, 0.7)}
+SATURATION = PLACE | {"n": (1.0, 2.0)}
 
 
-FALL = "1/(1 + (X/Xc)^n)"
+def _fallen(v: Values, x: np.ndarray) -> np.ndarray:
+    return 1.0 / (1.0 + (x / v["Xc"]) ** v["n"])
+
+
 INSIDE = (
     Family(
         "loss X^-n",
         "parallel",
-        lambda g, w, x, p: 1j * x ** -_power(g),
+        lambda v, w, x, p: 1j * x ** -v["n"],
+        POWER,
         ("parallel: i*k*X^(-n)",),
     ),
-    Family("stiffening X^n", "parallel", lambda g, w, x, p: x ** _power(g), ("parallel: k*X^n",)),
     Family(
-        "softening X^n", "parallel", lambda g, w, x, p: -(x ** _power(g)), ("parallel: -k*X^n",)
+        "stiffening X^n", "parallel", lambda v, w, x, p: x ** v["n"], POWER, ("parallel: k*X^n",)
+    ),
+    Family(
+        "softening X^n", "parallel", lambda v, w, x, p: -(x ** v["n"]), POWER, ("parallel: -k*X^n",)
     ),
     Family(
         "drag X^n",
         "parallel",
-        lambda g, w, x, p: 1j * w * x ** _power(g),
+        lambda v, w, x, p: 1j * w * x ** v["n"],
+        POWER,
         ("parallel: c*i*omega*X^n",),
     ),
     Family(
         "springpot X^-n",
         "parallel",
-        lambda g, w, x, p: (1j * w) ** g.uniform(0.3, 0.7) * x ** -_power(g),
+        lambda v, w, x, p: (1j * w) ** v["a"] * x ** -v["n"],
+        POWER | {"a": (0.3, 0.7)},
         ("parallel: c*(i*omega)^a*X^(-n)",),
     ),
     Family(
         "loss omega^a X^n",
         "parallel",
-        lambda g, w, x, p: 1j * w ** g.uniform(0.3, 1.6) * x ** _power(g),
+        lambda v, w, x, p: 1j * w ** v["a"] * x ** v["n"],
+        POWER | {"a": (0.3, 1.6)},
         ("parallel: i*c*omega^a*X^n",),
     ),
     Family(
         "saturation",
         "parallel",
-        lambda g, w, x, p: _saturated(g, x),
+        lambda v, w, x, p: _fallen(v, x),
+        SATURATION,
         ("parallel: k/(1 + (X/Xc)^n)", "parallel: -k*(X/Xc)^n/(1 + (X/Xc)^n)"),
     ),
     Family(
         "fade",
         "parallel",
-        lambda g, w, x, p: np.exp(-x / _place(g, x)),
+        lambda v, w, x, p: np.exp(-x / v["Xc"]),
+        PLACE,
         ("parallel: k*exp(-X/Xc)",),
     ),
     Family(
         "threshold",
         "parallel",
-        lambda g, w, x, p: 1j * np.maximum(0.0, 1.0 - _place(g, x) / x) ** g.uniform(0.7, 1.6),
+        lambda v, w, x, p: 1j * np.maximum(0.0, 1.0 - v["Xc"] / x) ** v["n"],
+        PLACE | {"n": (0.7, 1.6)},
         ("parallel: i*k*max(0, 1 - Xc/X)^n",),
     ),
     Family(
         "mount X^n",
         "series",
-        lambda g, w, x, p: (x ** _power(g)).astype(complex),
+        lambda v, w, x, p: (x ** v["n"]).astype(complex),
+        POWER,
         ("series: X^n/k",),
     ),
     Family(
         "slip X^n",
         "series",
-        lambda g, w, x, p: x ** _power(g) / (1j * w),
+        lambda v, w, x, p: x ** v["n"] / (1j * w),
+        POWER,
         ("series: X^n/(c*i*omega)",),
     ),
     Family(
         "gain X^n",
         "chain",
-        lambda g, w, x, p: (-(x ** _power(g))).astype(complex),
+        lambda v, w, x, p: (-(x ** v["n"])).astype(complex),
+        POWER,
         ("chain: 1 + b*(X^n)",),
     ),
     Family(
         "delay X^n",
         "exponent",
-        lambda g, w, x, p: -1j * w * x ** _power(g),
+        lambda v, w, x, p: -1j * w * x ** v["n"],
+        POWER,
         ("chain: exp(-i*omega*tau*(X^n))",),
     ),
     Family(
         "loss P^n",
         "parallel",
-        lambda g, w, x, p: 1j * p ** _power(g),
+        lambda v, w, x, p: 1j * p ** v["n"],
+        POWER,
         ("parallel: i*k*P^n",),
         column=True,
     ),
     Family(
         "loss, P saturates",
         "parallel",
-        lambda g, w, x, p: 1j * (1.0 - _saturated(g, p)),
+        lambda v, w, x, p: 1j * (1.0 - _fallen(v, p)),
+        SATURATION,
         ("parallel: i*k*(P/Xc)^n/(1 + (P/Xc)^n)", "parallel: i*k/(1 + (P/Xc)^n)"),
         column=True,
     ),
     Family(
         "two terms",
         "parallel",
-        lambda g, w, x, p: 1j * (x / x.max()) ** -0.8 + 6.0 * (x / x.max()) ** _power(g),
+        lambda v, w, x, p: 1j * (x / x.max()) ** -v["n2"] + 6.0 * (x / x.max()) ** v["n"],
+        POWER | {"n2": (0.7, 0.9)},
         ("parallel: k*X^n + i*k*r*X^(-n2)", "parallel: i*k*X^(-n) + k*r*X^n2"),
     ),
 )
 OUTSIDE = (
-    Family("waves in X", "parallel", lambda g, w, x, p: np.cos(g.uniform(4, 7) * np.log(x)) + 0j),
+    Family(
+        "waves in X",
+        "parallel",
+        lambda v, w, x, p: np.cos(v["q"] * np.log(x)) + 0j,
+        {"q": (4.0, 7.0)},
+    ),
     Family(
         "hump in X",
         "parallel",
-        lambda g, w, x, p: 1j * np.exp(-8.0 * np.log(x / np.median(x)) ** 2),
+        lambda v, w, x, p: 1j * np.exp(-8.0 * np.log(x / np.median(x)) ** 2),
+        {},
     ),
     Family(
         "resonance that moves with X",
         "parallel",
-        lambda g, w, x, p: 1.0 / (1.0 + 0.1j - (w * x**0.2 / np.median(w)) ** 2),
+        lambda v, w, x, p: 1.0 / (1.0 + 0.1j - (w * x**0.2 / np.median(w)) ** 2),
+        {},
     ),
     Family(
         "steps in omega",
         "chain",
-        lambda g, w, x, p: np.where(np.sin(g.uniform(3, 5) * np.log(w)) > 0, 1.0, -1.0) + 0j,
+        lambda v, w, x, p: np.where(np.sin(v["q"] * np.log(w)) > 0, 1.0, -1.0) + 0j,
+        {"q": (3.0, 5.0)},
     ),
 )
 """What no formula of the grammar is."""

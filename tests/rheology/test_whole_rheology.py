@@ -140,3 +140,14 @@ def test_poles_that_stand_for_a_springpot_hold_its_modulus(alpha):
     exact = 2.0 * (1j * omega) ** alpha
     assert np.max(np.abs(found.stiffness(omega) / exact - 1.0)) <= 1.2 * found.error
     assert found.error < 1e-3
+
+
+def test_parameters_of_all_models_and_effects(stays):
+    """Their dimensions, bounds and sizes, and what is said of them."""
+    installed = {**models(), **{each.name: each for each in plugins().items("effect")}}
+    rows = {}
+    for name in sorted(installed):
+        item = installed[name]
+        element = getattr(item, "element", item)
+        rows[name] = {p.name: [p, p.is_order] for p in element.parameters}
+    stays(rows)

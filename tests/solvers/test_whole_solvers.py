@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -11,7 +12,16 @@ import springpot
 from springpot.errors import SpringpotError
 from springpot.measurement import Measurement, Units
 from springpot.registry import parse_model, plugins
-from springpot.solvers import Handoff, Prony, exported, exporting, prony_of, solid_of, young_of
+from springpot.solvers import (
+    Handoff,
+    Prony,
+    Writer,
+    exported,
+    exporting,
+    prony_of,
+    solid_of,
+    young_of,
+)
 from springpot.solvers.prony import beside_a_spring
 
 MAXWELL, ZENER = parse_model("fractional-maxwell"), parse_model("fractional-zener")
@@ -140,3 +150,41 @@ def test_terms_at_the_edge_of_what_was_measured_are_within_it():
     card = Handoff(SERIES, "zener", {}, "MPa", True, covered=(1.0 / 7.0, 4.0))
     assert card.outside.tolist() == [True, False, False]
     assert Handoff(SERIES, "zener", {}, "MPa", True).outside.tolist() == [False] * 3
+
+
+@pytest.mark.parametrize(("equilibrium", "solid"), [(0.5e-2, False), (2e-2, True)])
+def test_a_solid_keeps_a_millionth_of_its_modulus(equilibrium, solid):
+    series = Prony(equilibrium, 0.0, np.array([1e4]), np.array([1.0]), (1.0, 2.0), 0.0)
+    card = Handoff(series, "zener", {}, "MPa", True, 0.3, letter="G")
+    writer = Writer("card", lambda handoff: "text", "in two words", ".inp", solid=True)
+    found = answer(lambda: writer.written(card))
+    assert (found == "text") == solid
+    assert solid or "is a liquid on this band (long-term modulus 0.005)" in found
+
+
+@pytest.mark.parametrize(
+    ("more", "writer", "says"),
+    [
+        ({}, {}, "text"),
+        ({"is_modulus": False}, {}, "card needs a modulus, and zener is a stiffness in MPa:"),
+        ({"is_modulus": False}, {"solid": False}, "text"),
+        ({"letter": ""}, {}, "is a shear, Young's or bulk modulus, which the data do not say"),
+        ({"poisson": 0.5}, {}, "a solid needs Poisson's ratio, above -1 and below 0.5"),
+        ({"poisson": -1.0}, {}, "a solid needs Poisson's ratio"),
+        ({"poisson": -0.99}, {}, "text"),
+        ({"poisson": None}, {}, "a solid needs Poisson's ratio"),
+        ({}, {"solid": False, "damper": True}, "card needs a stiffness, and zener is a modulus"),
+        ({"is_modulus": False}, {"solid": False, "damper": True}, "text"),
+        ({"dashpot": 1e-9}, {"solid": False, "dashpot": False}, "card has no dashpot beside"),
+        ({"dashpot": 1e-9}, {"solid": False}, "text"),
+        ({}, {"dashpot": False}, "text"),
+    ],
+)
+def test_a_format_is_handed_what_it_can_hold(more, writer, says):
+    series = replace(SERIES, viscosity=more.pop("dashpot", 0.0))
+    known = {"is_modulus": True, "poisson": 0.3, "letter": "G"} | more
+    card = Handoff(series, "zener", {}, "MPa", **known)
+    made = Writer(
+        "card", lambda handoff: "text", "in two words", ".inp", **({"solid": True} | writer)
+    )
+    assert says in answer(lambda: made.written(card))

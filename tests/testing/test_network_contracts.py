@@ -203,10 +203,11 @@ def test_a_wrong_unit_is_told_of_that_unit_alone(unit: str):
 
 
 @pytest.mark.parametrize("case", MODELS)
-def test_a_slip_in_a_model_is_one_sentence(case: str):
+def test_a_slip_in_a_model_is_one_sentence(case: str, stays):
     model, sentence = MODELS[case]
     found = check_model(model)
     assert says(found, sentence), found
+    stays(found)
     aspect = sentence.partition(":")[0]
     assert not says(check_model(model, skip=[aspect]), sentence)
 
@@ -316,10 +317,11 @@ def test_a_good_effect_is_given_no_complaint():
 
 
 @pytest.mark.parametrize("case", EFFECTS)
-def test_a_slip_in_an_effect_is_one_sentence(case: str):
+def test_a_slip_in_an_effect_is_one_sentence(case: str, stays):
     effect, sentence = EFFECTS[case]
     found = check_effect(effect)
     assert says(found, sentence), found
+    stays(found)
 
 
 def test_a_material_is_checked_with_lines_in_its_spectrum(monkeypatch):

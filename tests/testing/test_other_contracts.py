@@ -172,9 +172,10 @@ def test_a_good_optimiser_is_given_no_complaint():
 
 @pytest.mark.soak_cases("Carrying")
 @pytest.mark.parametrize("optimiser", OPTIMISERS)
-def test_a_slip_in_an_optimiser_is_one_sentence(optimiser: type[Optimiser]):
+def test_a_slip_in_an_optimiser_is_one_sentence(optimiser: type[Optimiser], stays):
     found = check_optimiser(optimiser)
     assert says(found, OPTIMISERS[optimiser]), found
+    stays(found)
 
 
 def test_an_option_without_a_word_of_explanation():

@@ -18,9 +18,10 @@ from .faults import BAD_INPUT, FAULT, INTERRUPTED, exit_code
 
 if TYPE_CHECKING:
     from springpot.measurement.measurement import Measurement
+    from springpot.measurement.other_test import OtherTest
     from springpot.measurement.timetest import TimeTest
 
-    T = TypeVar("T", Measurement, TimeTest)
+    T = TypeVar("T", Measurement, TimeTest, TimeTest | OtherTest)
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -163,6 +164,11 @@ def seen_through(test: T, geometry: str | None) -> T:
     """A test seen through a geometry, if one is given."""
     if geometry is None:
         return test
+    from springpot.errors import OptionError
+    from springpot.measurement.other_test import OtherTest
+
+    if isinstance(test, OtherTest):
+        raise OptionError(f"{test.name}: a geometry is for stiffness, not for {test.kind}")
     from springpot.measurement.geometry_text import parse_geometry
     from springpot.measurement.interface import through
 

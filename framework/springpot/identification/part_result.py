@@ -31,8 +31,10 @@ class PartResult:
     points : int
         Its points or samples.
     relative_rms, noise_floor : float
-        Root mean square of the residual and of the noise, each over that of the signal; of a sweep
-        point by point. The floor is nan where the data are too few to tell.
+        Root mean square of the residual and of the noise, each over that of the signal: point by
+        point of a sweep, and of a test in time shared among its samples as its noise is, which
+        comes to the same where the noise goes with the signal. The floor is nan where the data are
+        too few to tell.
     over_floor : float
         Root mean square of the residuals over their noise.
     over_floor_alone : float

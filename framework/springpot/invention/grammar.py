@@ -7,12 +7,11 @@ exact derivatives follow from it.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
-from itertools import product
+from collections.abc import Collection, Iterable, Iterator
+from itertools import count, permutations, product
 from zlib import crc32
 
 from springpot.errors import ModelError
-from springpot.measurement.independence import telling
 from springpot.measurement.measurement import Measurement
 from springpot.rheology.effect import PLANES, Effect
 from springpot.rheology.grammar import parsed
@@ -21,10 +20,12 @@ from springpot.rheology.written import Written
 
 POWERS = ("@^n", "@^(-n)")
 SATURATIONS = ("1/(1 + (@/Xc)^n)", "(@/Xc)^n/(1 + (@/Xc)^n)", "exp(-@/Xc)")
+GROWTHS = ("(1 + (@/Xc)^n)",)
 THRESHOLDS = ("max(0, 1 - Xc/@)^n", "max(0, 1 - @/Xc)^n")
-OF_CONDITION = (*POWERS, *SATURATIONS, *THRESHOLDS)
+OF_CONDITION = (*POWERS, *SATURATIONS, *GROWTHS, *THRESHOLDS)
 """Of a condition, which stands where the @ is."""
-OF_TEMPERATURE = ("exp(E/R*(1/@ - 1/T0))", "exp(-E/R*(1/@ - 1/T0))", "(@/T0)^n", "(@/T0)^(-n)")
+THERMAL_POWERS = ("(@/T0)^n", "(@/T0)^(-n)")
+OF_TEMPERATURE = ("exp(E/R*(1/@ - 1/T0))", "exp(-E/R*(1/@ - 1/T0))", *THERMAL_POWERS)
 STIFFNESSES = (
     "k",
     "-k",
@@ -37,11 +38,11 @@ STIFFNESSES = (
 )
 """Of the frequency, beside the model: each also times a form of a condition."""
 COMPLIANCES = ("1/k", "1/(c*i*omega)", "1/(c*(i*omega)^a)")
-CHANGES = ("1 + b*(#)", "1 + i*b*(#)", "exp(-i*omega*tau*(#))")
+CHANGES = ("1 + b*(#)", "1 + i*b*(#)", "1 + (1 - i*h)*b*(#)", "exp(-i*omega*tau*(#))")
 """Factors of K that go with a form of a condition, which stands where the # is."""
 FACTORS = ("1/(1 + (@/Xc)^n)", "1/(1 + i*(@/Xc)^n)", "exp(-@/Xc)")
 """Those that are one where the condition is nothing."""
-CLOCKS = ("1/(1 + (@/Xc)^n)", "1 + (@/Xc)^n", "exp(-@/Xc)")
+CLOCKS = ("1/(1 + (@/Xc)^n)", "1 + (@/Xc)^n", "exp(-@/Xc)", "exp(-b*omega^a*@^n)")
 THERMAL_FACTORS = ("(@/T0)^n",)
 THERMAL_CLOCKS = ("exp(E/R*(1/@ - 1/T0))", "exp(-C1*(@ - T0)/(C2 + @ - T0))", "(@/T0)^n")
 ALONE = (
@@ -62,8 +63,8 @@ ALONE = (
     "shift: 1 + b",
 )
 """Laws of the frequency alone."""
+_POWER = re.compile(r"(\w|@)+\^(\w+|\(-\w+\))")
 _WORD = re.compile(r"[A-Za-z]\w*")
-_COLUMN = re.compile(r"[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9]+)*")
 
 
 def candidates(measurement: Measurement, conditions: Iterable[str]) -> list[Effect]:
@@ -76,28 +77,12 @@ def candidates(measurement: Measurement, conditions: Iterable[str]) -> list[Effe
     conditions : iterable of str
         Columns that a law may go with.
     """
-    texts = [*ALONE]
+    texts, columns = [*ALONE], measurement.conditions
     for condition in conditions:
-        texts += [filled(text, condition, measurement.conditions) for text in _of(condition)]
+        texts += [filled(text, condition, columns) for text in _of(condition)]
+    for first, second in permutations(conditions, 2):
+        texts += _of_both(first, second, columns)
     return laws(texts, measurement)
-
-
-def conditions_of(measurement: Measurement) -> list[str]:
-    """Columns that were varied by themselves and whose name may stand in a formula.
-
-    Examples
-    --------
-    >>> import springpot
-    >>> from springpot.invention.grammar import conditions_of
-    >>> conditions_of(springpot.read("nist-srm2491"))
-    ['nist_loss', 'nist_storage', 'temperature']
-    """
-    varied = [
-        name
-        for name in sorted(telling(measurement))
-        if measurement.conditions[name].max() > measurement.conditions[name].min()
-    ]
-    return [name for name in varied if _COLUMN.fullmatch(name)]
 
 
 def forms_of(condition: str, plane: str) -> list[str]:
@@ -108,7 +93,7 @@ def forms_of(condition: str, plane: str) -> list[str]:
     return [form for form in OF_CONDITION if plane != "compliance" or form not in THRESHOLDS]
 
 
-def filled(text: str, condition: str, taken: Iterable[str]) -> str:
+def filled(text: str, condition: str, taken: Collection[str]) -> str:
     """A text with the name of a condition put in, its parameters not called as others are."""
     symbol = {"amplitude": "X", "temperature": "T"}.get(condition, condition)
     return renamed(text, taken).replace("@", symbol)
@@ -131,7 +116,21 @@ def _of(condition: str) -> Iterator[str]:
         rate = [form.replace("@", "(omega*@)") for form in (*SATURATIONS, *THRESHOLDS)]
         yield from (f"parallel: {times(one, form)}" for one, form in product(("k", "i*k"), rate))
         yield from (f"chain: {form.replace('@', '(omega*@)')}" for form in FACTORS)
-        yield from (f"shift: {form.replace('@', '(omega*@)')}" for form in CLOCKS)
+        yield from (f"shift: {form.replace('@', '(omega*@)')}" for form in CLOCKS[:3])
+
+
+def _of_both(first: str, second: str, columns: Collection[str]) -> Iterator[str]:
+    """Laws that go with a power of one condition and with any form of another."""
+    powers = [form for form in forms_of(first, "compliance") if form in (*POWERS, *THERMAL_POWERS)]
+    for word, ones in (("parallel", STIFFNESSES), ("series", COMPLIANCES)):
+        plane = "stiffness" if word == "parallel" else "compliance"
+        for one, power, form in product(ones, powers, forms_of(second, plane)):
+            law = times(filled(one, first, columns), filled(power, first, columns))
+            # A product of two powers comes in either order: once is enough.
+            if form in (*POWERS, *THERMAL_POWERS) and first > second:
+                continue
+            taken = [*columns, *_WORD.findall(law)]
+            yield f"{word}: {times(law, filled(form, second, taken))}"
 
 
 def times(one: str, other: str) -> str:
@@ -145,7 +144,8 @@ def times(one: str, other: str) -> str:
     """
     if other.startswith("1/"):
         return one + other[1:]
-    if one.startswith("1/"):
+    # A compliance has its stiffness first: that is its size, not the place of a saturation.
+    if one.startswith("1/") and _POWER.fullmatch(other):
         return other + one[1:]
     return f"{one}*{other}"
 
@@ -165,17 +165,29 @@ def laws(texts: Iterable[str], measurement: Measurement) -> list[Effect]:
     return found
 
 
-def renamed(form: str, taken: Iterable[str]) -> str:
+def renamed(form: str, taken: Collection[str]) -> str:
     """A form whose parameters are not called as others already are: a further k is k2.
 
     Examples
     --------
     >>> from springpot.invention.grammar import renamed
-    >>> renamed("k*X^n", ["k", "c"])
-    'k2*X^n'
+    >>> renamed("k*X^n", ["k", "c"]), renamed("P^n*X^n2", ["n"])
+    ('k2*X^n', 'P^n3*X^n2')
     """
-    taken = set(taken)
-    return _WORD.sub(lambda word: word[0] + "2" * (word[0] in taken), form)
+    names = new_names(form, taken)
+    return _WORD.sub(lambda word: names[word[0]], form)
+
+
+def new_names(form: str, taken: Collection[str]) -> dict[str, str]:
+    """Of each word of a form the one that `renamed` writes."""
+    names, used = {}, {*taken, *_WORD.findall(form)}
+    for word in dict.fromkeys(_WORD.findall(form)):
+        names[word] = word
+        if word in taken:
+            stem = word.rstrip("0123456789")
+            names[word] = next(new for i in count(2) if (new := f"{stem}{i}") not in used)
+        used.add(names[word])
+    return names
 
 
 def symbols(effect: Effect) -> int:

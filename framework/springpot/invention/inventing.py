@@ -14,6 +14,7 @@ from springpot.errors import OptionError
 from springpot.identification.material import is_material
 from springpot.identification.space import require_conditions
 from springpot.identification.value import Value
+from springpot.measurement.independence import moved_along
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.material import error_of, material_floor
 from springpot.misfit.values import printed
@@ -24,7 +25,8 @@ from springpot.rheology.physical import causal, passive, told
 from springpot.rheology.written import FACTORS, Written
 from springpot.thresholds import INVENTION, VERDICT
 
-from .grammar import candidates, conditions_of, formula_of, text_of
+from .conditions import conditions_of, varied
+from .grammar import candidates, formula_of, text_of
 from .result import FoundLaw, Invention
 from .search import sought
 from .weighing import Verdict, Weighed, known_alike, rivals_of, verdict_of, weighed
@@ -66,7 +68,8 @@ def invent(
     """
     require_conditions(model, measurement)
     data = prepared(measurement, model)
-    laws = candidates(data, _conditions(data, along))
+    conditions = _conditions(data, along)
+    laws = candidates(data, conditions)
     progress(f"trying {len(laws)} laws beside {model.name}")
     search, _ = search_data(data, model, laws, rng, seek=sought)
     progress("weighing what was found")
@@ -83,7 +86,7 @@ def invent(
         error=error,
         laws=tuple(rows),
         next_experiment=_next(verdict, rivals),
-        notes=tuple(_notes(data, model)),
+        notes=tuple(_notes(data, model, conditions)),
         tried=len(laws),
         searched=search,
         ranked=tuple(rivals),
@@ -92,15 +95,15 @@ def invent(
 
 def _conditions(measurement: Measurement, along: Sequence[str] | None) -> list[str]:
     """The columns that a law may go with."""
-    known = conditions_of(measurement)
     if along is None:
-        return known
+        return conditions_of(measurement)
+    known = varied(measurement)
     for name in along:
         if name not in known:
             words = ", ".join(known) or "no column"
             raise OptionError(
-                f"no law can go with '{name}' of {measurement.name}: varied by itself, and of a"
-                f" name that may stand in a formula, is {words}"
+                f"no law can go with '{name}' of {measurement.name}: varied, and of a name that"
+                f" may stand in a formula, is {words}"
             )
     return [name for name in known if name in along]
 
@@ -174,9 +177,14 @@ def _next(verdict: Verdict, laws: Sequence[Weighed]) -> NextExperiment | None:
     )
 
 
-def _notes(measurement: Measurement, model: Model) -> Iterator[str]:
+def _notes(measurement: Measurement, model: Model, conditions: Sequence[str]) -> Iterator[str]:
     """What no search could tell of these data."""
-    if not conditions_of(measurement):
+    for name in sorted(moved_along(measurement)):
+        if name in conditions:
+            yield f"the {name} moved with the rest: what goes with it here may go with that as well"
+        else:
+            yield f"the {name} was not varied by itself: --along {name} tries laws of it even so"
+    if not conditions:
         if is_material(model):
             yield (
                 "neither amplitude, temperature nor another column was varied: a law of the"

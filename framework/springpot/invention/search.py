@@ -8,13 +8,13 @@ law and the material's passivity is assumed.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from springpot.diagnosis.grown import Grown, Search
-from springpot.diagnosis.scan import applicable, best_pairs, enough_for, scan_effects
+from springpot.diagnosis.scan import Scan, Score, best_pairs, enough_for, scan_effects
 from springpot.diagnosis.search import grown_with, sort_by_evidence
 from springpot.identification.passive import within_material
 from springpot.misfit.floor import is_arithmetic
@@ -26,12 +26,13 @@ from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Real
 from springpot.thresholds import INVENTION, SEARCH
 
-from .grammar import filled, forms_of, formula_of, laws, renamed, text_of, times
+from .grammar import filled, forms_of, formula_of, laws, new_names, renamed, symbols, text_of, times
+from .shorter import RATIO, shorter
 
 SUMMED = ("stiffness", "compliance")
 """Planes in which terms add up; in the others they are factors."""
-RATIO = "r"
-"""The size of a second term in that of the first."""
+OF_A_CONDITION = frozenset({"n", "n2", "Xc", "Xc2"})
+"""Parameters of the form of a condition."""
 
 
 def sought(base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> Search:
@@ -53,7 +54,7 @@ def sought(base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> 
     # Where noise alone goes as far, nothing is fitted: that is what keeps laws from being invented.
     if search.alarm >= SEARCH.look_further:
         return search
-    leaders = search.scan.scores[: INVENTION.refined]
+    leaders = _promising(search.scan, base, INVENTION.refined)
     search.grown = [grown_with(search, score) for score in leaders]
     _sort(search)
     search.left = battery(search.best.frame(), rng)
@@ -62,15 +63,17 @@ def sought(base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> 
     if search.grown and not done:
         search.grown += [*_with_conditions(search, effects), *_with_terms(search, effects)]
         _sort(search)
+        search.grown += _shortened(search)
+        _sort(search)
         search.left = battery(search.best.frame(), rng)
     return search
 
 
 def possible(base: Refit, library: Sequence[Effect]) -> list[Effect]:
-    """Candidates that these data can tell of, and that are no part of any material."""
+    """Candidates that these data are enough for, and that are no part of any material."""
     return [
         effect
-        for effect in applicable(library, base.fit.measurement)
+        for effect in library
         if enough_for(base, base.model + effect) and not within_material(base.model, effect)
     ]
 
@@ -79,6 +82,30 @@ def _sort(search: Search) -> None:
     """The best first, without those that a search has led to where they give no numbers."""
     search.grown = [grown for grown in search.grown if _has_numbers(grown)]
     sort_by_evidence(search)
+
+
+def _promising(scan: Scan, fitted: Refit, count: int) -> list[Score]:
+    """The scores of most evidence, were they right: what explains the same is better if shorter."""
+
+    def price(score: Score) -> float:
+        effect = score.influence.effect
+        drop = max(fitted.rss - score.predicted, 0.0)
+        paid = len(effect.element.parameters) * float(np.log1p(drop))
+        return score.predicted + paid + 2.0 * INVENTION.symbol * symbols(effect)
+
+    return sorted(scan.scores, key=price)[:count]
+
+
+def _of_each_kind(search: Search) -> list[Grown]:
+    """The best laws that differ by more than the form of their condition."""
+    kinds: dict[tuple[object, ...], Grown] = {}
+    for grown in search.grown:
+        (effect,) = grown.effects
+        text = formula_of(effect)
+        of_frequency = frozenset(_names(effect)) - OF_A_CONDITION
+        kind = (effect.plane, of_frequency, text.startswith("-"), "i*" in text)
+        kinds.setdefault(kind, grown)
+    return list(kinds.values())[: INVENTION.extended]
 
 
 def _has_numbers(grown: Grown) -> bool:
@@ -92,8 +119,7 @@ def _with_conditions(search: Search, effects: Sequence[Effect]) -> Iterator[Grow
     """The best laws, each with a further condition."""
     base, measurement = search.base, search.base.fit.measurement
     conditions = frozenset[str]().union(*(effect.needs for effect in effects))
-    for grown in search.grown[: INVENTION.extended]:
-        (effect,) = grown.effects
+    for effect in [grown.effects[0] for grown in _of_each_kind(search)]:
         taken = [*_names(effect), *measurement.conditions]
         forms = [
             filled(form, name, taken)
@@ -102,7 +128,7 @@ def _with_conditions(search: Search, effects: Sequence[Effect]) -> Iterator[Grow
         ]
         products = laws(filter(None, (_times(effect, form) for form in forms)), measurement)
         scanned = scan_effects(base, search.frame, possible(base, products))
-        for score in scanned.scores[: INVENTION.seconds]:
+        for score in _promising(scanned, base, INVENTION.seconds):
             yield grown_with(search, score)
 
 
@@ -136,20 +162,20 @@ def _with_terms(search: Search, effects: Sequence[Effect]) -> Iterator[Grown]:
         for both in laws([text], base.fit.measurement):
             model = base.model + both
             if enough_for(base, model):
-                seeds = [_carried(two, both) for two in tried]
+                seeds = [_carried(two, model, both) for two in tried]
                 fitted = refit(model, base.data, base.noise, seeds, starts=0)
                 yield Grown((both,), fitted, fitted.rss)
 
 
 def _after_the_best(search: Search, effects: Sequence[Effect]) -> Iterator[_Two]:
     """What the best laws leave shows a second term."""
-    for grown in search.grown[: INVENTION.extended]:
+    for grown in _of_each_kind(search):
         (first,) = grown.effects
         others = [other for other in effects if other.plane == first.plane and other != first]
         if first.plane not in SUMMED:
             continue
         scanned = scan_effects(grown.refit, grown.refit.frame(), others)
-        for score in scanned.scores[: INVENTION.seconds]:
+        for score in _promising(scanned, grown.refit, INVENTION.seconds):
             for start in score.starts:
                 yield _Two(first, score.influence.effect, score.influence.model, start)
 
@@ -162,6 +188,25 @@ def _together(search: Search) -> Iterator[_Two]:
         yield _Two(first, second, pair.model, pair.start)
 
 
+def _shortened(search: Search) -> Iterator[Grown]:
+    """The best laws with one thing less, each once."""
+    base = search.base
+    done = {text_of(grown.effects[0]) for grown in search.grown}
+    for grown in search.grown[: INVENTION.extended]:
+        (effect,) = grown.effects
+        names, theta = grown.refit.model.names, grown.refit.theta.tolist()
+        known = dict(zip(names, theta, strict=True))
+        values = {name: known.pop(f"{effect.name}.{name}") for name in _names(effect)}
+        for text, start in shorter(effect, values):
+            if text in done:
+                continue
+            done.add(text)
+            for law in laws([text], base.fit.measurement):
+                model = base.model + law
+                fitted = refit(model, base.data, base.noise, [_seed(model, known, law, start)], 0)
+                yield Grown((law,), fitted, fitted.rss)
+
+
 def _joined(first: Effect, second: Effect) -> str:
     """The text of the sum of two laws, the second's size being told in that of the first.
 
@@ -169,22 +214,33 @@ def _joined(first: Effect, second: Effect) -> str:
     """
     word, _, one = text_of(first).partition(": ")
     other = renamed(formula_of(second), _names(first))
-    size = renamed(_names(second)[0], _names(first))
-    other = re.sub(rf"\b{size}\b", f"{_names(first)[0]}*{RATIO}", other)
+    size = new_names(formula_of(second), _names(first))[_names(second)[0]]
+    mine = f"{_names(first)[0]}*{RATIO}"
+    other = re.sub(rf"/{size}\b", f"/({mine})", other)
+    other = re.sub(rf"\b{size}\b", mine, other)
     return f"{word}: {one} + {other}".replace("+ -", "- ")
 
 
-def _carried(two: _Two, both: Effect) -> Real:
+def _carried(two: _Two, model: Model, both: Effect) -> Real:
     """The start of the model with two laws, as that of the model with one law of both."""
     values = dict(zip(two.model.names, two.start.tolist(), strict=True))
     mine = {name: values.pop(f"{two.first.name}.{name}") for name in _names(two.first)}
     size, *others = _names(two.second)
     ratio = values.pop(f"{two.second.name}.{size}") / mine[_names(two.first)[0]]
+    called = new_names(formula_of(two.second), _names(two.first))
     for name in others:
-        mine[renamed(name, _names(two.first))] = values.pop(f"{two.second.name}.{name}")
+        mine[called[name]] = values.pop(f"{two.second.name}.{name}")
     mine[RATIO] = ratio
+    return _seed(model, values, both, mine)
+
+
+def _seed(
+    model: Model, known: Mapping[str, float], law: Effect, values: Mapping[str, float]
+) -> Real:
+    """Parameters of a model with a law, the law's own by their short names."""
+    whole = {**known, **{f"{law.name}.{name}": values[name] for name in _names(law)}}
     # A fit of a material takes the effects' parameters from the end, and asks for no lines.
-    return np.array([*values.values(), *(mine[name] for name in _names(both))])
+    return np.array([whole[name] for name in model.names if name in whole])
 
 
 def _names(effect: Effect) -> list[str]:

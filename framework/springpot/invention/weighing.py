@@ -11,7 +11,7 @@ import numpy as np
 from springpot.diagnosis.evidence import distance, log_prior_of_one
 from springpot.diagnosis.grown import Grown, Search
 from springpot.diagnosis.marginal import harmonic_evidence, marginal
-from springpot.diagnosis.scan import scan_effects
+from springpot.diagnosis.scan import applicable, scan_effects
 from springpot.diagnosis.search import grown_with
 from springpot.misfit.floor import is_arithmetic
 from springpot.rheology.effect import Effect
@@ -133,7 +133,7 @@ def known_alike(search: Search, law: Weighed, library: Sequence[Effect]) -> list
     library : sequence of Effect
         Effects with a name.
     """
-    effects = possible(search.base, library)
+    effects = possible(search.base, applicable(library, search.base.fit.measurement))
     scores = scan_effects(search.base, search.frame, effects).scores[: INVENTION.known]
     grown = [grown_with(search, score) for score in scores]
     least = law.grown.refit.log_likelihood - EVIDENCE.rivals

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -35,7 +35,9 @@ def _times(slopes: Slopes, factor: Any) -> dict[str, Any]:
     return {name: slope * factor for name, slope in slopes.items()}
 
 
-def _merged(a: Slopes, b: Slopes) -> dict[str, Any]:
+def _merged(a: Slopes, b: Slopes) -> Slopes:
+    if not (a and b):
+        return a or b
     merged = dict(a)
     for name, slope in b.items():
         merged[name] = merged[name] + slope if name in merged else slope
@@ -47,11 +49,20 @@ def _difference(a: Dual, b: Dual) -> Dual:
 
 
 def _product(a: Dual, b: Dual) -> Dual:
+    # A number, or what was worked out before, is a factor of the other's slopes alone.
+    if not a.slopes:
+        return Dual(a.value * b.value, _times(b.slopes, a.value))
+    if not b.slopes:
+        return Dual(a.value * b.value, _times(a.slopes, b.value))
     return Dual(a.value * b.value, _merged(_times(a.slopes, b.value), _times(b.slopes, a.value)))
 
 
 def _quotient(a: Dual, b: Dual) -> Dual:
     value = a.value / b.value
+    if not b.slopes:
+        return Dual(value, {name: slope / b.value for name, slope in a.slopes.items()})
+    if not a.slopes:
+        return Dual(value, _times(b.slopes, -value / b.value))
     return Dual(value, _merged(_times(a.slopes, 1.0 / b.value), _times(b.slopes, -value / b.value)))
 
 
@@ -157,6 +168,17 @@ class Name(Term):
 
 
 @dataclass(frozen=True)
+class WorkedOut(Term):
+    """A part that no parameter moves, worked out."""
+
+    dual: Dual
+
+    def at(self, known: Mapping[str, Dual]) -> Dual:
+        """What it is."""
+        return self.dual
+
+
+@dataclass(frozen=True)
 class Joined(Term):
     """Two parts and what joins them: a sign, or one of max and min."""
 
@@ -215,6 +237,8 @@ class Power(Term):
             return self._of_s(known[LOG_OMEGA].value, exponent)
         base = self.base.at(known)
         value, under = base.value**exponent.value, base.value
+        if not (base.slopes or exponent.slopes):
+            return Dual(value, {})
         if not np.all(under):
             # What is nothing to a power has no logarithm, and stays nothing: max(0, X - Xc)^n.
             under = np.where(under == 0.0, 1.0, under)
@@ -230,6 +254,34 @@ class Power(Term):
         slopes = {LOG_OMEGA: exponent.value * value}
         grown = _times(exponent.slopes, value * (log_omega + HALF_PI))
         return Dual(value, _merged(slopes, grown))
+
+
+def settled(term: Term, known: Mapping[str, Dual], free: Collection[str]) -> Term:
+    """The same formula, of which whatever has no free name is worked out once and for all.
+
+    Parameters
+    ----------
+    term : Term
+        The formula.
+    known : mapping of str to Dual
+        The other names.
+    free : collection of str
+        Names that are not known yet.
+    """
+    if not term.parts:
+        return term
+    if not any(isinstance(part, Name) and part.name in free for part in term.walk()):
+        return WorkedOut(term.place, term.at(known))
+    match term:
+        case Joined(left=left, right=right):
+            return replace(term, left=settled(left, known, free), right=settled(right, known, free))
+        case Called(inner=inner):
+            return replace(term, inner=settled(inner, known, free))
+        case Power(base=base, exponent=exponent):
+            return replace(
+                term, base=settled(base, known, free), exponent=settled(exponent, known, free)
+            )
+    return term
 
 
 def inverse(term: Term) -> Term:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
@@ -18,7 +18,7 @@ from .formula import Formula
 from .grammar import free_names, names_in, parsed
 from .parameters import PURE, Dimension, Parameter, order
 from .points import LARGEST_SHIFT, ROOM, Points
-from .terms import LOG_OMEGA, Dual, Joined, Name, Number, Power, Term, inverse
+from .terms import LOG_OMEGA, Dual, Joined, Name, Number, Power, Term, inverse, settled
 from .thermal import activation_energy, bounded_shift
 
 EXPONENT = Parameter("n", "n", PURE, 0.0, 4.0, "linear", 1.0)
@@ -50,22 +50,34 @@ class TypedLaw:
 
     def dual(self, at: Points, values: Iterable[Any]) -> Dual:
         """The formula itself."""
-        return self._of(self.term, at, values)
+        return self._of(self.term, self._known(at), values)
 
-    def _of(self, term: Term, at: Points, values: Iterable[Any]) -> Dual:
-        known = {
+    def _of(self, term: Term, known: Mapping[str, Dual], values: Iterable[Any]) -> Dual:
+        own = {
             name: Dual(value, {name: 1.0}) for name, value in zip(self.free, values, strict=True)
         }
-        for name in self._variables:
-            known[name] = _variable(name, at)
-        known[LOG_OMEGA] = Dual(at.log_omega, {LOG_OMEGA: 1.0})
         # Where it has no number, as X^(-n) of an amplitude of zero, the caller finds none.
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            return term.at(known)
+            return term.at({**known, **own})
+
+    def _known(self, at: Points) -> dict[str, Dual]:
+        known = {name: _variable(name, at) for name in self._variables}
+        known[LOG_OMEGA] = Dual(at.log_omega, {LOG_OMEGA: 1.0})
+        return known
 
     @cached_property
     def _variables(self) -> list[str]:
         return [name for name in names_in(self.term) if name not in self.free]
+
+    def _settled(self, at: Points) -> tuple[Term, Mapping[str, Dual]]:
+        """What the network adds at these points, and their columns; of a fit they stay the same."""
+        points, term, known = self.__dict__.get("_last", (None, None, None))
+        if points is not at:
+            known = self._known(at)
+            with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+                term = settled(self._joined, known, self.free)
+            self.__dict__["_last"] = (at, term, known)
+        return term, known
 
     @cached_property
     def _joined(self) -> Term:
@@ -76,7 +88,7 @@ class TypedLaw:
 
     def __call__(self, at: Points, *values: Any) -> Any:
         """What a network takes."""
-        value, slopes = self._of(self._joined, at, values)
+        value, slopes = self._of(*self._settled(at), values)
         by_theta = [slopes.get(name, 0.0) for name in self.free]
         by_log_omega = slopes.get(LOG_OMEGA, 0.0)
         if self.plane == "shift":

@@ -297,7 +297,7 @@ def artificial(
     )
     # What the mass of an oscillator feels whose foot the noise shakes: the soil above the rock.
     shaken = lfilter(upper.ravel(), lower, rng.normal(size=len(t)))
-    shaken = (shaken - shaken.mean()) * (t / duration) ** 2 * np.exp(-12.0 * t / duration)
+    shaken = (shaken - shaken.mean()) * t**2 * np.exp(-12.0 * t / duration)
     return GroundMotion(step, peak * shaken / np.abs(shaken).max(), "artificial")
 
 

@@ -23,7 +23,6 @@ from springpot.hooks import GROUP
 from springpot.identification.problem import Objective
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import DataSet
-from springpot.measurement.units import AMPLITUDE_UNITS, MODULUS_UNITS
 from springpot.registry import Registry, parse_model
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT
@@ -54,9 +53,8 @@ def check_dataset(
     """What is wrong with a data set, as plain sentences.
 
     Aspects: ``words`` (name, summary, kind, licence, citation), ``loads`` (as many points as it
-    says, in known units, the same bits twice) and ``truth`` (the parameters are those of its
-    model). A set that says why it is unavailable here, or that would first be downloaded, is not
-    loaded.
+    says, the same bits twice) and ``truth`` (the parameters are those of its model). A set that
+    says why it is unavailable here, or that would first be downloaded, is not loaded.
 
     Parameters
     ----------
@@ -122,12 +120,6 @@ def _loads(dataset: DataSet) -> Iterator[str]:
         yield f"it loads {len(first)} points where it says {dataset.size}"
     if first.name != dataset.name:
         yield f"the measurement is called '{first.name}', not '{dataset.name}'"
-    for unit, known in (
-        (first.units.stiffness, MODULUS_UNITS),
-        (first.units.amplitude, AMPLITUDE_UNITS),
-    ):
-        if unit not in known:
-            yield f"the unit [{unit}] is unknown"
     for name in ("omega", "stiffness", "sd"):
         one, other = getattr(first, name), getattr(second, name)
         if (one is None) != (other is None) or (one is not None and not np.array_equal(one, other)):

@@ -338,7 +338,7 @@ def _shapes(model: Model) -> Iterator[str]:
             f" for theta of (2, 3, {p})"
         )
     # Only where the shape is right: otherwise the values could not be compared.
-    for name in set(expected) - set(wrong):
+    for name in [name for name in expected if name not in wrong]:
         rows = [
             getattr(model.network.respond(row, POINTS, FULL), name) for row in theta.reshape(6, -1)
         ]

@@ -181,7 +181,8 @@ def _noise_beside(parts: Sequence[TestPart], first: TimeCase) -> list[Real | Non
 
 def _better_noise(part: TestPart, fit: Identification) -> Real | None:
     """The noise of one test as a fit shows it; None where what the signal told will do."""
-    if not isinstance(part, InTimePart):
+    # The answer to a step is smooth between its jumps: its signal has told its noise already.
+    if not isinstance(part, InTimePart) or part.test.after_step:
         return None
     # Only the shape of the noise weighs samples against one another: its size is read from what is
     # left anyway.

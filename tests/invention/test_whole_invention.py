@@ -1,0 +1,315 @@
+"""The grammar word for word, and the rules by which laws are weighed, each at its edge."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from lawful_data import AMPLITUDE, OMEGA, lossy, swept
+
+import springpot
+from springpot.errors import OptionError
+from springpot.invention import grammar, inventing, search, weighing
+from springpot.thresholds import EVIDENCE, INVENTION, SEARCH, VERDICT
+
+
+@pytest.mark.parametrize("condition", ["amplitude", "temperature", "current"])
+def test_laws_of_a_condition(condition, stays):
+    texts = list(grammar._of(condition))
+    stays(
+        {
+            "forms": {
+                plane: grammar.forms_of(condition, plane) for plane in ("stiffness", "compliance")
+            },
+            "laws": {text: grammar.filled(text, condition, ["k"]) for text in texts},
+        }
+    )
+
+
+def test_laws_of_the_frequency_alone(stays):
+    stays(
+        {grammar.text_of(law): grammar.symbols(law) for law in grammar.candidates(swept(lossy), [])}
+    )
+
+
+def test_a_law_is_tried_once_and_what_never_vanishes_is_none():
+    texts = ["parallel: k", "parallel: k", "parallel: 1 + k", "series: 1/k"]
+    found = grammar.laws(texts, swept(lossy))
+    assert [grammar.text_of(law) for law in found] == ["parallel: k", "series: 1/k"]
+    assert [law.name for law in found] == ["try-1c8e6225", "try-d83606c7"]
+
+
+def test_a_law_may_go_with_what_was_varied():
+    data = swept(lossy, conditions={"amplitude": AMPLITUDE, "current": 1.0 + AMPLITUDE[::-1]})
+    both = grammar.conditions_of(data)
+    assert inventing._conditions(data, None) == both
+    assert inventing._conditions(data, both[::-1]) == both
+    assert inventing._conditions(data, both[:1]) == both[:1]
+    assert inventing._conditions(data, []) == []
+    with pytest.raises(OptionError, match="no law can go with 'humidity' of made"):
+        inventing._conditions(data, ["humidity"])
+    still = swept(lossy, conditions={"current": np.ones(len(OMEGA))})
+    with pytest.raises(OptionError, match="is no column"):
+        inventing._conditions(still, ["current"])
+
+
+def law(text, name="one"):
+    return springpot.law(text, name)
+
+
+@pytest.mark.parametrize(
+    ("text", "form", "product"),
+    [
+        ("parallel: i*k", "X^n", "parallel: i*k*X^n"),
+        ("series: 1/k", "X^n", "series: X^n/k"),
+        ("parallel: k", "1/(1 + (X/Xc)^n)", "parallel: k/(1 + (X/Xc)^n)"),
+        ("chain: 1 + b*(X^n)", "T^m", "chain: 1 + b*(T^m*X^n)"),
+        ("chain: exp(-i*omega*tau)", "X^n", ""),
+        ("shift: 1 + b", "X^n", ""),
+    ],
+)
+def test_a_law_times_a_form_of_a_further_condition(text, form, product):
+    assert search._times(law(text), form) == product
+
+
+def test_two_laws_are_one_with_the_second_s_size_in_that_of_the_first():
+    first, second = law("parallel: k*X^n"), law("parallel: -k*X^(-n)", "two")
+    text = search._joined(first, second)
+    assert text == "parallel: k*X^n - k*r*X^(-n2)"
+    assert search._joined(law("parallel: c*i*omega"), first) == "parallel: c*i*omega + c*r*X^n"
+    model = springpot.parse_model("kelvin") + first + second
+    start = np.array([1.0, 2.0, 5.0, 0.5, 20.0, 0.25])
+    both = law(text, "both")
+    values = dict(zip(model.names, start, strict=True))
+    assert values["one.k"] == 5.0
+    assert values["two.k"] == 20.0
+    carried = search._carried(search._Two(first, second, model, start), both)
+    names = [parameter.name for parameter in both.element.parameters]
+    assert dict(zip(names, carried[2:], strict=True)) == {"k": 5.0, "n": 0.5, "r": 4.0, "n2": 0.25}
+    assert carried[:2].tolist() == [1.0, 2.0]
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "pairs"),
+    [
+        ("parallel: k", "parallel: c*i*omega", 1),
+        ("parallel: k", "series: 1/k", 0),
+        ("chain: 1 + b", "chain: exp(i*p)", 0),
+        ("series: 1/k", "series: 1/(c*i*omega)", 1),
+    ],
+)
+def test_terms_of_one_plane_alone_are_added(first, second, pairs, monkeypatch):
+    one, two = law(first), law(second, "two")
+    model = springpot.parse_model("kelvin") + one + two
+    both = search._Two(one, two, model, np.arange(1.0, 1.0 + len(model.names)))
+    fitted = []
+    monkeypatch.setattr(search, "_after_the_best", lambda found, effects: [both])
+    monkeypatch.setattr(search, "_together", lambda found: [both])
+    monkeypatch.setattr(search, "enough_for", lambda base, grown: True)
+
+    def refit(model, data, noise, seeds, starts):
+        fitted.append((len(seeds), starts))
+        return SimpleNamespace(rss=1.0)
+
+    monkeypatch.setattr(search, "refit", refit)
+    base = SimpleNamespace(
+        model=springpot.parse_model("kelvin"), fit=SimpleNamespace(measurement=swept(lossy))
+    )
+    base.data = base.noise = None
+    found = list(search._with_terms(SimpleNamespace(base=base), []))
+    # Both starts of the same pair are those of one fit.
+    assert fitted == [(2, 0)] * pairs
+    assert len(found) == pairs
+    monkeypatch.setattr(search, "enough_for", lambda base, grown: False)
+    assert list(search._with_terms(SimpleNamespace(base=base), [])) == []
+
+
+def grown(likelihood, name="one", **more):
+    """A fitted law of this log-likelihood."""
+    refit = SimpleNamespace(log_likelihood=likelihood, **more)
+    return SimpleNamespace(refit=refit, effects=(SimpleNamespace(name=name),))
+
+
+def told(*weights, **more):
+    return [
+        weighing.Weighed(grown(weight, str(i), **more), weight, 0.5)
+        for i, weight in enumerate(weights)
+    ]
+
+
+@pytest.fixture
+def apart(monkeypatch):
+    """Laws that are all unlike, nothing being as likely as 0."""
+    monkeypatch.setattr(weighing, "_is_same", lambda law, other: False)
+    monkeypatch.setattr(weighing, "nothing", lambda found: 0.0)
+    monkeypatch.setattr(weighing, "is_arithmetic", lambda fitted: fitted.exact)
+
+
+CLEAR = EVIDENCE.as_good + 1.0
+FAR = CLEAR - EVIDENCE.rivals
+
+
+@pytest.mark.parametrize(
+    ("weights", "alarm", "left", "exact", "verdict"),
+    [
+        ([], 0.0, 1.0, False, "none"),
+        ([CLEAR], 0.0, 1.0, False, "law"),
+        ([CLEAR], INVENTION.alarm, 1.0, False, "none"),
+        ([EVIDENCE.as_good], 0.0, 1.0, False, "none"),
+        ([CLEAR], 0.0, VERDICT.structure_alarm, False, "law"),
+        ([CLEAR], 0.0, 0.99 * VERDICT.structure_alarm, False, "none"),
+        ([CLEAR], 0.0, 0.0, True, "law"),
+        ([EVIDENCE.as_good], 0.0, 0.0, True, "none"),
+        ([CLEAR, FAR], 0.0, 1.0, False, "law"),
+        ([CLEAR, FAR + 0.1], 0.0, 1.0, False, "class"),
+    ],
+)
+@pytest.mark.usefixtures("apart")
+def test_a_law_is_found_where_noise_goes_not_as_far_and_nothing_is_left(
+    weights, alarm, left, exact, verdict
+):
+    found = SimpleNamespace(alarm=alarm, left=SimpleNamespace(p_value=left))
+    assert weighing.verdict_of(found, told(*weights, exact=exact)) == verdict
+
+
+def test_the_class_holds_each_curve_once(monkeypatch):
+    laws = told(5.0, 4.0, 3.0, 5.0 - EVIDENCE.rivals)
+    monkeypatch.setattr(
+        weighing, "_is_same", lambda law, other: law is laws[2] and other is laws[1]
+    )
+    assert weighing.rivals_of(laws) == laws[:2]
+    frames = SimpleNamespace(frame=lambda: "frame")
+    for apart, same in ((0.9, True), (1.0, False), (1.1, False)):
+        monkeypatch.undo()
+        monkeypatch.setattr(weighing, "distance", lambda *given, far=apart: far * INVENTION.same)
+        laws = told(1.0, 0.9)
+        object.__setattr__(laws[0].grown, "refit", frames)
+        assert weighing._is_same(laws[1], laws[0]) == same
+
+
+def test_only_a_law_near_the_data_is_weighed():
+    found = SimpleNamespace(best=SimpleNamespace(log_likelihood=10.0))
+    edge = 10.0 - INVENTION.hopeless
+    assert not weighing._is_rival(found, grown(edge))
+    assert weighing._is_rival(found, grown(edge + 1e-6))
+
+
+def test_laws_are_weighed_by_their_evidence_and_their_length(monkeypatch):
+    monkeypatch.setattr(weighing, "symbols", lambda effect: {"a": 3, "b": 5}[effect.name])
+    monkeypatch.setattr(weighing, "marginal", lambda found, each: each.refit.log_likelihood)
+    monkeypatch.setattr(weighing, "log_prior_of_one", lambda share: np.log(share) - 7.0)
+    monkeypatch.setattr(weighing, "is_arithmetic", lambda fitted: fitted.exact)
+    best = SimpleNamespace(log_likelihood=4.0)
+    rows = [
+        grown(4.0, "b", exact=False),
+        grown(4.0, "a", exact=False),
+        grown(3.9, "a", exact=False),
+    ]
+    first, second = weighing.weighed(SimpleNamespace(best=best, grown=rows))
+    assert [first.effect.name, second.effect.name] == ["a", "b"]
+    price = INVENTION.symbol
+    assert first.log_weight == pytest.approx(4.0 - 7.0 - 3 * price)
+    assert first.probability == pytest.approx(1.0 / (1.0 + np.exp(-2.0 * price)))
+    assert second.probability == pytest.approx(1.0 - first.probability)
+    # Where one is exact, only exact ones count, whatever their likelihood.
+    rows = [grown(1.0, "b", exact=True), grown(4.0, "a", exact=False)]
+    [only] = weighing.weighed(SimpleNamespace(best=best, grown=rows))
+    assert (only.effect.name, only.probability) == ("b", 1.0)
+    assert only.log_weight == pytest.approx(4.0 - 7.0 - 5 * price)
+    assert weighing.weighed(SimpleNamespace(best=best, grown=[])) == []
+
+
+def test_named_effects_are_alike_that_come_as_near(monkeypatch):
+    level = 10.0 - EVIDENCE.rivals
+    likelihoods = [level, level + 0.1, 11.0, level - 1.0]
+    scores = SimpleNamespace(scores=likelihoods)
+    monkeypatch.setattr(weighing, "possible", lambda base, library: library)
+    monkeypatch.setattr(weighing, "scan_effects", lambda *given: scores)
+    monkeypatch.setattr(weighing, "grown_with", lambda found, score: grown(score))
+    found = weighing.known_alike(SimpleNamespace(base=0, frame=0), told(10.0)[0], [])
+    assert [each.refit.log_likelihood for each in found] == [11.0, level + 0.1]
+
+
+def test_nothing_is_as_likely_as_its_prior(monkeypatch):
+    monkeypatch.setattr(weighing, "harmonic_evidence", lambda base: 2.0)
+    found = SimpleNamespace(base=SimpleNamespace(log_likelihood=3.0))
+    assert weighing.nothing(found) == pytest.approx(5.0 + np.log(EVIDENCE.prior_nothing))
+
+
+def row(text="parallel: k", error=0.01, alike=3):
+    return SimpleNamespace(text=text, error_after=error, alike=("x",) * alike)
+
+
+def test_what_is_said_of_a_search(stays):
+    base = SimpleNamespace(error=0.05, floor=0.01)
+    far = SimpleNamespace(base=base, alarm=INVENTION.alarm)
+    near = SimpleNamespace(base=base, alarm=0.99 * INVENTION.alarm)
+    stays(
+        [
+            inventing._says(far, "none", [row()]),
+            inventing._says(near, "none", []),
+            inventing._says(near, "none", [row()]),
+            inventing._says(near, "law", [row()]),
+            inventing._says(near, "class", [row()]),
+        ]
+    )
+    assert inventing._next("law", []) is None
+    assert inventing._next("none", []) is None
+
+
+@pytest.mark.parametrize("model", ["material", "kelvin"])
+@pytest.mark.parametrize("conditions", [{}, {"amplitude": AMPLITUDE}])
+def test_what_a_sweep_of_the_frequency_alone_cannot_tell(model, conditions, stays):
+    data = swept(lossy, conditions=conditions)
+    stays(list(inventing._notes(data, springpot.parse_model(model))))
+
+
+def test_a_fit_that_gives_no_numbers_is_none():
+    at = swept(lossy)
+
+    def fitted(theta):
+        return SimpleNamespace(
+            refit=SimpleNamespace(
+                model=springpot.parse_model("maxwell"),
+                theta=np.array(theta),
+                fit=SimpleNamespace(measurement=at),
+            )
+        )
+
+    assert search._has_numbers(fitted([1.0, 2.0]))
+    assert not search._has_numbers(fitted([np.nan, 2.0]))
+    assert not search._has_numbers(fitted([0.0, 0.0]))
+
+
+@pytest.mark.parametrize(
+    ("alarm", "left", "exact", "goes_on"),
+    [
+        (0.0, 0.0, False, True),
+        (SEARCH.look_further, 0.0, False, False),
+        (0.0, SEARCH.left_over, False, False),
+        (0.0, 0.0, True, False),
+    ],
+)
+def test_a_search_goes_on_while_something_is_left(monkeypatch, alarm, left, exact, goes_on):
+    asked = []
+
+    class Found(SimpleNamespace):
+        def __init__(self, base, frame, scan, structure):
+            super().__init__(base=base, frame=frame, scan=scan, structure=structure)
+            self.alarm, self.grown, self.best = alarm, [], base
+
+    base = SimpleNamespace(frame=lambda: "frame")
+    scan = SimpleNamespace(scores=list(range(100)))
+    monkeypatch.setattr(search, "Search", Found)
+    monkeypatch.setattr(search, "possible", lambda base, library: [])
+    monkeypatch.setattr(search, "scan_effects", lambda *given: scan)
+    monkeypatch.setattr(search, "battery", lambda *given: SimpleNamespace(p_value=left))
+    monkeypatch.setattr(search, "grown_with", lambda found, score: score)
+    monkeypatch.setattr(search, "_sort", lambda found: asked.append(len(found.grown)))
+    monkeypatch.setattr(search, "is_arithmetic", lambda fitted: exact)
+    monkeypatch.setattr(search, "_with_conditions", lambda *given: ["a"])
+    monkeypatch.setattr(search, "_with_terms", lambda *given: ["b", "c"])
+    search.sought(base, [], None)
+    fitted = INVENTION.refined
+    assert asked == [fitted] * (alarm == 0.0) + [fitted + 3] * goes_on

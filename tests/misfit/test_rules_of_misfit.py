@@ -1,0 +1,162 @@
+"""Small rules of misfits, each at both sides of its edge, with values by hand."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.measurement import Measurement, Units
+from springpot.misfit import outliers, residual_causes, residual_tests, values, where
+from springpot.misfit.floor import fitted_to_floor
+from springpot.thresholds import VERDICT
+
+LEVELS = np.array([1.0, 2.0, 4.0, 8.0])
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "residual", "told"),
+    [
+        (LEVELS, LEVELS**2, True),
+        (LEVELS, -(LEVELS**2), True),
+        (LEVELS, LEVELS**2 * [1, 1, 1, -1], False),
+        (LEVELS, LEVELS**1.5, False),
+        (np.r_[-1.0, LEVELS[1:]], LEVELS**2, False),
+        (1.0 + 0.01 * LEVELS, (1.0 + 0.01 * LEVELS) ** 2, False),
+    ],
+)
+def test_a_power_of_the_amplitude_is_told_where_levels_are_enough(amplitude, residual, told):
+    assert (where._power(amplitude, residual) == where.AMPLITUDE_POWERS[2.0]) == told
+    few = where.FEWEST_OF_A_LAW
+    wide = 1.0 + where.AMPLITUDES * np.arange(few)
+    assert where._power(wide, wide) == where.AMPLITUDE_POWERS[1.0]
+    assert where._power(wide[1:], wide[1:]) == ""
+
+
+def test_products_of_neighbours_are_weighted_by_their_distance():
+    first, second, third = np.exp(-0.5 * (np.array([1.0, 2.0, 3.0]) / 3.0) ** 2)
+    assert residual_tests.kinship(np.array([2.0, 3.0])) == pytest.approx(6.0 * first)
+    assert residual_tests.kinship(np.array([1.0, 2.0, 5.0])) == pytest.approx(
+        first * (2.0 + 10.0) + second * 5.0
+    )
+    assert residual_tests.kinship(np.array([1.0, 0.0, 0.0, 7.0])) == pytest.approx(7.0 * third)
+    ninth = np.zeros(9)
+    ninth[[0, 7]] = 1.0
+    assert residual_tests.kinship(ninth) == 0.0
+    both = residual_tests.kinship(np.array([[1.0, 2.0], [3.0, 4.0]]))
+    np.testing.assert_allclose(both, [2.0 * first, 12.0 * first])
+
+
+def framed(rest, weights=1.0):
+    """A residual of n points in units of its noise, of which nothing was fitted."""
+    n = len(rest) // 2
+    omega = np.geomspace(1.0, 10.0, n)
+    data = Measurement(omega, np.full(n, 1.0 + 1.0j), name="made")
+    return SimpleNamespace(
+        measurement=data,
+        rest=np.array(rest),
+        residual=np.array(rest),
+        weights=np.full(n, weights),
+        scale_dof=np.inf,
+        size=2 * n,
+    )
+
+
+def test_deviations_are_brought_to_full_size_where_curves_follow_them():
+    frame = framed([3.0, 1.0, -1.0, 2.0, 0.0, 0.0, 0.0, 1.0])
+    # A curve that is the first point of the storage for four fifths, the second for the rest.
+    followed = np.zeros((8, 1))
+    followed[:2, 0] = np.sqrt([0.8, 0.2])
+    left = frame.residual - followed[:, 0] * (followed[:, 0] @ frame.residual)
+    expected = left**2 / [0.2, 0.8, 1, 1, 1, 1, 1, 1]
+    scaled, _ = outliers._squares(frame, followed, np.arange(4))
+    np.testing.assert_allclose(scaled, expected[:4] + expected[4:])
+    worst, chance = outliers._worst(frame, followed, np.arange(4))
+    assert worst == int(np.argmax(scaled))
+    # Chi-square of two degrees of freedom.
+    assert chance == pytest.approx(np.exp(-0.5 * scaled.max()))
+    # What curves follow wholly shows nothing.
+    followed[:2, 0] = [1.0, 0.0]
+    scaled, _ = outliers._squares(frame, followed, np.arange(4))
+    assert scaled[0] == 0.0
+
+
+@pytest.mark.parametrize("scatter", [0.5, 3.0])
+def test_noise_is_as_large_as_neighbours_differ(scatter, monkeypatch):
+    monkeypatch.setattr(residual_causes, "replace", lambda frame, weights: weights)
+    # Second differences of 4 or -4, whose median size is that of a normal scatter of 2.42.
+    rest = scatter * np.tile([1.0, -1.0], 20)
+    weights = residual_causes._no_rougher(framed(rest, 2.0))
+    sigma = 4.0 * scatter / (0.6744897501960817 * np.sqrt(6.0))
+    np.testing.assert_allclose(weights, 2.0 / max(sigma, 1.0))
+    few = framed(rest[:8], 2.0)
+    assert residual_causes._no_rougher(few) is few
+
+
+def test_the_evidence_of_bumps_is_that_of_normal_coefficients():
+    columns = np.array([[2.0, 0.0], [0.0, 0.0], [0.0, 1.0]])
+    values_ = np.array([3.0, 5.0, 1.0])
+    found = residual_causes._evidence_of_bumps(columns, values_, np.array([0.5, 2.0]))
+    expected = []
+    for size in (0.5, 2.0):
+        # Normal values of covariance 1 + size^2 C C^T against those of unit covariance.
+        covariance = np.eye(3) + size**2 * columns @ columns.T
+        quadratic = values_ @ (np.eye(3) - np.linalg.inv(covariance)) @ values_
+        expected.append(0.5 * quadratic - 0.5 * np.log(np.linalg.det(covariance)))
+    np.testing.assert_allclose(found, expected)
+    doubled = np.hstack([columns, columns[:, :1]])
+    found = residual_causes._evidence_of_bumps(doubled, values_, np.array([0.5]))
+    covariance = np.eye(3) + 0.25 * doubled @ doubled.T
+    quadratic = values_ @ (np.eye(3) - np.linalg.inv(covariance)) @ values_
+    assert found == pytest.approx(0.5 * quadratic - 0.5 * np.log(np.linalg.det(covariance)))
+
+
+def several_currents(count, levels, share):
+    """Points of several currents, of whose misfit so much goes with the current."""
+    omega = np.tile(np.geomspace(1.0, 10.0, count), levels)
+    amperes = np.repeat(np.arange(float(levels)), count)
+    rng = np.random.default_rng(1)
+    noise = rng.normal(size=len(omega)) + 1j * rng.normal(size=len(omega))
+    offset = np.repeat(np.linspace(-1.0, 1.0, levels), count)
+    change = 1.0 + 0.01 * (1.0 - share) * noise + 0.05 * share * offset
+    return Measurement(
+        omega, (100.0 + 2.0j * omega) * change, conditions={"current": amperes}, name="made"
+    )
+
+
+@pytest.mark.parametrize(("share", "told"), [(1.0, True), (0.6, True), (0.0, False)])
+def test_a_column_is_behind_a_misfit_of_which_it_takes_most(share, told):
+    found = fitted_to_floor(springpot.parse_model("kelvin"), several_currents(6, 3, share))
+    column = residual_causes.column_behind(found.frame())
+    assert (column is not None) == told
+    if column is not None:
+        assert (column.name, column.values) == ("current", 3)
+        assert VERDICT.takes_most < column.share <= 1.0
+
+
+def test_as_many_shapes_as_numbers_tell_nothing():
+    """Each point of its own current: the shapes follow everything."""
+    data = several_currents(1, 9, 1.0)
+    data = Measurement(np.geomspace(1.0, 9.0, 9), data.stiffness, conditions=data.conditions)
+    found = fitted_to_floor(springpot.parse_model("kelvin"), data)
+    assert residual_causes.column_behind(found.frame()) is None
+
+
+def test_values_are_printed_in_units_of_their_own():
+    """A mass beside a stiffness in kN/m and s is in t; it is printed in kg, with its interval."""
+    omega = np.geomspace(1.0, 60.0, 12)
+    rng = np.random.default_rng(2)
+    noise = 1.0 + 0.002 * (rng.normal(size=12) + 1j * rng.normal(size=12))
+    k = (100.0 + 2.0j * omega - 0.05 * omega**2) * noise
+    model = springpot.parse_model("kelvin + inertia")
+    found = fitted_to_floor(model, Measurement(omega, k, units=Units("kN/m", "mm")))
+    told = values.printed(found)
+    factors = {p.name: found.fit.measurement.units.of(p.unit)[0] for p in model.parameters}
+    assert {round(factor, 9) for factor in factors.values()} != {1.0}
+    for i, name in enumerate(model.names):
+        value = told[name]
+        assert value.value == pytest.approx(found.theta[i] * factors[name])
+        assert value.low < value.value < value.high
+        assert value.high < 1.5 * value.value

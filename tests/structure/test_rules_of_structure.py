@@ -1,0 +1,201 @@
+"""Small rules of structures, each at both sides of its edge, with values by hand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from springpot.errors import DataError, ModelError
+from springpot.registry import parse_model
+from springpot.structure import Damper, Frame, GroundMotion, motion, motion_of, reading
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "slope", "last"),
+    [
+        (0.0, 0.0, 4.0, -4.0),
+        (0.0, 0.0, 27.0, 0.0),
+        (0.0, 0.0, -1.0, 5.0),
+        (1.0, 1.0, 30.0, 30.0),
+        (1.0, -2.0, 0.0, 0.0),
+        (0.0, 1.0, 1.0, 1.0),
+        (-3.0, 1.0, -9.0, 2.0),
+        (0.5, 0.2, 8.0, -20.0),
+    ],
+)
+def test_the_largest_of_a_cubic_may_lie_within_the_step(start, end, slope, last):
+    u = np.linspace(0.0, 1.0, 100_001)
+    hermite = (
+        start * (1 + 2 * u) * (1 - u) ** 2
+        + slope * u * (1 - u) ** 2
+        + end * u**2 * (3 - 2 * u)
+        + last * u**2 * (u - 1)
+    )
+    found = motion._largest_of_cubic(*(np.array([each]) for each in (start, end, slope, last)))
+    assert found[0] == pytest.approx(np.abs(hermite).max(), rel=1e-8)
+
+
+def test_a_frame_too_stiff_for_short_steps_is_told_by_its_shortest_period():
+    model = parse_model("kelvin + friction")
+    theta = np.array([1e3, 1e2, 5.0])
+    stiff = Frame(np.full(2, 1.0), np.full(2, 1e16), 0.0, (Damper(model, theta),))
+    # The frequencies of two alike storeys are those of one times 0.618 and 1.618.
+    period = 2.0 * np.pi / (1e8 * 0.5 * (1.0 + np.sqrt(5.0)))
+    with pytest.raises(ModelError, match=f"the shortest period of the frame is {period:.3g} s"):
+        motion_of(stiff, GroundMotion(0.01, np.ones(5)))
+
+
+@pytest.mark.parametrize(
+    ("time", "acceleration", "says"),
+    [
+        ([0.0], [1.0], "a record has two samples or more"),
+        ([0.0, 1.0], [1.0], "a record has two samples or more"),
+        ([0.0, 1.0, np.nan], [1.0, 1.0, 1.0], "sample 3 is no number"),
+        ([0.0, 1.0, 2.0], [1.0, np.inf, 1.0], "sample 2 is no number"),
+        ([0.0, 1.0, 2.0], [1.0, 1.0, -1.1e6], "sample 3 is -1.1e+06 m/s^2"),
+        ([0.0, 1.0, 1.0], [1.0] * 3, "the time does not rise after sample 2 (t = 1 s)"),
+        ([0.0, 1.0, 0.5], [1.0] * 3, "the time does not rise after sample 2 (t = 1 s)"),
+        ([0.0, 1.0, 2.0, 3.01], [1.0] * 4, "(1.01 s after sample 3, 1.003 s on average)"),
+        ([0.0, 1.0, 2.0, 3.0012], [1.0] * 4, ""),
+        ([0.0, 1.0], [1e6, -1e6], ""),
+    ],
+)
+def test_a_record_is_even_and_of_numbers(time, acceleration, says):
+    if not says:
+        record = GroundMotion.of(time, acceleration)
+        assert record.step == pytest.approx(time[-1] / (len(time) - 1))
+        return
+    with pytest.raises(DataError) as error:
+        GroundMotion.of(time, acceleration, "quake")
+    assert says in str(error.value)
+    assert str(error.value).startswith("quake: ")
+
+
+@pytest.mark.parametrize(
+    ("value", "most", "number"),
+    [
+        (1, 5, 1),
+        (5, 5, 5),
+        (0, 5, None),
+        (6, 5, None),
+        (True, 5, None),
+        (2.0, 5, None),
+        ("2", 5, None),
+    ],
+)
+def test_a_count_is_a_whole_number_from_one_on(value, most, number):
+    if number is None:
+        with pytest.raises(DataError, match="give a whole one from 1 to 5"):
+            reading._count(value, "count", most)
+    else:
+        assert reading._count(value, "count", most) == number
+
+
+@pytest.mark.parametrize(
+    ("value", "ends", "wanted"),
+    [
+        (2, (), ""),
+        (2.5, (2.0, 3.0), ""),
+        (2.0, (2.0, 3.0), "give a finite number above 2 and below 3"),
+        (3.0, (2.0, 3.0), "give a finite number above 2 and below 3"),
+        (1.0, (2.0,), "give a finite number above 2$"),
+        (np.inf, (), "give a finite number$"),
+        (True, (), "give a finite number$"),
+        (10**400, (), "give a finite number$"),
+        ("1", (), "give a finite number$"),
+    ],
+)
+def test_a_number_is_finite_and_between_its_ends(value, ends, wanted):
+    if wanted:
+        with pytest.raises(DataError, match=wanted):
+            reading._number(value, "mass", *ends)
+    else:
+        assert reading._number(value, "mass", *ends) == value
+
+
+@pytest.mark.parametrize(
+    ("header", "factor"),
+    [
+        ("time [s],acceleration [m/s^2]", 1.0),
+        ("Time [s] , Acceleration [g]", 9.80665),
+        ("time [s],acceleration [gal],more", 0.01),
+        ("time [s],acceleration [furlong]", None),
+        ("time [ms],acceleration [g]", None),
+        ("time [s],displacement [m]", None),
+        ("time [s]", None),
+        ("", None),
+    ],
+)
+def test_units_of_a_record_are_those_of_its_first_line(header, factor):
+    if factor is None:
+        with pytest.raises(DataError):
+            reading._acceleration_unit(header, Path("quake.csv"))
+    else:
+        assert reading._acceleration_unit(header, Path("quake.csv")) == factor
+
+
+def test_parameters_of_a_damper_may_stand_in_tables():
+    flat = reading._flat({"k": 2, "inertia": {"m": 0.5, "x": 1}}, "damper 1")
+    assert flat == {"k": 2.0, "inertia.m": 0.5, "inertia.x": 1.0}
+    for wrong in (3, {"k": "a"}, {"inertia": {"m": True}}):
+        with pytest.raises(DataError, match="damper 1"):
+            reading._flat(wrong, "damper 1")
+    assert reading._without({}, "damper 1") == []
+    assert reading._without({"without": "inertia"}, "damper 1") == ["inertia"]
+    assert reading._without({"without": ["a", "b"]}, "damper 1") == ["a", "b"]
+    with pytest.raises(DataError, match="without is a list"):
+        reading._without({"without": 3}, "damper 1")
+
+
+DAMPER = "[[damper]]\nmodel = 'kelvin'\nparameters = {k = 2.0, c = 3.0}\nunit = 'N/m'\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", "there is no [structure]"),
+        ("structure = 3", "there is no [structure]"),
+        ("damper = 3\n[structure]\nmass = 1\nstiffness = 2", "each damper is a [[damper]]"),
+        ("[structure]\nmass = 1\nstiffness = 2\nheight = 3", "[structure] has no 'height'"),
+        ("[structure]\nstiffness = 2", "[structure] has no mass"),
+        ("[structure]\nmass = [1, 1]\nstiffness = 2", "2 floors have a mass and 1 storeys"),
+        ("[structure]\nmass = 1\nstiffness = 2\ndamping = 1", "is a ratio from 0 to below 1"),
+        ("[structure]\nmass = 1\nstiffness = 2\n" + DAMPER + "fit = 'a.json'", "has a fit ="),
+        ("[structure]\nmass = 1\nstiffness = 2\n[[damper]]\nunit = 'N/m'", "damper 1 has a fit ="),
+        ("[structure]\nmass = 1\nstiffness = 2\n" + DAMPER + "storey = 2", "braces storey 2 of"),
+        ("[structure]\nmass = 1\nstiffness = 2\n" + DAMPER + "slope = 89.9", "slope: 89.9 is no"),
+        ("[structure]\nmass = 1\nstiffness = 2\n" + DAMPER + "count = 0", "count: 0 is no number"),
+        (
+            "[structure]\nmass = 1\nstiffness = 2\n" + DAMPER.replace("N/m", "Pa"),
+            "a damper has a stiffness, and kelvin is in Pa",
+        ),
+    ],
+)
+def test_a_description_that_does_not_fit_is_told_in_one_line(text, says, tmp_path):
+    path = tmp_path / "frame.toml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises((DataError, ModelError)) as error:
+        reading.read_structure(path)
+    assert says in str(error.value)
+    assert str(error.value).count(str(path)) == 1
+
+
+def test_a_description_gives_its_frame(tmp_path):
+    path = tmp_path / "frame.toml"
+    text = "[structure]\nmass = [3, 2]\nstiffness = 5\nstoreys = 2\ndamping = 0.1\n"
+    path.write_text(text + DAMPER + "storey = 2\ncount = 3\nslope = 60", encoding="utf-8")
+    frame = reading.read_structure(path)
+    assert (frame.mass.tolist(), frame.stiffness.tolist()) == ([3.0, 2.0], [5.0, 5.0])
+    [damper] = frame.dampers
+    assert (frame.damping, damper.storey, damper.count) == (0.1, 2, 3.0)
+    assert damper.cosine == pytest.approx(0.5)
+    assert (damper.theta.tolist(), damper.covariance, damper.temperature) == (
+        [2.0, 3.0],
+        None,
+        None,
+    )
+    # Three of them at 60 degrees: a quarter of the stiffness reaches the floor.
+    assert damper.size == pytest.approx(0.75)
+    assert frame.floor_per_axis.tolist() == pytest.approx([1.5])
