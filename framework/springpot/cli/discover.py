@@ -138,14 +138,7 @@ def command(
         effects = [mine.get(name) or accepted(name, i) for i, name in enumerate(accept, 1)]
     arguments = {"accept": effects, "seed": seed or 0, "accuracy": options.pop("accuracy")}
     arguments |= {**chosen, **known_from(options)}
-    tests: Sequence[Test] | None = timetests.named_tests(data, geometry)
-    if tests is None:
-        if len(data) > 1:
-            raise click.UsageError(
-                "several sweeps are judged one by one; together where a test in time is among them",
-                click.get_current_context(),
-            )
-        tests = [opened(data[0], geometry)]
+    tests = _tests(data, geometry)
     ladder, code = _climbed(tests, expression, **arguments)
     _write(ladder, tests, figure, report, again)
     emit(ladder, as_json, lambda: print(told(ladder, window(), verbose=verbose)))
@@ -166,6 +159,19 @@ def _parted(words: Sequence[str]) -> tuple[list[str], list[str]]:
         else:
             effects.append(word)
     return data, effects
+
+
+def _tests(data: Sequence[str], geometry: str | None) -> Sequence[Test]:
+    """One sweep, or tests of one specimen, a test in time among them."""
+    in_time = timetests.named_tests(data, geometry)
+    if in_time is not None:
+        return in_time
+    if len(data) > 1:
+        raise click.UsageError(
+            "several sweeps are judged one by one; together where a test in time is among them",
+            click.get_current_context(),
+        )
+    return [opened(data[0], geometry)]
 
 
 def accepted(name: str, place: int) -> Effect:
