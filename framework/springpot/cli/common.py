@@ -32,6 +32,21 @@ FOLDER = click.Path(path_type=Path)
 POSITIVE = click.IntRange(min=1)
 
 
+def _files_meant(text: str) -> list[str]:
+    """Names that a file may have where a part, columns and rows may be chosen behind it.
+
+    It may hold such marks itself.
+    """
+    return [text[:i] for i in (*(i for i, sign in enumerate(text) if sign in "#?@"), len(text))]
+
+
+def is_data(text: str) -> bool:
+    """Whether there is a file of that name, whatever is chosen of it."""
+    from springpot.measurement.reader import is_file
+
+    return any(is_file(name) and Path(name).is_file() for name in _files_meant(text))
+
+
 class _Input(click.Path):
     """What a command reads, which no output of it replaces."""
 
@@ -39,11 +54,8 @@ class _Input(click.Path):
         """The value, after the file that it names has been remembered."""
         from springpot.files import keep_input
 
-        text = str(value)
-        # A part, columns and rows may be chosen behind the name of a file, which may hold such
-        # marks itself.
-        for i in (*(i for i, sign in enumerate(text) if sign in "#?@"), len(text)):
-            keep_input(text[:i])
+        for name in _files_meant(str(value)):
+            keep_input(name)
         # Whether it can be a file is told by who reads it.
         return self.coerce_path_result(value)
 

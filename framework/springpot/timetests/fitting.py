@@ -209,10 +209,7 @@ def identify(
     if optimiser is not None and optimiser.name != NATIVE:
         refuse_search(model, optimiser, start)
     if start:
-        seeds = [
-            *seeds,
-            start_at(model, start, lambda rest: identify(given, rest, noise=noise).theta),
-        ]
+        seeds = [*seeds, start_at(model, start, lambda rest: identify(given, rest, noise=noise))]
     effort = (budget or BUDGET, restarts, seed)
 
     def fitted(model: Model) -> Identification:
