@@ -147,6 +147,8 @@ def main() -> int:
         "--out", type=Path, default=Path("results/gate"), help="folder of the table"
     )
     given = parser.parse_args()
+    # A path that cannot be written is told before time is spent on the draws.
+    given.out.mkdir(parents=True, exist_ok=True)
     save_table(power(given.draws), given.out, "power", ("md", "csv"))
     return 0
 

@@ -61,3 +61,10 @@ def test_one_f_ratio_is_a_sum_of_one():
     for value in (0.5, 1.0, 3.0):
         one = own.f_sum_sf(4.0 * value, np.array([4.0]), np.array([9.0]))
         assert one == pytest.approx(own.f_sf(value, 4.0, 9.0), rel=1e-12)
+
+
+def test_a_sum_of_squares_of_known_variances_follows_chi_square():
+    """Its spread is then that of a chi-square, of which an F has no end below."""
+    k, nu = np.array([4.0]), np.array([1e100])
+    assert own.f_sum_sf(9.487729, k, nu) == pytest.approx(0.05, rel=1e-6)
+    assert own.f_sum_sf(4.0 * 2.866081, k, np.array([20.0])) == pytest.approx(0.05, rel=1e-3)

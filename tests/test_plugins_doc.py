@@ -20,8 +20,9 @@ def quoted(language: str) -> list[str]:
 
 
 def test_every_piece_of_code_is_that_of_the_example():
-    sources = [path.read_text() for path in EXAMPLE.glob("*.py")]
-    assert len(quoted("python")) == 8
+    paths = [*EXAMPLE.glob("*.py"), Path(__file__).parent / "timetests" / "test_new_kind.py"]
+    sources = [path.read_text() for path in paths]
+    assert len(quoted("python")) == 9
     for text in quoted("python"):
         assert any(text in source for source in sources), text
     assert quoted("toml") == [(EXAMPLE / "pyproject.toml").read_text()]

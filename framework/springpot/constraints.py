@@ -52,7 +52,7 @@ def constrained(
     Raises
     ------
     ModelError
-        If a name is unknown or a value cannot be.
+        If a name is unknown or one of a free spectrum, or a value cannot be.
     OptionError
         If these are no mappings, or what they hold are no numbers.
     """
@@ -185,10 +185,17 @@ def own_value(model: HasParameters, units: Units, name: str, value: float) -> fl
     Raises
     ------
     ModelError
-        If the model has no such parameter.
+        If the model has no such parameter, or it is one of a free spectrum.
     OptionError
         If the value is no number.
     """
+    # Effects around a free spectrum have parameters of their own.
+    chosen = isinstance(model, Model) and is_material(model) and model.material.parameters
+    if chosen and any(part.name == name for part in chosen):
+        raise ModelError(
+            f"{name} of a free spectrum goes with its lines, which the data choose as a whole: it"
+            " can be given no value, bound or start; name a model that has it, such as prony-3"
+        )
     for parameter in model.parameters:
         if parameter.name != name:
             continue

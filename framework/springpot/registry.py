@@ -27,6 +27,7 @@ from springpot.identification.runs import Optimiser
 from springpot.measurement.from_signals import OneTest
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test
+from springpot.measurement.other_test import OtherTest
 from springpot.measurement.reader import OpenQuestion, Part
 from springpot.measurement.timereader import open_in_time as in_time_by
 from springpot.measurement.timetest import TimeTest
@@ -446,7 +447,7 @@ def open_measurement(spec: str | Path) -> Measurement:
     return opening.open_measurement(spec, registry.items("data set"), registry.items("reader"))
 
 
-def open_in_time(spec: str | Path) -> tuple[TimeTest, ...]:
+def open_in_time(spec: str | Path) -> tuple[TimeTest | OtherTest, ...]:
     r"""The tests in time in the file that a user names.
 
     None for sweeps, data sets and whatever else.

@@ -152,7 +152,7 @@ def after_discovery(_):
     for change in ({}, {"one_test": "temperature=20"}, {"leading": (), "best": None}):
         diagnosis = SimpleNamespace(**{**vars(ANSWER), **change})
         called("cli/discover.py:_next")(
-            SimpleNamespace(**ladder, diagnosis=diagnosis), "warm.csv", "kelvin"
+            SimpleNamespace(**ladder, diagnosis=diagnosis), ["warm.csv"], "kelvin"
         )
 
 

@@ -1,5 +1,7 @@
 """What ``springpot discover`` says to go on with, where it accepted nothing."""
 
+import shlex
+
 import numpy as np
 import pytest
 
@@ -53,3 +55,30 @@ def test_what_diagnose_would_accept_is_offered_where_nothing_was(springpot, hard
     said = f"next: springpot discover {hardening} --accept free-shift"
     assert following(springpot("diagnose", hardening)) == said
     assert following(springpot("discover", hardening, "--auto")) == said
+
+
+@pytest.fixture
+def late(write, rng):
+    """A solid in a sweep whose force comes late, and in a relaxation."""
+    omega, time = np.geomspace(1.0, 100.0, 12), np.geomspace(0.01, 10.0, 20)
+    stiffness = (100.0 + 50.0j * omega / (1j * omega + 10.0)) * np.exp(-3e-3j * omega)
+    stiffness = stiffness * (1.0 + 0.003 * (rng.normal(size=12) + 1j * rng.normal(size=12)))
+    relaxed = (100.0 + 50.0 * np.exp(-10.0 * time)) * (1.0 + 0.003 * rng.normal(size=20))
+    head = "omega [rad/s],storage [Pa],loss [Pa]"
+    sweep = table(write, "late.csv", head, (omega, stiffness.real, stiffness.imag))
+    return f"{sweep}", f"{table(write, 'steady.csv', 'time [s],relaxation [Pa]', (time, relaxed))}"
+
+
+def test_what_diagnose_offers_for_several_tests_discover_takes(springpot, late):
+    few = ("--effects", "time-delay,gain-error")
+    offered = following(springpot("diagnose", *late, "--model", "zener", *few))
+    said = f"next: springpot discover {' '.join(late)} --model zener"
+    assert offered.startswith(f"{said} --accept time-delay")
+    answer = springpot(*shlex.split(offered)[2:])
+    assert following(answer) == f"next: springpot identify {' '.join(late)} --model " + (
+        "'zener + time-delay'"
+    )
+
+
+def test_several_sweeps_are_no_joint_ladder(springpot, ages):
+    springpot("discover", ages, ages, "--auto").is_one_line("judged one by one")

@@ -6,7 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_whole_diagnosis import CASES, EXACT, FEW, MODEL, OMEGA, THETA, amplitudes, heated, made
+from test_whole_diagnosis import (
+    CASES,
+    EXACT,
+    FEW,
+    MODEL,
+    OMEGA,
+    THETA,
+    amplitudes,
+    examined,
+    heated,
+    made,
+)
 
 from springpot.diagnosis import evidence, experiment, grown, marginal, notes, scan, verdict
 from springpot.diagnosis.examination import examine
@@ -37,7 +48,9 @@ FURTHER = {
 
 @pytest.fixture(scope="module", params=[*CASES, *FURTHER])
 def case(request):
-    data, names = (CASES | FURTHER)[request.param]
+    if request.param in CASES:
+        return examined(request.param)
+    data, names = FURTHER[request.param]
     library = [plugins().effect(name) for name in names]
     return examine(data(), MODEL, library, np.random.default_rng(3))
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import springpot
+from springpot.errors import ModelError
 from springpot.identification import Uncertainty, fit, intervals_beside_material
 
 MASS = 1.8e-3
@@ -62,3 +63,35 @@ def test_what_is_printed_is_the_profile():
     assert value.unit == "kg"
     assert value.high < 1.15 * value.low
     assert value.low == pytest.approx(1e3 * MASS, rel=0.15)
+
+
+@pytest.mark.parametrize(
+    "given", [{"fix": {"K_e": 0.0}}, {"bounds": {"c": (0.0, 1.0)}}, {"start": {"c": 1.0}}]
+)
+def test_what_the_spectrum_chooses_cannot_be_given(given):
+    with pytest.raises(ModelError, match="of a free spectrum goes with its lines"):
+        springpot.identify(heavy(1), "material + inertia", **given)
+
+
+def test_an_effect_beside_any_material_can_be_given_a_start():
+    usual = springpot.identify(heavy(1), "material + inertia")
+    begun = springpot.identify(heavy(1), "material + inertia", start={"inertia.m": 0.5})
+    assert begun.parameters["inertia.m"].value == pytest.approx(
+        usual.parameters["inertia.m"].value, rel=1e-3
+    )
+
+
+def test_at_one_frequency_the_lines_may_be_the_spring_and_the_dashpot():
+    """One storage and one loss: a spring and a dashpot fit them as lines do."""
+    amplitude = np.geomspace(1e-3, 1.0, 12)
+    noise = 0.01 * np.random.default_rng(5).normal(size=(2, 12))
+    stiffness = 1.0 + 3.0 / (1.0 + amplitude / 0.03) + 0.4j + noise[0] + 1j * noise[1]
+    data = springpot.Measurement(
+        np.full(12, 6.28),
+        stiffness,
+        conditions={"amplitude": amplitude},
+        units=springpot.Units("N/mm", "mm"),
+    )
+    found = springpot.identify(data, "material + payne").parameters
+    for name in ("K_e", "c"):
+        assert (found[name].low, found[name].high) == (0.0, np.inf)

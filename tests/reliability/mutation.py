@@ -156,7 +156,9 @@ def _executed(tree: ast.AST) -> Iterator[ast.expr]:
                 continue
             if isinstance(child, ast.keyword) and child.arg == "strict":
                 continue
-            if isinstance(child, ast.expr) and not _is_setting(tree, child):
+            if isinstance(child, ast.expr):
+                if _is_setting(tree, child):
+                    continue
                 yield child
             if isinstance(child, ast.AST):
                 yield from _executed(child)
@@ -164,6 +166,8 @@ def _executed(tree: ast.AST) -> Iterator[ast.expr]:
 
 def _is_setting(parent: ast.AST, node: ast.expr) -> bool:
     """Whether a number other than 0 stands for a name or a field, or is next to nothing."""
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
+        return _is_setting(parent, node.operand)
     if not isinstance(node, ast.Constant) or type(node.value) not in (int, float) or not node.value:
         return False
     if isinstance(parent, ast.Assign):

@@ -32,6 +32,7 @@ def test_a_change_is_one_that_a_tired_hand_could_make(line, after):
         'raise ValueError(f"{3 < 4}")',
         '"a" + "b"',
         "LEVEL = 0.05",
+        "LEVEL = -0.05",
         "def f(draws: int = 1000): ...",
         "x = max(y, 1e-300)",
         "for a, b in zip(x, y, strict=True): ...",

@@ -8,6 +8,7 @@ import pytest
 
 from springpot.registry import parse_model
 from springpot.structure import Damper, Frame, artificial, simulate
+from springpot.structure.motion import Simulation, motion_of
 
 MODEL = parse_model("fractional-maxwell")
 THETA = MODEL.theta(k=4e7, c=6e6, alpha=0.55)
@@ -35,3 +36,20 @@ def test_the_bands_of_the_peaks_are_drawn_in_millimetres(undrawn, tmp_path):
     np.testing.assert_allclose(ends.T, 1e3 * np.array(found.band()), rtol=1e-9)
     (dots,) = peaks.get_lines()
     np.testing.assert_allclose(dots.get_xdata(), 1e3 * found.motion.peak_drift, rtol=1e-9)
+
+
+@pytest.mark.parametrize("draws", [5, 40])
+def test_a_band_holds_as_many_motions_as_it_says(draws):
+    rng = np.random.default_rng(3)
+    # Each storey is a simulation of its own, and the next draw is the building that was meant.
+    peaks = rng.standard_normal((draws + 1, 20000))
+    found = Simulation(simulated_nothing(), [], peaks[:-1])
+    low, high = found.band()
+    held = float(np.mean((low < peaks[-1]) & (peaks[-1] < high)))
+    assert held == pytest.approx(found.level, abs=0.01)
+    assert found.level == pytest.approx(min(0.95, (draws - 1) / (draws + 1)))
+
+
+def simulated_nothing():
+    frame = Frame([1e5], [8e7], 0.02)
+    return motion_of(frame, artificial(np.random.default_rng(1), duration=0.1, step=0.02))

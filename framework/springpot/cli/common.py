@@ -18,9 +18,10 @@ from .faults import BAD_INPUT, FAULT, INTERRUPTED, exit_code
 
 if TYPE_CHECKING:
     from springpot.measurement.measurement import Measurement
+    from springpot.measurement.other_test import OtherTest
     from springpot.measurement.timetest import TimeTest
 
-    T = TypeVar("T", Measurement, TimeTest)
+    T = TypeVar("T", Measurement, TimeTest, TimeTest | OtherTest)
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -31,6 +32,21 @@ FOLDER = click.Path(path_type=Path)
 POSITIVE = click.IntRange(min=1)
 
 
+def _files_meant(text: str) -> list[str]:
+    """Names that a file may have where a part, columns and rows may be chosen behind it.
+
+    It may hold such marks itself.
+    """
+    return [text[:i] for i in (*(i for i, sign in enumerate(text) if sign in "#?@"), len(text))]
+
+
+def is_data(text: str) -> bool:
+    """Whether there is a file of that name, whatever is chosen of it."""
+    from springpot.measurement.reader import is_file
+
+    return any(is_file(name) and Path(name).is_file() for name in _files_meant(text))
+
+
 class _Input(click.Path):
     """What a command reads, which no output of it replaces."""
 
@@ -38,11 +54,8 @@ class _Input(click.Path):
         """The value, after the file that it names has been remembered."""
         from springpot.files import keep_input
 
-        text = str(value)
-        # A part, columns and rows may be chosen behind the name of a file, which may hold such
-        # marks itself.
-        for i in (*(i for i, sign in enumerate(text) if sign in "#?@"), len(text)):
-            keep_input(text[:i])
+        for name in _files_meant(str(value)):
+            keep_input(name)
         # Whether it can be a file is told by who reads it.
         return self.coerce_path_result(value)
 
@@ -151,6 +164,11 @@ def seen_through(test: T, geometry: str | None) -> T:
     """A test seen through a geometry, if one is given."""
     if geometry is None:
         return test
+    from springpot.errors import OptionError
+    from springpot.measurement.other_test import OtherTest
+
+    if isinstance(test, OtherTest):
+        raise OptionError(f"{test.name}: a geometry is for stiffness, not for {test.kind}")
     from springpot.measurement.geometry_text import parse_geometry
     from springpot.measurement.interface import through
 
@@ -298,8 +316,8 @@ def known_from(options: dict[str, Any]) -> dict[str, Any]:
 def accuracy_option(command: F) -> F:
     """Add ``--accuracy TEXT``."""
     text = (
-        "What the instrument promises of modulus and phase, such as '1%,3mrad': a misfit within it"
-        " is no verdict on the model."
+        "What the instrument promises of modulus and phase, such as '1%,3mrad': intervals hold it,"
+        " and a misfit within it is no verdict on the model."
     )
     return click.option("--accuracy", metavar="TEXT", help=text)(command)
 

@@ -13,11 +13,12 @@ from springpot.suggestions import accepting, with_model
 
 from . import completion, timetests
 from .common import (
+    DATA,
     FILE,
     accuracy_option,
-    data_argument,
     emit,
     geometry_option,
+    is_data,
     json_option,
     judged_option,
     known_from,
@@ -54,8 +55,14 @@ ACCEPT = (
         " damper.html"
     ),
 )
-@data_argument
-@click.argument("more", nargs=-1, metavar="[EFFECT]...")
+@click.argument(
+    "words",
+    type=DATA,
+    nargs=-1,
+    required=True,
+    metavar="DATA... [EFFECT]...",
+    shell_complete=completion.data,
+)
 @judged_option
 @click.option(
     "--accept",
@@ -89,8 +96,7 @@ ACCEPT = (
 @verbose_option
 @json_option
 def command(
-    data: str,
-    more: tuple[str, ...],
+    words: tuple[str, ...],
     model: str | None,
     accept: tuple[str, ...],
     split: str | None,
@@ -107,13 +113,14 @@ def command(
 
     Every step shows the error that was predicted and the one that was reached, both beside the
     noise floor and the least error that any material reaches. Without --model discovery begins with
-    any linear passive material.
+    any linear passive material. Several DATA are tests of one specimen, in time and at frequencies.
 
     Ctrl-C ends with the answer of the last step that was reached.
     """
     from springpot.registry import of_each, parse_model
     from springpot.report.told import told
 
+    data, more = _parted(words)
     accept = (*accept, *more)  # as in: --accept inertia time-delay
     if split is not None:
         accept = (of_each(split).name, *accept)
@@ -131,9 +138,7 @@ def command(
         effects = [mine.get(name) or accepted(name, i) for i, name in enumerate(accept, 1)]
     arguments = {"accept": effects, "seed": seed or 0, "accuracy": options.pop("accuracy")}
     arguments |= {**chosen, **known_from(options)}
-    tests: Sequence[Test] | None = timetests.named_tests([data], geometry)
-    if tests is None:
-        tests = [opened(data, geometry)]
+    tests = _tests(data, geometry)
     ladder, code = _climbed(tests, expression, **arguments)
     _write(ladder, tests, figure, report, again)
     emit(ladder, as_json, lambda: print(told(ladder, window(), verbose=verbose)))
@@ -142,6 +147,31 @@ def command(
         _tell_written(figure, report)
         print(f"\nnext: {_next(ladder, data, model)}")
     return code
+
+
+def _parted(words: Sequence[str]) -> tuple[list[str], list[str]]:
+    """The data, and the effects: what comes behind the first is data where a file is called so."""
+    data, effects = [words[0]], []
+    for word in words[1:]:
+        # A law of `springpot invent -o` is a file too, and an effect.
+        if is_data(word) and not word.endswith(".json"):
+            data.append(word)
+        else:
+            effects.append(word)
+    return data, effects
+
+
+def _tests(data: Sequence[str], geometry: str | None) -> Sequence[Test]:
+    """One sweep, or tests of one specimen, a test in time among them."""
+    in_time = timetests.named_tests(data, geometry)
+    if in_time is not None:
+        return in_time
+    if len(data) > 1:
+        raise click.UsageError(
+            "several sweeps are judged one by one; together where a test in time is among them",
+            click.get_current_context(),
+        )
+    return [opened(data[0], geometry)]
 
 
 def accepted(name: str, place: int) -> Effect:
@@ -207,7 +237,7 @@ def _require_one_choice(auto: bool, accept: tuple[str, ...]) -> None:
         raise click.UsageError(words, click.get_current_context())
 
 
-def _next(ladder: Ladder, data: str, model: str | None) -> str:
+def _next(ladder: Ladder, data: Sequence[str], model: str | None) -> str:
     """The command to go on with.
 
     One test, or one effect more where one is named, or the parameters reached.
@@ -216,8 +246,8 @@ def _next(ladder: Ladder, data: str, model: str | None) -> str:
     diagnosis = ladder.diagnosis
     # As `diagnose` does: what sets several tests apart is no effect, and the parameters of them all
     # are of none.
-    if diagnosis.one_test:
-        return suggested("diagnose", with_rows(data, diagnosis.one_test), *judged)
+    if diagnosis.one_test and len(data) == 1:
+        return suggested("diagnose", with_rows(data[0], diagnosis.one_test), *judged)
     taken = [step.accepted for step in ladder.steps if step.accepted]
     # What was dropped again, marked by a hyphen, is not asked for a second time.
     named = [name for name in taken if not name.startswith("-")]
@@ -227,8 +257,8 @@ def _next(ladder: Ladder, data: str, model: str | None) -> str:
     if diagnosis.best is not None:
         following = [diagnosis.best.effect]
     if not following:
-        return suggested("identify", data, *with_model(ladder.model.name))
-    return suggested("discover", data, *judged, *accepting([*named, *following]))
+        return suggested("identify", *data, *with_model(ladder.model.name))
+    return suggested("discover", *data, *judged, *accepting([*named, *following]))
 
 
 def _climbed(tests: Sequence[Test], model: Model | None, **arguments: Any) -> tuple[Ladder, int]:
@@ -256,7 +286,7 @@ def _climbed(tests: Sequence[Test], model: Model | None, **arguments: Any) -> tu
 
 
 def again_with(
-    data: str,
+    data: Sequence[str],
     model: str | None,
     accept: tuple[str, ...],
     auto: bool,
@@ -265,7 +295,7 @@ def again_with(
     options: dict[str, Any],
 ) -> list[str]:
     """The command that makes the same report again."""
-    again = ["springpot", "discover", data]
+    again = ["springpot", "discover", *data]
     if model is not None:
         again += ["--model", model]
     if auto:

@@ -15,6 +15,7 @@ from .onward import suggested
 if TYPE_CHECKING:
     from springpot.diagnosis.result import Diagnosis
     from springpot.identification.result import Identification
+    from springpot.measurement.other_test import OtherTest
     from springpot.measurement.timetest import TimeTest
     from springpot.rheology.model import Model
     from springpot.timetests.residuals_of_tests import Test
@@ -37,7 +38,7 @@ def named_tests(data: Sequence[str], geometry: str | None) -> list[Test] | None:
 
     # All are opened before anything is decided: one test in time makes the sweeps beside it part of
     # a joint fit.
-    of_each: list[tuple[TimeTest, ...]] = []
+    of_each: list[tuple[TimeTest | OtherTest, ...]] = []
     unusable: list[DataError] = []
     for spec in data:
         try:
@@ -182,7 +183,7 @@ def _turned(tests: Sequence[Test], data: Sequence[str]) -> list[str]:
     ]
 
 
-def described(tests: Sequence[TimeTest]) -> dict[str, Any]:
+def described(tests: Sequence[TimeTest | OtherTest]) -> dict[str, Any]:
     """What files of tests in time hold, schema ``springpot.inspection/1``."""
     return {
         "schema": "springpot.inspection/1",
@@ -192,8 +193,13 @@ def described(tests: Sequence[TimeTest]) -> dict[str, Any]:
     }
 
 
-def _described(test: TimeTest) -> dict[str, Any]:
+def _described(test: TimeTest | OtherTest) -> dict[str, Any]:
     import numpy as np
+
+    from springpot.measurement.other_test import OtherTest
+
+    if isinstance(test, OtherTest):
+        return _described_of_kind(test)
 
     from springpot.measurement.timenoise import noise_of
 
@@ -233,7 +239,20 @@ def _described(test: TimeTest) -> dict[str, Any]:
     }
 
 
-def inspect(tests: Sequence[TimeTest], spec: str, as_json: bool, line: bool) -> None:
+def _described_of_kind(test: OtherTest) -> dict[str, Any]:
+    ends = {"from": float(test.measured.min()), "to": float(test.measured.max())}
+    return {
+        "name": test.name,
+        "kind": test.kind,
+        "points": len(test),
+        "response": {**ends, "unit": test.unit},
+        "stiffness_unit": test.units.stiffness,
+        "temperature": test.temperature,
+        "provenance": dict(test.provenance),
+    }
+
+
+def inspect(tests: Sequence[TimeTest | OtherTest], spec: str, as_json: bool, line: bool) -> None:
     """``springpot inspect`` of tests in time."""
     from springpot.report.inspection import in_time_text
 
@@ -279,6 +298,7 @@ def _asked(spec: str, temperature: float | None, geometry: str | None) -> Test:
     from dataclasses import replace
 
     from springpot.errors import DataError
+    from springpot.measurement.other_test import OtherTest
     from springpot.measurement.reader import with_part
     from springpot.registry import open_in_time
 
@@ -297,6 +317,8 @@ def _asked(spec: str, temperature: float | None, geometry: str | None) -> Test:
     test = seen_through(in_time[0], geometry)
     if temperature is None:
         return test
+    if isinstance(test, OtherTest):
+        return replace(test, temperature=temperature)
     # At one temperature: that which the file has from sample to sample would go before it.
     return replace(test, temperature=temperature, warmth=None)
 

@@ -289,14 +289,17 @@ def refuse_search(model: Model, optimiser: Optimiser, start: Mapping[str, float]
         )
 
 
-def start_at(model: Model, start: Mapping[str, float], fitted: Callable[[Model], Real]) -> Real:
+def start_at(
+    model: Model, start: Mapping[str, float], fitted: Callable[[Model], Fit | Identification]
+) -> Real:
     """A start (p,) of which some values are given; the others are fitted beside them."""
     known = dict(start)
     if set(known) != set(model.names):
         # The given values are held meanwhile, so that the others suit them.
-        rest = model.holding(known)
-        known |= dict(zip(rest.names, fitted(rest).tolist(), strict=True))
-    return model.vector(known)
+        found = fitted(model.holding(known))
+        known |= dict(zip(found.model.names, found.theta.tolist(), strict=True))
+    # The lines of a free spectrum are no part of a start.
+    return model.vector({name: known[name] for name in model.names})
 
 
 def _references(model: Model) -> list[str]:
@@ -325,9 +328,7 @@ def _by_native(
     seeds = []
     if start:
         seeds = [
-            start_at(
-                model, start, lambda rest: fit(rest, measurement, objective, starts=STARTS).theta
-            )
+            start_at(model, start, lambda rest: fit(rest, measurement, objective, starts=STARTS))
         ]
     # Without a seed the scan stays where it is: the same data give the same answer.
     rng = None

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from springpot.measurement.independence import at_one_frequency
 from springpot.rheology.points import Real
 
 from .allowed_shifts import refused_laws
@@ -50,12 +51,26 @@ def intervals_beside_material(known: Uncertainty) -> tuple[Real, Real]:
     low, high = _ends_by_slopes_or_profile(known)
     for places, (least, most) in ends_of_factors(known):
         low[places], high[places] = least, most
+    for i in shared_at_one_frequency(known.fit):
+        parameter = known.fit.model.parameters[i]
+        low[i], high[i] = parameter.lower, parameter.upper
     for effect, _ in refused_laws(known.fit):
         # What is no law has no constants, however sharply the objective tells them.
         for i, parameter in enumerate(known.fit.model.parameters):
             if parameter.name.startswith(f"{effect.name}."):
                 low[i], high[i] = parameter.lower, parameter.upper
     return low, high
+
+
+def shared_at_one_frequency(fit: Fit) -> list[int]:
+    """Numbers of the spring and the dashpot of a material whose data have one storage and loss.
+
+    Its lines can take the part of both there, whatever the slopes beside the chosen lines say.
+    """
+    shifted = any(effect.plane == "shift" for effect in fit.model.effects)
+    if not is_material(fit.model) or shifted or not at_one_frequency(fit.measurement):
+        return []
+    return [i for i, each in enumerate(fit.model.material.parameters) if not each.detail]
 
 
 def _ends_by_slopes_or_profile(known: Uncertainty) -> tuple[Real, Real]:

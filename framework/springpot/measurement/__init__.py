@@ -55,6 +55,7 @@ if TYPE_CHECKING:
         select,
         without,
     )
+    from .other_test import OtherTest
     from .reader import Choice, OpenQuestion, Part, Question, Reader, parts_as_opened
     from .replicates import Averaged, average_repeats, noise_of_repeats, thinned
     from .rows import Moduli
@@ -147,6 +148,7 @@ __all__ = [
     "TIME_UNITS",
     "Record",
     "TORQUE_UNITS",
+    "OtherTest",
     "TimeReader",
     "TimeTest",
     "Units",
@@ -251,6 +253,7 @@ _WHERE = {
     "TIME": "springpot.measurement.mixed_tests",
     "TIME_UNITS": "springpot.measurement.units",
     "TORQUE_UNITS": "springpot.measurement.units",
+    "OtherTest": "springpot.measurement.other_test",
     "TimeReader": "springpot.measurement.timereader",
     "TimeTest": "springpot.measurement.timetest",
     "Units": "springpot.measurement.units",

@@ -16,6 +16,7 @@ from springpot.rheology.levels import held
 from springpot.rheology.points import Real
 
 from .measurement import CONDITIONS, Measurement
+from .other_test import OtherTest
 from .timetest import TimeTest
 from .units import AMPLITUDE_UNITS, Units
 
@@ -55,7 +56,9 @@ class Covered:
     conditions: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, tests: Sequence[TimeTest | Measurement], units: Units | None = None) -> Covered:
+    def of(
+        cls, tests: Sequence[TimeTest | Measurement | OtherTest], units: Units | None = None
+    ) -> Covered:
         """Of tests that one model was fitted to, amplitudes in these units, or the first's."""
         rates: list[float] = []
         columns: dict[str, list[Real]] = {}
@@ -161,9 +164,9 @@ def between(low: float, high: float) -> str:
     return " to ".join(ends)
 
 
-def _conditions_of(test: TimeTest | Measurement) -> dict[str, Real]:
+def _conditions_of(test: TimeTest | Measurement | OtherTest) -> dict[str, Real]:
     """Temperature and amplitude of a test, and the further columns of a sweep."""
-    if isinstance(test, Measurement):
+    if not isinstance(test, TimeTest):
         return dict(test.conditions)
     found: dict[str, Real] = {}
     # The answer to a step is often written for a step of one, whatever it was in truth.

@@ -32,6 +32,7 @@ from .budget import within_budget
 from .from_signals import OneTest, measurement_of_tests, one_test
 from .measurement import Measurement
 from .mixed_tests import NOTE, runs_together
+from .other_test import OtherTest
 from .reader import (
     LISTED,
     Choice,
@@ -52,8 +53,8 @@ from .rows import rows_with
 from .signals import Signals
 from .timetest import TimeTest
 
-Test: TypeAlias = Measurement | TimeTest
-"""What was measured on one specimen: a sweep, or a test in time."""
+Test: TypeAlias = Measurement | TimeTest | OtherTest
+"""What was measured on one specimen: a sweep, a test in time, or one of a further kind."""
 EXAMPLE = "temperature=20,amplitude=1 or frequency=1..10"
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from .budget import within_budget
 from .opening import read_head
+from .other_test import OtherTest
 from .reader import Choice, file_and_choice, guarded, is_file, surest, to_type, without_rows
 from .timetest import TimeTest
 
@@ -34,10 +35,12 @@ class TimeReader:
     name: str
     summary: str
     recognises: Callable[[bytes], float]
-    read: Callable[[Path, Choice], Sequence[TimeTest]]
+    read: Callable[[Path, Choice], Sequence[TimeTest | OtherTest]]
 
 
-def open_in_time(spec: str | Path, readers: Iterable[TimeReader]) -> tuple[TimeTest, ...]:
+def open_in_time(
+    spec: str | Path, readers: Iterable[TimeReader]
+) -> tuple[TimeTest | OtherTest, ...]:
     """The tests in time in the file that a user names.
 
     None where it is no file, or holds something else.
@@ -65,7 +68,9 @@ def open_in_time(spec: str | Path, readers: Iterable[TimeReader]) -> tuple[TimeT
     return within_budget(path, lambda: _read(path, choice, list(readers)))
 
 
-def _read(path: Path, choice: Choice, readers: Sequence[TimeReader]) -> tuple[TimeTest, ...]:
+def _read(
+    path: Path, choice: Choice, readers: Sequence[TimeReader]
+) -> tuple[TimeTest | OtherTest, ...]:
     best, sure = surest(readers, read_head(path))
     # No error: whatever is no test in time may be a sweep, and is opened as one.
     if best is None or sure < SURE:
@@ -74,7 +79,7 @@ def _read(path: Path, choice: Choice, readers: Sequence[TimeReader]) -> tuple[Ti
     return tuple(_told(test, path, choice) for test in tests)
 
 
-def _told(test: TimeTest, path: Path, choice: Choice) -> TimeTest:
+def _told(test: TimeTest | OtherTest, path: Path, choice: Choice) -> TimeTest | OtherTest:
     """The test with what is told of it as a user types it."""
     origin = {key: to_type(path, text, choice) for key, text in test.provenance.items()}
     return replace(test, provenance=origin)

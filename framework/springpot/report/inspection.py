@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from springpot.format_numbers import counted, number
+from springpot.measurement.other_test import OtherTest
 from springpot.measurement.reader import with_part
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units
@@ -230,7 +231,9 @@ def next_step(result: dict[str, Any], spec: str) -> str:
     return f"next: {suggested('compare', spec)}"
 
 
-def in_time_text(result: dict[str, Any], tests: Sequence[TimeTest], spec: str, width: int) -> str:
+def in_time_text(
+    result: dict[str, Any], tests: Sequence[TimeTest | OtherTest], spec: str, width: int
+) -> str:
     """What tests in time hold."""
     head = (
         f"{result['data']}: {counted(len(tests), 'test')} in time,"
@@ -250,7 +253,28 @@ def in_time_text(result: dict[str, Any], tests: Sequence[TimeTest], spec: str, w
     return "\n\n".join([wrapped(head, width), *blocks, following])
 
 
-def _test_text(result: dict[str, Any], test: TimeTest, width: int) -> str:
+def _test_text(result: dict[str, Any], test: TimeTest | OtherTest, width: int) -> str:
+    if isinstance(test, OtherTest):
+        rows = _of_kind(result, test)
+    else:
+        rows = _in_time(result, test)
+    rows += [(_shown_key(key), value) for key, value in result["provenance"].items()]
+    return "\n".join(wrapped(f"{key:<11} {value}", width, " " * 12) for key, value in rows)
+
+
+def _of_kind(result: dict[str, Any], test: OtherTest) -> list[tuple[str, str]]:
+    answer = result["response"]
+    ends = f"{number(answer['from'])} to {_sized(answer['to'], answer['unit'])}"
+    rows = [
+        ("test", f"{result['name']}: {result['kind']}, {result['points']} points"),
+        ("answer", f"{test.quantity}, {ends}"),
+    ]
+    if result["temperature"] is not None:
+        rows.append(("temperature", f"{result['temperature']:.4g} degC"))
+    return rows
+
+
+def _in_time(result: dict[str, Any], test: TimeTest) -> list[tuple[str, str]]:
     clock, answer = result["time"], result["response"]
     noise, largest = result["noise"], result["largest"]
     imposed, answered = test.words
@@ -276,8 +300,7 @@ def _test_text(result: dict[str, Any], test: TimeTest, width: int) -> str:
         rows.append(("temperature", f"{low:.4g} to {high:.4g} degC, followed by shifts"))
     elif result["temperature"] is not None:
         rows.append(("temperature", f"{result['temperature']:.4g} degC"))
-    rows += [(_shown_key(key), value) for key, value in result["provenance"].items()]
-    return "\n".join(wrapped(f"{key:<11} {value}", width, " " * 12) for key, value in rows)
+    return rows
 
 
 def _sized(value: float, unit: str, digits: int = 4) -> str:

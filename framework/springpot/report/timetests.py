@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.comparison.ranking import MOST_DRAWN
 from springpot.identification.result import Identification
@@ -18,7 +19,13 @@ from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units
 from springpot.rheology.points import Real
 from springpot.timetests.recording import recorded
-from springpot.timetests.residuals_of_tests import InTimePart, Test, parts_of_specimen
+from springpot.timetests.residuals_of_tests import (
+    InTimePart,
+    OtherPart,
+    Test,
+    TestPart,
+    parts_of_specimen,
+)
 from springpot.timetests.verdict import TimeCase
 from springpot.timetests.where import TestPrediction
 
@@ -65,6 +72,8 @@ def figure_tests(
                 _draw_sweep(row, part.test, fits)
             elif isinstance(part, InTimePart):
                 _draw_test(row, part, fits)
+            elif isinstance(part, OtherPart):
+                _draw_other(row, part, fits)
         return finished(figure, path)
 
 
@@ -94,15 +103,41 @@ def _draw_test(row: Sequence[Axes], part: InTimePart, fits: Sequence[Identificat
     row[0].set_ylabel(f"{test.words[1]} [{test.response_unit}]")
     row[0].set_title(f"{test.name}: {test.kind}")
     row[0].legend()
+    _draw_residual(row[2], part, fits, shown, "t [s]")
+
+
+def _draw_other(row: Sequence[Axes], part: OtherPart, fits: Sequence[Identification]) -> None:
+    """The numbers of a test of a further kind as they were measured, over either axis."""
+    test, every = part.test, np.arange(len(part.at))
+    for axes in row[:2]:
+        axes.plot(test.at, test.measured, ".", color=QUIET, ms=4, label="measured")
+        for colour, fit in zip(COLOURS, fits, strict=False):
+            told = part.answer(fit.model, fit.theta, fit.reference, every).value
+            axes.plot(test.at, told, "+", color=colour, ms=4, label=fit.model.name)
+        axes.set_xlabel(test.clock)
+    logarithmic(row[0], "x")
+    row[0].set_ylabel(f"{test.quantity} [{test.unit}]")
+    row[0].set_title(f"{test.name}: {test.kind}")
+    row[0].legend()
+    _draw_residual(row[2], part, fits, every, test.clock)
+
+
+def _draw_residual(
+    axes: Axes,
+    part: TestPart,
+    fits: Sequence[Identification],
+    shown: NDArray[np.intp],
+    clock: str,
+) -> None:
     # Two standard deviations of the noise.
-    row[2].axhspan(-2.0, 2.0, color="#EEEEEE")
+    axes.axhspan(-2.0, 2.0, color="#EEEEEE")
     for colour, fit in zip(_colours_of_residuals(fits), fits, strict=False):
         # Measured less computed, as residuals of sweeps are drawn.
         residual = -part.with_scale(1.0).residual(fit.model, fit.theta, fit.reference).value
-        row[2].plot(test.time[shown], residual[shown], ".", color=colour, ms=2.5)
-    row[2].set(xlabel="t [s]", ylabel="residual / noise")
-    if test.time[0] > 0.0:
-        logarithmic(row[2], "x")
+        axes.plot(part.at[shown], residual[shown], ".", color=colour, ms=2.5)
+    axes.set(xlabel=clock, ylabel="residual / noise")
+    if part.at.min() > 0.0:
+        logarithmic(axes, "x")
 
 
 def _colours_of_residuals(fits: Sequence[Identification]) -> Sequence[str]:

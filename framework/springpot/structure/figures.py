@@ -57,7 +57,8 @@ def figure_motion(simulation: Simulation, path: str | Path | None = None) -> Fig
         storey = range(1, len(motion.frame) + 1)
         peaks.hlines(storey, 1e3 * low, 1e3 * high, color=QUIET, lw=4)
         peaks.plot(1e3 * motion.peak_drift, storey, "o", color=COLOURS[0])
-        peaks.set(xlabel="peak drift [mm], band 95 %", ylabel="storey", yticks=list(storey))
+        band = f", band {100 * simulation.level:.0f} %" if simulation.level else ""
+        peaks.set(xlabel=f"peak drift [mm]{band}", ylabel="storey", yticks=list(storey))
         # From zero, as a band is small or large beside the drift itself, to where the largest is
         # seen whole.
         peaks.set_xlim(0.0, ROOM * 1e3 * max(high.max(), motion.peak_drift.max()))

@@ -25,6 +25,7 @@ import numpy as np
 
 from springpot.errors import DataError, ModelError
 from springpot.rheology.points import Real
+from springpot.thresholds import INTERVAL
 
 from .beside import Beside, forces
 from .frame import Damper, Frame, Mode, modes_of
@@ -111,13 +112,19 @@ class System:
         whole = self._between(state, a, seen)
         top: Real = whole.max(axis=0)
         fastest = float(np.abs(np.linalg.eigvals(self.matrix).imag).max())
-        parts = int(np.ceil(self.step * SHORT * fastest / (2.0 * np.pi)))
-        if parts <= 1:
+        wanted = np.ceil(self.step * SHORT * fastest / (2.0 * np.pi))
+        if wanted <= 1:
             return top
         # Only about the largest: a smaller one does not become the largest when it is looked at
         # more closely.
         order = np.argsort(whole, axis=0)[-NEAREST:]
         rows = np.unique(order)
+        if not wanted * len(rows) <= MOST_STEPS:
+            raise ModelError(
+                f"the shortest period of the frame is {2.0 * np.pi / fastest:.3g} s, far below the"
+                f" record's steps of {self.step:.3g} s; check masses and stiffnesses"
+            )
+        parts = int(wanted)
         fine = self.in_steps_of(self.step / parts)
         y, start, rise = state[rows], a[rows], a[rows + 1] - a[rows]
         top = np.zeros(len(seen))
@@ -593,12 +600,19 @@ class Simulation:
     modes: list[Mode]
     drifts: Real
 
-    def band(self, level: float = 0.95) -> tuple[Real, Real]:
+    @property
+    def level(self) -> float:
+        """Share of motions that the band holds; of few draws less than 0.95, of one none."""
+        draws = len(self.drifts)
+        return min(INTERVAL, max(draws - 1, 0) / (draws + 1))
+
+    def band(self) -> tuple[Real, Real]:
         """Ends (n,) of the band of the peak drifts in m."""
-        if not len(self.drifts):
+        if not self.level:
             return self.motion.peak_drift, self.motion.peak_drift
-        tail = 0.5 * (1.0 - level)
-        low, high = np.quantile(self.drifts, [tail, 1.0 - tail], axis=0)
+        tail = 0.5 * (1.0 - self.level)
+        # Weibull's positions: between the outermost of n draws lie (n - 1)/(n + 1) of all.
+        low, high = np.quantile(self.drifts, [tail, 1.0 - tail], axis=0, method="weibull")
         return low, high
 
 

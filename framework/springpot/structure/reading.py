@@ -104,7 +104,9 @@ def _column(frame: Mapping[str, Any], name: str, storeys: int, path: Path) -> Re
     # One number stands for all storeys.
     if not isinstance(value, list):
         value = [value] * storeys
-    return np.array([_number(each, name, 0.0, HEAVIEST) for each in value[: MOST_STOREYS + 1]])
+    return np.array(
+        [_number(each, name, 1.0 / HEAVIEST, HEAVIEST) for each in value[: MOST_STOREYS + 1]]
+    )
 
 
 def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:

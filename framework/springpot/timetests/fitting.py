@@ -25,8 +25,6 @@ from springpot.identification.problem import Objective, Searched
 from springpot.identification.result import Identification
 from springpot.identification.runs import Optimiser
 from springpot.identification.space import box_of
-from springpot.measurement.measurement import Measurement
-from springpot.measurement.timetest import TimeTest
 from springpot.misfit.where import Where
 from springpot.misfit.words import times
 from springpot.registry import parse_model
@@ -199,7 +197,7 @@ def identify(
     >>> identify(TimeTest.of_relaxation(t, exact, "kPa"), model).theta.round(3)
     array([400. ,  60. ,   0.5])
     """
-    if isinstance(tests, TimeTest | Measurement):
+    if not isinstance(tests, Sequence):
         tests = [tests]
     given = list(tests)
     if not given:
@@ -211,10 +209,7 @@ def identify(
     if optimiser is not None and optimiser.name != NATIVE:
         refuse_search(model, optimiser, start)
     if start:
-        seeds = [
-            *seeds,
-            start_at(model, start, lambda rest: identify(given, rest, noise=noise).theta),
-        ]
+        seeds = [*seeds, start_at(model, start, lambda rest: identify(given, rest, noise=noise))]
     effort = (budget or BUDGET, restarts, seed)
 
     def fitted(model: Model) -> Identification:

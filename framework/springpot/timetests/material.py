@@ -164,11 +164,9 @@ def descended_from(
             part.with_scale(max(_left_by(found, part, reference), ALIKE)) for part, found in pairs
         ]
         known += [found.spectrum for found in alone]
-    elif len(around.own):
-        known.append(lines_of(parts[0]))
-    else:
+    elif parts[0].convex:
         # Of one test without effects the convex form is the answer.
-        known = [lines_of(parts[0])]
+        known = [*known[: len(around.own)], lines_of(parts[0])]
     starts = []
     for each in known:
         search = _Search(model, parts, reference, around.coordinates, each.beside(known))

@@ -27,7 +27,7 @@ from springpot.thresholds import INTERVAL
 
 from ..numerics import ROUNDING
 from .exponentials import UnfollowedError, quick_parts
-from .residuals_of_tests import InTimePart, SweepPart, TestPart
+from .residuals_of_tests import InTimePart, SweepPart, TestPart, reach_of
 from .specimen import Scales, runs_against, tries_of
 from .start import start_of
 from .where import rms
@@ -137,7 +137,7 @@ class TimeSearch:
         # By logarithms: tests of one specimen may lie decades apart, and no single one should set
         # the size.
         size = float(np.exp(np.mean([np.log(part.stiffness) for part in parts])))
-        amplitude = max(part.reach for part in parts)
+        amplitude = reach_of(parts)
         self.sizes, self.middle = (size, amplitude), middle
         self.coordinates = Coordinates.of(model.parameters, middle, np.array([size]), amplitude)
         self.size = self.coordinates.size[0]

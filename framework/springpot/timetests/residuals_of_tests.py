@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple, Self
+from typing import ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from springpot.errors import DataError
 from springpot.identification.problem import Objective
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test as Test
+from springpot.measurement.other_test import OtherTest
 from springpot.measurement.timenoise import noise_of, relative_scatter
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import (
@@ -73,6 +74,9 @@ class TestPart(ABC):
     scale : float
         By how much its noise is taken to be larger than its scatter says.
     """
+
+    convex: ClassVar[bool] = True
+    """Whether its numbers are a sum of what spring, dashpot and exponentials show."""
 
     test: Test
     scale: float = 1.0
@@ -129,6 +133,11 @@ class TestPart(ABC):
     def unit(self) -> str:
         """Their unit."""
         return self.test.units.stiffness
+
+    @property
+    def apparent(self) -> Measurement | None:
+        """The sweep that the test amounts to, where one is known."""
+        return None
 
     @property
     def judged(self) -> bool:
@@ -450,8 +459,8 @@ class SweepPart(TestPart):
 
     @property
     def reach(self) -> float:
-        """Largest displacement, next to nothing where it is not known."""
-        return max(float(np.max(self.test.conditions.get("amplitude", 0.0))), 1e-300)
+        """Largest displacement, nothing where it is not known."""
+        return float(np.max(self.test.conditions.get("amplitude", 0.0)))
 
     def answer(self, model: Model, theta: Real, reference: float, rows: NDArray[np.intp]) -> Traced:
         """K' and K'' of a model."""
@@ -483,6 +492,85 @@ class SweepPart(TestPart):
         return residual[: len(self.test)]
 
 
+@dataclass(frozen=True, eq=False)
+class OtherPart(TestPart):
+    """A test of a further kind, which says by itself what a model shows of it.
+
+    Parameters
+    ----------
+    noise : ndarray, shape (m,), optional
+        Standard deviations in the place of its own.
+    """
+
+    convex = False
+
+    test: OtherTest
+    noise: Real | None = None
+
+    @property
+    def at(self) -> Real:
+        """As the test says."""
+        return self.test.at
+
+    @property
+    def rate(self) -> Real:
+        """Of frequencies their own; in time that of the middle of what was seen."""
+        if self.test.control == "frequency":
+            return 2.0 * np.pi * self.at
+        return np.full(len(self.at), float(np.sqrt(np.prod(self.test.seen))))
+
+    @property
+    def measured(self) -> Real:
+        """As the test says."""
+        return self.test.measured
+
+    @property
+    def sd(self) -> Real:
+        """As the test says, where no other is known."""
+        if self.noise is not None:
+            return self.noise
+        return self.test.sd
+
+    @property
+    def size(self) -> Real:
+        """The root mean square of the numbers, shared among them as their noise is."""
+        return self.sd * (rms(self.measured) / max(rms(self.sd), 1e-300))
+
+    @property
+    def stiffness(self) -> float:
+        """As the test says."""
+        return self.test.stiffness
+
+    @property
+    def reach(self) -> float:
+        """As the test says."""
+        return self.test.reach
+
+    @property
+    def quantity(self) -> str:
+        """As the test says."""
+        return self.test.quantity
+
+    @property
+    def unit(self) -> str:
+        """Of its numbers."""
+        return self.test.unit
+
+    def answer(self, model: Model, theta: Real, reference: float, rows: NDArray[np.intp]) -> Traced:
+        """What the test says of a model with those effects that apply to it."""
+        own, places = model.had_by(self.test)
+        told = self.test.answer(own, theta[places], reference)
+        return spread(Traced(told.value[rows], told.by_theta[rows]), places, len(theta))
+
+    def with_sd(self, sd: Real) -> Self:
+        """The same with these standard deviations."""
+        return replace(self, noise=sd)
+
+    def scatter(self, residual: Real) -> ResidualScatter:
+        """From the spectrum of the residual."""
+        return scatter_of(residual)
+
+
 def parts_of_specimen(
     tests: Sequence[Test], noise: Sequence[Real | None] | None = None
 ) -> list[TestPart]:
@@ -504,10 +592,17 @@ def parts_of_specimen(
     ]
 
 
+def reach_of(parts: Sequence[TestPart]) -> float:
+    """Largest displacement of all tests; one where none tells it, as nothing hangs on it then."""
+    return max(part.reach for part in parts) or 1.0
+
+
 def part_of(test: Test, noise: Real | None = None) -> TestPart:
     """A test as an engine sees it, with the noise of each sample (n,) where it is known."""
     if isinstance(test, TimeTest):
         return InTimePart(test, noise=noise)
+    if isinstance(test, OtherTest):
+        return OtherPart(test, noise=noise)
     if noise is not None:
         return SweepPart(test).with_sd(noise)
     return SweepPart(test)
@@ -521,7 +616,7 @@ def _complex(both: Real) -> Complex:
 
 def _in_units(sweep: Test, units: Units) -> Test:
     """A test in the units of another."""
-    if isinstance(sweep, TimeTest):
+    if not isinstance(sweep, Measurement):
         return sweep.in_units(units)
     if (sweep.units.stiffness in PRESSURE_UNITS) != (units.stiffness in PRESSURE_UNITS):
         raise DataError(
@@ -544,14 +639,14 @@ def _in_units(sweep: Test, units: Units) -> Test:
 
 
 def units_of(tests: Sequence[Test]) -> Units:
-    """Those in which parameters are printed: of the first test in time, or of the only sweep.
+    """Those in which parameters are printed: of the first test that is no sweep, if there is one.
 
     Raises
     ------
     DataError
         If the tests are of different moduli.
     """
-    in_time = [test for test in tests if isinstance(test, TimeTest)]
-    units = (in_time or tests)[0].units
+    others = [test for test in tests if not isinstance(test, Measurement)]
+    units = (others or tests)[0].units
     letter = one_modulus((test.name, test.units) for test in tests)
     return replace(units, letter=letter or units.letter)

@@ -22,7 +22,7 @@ from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import KELVIN, ROOM, Real
 from springpot.rheology.stages import StageLaw
 
-from .residuals_of_tests import TestPart, part_of
+from .residuals_of_tests import TestPart, part_of, reach_of
 
 RIGS = (ALL, SWEEPS)
 LONGEST = 2.0
@@ -205,7 +205,7 @@ class Scales:
         """Those of tests in common units."""
         slow, fast = zip(*(part.test.seen for part in parts), strict=True)
         stiffness = float(np.exp(np.mean([np.log(part.stiffness) for part in parts])))
-        return cls(stiffness, max(part.reach for part in parts), 1.0 / max(fast), 1.0 / min(slow))
+        return cls(stiffness, reach_of(parts), 1.0 / max(fast), 1.0 / min(slow))
 
     def typical(self, parameter: Parameter) -> float:
         """The natural size of a parameter here."""

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from springpot.errors import DataError
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.timetest import TimeTest
+from springpot.measurement.opening import Test
 from springpot.registry import open_measurement, open_tests
 
 from .files import as_file, safe_name
@@ -49,7 +49,7 @@ class Specimen:
         )
 
     @cached_property
-    def tests(self) -> tuple[TimeTest | Measurement, ...]:
+    def tests(self) -> tuple[Test, ...]:
         """All of them, without what is left out."""
         found = [test for file in self.files for test in _opened(file, open_tests)]
         if not self.out:

@@ -12,7 +12,8 @@ import numpy as np
 from springpot.diagnosis.ladder import Ladder
 from springpot.errors import DataError
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.timetest import TimeTest
+from springpot.measurement.opening import Test
+from springpot.measurement.other_test import OtherTest
 from springpot.report.interactive.in_time import TimeScene, case_of
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 
@@ -50,13 +51,15 @@ def understood_in_time(data: Specimen) -> dict[str, Any]:
     }
 
 
-def _columns(test: TimeTest | Measurement, several: bool) -> list[tuple[str, str, Any]]:
+def _columns(test: Test, several: bool) -> list[tuple[str, str, Any]]:
     of = f"{test.name}: " if several else ""
     if isinstance(test, Measurement):
         unit = test.units.stiffness
         columns = [("frequency", "Hz", test.frequency)]
         columns += [("storage", unit, test.storage), ("loss", unit, test.loss)]
         return [(f"{of}{name}", unit, values) for name, unit, values in columns]
+    if isinstance(test, OtherTest):
+        return [(f"{of}{test.quantity}", test.unit, test.measured)]
     imposed, answered = test.words
     return [
         (f"{of}time", "s", test.time),

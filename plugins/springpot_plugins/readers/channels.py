@@ -33,7 +33,7 @@ from springpot.rheology import Real
 
 from .languages import CHANNELS
 from .names import fold
-from .titles import apart_from_sign
+from .titles import apart_from_sign, require_word
 
 NAMES: dict[str, tuple[str, ...]] = {
     "time": (
@@ -355,6 +355,7 @@ def _apply(layout: dict[str, _Place], titles: Sequence[str], name: str, meaning:
 
     Notes of what the file itself says otherwise.
     """
+    require_word(meaning)
     column = _column(layout, titles, name, meaning)
     channel, unit, _ = channel_of(meaning)
     if channel is not None:

@@ -31,6 +31,7 @@ from .titles import (
     apart_from_sign,
     heading,
     is_unit,
+    require_word,
 )
 from .written import OPPOSITE
 
@@ -217,6 +218,7 @@ def as_said(heading_: Heading, meaning: str, words: Vocabulary) -> Heading:
         return replace(heading_, unit=meaning, written=base or heading_.written)
     elif is_unit(apart_from_sign(meaning)[1]) and not heading_.written:
         return replace(heading_, unit=apart_from_sign(meaning)[1], written=OPPOSITE)
+    require_word(meaning)
     role = _role(name, words)
     if role is None and name not in ("ignore", "none"):
         roles = "omega, frequency, storage, loss, magnitude, phase, loss_factor, amplitude, repeat"

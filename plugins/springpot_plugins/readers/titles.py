@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
+from springpot.errors import DataError
 from springpot.measurement import (
     AMPLITUDE_UNITS,
     ANGLE_UNITS,
@@ -433,6 +434,23 @@ def apart_from_sign(unit: str) -> tuple[float, str]:
     if unit.startswith("-") and len(unit) > 1:
         return -1.0, unit[1:]
     return 1.0, unit
+
+
+def require_word(meaning: str) -> None:
+    """Refuse what is neither a word nor a word with its unit, and would lose a part unseen.
+
+    Raises
+    ------
+    DataError
+        If a sign stands before the word, or the word is the title of a column with its own unit.
+    """
+    word = meaning.partition("[")[0].strip()
+    signed = word[:1] in ("-", "+") and word[1:2].isalpha() and not is_unit(word[1:])
+    if signed or ("(" in word and not is_unit(word)):
+        raise DataError(
+            f"'{meaning:.40}': a meaning is one word with its unit, such as force[N], of a channel"
+            " that counts the other way force[-N]; the column stands before the ="
+        )
 
 
 def is_dynamic(roles: set[str]) -> bool:

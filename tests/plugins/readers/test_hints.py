@@ -108,3 +108,15 @@ def test_a_turned_sign_of_a_real_record_keeps_its_size():
         pytest.skip("no shared records")
     [plain], [turned] = open_in_time(path), open_in_time(f"{path}?force=-N")
     assert turned.response == pytest.approx(-plain.response)
+
+
+@pytest.mark.parametrize(
+    "hint", ["force=-Force (N)[N]", "Force (N)=-force[N]", "force=Force (V)[N]"]
+)
+def test_a_sign_or_a_column_in_the_place_of_a_meaning_is_refused(tmp_path, hint):
+    """It would be dropped without a word: the force not turned, or the other column taken."""
+    titles = "Time (s),Displacement (mm),Force (V),Force (N)"
+    path = rig(tmp_path, titles, CLOCK, MOVED, VOLTS, PULLED)
+    for opened in (open_in_time, lambda name: signals_to_measurement([name])):
+        with pytest.raises(DataError, match="a meaning is one word with its unit"):
+            opened(f"{path}?{hint}")

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from springpot.diagnosis.ladder import Ladder, Step
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.other_test import OtherTest
 from springpot.measurement.timetest import TimeTest
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
@@ -140,6 +141,8 @@ def _grid(test: Test, most: int) -> Real:
     """Smooth after a step; a record swings faster than that, and is computed where it was read."""
     if isinstance(test, Measurement):
         return np.argsort(test.omega).astype(float)
+    if isinstance(test, OtherTest):
+        return np.arange(float(len(test)))
     positive = test.time[test.time > 0.0]
     if test.after_step:
         return np.geomspace(positive[0], positive[-1], min(SMOOTH, most))
@@ -163,6 +166,8 @@ def _columns(part: TestPart, rows: NDArray[np.int64]) -> dict[str, Real]:
     storage, loss = _both(part.measured, part, rows)
     if isinstance(test, Measurement):
         x, moved = test.units.on_clock(test.frequency[rows]), np.full(len(rows), np.nan)
+    elif isinstance(test, OtherTest):
+        x, moved = test.at[rows], np.full(len(rows), np.nan)
     else:
         x, moved = test.time[rows], _moved(test, test.time[rows])
     return {"x": x, "storage": storage, "loss": loss, "moved": moved}
@@ -172,13 +177,15 @@ def _grid_columns(test: Test, grid: Real) -> dict[str, Any]:
     if isinstance(test, Measurement):
         x = test.units.on_clock(test.frequency[grid.astype(int)])
         return {"x": rounded(np.asarray(x)), "moved": []}
+    if isinstance(test, OtherTest):
+        return {"x": rounded(test.at), "moved": []}
     return {"x": rounded(grid), "moved": rounded(_moved(test, grid))}
 
 
 def _curve(
     part: TestPart, model: Model, theta: Real, reference: float, grid: Real, answer: Real
 ) -> tuple[Real, Real]:
-    if isinstance(part.test, Measurement):
+    if not isinstance(part.test, TimeTest):
         return _both(answer, part, grid.astype(int))
     value = recorded(model, theta, part.test, reference, grid).value
     return value, np.full(len(grid), np.nan)
@@ -210,6 +217,12 @@ def _views(part: TestPart, number: int, count: int) -> list[tuple[str, dict[str,
                 },
             )
         ]
+    if isinstance(test, OtherTest):
+        x = {"label": test.clock, "log": test.control == "frequency", "column": "x"}
+        label = f"{test.quantity} [{test.unit}]"
+        of |= {"along": x, "residual": f"Δ {label}"}
+        y = {"label": label, "log": False}
+        return [(f"test-{number}", {**of, "name": f"{named}{test.quantity}", "x": x, "y": y})]
     imposed, answered = test.words
     label = f"{answered} [{test.response_unit}]"
     # After a step all decades of time tell.

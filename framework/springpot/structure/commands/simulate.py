@@ -245,6 +245,7 @@ def described(simulation: Simulation) -> dict[str, Any]:
         ],
         "energy": {name: float(each[-1]) for name, each in motion.energy.items()},
         "draws": len(simulation.drifts),
+        "level": simulation.level,
         "notes": _notes(motion.frame, swinging, "modes", motion.peak_stroke.tolist()),
     }
 
@@ -326,11 +327,12 @@ def _show(simulation: Simulation, figure: Path | None) -> None:
         ]
         for i, row in enumerate(result["storeys"], 1)
     ]
-    drifts = TextTable(("storey", "drift [mm]", "95 % band"), rows, frozenset({"drift [mm]"}))
+    band = f"{100 * result['level']:.0f} % band"
+    drifts = TextTable(("storey", "drift [mm]", band), rows, frozenset({"drift [mm]"}))
     # Parameters that were stated have no uncertainty: a band of no width would claim that they are
     # known.
-    if not result["draws"]:
-        drifts = drifts.lacking("95 % band")
+    if not result["level"]:
+        drifts = drifts.lacking(band)
     drifts.show()
     print()
     _show_modes(result["modes"])

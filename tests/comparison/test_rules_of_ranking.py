@@ -1,0 +1,158 @@
+"""How models are sorted out, each rule at both sides of its edge, on judgements by hand."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from springpot.comparison import ranking
+from springpot.thresholds import COMPARISON, SEARCH, VERDICT
+
+
+def judged(name, bic=0.0, size=2, adequate=True, beside=1.0, rms=0.01, floor=0.01, points=20):
+    """A judgement of a model, and the chance of what a spectrum gains on it."""
+    refit = SimpleNamespace(
+        theta=np.zeros(size), beside=beside, exact=False,
+        fit=SimpleNamespace(measurement=np.zeros(points)),
+    )  # fmt: skip
+    error = SimpleNamespace(relative_rms=rms, noise_floor=floor)
+    return SimpleNamespace(
+        name=name, delta_bic=bic, adequate=adequate, at_noise=adequate, refit=refit, error=error
+    )
+
+
+@pytest.fixture
+def sort(monkeypatch):
+    """Sorts judgements beside a floor of any material that is adequate or not."""
+
+    def sorted_out(rows, material=True, far=False):
+        monkeypatch.setattr(ranking, "effects_of", lambda found: ())
+        monkeypatch.setattr(ranking, "material_floors", lambda fits, rng: {})
+        monkeypatch.setattr(ranking, "judgements", lambda fits, floors, rng: rows)
+        monkeypatch.setattr(ranking, "chance_beside", lambda refit, floor: refit.beside)
+        monkeypatch.setattr(ranking, "error_of", lambda *given: None)
+        monkeypatch.setattr(ranking, "is_arithmetic", lambda refit: refit.exact)
+        rest = VERDICT.small_rest * 0.01
+        error = SimpleNamespace(relative_rms=rest if far else 0.99 * rest)
+        whole = SimpleNamespace(adequate=material, error=error)
+        monkeypatch.setattr(ranking, "Judgement", lambda *given: whole)
+        lowest = SimpleNamespace(beside=lambda fits: None)
+        order = ranking._in_order([], SimpleNamespace(floor=0.01), lowest, None)
+        names = [[one.name for one in kind] for kind in order[:3]]
+        return (*names, order.outgrown)
+
+    return sorted_out
+
+
+def test_the_simplest_adequate_comes_first_and_of_alike_the_likelier(sort):
+    rows = [judged("rich", 0.0, 5), judged("late", 3.0, 2), judged("early", 1.0, 2)]
+    assert sort(rows) == (["early", "late", "rich"], [], [], False)
+
+
+def test_inadequate_ones_are_near_where_any_material_is_inadequate_too(sort):
+    rows = [judged("a", adequate=False), judged("b", 1.0, beside=0.0)]
+    assert sort(rows, material=False) == ([], ["a"], ["b"], False)
+    assert sort(rows, material=True) == ([], [], ["a", "b"], True)
+    # Where any material is far beyond the floor, no smaller noise is to blame.
+    assert sort(rows, material=True, far=True) == ([], [], ["a", "b"], False)
+
+
+def test_a_chance_of_its_own_is_as_near(sort):
+    edge = COMPARISON.chance
+    assert sort([judged("a", beside=edge)])[0] == ["a"]
+    assert sort([judged("a", beside=0.99 * edge)])[2] == ["a"]
+
+
+def test_the_floor_is_outgrown_where_simpler_ones_are_beyond_it(sort):
+    rows = [judged("simple", 1.0, 2, False, rms=0.05), judged("rich", 0.0, 3)]
+    assert sort(rows, material=False) == (["rich"], ["simple"], [], True)
+    # As many parameters as half of the numbers, or more.
+    most = int(COMPARISON.most_spent * 2 * 20)
+    assert sort([judged("a", size=most)])[3] is False
+    assert sort([judged("a", size=most + 1)])[3] is True
+
+
+def test_a_richer_model_outdoes_one_where_it_is_decisively_better(sort, monkeypatch):
+    monkeypatch.setattr(ranking, "is_arithmetic", lambda refit: refit.exact)
+    one = judged("one", SEARCH.decisive, 2)
+    others = {
+        "better": judged("b", -0.01, 3),
+        "not decisive": judged("b", 0.0, 3),
+        "as simple": judged("b", -9.0, 2),
+        "spends most": judged("b", -9.0, 30),
+    }
+    found = {name: ranking._outdone(one, [other]) for name, other in others.items()}
+    assert found == {
+        "better": True, "not decisive": False, "as simple": False, "spends most": False,
+    }  # fmt: skip
+    # Of one that is not at the noise, what it misses may be more than noise.
+    one.at_noise = False
+    assert ranking._outdone(one, [others["spends most"]])
+    one.refit.exact = True
+    assert not ranking._outdone(one, [others["better"]])
+
+
+def test_simpler_and_nearer_is_by_the_error_over_the_floor():
+    one = judged("one", size=3, rms=0.02, floor=0.01)
+    for other, both in (
+        (judged("o", size=3, rms=0.04, floor=0.02), True),
+        (judged("o", size=4, rms=0.01, floor=0.02), False),
+        (judged("o", size=2, rms=0.041, floor=0.02), False),
+        (judged("o", size=2, rms=0.01, floor=0.0), False),
+        (judged("o", size=2, rms=0.0, floor=0.0), True),
+    ):
+        assert ranking._is_simpler_and_nearer(other, one) == both
+
+
+@pytest.mark.parametrize(
+    ("rss", "dof", "floor_rss", "floor_dof", "squares", "spare"),
+    [
+        (30.0, 20, 10.0, 15, 20.0, 5),
+        (30.0, 20, 30.0, 15, 0.0, 5),
+        (10.0, 20, 30.0, 15, 0.0, 5),
+        (90.0, 20, 30.0, 15, 30.0, 5),
+        (90.0, 15, 30.0, 15, 30.0, 1),
+        (90.0, 3, 30.0, 0, 2.0, 3),
+    ],
+)
+def test_what_a_spectrum_gains_is_told_in_units_of_what_it_leaves(
+    rss, dof, floor_rss, floor_dof, squares, spare, monkeypatch
+):
+    asked = []
+    monkeypatch.setattr(ranking, "chance_of_squares", lambda *given: asked.append(given))
+    noise = SimpleNamespace(dof=7.0)
+    found = SimpleNamespace(rss=rss, fit=SimpleNamespace(dof=dof), noise=noise)
+    floor = SimpleNamespace(rss=floor_rss, fit=SimpleNamespace(dof=floor_dof))
+    ranking.chance_beside(found, floor)
+    assert asked == [(pytest.approx(squares), spare, 7.0)]
+
+
+def test_curves_are_grouped_by_the_first_of_each(monkeypatch):
+    monkeypatch.setattr(ranking, "_distance", lambda one, other: abs(one - other))
+    step = 0.6 * COMPARISON.alike
+    rows = [SimpleNamespace(refit=i * step) for i in range(4)]
+    found = ranking.grouped(rows)
+    assert [[round(one.refit / step) for one in group] for group in found] == [[0, 1], [2, 3]]
+    edge = [SimpleNamespace(refit=0.0), SimpleNamespace(refit=COMPARISON.alike)]
+    assert len(ranking.grouped(edge)) == 2
+
+
+def test_members_of_a_family_are_tried_until_one_lacks_nothing_or_gains_nothing(monkeypatch):
+    def tried(evidence, chances, largest=9):
+        monkeypatch.setattr(ranking, "chance_beside", lambda found, floor: found.chance)
+
+        def one(number, effects, floor, skipped):
+            i = number - 2
+            yield SimpleNamespace(number=number, log_evidence=evidence[i], chance=chances[i])
+
+        monkeypatch.setattr(ranking, "_one", one)
+        family = SimpleNamespace(largest=largest, build=lambda number: number)
+        return [found.number for found in ranking._fitted(family, (), None, [])]
+
+    low, edge = [0.0] * 5, COMPARISON.chance
+    assert tried([1.0, 2.0, 3.0, 4.0, 5.0], low) == [2, 3, 4, 5, 6]
+    assert tried([1.0, 2.0, 3.0, 4.0, 5.0], low, 4) == [2, 3, 4]
+    assert tried([1.0, 2.0, 2.0, 4.0, 5.0], low) == [2, 3, 4]
+    assert tried([1.0, 2.0, 3.0, 4.0, 5.0], [0.0, edge, 0.0, 0.0, 0.0]) == [2, 3]

@@ -1,0 +1,283 @@
+"""What stands behind fits: boxes, ranges, starts, uncertainties, factors, levels, kept parts."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from test_whole_identification import DATA, EXACT, MODEL, OMEGA, made
+
+from springpot.identification import (
+    allowed_shifts,
+    coordinates,
+    free_factors,
+    kept,
+    known_factors,
+    level_weights,
+    levels_alone,
+    notes,
+    passive,
+    ranges,
+    regularisation,
+    runs,
+    space,
+    starts,
+    uncertainty,
+)
+from springpot.identification.native import fit
+from springpot.measurement import Measurement, Units
+from springpot.registry import parse_model, plugins
+from springpot.rheology import Dimension, Parameter
+
+STRAINED = Measurement(
+    np.tile(OMEGA, 3),
+    np.concatenate([EXACT + 20j / x for x in (0.2, 0.5, 2.0)]),
+    conditions={"amplitude": np.repeat([0.2, 0.5, 2.0], 14)},
+    units=Units("kN/m", "mm"),
+    name="strained",
+)
+HEATED = DATA["heated"]
+SLOW = Measurement(1e-3 * OMEGA, 3.7 * EXACT, units=Units("Pa", "-"), name="slow")
+
+
+def effects():
+    return sorted(plugins().items("effect"), key=lambda each: each.name)
+
+
+@pytest.mark.parametrize("data", [STRAINED, HEATED, SLOW], ids=lambda data: data.name)
+def test_boxes_and_ranges_of_all_effects(data, stays):
+    window = ranges.Window.of(data)
+    found = {"window": window}
+    for effect in effects():
+        if effect.of_test or effect.by_levels or effect.needs - set(data.conditions):
+            continue
+        box = space.paper_box(MODEL + effect, data)
+        parameters = effect.element.parameters
+        found[effect.name] = [
+            [box.lower, box.upper, box.theta(0.5 * (box.lower + box.upper))],
+            ranges.settings(parameters, window, 3),
+            [ranges.shown(parameter, window) for parameter in parameters],
+            passive.is_passive(effect),
+            passive.within_material(parse_model("material"), effect),
+        ]
+    stays(found)
+
+
+@pytest.mark.parametrize(
+    ("value", "up"),
+    [(0.9, 1.0), (1.0, 1.0), (1.0001, 2.0), (2.0, 2.0), (4.9, 5.0), (5.1, 10.0), (1000.0, 1000.0),
+     (0.021, 0.05), (10.0 * (1.0 + 1e-13), 10.0), (10.0 * (1.0 + 1e-11), 20.0)],
+)  # fmt: skip
+def test_sizes_are_rounded_up_to_1_2_or_5(value, up):
+    assert space.rounded_up(value) == pytest.approx(up, rel=1e-15)
+
+
+def test_ranges_of_parameters_of_every_kind(stays):
+    window = ranges.Window(2.0, 0.1, 5.0, 3.0, 1.5)
+    kinds = {
+        "stiffness": Parameter("p", "p", Dimension(1)),
+        "time": Parameter("p", "p", Dimension(time=1)),
+        "amplitude": Parameter("p", "p", Dimension(amplitude=-2)),
+        "of both": Parameter("p", "p", Dimension(time=-1, amplitude=1), 0.01, 3.0),
+        "pure": Parameter("p", "p", Dimension()),
+        "order": Parameter("p", "p", Dimension(), 0.2, 0.8, "linear", 0.5),
+        "either sign": Parameter("p", "p", Dimension(1), -np.inf, np.inf, "linear", 3.0),
+        "upwards": Parameter("p", "p", Dimension(), -2.0, np.inf, "linear"),
+    }
+    found = {
+        name: [ranges.settings((each,), window, 9), ranges.shown(each, window)]
+        for name, each in kinds.items()
+    }
+    by_order = (Parameter("c", "c", Dimension(1, "a")), kinds["order"].renamed("a"))
+    found["by an order"] = [ranges.settings(by_order, window, 5), ranges.shown(by_order[0], window)]
+    stays(found)
+
+
+def test_numbers_that_fill_a_space_evenly(stays):
+    stays(
+        [
+            starts.low_discrepancy(7, 3),
+            starts.low_discrepancy(4, 1, 0.3),
+            starts.thinned(np.sort(np.random.default_rng(1).normal(size=40)), 12),
+            starts.thinned(np.arange(5.0), 12),
+        ]
+    )
+
+
+def test_least_squares_without_negative_amounts():
+    matrix = np.array([[1.0, 0.5], [0.5, 1.0]])
+    found, inverse = starts.non_negative(matrix, matrix @ np.array([1.0, 2.0]))
+    np.testing.assert_allclose(found, [1.0, 2.0])
+    np.testing.assert_allclose(inverse @ matrix, np.eye(2), atol=1e-12)
+    # Held where it would be less than nothing; the other one then follows alone.
+    found, inverse = starts.non_negative(matrix, np.array([2.0, -3.0]))
+    np.testing.assert_allclose(found, [2.0 - 0.5 * starts.LEAST_GAIN, starts.LEAST_GAIN])
+    np.testing.assert_allclose(inverse, [[1.0, 0.0], [0.0, 0.0]])
+    both, _ = starts.non_negative(
+        np.stack([matrix, matrix]), np.array([[2.0, -3.0], matrix @ np.array([1.0, 2.0])])
+    )
+    np.testing.assert_allclose(both[1], [1.0, 2.0])
+    np.testing.assert_allclose(both[0], found)
+
+
+NETWORKS = ("zener", "fractional-zener", "fractional-maxwell + inertia", "burgers", "prony-3")
+
+
+@pytest.mark.parametrize("name", NETWORKS)
+def test_branches_and_shapes_of_a_network(name, stays):
+    model = parse_model(name)
+    branches = starts.branches_of(model)
+    points = made().points
+    theta = np.array([p.typical * (1.0 + 0.1 * i) for i, p in enumerate(model.parameters)])
+    theta = np.clip(theta, [p.lower for p in model.parameters], [p.upper for p in model.parameters])
+    stiffness = np.array([300.0])
+    unit = coordinates.Coordinates.of(model.parameters, points.log_omega.mean(), stiffness, 2.0)
+    size = unit.size[0]
+    found = {
+        "branches": vars(branches),
+        "leaders": [branches.leaders, branches.free, starts.shape_count(branches)],
+        "coordinates": [unit.bounds(), unit.size, unit.slopes(theta, size), unit.u(theta, size)],
+    }
+    stays(found)
+
+
+@pytest.mark.parametrize("name", ["one", "given", "repeats", "few", "exact"])
+def test_uncertainty_of_a_fit(name, stays):
+    fitted = fit(MODEL, DATA[name])
+    known = uncertainty.Uncertainty(fitted, absolute=False)
+    absolute = uncertainty.Uncertainty(fitted, absolute=True)
+    low, high = known.interval()
+    around = fitted.theta[1] * np.array([0.8, 1.0, 1.3])
+    found = {
+        "known": [known.scale, known.freedom, known.quantile, known.at_bound, known.covariance],
+        "absolute": [absolute.scale, absolute.quantile, absolute.covariance],
+        "told": [known.correlation, known.surprise, known.slopes, low, high],
+        "widening": [known.widening(i) for i in range(4)],
+        "notes": notes.notes_on(known, low, high),
+        "uses sd": uncertainty.uses_sd(fitted),
+    }
+    if name != "exact":
+        found["profile"] = [
+            uncertainty.profile(fitted, "alpha"),
+            uncertainty.allowed_cost(known),
+            uncertainty.held_costs(fitted, "k2", around),
+        ]
+    stays(found, within=1e-3)
+
+
+def test_factors_of_each_level(stays):
+    fitted = fit(parse_model("material + free-shift"), HEATED)
+    rows = free_factors.FactorRows.of(fitted)
+    own = levels_alone.each_alone(
+        HEATED, rows.number, level_weights.usual_objective(fitted.model, HEATED)
+    )
+    found = free_factors.factors_of(rows)
+    known = known_factors.known_factors(rows, found, found, own)
+    stays(
+        {
+            "factors": [
+                found.levels, found.log_a, found.log_b, found.covariance, found.reach_a,
+                found.reach_b, found.reference, found.quantile,
+            ],
+            "referred": vars(found.referred_to(1)),
+            "of modulus": vars(found.of_modulus),
+            "rows": [
+                rows.number, rows.numbers, rows.level_of_row, rows.residual, rows.scale, rows.unit,
+                rows.alike, rows.objective, rows.factors, rows.reduced, rows.named(0),
+            ],
+            "told": free_factors.told_by_data(rows, 0),
+            "known": [known.reason, known.low, known.high, known.joined, known.determined],
+            "flat": known_factors.flat_levels(rows),
+            "alone": [own.error, own.cost, own.dof, own.strange, own.judged, own.share],
+            "overlaps": known_factors.overlaps(rows, own),
+        },
+        within=1e-3,
+    )  # fmt: skip
+
+
+def test_levels_reach_each_other_through_others():
+    touching = np.eye(5, dtype=bool)
+    for i, j in ((0, 1), (1, 2), (3, 4)):
+        touching[i, j] = touching[j, i] = True
+    assert known_factors.reached_from(0, touching).tolist() == [True, True, True, False, False]
+    assert known_factors.reached_from(4, touching).tolist() == [False, False, False, True, True]
+
+
+def test_ranges_meet(stays):
+    number, values = np.array([0, 0, 1, 1, 2]), np.array([1.0, 3.0, 3.5, 5.0, 9.0])
+    low, high = allowed_shifts.ranges(number, values)
+    assert (low.tolist(), high.tolist()) == ([1.0, 3.5, 9.0], [3.0, 5.0, 9.0])
+    stays([allowed_shifts.meeting(low, high, room) for room in (0.0, 0.5, 0.51, 4.0)])
+
+
+@pytest.mark.parametrize(
+    ("counts", "says"),
+    [
+        ((5, 0, 0, 5), ""),
+        ((1, 1, 1, 5), ""),
+        ((0, 0, 0, 5), "its record counts 0 evaluations of 5"),
+        ((6, 0, 0, 5), "its record counts 6 evaluations of 5"),
+        ((3, 4, 0, 5), "more evaluations of one kind than of all"),
+        ((3, 0, 4, 5), "more evaluations of one kind than of all"),
+        ((3, -1, -1, 5), "more evaluations of one kind than of all"),
+        ((3, 3, 3, 5), ""),
+    ],
+)
+def test_counts_of_a_run_do_not_contradict_each_other(counts, says):
+    found = runs.miscounted(*counts)
+    assert says in found
+    assert bool(says) == bool(found)
+
+
+@pytest.mark.parametrize(
+    ("at", "values", "evaluations", "best", "wrong"),
+    [
+        ([1, 3], [2.0, 1.0], 3, 1.0, False),
+        ([1], [2.0], 1, 2.0, False),
+        ([0, 3], [2.0, 1.0], 3, 1.0, True),
+        ([1, 4], [2.0, 1.0], 3, 1.0, True),
+        ([1, 1], [2.0, 1.0], 3, 1.0, True),
+        ([1, 3], [1.0, 1.0], 3, 1.0, True),
+        ([1, 3], [1.0, 2.0], 3, 2.0, True),
+        ([1, 3], [2.0, 1.0], 3, 1.0 + 1e-15, True),
+    ],
+)
+def test_a_trace_improves_within_its_count(at, values, evaluations, best, wrong):
+    assert bool(runs.mistraced(at, values, evaluations, best)) == wrong
+
+
+def test_two_sums_of_squares_agree_but_for_rounding():
+    agree, rounding = runs.AGREE, runs.ROUNDING
+    assert not runs.same(None, 1.0, 1.0)
+    assert runs.same((1.0 + 0.99 * agree) ** 2, 1.0, 0.0)
+    assert not runs.same((1.0 + 1.02 * agree) ** 2, 1.0, 0.0)
+    assert runs.same((0.9 * rounding) ** 2, 0.0, 1.0)
+    assert not runs.same((1.1 * rounding) ** 2, 0.0, 1.0)
+    assert runs.same(1.0, 1.0, np.inf)
+    assert not runs.same(4.0, 1.0, np.inf)
+
+
+def test_what_a_file_keeps_of_a_fit(stays):
+    model = parse_model("material + arrhenius-shift")
+    fitted = fit(model, HEATED)
+    data = kept.measurement_to_dict(DATA["repeats"])
+    again = kept.measurement_of(data)
+    np.testing.assert_array_equal(again.stiffness, DATA["repeats"].stiffness)
+    stays(
+        {
+            "rates": [kept.rates_of(fitted.model), kept.rates_of(MODEL)],
+            "bounds": kept.bounds_of(MODEL),
+            "data": data,
+            "finite": [kept._finite(np.array([1.0, np.inf])), kept._finite_or_none(np.nan)],
+        },
+        within=1e-3,
+    )
+
+
+@pytest.mark.parametrize("name", ["one", "heated"])
+def test_a_smooth_spectrum(name, stays):
+    model = parse_model("material" if name == "one" else "material + arrhenius-shift")
+    found = regularisation.regularised(fit(model, DATA[name]), np.random.default_rng(2), 20)
+    stays(
+        {**vars(found), "step": found.step, "within": found.within(0.9), "peaks": found.peaks},
+        within=5e-3,
+    )

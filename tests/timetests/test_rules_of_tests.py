@@ -1,0 +1,87 @@
+"""Small rules of tests in time, with values by hand."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from springpot.measurement import Loading, TimeTest
+from springpot.timetests import left
+from springpot.timetests.residuals_of_tests import COARSE, part_of
+
+
+def scatter(size=1.0, memory=0.0):
+    return SimpleNamespace(
+        size=size,
+        memory=memory,
+        whitened=lambda residual: np.asarray(residual) / size,
+        surprise=lambda residual: float(np.sum(np.asarray(residual) ** 2)) / size**2,
+    )
+
+
+def of(*residuals, rounded=None, felt=0.0):
+    residuals = [np.array(each, dtype=float) for each in residuals]
+    none = [np.zeros((0, len(each))) for each in residuals]
+    known = {"rounded": none if rounded is None else [np.array(rounded, dtype=float)]}
+    fitted = SimpleNamespace(residuals=residuals, **known)
+    fitted.squares = lambda noise: left.Left.squares(fitted, noise)
+    fitted.squares_felt = lambda noise: felt
+    return fitted
+
+
+@pytest.mark.parametrize(
+    ("size", "errors", "alike"),
+    [
+        (1.0, None, 1.0),
+        # 0.955 of 2, and 0.045 of 0.36 over 0.045, of 2.
+        (1.0, [[0.3, 0.3, 0.0, 0.0]], (0.955 * 2.0 + 0.36) / 2.0),
+        # In units of half: changes of 2, errors of 0.6, of which 0.18 is the share.
+        (0.5, [[0.3, 0.3, 0.0, 0.0]], (0.82 * 8.0 + 0.18 * 5.76 / 0.18) / 8.0),
+        # All of it, where rounding errs by more than the noise.
+        (1.0, [[3.0, 3.0, 0.0, 0.0]], 36.0 / 4.5 / 2.0),
+        (1.0, [[0.3, -0.3, 0.0, 0.0]], 1.0),
+    ],
+)
+def test_rounding_that_errs_alike_counts_a_sample_less(size, errors, alike):
+    base, other = of([1.0, 1.0, 5.0, 5.0], rounded=errors), of([0.0, 0.0, 5.0, 5.0])
+    assert left._alike(base, other, [scatter(size)]) == pytest.approx(alike)
+
+
+def test_samples_are_counted_once_whose_noise_is_alike():
+    noise = [scatter(memory=0.5), scatter()]
+    assert left.independent([np.zeros(30), np.zeros(7)], noise) == pytest.approx(17.0)
+    assert left.independent([np.zeros(3)], noise[:1]) == 2.0
+
+
+def test_a_criterion_falls_by_squares_less_the_price_of_parameters():
+    base, other = of([3.0, 1.0, 0.0]), of([1.0, 1.0, 0.0])
+    fall = left.delta_bic(base, other, [scatter()], 2)
+    assert fall == pytest.approx(8.0 - 2.0 * np.log(3.0))
+    # What the specimen never felt is no evidence; to answer more to it is no merit.
+    felt = of([3.0, 1.0, 0.0], felt=5.0)
+    assert left.delta_bic(felt, other, [scatter()], 2) == pytest.approx(fall - 5.0)
+    more = of([1.0, 1.0, 0.0], felt=5.0)
+    assert left.delta_bic(base, more, [scatter()], 2) == pytest.approx(fall)
+
+
+def even(n, control="displacement"):
+    time = np.arange(float(n))
+    wave = np.sin(time)
+    return part_of(TimeTest(time, wave, Loading(time, wave), control, "mm", "N"))
+
+
+def test_a_long_test_is_looked_at_in_sixty_places_first():
+    assert even(COARSE).thin.tolist() == list(range(COARSE))
+    thin = even(COARSE + 1).thin
+    assert len(thin) == COARSE
+    assert (thin[0], thin[-1]) == (0, COARSE)
+    assert even(10 * COARSE).thin[[0, 1, -1]].tolist() == [0, 10, 10 * COARSE - 1]
+    time = np.r_[0.0, np.geomspace(1e-3, 1e3, 200)]
+    test = TimeTest(time, np.ones(201), Loading.step(), "displacement", "mm", "N")
+    thin = part_of(test).thin
+    assert thin[0] == 1
+    assert thin[-1] == 200
+    # Ten a decade: every third or fourth of thirty-three.
+    assert set(np.diff(thin)) <= {3, 4}
