@@ -238,7 +238,7 @@ def tables(parts: dict[str, list[dict[str, Any]]]) -> dict[str, list[list[str]]]
         sizes: dict[tuple[float, float], list[Any]] = defaultdict(list)
         for row in rows:
             sizes[row["share"], row["noise"]].append(row)
-        found["leave_one_out"] = [["effect", "noise", "curve is back"]] + [
+        found["leave_one_out"] = [["share of K", "noise", "curve is back"]] + [
             [f"{s:g}", f"{e:g}", percent([r["distance"] <= NEAR for r in group])]
             for (s, e), group in sizes.items()
         ]
@@ -268,9 +268,12 @@ def tables(parts: dict[str, list[dict[str, Any]]]) -> dict[str, list[list[str]]]
     return found
 
 
-def write(found: dict[str, list[list[str]]], folder: Path, seed: int) -> None:
+def write(
+    found: dict[str, list[list[str]]], counts: dict[str, int], folder: Path, seed: int
+) -> None:
     """The tables, and one page of them."""
-    page = ["# Laws without a name", "", f"`python studies/nameless.py --seed {seed}`", ""]
+    done = ", ".join(f"{count} cases of {part}" for part, count in counts.items())
+    page = ["# Laws without a name", "", f"`python studies/nameless.py --seed {seed}`: {done}", ""]
     for name, rows in found.items():
         with (folder / f"{name}.csv").open("w", newline="") as file:
             csv.writer(file).writerows(rows)
@@ -305,7 +308,8 @@ def main() -> None:
         for part in options.part or names
     }
     found = tables(parts)
-    write(found, options.output, options.seed)
+    counts = {part: len(rows) for part, rows in parts.items()}
+    write(found, counts, options.output, options.seed)
     for name, rows in found.items():
         print(name)
         for row in rows:
