@@ -281,7 +281,12 @@ def test_a_smooth_spectrum(name, stays):
     model = parse_model("material" if name == "one" else "material + arrhenius-shift")
     found = regularisation.regularised(fit(model, DATA[name]), np.random.default_rng(2), 20)
     stays(
-        {**vars(found), "step": found.step, "within": found.within(0.9), "peaks": found.peaks},
+        {
+            **{key: value for key, value in vars(found).items() if key not in ("low", "high")},
+            "step": found.step,
+            "within": found.within(0.9),
+            "peaks": found.peaks,
+        },
         within=5e-3,
     )
 

@@ -159,10 +159,7 @@ def test_promises_and_what_is_left(case, stays):
 def test_what_was_tried(case, stays):
     found = examined(case)
     stays(
-        {
-            each.effect.name: [each.model.name, each.theta, each.helps, each.evidence]
-            for each in found.tried
-        },
+        {each.effect.name: [each.model.name, each.helps, each.evidence] for each in found.tried},
         within=5e-3,
     )
 
