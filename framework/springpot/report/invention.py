@@ -140,7 +140,8 @@ def _of_plane(plane: str, stiffness: str) -> str:
     if plane == "parallel":
         return f"added stiffness [{stiffness}]"
     if plane == "series":
-        return f"added compliance [1/({stiffness})]"
+        inverse = f"1/({stiffness})" if "/" in stiffness else f"1/{stiffness}"
+        return f"added compliance [{inverse}]"
     return "factor of the stiffness"
 
 
