@@ -121,7 +121,7 @@ def test_a_copy_answers_in_time_or_is_ended():
         report(b"begun")
         signal.pause()
 
-    late = processes.elsewhere(hangs, 0.3)
+    late = processes.elsewhere(hangs, 2.0)
     assert (late.message, late.late) == (b"begun", True)
     assert late.cause == "the process was ended by SIGKILL"
 

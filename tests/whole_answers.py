@@ -51,7 +51,11 @@ def plain(part: Any) -> Any:
         return {each.name: plain(getattr(part, each.name)) for each in dataclasses.fields(part)}
     if hasattr(part, "savefig"):
         size = plain(np.array(part.get_size_inches()))
-        return [{"size": size}, *(_of_axes(axes) for axes in part.axes)]
+        above = [
+            [legend.get_title().get_text(), *(text.get_text() for text in legend.get_texts())]
+            for legend in part.legends
+        ]
+        return [{"size": size, "above": above}, *(_of_axes(axes) for axes in part.axes)]
     if hasattr(part, "_asdict"):
         return plain(part._asdict())
     return [plain(each) for each in part]

@@ -27,7 +27,9 @@ from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.ladder import discover as discover_objects
 from springpot.diagnosis.result import Diagnosis
 from springpot.errors import DataError, ModelError, OptionError
+from springpot.identification.calibration import calibration_of
 from springpot.identification.fitting import identify as identify_objects
+from springpot.identification.fitting import searched
 from springpot.identification.problem import Objective
 from springpot.identification.result import Identification
 from springpot.identification.runs import Optimiser
@@ -108,6 +110,7 @@ def identify(
     own: Mapping[str, str] | None = None,
     start: Mapping[str, float] | None = None,
     exclude: str | Sequence[str] = (),
+    accuracy: Accuracy | str | None = None,
 ) -> Identification:
     """Identify the parameters of a model.
 
@@ -137,6 +140,9 @@ def identify(
         Where the native solver begins too, in printed units.
     exclude : str or sequence of str
         Rows to leave out: ``"frequency=40..60"`` or ``["row=3", "temperature=20,frequency=1..2"]``.
+    accuracy : Accuracy or str, optional
+        What the instrument promises, such as ``1%,3mrad``, or as the data set says: the intervals
+        hold it as an error that all tests have in common.
 
     Returns
     -------
@@ -174,9 +180,34 @@ def identify(
     else:
         parts = [_model(part) for part in simpler]
         fit = identify_objects(data, judged, simpler=parts, **search)
+    if (promised := _promised(accuracy, tests)) is not None:
+        fit = _calibrated(fit, tests, search["objective"], promised)
     # Floors are judged by a room above identification, which must not know it: so its judge is
     # handed down.
     return replace(fit, judge=standing_of)
+
+
+def _calibrated(
+    fit: Identification, tests: Sequence[Test], objective: Objective | None, promised: Accuracy
+) -> Identification:
+    """A fit whose intervals hold what the instrument promises."""
+
+    def again(moved: Sequence[Test]) -> Mapping[str, float]:
+        data, found = sweep_of(moved), None
+        if data is None:
+            near: dict[str, Any] = {"seeds": [fit.theta], "thorough": False, "near": True}
+            found = identify_in_time(moved, fit.model, objective=objective, **near)
+            return dict(zip(found.model.names, found.theta.tolist(), strict=True))
+        best = searched(fit.model, data, objective, [fit.theta])
+        return dict(zip(best.model.names, best.theta.tolist(), strict=True))
+
+    terms = promised.terms
+    # A test in time has no phase.
+    if not any(isinstance(test, Measurement) for test in tests):
+        terms = {"gain": terms["gain"]}
+    scatter = np.sqrt(np.clip(np.diag(fit.theta_covariance), 0.0, None))
+    calibration = calibration_of(fit.model, fit.theta, scatter, tests, terms, str(promised), again)
+    return fit.calibrated(calibration)
 
 
 def diagnose(
@@ -238,7 +269,7 @@ def diagnose(
     """
     tests = excluded(_tests(measurement), exclude)
     judged, tests = owning(constrained(_judged(model), units_of(tests), fix, bounds), tests, own)
-    promised = _promised(accuracy)
+    promised = _promised(accuracy, tests)
     data = sweep_of(tests)
     if data is None:
         progress(f"judging {judged.name}")
@@ -312,7 +343,7 @@ def discover(
     """
     tests = excluded(_tests(measurement), exclude)
     begin, tests = owning(constrained(_judged(model), units_of(tests), fix, bounds), tests, own)
-    promised = _promised(accuracy)
+    promised = _promised(accuracy, tests)
     data = sweep_of(tests)
     known = library(effects, only, without, data)
     # None lets the evidence decide; an empty list accepts nothing.
@@ -388,7 +419,12 @@ def invent(
     return invent_objects(data, judged, library(data=data), rng, columns, progress)
 
 
-def _promised(accuracy: Accuracy | str | None) -> Accuracy | None:
+def _promised(accuracy: Accuracy | str | None, tests: Sequence[Test]) -> Accuracy | None:
+    """What the instrument promises, as a user or else the data set says."""
+    told = {test.provenance.get("accuracy", "") for test in tests}
+    # Of several instruments none speaks for the others.
+    if accuracy is None and len(told) == 1:
+        accuracy = told.pop() or None
     if isinstance(accuracy, str):
         return Accuracy.of(accuracy)
     return accuracy

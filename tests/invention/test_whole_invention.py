@@ -10,7 +10,7 @@ from lawful_data import AMPLITUDE, OMEGA, lossy, swept
 
 import springpot
 from springpot.errors import OptionError
-from springpot.invention import grammar, inventing, search, weighing
+from springpot.invention import conditions, grammar, inventing, search, weighing
 from springpot.thresholds import EVIDENCE, INVENTION, SEARCH, VERDICT
 
 
@@ -42,8 +42,9 @@ def test_a_law_is_tried_once_and_what_never_vanishes_is_none():
 
 def test_a_law_may_go_with_what_was_varied():
     data = swept(lossy, conditions={"amplitude": AMPLITUDE, "current": 1.0 + AMPLITUDE[::-1]})
-    both = grammar.conditions_of(data)
-    assert inventing._conditions(data, None) == both
+    both = conditions.varied(data)
+    assert both == ["amplitude", "current"]
+    assert inventing._conditions(data, None) == conditions.conditions_of(data)
     assert inventing._conditions(data, both[::-1]) == both
     assert inventing._conditions(data, both[:1]) == both[:1]
     assert inventing._conditions(data, []) == []
@@ -84,10 +85,11 @@ def test_two_laws_are_one_with_the_second_s_size_in_that_of_the_first():
     values = dict(zip(model.names, start, strict=True))
     assert values["one.k"] == 5.0
     assert values["two.k"] == 20.0
-    carried = search._carried(search._Two(first, second, model, start), both)
-    names = [parameter.name for parameter in both.element.parameters]
-    assert dict(zip(names, carried[2:], strict=True)) == {"k": 5.0, "n": 0.5, "r": 4.0, "n2": 0.25}
-    assert carried[:2].tolist() == [1.0, 2.0]
+    whole = springpot.parse_model("kelvin") + both
+    carried = search._carried(search._Two(first, second, model, start), whole, both)
+    assert dict(zip(whole.names, carried, strict=True)) == {
+        "k": 1.0, "c": 2.0, "both.k": 5.0, "both.n": 0.5, "both.r": 4.0, "both.n2": 0.25,
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -227,7 +229,9 @@ def test_named_effects_are_alike_that_come_as_near(monkeypatch):
     monkeypatch.setattr(weighing, "possible", lambda base, library: library)
     monkeypatch.setattr(weighing, "scan_effects", lambda *given: scores)
     monkeypatch.setattr(weighing, "grown_with", lambda found, score: grown(score))
-    found = weighing.known_alike(SimpleNamespace(base=0, frame=0), told(10.0)[0], [])
+    monkeypatch.setattr(weighing, "applicable", lambda library, measurement: library)
+    base = SimpleNamespace(fit=SimpleNamespace(measurement=None))
+    found = weighing.known_alike(SimpleNamespace(base=base, frame=0), told(10.0)[0], [])
     assert [each.refit.log_likelihood for each in found] == [11.0, level + 0.1]
 
 
@@ -259,10 +263,15 @@ def test_what_is_said_of_a_search(stays):
 
 
 @pytest.mark.parametrize("model", ["material", "kelvin"])
-@pytest.mark.parametrize("conditions", [{}, {"amplitude": AMPLITUDE}])
-def test_what_a_sweep_of_the_frequency_alone_cannot_tell(model, conditions, stays):
-    data = swept(lossy, conditions=conditions)
-    stays(list(inventing._notes(data, springpot.parse_model(model))))
+@pytest.mark.parametrize("named", [[], ["amplitude"]])
+def test_what_a_sweep_of_the_frequency_alone_cannot_tell(model, named, stays):
+    moved = {"amplitude": 1.0 / OMEGA}
+    stays(
+        [
+            list(inventing._notes(data, springpot.parse_model(model), named))
+            for data in (swept(lossy), swept(lossy, conditions=moved))
+        ]
+    )
 
 
 def test_a_fit_that_gives_no_numbers_is_none():
@@ -306,10 +315,45 @@ def test_a_search_goes_on_while_something_is_left(monkeypatch, alarm, left, exac
     monkeypatch.setattr(search, "scan_effects", lambda *given: scan)
     monkeypatch.setattr(search, "battery", lambda *given: SimpleNamespace(p_value=left))
     monkeypatch.setattr(search, "grown_with", lambda found, score: score)
+    monkeypatch.setattr(search, "_promising", lambda scan, base, count: scan.scores[:count])
+    monkeypatch.setattr(search, "_shortened", lambda found: ["d"])
     monkeypatch.setattr(search, "_sort", lambda found: asked.append(len(found.grown)))
     monkeypatch.setattr(search, "is_arithmetic", lambda fitted: exact)
     monkeypatch.setattr(search, "_with_conditions", lambda *given: ["a"])
     monkeypatch.setattr(search, "_with_terms", lambda *given: ["b", "c"])
     search.sought(base, [], None)
     fitted = INVENTION.refined
-    assert asked == [fitted] * (alarm == 0.0) + [fitted + 3] * goes_on
+    assert asked == [fitted] * (alarm == 0.0) + [fitted + 3, fitted + 4] * goes_on
+
+
+def scored(text, predicted):
+    """A score of a law that should leave so much."""
+    return SimpleNamespace(
+        influence=SimpleNamespace(effect=law(text)), predicted=predicted, text=text
+    )
+
+
+def test_of_laws_that_explain_the_same_the_shorter_is_tried():
+    short, long = scored("parallel: k", 20.0), scored("parallel: k*X^n", 20.0)
+    fitted = SimpleNamespace(rss=100.0)
+    rows = [long, short]
+    assert search._promising(SimpleNamespace(scores=rows), fitted, 2) == [short, long]
+    assert search._promising(SimpleNamespace(scores=rows), fitted, 1) == [short]
+    # Its further parameter and symbols are paid by what it leaves less.
+    more = grammar.symbols(law("parallel: k*X^n")) - grammar.symbols(law("parallel: k"))
+    price = np.log1p(80.0) + 2.0 * INVENTION.symbol * more
+    for less, first in ((price + 1.0, True), (price - 1.0, False)):
+        near = scored("parallel: k*X^n", 20.0 - less)
+        paid = 2.0 * (np.log1p(80.0 + less) - np.log1p(80.0))
+        ordered = search._promising(SimpleNamespace(scores=[short, near]), fitted, 2)
+        assert paid < 1.0
+        assert (ordered[0] is near) == first
+
+
+def test_a_kind_of_law_is_tried_once_whatever_the_form_of_its_condition():
+    texts = ("parallel: k*X^n", "parallel: k/(1 + (X/Xc)^n)", "parallel: -k*X^n", "series: X^n/k",
+             "parallel: i*k*X^n", "parallel: c*i*omega*X^n", "parallel: k*X^(-n)")  # fmt: skip
+    rows = [SimpleNamespace(effects=(law(text),)) for text in texts]
+    found = search._of_each_kind(SimpleNamespace(grown=rows))
+    kept = [row for i, row in enumerate(rows) if i not in (1, 6)]
+    assert found == kept[: INVENTION.extended]

@@ -160,3 +160,68 @@ def test_values_are_printed_in_units_of_their_own():
         assert value.value == pytest.approx(found.theta[i] * factors[name])
         assert value.low < value.value < value.high
         assert value.high < 1.5 * value.value
+
+
+FEWEST, MOST = outliers.FEWEST_POINTS, max(2, int(outliers.OUTLIERS.most * 60))
+
+
+@pytest.mark.parametrize(
+    ("n", "bad", "told"),
+    [
+        (60, 0, 0),
+        (60, 1, 1),
+        (60, MOST, MOST),
+        (60, MOST + 1, 0),
+        (FEWEST, 2, 2),
+        (FEWEST - 1, 1, 0),
+    ],
+)
+def test_outliers_are_few_or_none(n, bad, told, monkeypatch):
+    """They are set aside one by one; where there are more than a share, none is an outlier."""
+    limit = outliers.OUTLIERS.rare / n
+
+    def worst(frame, followed, rows):
+        left = [row for row in rows if row < bad]
+        return (left[-1], limit) if left else (int(rows[0]), 1.01 * limit)
+
+    monkeypatch.setattr(outliers, "_worst", worst)
+    frame = SimpleNamespace(
+        measurement=np.zeros(n), absorbed=np.zeros((2 * n, 1)), smooth=np.zeros((2 * n, 1))
+    )
+    assert outliers.outlying(frame).tolist() == list(range(told))
+
+
+def test_two_neighbours_in_a_sweep_are_side_by_side_and_ends_have_two_rows():
+    omega = np.tile(np.geomspace(1.0, 10.0, 6), 2)
+    data = Measurement(omega, omega + 1j, conditions={"amplitude": np.repeat([1.0, 2.0], 6)})
+    for rows, both in (([1, 2], True), ([1, 3], False), ([5, 6], False), ([0], False)):
+        assert outliers.side_by_side(data, np.array(rows)) == both
+    end = outliers.END
+    for rows, beside in (([0], range(end)), ([3], ()), ([11], range(12 - end, 12))):
+        assert outliers.ends_beside(data, np.array(rows)).tolist() == list(beside)
+
+
+def test_a_row_pulls_that_carries_most_of_what_a_fit_leaves():
+    n, carries = 12, outliers.OUTLIERS.carries
+
+    def framed(absorbed, rest):
+        return SimpleNamespace(
+            measurement=np.zeros(n), absorbed=np.array(absorbed), rest=np.array(rest)
+        )
+
+    rest = np.zeros(2 * n)
+    rest[[3, n + 3]] = 1.0
+    free, others = np.zeros((2 * n, 1)), np.arange(2 * n) % n != 3
+    # Of what is left the row carries just the share, or a little more.
+    for factor, rows in ((1.01, []), (0.99, [3])):
+        rest[others] = factor * np.sqrt((2.0 / carries - 2.0) / others.sum())
+        assert outliers.pulling([framed(free, rest)]).tolist() == rows
+    # Parameters follow nine tenths of another's storage, which is ten times as far off.
+    rest[others] = 0.0
+    rest[5] = 0.5
+    followed = free.copy()
+    followed[5] = np.sqrt(0.9)
+    assert outliers.pulling([framed(followed, rest)]).tolist() == [5]
+    # Of several fits that counts in which a row carries most.
+    assert outliers.pulling([framed(free, rest), framed(followed, rest)]).tolist() == [5]
+    assert outliers.pulling([framed(followed[:, :0], 0.0 * rest)]).tolist() == []

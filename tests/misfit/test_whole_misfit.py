@@ -8,11 +8,14 @@ from springpot.measurement import Measurement, Units
 from springpot.misfit import (
     drift_search,
     floor,
+    frame,
     material,
     outliers,
     refit,
+    regions,
     residual_battery,
     residual_causes,
+    residual_tests,
     values,
     where,
     words,
@@ -215,3 +218,99 @@ def test_a_change_from_an_end_to_the_other_in_words(stays):
 def test_an_error_in_floors_in_words():
     assert words.over_floor(0.02, 0.04) == "0.500"
     assert words.over_floor(0.02, None) == words.over_floor(0.02, 0.0) == "-"
+
+
+def spanned(frame, basis):
+    """What directions have of the residual and of a fixed vector, whichever way they are turned."""
+    along = np.cos(np.arange(frame.size))
+    return [list(basis.shape), [np.sum((basis.T @ vector) ** 2) for vector in (frame.rest, along)]]
+
+
+def test_what_a_residual_is_held_against(case, stays):
+    """Directions of each kind, statistics of each test and what they say, blocks, draws."""
+    found, rng = case.frame(), np.random.default_rng(5)
+    data, sample = found.measurement, found.rest[None]
+    bases = {
+        name: getattr(found, name)
+        for name in ("absorbed", "smooth", "shared", "common", "narrow", "structured", "rough")
+    }
+    bases |= {f"trend {name}": basis for name, basis in found.trends.items()}
+    drawn = found.draws(3, rng)
+    axes = where.condition_axes(data, 5)
+    answer = {
+        "bases": {name: spanned(found, basis) for name, basis in bases.items()},
+        "rough": found.rough_dof,
+        "draws": [drawn, found.standard(drawn.copy())],
+        "tests": {
+            test.name: [test.statistic(found, sample), test.statistic(found, 1.5 * drawn)]
+            for test in residual_tests.TESTS
+        },
+        "shapes": [frame.slow_shapes(data), frame.shared_shapes(data), frame.waves(data, 5.0)],
+        "spectrum": frame.spectrum(data, sample),
+        "curves": residual_causes.causal_evidence(
+            found, np.log(data.omega), [np.arange(len(data.omega))]
+        ),
+        "axes": [[axis.name, axis.level] for axis in axes],
+        "words": [where.level_words(data, axis, np.flatnonzero(axis.level == 0)) for axis in axes],
+        "folds": {
+            name: [np.flatnonzero(fold) for fold in refit.folds_of(data, name)]
+            for name in data.conditions
+            if name in ("amplitude", "temperature")
+        },
+        "alone": [
+            [level.error, level.variance]
+            for name in data.conditions
+            if name in ("amplitude", "temperature")
+            for level in material.each_alone(case, name)
+        ],
+        "left out": [
+            refit.left_out_error(case, refit.folds_of(data, name))
+            for name in data.conditions
+            if name in ("amplitude", "temperature") and len(data) < 33
+        ],
+        "apart": residual_battery.sets_apart(case.data),
+    }
+    if axes:
+        blocks = regions.Blocks(axes)
+        threshold = blocks.threshold(0.05, 1.0, np.random.default_rng(1))
+        whitened = found.rest[: len(data)]
+        answer["blocks"] = [threshold, blocks.regions(2.0 * whitened, 0.8 * threshold)]
+    stays(answer, within=2e-3)
+
+
+def test_waves_and_curves_of_drift(stays):
+    pairs = frame._paired_waves(7, 9).reshape(7, 10, 2)
+    own = np.sum(pairs**2, axis=(0, 2))
+    stays(
+        [
+            own,
+            frame.drift_curves(5),
+            frame.drift_shapes(6),
+            [frame.near_an_alarm(chance, 500) for chance in (0.5, 0.02, 0.0, 0.005)],
+        ]
+    )
+
+
+@pytest.mark.parametrize(
+    ("value", "dof", "known", "chance"),
+    [(3.841459, 1.0, np.inf, 0.05), (2.0 * 4.102821, 2.0, 10.0, 0.05), (0.0, 3.0, 5.0, 1.0)],
+)
+def test_chances_of_squares(value, dof, known, chance):
+    assert frame.chance_of_squares(value, dof, known) == pytest.approx(chance, rel=1e-5)
+
+
+def test_blocks_that_touch_are_one():
+    """A broad misfit of one side is one region; what is off the other way is another."""
+    axis = regions.MeasuredAxis("frequency", np.arange(12))
+    blocks = regions.Blocks([axis])
+    whitened = np.array([0, 5, 5, 0, 0, -6, -6, -6, 0, 0, 4, 0], dtype=float)
+    found = {each.spans[0]: round(each.sigma, 6) for each in blocks.regions(whitened, 3.9)}
+    assert found == {
+        (1, 3): round(10.0 / np.sqrt(2.0), 6),
+        (5, 8): round(-18.0 / np.sqrt(3.0), 6),
+        (10, 11): 4.0,
+    }
+    assert blocks.regions(whitened, 4.0)[-1].spans != ((10, 11),)
+    assert regions._neighbours([(1, 3), (0, 2)], [(3, 5), (0, 2)])
+    assert not regions._neighbours([(1, 3), (0, 2)], [(4, 5), (0, 2)])
+    assert not regions._neighbours([(1, 3), (0, 2)], [(3, 5), (0, 1)])

@@ -73,6 +73,14 @@ def test_a_record_is_even_and_of_numbers(time, acceleration, says):
     assert str(error.value).startswith("quake: ")
 
 
+def test_steps_may_scatter_by_so_much_and_not_more(monkeypatch):
+    monkeypatch.setattr(motion, "EVEN", 0.25)
+    assert GroundMotion.of([0.0, 0.75, 2.0], [1.0] * 3).step == 1.0
+    monkeypatch.setattr(motion, "EVEN", 0.2499)
+    with pytest.raises(DataError, match="the steps are not equal"):
+        GroundMotion.of([0.0, 0.75, 2.0], [1.0] * 3)
+
+
 @pytest.mark.parametrize(
     ("value", "most", "number"),
     [

@@ -649,3 +649,29 @@ def same(**changed):
 def test_runs_are_the_same_to_the_bit(changed, alike):
     assert optimisers._same(same(), same(**changed)) == alike
     assert optimisers._same(same(**changed), same()) == alike
+
+
+def test_each_kind_is_checked_with_what_its_contract_asks_for(monkeypatch):
+    asked = {}
+
+    def contract_of(word):
+        return lambda thing, **more: asked.setdefault(word, (thing, more)) and []
+
+    for word in contract.CONTRACTS:
+        monkeypatch.setitem(contract.CONTRACTS, word, contract_of(word))
+    whole = contract.Plugin("mine", {"good": [b"x"]}, {"good": ["words"]}, True)
+    own = {"model": [networks.SAMPLE, "a family"]}
+    vars(whole)["registry"] = SimpleNamespace(
+        find=lambda word, name: f"{word} {name}", items=lambda word: own[word]
+    )
+    for word in contract.CONTRACTS:
+        assert whole.check(word, "good") == []
+    more = {
+        "model": {"passive": True},
+        "data set": {"models": {"sample": networks.SAMPLE}},
+        "reader": {"samples": [b"x"]},
+    }
+    assert asked == {
+        word: (f"{word} good", {"skip": ["words"], **more.get(word, {})})
+        for word in contract.CONTRACTS
+    }

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from springpot.measurement import Loading, TimeTest
-from springpot.timetests import left
+from springpot.timetests import left, material
 from springpot.timetests.residuals_of_tests import COARSE, part_of
 
 
@@ -85,3 +85,41 @@ def test_a_long_test_is_looked_at_in_sixty_places_first():
     assert thin[-1] == 200
     # Ten a decade: every third or fourth of thirty-three.
     assert set(np.diff(thin)) <= {3, 4}
+
+
+@pytest.mark.parametrize(
+    ("slope", "log", "told"),
+    [
+        # Lines take up all of the effect but its third entry, which is moved by a factor of e.
+        (1.99, True, True),
+        (2.01, True, False),
+        # What has no logarithm moves by a tenth of the signal, whatever its slope.
+        (1.0, False, False),
+        (1e6, False, False),
+    ],
+)
+def test_an_effect_is_untold_where_lines_do_what_it_did(slope, log, told):
+    by_weights = np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]])
+    weights, value = np.array([50.0, 50.0]), np.array([0.0, 0.0, 0.3])
+    by_u = np.array([[3.0], [-2.0], [slope]])
+    search = SimpleNamespace(
+        model=SimpleNamespace(
+            of_tests=True, parameters=[SimpleNamespace(name=name) for name in "abc"]
+        ),
+        count=2,
+        first_of_tests=0,
+        parts=[SimpleNamespace(signal=np.array([400.0]))],
+        coordinates=SimpleNamespace(log=np.array([log])),
+        slopes=lambda w, u: (value, by_weights, by_u),
+    )
+    found = material._Search.untold(search, weights, np.zeros(1))
+    # Against it the row is off by 0.3 - slope, with it by 0.3 + slope: the nearer counts.
+    nearer = (slope - 0.3) ** 2 - 0.09 < material.SEEN
+    if log:
+        assert bool(found) == nearer
+    else:
+        assert bool(found) == told
+    if found:
+        assert found.startswith("c: another material could have done the same")
+    search.model.of_tests = False
+    assert material._Search.untold(search, weights, np.zeros(1)) == ""

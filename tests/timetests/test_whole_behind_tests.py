@@ -17,13 +17,14 @@ from test_whole_timetests import (
     THETA,
     WAY,
     crept,
+    examined,
+    fitted,
     noise,
     relaxed,
     shaken,
     swept,
 )
 
-import springpot
 from springpot.measurement import Loading, TimeTest
 from springpot.registry import plugins
 from springpot.timetests import (
@@ -37,7 +38,6 @@ from springpot.timetests import (
     start,
     where,
 )
-from springpot.timetests.diagnosis import examine
 from springpot.timetests.left import Left
 from springpot.timetests.residuals_of_tests import part_of, parts_of_specimen
 from springpot.timetests.score import TimeScan
@@ -131,9 +131,9 @@ SCANNED = ("inertia", "friction", "series-spring", "force-drift", "force-offset"
 
 @pytest.mark.parametrize("case", ["relaxed", "crept", "shaken", "both", "swept too"])
 def test_promises_and_what_is_left(case, stays):
-    data, model = FITS[case]
+    data, _ = FITS[case]
     tests = data() if isinstance(data(), list) else [data()]
-    fit = springpot.identify(tests if len(tests) > 1 else tests[0], model)
+    fit = fitted(case)
     parts = exponentials.quick_parts(parts_of_specimen(tests))
     known = {effect.name: effect for effect in plugins().items("effect")}
     effects = [known[name] for name in SCANNED if name in known]
@@ -157,15 +157,9 @@ def test_promises_and_what_is_left(case, stays):
 
 @pytest.mark.parametrize("case", list(DIAGNOSES))
 def test_what_was_tried(case, stays):
-    data, model, names = DIAGNOSES[case]
-    library = [plugins().effect(name) for name in names]
-    tests = data() if isinstance(data(), list) else [data()]
-    found = examine(tests, model, library)
+    found = examined(case)
     stays(
-        {
-            each.effect.name: [each.model.name, each.theta, each.helps, each.evidence]
-            for each in found.tried
-        },
+        {each.effect.name: [each.model.name, each.helps, each.evidence] for each in found.tried},
         within=5e-3,
     )
 

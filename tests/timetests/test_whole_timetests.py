@@ -1,11 +1,15 @@
 """Tests in time, small ones: fitted, diagnosed, foretold, as numbers and as words."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
 import springpot
+from springpot.api import library
 from springpot.measurement import Measurement, TimeTest, Units
 from springpot.registry import parse_model
+from springpot.timetests.diagnosis import examine
 
 MODEL = parse_model("kelvin")
 MAXWELL = parse_model("fractional-maxwell")
@@ -57,10 +61,16 @@ def without_time(answer):
     return {name: part for name, part in answer.to_dict().items() if name != "seconds"}
 
 
+@cache
+def fitted(case):
+    """A fit, which other tests look into as well."""
+    data, model = FITS[case]
+    return springpot.identify(data(), model)
+
+
 @pytest.mark.parametrize("case", list(FITS))
 def test_fit_in_time(case, stays):
-    data, model = FITS[case]
-    found = springpot.identify(data(), model)
+    found = fitted(case)
     foretold = springpot.predict(found, crept(1.05) if case != "shaken" else shaken(3.0))
     stays({"fit": without_time(found), "foretold": without_time(foretold)}, within=1e-3)
 
@@ -74,10 +84,16 @@ DIAGNOSES = {
 }
 
 
+@cache
+def examined(case):
+    """All that a diagnosis finds, which other tests look into as well."""
+    data, model, names = DIAGNOSES[case]
+    return examine(data(), model, library(only=names))
+
+
 @pytest.mark.parametrize("case", list(DIAGNOSES))
 def test_diagnosis_in_time(case, stays):
-    data, model, names = DIAGNOSES[case]
-    stays(springpot.diagnose(data(), model, only=names).to_dict(), within=1e-3)
+    stays(examined(case).diagnosis.to_dict(), within=1e-3)
 
 
 def test_comparison_in_time(stays):

@@ -316,8 +316,8 @@ def known_from(options: dict[str, Any]) -> dict[str, Any]:
 def accuracy_option(command: F) -> F:
     """Add ``--accuracy TEXT``."""
     text = (
-        "What the instrument promises of modulus and phase, such as '1%,3mrad': a misfit within it"
-        " is no verdict on the model."
+        "What the instrument promises of modulus and phase, such as '1%,3mrad': intervals hold it,"
+        " and a misfit within it is no verdict on the model."
     )
     return click.option("--accuracy", metavar="TEXT", help=text)(command)
 

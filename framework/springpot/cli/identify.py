@@ -15,6 +15,7 @@ from .common import (
     DATA,
     FILE,
     POSITIVE,
+    accuracy_option,
     emit,
     geometry_option,
     json_option,
@@ -76,6 +77,7 @@ OPTIMISER = (
 )
 @seed_option
 @geometry_option
+@accuracy_option
 @click.option("--intervals", type=click.Choice(INTERVALS), default="jacobian", show_default=True)
 @click.option(
     "--figure", type=FILE, metavar="FILE", help="Draw data, fit and residuals (.png, .svg or .pdf)."

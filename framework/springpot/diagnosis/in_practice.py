@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from springpot.distributions import student
 from springpot.errors import OptionError
 from springpot.misfit.words import percent
 from springpot.rheology.points import Complex, Real
@@ -93,6 +94,13 @@ class Accuracy:
                 " 1%,3mrad or 2%"
             )
         return cls(found["modulus"], found.get("phase"))
+
+    @property
+    def terms(self) -> dict[str, float]:
+        """Standard uncertainties of gain and phase of which this is the expanded one."""
+        phase = self.modulus if self.phase is None else self.phase
+        quantile = student(COVERED, np.inf)
+        return {"gain": self.modulus / quantile, "phase": phase / quantile}
 
     def holds(self, misfits: Sequence[Misfit]) -> bool:
         """Whether each test is met within what is promised.

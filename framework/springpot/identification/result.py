@@ -5,11 +5,11 @@ Parameters as they are printed, in the model's own form and in its published sea
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -23,9 +23,9 @@ from springpot.plain_data import as_declared, jsonable, number
 from springpot.rheology.continuum import EQUILIBRIUM, VISCOSITY
 from springpot.rheology.forms import SearchForm
 from springpot.rheology.model import Model
-from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import Complex, Real
 
+from .calibration import Calibration
 from .kept import (
     bounds_of,
     coordinates_of,
@@ -43,58 +43,11 @@ from .prediction import Known
 from .problem import Objective, sizes
 from .regularisation import SmoothSpectrum, regularised
 from .uncertainty import Uncertainty, ends, lost_and_known, spread_of
-from .value import Value
+from .value import Value, all_parameters, printed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-
-def printed(
-    parameters: Sequence[Parameter], values: Real, low: Real, high: Real, units: Units
-) -> dict[str, Value]:
-    """Parameters with their intervals in printed units.
-
-    Lines of a spectrum are told as a whole and left out.
-
-    Parameters
-    ----------
-    parameters : sequence of Parameter
-        Length p.
-    values, low, high : ndarray, shape (p,)
-        In the units of the measurement.
-    units : Units
-        Those of the measurement.
-    """
-    rows = {}
-    for i, parameter in enumerate(parameters):
-        # Lines of a spectrum are told as a whole elsewhere: a list of fifty weights tells nobody
-        # anything.
-        if parameter.detail:
-            continue
-        factor, label = units.of(parameter.unit)
-        value, below, above = (factor * float(column[i]) for column in (values, low, high))
-        rows[parameter.name] = Value(value, below, above, label)
-    return rows
-
-
-def all_parameters(
-    model: Model, theta: Real, low: Real, high: Real, units: Units
-) -> dict[str, Value]:
-    """All parameters of a fit, those that were held in their places; see `printed`."""
-    free = printed(model.parameters, theta, low, high, units)
-    held = model.held
-    if not held:
-        return free
-    rows, known_as = {}, dict(zip(model.names, model.origins, strict=True))
-    for parameter in model.released().parameters:
-        name = parameter.name
-        if name in held:
-            factor, label = units.of(parameter.unit)
-            value = factor * held[name]
-            rows[name] = Value(value, value, value, label, fixed=True)
-        rows |= {own: row for own, row in free.items() if known_as[own] == name}
-    return rows
 
 
 def search_parameters(known: Uncertainty, ends_low: Real, ends_high: Real) -> dict[str, Value]:
@@ -244,6 +197,8 @@ class Identification(Known):
         Of a sweep that stands alone: its fit, and what the Jacobian says.
     judge : callable, optional
         Finds the noise floor and the material floor when they are first asked for.
+    calibration : Calibration, optional
+        What the instrument promises, where the intervals hold it.
 
     Examples
     --------
@@ -270,6 +225,7 @@ class Identification(Known):
     seed: int = 0
     uncertainty: Uncertainty | None = None
     judge: Callable[[Identification], Standing | None] | None = None
+    calibration: Calibration | None = None
 
     @classmethod
     def of_sweep(
@@ -369,6 +325,14 @@ class Identification(Known):
         covariance[touched, touched] = np.inf
         return covariance
 
+    @property
+    def budget(self) -> dict[str, dict[str, float]]:
+        """Standard uncertainty of each parameter by its source, as printed; none without one."""
+        if self.calibration is None:
+            return {}
+        budget = self.calibration.budget(self.model.names, self._factors)
+        return {name: budget[name] for name in self.parameters if name in budget}
+
     @cached_property
     def populations(self) -> dict[str, Population]:
         """Of parameters that specimens have for themselves: their mean and scatter; else none."""
@@ -378,6 +342,22 @@ class Identification(Known):
     def _factors(self) -> Real:
         """From own to printed units (p,)."""
         return np.array([self.units.of(each.unit)[0] for each in self.model.parameters])
+
+    def calibrated(self, calibration: Calibration, *, widen: bool = True) -> Self:
+        """The same, uncertain by what all points have in common too.
+
+        Its intervals as well, unless they hold that already.
+        """
+        found = replace(self, calibration=calibration)
+        turn = np.linalg.pinv(self.slopes)
+        shared = turn @ calibration.shared @ turn.T
+        if self.uncertainty is not None:
+            found = replace(found, uncertainty=replace(self.uncertainty, shared=shared))
+        found = replace(found, spread=self.spread + shared)
+        if not widen:
+            return found
+        low, high = calibration.widened(self.model, self.theta, self.low, self.high)
+        return replace(found, low=low, high=high)
 
     @property
     def residuals(self) -> Complex:
@@ -499,6 +479,8 @@ class Identification(Known):
             answer["error"] = {"relative_rms": self.relative_rms, **vars(self.standing)}
         if self.spectrum is not None:
             answer["spectrum"] = self._spectrum(self.spectrum)
+        if self.calibration is not None:
+            answer["budget"] = self.budget
         if self.populations:
             answer["population"] = self.populations
             answer["specimens"] = specimens_of(self.populations)
@@ -520,6 +502,8 @@ class Identification(Known):
             "only_sweeps": self.on_sweeps,
             "rates": rates_of(self.model),
         }
+        if self.calibration is not None:
+            kept["calibration"] = self.calibration.to_dict()
         if self.uncertainty is not None:
             absolute = self.uncertainty.absolute
             kept |= {"absolute": absolute, "measurement": measurement_to_dict(self.measurement)}
@@ -558,10 +542,11 @@ class Identification(Known):
             by = objective_of(objective, data)
             spent, converged = told["evaluations"], bool(kept["converged"])
             fit = Fit(model, data, by, theta, cost, spent, converged)
-            return cls.of_sweep(Uncertainty(fit, bool(kept["absolute"])), low, high, **told)
+            known = Uncertainty(fit, bool(kept["absolute"]))
+            return _as_kept(cls.of_sweep(known, low, high, **told), kept)
         units, tests = Units(**kept["units"]), parts_of(answer["tests"])
         slopes, spread = coordinates_of(answer["covariance"], model, units)
-        return cls(
+        found = cls(
             model=model,
             theta=theta,
             slopes=slopes,
@@ -579,6 +564,7 @@ class Identification(Known):
             converged=bool(kept["converged"]),
             **told,
         )
+        return _as_kept(found, kept)
 
     def _spectrum(self, spectrum: SmoothSpectrum) -> dict[str, Any]:
         """K = equilibrium + viscosity s + sum of weight s / (s + rate), as printed, with a band."""
@@ -595,3 +581,14 @@ class Identification(Known):
             "viscosity": {"value": flow * spectrum.viscosity, "unit": flow_unit},
             "seen": list(spectrum.seen),
         }
+
+
+def _as_kept(found: Identification, kept: Mapping[str, Any]) -> Identification:
+    """A fit with the calibration that its intervals hold, if they hold one."""
+    if "calibration" not in kept:
+        return found
+    calibration = Calibration.read(kept["calibration"], len(found.theta))
+    # Of tests in time the covariance was kept as it is.
+    if found.uncertainty is None:
+        return replace(found, calibration=calibration)
+    return found.calibrated(calibration, widen=False)

@@ -50,6 +50,8 @@ class Uncertainty:
     spread : tuple of (float, float), optional
         Standard deviation of a weighted residual and its degrees of freedom, where those of the
         scatter are not what the parameters are known by; see `lack_of_fit`.
+    shared : ndarray, shape (p, p), optional
+        Covariance in search coordinates of what all points have in common; see `calibration`.
 
     Examples
     --------
@@ -66,6 +68,7 @@ class Uncertainty:
     absolute: bool
     level: float = INTERVAL
     spread: tuple[float, float] | None = None
+    shared: Real | None = None
 
     @classmethod
     def of(cls, fit: Fit, level: float = INTERVAL) -> Uncertainty:
@@ -137,7 +140,10 @@ class Uncertainty:
 
         Infinite variance where the data say nothing, 0 at a bound.
         """
-        return self._covariance(self.specimens)
+        covariance = self._covariance(self.specimens)
+        if self.shared is not None:
+            covariance = covariance + self.shared
+        return covariance
 
     def widening(self, i: int) -> float:
         """Variance of parameter i by the scatter of specimens, over that by the points."""

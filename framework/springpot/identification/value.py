@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, isfinite
 from typing import Any
 
+from springpot.measurement.units import Units
 from springpot.plain_data import jsonable, number
+from springpot.rheology.model import Model
+from springpot.rheology.parameters import Parameter
+from springpot.rheology.points import Real
 
 LOST = 1000.0
 """An interval of three decades says nothing.
@@ -78,3 +82,50 @@ class Value:
 def values_of(rows: Mapping[str, Mapping[str, Any]]) -> dict[str, Value]:
     """Parameters by name, as their `to_dict` gave them."""
     return {name: Value.from_dict(row) for name, row in rows.items()}
+
+
+def printed(
+    parameters: Sequence[Parameter], values: Real, low: Real, high: Real, units: Units
+) -> dict[str, Value]:
+    """Parameters with their intervals in printed units.
+
+    Lines of a spectrum are told as a whole and left out.
+
+    Parameters
+    ----------
+    parameters : sequence of Parameter
+        Length p.
+    values, low, high : ndarray, shape (p,)
+        In the units of the measurement.
+    units : Units
+        Those of the measurement.
+    """
+    rows = {}
+    for i, parameter in enumerate(parameters):
+        # Lines of a spectrum are told as a whole elsewhere: a list of fifty weights tells nobody
+        # anything.
+        if parameter.detail:
+            continue
+        factor, label = units.of(parameter.unit)
+        value, below, above = (factor * float(column[i]) for column in (values, low, high))
+        rows[parameter.name] = Value(value, below, above, label)
+    return rows
+
+
+def all_parameters(
+    model: Model, theta: Real, low: Real, high: Real, units: Units
+) -> dict[str, Value]:
+    """All parameters of a fit, those that were held in their places; see `printed`."""
+    free = printed(model.parameters, theta, low, high, units)
+    held = model.held
+    if not held:
+        return free
+    rows, known_as = {}, dict(zip(model.names, model.origins, strict=True))
+    for parameter in model.released().parameters:
+        name = parameter.name
+        if name in held:
+            factor, label = units.of(parameter.unit)
+            value = factor * held[name]
+            rows[name] = Value(value, value, value, label, fixed=True)
+        rows |= {own: row for own, row in free.items() if known_as[own] == name}
+    return rows

@@ -37,6 +37,8 @@ STIFFNESSES = (
     "i*c*omega^a",
 )
 """Of the frequency, beside the model: each also times a form of a condition."""
+ACTIVE = ("-i*k", "-k*(1 + i*h)", "k*(1 - i*h)")
+"""Those that take loss away: by itself such a law gives out energy, and stands alone."""
 COMPLIANCES = ("1/k", "1/(c*i*omega)", "1/(c*(i*omega)^a)")
 CHANGES = ("1 + b*(#)", "1 + i*b*(#)", "1 + (1 - i*h)*b*(#)", "exp(-i*omega*tau*(#))")
 """Factors of K that go with a form of a condition, which stands where the # is."""
@@ -46,7 +48,7 @@ CLOCKS = ("1/(1 + (@/Xc)^n)", "1 + (@/Xc)^n", "exp(-@/Xc)", "exp(-b*omega^a*@^n)
 THERMAL_FACTORS = ("(@/T0)^n",)
 THERMAL_CLOCKS = ("exp(E/R*(1/@ - 1/T0))", "exp(-C1*(@ - T0)/(C2 + @ - T0))", "(@/T0)^n")
 ALONE = (
-    *(f"parallel: {form}" for form in STIFFNESSES),
+    *(f"parallel: {form}" for form in (*STIFFNESSES, *ACTIVE)),
     "parallel: -m*omega^2",
     "parallel: c*(i*omega)^(1 + a)",
     "parallel: k*(i*omega*tau)^a/(1 + (i*omega*tau)^a)",
@@ -102,7 +104,8 @@ def filled(text: str, condition: str, taken: Collection[str]) -> str:
 def _of(condition: str) -> Iterator[str]:
     """Laws of one condition, and of the frequency."""
     forms, yielding = forms_of(condition, "stiffness"), forms_of(condition, "compliance")
-    yield from (f"parallel: {times(one, form)}" for one, form in product(STIFFNESSES, forms))
+    ones = (*STIFFNESSES, *ACTIVE)
+    yield from (f"parallel: {times(one, form)}" for one, form in product(ones, forms))
     yield from (f"series: {times(one, form)}" for one, form in product(COMPLIANCES, yielding))
     yield from (f"chain: {one.replace('#', form)}" for one, form in product(CHANGES, forms))
     factors: tuple[str, ...] = FACTORS
@@ -148,6 +151,19 @@ def times(one: str, other: str) -> str:
     if one.startswith("1/") and _POWER.fullmatch(other):
         return other + one[1:]
     return f"{one}*{other}"
+
+
+def is_active(effect: Effect) -> bool:
+    """Whether a law takes loss away.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.invention.grammar import is_active
+    >>> [is_active(springpot.law(f"parallel: {text}*X^n")) for text in ("-i*k", "i*k", "-k")]
+    [True, False, False]
+    """
+    return effect.plane == "stiffness" and formula_of(effect).startswith(ACTIVE)
 
 
 def laws(texts: Iterable[str], measurement: Measurement) -> list[Effect]:

@@ -14,7 +14,7 @@ from springpot.errors import OptionError
 from springpot.identification.material import is_material
 from springpot.identification.space import require_conditions
 from springpot.identification.value import Value
-from springpot.measurement.independence import moved_along
+from springpot.measurement.independence import at_one_frequency, moved_along
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.material import error_of, material_floor
 from springpot.misfit.values import printed
@@ -70,6 +70,9 @@ def invent(
     data = prepared(measurement, model)
     conditions = _conditions(data, along)
     laws = candidates(data, conditions)
+    if at_one_frequency(data):
+        # There a law of the clock is no law: through the spectrum it can be any curve.
+        laws = [each for each in laws if each.plane != "shift"]
     progress(f"trying {len(laws)} laws beside {model.name}")
     search, _ = search_data(data, model, laws, rng, seek=sought)
     progress("weighing what was found")

@@ -26,7 +26,18 @@ from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.points import Real
 from springpot.thresholds import INVENTION, SEARCH
 
-from .grammar import filled, forms_of, formula_of, laws, new_names, renamed, symbols, text_of, times
+from .grammar import (
+    filled,
+    forms_of,
+    formula_of,
+    is_active,
+    laws,
+    new_names,
+    renamed,
+    symbols,
+    text_of,
+    times,
+)
 from .shorter import RATIO, shorter
 
 SUMMED = ("stiffness", "compliance")
@@ -155,6 +166,9 @@ def _with_terms(search: Search, effects: Sequence[Effect]) -> Iterator[Grown]:
     """Laws of two terms, each pair once."""
     starts: dict[str, list[_Two]] = {}
     for two in (*_after_the_best(search, effects), *_together(search)):
+        # With a term that gives out energy a sum follows whatever there is.
+        if is_active(two.first) or is_active(two.second):
+            continue
         if two.first.plane == two.second.plane and two.first.plane in SUMMED:
             starts.setdefault(_joined(two.first, two.second), []).append(two)
     base = search.base
@@ -171,8 +185,12 @@ def _after_the_best(search: Search, effects: Sequence[Effect]) -> Iterator[_Two]
     """What the best laws leave shows a second term."""
     for grown in _of_each_kind(search):
         (first,) = grown.effects
-        others = [other for other in effects if other.plane == first.plane and other != first]
-        if first.plane not in SUMMED:
+        others = [
+            other
+            for other in effects
+            if other.plane == first.plane and other != first and not is_active(other)
+        ]
+        if first.plane not in SUMMED or is_active(first):
             continue
         scanned = scan_effects(grown.refit, grown.refit.frame(), others)
         for score in _promising(scanned, grown.refit, INVENTION.seconds):

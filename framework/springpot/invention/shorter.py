@@ -11,7 +11,7 @@ from .grammar import text_of
 
 RATIO = "r"
 """The size of a second term in that of the first."""
-_LOSSY = re.compile(r"\*\(1 [+-] i\*(h\d?)\)")
+_LOSSY = re.compile(r"(?P<whole>\*\(1 (?P<sign>[+-]) i\*(?P<h>h\d?)\))")
 _GROWN = re.compile(
     r"(?P<low>\(\w+/\w+\)\^n\d?)?(?P<over>/?)\(1 \+ \((?P<of>\w+)/\w+\)\^(?P<power>n\d?)\)"
 )
@@ -44,14 +44,15 @@ def shorter(effect: Effect, values: Values) -> Iterator[tuple[str, Values]]:
     size = effect.element.parameters[0].name
     for place, term in enumerate(terms):
         if lossy := _LOSSY.search(term):
-            bare, h = term.replace(lossy[0], "", 1), lossy[1]
+            bare, h = term.replace(lossy["whole"], "", 1), lossy["h"]
             rest = {name: value for name, value in values.items() if name != h}
             yield f"{word}: {_sum(terms, place, bare)}", rest
             own = RATIO if place else size
             rest = rest | {own: rest[own] * values[h]}
             if not place and RATIO in rest:
                 rest[RATIO] /= values[h]
-            yield f"{word}: {_sum(terms, place, '+i*' + bare[1:])}", rest
+            sign = "+" if bare[0] == lossy["sign"] else "-"
+            yield f"{word}: {_sum(terms, place, f'{sign}i*{bare[1:]}')}", rest
         if grown := _GROWN.search(term):
             power = f"{grown['of']}^{grown['power']}"
             if grown["over"] and not grown["low"]:

@@ -6,7 +6,7 @@ import csv
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from io import StringIO
-from math import isfinite, log
+from math import hypot, isfinite, log, nan
 
 from springpot.format_numbers import counted, number
 from springpot.identification.population import Population, specimens_of
@@ -54,6 +54,7 @@ def fit_document(identified: Identification, verbose: bool = False) -> list[Pass
         Prose(f"{identified.model.name} fitted to {identified.name} ({_size(identified)})"),
         Preformatted(drawing_of(identified.model)),
         parameters_table("parameter", _listed(identified, verbose), gone(identified)),
+        _budget(identified) if verbose else Prose(),
         _populations(identified),
         search,
         Prose(reference_note(identified.sweep, [identified.model.network])),
@@ -117,6 +118,18 @@ def _listed(identified: Identification, verbose: bool) -> Mapping[str, Value]:
     return {name: value for name, value in identified.parameters.items() if name not in theirs}
 
 
+def _budget(identified: Identification) -> Passage:
+    """The standard uncertainty of each parameter by where it comes from, as shares of it."""
+    terms = list(dict.fromkeys(term for row in identified.budget.values() for term in row))
+    rows = []
+    for name, row in identified.budget.items():
+        value = abs(identified.parameters[name].value) or nan
+        whole = hypot(*row.values())
+        rows.append([name, *(percent(part / value, 2) for part in (*row.values(), whole))])
+    headers = ("standard uncertainty", *terms, "together")
+    return TextTable(headers, rows, frozenset(headers[1:])) if rows else Prose()
+
+
 def _populations(identified: Identification) -> Passage:
     """Mean and scatter of what specimens have for themselves."""
     if not identified.populations:
@@ -175,6 +188,8 @@ def _lines(identified: Identification, verbose: bool) -> list[str]:
         if identified.standing.good_enough:
             verdict = "good enough"
         lines.append(f"verdict     {verdict}: {_reason(identified)}")
+    if identified.calibration is not None:
+        lines.append(f"accuracy    intervals hold {identified.calibration.says} of the instrument")
     spent = f"{identified.evaluations} evaluations in {seconds(identified.seconds)}"
     # The usual way to the usual end is worth no line; whatever was chosen or went otherwise is.
     if verbose or identified.optimiser != "native" or identified.status != "converged":

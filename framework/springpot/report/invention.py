@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+WIDEST = 62
+"""Signs of a formula that stand on one line above its picture."""
 PHYSICS = {
     (True, True): "causal, passive",
     (True, False): "causal, not passive",
@@ -92,7 +95,7 @@ def draw_fits(found: Invention, axes: Axes) -> None:
     fits = [DrawnFit(base.model, base.theta, found.model.name)]
     for law in found.ranked[:1]:
         best = law.grown.refit
-        fits.append(DrawnFit(best.model, best.theta, found.laws[0].text))
+        fits.append(DrawnFit(best.model, best.theta, "with the law"))
     scene = Scene(base.data.raw, fits)
     storage_and_loss(axes, scene)
     axes.legend(handles=marks_of(scene), fontsize=8)
@@ -127,8 +130,19 @@ def _draw_law(found: Invention, axes: Axes) -> None:
     if np.all(column > 0.0) and column.max() > 3.0 * column.min():
         logarithmic(axes, "x")
     axes.set_xlabel(label)
-    axes.set_title(f"{law.text} (dots)")
+    axes.set_ylabel(_of_plane(law.plane, best.fit.measurement.units.stiffness))
+    axes.set_title("\n".join(wrap(f"{law.text} (dots)", WIDEST)), fontsize=9)
     axes.legend()
+
+
+def _of_plane(plane: str, stiffness: str) -> str:
+    """What is left of the data in the plane of a law."""
+    if plane == "parallel":
+        return f"added stiffness [{stiffness}]"
+    if plane == "series":
+        inverse = f"1/({stiffness})" if "/" in stiffness else f"1/{stiffness}"
+        return f"added compliance [{inverse}]"
+    return "factor of the stiffness"
 
 
 def _along(data: Measurement, law: Effect) -> tuple[Real, str]:

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from springpot.measurement.measurement import Measurement
+from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Points, Real
 
@@ -187,7 +187,10 @@ class Scene:
     @cached_property
     def every_sweep(self) -> list[DrawnSweep]:
         """All sweeps along it."""
+        # A law of a further column has another curve at each of its levels.
+        asked = {column for fit in self.fits for column in fit.model.needs}
         own = {column for fit in self.fits for column in fit.model.own.values()}
+        own |= asked - set(CONDITIONS)
         return sweeps_of(self.measurement, self.axis, own)
 
     @cached_property

@@ -363,7 +363,7 @@ def _motions(modes: Spectrum) -> tuple[Modes, float, Real]:
 
 def _pair(modes: Spectrum, b: float, d: float) -> Modes:
     """The two zeros of K near those of s^2 + b s + d, shape (2,)."""
-    pair: Modes = -0.5 * b + np.array([1.0, -1.0]) * np.sqrt(0.25 * b**2 - d + 0j)
+    pair: Modes = -0.5 * b + np.array([1.0, -1.0]) * np.sqrt(complex(0.25 * b**2 - d))
     # Sum and product lose digits by cancellation: Newton steps on K itself bring them back.
     for _ in range(8):
         value, slope = _value(modes, pair)

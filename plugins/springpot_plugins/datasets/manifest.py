@@ -2,24 +2,38 @@ r"""Manifests: what the columns of a folder's file mean, and who measured them, 
 
 ::
 
-    summary = "what was measured"              # one sentence
-    file = "normalized.csv"                    # or [files], below
-    open = "#1?frequency=1[Hz]"                # what a user would type behind its name; not with
-    [columns] size = 340                                 # rows, shown before loading citation =
-    "who"                           # who measured, where it was published doi = "10.1000/xyz"
-    # optional, as all that follow origin = "github.com/who/what"             # where it can be got
-    licence = "MIT" test = "8 mm plates, shear"                # instrument, geometry, kind of test
-    physics = ["what is known to be in it"] model = "fractional-maxwell"               # used in the
-    literature fit = "G = 1 kPa, tau = 2 s (who)"         # what was found with it [columns]
-    # role = "header" or { from = "header", unit = "Pa" } omega = { from = "omega_rad_s", unit =
-    "rad/s" } storage = { from = "storage_Pa", unit = "Pa" } loss = { from = "loss_Pa", unit = "Pa"
-    } temperature = { from = "temperature_C", unit = "degC" } lane = { from = "binder", extract =
-    'Lane (\d+)' }   # further conditions; a pattern picks a part of the cell [conditions]
-    # constants, with their units as in headers "temperature [degC]" = 25 [files]
-    # instead of file: several, each with constants of its own "at20.csv" = { "temperature [degC]" =
-    20 } "at40.csv" = { "temperature [degC]" = 40 } [download]                                 # the
-    file's public address, where the licence allows url = "https://example.org/normalized.csv"
-    sha256 = "..."                             # of the file there
+    summary = "what was measured"               # one sentence
+    file = "normalized.csv"                     # or [files], below
+    open = "#1?frequency=1[Hz]"                 # what a user would type behind its name; not
+                                                # with [columns]
+    size = 340                                  # rows, shown before loading
+    citation = "who"                            # who measured, where it was published
+    doi = "10.1000/xyz"                         # optional, as all that follow
+    origin = "github.com/who/what"              # where it can be got
+    licence = "MIT"
+    test = "8 mm plates, shear"                 # instrument, geometry, kind of test
+    accuracy = "1%,3mrad"                       # what the instrument promises
+    physics = ["what is known to be in it"]
+    model = "fractional-maxwell"                # used in the literature
+    fit = "G = 1 kPa, tau = 2 s (who)"          # what was found with it
+
+    [columns]                                   # role = "header" or { from, unit }
+    omega = { from = "omega_rad_s", unit = "rad/s" }
+    storage = { from = "storage_Pa", unit = "Pa" }
+    loss = { from = "loss_Pa", unit = "Pa" }
+    temperature = { from = "temperature_C", unit = "degC" }
+    lane = { from = "binder", extract = 'Lane (\d+)' }  # a pattern picks a part of the cell
+
+    [conditions]                                # constants, with their units as in headers
+    "temperature [degC]" = 25
+
+    [files]                                     # instead of file: each with its own constants
+    "at20.csv" = { "temperature [degC]" = 20 }
+    "at40.csv" = { "temperature [degC]" = 40 }
+
+    [download]                                  # the file's public address, where the licence
+    url = "https://example.org/normalized.csv"  # allows
+    sha256 = "..."                              # of the file there
 
 A manifest is limited: `LARGEST` bytes, names of files as in `names`, patterns as in `patterns`,
 texts of `LONGEST_TEXT` signs, addresses with https. It stands in the folder that it describes. For
@@ -70,6 +84,7 @@ _TEXTS = (
     "model",
     "fit",
     "kind",
+    "accuracy",
 )
 
 
@@ -195,7 +210,7 @@ class Manifest:
             parts = [self._opened(path, constants, True) for path, constants in self.paths.items()]
         origin = {
             key: str(self.values[key])
-            for key in ("citation", "doi", "licence")
+            for key in ("citation", "doi", "licence", "accuracy")
             if self.values.get(key)
         }
         whole = parts[0]
