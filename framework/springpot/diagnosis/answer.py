@@ -30,7 +30,6 @@ from springpot.misfit.residual_causes import (
 from springpot.misfit.values import printed
 from springpot.misfit.where import Where, periodic, where
 from springpot.misfit.words import times
-from springpot.owners import owned
 from springpot.rheology.effect import Effect
 from springpot.thresholds import EVIDENCE, EXPERIMENT, VERDICT
 
@@ -182,7 +181,6 @@ Cause: TypeAlias = Column | EqualRows | Course | None
 
 A column of settings, repeats without a number, or the time.
 """
-NUMBERLESS = "the {} gives no number (nan), whatever its parameters"
 HARMONICS = "; the force holds harmonics that this model does not make"
 
 
@@ -282,7 +280,6 @@ def answer(
         leading=tuple(leading),
         one_test=one_test,
         tests=(_as_test(measurement, error),),
-        left_out={name: NUMBERLESS.format(owned("effect", name)) for name in search.scan.mute},
         steps=tuple(_steps(measurement, search, outliers, cause)),
     )
     # A factor at each temperature would be another name for the time.

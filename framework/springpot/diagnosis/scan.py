@@ -11,7 +11,7 @@ nuisance parameter; simulation treats any number).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import inf
 
 import numpy as np
@@ -30,6 +30,7 @@ from springpot.misfit.frame import (
     relative_to,
 )
 from springpot.misfit.refit import Refit
+from springpot.owners import owned
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
@@ -224,14 +225,14 @@ class Scan:
         Chance that noise alone gives the best score somewhere in the library.
     threshold : float
         Score that noise alone exceeds with a chance of 1 %.
-    mute : tuple of str
-        Effects that give no number, whatever their parameters.
+    mute : dict of str to str
+        Effects that give no number whatever their parameters, and that this is why.
     """
 
     scores: list[Score]
     p_value: float
     threshold: float
-    mute: tuple[str, ...] = ()
+    mute: dict[str, str] = field(default_factory=dict)
 
 
 def scan(
@@ -326,7 +327,9 @@ def scan_effects(
         influence(base.model, base.theta, base.stiffness, effect, measurement) for effect in effects
     ]
     found = scan(frame, [each for each in influences if len(each.theta)], rng, threshold)
-    return replace(found, mute=tuple(each.effect.name for each in influences if not each.told))
+    names = [each.effect.name for each in influences if not each.told]
+    why = "the {} gives no number (nan), whatever its parameters"
+    return replace(found, mute={name: why.format(owned("effect", name)) for name in names})
 
 
 def _simulated_maxima(
