@@ -9,7 +9,7 @@ from zlib import crc32
 import numpy as np
 import pytest
 
-from springpot.diagnosis import verdict
+from springpot.diagnosis import marginal, verdict
 from springpot.diagnosis.verdict import Facts
 from springpot.misfit.residual_battery import NEIGHBOURS
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
@@ -365,3 +365,20 @@ def test_a_verdict_in_words(monkeypatch, stays):
     moved = told()
     moved.search.confounded = [1]
     assert names(strong, moved, "unexplained") == []
+
+
+@pytest.mark.parametrize(
+    ("left", "ratio"),
+    [(25.0, 4.0), (200.0, 1.0), (0.0, 1e24), (-1e-9, 1e24), (1e-30, 1e24)],
+)
+def test_exact_data_leave_rounding_and_never_less(left, ratio):
+    """Less than nothing would make the chance of the unknown no number."""
+    noise = SimpleNamespace(source="estimated", dof=9.0)
+    search = SimpleNamespace(base=SimpleNamespace(fair_rss=100.0, noise=noise))
+    assert marginal._ratio(search, left) == pytest.approx(ratio)
+
+
+def test_repeats_add_what_they_tell_of_the_noise():
+    noise = SimpleNamespace(source="repeats", dof=20.0)
+    search = SimpleNamespace(base=SimpleNamespace(fair_rss=100.0, noise=noise))
+    assert marginal._ratio(search, 20.0) == pytest.approx(3.0)

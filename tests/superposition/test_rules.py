@@ -12,7 +12,7 @@ from springpot.errors import DataError
 from springpot.measurement.imposed import Loading
 from springpot.measurement.timetest import TimeTest
 from springpot.superposition import after_steps as steps
-from springpot.superposition import laws, simplicity
+from springpot.superposition import curve, laws, simplicity
 from springpot.thresholds import SUPERPOSITION
 
 DECADE = np.log(10.0)
@@ -251,3 +251,51 @@ def test_an_error_of_its_own_makes_the_misfit_of_a_law_what_is_to_be_expected():
 def test_a_parameter_rests_on_a_bound(theta, at_bound):
     task = laws._Task(None, None, None, None, None, np.zeros(1), np.ones(1))
     assert task.at_bound(np.array([theta])) == at_bound
+
+
+@pytest.mark.parametrize(("square", "seen"), [(1e-5, False), (0.99e-4, False), (1.01e-4, True)])
+def test_a_step_is_told_where_spectrum_and_factors_leave_some_of_its_direction(
+    square, seen, monkeypatch
+):
+    slope = np.array([[np.sqrt(square)], [0.0]])
+    monkeypatch.setattr(simplicity, "_excess", lambda alone, rows: np.array([6.0]))
+    monkeypatch.setattr(simplicity, "_variance", lambda alone, rows: np.array([4.0]))
+    monkeypatch.setattr(simplicity, "weighted", lambda columns, weights: columns)
+    monkeypatch.setattr(simplicity, "without", lambda basis, asked: slope)
+    rows = SimpleNamespace(
+        level_of_row=np.array([0, 0]),
+        by_theta=np.zeros((2, 1)),
+        fit=SimpleNamespace(model=SimpleNamespace(material=SimpleNamespace(parameters=[0]))),
+        weights=None,
+        factors=np.zeros((2, 1)),
+        residual=np.array([5.0, 1.0]),
+    )
+    # In units of the scatter of 2 the direction is 100 long.
+    size, chance, share = simplicity._one_step(rows, None, np.array([[200.0, 0.0]]))
+    if not seen:
+        assert (size.tolist(), chance.tolist(), share.tolist()) == ([0.0], [1.0], [0.0])
+        return
+    assert size[0] == pytest.approx(2.5 / np.sqrt(square))
+    # A score of 2.5, to both sides; 6.25 of what is left.
+    assert chance[0] == pytest.approx(0.012419331, rel=1e-6)
+    assert share[0] == pytest.approx(6.25 / 6.0)
+
+
+@pytest.mark.parametrize(("reference", "moved"), [(0, False), (1, True)])
+def test_a_law_is_one_at_the_level_of_the_curve(reference, moved, monkeypatch):
+    asked = []
+    monkeypatch.setattr(curve, "replace", lambda thing, **more: SimpleNamespace(**more))
+    monkeypatch.setattr(curve, "Direct", lambda data, *rest: asked.append(data) or "direct")
+    monkeypatch.setattr(curve, "judged_laws", lambda *given: laws.JudgedLaws([], []))
+    rows = SimpleNamespace(
+        fit=SimpleNamespace(measurement="data", objective=None),
+        material=None,
+        elements=[SimpleNamespace(reference=0)],
+        expected=None,
+    )
+    factors = SimpleNamespace(reference=reference, levels=np.array([20.0, 30.0]))
+    curve._laws(rows, factors, SimpleNamespace(placed=None), None, None)
+    if moved:
+        assert asked[0].reference == pytest.approx(303.15)
+    else:
+        assert asked == ["data"]
