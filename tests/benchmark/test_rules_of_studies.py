@@ -261,7 +261,7 @@ def test_what_an_optimiser_raises_is_a_status(mood, status, reason):
     [found] = shop(mood).run(WorkOrder(0, (2,)))
     assert (found.status, found.reason, found.repetition) == (status, reason, 2)
     results, worn = fork_server._result(shop(mood), WorkOrder(0, (2,)), lambda: None)
-    assert ([each.status for each in results], worn) == ([status], False)
+    assert ([(each.status, each.reason) for each in results], worn) == ([(status, reason)], False)
 
 
 def test_an_optimiser_that_changes_the_problem_is_told():
