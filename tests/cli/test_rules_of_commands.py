@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import io
 from types import SimpleNamespace
 
+import click
 import pytest
 
 from springpot import api
-from springpot.cli import timetests, waiting
+from springpot.cli import common, timetests, waiting
 
 
 class Shown:
@@ -59,3 +61,19 @@ def test_a_fit_that_is_not_good_enough_is_followed_by_what_comes_next(
     rated = None if standing is None else SimpleNamespace(good_enough=standing)
     timetests._show(SimpleNamespace(standing=rated), figure, ["a.csv"], "maxwell")
     assert capsys.readouterr().out.splitlines() == lines
+
+
+def test_an_answer_is_written_at_once():
+    class Noted(io.StringIO):
+        flushed = 0
+
+        def flush(self):
+            self.flushed += 1
+
+    stream = Noted()
+    with click.Context(click.Command("any")) as context:
+        context.meta[common.OUTPUT] = stream
+        common.print_json({"a": 1})
+        assert (stream.getvalue(), stream.flushed) == ('{\n  "a": 1\n}\n', 1)
+        common.print_json({"a": 1}, None)
+    assert stream.getvalue().splitlines()[3].replace(" ", "") == '{"a":1}'
