@@ -149,3 +149,20 @@ def test_a_material_as_lines_is_nearest_in_shares_of_its_stiffness():
     asking = replace(zener, material=SimpleNamespace(needs=frozenset({"amplitude"})))
     with pytest.raises(ModelError, match="its material is none of one temperature"):
         floor.as_lines(asking, np.zeros(3), rates)
+
+
+@pytest.mark.parametrize("missed", [0.0, 3.0])
+def test_a_fit_that_leaves_nothing_says_nothing_of_the_noise(missed, monkeypatch):
+    monkeypatch.setattr(left, "replace", lambda row, **more: more)
+    monkeypatch.setattr(left, "times_noise", lambda residual, size: float(residual[0]) / size)
+    fitted = SimpleNamespace(residuals=[np.array([missed, -missed])])
+    part = SimpleNamespace(relative_sd=np.array([0.01, 0.01]))
+    told = SimpleNamespace(over_floor=2.0, over_floor_alone=5.0)
+    [row] = left.Left.rows(fitted, [part], [scatter(1.5)], [told])
+    ratio = missed / 1.5
+    assert row == {
+        "relative_rms": pytest.approx(0.01 * missed),
+        "noise_floor": pytest.approx(0.01 * missed / ratio if missed else 0.0),
+        "over_floor": ratio,
+        "over_floor_alone": pytest.approx(2.5 * ratio),
+    }
