@@ -18,6 +18,7 @@ from springpot.benchmark.trial import Bell, Status, TrialResult, TwinProblem, Wo
 from springpot.errors import StudyError
 from springpot.identification import BatchedOptimiser, Card
 from springpot.identification.problem import Problem
+from springpot.identification.runs import run
 from springpot.measurement import DataSet
 
 
@@ -260,7 +261,7 @@ def test_what_an_optimiser_raises_is_a_status(mood, status, reason):
     [found] = shop(mood).run(WorkOrder(0, (2,)))
     assert (found.status, found.reason, found.repetition) == (status, reason, 2)
     results, worn = fork_server._result(shop(mood), WorkOrder(0, (2,)), lambda: None)
-    assert ([each.status for each in results], worn) == ([status], False)
+    assert ([(each.status, each.reason) for each in results], worn) == ([(status, reason)], False)
 
 
 def test_an_optimiser_that_changes_the_problem_is_told():
@@ -352,3 +353,12 @@ def test_a_script_is_loaded_once_and_its_faults_are_told_by_line(tmp_path):
 def test_a_clock_that_shows_nothing_gives_no_rate(processor, evaluations, each):
     row = SimpleNamespace(processor=processor, evaluations=evaluations)
     assert summary._each(row) == each
+
+
+def test_a_canary_goes_through_each_door():
+    problem = TwinProblem(small_study(datasets=[artificial()]).plan().cases[0]).problem
+    done = run(trial.Canary(), problem, trial.BUDGET, np.random.default_rng(7))
+    assert (done.evaluations, done.gradients, done.batched) == (4, 1, 2)
+    assert done.status == "budget"
+    other = replace(problem, measurement=measurement(1e-9))
+    assert trial.outcome(problem) == trial.outcome(problem) != trial.outcome(other)

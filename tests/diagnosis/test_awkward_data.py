@@ -4,6 +4,7 @@ No crash, one line, nothing invented.
 """
 
 import json
+import warnings
 
 import numpy as np
 import pytest
@@ -209,3 +210,13 @@ def test_computed_data_are_exact_beside_their_own_model_only():
         springpot.Measurement(omega, 100.0 + 20.0 * (1j * omega) ** 0.3), "kelvin"
     )
     assert diagnosis.verdict != "adequate"
+
+
+def test_where_nothing_of_a_material_is_left_the_answer_is_no_fault():
+    """All of K counts the other way: no material has any, and relative changes of it are none."""
+    omega = 2.0 * np.pi * np.geomspace(1.0, 50.0, 16)
+    loss = 5.0 * omega**0.7 * (1.0 + 0.01 * np.random.default_rng(5).normal(size=16))
+    data = springpot.Measurement(omega, 0.01 * omega**2 - 100.0 - 1j * loss)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert springpot.diagnose(data).verdict == "unexplained"

@@ -9,7 +9,7 @@ from zlib import crc32
 import numpy as np
 import pytest
 
-from springpot.diagnosis import verdict
+from springpot.diagnosis import answer, marginal, verdict
 from springpot.diagnosis.verdict import Facts
 from springpot.misfit.residual_battery import NEIGHBOURS
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
@@ -365,3 +365,49 @@ def test_a_verdict_in_words(monkeypatch, stays):
     moved = told()
     moved.search.confounded = [1]
     assert names(strong, moved, "unexplained") == []
+
+
+@pytest.mark.parametrize(
+    ("left", "ratio"),
+    [(25.0, 4.0), (200.0, 1.0), (0.0, 1e24), (-1e-9, 1e24), (1e-30, 1e24)],
+)
+def test_exact_data_leave_rounding_and_never_less(left, ratio):
+    """Less than nothing would make the chance of the unknown no number."""
+    noise = SimpleNamespace(source="estimated", dof=9.0)
+    search = SimpleNamespace(base=SimpleNamespace(fair_rss=100.0, noise=noise))
+    assert marginal._ratio(search, left) == pytest.approx(ratio)
+
+
+def test_repeats_add_what_they_tell_of_the_noise():
+    noise = SimpleNamespace(source="repeats", dof=20.0)
+    search = SimpleNamespace(base=SimpleNamespace(fair_rss=100.0, noise=noise))
+    assert marginal._ratio(search, 20.0) == pytest.approx(3.0)
+
+
+def test_what_an_effect_does_is_told_beside_the_fit_before(monkeypatch):
+    """Of one that was not fitted only what is foretold."""
+    monkeypatch.setattr(answer, "_parameters", lambda refit, effect, believed: {"m": believed})
+    before = SimpleNamespace(error=0.08, rss=400.0, floor=0.01, log_evidence=-50.0)
+    effect = SimpleNamespace(name="inertia", summary="a mass that moves along")
+    influence = SimpleNamespace(effect=effect)
+    score = SimpleNamespace(influence=influence, score=9.0, predicted=100.0, bound=0.002)
+    row = answer._candidate(before, score, None, True)
+    assert (row.probability, row.delta_bic, row.verdict) == (0.0, -np.inf, "cannot-tell")
+    assert (row.score, row.bound, row.says) == (9.0, 0.002, "a mass that moves along")
+    # A quarter of the squares is half of the error.
+    assert row.predicted_error == pytest.approx(0.04)
+    assert np.isnan([row.error_after, row.over_floor]).all()
+    assert answer._predicted(before, -1.0) == 0.0
+    refit = SimpleNamespace(error=0.02, log_evidence=-20.0)
+    grown_ = SimpleNamespace(refit=refit, predicted=25.0)
+    row = answer._candidate(before, score, grown_, True)
+    assert (row.delta_bic, row.error_after) == (60.0, 0.02)
+    assert row.over_floor == pytest.approx(2.0)
+    assert row.predicted_error == pytest.approx(0.02)
+    assert row.parameters == {"m": True}
+    pair = SimpleNamespace(refit=SimpleNamespace(error=0.0123, log_evidence=-12.0))
+    beside = answer._beside(row, "delay", pair, {})
+    assert (beside.delta_bic, beside.error_beside) == (60.0, 0.0123)
+    assert beside.says == "beside delay: a mass that moves along; 1.23 % is left with both"
+    alone = SimpleNamespace(refit=SimpleNamespace(log_evidence=-15.0))
+    assert answer._beside(row, "delay", pair, {"delay": alone}).delta_bic == pytest.approx(6.0)

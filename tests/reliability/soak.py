@@ -25,6 +25,8 @@ import numpy as np
 FOLDER = Path(__file__).resolve().parent
 ROOT = FOLDER.parents[1]
 PREFIX = "soak_"
+PATHS = [str(FOLDER), str(FOLDER.parent)]
+"""Where the parts find one another, and what all tests share."""
 
 
 class Row(NamedTuple):
@@ -123,5 +125,5 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 if __name__ == "__main__":
     # Parts import this module by its name, and must find the same `Row`.
-    sys.path.insert(0, str(FOLDER))
+    sys.path[:0] = PATHS
     sys.exit(import_module("soak").main())

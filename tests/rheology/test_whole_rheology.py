@@ -151,3 +151,20 @@ def test_parameters_of_all_models_and_effects(stays):
         element = getattr(item, "element", item)
         rows[name] = {p.name: [p, p.is_order] for p in element.parameters}
     stays(rows)
+
+
+def test_what_all_effects_are(stays):
+    """Where they join, which tests can have them, and where they are gone."""
+    rows = {}
+    for each in sorted(plugins().items("effect"), key=lambda each: each.name):
+        one = each.of_one("test 1")
+        rows[each.name] = {
+            "layer": each.layer.name,
+            "of": [each.of_test, each.of_apparatus, each.in_time, each.by_levels, each.narrow],
+            "plane": each.plane,
+            "gone at": each.vanishes_at,
+            "needs": sorted(each.needs),
+            "tests": [str(each.applies_to), sorted(each.applies_to.controls)],
+            "one": [one.name, one.expression, one.aliases, str(one.applies_to)],
+        }
+    stays(rows)

@@ -165,7 +165,7 @@ def test_a_modulus_that_nobody_told_is_asked_for_in_one_line(springpot, fitted):
     path = fitted("storage [MPa],loss [MPa]")
     asked = ["export-model", path, "--to", "ansys", "--band", BAND, "--poisson", "0.49"]
     assert springpot(*asked).is_one_line("give --modulus shear, young or bulk")
-    assert "measured: shear modulus" in springpot(*asked, "--modulus", "shear").out
+    assert "told by the shear modulus" in springpot(*asked, "--modulus", "shear").out
     assert springpot(*asked, "--modulus", "soft").is_one_line("shear, young, bulk")
     assert springpot(*asked, "--modulus", "shear", "--bulk", "soft").is_one_line(
         "constant or relaxing"

@@ -207,3 +207,21 @@ def test_a_description_gives_its_frame(tmp_path):
     # Three of them at 60 degrees: a quarter of the stiffness reaches the floor.
     assert damper.size == pytest.approx(0.75)
     assert frame.floor_per_axis.tolist() == pytest.approx([1.5])
+
+
+@pytest.mark.parametrize("size", [0.5, 20.0])
+def test_a_positive_parameter_is_drawn_by_its_logarithm_whatever_its_size(size):
+    model = parse_model("kelvin")
+    theta = np.array([size, 0.0])
+    covariance = np.diag([(2.0 * size) ** 2, 0.0])
+    damper = Damper(model, theta, covariance=covariance)
+    rng = np.random.default_rng(4)
+    drawn = np.array([damper.drawn(rng).theta for _ in range(60)])
+    assert np.all(drawn[:, 0] > 0.0)
+    # A standard deviation of 2 of the logarithm, about that of the size.
+    logs = np.log(drawn[:, 0] / size)
+    assert abs(np.mean(logs)) < 1.0
+    assert 1.5 < np.std(logs) < 2.5
+    # What is nothing has no logarithm, and stays.
+    assert np.all(drawn[:, 1] == 0.0)
+    assert Damper(model, theta).drawn(rng).theta is theta

@@ -9,13 +9,17 @@ import numpy as np
 import pytest
 
 from springpot.errors import DataError
+from springpot.format_numbers import number
+from springpot.measurement import Measurement
 from springpot.measurement.imposed import Loading
 from springpot.measurement.timetest import TimeTest
+from springpot.rheology.levels import HELD
 from springpot.superposition import after_steps as steps
-from springpot.superposition import laws, simplicity
+from springpot.superposition import curve, laws, simplicity
 from springpot.thresholds import SUPERPOSITION
 
 DECADE = np.log(10.0)
+ROOM = HELD["temperature"]
 
 
 def relaxation(time, response, start=0.0, rise=0.0, size=2.0, **more):
@@ -251,3 +255,125 @@ def test_an_error_of_its_own_makes_the_misfit_of_a_law_what_is_to_be_expected():
 def test_a_parameter_rests_on_a_bound(theta, at_bound):
     task = laws._Task(None, None, None, None, None, np.zeros(1), np.ones(1))
     assert task.at_bound(np.array([theta])) == at_bound
+
+
+@pytest.mark.parametrize(("square", "seen"), [(1e-5, False), (0.99e-4, False), (1.01e-4, True)])
+def test_a_step_is_told_where_spectrum_and_factors_leave_some_of_its_direction(
+    square, seen, monkeypatch
+):
+    slope = np.array([[np.sqrt(square)], [0.0]])
+    monkeypatch.setattr(simplicity, "_excess", lambda alone, rows: np.array([6.0]))
+    monkeypatch.setattr(simplicity, "_variance", lambda alone, rows: np.array([4.0]))
+    monkeypatch.setattr(simplicity, "weighted", lambda columns, weights: columns)
+    monkeypatch.setattr(simplicity, "without", lambda basis, asked: slope)
+    rows = SimpleNamespace(
+        level_of_row=np.array([0, 0]),
+        by_theta=np.zeros((2, 1)),
+        fit=SimpleNamespace(model=SimpleNamespace(material=SimpleNamespace(parameters=[0]))),
+        weights=None,
+        factors=np.zeros((2, 1)),
+        residual=np.array([5.0, 1.0]),
+    )
+    # In units of the scatter of 2 the direction is 100 long.
+    size, chance, share = simplicity._one_step(rows, None, np.array([[200.0, 0.0]]))
+    if not seen:
+        assert (size.tolist(), chance.tolist(), share.tolist()) == ([0.0], [1.0], [0.0])
+        return
+    assert size[0] == pytest.approx(2.5 / np.sqrt(square))
+    # A score of 2.5, to both sides; 6.25 of what is left.
+    assert chance[0] == pytest.approx(0.012419331, rel=1e-6)
+    assert share[0] == pytest.approx(6.25 / 6.0)
+
+
+@pytest.mark.parametrize(("reference", "moved"), [(0, False), (1, True)])
+def test_a_law_is_one_at_the_level_of_the_curve(reference, moved, monkeypatch):
+    asked = []
+    monkeypatch.setattr(curve, "replace", lambda thing, **more: SimpleNamespace(**more))
+    monkeypatch.setattr(curve, "Direct", lambda data, *rest: asked.append(data) or "direct")
+    monkeypatch.setattr(curve, "judged_laws", lambda *given: laws.JudgedLaws([], []))
+    rows = SimpleNamespace(
+        fit=SimpleNamespace(measurement="data", objective=None),
+        material=None,
+        elements=[SimpleNamespace(reference=0)],
+        expected=None,
+    )
+    factors = SimpleNamespace(reference=reference, levels=np.array([20.0, 30.0]))
+    curve._laws(rows, factors, SimpleNamespace(placed=None), None, None)
+    if moved:
+        assert asked[0].reference == pytest.approx(303.15)
+    else:
+        assert asked == ["data"]
+
+
+@pytest.mark.parametrize(
+    ("column", "wanted", "number", "noted"),
+    [
+        ("temperature", None, 2, False),
+        ("temperature", 20.0 + ROOM, 1, False),
+        ("temperature", 20.01 + ROOM, 1, True),
+        ("temperature", 26.0, 2, True),
+        ("strain", 20.2, 1, False),
+        ("strain", 20.3, 1, True),
+        ("strain", 19.81, 1, False),
+        ("strain", 19.7, 1, True),
+    ],
+)
+def test_the_reference_is_the_nearest_level_that_was_measured(column, wanted, number, noted):
+    factors = SimpleNamespace(column=column, levels=np.array([10.0, 20.0, 30.0]), reference=2)
+    found, notes = curve._reference(factors, wanted)
+    assert (found, bool(notes)) == (number, noted)
+    if noted:
+        assert notes[0].startswith("nothing was measured at")
+
+
+OMEGA = np.array([1.0, 2.0, 3.0])
+
+
+@pytest.mark.parametrize(
+    ("omega", "conditions", "says"),
+    [
+        (OMEGA, {"strain": OMEGA}, ""),
+        (OMEGA, {"force": OMEGA}, "no column 'strain' to shift by; the data have force: name one"),
+        (OMEGA, {}, "no column 'strain' to shift by; the data have no condition at all"),
+        (np.ones(3), {"strain": OMEGA}, "all points have one frequency"),
+    ],
+)
+def test_sweeps_at_levels_of_a_column_are_shifted(omega, conditions, says):
+    data = Measurement(omega, omega + 1j, conditions=conditions, name="made")
+    if not says:
+        curve._check(data, "strain")
+        return
+    with pytest.raises(DataError, match=says):
+        curve._check(data, "strain")
+
+
+def test_an_error_is_relative_at_each_point():
+    data = SimpleNamespace(points=None, stiffness=np.array([1.0 + 0j, 100.0 + 0j]))
+    model = SimpleNamespace(stiffness=lambda theta, points: np.array([1.3, 60.0]))
+    fitted = SimpleNamespace(measurement=data, model=model, theta=None)
+    assert curve._error(fitted) == pytest.approx(np.sqrt((0.09 + 0.16) / 2.0))
+
+
+@pytest.mark.parametrize(
+    ("value", "vertical", "told"),
+    [
+        (1.0, False, False),
+        (2.0, False, False),
+        (2.1, False, True),
+        (0.9, False, True),
+        (9.0, True, False),
+    ],
+)
+def test_a_law_without_vertical_factors_is_told_where_it_is_another(value, vertical, told):
+    parameter = SimpleNamespace(name="Ea", unit=SimpleNamespace(label="kJ/mol"))
+    law = SimpleNamespace(
+        vertical=vertical, name="Arrhenius", element=SimpleNamespace(parameters=[parameter])
+    )
+    best = SimpleNamespace(law=law, low=np.array([1.0]), high=np.array([2.0]))
+    alone = np.array([value]), np.array([value - 0.5]), np.array([value + 0.5])
+    said = curve._without_vertical([best], lambda element: alone)
+    assert bool(said) == told
+    if told:
+        shown = [number(each, 4) for each in (value, value - 0.5, value + 0.5)]
+        assert "has Ea {} [{}, {}] kJ/mol".format(*shown) in said[0]
+    assert curve._without_vertical([], None) == []

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.optimize import nnls
 
+from springpot.errors import ModelError
 from springpot.measurement import Loading, TimeTest
-from springpot.timetests import left, material
+from springpot.registry import parse_model
+from springpot.timetests import floor, left, material
 from springpot.timetests.residuals_of_tests import COARSE, part_of
 
 
@@ -123,3 +127,42 @@ def test_an_effect_is_untold_where_lines_do_what_it_did(slope, log, told):
         assert found.startswith("c: another material could have done the same")
     search.model.of_tests = False
     assert material._Search.untold(search, weights, np.zeros(1)) == ""
+
+
+def test_a_material_as_lines_is_nearest_in_shares_of_its_stiffness():
+    model, rates = parse_model("fractional-zener"), np.geomspace(0.01, 100.0, 9)
+    theta = model.theta(k1=3.0, k2=400.0, c=60.0, alpha=0.6)
+    found = floor.as_lines(model, theta, rates)
+    s = 1j * rates[:, None]
+    exact = model.stiffness(theta, rates)
+    columns = np.hstack([np.ones_like(s), s, s / (s + rates)]) / np.abs(exact)[:, None]
+    matrix = np.concatenate([columns.real, columns.imag])
+    target = np.concatenate([exact.real, exact.imag]) / np.tile(np.abs(exact), 2)
+    amounts, _ = nnls(matrix, target)
+    np.testing.assert_allclose([found[0], found[1], *found[3]], amounts, rtol=1e-6, atol=1e-9)
+    # Lines of its own are told as they are.
+    zener = parse_model("zener")
+    own = floor.as_lines(zener, zener.theta(k1=5.0, k2=7.0, c=0.7), np.array([0.1, 10.0, 50.0]))
+    assert own[0] == pytest.approx(5.0)
+    assert own[1] == pytest.approx(0.0, abs=1e-9)
+    np.testing.assert_allclose(own[3], [0.0, 7.0, 0.0], atol=1e-9)
+    asking = replace(zener, material=SimpleNamespace(needs=frozenset({"amplitude"})))
+    with pytest.raises(ModelError, match="its material is none of one temperature"):
+        floor.as_lines(asking, np.zeros(3), rates)
+
+
+@pytest.mark.parametrize("missed", [0.0, 3.0])
+def test_a_fit_that_leaves_nothing_says_nothing_of_the_noise(missed, monkeypatch):
+    monkeypatch.setattr(left, "replace", lambda row, **more: more)
+    monkeypatch.setattr(left, "times_noise", lambda residual, size: float(residual[0]) / size)
+    fitted = SimpleNamespace(residuals=[np.array([missed, -missed])])
+    part = SimpleNamespace(relative_sd=np.array([0.01, 0.01]))
+    told = SimpleNamespace(over_floor=2.0, over_floor_alone=5.0)
+    [row] = left.Left.rows(fitted, [part], [scatter(1.5)], [told])
+    ratio = missed / 1.5
+    assert row == {
+        "relative_rms": pytest.approx(0.01 * missed),
+        "noise_floor": pytest.approx(0.01 * missed / ratio if missed else 0.0),
+        "over_floor": ratio,
+        "over_floor_alone": pytest.approx(2.5 * ratio),
+    }

@@ -54,6 +54,7 @@ FITS = {
     "swept too": (lambda: [relaxed(), swept()], MAXWELL),
     "too simple": (lambda: relaxed(), "maxwell"),
     "of material": (lambda: relaxed(), "material"),
+    "both of material": (lambda: [relaxed(), crept()], "material"),
 }
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,12 @@ from springpot.web import desk, server, sessions
 from springpot.web.sessions import State
 
 TOKEN = "right"
+
+
+def _ran(coroutine: Any) -> Any:
+    """In a thread of its own: the tests in a browser leave a loop running in this one."""
+    with ThreadPoolExecutor(1) as pool:
+        return pool.submit(asyncio.run, coroutine).result()
 
 
 def asked(
@@ -43,7 +50,7 @@ def asked(
     plain = {"host": "127.0.0.1:80", server.TOKEN.decode(): TOKEN}
     sent = [(k.replace("_", "-").encode(), v.encode()) for k, v in (plain | headers).items() if v]
     scope = {"type": "http", "path": path, "headers": sent}
-    asyncio.run(server.Guard(echo, TOKEN, largest)(scope, receive, send))
+    _ran(server.Guard(echo, TOKEN, largest)(scope, receive, send))
     return told[0]["status"], dict(told[0]["headers"]), told[1]["body"]
 
 
@@ -120,7 +127,7 @@ def test_two_clocks_run_while_a_body_comes(monkeypatch):
         # The whole body is there: what follows is waited for as long as a fit takes.
         await limited()
 
-    asyncio.run(several())
+    _ran(several())
     assert waits == [server.PATIENCE, 1.0, -200.0]
 
 
@@ -176,7 +183,7 @@ def answers(worker: Ready, keys: list[str], together: bool = False) -> list[list
         assert bench._running == {}
         return found
 
-    return asyncio.run(all_of_them())
+    return _ran(all_of_them())
 
 
 STAGE, ONE, TWO = b'{"stage": "fit"}\n', b'{"result": 1}\n', b'{"result": 2}\n'

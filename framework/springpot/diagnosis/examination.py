@@ -8,7 +8,7 @@ In units of a noise that is borne out, and without points that no physics explai
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -439,6 +439,7 @@ def examine(
     elif verdict == "unexplained":
         evidence = evidence.doubted(naming.left.p_value).beside_drift()
     diagnosis = answer(measurement, search, floor, evidence, outliers, verdict, library, course)
+    diagnosis = replace(diagnosis, left_out=search.scan.mute)
     if not outliers:
         # Of points that were set aside no fit tells how far they are off.
         diagnosis = in_practice(diagnosis, [misfit_of(search.base)], accuracy)

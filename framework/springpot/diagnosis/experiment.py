@@ -36,6 +36,7 @@ from springpot.rheology.points import KELVIN, Complex, Points, Real
 from springpot.thresholds import EXPERIMENT
 
 from ..format_numbers import NAMED
+from ..numerics import ALIKE
 from .result import NextExperiment
 
 TYPED_IN, WAITED_FOR, WORKED_FOR = 1.0, 1.5, 2.0
@@ -270,7 +271,7 @@ class Clash:
             limits = np.where(logs[:, None], np.log(bounds), bounds)
         start = np.where(logs, np.log(np.maximum(self.rival.theta, 1e-300)), self.rival.theta)
         # The solver refuses a start on a bound, where fits often end.
-        inside = np.clip(start, limits[:, 0] + 1e-9, limits[:, 1] - 1e-9)
+        inside = np.clip(start, limits[:, 0] + ALIKE, limits[:, 1] - ALIKE)
 
         def theta(x: Real) -> Real:
             return np.where(logs, np.exp(np.minimum(x, 700.0)), x)
@@ -349,7 +350,7 @@ class Clash:
         network = refit.model.network
         if scale != 1.0:
             # No specimen is one of hardly any size, as a network cannot be empty.
-            network = refit.model.resized(max(scale, 1e-9), mass)
+            network = refit.model.resized(max(scale, ALIKE), mass)
         with np.errstate(all="ignore"):
             response = network.respond(theta, self.action.points, GRADIENT)
         return response.value, response.by_theta

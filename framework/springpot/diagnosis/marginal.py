@@ -27,6 +27,7 @@ from springpot.misfit.refit import Refit
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import EVIDENCE, VERDICT
 
+from ..numerics import ROUNDING, SMALLEST
 from .grown import Grown, Search
 
 ROW_BY_ROW = "from row to row"
@@ -465,7 +466,9 @@ def _drop(search: Search, rss: float, spent: int) -> float:
 def _ratio(search: Search, rss: float) -> float:
     """Sum of squares of the base over that of a grown model, at least one; both count repeats."""
     known = _known(search)
-    return max((search.base.fair_rss + known) / max(rss + known, 1e-300), 1.0)
+    whole = search.base.fair_rss + known
+    # What is left of exact data is rounding: less than that, or less than nothing, is no number.
+    return max(whole / max(rss + known, ROUNDING**2 * whole, SMALLEST), 1.0)
 
 
 def _freedom(search: Search) -> float:

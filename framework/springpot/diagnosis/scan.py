@@ -11,7 +11,7 @@ nuisance parameter; simulation treats any number).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from math import inf
 
 import numpy as np
@@ -30,6 +30,7 @@ from springpot.misfit.frame import (
     relative_to,
 )
 from springpot.misfit.refit import Refit
+from springpot.owners import owned
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
@@ -74,6 +75,8 @@ class Influence:
         Root mean square of |change| / |K|.
     added : tuple of str
         Names of the effect's own parameters, its size first.
+    told : bool
+        Whether K is a number at any setting of the whole grid.
     """
 
     effect: Effect
@@ -82,6 +85,7 @@ class Influence:
     change: Complex
     relative: Real
     added: tuple[str, ...]
+    told: bool
 
     def sized(self, setting: int, factor: float) -> dict[str, float]:
         """Own parameters at a setting, of a size that changes K `factor` times as much."""
@@ -137,7 +141,8 @@ def influence(
     relative = np.sqrt(np.mean(np.abs(change / whole) ** 2, axis=-1))
     usable = np.isfinite(relative) & (relative > LEAST_RELATIVE)
     names = tuple(parameter.name for parameter in added)
-    return Influence(effect, grown, full[usable], change[usable], relative[usable], names)
+    told = bool(np.any(np.isfinite(relative)))
+    return Influence(effect, grown, full[usable], change[usable], relative[usable], names, told)
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,11 +225,14 @@ class Scan:
         Chance that noise alone gives the best score somewhere in the library.
     threshold : float
         Score that noise alone exceeds with a chance of 1 %.
+    mute : dict of str to str
+        Effects that give no number whatever their parameters, and that this is why.
     """
 
     scores: list[Score]
     p_value: float
     threshold: float
+    mute: dict[str, str] = field(default_factory=dict)
 
 
 def scan(
@@ -318,7 +326,10 @@ def scan_effects(
     influences = [
         influence(base.model, base.theta, base.stiffness, effect, measurement) for effect in effects
     ]
-    return scan(frame, [each for each in influences if len(each.theta)], rng, threshold)
+    found = scan(frame, [each for each in influences if len(each.theta)], rng, threshold)
+    names = [each.effect.name for each in influences if not each.told]
+    why = "the {} gives no number (nan), whatever its parameters"
+    return replace(found, mute={name: why.format(owned("effect", name)) for name in names})
 
 
 def _simulated_maxima(

@@ -138,6 +138,8 @@ def fitted_model(model: Model, kept: Mapping[str, Any]) -> tuple[Model, Real]:
         model = model.bound_to(measurement_of(kept["measurement"]).points)
     # Strictly: of a model that has changed since the numbers may mean something else, and it is
     # refused.
+    if any(isinstance(value, str) for value in kept["theta"]):
+        raise ValueError("theta holds a word where a number belongs")
     theta = model.vector(dict(zip(model.names, kept["theta"], strict=True)))
     if not all(
         p.lower <= value <= p.upper

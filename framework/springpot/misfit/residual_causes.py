@@ -33,7 +33,7 @@ from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import VERDICT
 
-from ..numerics import MOST_STEPS
+from ..numerics import MOST_STEPS, ROUNDING
 from .frame import LEAST_SEEN, NoiseFrame, chance_of_squares, orthonormal, relative_to
 from .refit import Refit
 from .where import where
@@ -116,9 +116,19 @@ def step_of(frame: NoiseFrame) -> float:
     return float(max(np.median(np.diff(distinct)), np.ptp(distinct) / MOST_STEPS))
 
 
+def _present(frame: NoiseFrame) -> Complex:
+    """K of the model (n,); where there is none of it, one that is nothing beside the measured.
+
+    A relative change of zero is no change, and its reciprocal no number.
+    """
+    least = ROUNDING * np.max(frame.measurement.magnitude)
+    there = np.abs(frame.model_stiffness) > least
+    return np.where(there, frame.model_stiffness, least)
+
+
 def _bumps(frame: NoiseFrame, x: Real, rows: Rows, width: float) -> Iterator[tuple[str, Real]]:
     """Columns (2m, q) of the causal curve and of those whose parts are independent, whitened."""
-    stiffness = frame.model_stiffness[rows]
+    stiffness = _present(frame)[rows]
     shapes = np.array(list(_shapes(x[rows], stiffness, width)))
     weights = frame.weights[rows]
 

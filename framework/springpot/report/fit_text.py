@@ -14,6 +14,7 @@ from springpot.identification.result import Identification
 from springpot.identification.value import Value
 from springpot.rheology.drawing import drawing_of
 
+from ..numerics import NEGLIGIBLE
 from .answers import reference_note
 from .document import Listing, Passage, Preformatted, Prose
 from .figures import beside_floors, in_words
@@ -125,7 +126,9 @@ def _budget(identified: Identification) -> Passage:
     for name, row in identified.budget.items():
         value = abs(identified.parameters[name].value) or nan
         whole = hypot(*row.values())
-        rows.append([name, *(percent(part / value, 2) for part in (*row.values(), whole))])
+        # What another fit moves by rounding is no term.
+        parts = [part * (part > NEGLIGIBLE * value) for part in row.values()]
+        rows.append([name, *(percent(part / value, 2) for part in (*parts, whole))])
     headers = ("standard uncertainty", *terms, "together")
     return TextTable(headers, rows, frozenset(headers[1:])) if rows else Prose()
 

@@ -308,8 +308,8 @@ class Solid:
         if self.constant:
             bulk = f"the bulk modulus is constant, {self.bulk.equilibrium:.9g}"
         return (
-            f"measured: {MODULUS_WORDS[self.measured]}; Poisson's ratio {self.poisson:.6g} at once;"
-            f" {bulk}"
+            f"told by the {MODULUS_WORDS[self.measured]};"
+            f" Poisson's ratio {self.poisson:.6g} at once; {bulk}"
         )
 
 

@@ -1,0 +1,79 @@
+"""Small rules of commands that run fits, by hand: nothing is fitted."""
+
+from __future__ import annotations
+
+import io
+from types import SimpleNamespace
+
+import click
+import pytest
+
+from springpot import api
+from springpot.cli import common, timetests, waiting
+
+
+class Shown:
+    """What is shown while one waits, of which a test notes the words."""
+
+    def __init__(self, words):
+        self.words = words
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        return None
+
+    def told(self, word):
+        self.words.append(word)
+
+
+@pytest.mark.parametrize("optimiser", [None, "pso-paper"])
+def test_nothing_moves_on_the_terminal_while_an_optimiser_runs_in_a_copy(optimiser, monkeypatch):
+    words, drawn, printed = [], [], []
+    fit = SimpleNamespace(plot=drawn.append, standing=None)
+    monkeypatch.setattr(waiting, "Waiting", lambda: Shown(words))
+    monkeypatch.setattr(api, "identify", lambda tests, model, **options: fit)
+    monkeypatch.setattr(timetests, "emit", lambda what, as_json, show: printed.append(as_json))
+    model = SimpleNamespace(name="maxwell")
+    for figure in (None, "fit.svg"):
+        timetests.identify([], ["a.csv"], model, figure, False, True, {"optimiser": optimiser})
+    assert words == ["fitting maxwell"] * (2 * (optimiser is None))
+    assert drawn == ["fit.svg"]
+    assert printed == [True, True]
+
+
+@pytest.mark.parametrize(
+    ("standing", "figure", "lines"),
+    [
+        (None, None, ["told"]),
+        (None, "fit.svg", ["told", "figure      fit.svg"]),
+        (True, None, ["told"]),
+        (False, None, ["told", "", "next: springpot diagnose a.csv --model maxwell"]),
+    ],
+)
+def test_a_fit_that_is_not_good_enough_is_followed_by_what_comes_next(
+    standing, figure, lines, monkeypatch, capsys
+):
+    from springpot.report import told
+
+    monkeypatch.setattr(told, "told", lambda fit, width: "told")
+    rated = None if standing is None else SimpleNamespace(good_enough=standing)
+    timetests._show(SimpleNamespace(standing=rated), figure, ["a.csv"], "maxwell")
+    assert capsys.readouterr().out.splitlines() == lines
+
+
+def test_an_answer_is_written_at_once():
+    class Noted(io.StringIO):
+        flushed = 0
+
+        def flush(self):
+            self.flushed += 1
+
+    stream = Noted()
+    with click.Context(click.Command("any")) as context:
+        context.meta[common.OUTPUT] = stream
+        common.print_json({"a": 1})
+        assert (stream.getvalue(), stream.flushed) == ('{\n  "a": 1\n}\n', 1)
+        common.print_json({"a": 1}, None)
+    assert stream.getvalue().splitlines()[3].replace(" ", "") == '{"a":1}'

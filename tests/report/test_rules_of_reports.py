@@ -1,0 +1,44 @@
+"""Small rules of what is told of a fit, at both sides of their edges."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from springpot.measurement import Measurement
+from springpot.report import fit_text
+
+OMEGA = np.array([1.0, 2.0, 3.0, 4.0])
+
+
+@pytest.mark.parametrize(
+    ("conditions", "needs", "notes"),
+    [
+        ({}, (), []),
+        ({"temperature": np.full(4, 20.0)}, (), []),
+        (
+            {"temperature": np.array([20.0, 20.0, 30.0, 30.0])},
+            (),
+            ["temperature was not used: the data have 2 levels"],
+        ),
+        ({"temperature": np.array([20.0, 20.0, 30.0, 30.0])}, ("temperature",), []),
+        (
+            {"temperature": np.array([1.0, 9.0, 20.0, 30.0]), "amplitude": OMEGA},
+            (),
+            ["temperature was not used: the data have 4 levels", "amplitude was not used"],
+        ),
+        ({"current": OMEGA}, (), []),
+    ],
+)
+def test_a_condition_that_varies_and_is_not_used_is_told(conditions, needs, notes):
+    data = Measurement(OMEGA, OMEGA + 1j, conditions=conditions)
+    fitted = SimpleNamespace(
+        sweep=data, measurement=data, model=SimpleNamespace(needs=frozenset(needs))
+    )
+    found = fit_text.unused(fitted)
+    assert len(found) == len(notes)
+    assert all(told.startswith(note) for told, note in zip(found, notes, strict=True))
+    fitted.sweep = None
+    assert fit_text.unused(fitted) == []
