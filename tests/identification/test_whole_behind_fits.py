@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from types import SimpleNamespace
 
 import numpy as np
@@ -136,7 +137,7 @@ def test_branches_and_shapes_of_a_network(name, stays):
     unit = coordinates.Coordinates.of(model.parameters, points.log_omega.mean(), stiffness, 2.0)
     size = unit.size[0]
     found = {
-        "branches": vars(branches),
+        "branches": {each.name: getattr(branches, each.name) for each in fields(branches)},
         "leaders": [branches.leaders, branches.free, starts.shape_count(branches)],
         "coordinates": [unit.bounds(), unit.size, unit.slopes(theta, size), unit.u(theta, size)],
     }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 from lawful_data import AMPLITUDE, OMEGA, lossy, material, swept
@@ -92,6 +94,8 @@ def test_what_no_formula_is_is_called_so(stays):
     found = springpot.invent(swept(lambda k, x: k * (1.0 + 0.1 * np.sin(9.0 * np.log(OMEGA) + x))))
     assert found.verdict == "none"
     assert "no law of the grammar follows it" in found.says
+    # A law is tried under a name that nobody should read, in a unit neither.
+    assert "try-" not in json.dumps(found.to_dict())
     stays(found.to_dict())
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -138,8 +139,11 @@ def _told(
 def _parameters(grown: Grown, by_profile: bool) -> dict[str, Value]:
     mine = f"{grown.effects[0].name}."
     values = printed(grown.refit, by_profile)
+    # An order stands in the unit of what goes with it, by the name of the law and not of its try.
     return {
-        name.removeprefix(mine): value for name, value in values.items() if name.startswith(mine)
+        name.removeprefix(mine): replace(value, unit=value.unit.replace(mine, ""))
+        for name, value in values.items()
+        if name.startswith(mine)
     }
 
 
