@@ -398,12 +398,13 @@ def _noise_of_slopes(rows: FactorRows, sd: Real) -> Real:
     """
     used = np.linalg.norm(rows.spectrum, axis=0) > 0.0
     basis, bent = rows.spectrum[:, used], rows.bent[:, used]
+    # By columns of one size: a line that has all but passed within the measured times is tiny, and
+    # what rounding leaves of it would be taken for noise without end.
     size = np.linalg.norm(basis, axis=0)
-    left, values, right = _spanned(basis / size)
+    basis, bent = basis / size, bent / size
+    left, values, right = _spanned(basis)
     # What the spectrum makes of the noise, in as many independent ways as it has.
-    turn, spread, _ = np.linalg.svd(
-        (right.T / values) @ (left.T * sd) / size[:, None], full_matrices=False
-    )
+    turn, spread, _ = np.linalg.svd((right.T / values) @ (left.T * sd), full_matrices=False)
     ways = turn * spread
     errors, seen, levels = [], [], []
     for element in rows.elements:
