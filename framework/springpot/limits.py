@@ -75,8 +75,8 @@ def limited(action: Callable[[], T], seconds: float, memory: int) -> T:
     """
     if not _own or _clock is not None or not _hears_signals():
         return action()
-    with _limited_memory(memory), _unheard_in_finalisers():
-        return _in_time(action, seconds)
+    with _unheard_in_finalisers():
+        return _in_time(lambda: _in_memory(action, memory), seconds)
 
 
 def _hears_signals() -> bool:
@@ -137,22 +137,25 @@ def _unheard_in_finalisers() -> Iterator[None]:
         sys.unraisablehook = before
 
 
-@contextmanager
-def _limited_memory(more: int) -> Iterator[None]:
-    """Let the process have so many bytes more than now, as far as the system can enforce it."""
+def _in_memory(action: Callable[[], T], more: int) -> T:
+    """What `action` gives with so many bytes more than the process has now.
+
+    As far as the system can enforce it.
+    """
     had = address_space()
     if had is None:
-        yield
-        return
+        return action()
     import resource
 
-    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
-    wanted = [had + more, *(limit for limit in (soft, hard) if limit != resource.RLIM_INFINITY)]
+    _, hard = both = resource.getrlimit(resource.RLIMIT_AS)
+    wanted = [had + more, *(limit for limit in both if limit != resource.RLIM_INFINITY)]
     resource.setrlimit(resource.RLIMIT_AS, (min(wanted), hard))
     try:
-        yield
+        return action()
     finally:
-        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+        # Before anything else, and by nothing that was not there: where memory is at its end
+        # CPython 3.11 does not survive the call of a function.
+        resource.setrlimit(resource.RLIMIT_AS, both)
 
 
 def address_space() -> int | None:

@@ -16,8 +16,9 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from answers import asked, cases_of, gist, keep, kept, moved
 from cases import CASES
+
+from answers import asked, cases_of, gist, keep, kept, moved
 
 
 def answers_of(kind: str) -> dict[str, Any]:

@@ -9,8 +9,9 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from answers import asked, cases_of, gist, kept, moved, same
 from cases import CASES
+
+from answers import asked, cases_of, gist, kept, moved, same
 
 ONE_IN = 8
 """The suite asks each eighth question, the soak all of them."""
