@@ -255,7 +255,9 @@ def _work(
             limit_memory(memory)
         # If the process that waits is killed, nobody else would end this one.
         threading.Thread(target=_die_with_parent, args=(lifeline,), daemon=True).start()
-        with os.fdopen(report, "wb", buffering=0) as stream:
+        # It closes with the process: were it closed before, the one that waits would end this one
+        # in the middle of its own end, and tell of a signal.
+        with os.fdopen(report, "wb", buffering=0, closefd=False) as stream:
             action(stream.write)
         end_children()
         sys.stdout.flush()
