@@ -30,6 +30,7 @@ from springpot.errors import DataError, ModelError, OptionError
 from springpot.identification.calibration import calibration_of
 from springpot.identification.fitting import identify as identify_objects
 from springpot.identification.fitting import searched
+from springpot.identification.native import Fit
 from springpot.identification.problem import Objective
 from springpot.identification.result import Identification
 from springpot.identification.runs import Optimiser
@@ -38,7 +39,7 @@ from springpot.invention.inventing import invent as invent_objects
 from springpot.invention.result import Invention
 from springpot.measurement.joining import joined
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.opening import Test, sweep_of
+from springpot.measurement.opening import PROMISED, Test, sweep_of
 from springpot.measurement.other_test import OtherTest
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.material import any_material
@@ -193,13 +194,14 @@ def _calibrated(
     """A fit whose intervals hold what the instrument promises."""
 
     def again(moved: Sequence[Test]) -> Mapping[str, float]:
-        data, found = sweep_of(moved), None
+        data, seeds = sweep_of(moved), [fit.theta]
         if data is None:
-            near: dict[str, Any] = {"seeds": [fit.theta], "thorough": False, "near": True}
-            found = identify_in_time(moved, fit.model, objective=objective, **near)
-            return dict(zip(found.model.names, found.theta.tolist(), strict=True))
-        best = searched(fit.model, data, objective, [fit.theta])
-        return dict(zip(best.model.names, best.theta.tolist(), strict=True))
+            found: Identification | Fit = identify_in_time(
+                moved, fit.model, objective=objective, seeds=seeds, thorough=False, near=True
+            )
+        else:
+            found = searched(fit.model, data, objective, seeds)
+        return dict(zip(found.model.names, found.theta.tolist(), strict=True))
 
     terms = promised.terms
     # A test in time has no phase.
@@ -421,7 +423,7 @@ def invent(
 
 def _promised(accuracy: Accuracy | str | None, tests: Sequence[Test]) -> Accuracy | None:
     """What the instrument promises, as a user or else the data set says."""
-    told = {test.provenance.get("accuracy", "") for test in tests}
+    told = {test.provenance.get(PROMISED, "") for test in tests}
     # Of several instruments none speaks for the others.
     if accuracy is None and len(told) == 1:
         accuracy = told.pop() or None

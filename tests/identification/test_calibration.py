@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import springpot
+from springpot.measurement import PROMISED
 from springpot.measurement.timetest import TimeTest
 
 MODEL = springpot.parse_model("fractional-maxwell")
@@ -97,7 +98,7 @@ def test_a_kept_fit_and_its_predictions_hold_it(data, tmp_path):
 
 
 def test_any_material_and_what_a_data_set_says():
-    told = replace(swept(1), provenance={"accuracy": "2%,3mrad"})
+    told = replace(swept(1), provenance={PROMISED: "2%,3mrad"})
     fit = springpot.identify(told, "material")
     assert fit.budget
     assert fit.calibration.says == "2 %, 3 mrad"
@@ -105,6 +106,11 @@ def test_any_material_and_what_a_data_set_says():
         springpot.identify(told, MODEL)["k"]
         == springpot.identify(swept(1), MODEL, accuracy="2%,3mrad")["k"]
     )
+
+
+def test_what_somebody_wrote_above_a_table_is_no_promise():
+    remarked = replace(swept(1), provenance={"accuracy": "class 1 of full scale"})
+    assert springpot.identify(remarked, MODEL).calibration is None
 
 
 def test_the_command_shows_the_budget(damper, request):

@@ -96,18 +96,18 @@ class Calibration:
 def _widened(
     parameter: Parameter, value: float, low: float, high: float, sd: float
 ) -> tuple[float, float]:
+    """Ends of an interval with a further standard uncertainty, within the parameter's bounds."""
     reach = QUANTILE * sd
     # A positive quantity is uncertain by a factor.
     if parameter.scale == "log" and value > 0.0:
-        reach /= value
-        down = np.hypot(np.log(value / low), reach) if low > 0.0 else np.inf
-        up = np.hypot(np.log(high / value), reach)
-        ends = value * np.exp(-down), value * np.exp(up)
+        with np.errstate(divide="ignore"):
+            down = np.hypot(np.log(value) - np.log(max(low, 0.0)), reach / value)
+        up = np.hypot(np.log(high / value), reach / value)
+        lower, upper = value * np.exp(-down), value * np.exp(up)
     else:
-        ends = value - np.hypot(value - low, reach), value + np.hypot(high - value, reach)
-    return max(float(ends[0]), min(parameter.lower, low)), min(
-        float(ends[1]), max(parameter.upper, high)
-    )
+        lower, upper = value - np.hypot(value - low, reach), value + np.hypot(high - value, reach)
+    lowest, highest = min(parameter.lower, low), max(parameter.upper, high)
+    return max(float(lower), lowest), min(float(upper), highest)
 
 
 def calibration_of(

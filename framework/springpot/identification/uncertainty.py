@@ -152,7 +152,7 @@ class Uncertainty:
         turn = _printed_slopes(self.fit)[i : i + 1]
         points, specimens = (
             float(spread_of(turn, covariance)[0])
-            for covariance in (self._covariance(None), self.covariance)
+            for covariance in (self._covariance(None), self._covariance(self.specimens))
         )
         if not (np.isfinite(specimens) and np.isfinite(points) and points > 0.0):
             return 1.0

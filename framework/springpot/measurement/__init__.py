@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     )
     from .noise import with_noise
     from .opening import (
+        PROMISED,
         DataSet,
         conditions,
         open_measurement,
@@ -135,6 +136,7 @@ __all__ = [
     "OneTest",
     "OpenQuestion",
     "PRESSURE_UNITS",
+    "PROMISED",
     "Part",
     "Question",
     "Reader",
@@ -216,6 +218,7 @@ _WHERE = {
     "Choice": "springpot.measurement.reader",
     "Covered": "springpot.measurement.covered",
     "DataSet": "springpot.measurement.opening",
+    "PROMISED": "springpot.measurement.opening",
     "FILE": "springpot.measurement.joining",
     "FORCE_UNITS": "springpot.measurement.units",
     "FREQUENCY_UNITS": "springpot.measurement.units",

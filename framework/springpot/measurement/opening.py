@@ -55,6 +55,8 @@ from .timetest import TimeTest
 
 Test: TypeAlias = Measurement | TimeTest | OtherTest
 """What was measured on one specimen: a sweep, a test in time, or one of a further kind."""
+PROMISED = "promised accuracy"
+"""Of a provenance, what a data set says of its instrument; a comment in a file is no such word."""
 EXAMPLE = "temperature=20,amplitude=1 or frequency=1..10"
 
 

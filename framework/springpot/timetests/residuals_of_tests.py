@@ -35,7 +35,7 @@ from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 
-from ..numerics import NEGLIGIBLE
+from ..numerics import NEGLIGIBLE, SMALLEST
 from .digits import digit_of, roundings
 from .recording import recorded, spread
 from .scatter import ResidualScatter, scatter_of, scatter_of_sweep
@@ -102,9 +102,14 @@ class TestPart(ABC):
         """Their standard deviations (m,)."""
 
     @property
-    @abstractmethod
     def size(self) -> Real:
-        """What an error of each of them is a share of, (m,)."""
+        """What an error of each of them is a share of, (m,): their root mean square.
+
+        It is shared among them as their noise is, so that an error and the noise go together: of
+        noise in proportion to the signal it is that of each sample over the sample, of constant
+        noise that of all over all.
+        """
+        return np.asarray(self.sd * (rms(self.measured) / max(rms(self.sd), SMALLEST)), dtype=float)
 
     @property
     @abstractmethod
@@ -297,15 +302,6 @@ class InTimePart(TestPart):
         if self.noise is not None:
             return self.noise
         return noise_of(self.test).sd
-
-    @property
-    def size(self) -> Real:
-        """The root mean square of the response, shared among its samples as its noise is.
-
-        So an error and the noise go together: of noise in proportion to the signal it is that of
-        each sample over the sample, of constant noise that of all over all.
-        """
-        return np.asarray(self.sd * (rms(self.measured) / max(rms(self.sd), 1e-300)), dtype=float)
 
     @property
     def stiffness(self) -> float:
@@ -530,11 +526,6 @@ class OtherPart(TestPart):
         if self.noise is not None:
             return self.noise
         return self.test.sd
-
-    @property
-    def size(self) -> Real:
-        """The root mean square of the numbers, shared among them as their noise is."""
-        return self.sd * (rms(self.measured) / max(rms(self.sd), 1e-300))
 
     @property
     def stiffness(self) -> float:

@@ -51,7 +51,15 @@ from pathlib import Path
 from typing import Any
 
 from springpot.errors import DataError
-from springpot.measurement import Choice, DataSet, Measurement, Reader, open_measurement, toml_of
+from springpot.measurement import (
+    PROMISED,
+    Choice,
+    DataSet,
+    Measurement,
+    Reader,
+    open_measurement,
+    toml_of,
+)
 
 from ..readers import springpot_readers
 from ..readers.columns import ROLES, measurement_of
@@ -210,9 +218,11 @@ class Manifest:
             parts = [self._opened(path, constants, True) for path, constants in self.paths.items()]
         origin = {
             key: str(self.values[key])
-            for key in ("citation", "doi", "licence", "accuracy")
+            for key in ("citation", "doi", "licence")
             if self.values.get(key)
         }
+        if self.values.get("accuracy"):
+            origin[PROMISED] = str(self.values["accuracy"])
         whole = parts[0]
         if len(parts) > 1:
             whole = joined(parts, list(self.files), self.name, f"{len(parts)} files together")
