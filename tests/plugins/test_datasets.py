@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from springpot.errors import DataError
-from springpot.measurement import open_measurement, select
+from springpot.measurement import PROMISED, open_measurement, select
 from springpot_plugins.datasets import (
     artificial,
     folders,
@@ -174,6 +174,7 @@ MANIFEST = """
 summary = "a damper"
 file = "raw.csv"
 licence = "CC0"
+accuracy = "1%,3mrad"
 physics = ["friction"]
 [columns]
 frequency = { from = "f", unit = "Hz" }
@@ -195,6 +196,7 @@ def test_a_folder_with_a_manifest_is_a_data_set(folder):
     np.testing.assert_array_equal(found.conditions["amplitude"], [2, 2])
     assert found.units.amplitude == "mm"
     assert found.provenance["licence"] == "CC0"
+    assert found.provenance[PROMISED] == "1%,3mrad"
     assert len(opened("my-damper@what=Lane 1")) == 1
     assert len(opened("my-damper@lane=10,temperature=20")) == 1
 

@@ -62,15 +62,17 @@ def shorter(effect: Effect, values: Values) -> Iterator[tuple[str, Values]]:
 
 def _terms(formula: str) -> list[str]:
     """The terms of a sum, each with its sign before it."""
-    terms, depth = ["+"], 0
-    for sign in formula.replace(" + ", "\0+").replace(" - ", "\0-").split("\0"):
-        if depth or terms == ["+"]:
-            joint = "" if terms == ["+"] else f" {sign[0]} "
-            terms[-1] += joint + (sign if not joint else sign[1:])
+    signed = formula if formula.startswith("-") else f"+{formula}"
+    terms: list[str] = []
+    depth = 0
+    for part in re.split(r" (?=[+-] )", signed):
+        # Within brackets a sign parts no terms.
+        if depth:
+            terms[-1] += f" {part}"
         else:
-            terms.append(sign)
-        depth += sign.count("(") - sign.count(")")
-    return ["-" + terms[0][2:] if terms[0].startswith("+-") else terms[0], *terms[1:]]
+            terms.append(part[0] + part[1:].lstrip())
+        depth += part.count("(") - part.count(")")
+    return terms
 
 
 def _sum(terms: list[str], place: int, other: str) -> str:
