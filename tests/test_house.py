@@ -62,11 +62,12 @@ FLOORS = {
     "benchmark": 15,
     "solvers": 15,
     "structure": 15,
+    "testreport": 15,
     "web": 16,
 }
 """A room may import from rooms below it and from itself; two rooms on one floor do not meet."""
 
-GUESTS = {"benchmark", "solvers", "structure", "web"}
+GUESTS = {"benchmark", "solvers", "structure", "testreport", "web"}
 """Each brings commands by the entry-point group and could move out by moving one folder."""
 
 FOR_PLUGINS = {"errors", "hooks", "rheology", "measurement", "identification", "solvers"}

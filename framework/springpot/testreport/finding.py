@@ -57,13 +57,17 @@ def find_cycles(record: Record) -> Found:
     """
     test = harmonics_of(record.time, record.displacement, record.force, name=record.name)
     period = 2.0 * np.pi / test.omega
-    seen = record.displacement - moving_mean(record.time, record.displacement, period)
+    # Rest before and after the motion has a mean of its own.
+    part = test.start, test.stop
+    seen = record.displacement - moving_mean(record.time, record.displacement, period, part)
     smooth = _box(seen, record.time, EIGHTH * period)
-    guesses, partial = _crossings(record.time, smooth, test.amplitude)
+    guesses, begins, ends = _crossings(record.time, smooth, test.amplitude)
     channel = Channel(record.time, seen, noise_of(record.displacement))
-    found = [crossing(channel, guess, EIGHTH * period, 0.0) for guess in guesses]
-    spacing = float(np.median(np.diff(record.time)))
-    found, tail = _ended(found, record, spacing, smooth)
+    found = [_refined(channel, guess, period) for guess in guesses]
+    if begins and guesses:
+        found[0] = _from_rest(channel, guesses[0], period, 1.0) or found[0]
+    if ends and len(guesses) > 1:
+        found[-1] = _from_rest(channel, guesses[-1], period, -1.0) or found[-1]
     if len(found) < 3:
         raise DataError(
             f"{record.name}: no cycle is whole: the displacement crosses its mean"
@@ -75,12 +79,12 @@ def find_cycles(record: Record) -> Found:
     speeds = tuple(slope for _, slope in found[: 2 * whole])
     notes = []
     clock = "s" if record.timed else "samples"
-    if partial:
+    if not begins:
         notes.append(
             f"the record begins within a cycle: what comes before {bounds[0].value:.4g} {clock} is"
             " no whole one"
         )
-    if tail or len(found) > 2 * whole + 1:
+    if not ends or len(found) > 2 * whole + 1:
         notes.append(
             f"the record ends within a cycle: what comes after {bounds[-1].value:.4g} {clock} is no"
             " whole one"
@@ -88,13 +92,16 @@ def find_cycles(record: Record) -> Found:
     return Found(bounds, middles, speeds, period, test.amplitude, tuple(notes))
 
 
-def moving_mean(time: Real, values: Real, period: float) -> Real:
-    """Mean over one period around each sample: it holds nothing of what repeats with the period."""
+def moving_mean(time: Real, values: Real, period: float, part: tuple[float, float]) -> Real:
+    """Mean over one period around each sample: it holds nothing of what repeats with the period.
+
+    Outside of a part, that of the nearest period within it.
+    """
     steps = np.diff(time)
     area = np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * steps)])
-    # At the ends the nearest period that is whole stands for those that are not.
-    half = 0.5 * min(period, time[-1] - time[0])
-    centre = np.clip(time, time[0] + half, time[-1] - half)
+    start, stop = max(part[0], time[0]), min(part[1], time[-1])
+    half = 0.5 * min(period, stop - start)
+    centre = np.clip(time, start + half, stop - half)
     upper = np.interp(centre + half, time, area)
     lower = np.interp(centre - half, time, area)
     return np.asarray((upper - lower) / (2.0 * half))
@@ -110,59 +117,56 @@ def _box(values: Real, time: Real, width: float) -> Real:
     return np.asarray((area[places + side + 1] - area[places - side]) / (2 * side + 1))
 
 
-def _crossings(time: Real, smooth: Real, amplitude: float) -> tuple[list[float], bool]:
-    """Moments of the crossings of zero, in order, and whether motion comes before the first."""
+def _crossings(time: Real, smooth: Real, amplitude: float) -> tuple[list[float], bool, bool]:
+    """Moments of the crossings of zero, and whether the motion begins and ends with one."""
     far = np.flatnonzero(np.abs(smooth) > 0.5 * amplitude)
     if not len(far):
-        return [], False
-    side = np.sign(smooth[far])
-    turns = far[np.concatenate([[True], np.diff(side) != 0.0])]
-    crossings = []
-    for place in turns[1:]:
-        crossings.append(_last_zero(time, smooth, int(place)))
-    first = _last_zero(time, smooth, int(turns[0]))
+        return [], False, False
+    turns = far[1:][np.diff(np.sign(smooth[far])) != 0.0]
     # A record that begins at rest or on its mean has its first crossing; one that begins elsewhere
-    # begins within a cycle.
-    begins = first is not None and abs(smooth[0]) < 0.5 * amplitude
-    moments = [moment for moment in ([first] if begins else []) + crossings if moment is not None]
-    return moments, not begins
+    # begins within a cycle. The same of its end, read backwards.
+    first = _last_zero(time, smooth, int(far[0]))
+    last = _last_zero(-time[::-1], smooth[::-1], len(time) - 1 - int(far[-1]))
+    between = [_last_zero(time, smooth, int(place)) for place in turns]
+    end = None if last is None else -last
+    moments = [moment for moment in (first, *between, end) if moment is not None]
+    return moments, first is not None, last is not None
 
 
 def _last_zero(time: Real, smooth: Real, place: int) -> float | None:
-    """The last crossing of zero before a sample; the beginning where it is as near as the noise."""
+    """The last crossing of zero before a sample; the beginning where that is as near as that."""
     side = np.sign(smooth[place])
     behind = np.flatnonzero(side * smooth[:place] <= 0.0)
     if len(behind):
         last = int(behind[-1])
         share = smooth[last] / (smooth[last] - smooth[last + 1])
         return float(time[last] + share * (time[last + 1] - time[last]))
-    # Straight through the first samples, back to zero by no more than they lie apart.
+    if place < 2:
+        return None
+    # Straight through the first samples, back to zero by no more than two of them lie apart.
     few = slice(0, min(place, 4) + 1)
     slope, start = np.polyfit(time[few] - time[0], smooth[few], 1)
-    back = start / slope if slope else np.inf
-    if abs(back) <= 2.0 * (time[1] - time[0]):
+    if slope and abs(start / slope) <= 2.0 * (time[1] - time[0]):
         return float(time[0])
     return None
 
 
-def _ended(
-    found: list[tuple[Value, Value]], record: Record, spacing: float, smooth: Real
-) -> tuple[list[tuple[Value, Value]], bool]:
-    """The crossings with that at the end of the record, and whether motion comes after the last."""
-    if len(found) < 2:
-        return found, False
-    time = record.time
-    channel = Channel(time, smooth, noise_of(record.displacement))
-    rest = smooth[time > found[-1][0].value]
-    largest = float(np.max(np.abs(smooth)))
-    # After the last crossing the displacement has gone out and is on its way back to zero.
-    if len(rest) and np.max(np.abs(rest)) > 0.5 * largest:
-        slope = found[-2][1]
-        near = float(rest[-1])
-        # As far as one sample moves, and what noise hides: then the next sample would be zero.
-        reach = abs(slope.value) * spacing + 2.0 * channel.noise
-        if abs(near) <= reach:
-            sure = Value(float(time[-1]), channel.noise / max(abs(slope.value), 1e-300))
-            return [*found, (sure, slope)], False
-        return found, True
-    return found, False
+def _refined(channel: Channel, guess: float, period: float) -> tuple[Value, Value]:
+    return crossing(channel, guess, EIGHTH * period, 0.0)
+
+
+def _from_rest(
+    channel: Channel, guess: float, period: float, side: float
+) -> tuple[Value, Value] | None:
+    """The crossing where motion begins (`side` 1) or ends (-1), from the samples in motion.
+
+    None where there is no rest beside it.
+    """
+    blurred = 0.5 * EIGHTH * period
+    outside = guess - channel.time[0] if side > 0 else channel.time[-1] - guess
+    if outside <= blurred:
+        return None
+    # Nearer than the mean over a window reaches, rest and motion are mixed.
+    moving = side * (channel.time - guess) >= blurred
+    part = Channel(channel.time[moving], channel.value[moving], channel.noise)
+    return crossing(part, guess, 2.0 * EIGHTH * period, 0.0)

@@ -1,4 +1,4 @@
-"""Values of a noisy channel at one moment: at a turning point, at a crossing, on one side of a jump.
+"""Values of a noisy channel at one moment: a turning point, a crossing, one side of a jump.
 
 Each is a least-squares fit to the samples around it. The window is as wide as the noise allows: it
 is halved as long as what the fit leaves is more than noise.
@@ -88,7 +88,7 @@ def _least_squares(columns: Real, values: Real, noise: float) -> _Fit:
     freedom = len(values) - columns.shape[1]
     covariance = noise**2 * np.linalg.pinv(columns.T @ columns)
     fits = freedom <= 0 or chi2_sf(left, freedom) > SIGNALS.first_cycle_alarm
-    return _Fit(solution, covariance, bool(fits))
+    return _Fit(np.asarray(solution, dtype=float), np.asarray(covariance, dtype=float), bool(fits))
 
 
 def _widths(width: float, enough: Callable[[float], bool]) -> Iterator[float]:
@@ -212,8 +212,14 @@ class _Around(NamedTuple):
 
 
 class _Tried(NamedTuple):
-    """What a shape says at one turning point; squares left over, their freedom, parameters and
-    samples.
+    """What a shape says at one turning point.
+
+    Attributes
+    ----------
+    value : Value
+        The force there.
+    weighed : tuple of float
+        Squares that are left over, their freedom, and the price of the parameters.
     """
 
     value: Value
@@ -251,13 +257,12 @@ def _tried(part: _Around) -> list[_Tried]:
 
 
 def _weights(weighed: Real) -> tuple[Real, bool]:
-    """Weight of each shape by its evidence at all turning points, (m, shapes, 3), and whether one
-    leaves only noise.
+    """Weight of each shape by its evidence at all turning points, (m, shapes, 3).
+
+    And whether one leaves only noise.
     """
     left, freedom, price = weighed.sum(axis=0).T
-    fits = (freedom <= 0) | (
-        chi2_sf(left, np.maximum(freedom, 1.0)) > SIGNALS.first_cycle_alarm
-    )
+    fits = (freedom <= 0) | (chi2_sf(left, np.maximum(freedom, 1.0)) > SIGNALS.first_cycle_alarm)
     evidence = -0.5 * (left + price)
     if fits.any():
         evidence[~fits] = -np.inf

@@ -105,18 +105,14 @@ def cycles_of(record: Record, found: Found) -> list[Cycle]:
     """The quantities of each whole cycle."""
     bounds = [bound.value for bound in found.bounds]
     noise = noise_of(record.displacement), noise_of(record.force)
-    drifts = [
-        _drift(record.time, values, bounds) for values in (record.displacement, record.force)
-    ]
+    drifts = [_drift(record.time, values, bounds) for values in (record.displacement, record.force)]
     loops = []
     for i, (start, stop) in enumerate(pairwise(bounds)):
         # The part that fits of this cycle can see, with the level that it has in its middle.
         ends = [1.5 * start - 0.5 * stop, 1.5 * stop - 0.5 * start]
         near = slice(*np.searchsorted(record.time, ends).tolist())
         away = record.time[near] - 0.5 * (start + stop)
-        moved = Channel(
-            record.time[near], record.displacement[near] - drifts[0] * away, noise[0]
-        )
+        moved = Channel(record.time[near], record.displacement[near] - drifts[0] * away, noise[0])
         pulled = Channel(record.time[near], record.force[near] - drifts[1] * away, noise[1])
         loops.append(_loop(moved, pulled, found, i))
     turned = [(each.pulled, turning) for each in loops for turning in each.turnings]
@@ -179,9 +175,7 @@ def _jumps(channel: Channel) -> Real:
 
 
 class _Loop(NamedTuple):
-    """One cycle: its channels, the crossings of its beginning, middle and end, its greatest and its
-    least displacement, and the direction in which it begins.
-    """
+    """One cycle: its channels, its three crossings, where it turns, the direction it begins in."""
 
     moved: Channel
     pulled: Channel
@@ -269,9 +263,7 @@ def _mean(channel: Channel, start: float, stop: float) -> float:
     return float(np.trapezoid(values, time) / (time[-1] - time[0]))
 
 
-def _work(
-    moved: Channel, pulled: Channel, start: float, stop: float, loop: bool = False
-) -> Value:
+def _work(moved: Channel, pulled: Channel, start: float, stop: float, loop: bool = False) -> Value:
     """Integral of force over displacement between two moments, through all samples.
 
     A loop ends where it began: what noise leaves open is closed at the force of its ends.
@@ -318,7 +310,9 @@ def _in_phase(moved: Channel, pulled: Channel, start: float, stop: float) -> Val
     white = 0.5 * (pulled.noise**2 + (abs(ratio) * moved.noise) ** 2) * np.sum(steps**2)
     # A jump that lies anywhere between two samples turns the harmonic.
     jumps = np.abs(_jumps(Channel(time, force, pulled.noise)) * np.diff(time))
-    return Value(float(ratio.real), float(np.sqrt(white + np.sum(jumps) ** 2 / 12.0) / abs(first[0])))
+    return Value(
+        float(ratio.real), float(np.sqrt(white + np.sum(jumps) ** 2 / 12.0) / abs(first[0]))
+    )
 
 
 def _greatest(

@@ -1,5 +1,6 @@
-"""A record of displacement and force as a test report takes it: with its temperature, or without a
-clock.
+"""A record of displacement and force as a test report takes it.
+
+With its temperature, or without a clock.
 """
 
 from __future__ import annotations
