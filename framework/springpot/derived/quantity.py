@@ -19,6 +19,8 @@ from springpot.measurement.units import (
     Units,
 )
 from springpot.plain_data import jsonable
+from springpot.report.text import TextTable
+from springpot.report.values import shown
 
 SCHEMA = "springpot.quantities/1"
 Source = Literal["data", "model"]
@@ -139,8 +141,6 @@ class Quantities:
         return f"<Quantities of {self.name}: {', '.join(row.name for row in self.rows)}>"
 
     def __str__(self) -> str:
-        from .telling import told
-
         return told(self)
 
 
@@ -169,3 +169,31 @@ def energy_unit(units: Units) -> tuple[float, str]:
     if not units.is_modulus and (units.amplitude in LENGTH_UNITS or "rad" in units.stiffness):
         return stiffness * amplitude**2, "J"
     return 1.0, f"{units.stiffness} {units.amplitude}^2"
+
+
+def told(answer: Quantities, columns: int | None = None) -> str:
+    """A row for each, and what there is none of.
+
+    Parameters
+    ----------
+    answer : Quantities
+        The answer.
+    columns : int, optional
+        Of the window.
+    """
+    rows = []
+    for row in answer:
+        size, interval = shown(row.value)
+        source = f"{row.source}, outside" if row.outside else row.source
+        place = row.place(answer.units) or "-"
+        rows.append([row.name, size, interval, row.value.unit, place, source])
+    headers = ("quantity", "value", "95 % interval", "unit", "at", "from")
+    table = TextTable(headers, rows, frozenset({"value"}), spare=("at",))
+    if columns is not None and rows:
+        table = table.fitted(columns)
+    title = f"{answer.model} fitted to {answer.name}" if answer.model else answer.name
+    lines = [title, "", *([table.plain()] if rows else ["nothing can be told"])]
+    lines += [f"note        {note}" for note in answer.notes]
+    if any(row.outside for row in answer):
+        lines.append("outside     of what was measured: it holds only if the model does")
+    return "\n".join(lines)

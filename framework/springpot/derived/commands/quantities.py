@@ -63,7 +63,7 @@ def command(
     """
     from springpot.constraints import values_of
     from springpot.derived import quantities
-    from springpot.derived.telling import told
+    from springpot.derived.quantity import told
     from springpot.files import require_writable, write_text
 
     if as_csv and as_json:
