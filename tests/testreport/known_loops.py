@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import gamma
 
-from springpot.testreport import Record
+from springpot.testreport import LoopRecord
 
 OMEGA, STROKE = 2.0 * np.pi * 1.3, 10.0
 
@@ -64,4 +64,4 @@ def noisy(kind, rng, noise, per_cycle=200, cycles=6, drift=0.0):
     most = np.abs(force).max()
     pulled = force + most * (noise * rng.standard_normal(len(t)) + drift * t / t[-1])
     moved = x + STROKE * (noise / 3.0 * rng.standard_normal(len(t)) - drift * t / t[-1])
-    return Record(t, moved, pulled, "mm", "kN", kind), truth
+    return LoopRecord(t, moved, pulled, "mm", "kN", kind), truth

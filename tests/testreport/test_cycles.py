@@ -6,7 +6,7 @@ from known_loops import OMEGA, STROKE, loop, noisy
 
 import springpot
 from springpot.errors import DataError, OptionError
-from springpot.testreport import Record
+from springpot.testreport import LoopRecord
 from springpot.testreport.finding import find_cycles
 from springpot.testreport.summary import evaluate
 
@@ -21,7 +21,7 @@ def size_of(name, truth, force):
 
 def evaluated(kind, **given):
     t, x, force, truth = loop(kind, **given)
-    return evaluate(Record(t, x, force, "mm", "kN", kind)), truth, force
+    return evaluate(LoopRecord(t, x, force, "mm", "kN", kind)), truth, force
 
 
 @pytest.mark.parametrize("per_cycle", [60, 200])
@@ -75,7 +75,7 @@ def test_a_dead_zone_has_its_energy_and_no_force_in_its_middle():
     t, x, _, _ = loop("linear")
     play = 1.0
     force = 0.8 * np.sign(x) * np.maximum(np.abs(x) - play, 0.0)
-    test = evaluate(Record(t, x, force, "mm", "kN", "play"))
+    test = evaluate(LoopRecord(t, x, force, "mm", "kN", "play"))
     assert test.means["F+"].value == pytest.approx(0.8 * (STROKE - play), rel=1e-3)
     assert test.means["W_d"].low <= 0.0 <= test.means["W_d"].high
     assert abs(test.means["F0"].value) < 1e-3 * force.max()
@@ -87,14 +87,14 @@ def test_a_clipped_channel_is_named(channel, rng):
     values = getattr(record, channel)
     cut = np.clip(values, -0.9 * values.max(), 0.9 * values.max())
     channels = {"displacement": record.displacement, "force": record.force, channel: cut}
-    test = evaluate(Record(record.time, **channels, displacement_unit="mm", force_unit="kN"))
+    test = evaluate(LoopRecord(record.time, **channels, displacement_unit="mm", force_unit="kN"))
     assert any(channel in note and "clipped" in note for note in test.notes)
     assert not any("clipped" in note for note in evaluate(record).notes)
 
 
 def test_coarse_digits_are_not_taken_for_a_clipped_channel():
     t, x, force, _ = loop("linear")
-    record = Record(t, np.round(x, 1), np.round(force, 1), "mm", "kN")
+    record = LoopRecord(t, np.round(x, 1), np.round(force, 1), "mm", "kN")
     assert not any("clipped" in note for note in evaluate(record).notes)
 
 
@@ -110,7 +110,7 @@ def test_cycles_are_counted_from_the_first_motion_and_partial_ones_named(
 ):
     t = np.arange(1201) / 200.0
     x = np.sin(2.0 * np.pi * t + phase) + 0.3 * t / t[-1] + noise * rng.standard_normal(len(t))
-    found = find_cycles(Record(t, x, 2.0 * x, "mm", "kN"))
+    found = find_cycles(LoopRecord(t, x, 2.0 * x, "mm", "kN"))
     assert len(found.middles) == whole
     assert [any(word in note for note in found.notes) for word in ("begins", "ends")] == [
         bool(words), bool(words)
@@ -123,7 +123,7 @@ def test_rest_before_and_after_is_no_cycle(rng):
     t = np.arange(1600) / 200.0
     moving = (t >= 1.0) & (t <= 6.0)
     x = np.where(moving, np.sin(2.0 * np.pi * (t - 1.0)), 0.0) + 0.01 * rng.standard_normal(1600)
-    found = find_cycles(Record(t, x, 2.0 * x + 0.01 * rng.standard_normal(1600), "mm", "kN"))
+    found = find_cycles(LoopRecord(t, x, 2.0 * x + 0.01 * rng.standard_normal(1600), "mm", "kN"))
     assert len(found.middles) == 5
     assert found.bounds[0].value == pytest.approx(1.0, abs=0.04)
     assert found.bounds[-1].value == pytest.approx(6.0, abs=0.04)
@@ -134,7 +134,7 @@ def test_where_cycles_scatter_more_than_noise_their_scatter_counts(rng):
     t = np.arange(2001) / 200.0
     stiffness = (1.0 + 0.02 * rng.standard_normal(11))[np.minimum(t.astype(int), 10)]
     force = stiffness * np.sin(2.0 * np.pi * t)
-    test = evaluate(Record(t, np.sin(2.0 * np.pi * t), force, "mm", "kN"), (1, 10))
+    test = evaluate(LoopRecord(t, np.sin(2.0 * np.pi * t), force, "mm", "kN"), (1, 10))
     told = test.means["K_eff"]
     assert told.source == "cycles"
     each = [row["K_eff"].value for row in test.each]
@@ -143,7 +143,7 @@ def test_where_cycles_scatter_more_than_noise_their_scatter_counts(rng):
 
 def test_means_are_of_the_cycles_that_are_asked_for():
     t, x, force, _ = loop("linear", cycles=6)
-    record = Record(t, x, force * (1.0 + 0.01 * np.floor(t * OMEGA / (2 * np.pi) + 1e-9)), "mm")
+    record = LoopRecord(t, x, force * (1.0 + 0.01 * np.floor(t * OMEGA / (2 * np.pi) + 1e-9)), "mm")
     assert (evaluate(record).first, evaluate(record).last) == (2, 5)
     test = evaluate(record, (3, 4))
     rows = [row["K_eff"].value for row in test.each]
@@ -160,7 +160,7 @@ def test_energy_of_the_run_is_that_of_all_cycles():
 
 def test_a_channel_that_counts_the_other_way_is_told():
     t, x, force, _ = loop("linear")
-    assert any("force=-kN" in note for note in evaluate(Record(t, x, -force, "mm", "kN")).notes)
+    assert any("force=-kN" in note for note in evaluate(LoopRecord(t, x, -force, "mm", "kN")).notes)
 
 
 def test_the_law_of_speeds_is_found_with_its_interval(rng):
@@ -173,7 +173,7 @@ def test_the_law_of_speeds_is_found_with_its_interval(rng):
             v = 20.0 * np.pi * frequency * np.cos(2.0 * np.pi * frequency * t)
             force = 2.0 * np.sign(v) * np.abs(v) ** 0.4
             force += 0.005 * force.max() * rng.standard_normal(len(t))
-            records.append(Record(t, x, force, "mm", "kN", f"test {i}"))
+            records.append(LoopRecord(t, x, force, "mm", "kN", f"test {i}"))
         law = springpot.cycles(records).law
         assert law.exponent == pytest.approx(0.4, abs=0.01)
         assert law.constant == pytest.approx(2.0, rel=0.03)
@@ -189,6 +189,6 @@ def test_one_speed_has_no_law(rng):
 def test_nothing_that_swings_is_refused_in_one_line(rng):
     t = np.linspace(0.0, 1.0, 200)
     with pytest.raises(DataError):
-        evaluate(Record(t, rng.standard_normal(200), rng.standard_normal(200), "mm", "kN"))
+        evaluate(LoopRecord(t, rng.standard_normal(200), rng.standard_normal(200), "mm", "kN"))
     with pytest.raises(OptionError, match=r"3\.\.10"):
         springpot.cycles([], cycles="ten")

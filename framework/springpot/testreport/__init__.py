@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .record import Record, read_record
+    from .record import LoopRecord, read_record
     from .report import CycleReport, cycles
     from .summary import EvaluatedTest, Told
     from .velocity import VelocityLaw
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 __all__ = [
     "CycleReport",
     "EvaluatedTest",
-    "Record",
+    "LoopRecord",
     "Told",
     "VelocityLaw",
     "cycles",
@@ -25,7 +25,7 @@ __all__ = [
 _WHERE = {
     "CycleReport": "springpot.testreport.report",
     "EvaluatedTest": "springpot.testreport.summary",
-    "Record": "springpot.testreport.record",
+    "LoopRecord": "springpot.testreport.record",
     "Told": "springpot.testreport.summary",
     "VelocityLaw": "springpot.testreport.velocity",
     "cycles": "springpot.testreport.report",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import ceil, sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,26 +12,29 @@ import numpy as np
 from springpot.report.canvas import COLOURS, INK, QUIET, SMOOTH, blank, logarithmic, save
 
 from .summary import EvaluatedTest
+from .velocity import VelocityLaw
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from .report import CycleReport
-
 ACROSS = 3
 """Panels beside each other."""
 SHOWN = 9
-"""Tests that are drawn: of more, those with the most different strokes would not be found."""
+"""Tests that are drawn: more would be too small to be read."""
 
 
-def figure_cycles(report: CycleReport, path: str | Path | None = None) -> Figure:
+def figure_cycles(
+    tests: Sequence[EvaluatedTest], law: VelocityLaw | None, path: str | Path | None = None
+) -> Figure:
     """The loops of each test with their ellipse and backbone; the law of several speeds.
 
     Parameters
     ----------
-    report : CycleReport
-        What was found.
+    tests : sequence of EvaluatedTest
+        The first of them are drawn.
+    law : VelocityLaw or None
+        Of all of them.
     path : str or Path, optional
         Where to write it.
 
@@ -39,16 +43,16 @@ def figure_cycles(report: CycleReport, path: str | Path | None = None) -> Figure
     matplotlib.figure.Figure
         The figure.
     """
-    tests = report.tests[:SHOWN]
-    count = len(tests) + (report.law is not None)
+    shown = tests[:SHOWN]
+    count = len(shown) + (law is not None)
     across = min(ceil(sqrt(count)), ACROSS)
     down = -(-count // across)
     with blank(max(4.4, 3.6 * across), 3.2 * down) as figure:
         panels = figure.subplots(down, across, squeeze=False).ravel()
-        for panel, test in zip(panels, tests, strict=False):
+        for panel, test in zip(panels, shown, strict=False):
             draw_loops(panel, test)
-        if report.law is not None:
-            _draw_law(panels[len(tests)], report)
+        if law is not None:
+            _draw_law(panels[len(shown)], tests, law)
         for panel in panels[count:]:
             panel.set_axis_off()
         if path is not None:
@@ -105,10 +109,8 @@ def draw_loops(axes: Axes, test: EvaluatedTest) -> None:
     axes.legend(loc="upper left")
 
 
-def _draw_law(axes: Axes, report: CycleReport) -> None:
-    law = report.law
-    assert law is not None
-    tests = [test for test in report.tests if {"F0", "v_peak"} <= test.means.keys()]
+def _draw_law(axes: Axes, tests: Sequence[EvaluatedTest], law: VelocityLaw) -> None:
+    tests = [test for test in tests if {"F0", "v_peak"} <= test.means.keys()]
     speed = np.array([test.means["v_peak"].value for test in tests])
     force = [test.means["F0"] for test in tests]
     axes.errorbar(

@@ -15,8 +15,8 @@ from springpot.errors import DataError
 from springpot.measurement.signals import harmonics_of
 from springpot.rheology.points import Real
 
-from .local import EIGHTH, Channel, Value, crossing, noise_of
-from .record import Record
+from .local import EIGHTH, Channel, Estimate, crossing, noise_of
+from .record import LoopRecord
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,11 +25,11 @@ class Found:
 
     Parameters
     ----------
-    bounds : tuple of Value
+    bounds : tuple of Estimate
         Where cycles begin, and where the last one ends, one more than cycles.
-    middles : tuple of Value
+    middles : tuple of Estimate
         The crossing in the middle of each.
-    speeds : tuple of Value
+    speeds : tuple of Estimate
         Greatest speed at these crossings, of beginning and middle of each cycle in turn.
     period : float
         Of the test as a whole.
@@ -39,15 +39,15 @@ class Found:
         What is left out.
     """
 
-    bounds: tuple[Value, ...]
-    middles: tuple[Value, ...]
-    speeds: tuple[Value, ...]
+    bounds: tuple[Estimate, ...]
+    middles: tuple[Estimate, ...]
+    speeds: tuple[Estimate, ...]
     period: float
     amplitude: float
     notes: tuple[str, ...]
 
 
-def find_cycles(record: Record) -> Found:
+def find_cycles(record: LoopRecord) -> Found:
     """The whole cycles of a record.
 
     Raises
@@ -151,13 +151,13 @@ def _last_zero(time: Real, smooth: Real, place: int) -> float | None:
     return None
 
 
-def _refined(channel: Channel, guess: float, period: float) -> tuple[Value, Value]:
+def _refined(channel: Channel, guess: float, period: float) -> tuple[Estimate, Estimate]:
     return crossing(channel, guess, EIGHTH * period, 0.0)
 
 
 def _from_rest(
     channel: Channel, guess: float, period: float, side: float
-) -> tuple[Value, Value] | None:
+) -> tuple[Estimate, Estimate] | None:
     """The crossing where motion begins (`side` 1) or ends (-1), from the samples in motion.
 
     None where there is no rest beside it.

@@ -24,7 +24,7 @@ EXPONENTS = (0.1, 1.0)
 """Powers of the speed by which a force can go; below the least it is friction."""
 
 
-class Value(NamedTuple):
+class Estimate(NamedTuple):
     """A number with its standard deviation."""
 
     value: float
@@ -36,7 +36,7 @@ class Turning(NamedTuple):
 
     time: float
     time_sd: float
-    way: Value
+    way: Estimate
 
 
 class Channel(NamedTuple):
@@ -120,15 +120,17 @@ def polynomial_at(channel: Channel, moment: float, width: float, degree: int) ->
     return fit.solution * scale, fit.covariance * np.outer(scale, scale)
 
 
-def value_at(channel: Channel, moment: Value, width: float) -> Value:
+def value_at(channel: Channel, moment: Estimate, width: float) -> Estimate:
     """The value at a moment that is itself known with a deviation."""
     solution, covariance = polynomial_at(channel, moment.value, width, SMOOTH)
-    return Value(
+    return Estimate(
         float(solution[0]), float(np.hypot(np.sqrt(covariance[0, 0]), solution[1] * moment.sd))
     )
 
 
-def crossing(channel: Channel, guess: float, width: float, level: float) -> tuple[Value, Value]:
+def crossing(
+    channel: Channel, guess: float, width: float, level: float
+) -> tuple[Estimate, Estimate]:
     """When a channel crosses a level, and its slope there."""
     moment = guess
     for _ in range(4):
@@ -138,8 +140,8 @@ def crossing(channel: Channel, guess: float, width: float, level: float) -> tupl
         # By less than the window: a flat piece, such as play, has no crossing of its own.
         step = (level - solution[0]) / solution[1]
         moment += float(np.clip(step, -0.5 * width, 0.5 * width))
-    slope = Value(float(solution[1]), float(np.sqrt(covariance[1, 1])))
-    return Value(moment, float(np.sqrt(covariance[0, 0]) / max(abs(slope.value), 1e-300))), slope
+    slope = Estimate(float(solution[1]), float(np.sqrt(covariance[1, 1])))
+    return Estimate(moment, float(np.sqrt(covariance[0, 0]) / max(abs(slope.value), 1e-300))), slope
 
 
 def turning_point(channel: Channel, guess: float, width: float, sign: float) -> Turning:
@@ -153,7 +155,7 @@ def turning_point(channel: Channel, guess: float, width: float, sign: float) -> 
         moment += float(np.clip(-solution[1] / bend, -0.5 * width, 0.5 * width))
     sharp = max(abs(2.0 * solution[2]), 1e-300)
     step = float(np.clip(moment - guess, -width, width))
-    way = Value(float(solution[0]), float(np.sqrt(covariance[0, 0])))
+    way = Estimate(float(solution[0]), float(np.sqrt(covariance[0, 0])))
     return Turning(guess + step, float(np.sqrt(covariance[1, 1]) / sharp), way)
 
 
@@ -164,7 +166,7 @@ class _Shape(NamedTuple):
     at_turning: Real
 
 
-def forces_at_turnings(turnings: Sequence[tuple[Channel, Turning]], width: float) -> list[Value]:
+def forces_at_turnings(turnings: Sequence[tuple[Channel, Turning]], width: float) -> list[Estimate]:
     """The force as a displacement reaches each of its turning points.
 
     A force may be smooth there (springs, dashpots), jump (friction: the value before counts), bend
@@ -186,7 +188,7 @@ def forces_at_turnings(turnings: Sequence[tuple[Channel, Turning]], width: float
             for channel, each in turnings
         )
 
-    found = [Value(float("nan"), float("nan"))] * len(turnings)
+    found = [Estimate(float("nan"), float("nan"))] * len(turnings)
     for half in _widths(width, enough):
         around = [_around(channel, each, half) for channel, each in turnings]
         if any(len(part.away) <= SMOOTH + 2 for part in around):
@@ -216,13 +218,13 @@ class _Tried(NamedTuple):
 
     Attributes
     ----------
-    value : Value
+    value : Estimate
         The force there.
     weighed : tuple of float
         Squares that are left over, their freedom, and the price of the parameters.
     """
 
-    value: Value
+    value: Estimate
     weighed: tuple[float, float, float]
 
 
@@ -252,7 +254,7 @@ def _tried(part: _Around) -> list[_Tried]:
         count = len(part.values)
         parameters = shape.columns.shape[1]
         price = parameters * np.log(count)
-        tried.append(_Tried(Value(value, float(sd)), (left, float(count - parameters), price)))
+        tried.append(_Tried(Estimate(value, float(sd)), (left, float(count - parameters), price)))
     return tried
 
 
@@ -274,11 +276,11 @@ def _weights(weighed: Real) -> tuple[Real, bool]:
     return weights / weights.sum(), bool(fits.any())
 
 
-def _mixed(values: Sequence[Value], weights: Real) -> Value:
+def _mixed(values: Sequence[Estimate], weights: Real) -> Estimate:
     """Mean and deviation of what several shapes say."""
     told, sds = np.array(values).T
     mean = float(weights @ told)
-    return Value(mean, float(np.sqrt(weights @ (sds**2 + (told - mean) ** 2))))
+    return Estimate(mean, float(np.sqrt(weights @ (sds**2 + (told - mean) ** 2))))
 
 
 def _shapes(away: Real, power: float) -> Iterator[_Shape]:

@@ -20,18 +20,18 @@ from .finding import Found
 from .local import (
     EIGHTH,
     Channel,
+    Estimate,
     Turning,
-    Value,
     forces_at_turnings,
     noise_of,
     polynomial_at,
     turning_point,
     value_at,
 )
-from .record import Record
+from .record import LoopRecord
 
 
-class Quantity(NamedTuple):
+class LoopQuantity(NamedTuple):
     """One column of a test report.
 
     Attributes
@@ -59,21 +59,21 @@ class Quantity(NamedTuple):
 
 
 QUANTITIES = (
-    Quantity("D+", "displacement", "greatest displacement", way=1.0),
-    Quantity("D-", "displacement", "least displacement", way=1.0),
-    Quantity("F+", "force", "force at the greatest displacement", force=1.0, turn=1.0),
-    Quantity("F-", "force", "force at the least displacement", force=1.0, turn=1.0),
-    Quantity("F0", "force", "half the height of the loop at its middle", force=1.0, turn=1.0),
-    Quantity("K_eff", "stiffness", "(F+ - F-) / (D+ - D-)", force=1.0, way=-1.0, turn=1.0),
-    Quantity("C_eff", "damping", "W_d / (pi omega D^2)", True, 1.0, -1.0, 1.0),
-    Quantity("xi_eff", "ratio", "W_d / (2 pi |K_eff| D^2)", turn=1.0),
-    Quantity("W_d", "energy", "area of the loop", force=1.0, way=1.0, turn=1.0),
-    Quantity("K'", "stiffness", "force in phase over displacement", True, 1.0, -1.0, 1.0),
-    Quantity("K''", "stiffness", "W_d / (pi D^2)", force=1.0, way=-1.0, turn=1.0),
-    Quantity("eta", "ratio", "K'' / K'", True, turn=1.0),
-    Quantity("F_peak", "force", "greatest force, of either sign", force=1.0),
-    Quantity("v_peak", "velocity", "speed at the middle of the loop", True, way=1.0),
-    Quantity("T", "temperature", "mean temperature", True),
+    LoopQuantity("D+", "displacement", "greatest displacement", way=1.0),
+    LoopQuantity("D-", "displacement", "least displacement", way=1.0),
+    LoopQuantity("F+", "force", "force at the greatest displacement", force=1.0, turn=1.0),
+    LoopQuantity("F-", "force", "force at the least displacement", force=1.0, turn=1.0),
+    LoopQuantity("F0", "force", "half the height of the loop at its middle", force=1.0, turn=1.0),
+    LoopQuantity("K_eff", "stiffness", "(F+ - F-) / (D+ - D-)", force=1.0, way=-1.0, turn=1.0),
+    LoopQuantity("C_eff", "damping", "W_d / (pi omega D^2)", True, 1.0, -1.0, 1.0),
+    LoopQuantity("xi_eff", "ratio", "W_d / (2 pi |K_eff| D^2)", turn=1.0),
+    LoopQuantity("W_d", "energy", "area of the loop", force=1.0, way=1.0, turn=1.0),
+    LoopQuantity("K'", "stiffness", "force in phase over displacement", True, 1.0, -1.0, 1.0),
+    LoopQuantity("K''", "stiffness", "W_d / (pi D^2)", force=1.0, way=-1.0, turn=1.0),
+    LoopQuantity("eta", "ratio", "K'' / K'", True, turn=1.0),
+    LoopQuantity("F_peak", "force", "greatest force, of either sign", force=1.0),
+    LoopQuantity("v_peak", "velocity", "speed at the middle of the loop", True, way=1.0),
+    LoopQuantity("T", "temperature", "mean temperature", True),
 )
 """D is half of D+ - D-, omega that of the cycle."""
 MOST = 200
@@ -91,17 +91,17 @@ class Cycle:
         From 1 on.
     start, stop : float
         In s, or samples.
-    values : dict of str to Value
+    values : dict of str to Estimate
         Quantities by name; those that cannot be told are missing.
     """
 
     number: int
     start: float
     stop: float
-    values: dict[str, Value]
+    values: dict[str, Estimate]
 
 
-def cycles_of(record: Record, found: Found) -> list[Cycle]:
+def cycles_of(record: LoopRecord, found: Found) -> list[Cycle]:
     """The quantities of each whole cycle."""
     bounds = [bound.value for bound in found.bounds]
     noise = noise_of(record.displacement), noise_of(record.force)
@@ -123,12 +123,12 @@ def cycles_of(record: Record, found: Found) -> list[Cycle]:
         values = _values(loop, forces[2 * i], forces[2 * i + 1], record.timed)
         if record.temperature is not None:
             inside = (record.time >= start) & (record.time <= stop)
-            values["T"] = Value(float(np.mean(record.temperature[inside])), 0.0)
+            values["T"] = Estimate(float(np.mean(record.temperature[inside])), 0.0)
         made.append(Cycle(i + 1, start, stop, values))
     return made
 
 
-def energy_of(record: Record, cycles: list[Cycle]) -> Value:
+def energy_of(record: LoopRecord, cycles: list[Cycle]) -> Estimate:
     """Work done on the specimen in the whole run, partial cycles too.
 
     With the force counted from its mean in the whole cycles: an offset of the load cell does no
@@ -179,10 +179,10 @@ class _Loop(NamedTuple):
 
     moved: Channel
     pulled: Channel
-    start: Value
-    middle: Value
-    stop: Value
-    speeds: tuple[Value, ...]
+    start: Estimate
+    middle: Estimate
+    stop: Estimate
+    speeds: tuple[Estimate, ...]
     turnings: tuple[Turning, Turning]
     first: float
 
@@ -203,27 +203,29 @@ def _loop(moved: Channel, pulled: Channel, found: Found, i: int) -> _Loop:
     return _Loop(moved, pulled, start, middle, stop, speeds, turnings, first)
 
 
-def _values(loop: _Loop, top: Value, bottom: Value, timed: bool) -> dict[str, Value]:
+def _values(loop: _Loop, top: Estimate, bottom: Estimate, timed: bool) -> dict[str, Estimate]:
     upper, lower = (turning.way for turning in loop.turnings)
     start, stop, pulled = loop.start, loop.stop, loop.pulled
     stroke = _difference(upper, lower)
     stiffness = _ratio(_difference(top, bottom), stroke)
-    half = Value(0.5 * stroke.value, 0.5 * stroke.sd)
+    half = Estimate(0.5 * stroke.value, 0.5 * stroke.sd)
     ends = (value_at(pulled, start, loop.width), value_at(pulled, loop.middle, loop.width))
     height = _difference(*ends)
     level = _mean(pulled, start.value, stop.value)
     about = Channel(pulled.time, pulled.value - level, pulled.noise)
     work = _work(loop.moved, about, start.value, stop.value, loop=True)
-    area = Value(np.pi * half.value**2, 2.0 * np.pi * half.value * half.sd)
+    area = Estimate(np.pi * half.value**2, 2.0 * np.pi * half.value * half.sd)
     loss = _ratio(work, area)
     values = {"D+": upper, "D-": lower, "F+": top, "F-": bottom}
-    values["F0"] = Value(0.5 * loop.first * height.value, 0.5 * height.sd)
+    values["F0"] = Estimate(0.5 * loop.first * height.value, 0.5 * height.sd)
     values |= {"K_eff": stiffness, "W_d": work, "K''": loss}
-    values["xi_eff"] = _ratio(loss, Value(2.0 * abs(stiffness.value), 2.0 * stiffness.sd))
+    values["xi_eff"] = _ratio(loss, Estimate(2.0 * abs(stiffness.value), 2.0 * stiffness.sd))
     values["F_peak"] = _greatest(pulled, start.value, stop.value, (top, bottom))
     if timed:
         period = stop.value - start.value
-        omega = Value(2.0 * np.pi / period, 2.0 * np.pi / period**2 * np.hypot(start.sd, stop.sd))
+        omega = Estimate(
+            2.0 * np.pi / period, 2.0 * np.pi / period**2 * np.hypot(start.sd, stop.sd)
+        )
         values["C_eff"] = _ratio(loss, omega)
         values["K'"] = _in_phase(loop.moved, pulled, start.value, stop.value)
         values["eta"] = _ratio(loss, values["K'"])
@@ -231,25 +233,25 @@ def _values(loop: _Loop, top: Value, bottom: Value, timed: bool) -> dict[str, Va
     return values
 
 
-def _joined(speeds: tuple[Value, ...]) -> Value:
+def _joined(speeds: tuple[Estimate, ...]) -> Estimate:
     """Mean speed, of which the surer one counts more: at the ends of a record slopes are unsure."""
     weights = np.array([1.0 / max(each.sd, 1e-300) ** 2 for each in speeds])
     sizes = np.array([abs(each.value) for each in speeds])
-    return Value(float(weights @ sizes / weights.sum()), float(weights.sum() ** -0.5))
+    return Estimate(float(weights @ sizes / weights.sum()), float(weights.sum() ** -0.5))
 
 
-def _difference(one: Value, other: Value) -> Value:
-    return Value(one.value - other.value, float(np.hypot(one.sd, other.sd)))
+def _difference(one: Estimate, other: Estimate) -> Estimate:
+    return Estimate(one.value - other.value, float(np.hypot(one.sd, other.sd)))
 
 
-def _ratio(over: Value, under: Value) -> Value:
+def _ratio(over: Estimate, under: Estimate) -> Estimate:
     if under.value == 0.0:
-        return Value(float("nan"), float("nan"))
+        return Estimate(float("nan"), float("nan"))
     quotient = over.value / under.value
-    return Value(quotient, float(np.hypot(over.sd, quotient * under.sd) / abs(under.value)))
+    return Estimate(quotient, float(np.hypot(over.sd, quotient * under.sd) / abs(under.value)))
 
 
-def _extreme(channel: Channel, start: Value, stop: Value, sign: float) -> float:
+def _extreme(channel: Channel, start: Estimate, stop: Estimate, sign: float) -> float:
     """Where the mean over a sixteenth of the part between two crossings is greatest."""
     time, values = channel.within(start.value, stop.value)
     few = max(len(values) // 8, 1)
@@ -263,7 +265,9 @@ def _mean(channel: Channel, start: float, stop: float) -> float:
     return float(np.trapezoid(values, time) / (time[-1] - time[0]))
 
 
-def _work(moved: Channel, pulled: Channel, start: float, stop: float, loop: bool = False) -> Value:
+def _work(
+    moved: Channel, pulled: Channel, start: float, stop: float, loop: bool = False
+) -> Estimate:
     """Integral of force over displacement between two moments, through all samples.
 
     A loop ends where it began: what noise leaves open is closed at the force of its ends.
@@ -294,10 +298,10 @@ def _work(moved: Channel, pulled: Channel, start: float, stop: float, loop: bool
     jumps = _jumps(Channel(time, pulled.value[rows], pulled.noise))
     # Of a sampling that keeps step with the motion all jumps lie alike.
     variance += np.sum(np.abs(jumps * np.diff(moved.value[rows]))) ** 2 / 12.0
-    return Value(work, float(np.sqrt(variance)))
+    return Estimate(work, float(np.sqrt(variance)))
 
 
-def _in_phase(moved: Channel, pulled: Channel, start: float, stop: float) -> Value:
+def _in_phase(moved: Channel, pulled: Channel, start: float, stop: float) -> Estimate:
     """Real part of the first harmonic of the force over that of the displacement."""
     time, way = moved.within(start, stop)
     _, force = pulled.within(start, stop)
@@ -310,7 +314,7 @@ def _in_phase(moved: Channel, pulled: Channel, start: float, stop: float) -> Val
     white = 0.5 * (pulled.noise**2 + (abs(ratio) * moved.noise) ** 2) * np.sum(steps**2)
     # A jump that lies anywhere between two samples turns the harmonic.
     jumps = np.abs(_jumps(Channel(time, force, pulled.noise)) * np.diff(time))
-    return Value(
+    return Estimate(
         float(ratio.real), float(np.sqrt(white + np.sum(jumps) ** 2 / 12.0) / abs(first[0]))
     )
 
@@ -319,13 +323,13 @@ def _greatest(
     channel: Channel,
     start: float,
     stop: float,
-    ends: tuple[Value, Value],
-) -> Value:
+    ends: tuple[Estimate, Estimate],
+) -> Estimate:
     """The greatest force: at a turning point, or between them."""
     time, values = channel.within(start, stop)
     period = stop - start
     best = max(ends, key=lambda each: abs(each.value))
-    best = Value(abs(best.value), best.sd)
+    best = Estimate(abs(best.value), best.sd)
     # The middle of a part that stays above all others, not a sample that noise lifts.
     few = max(len(values) // 16, 1)
     inner = np.abs(np.convolve(values, np.full(few, 1.0 / few), mode="valid"))
@@ -337,5 +341,5 @@ def _greatest(
     by_chance = float(normal_quantile(1.0 - 1.0 / count))
     sd = spread * (1.0 + by_chance / float(normal_quantile(0.975)))
     if abs(solution[0]) > best.value:
-        best = Value(abs(float(solution[0])), sd)
+        best = Estimate(abs(float(solution[0])), sd)
     return best

@@ -22,7 +22,7 @@ from springpot.rheology.points import Real
 
 
 @dataclass(frozen=True, eq=False)
-class Record:
+class LoopRecord:
     """One test.
 
     Parameters
@@ -54,7 +54,7 @@ class Record:
     notes: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, signals: Signals, timed: bool = True) -> Record:
+    def of(cls, signals: Signals, timed: bool = True) -> LoopRecord:
         """From signals as a reader gives them: in order, complete, a strain as a share.
 
         Raises
@@ -101,7 +101,7 @@ class Record:
         }
 
 
-def read_record(spec: str | Path) -> Record:
+def read_record(spec: str | Path) -> LoopRecord:
     """The record that a user names, as ``springpot signals`` reads it.
 
     Parameters
@@ -116,11 +116,11 @@ def read_record(spec: str | Path) -> Record:
         If the file holds no such signals.
     """
     try:
-        record = Record.of(open_signals(spec))
+        record = LoopRecord.of(open_signals(spec))
     except OpenQuestion as question:
         if [each.about for each in question.questions] != ["time"]:
             raise
-        record = Record.of(open_signals(_counted(str(spec))), timed=False)
+        record = LoopRecord.of(open_signals(_counted(str(spec))), timed=False)
     return _with_temperature(record, spec)
 
 
@@ -130,7 +130,7 @@ def _counted(spec: str) -> str:
     return f"{spec}{',' if answered else '?'}rate=1[Hz]"
 
 
-def _with_temperature(record: Record, spec: str | Path) -> Record:
+def _with_temperature(record: LoopRecord, spec: str | Path) -> LoopRecord:
     """The record with the temperature of each sample, where the file has a column of it."""
     if not record.timed:
         return record
@@ -145,7 +145,7 @@ def _with_temperature(record: Record, spec: str | Path) -> Record:
     warmth = np.full(len(record.time), found.temperature)
     if found.warmth is not None:
         warmth = np.interp(record.time, found.time, found.warmth)
-    return Record(
+    return LoopRecord(
         record.time,
         record.displacement,
         record.force,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from springpot.errors import OptionError
 
-from .record import Record, read_record
+from .record import LoopRecord, read_record
 from .sheets import Sheet, write_sheets
 from .summary import EvaluatedTest, Told, evaluate, range_of
 from .velocity import VelocityLaw, velocity_law
@@ -60,11 +60,11 @@ class CycleReport:
         """Loops with their ellipse, and the backbone; see `figure_cycles`."""
         from .figures import figure_cycles
 
-        return figure_cycles(self, path)
+        return figure_cycles(self.tests, self.law, path)
 
 
 def cycles(
-    records: str | Path | Record | Sequence[str | Path | Record],
+    records: str | Path | LoopRecord | Sequence[str | Path | LoopRecord],
     *,
     cycles: str | tuple[int, int] | None = None,
 ) -> CycleReport:
@@ -72,7 +72,7 @@ def cycles(
 
     Parameters
     ----------
-    records : str, Path, Record, or a sequence of them
+    records : str, Path, LoopRecord, or a sequence of them
         Displacement and force against time, one test each.
     cycles : str or (int, int), optional
         Those that the means are of, such as ``"3..10"``; by default all but the first and the last.
@@ -101,11 +101,12 @@ def cycles(
     (0.3, 62.83)
     """
     wanted = range_of(cycles) if isinstance(cycles, str) else cycles
-    listed = [records] if isinstance(records, str | Path | Record) else list(records)
+    listed = [records] if isinstance(records, str | Path | LoopRecord) else list(records)
     if not listed:
         raise OptionError("there is no record: name one or several")
     tests = tuple(
-        evaluate(each if isinstance(each, Record) else read_record(each), wanted) for each in listed
+        evaluate(each if isinstance(each, LoopRecord) else read_record(each), wanted)
+        for each in listed
     )
     return report_of(tests)
 

@@ -16,9 +16,9 @@ from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
 from .finding import Found, find_cycles
-from .local import EIGHTH, Value
+from .local import EIGHTH, Estimate
 from .quantities import BY_NAME, QUANTITIES, Cycle, cycles_of, energy_of
-from .record import Record
+from .record import LoopRecord
 
 FEWEST = 3
 """Cycles from which their scatter says anything."""
@@ -63,7 +63,7 @@ class EvaluatedTest:
 
     Parameters
     ----------
-    record : Record
+    record : LoopRecord
         What was measured.
     found : Found
         Where its cycles are.
@@ -83,7 +83,7 @@ class EvaluatedTest:
         What a user should know.
     """
 
-    record: Record
+    record: LoopRecord
     found: Found
     cycles: tuple[Cycle, ...]
     each: tuple[dict[str, Told], ...]
@@ -162,12 +162,12 @@ def range_of(text: str) -> tuple[int, int]:
     return first, last
 
 
-def evaluate(record: Record, wanted: tuple[int, int] | None = None) -> EvaluatedTest:
+def evaluate(record: LoopRecord, wanted: tuple[int, int] | None = None) -> EvaluatedTest:
     """The cycles of a record, each with what a test report tells, and the means of some.
 
     Parameters
     ----------
-    record : Record
+    record : LoopRecord
         What was measured.
     wanted : tuple of int, optional
         First and last cycle of the means; by default all but the first and the last where there are
@@ -186,7 +186,7 @@ def evaluate(record: Record, wanted: tuple[int, int] | None = None) -> Evaluated
     each = {name: _each(values) for name, values in columns.items()}
     means = {name: _mean(values[first - 1 : last]) for name, values in columns.items()}
     rates = [
-        Value(1.0 / (after.value - before.value), _of_frequency(before, after))
+        Estimate(1.0 / (after.value - before.value), _of_frequency(before, after))
         for before, after in pairwise(found.bounds)
     ]
     work = energy_of(record, list(cycles))
@@ -207,11 +207,11 @@ def evaluate(record: Record, wanted: tuple[int, int] | None = None) -> Evaluated
     )
 
 
-def _of_frequency(before: Value, after: Value) -> float:
+def _of_frequency(before: Estimate, after: Estimate) -> float:
     return float(np.hypot(before.sd, after.sd) / (after.value - before.value) ** 2)
 
 
-def _range(record: Record, count: int, wanted: tuple[int, int] | None) -> tuple[int, int]:
+def _range(record: LoopRecord, count: int, wanted: tuple[int, int] | None) -> tuple[int, int]:
     if wanted is None:
         return (2, count - 1) if count > FEWEST else (1, count)
     if wanted[0] > count:
@@ -221,7 +221,7 @@ def _range(record: Record, count: int, wanted: tuple[int, int] | None) -> tuple[
     return wanted[0], min(wanted[1], count)
 
 
-def _each(values: Sequence[Value]) -> list[Told]:
+def _each(values: Sequence[Estimate]) -> list[Told]:
     """The values of all cycles, with the deviation of each: of noise, or from one to the next."""
     numbers, sds = np.array(values).T
     # From one cycle to the next: what warms up or wears in changes over many of them.
@@ -232,7 +232,7 @@ def _each(values: Sequence[Value]) -> list[Told]:
     return [Told.of(value, sd, np.inf, "noise") for value, sd in values]
 
 
-def _mean(values: Sequence[Value]) -> Told:
+def _mean(values: Sequence[Estimate]) -> Told:
     """Their mean: its deviation is that of noise, unless they scatter more than that allows."""
     numbers, sds = np.array(values).T
     count = len(values)
@@ -250,7 +250,7 @@ def _more(variance: float, of_noise: float, freedom: int) -> bool:
     return variance > of_noise * float(f_quantile(1.0 - UNLIKELY, freedom, 1e9))
 
 
-def _remarks(record: Record, found: Found, means: dict[str, Told]) -> list[str]:
+def _remarks(record: LoopRecord, found: Found, means: dict[str, Told]) -> list[str]:
     remarks = []
     if means["W_d"].high < 0.0:
         remarks.append(
@@ -270,7 +270,7 @@ def _remarks(record: Record, found: Found, means: dict[str, Told]) -> list[str]:
     return remarks
 
 
-def _cut(values: Real, record: Record, found: Found) -> int:
+def _cut(values: Real, record: LoopRecord, found: Found) -> int:
     """Samples that stand at an extreme of a channel that moves elsewhere, in each cycle; or 0."""
     steps = np.abs(np.diff(values))
     moved = steps[steps > 0.0]
