@@ -48,7 +48,8 @@ def drawn(ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
         on one smooth curve for each sweep, in the order and unit of the data, and as residuals in
         each plane with the ``width`` of their noise; ``previews``: for each candidate curves and
         planes of the model grown by it alone, with its ``error``, ``model`` and whether it was
-        ``refitted`` or comes from the scan; ``actions``: see `acted`; ``proposed``: see `proposal`;
+        ``refitted`` or comes from the scan; ``actions``: see `acted`; ``proposed``: what
+        to measure next;
         ``next``: the rivals at the proposed points.
     """
     scene, case = PageScene(measurement), ladder.steps[-1].case
@@ -67,7 +68,7 @@ def drawn(ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
         "model": scene.curve(base.model, base.theta, np.maximum(noise.real, noise.imag)),
         "actions": [act.to_dict() for act in acts],
         "previews": acted_on | {one.effect: preview(scene, used, one) for one in grown},
-        **proposal(ladder),
+        "proposed": ladder.proposed,
         "next": _next(ladder, {one.effect: one for one in grown}, measurement),
     }
 
@@ -103,15 +104,6 @@ def preview(scene: PageScene, used: Measurement, one: Preview) -> dict[str, Any]
         error = relative_error(used, one.model, one.theta)
         curve = scene.curve(one.model, one.theta)
     return {"model": one.model.name, "error": error, "refitted": one.refitted, **curve}
-
-
-def proposal(ladder: Ladder) -> dict[str, Any]:
-    """``proposed``: what to measure next, as in a diagnosis.
-
-    Of the rung that cannot be decided.
-    """
-    proposed = ladder.undecided.diagnosis.next_experiment
-    return {"proposed": proposed and proposed.to_dict()}
 
 
 def _next(

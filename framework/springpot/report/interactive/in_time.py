@@ -23,7 +23,6 @@ from springpot.timetests.recording import recorded
 from springpot.timetests.residuals_of_tests import Test, TestPart, parts_of_specimen, units_of
 from springpot.timetests.verdict import TimeCase
 
-from .answers import proposal
 from .scene import MOST_ON_CURVES, MOST_POINTS, OF_RESIDUALS, parameters_of, rounded
 
 PLANE = "signal"
@@ -266,7 +265,7 @@ def drawn_in_time(ladder: Ladder, tests: Sequence[Test]) -> dict[str, Any]:
             for each in case.tried
             if each.effect.name in after
         },
-        **proposal(ladder),
+        "proposed": ladder.proposed,
         "next": None,
     }
 
