@@ -35,6 +35,8 @@ STILL = 1e-7
 """Relative drop of the sum of squares below which a step changes nothing that is printed."""
 NEARLY_STILL = 1e-4
 """The same of an error alone, of which three digits are printed."""
+KEPT = 2
+"""Convex forms of single tests from which a search of all of them begins."""
 BRIEF = 3
 """Steps from each place where an effect of a test may lie.
 
@@ -138,10 +140,13 @@ def spectral(
         begun += [(other, start) for start in other.seeded([seed])]
     ends = [(each, each.descended(start, MOST_STEPS)) for each, start in begun]
     # From all lines alike a creep may end anywhere: its own convex form, which knows no effect,
-    # tells where it lies.
+    # tells where it lies. Of many tests those do that all of them are nearest to.
+    convex = []
     for lines in [lines_of(part) for part in parts if isinstance(part, InTimePart)]:
         other = _Search(model, parts, reference, coordinates, lines)
-        ends.append((other, other.descended(other.placed(other.start()), MOST_STEPS)))
+        convex.append((other, other.start()))
+    for each, start in sorted(convex, key=lambda pair: pair[1].cost)[:KEPT]:
+        ends.append((each, each.descended(each.placed(start), MOST_STEPS)))
     return _best(ends, parts)
 
 
