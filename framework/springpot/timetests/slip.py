@@ -53,8 +53,7 @@ def _evened(
     Where the noise grows on the way, its largest swings are no jumps.
     """
     sizes = [
-        rougher(value) if len(value) >= FEWEST else np.ones(len(value))
-        for value in after.residuals
+        rougher(value) if len(value) >= FEWEST else np.ones(len(value)) for value in after.residuals
     ]
     evened = [
         scatter if np.all(size == 1.0) else scatter_of(value / size)
