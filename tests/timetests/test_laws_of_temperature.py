@@ -1,5 +1,7 @@
 """Relaxations of a few decades at temperatures whose times lie many decades apart."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -48,3 +50,11 @@ def test_a_law_of_temperature_is_identified_from_any_material_alone():
         truth = log10_shift(float(celsius)) - log10_shift(reference)
         assert shift == pytest.approx(truth, abs=0.15)
     assert max(test.relative_rms for test in fit.tests) < 0.01
+
+
+def test_tests_that_are_followed_one_by_one_alone_are_not_of_one_state():
+    untold = [replace(test, temperature=None) for test in relaxations(0.01, 3)]
+    answer = springpot.diagnose(untold)
+    assert answer.verdict == "unexplained"
+    assert "each test by itself is followed to" in answer.says
+    assert "temperature=25[degC]" in answer.says

@@ -24,6 +24,7 @@ from springpot.identification.value import Value
 from springpot.measurement.sign import said_of_sign, turned
 from springpot.misfit.error import Error
 from springpot.misfit.where import Where
+from springpot.misfit.words import times
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
@@ -89,8 +90,12 @@ def sentence(
     candidates: Sequence[Candidate],
     where: Sequence[Where],
     jump: str = "",
+    apart: str = "",
 ) -> str:
-    """The verdict in one sentence; `jump` tells of one that explains the tests as well."""
+    """The verdict in one sentence; `jump` tells of one that explains the tests as well.
+
+    `apart` tells of tests that are followed one by one and not together.
+    """
     size = f"the error is {error.over_floor:.2g} x the noise"
     # Where it fails is the best advice there is, as long as nobody knows what is missing.
     place = ""
@@ -109,6 +114,8 @@ def sentence(
             hint = f"{candidates[0].effect} would help a little"
         return f"{size}: {hint}, which may be chance; measure longer or repeat it{place}"
     if not names or (verdict == "unexplained" and not candidates[0].lowers(error)):
+        if apart:
+            return f"{size}; {apart}{place}"
         return (
             f"{size}, and no known effect explains it:"
             f" something is missing that is not in the library{place}"
@@ -116,6 +123,8 @@ def sentence(
     after = f"{candidates[0].over_floor:.2g} x with it"
     if verdict == "unexplained":
         helps = f"{names} helps ({after}) but is not all"
+        if apart:
+            return f"{size}; {apart}; {helps}{place}"
         return f"{size}, and no single known effect explains it: {helps}{place}"
     return f"{size}; missing is {names}: {after}{place}"
 
@@ -316,7 +325,14 @@ def answer_of(
         model=base.model,
         error=error_of(tests, noise),
         verdict=verdict,
-        says=sentence(error_of(tests, noise), verdict, named, where, slip.says if slipped else ""),
+        says=sentence(
+            error_of(tests, noise),
+            verdict,
+            named,
+            where,
+            slip.says if slipped else "",
+            _said_apart(parts, tests),
+        ),
         split="",
         where=where,
         candidates=tuple(candidates),
@@ -332,6 +348,20 @@ def answer_of(
     # The next round of a discovery goes on from the best fit that there is.
     fits = (each.fit for each in tried if each.effect.name in alike[:1] and each.fit is not None)
     return TimeCase(diagnosis, base, next(fits, base), _misfits(parts, base), tuple(tried))
+
+
+def _said_apart(parts: Sequence[TestPart], tests: Sequence[PartResult]) -> str:
+    """What tests say that a material follows one by one and not together; nothing of others."""
+    alone = max(test.over_floor_alone for test in tests)
+    if not max(alone, 1.0) < VERDICT.takes_most * max(test.over_floor for test in tests):
+        return ""
+    says = f"each test by itself is followed to {times(alone)} its noise, all together are not"
+    if any("temperature" in part.conditions for part in parts):
+        return f"{says}: they are not of one specimen in one state"
+    return (
+        f"{says}: they are of another temperature, age or specimen, which no column tells; say it"
+        " of each, such as 'FILE#2?temperature=25[degC]'"
+    )
 
 
 def _notes_on(parts: Sequence[TestPart], best: Left) -> Iterator[str]:
