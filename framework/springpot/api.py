@@ -108,6 +108,7 @@ def identify(
     simpler: Sequence[Model | str] = (),
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
+    tie: str | Sequence[str] = (),
     own: Mapping[str, str] | None = None,
     start: Mapping[str, float] | None = None,
     exclude: str | Sequence[str] = (),
@@ -134,6 +135,9 @@ def identify(
         Parameters that are held, in printed units: ``{"alpha": 0.5}``.
     bounds : mapping of str to (float, float), optional
         Ends between which parameters are sought, in printed units: ``{"k": (0.0, 200.0)}``.
+    tie : str or sequence of str
+        Parameters that follow from others, or keep an order: ``["k2 = 2*k1", "tau1 < tau2"]``;
+        their numbers are in printed units.
     own : mapping of str to str, optional
         Parameters of which each level of a column has its own, and the column: ``{"k": "batch"}``;
         ``"file"`` where each sweep is a specimen. All others are shared.
@@ -171,7 +175,7 @@ def identify(
     tests = excluded(_tests(measurement), exclude)
     # Values come as they are printed: the units of the data must be known to read them.
     units = units_of(tests)
-    judged, tests = owning(constrained(_model(model), units, fix, bounds), tests, own)
+    judged, tests = owning(constrained(_model(model), units, fix, bounds, tie), tests, own)
     search: dict[str, Any] = {"budget": budget, "restarts": restarts, "seed": seed}
     search |= {"optimiser": _optimiser(optimiser), "objective": _objective(objective)}
     search |= {"intervals": intervals, "start": own_values(judged, units, start, "start")}
@@ -222,6 +226,7 @@ def diagnose(
     seed: int = 0,
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
+    tie: str | Sequence[str] = (),
     own: Mapping[str, str] | None = None,
     exclude: str | Sequence[str] = (),
     accuracy: Accuracy | str | None = None,
@@ -245,7 +250,7 @@ def diagnose(
         Names of effects that may not: a user knows that nothing slips.
     seed : int
         Of simulated noise; the same seed gives the same bits.
-    fix, bounds, own, exclude
+    fix, bounds, tie, own, exclude
         What is known beforehand, and rows to leave out; see `identify`.
     accuracy : Accuracy or str, optional
         What the instrument promises, such as ``1%,3mrad``: a misfit within it is no verdict on the
@@ -270,7 +275,9 @@ def diagnose(
     'inertia'
     """
     tests = excluded(_tests(measurement), exclude)
-    judged, tests = owning(constrained(_judged(model), units_of(tests), fix, bounds), tests, own)
+    judged, tests = owning(
+        constrained(_judged(model), units_of(tests), fix, bounds, tie), tests, own
+    )
     promised = _promised(accuracy, tests)
     data = sweep_of(tests)
     if data is None:
@@ -293,6 +300,7 @@ def discover(
     seed: int = 0,
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
+    tie: str | Sequence[str] = (),
     own: Mapping[str, str] | None = None,
     exclude: str | Sequence[str] = (),
     accuracy: Accuracy | str | None = None,
@@ -317,7 +325,7 @@ def discover(
         Which effects may be named; see `diagnose`.
     seed : int
         Of simulated noise.
-    fix, bounds, own, exclude
+    fix, bounds, tie, own, exclude
         What is known beforehand, and rows to leave out; see `identify`.
     accuracy : Accuracy or str, optional
         What the instrument promises, such as ``1%,3mrad``: a misfit within it is no verdict on the
@@ -344,7 +352,9 @@ def discover(
     ['24.1%', '4.4%']
     """
     tests = excluded(_tests(measurement), exclude)
-    begin, tests = owning(constrained(_judged(model), units_of(tests), fix, bounds), tests, own)
+    begin, tests = owning(
+        constrained(_judged(model), units_of(tests), fix, bounds, tie), tests, own
+    )
     promised = _promised(accuracy, tests)
     data = sweep_of(tests)
     known = library(effects, only, without, data)
@@ -373,6 +383,7 @@ def invent(
     seed: int = 0,
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
+    tie: str | Sequence[str] = (),
     own: Mapping[str, str] | None = None,
     exclude: str | Sequence[str] = (),
     progress: Progress = silent,
@@ -389,7 +400,7 @@ def invent(
         Columns that a law may go with; by default all that were varied by themselves.
     seed : int
         Of simulated noise; the same seed gives the same bits.
-    fix, bounds, own, exclude
+    fix, bounds, tie, own, exclude
         What is known beforehand, and rows to leave out; see `identify`.
     progress : callable, optional
         Told in a few words what is being done.
@@ -412,7 +423,9 @@ def invent(
     'none'
     """
     tests = excluded(_tests(measurement), exclude)
-    judged, tests = owning(constrained(_judged(model), units_of(tests), fix, bounds), tests, own)
+    judged, tests = owning(
+        constrained(_judged(model), units_of(tests), fix, bounds, tie), tests, own
+    )
     data = sweep_of(tests)
     if data is None:
         raise DataError("a law is sought in sweeps: tests in time are read by diagnose")

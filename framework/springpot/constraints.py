@@ -6,6 +6,7 @@ takes.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any, TypeVar
@@ -35,8 +36,9 @@ def constrained(
     units: Units,
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
+    tie: str | Sequence[str] = (),
 ) -> Model:
-    """The model with parameters held or bounded, of values in printed units.
+    """The model with parameters held, bounded or tied, of values in printed units.
 
     Parameters
     ----------
@@ -48,6 +50,8 @@ def constrained(
         Parameters to hold: ``{"alpha": 0.5, "inertia.m": 0.6}``.
     bounds : mapping of str to (float, float), optional
         Lower and upper end, by name.
+    tie : str or sequence of str
+        Parameters that follow from others, or keep an order: ``["k2 = 2*k1", "tau1 < tau2"]``.
 
     Raises
     ------
@@ -66,7 +70,34 @@ def constrained(
             )
         low, high = ends
         own_bounds[name] = (own_value(model, units, name, low), own_value(model, units, name, high))
-    return model.holding(fixed, own_bounds)
+    return tied(model.holding(fixed, own_bounds), units, tie)
+
+
+def tied(model: Model, units: Units, tie: str | Sequence[str]) -> Model:
+    """The model with parameters that follow from others, whose numbers are in printed units.
+
+    Raises
+    ------
+    ModelError
+        If a tie is none, or cannot be kept.
+    OptionError
+        If it is no text.
+    """
+    # A single text need not stand in a list.
+    ties = [tie] if isinstance(tie, str) else list(tie)
+    for text in ties:
+        if not isinstance(text, str):
+            raise OptionError(f"a tie is a text such as 'k2 = 2*k1', not {text!r:.40}")
+        for name in model.held:
+            if re.search(rf"(?<![\w.#-]){re.escape(name)}(?![\w.])", text):
+                raise ModelError(f"'{text:.80}': {name} is held already, so nothing ties it")
+    if ties and is_material(model):
+        raise ModelError(
+            f"{model.name}: parameters of a free spectrum cannot be tied; name a model that has"
+            " them, such as prony-3"
+        )
+    factors = {each.name: units.of(each.unit)[0] for each in model.parameters}
+    return model.tying(ties, factors)
 
 
 def owning(

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from benchmark_fakes import OMEGA, TRUTH, Moody, Walk, artificial, measurement, small_study
 
-from springpot.benchmark import fork_server, runner, summary, trial
+from springpot.benchmark import cases, fork_server, runner, summary, trial
 from springpot.benchmark import study as studies
 from springpot.benchmark.fork_server import Parcel
 from springpot.benchmark.plan import BLOCK, WorkOrder
@@ -325,7 +325,7 @@ def test_progress_is_measured_from_the_centre_or_from_no_answer():
         np.zeros(len(OMEGA), dtype=complex), problem.measurement, problem.weights
     )
     assert plain <= nothing or plain > 0.0
-    assert studies._reference(problem) == pytest.approx(min(centre, float(plain)))
+    assert cases.reference_of(problem) == pytest.approx(min(centre, float(plain)))
 
 
 def test_a_script_is_loaded_once_and_its_faults_are_told_by_line(tmp_path):

@@ -16,7 +16,7 @@ from springpot.diagnosis.examination import silent
 from springpot.errors import DataError
 from springpot.report.jsontext import to_json
 from springpot.web.sessions import data_of, joined, measured_in, session_of, text_of
-from springpot.web.specimen import Specimen
+from springpot.web.specimen import SCHEMA, Specimen, specimen_of
 from springpot.web.tasks import answered, perform, trial, understand
 
 TIME = np.geomspace(0.1, 100.0, 40)
@@ -113,6 +113,12 @@ def test_files_cross_as_they_came_and_so_into_a_session(relaxed: dict[str, Any])
     }
     known = session_of(json.dumps(session).encode())
     assert known["branches"][0]["states"][0]["data"] == relaxed["digest"]
+
+
+def test_tests_nested_too_deeply_are_refused_in_one_line():
+    nested = "[" * 100_000 + "]" * 100_000
+    with pytest.raises(DataError, match="no tests in time: nested too deeply"):
+        specimen_of(f'{{"schema": "{SCHEMA}", "files": {nested}}}')
 
 
 def test_a_relaxation_and_a_sweep_are_tests_of_one_specimen():

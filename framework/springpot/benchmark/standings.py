@@ -27,12 +27,15 @@ from .comparison import (
     profiles,
     races_of,
     rankings,
+    reference_of,
     score_cell,
 )
+from .noise_table import noise_table
 from .statistics import Interval, hitting_time
 from .store import Store
 from .study import Study
 from .summary import (
+    CellRow,
     CellSummary,
     TrialRow,
     failure_table,
@@ -247,10 +250,11 @@ class Findings:
                 scores[cell.id] = score_cell(cell, trials, best, scale)
                 hits = scores[cell.id].hits
             else:
-                goal = goal_of(cell.problem, best, scale.target)
                 # For the summary alone: no trace is unpacked of which the best shows already that
                 # it missed.
-                hits = np.array([_hit(trial, goal) for trial in trials])
+                hits = np.array(
+                    [_hit(*each, cell, scale) for each in zip(trials, best, strict=True)]
+                )
             summaries[cell.id] = summarise_cell(cell, trials, hits, float(facts["accuracy"]))
         # In the order of the study, which is not that in which the store has its trials.
         order = [cell.id for cell in store.cells() if cell.id in summaries]
@@ -282,8 +286,9 @@ class Findings:
         return rankings(self.races, self.scale)
 
 
-def _hit(trial: TrialRow, goal: float) -> float:
-    """Evaluation at which a trial reached `goal`; its trace is read only if it did."""
+def _hit(trial: TrialRow, best: float, cell: CellRow, scale: JudgingScale) -> float:
+    """Evaluation at which a trial reached its target; its trace is read only if it did."""
+    goal = goal_of(reference_of(cell.problem, trial), best, scale.target)
     if trial.best is None or trial.best > goal:
         return np.inf
     return hitting_time(*trial.improvements(), goal)
@@ -307,24 +312,37 @@ COMPARING: dict[str, Callable[[Findings], Table]] = {
     "pairs": lambda f: pair_table(f.name, f.rankings),
     "profiles": lambda f: profile_table(f.name, f.races, f.scale),
     "progress": lambda f: progress_table(f.name, f.scores, f.scale),
+    "noise": lambda f: noise_table(f.facts, f.races, f.scale),
 }
 """Tables that need every trial's trace."""
 
 TABLES = ("choice", "summary", "ranks", "pairs", "profiles", "progress", "timing", "failures")
 """All of them, in the order in which they are shown."""
 
+NOISY = "noise"
+"""The table of a study that has noise for an axis."""
 
-def study_tables(store: Store, names: Sequence[str] = TABLES) -> Iterator[tuple[str, Table]]:
+
+def table_names(store: Store) -> tuple[str, ...]:
+    """The tables that a study has."""
+    if NOISY in store.facts():
+        return (*TABLES, NOISY)
+    return TABLES
+
+
+def study_tables(store: Store, names: Sequence[str] | None = None) -> Iterator[tuple[str, Table]]:
     """File stem and table of what is written after a run.
 
     Parameters
     ----------
     store : Store
         The study's.
-    names : sequence of str
-        Which of `TABLES`.
+    names : sequence of str, optional
+        Which of them; all by default.
     """
     # Every trace is read only if a table that is wanted compares by them.
+    if names is None:
+        names = table_names(store)
     findings = Findings.of(store, scored=any(name in COMPARING for name in names))
     for name in names:
         yield name, (PLAIN | COMPARING)[name](findings)

@@ -33,10 +33,11 @@ from .database import (
     require_tables,
     transaction,
 )
-from .plan import Plan
+from .plan import COMMON, Plan
 from .schema import (
     ALL_TRIALS,
     CELLS,
+    DRAWN_TRIALS,
     DROP_STRAY,
     FACTS,
     KEYS,
@@ -272,6 +273,11 @@ class Store:
         described |= {"target": repr(plan.target), "accuracy": repr(plan.accuracy), **facts}
         if plan.requirements:
             described["requirements"] = json.dumps(dict(plan.requirements))
+        if plan.noise:
+            described["noise"] = json.dumps(noise_of(plan))
+        if plan.x0 == COMMON:
+            begin = [each.label for each in plan.entrants if each.optimiser.card.started]
+            described["common start"] = json.dumps(begin)
         with one_line(self.path), transaction(self._db):
             problems = [self._enter("problem", problem_columns(case)) for case in plan.cases]
             cells = {
@@ -432,6 +438,23 @@ class Store:
             number: min(least.get(number, inf), known.get(number, inf)) for number in least | known
         } | planned
 
+    def bests_of_draws(self) -> dict[tuple[int, int], float]:
+        """Best objective of each problem and repetition, where a repetition has its own noise."""
+        optima: dict[tuple[int, int], float] = {}
+        least: dict[tuple[int, int], float] = {}
+        with one_line(self.path):
+            problem = {row["id"]: row["problem"] for row in self._rows(CELLS) if sound(row)}
+            for row in self._rows(DRAWN_TRIALS):
+                if row["cell"] not in problem or not sound(row):
+                    continue
+                key = (problem[row["cell"]], row["repetition"])
+                if row["optimum"] is not None:
+                    optima[key] = row["optimum"]
+                values = [row[name] for name in ("best", "known") if row[name] is not None]
+                least[key] = min([least.get(key, inf), *values])
+        # Where trials end at a target, it is the one that they raced for.
+        return least | optima
+
     def trials(self) -> Iterator[tuple[int, list[TrialRow]]]:
         """Cell number and trials of every cell, up to the study's repetitions.
 
@@ -464,6 +487,17 @@ class Store:
         if not isinstance(repetition, int) or repetition < 0:
             return None
         return TrialRow(row["cell"], repetition, Status.DAMAGED, DAMAGED)
+
+
+def noise_of(plan: Plan) -> dict[str, float]:
+    """Level of noise of each data set whose truth is known."""
+    levels = {}
+    for case in plan.cases:
+        if case.noise is not None:
+            levels[case.source.name] = case.noise.level
+        elif case.source.truth:
+            levels[case.source.name] = 0.0
+    return levels
 
 
 _TOLD = {"name", "cells", "repetitions", "seed", "budget", "target", "accuracy", "optima"}

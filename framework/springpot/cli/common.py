@@ -241,6 +241,12 @@ def known_options(command: F) -> F:
             help="Keep a parameter within: k1=0:200.",
         ),
         click.option(
+            "--tie",
+            multiple=True,
+            metavar="TIE",
+            help="A parameter by others, 'k2 = 2*k1', or an order, 'tau1 < tau2'.",
+        ),
+        click.option(
             "--own",
             multiple=True,
             metavar="NAMES:COLUMN",
@@ -308,6 +314,7 @@ def known_from(options: dict[str, Any]) -> dict[str, Any]:
     return {
         "fix": values_of(options.pop("fix")),
         "bounds": bounds_of(options.pop("bounds")),
+        "tie": options.pop("tie"),
         "own": own,
         "exclude": options.pop("exclude"),
     }

@@ -307,7 +307,7 @@ def again_with(
     for name in ("effects", "accuracy"):
         if options[name] is not None:
             again += [f"--{name}", options[name]]
-    for name in ("effect", "without", "fix", "bounds", "exclude"):
+    for name in ("effect", "without", "fix", "bounds", "tie", "exclude"):
         for text in options[name]:
             again += [f"--{name}", text]
     again += ["--seed", str(seed or 0)]

@@ -13,6 +13,7 @@ MEANING = (
     "geometry",
     "fix",
     "bounds",
+    "tie",
     "exclude",
     "own",
     "population",

@@ -71,16 +71,18 @@ def populations(
     found, released = {}, {each.name: each for each in model.released().parameters}
     for shared in model.own:
         rows = [i for i, origin in enumerate(model.origins) if origin == shared]
+        # The share of an order is none of the released model's.
+        parameter = released.get(shared, model.parameters[rows[0]])
         own, error = values[rows], covariance[np.ix_(rows, rows)]
         # Sizes scatter by a share of themselves; an order, which may be zero, by itself.
-        log = released[shared].scale == "log"
+        log = parameter.scale == "log"
         if len(rows) < FEWEST or not np.all(np.isfinite(error)) or (log and np.any(own <= 0.0)):
             continue
         if log:
             own, error = np.log(own), error / np.outer(own, own)
         start = len(shared) + 1
         levels = [model.names[i][start:] for i in rows]
-        found[shared] = of_one(own, error, log, levels, units.of(released[shared].unit)[1])
+        found[shared] = of_one(own, error, log, levels, units.of(parameter.unit)[1])
     return found
 
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from springpot.distributions import student
 from springpot.drawing import draw, html_of, text_of
 from springpot.errors import ModelError
 from springpot.measurement.covered import Covered
@@ -24,6 +25,7 @@ from springpot.rheology.continuum import EQUILIBRIUM, VISCOSITY
 from springpot.rheology.forms import SearchForm
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
+from springpot.thresholds import INTERVAL
 
 from .calibration import Calibration
 from .kept import (
@@ -42,6 +44,7 @@ from .population import Population, populations, specimens_of
 from .prediction import Known
 from .problem import Objective, sizes
 from .regularisation import SmoothSpectrum, regularised
+from .tied_values import tied_values
 from .uncertainty import Uncertainty, ends, lost_and_known, spread_of
 from .value import Value, all_parameters, printed
 
@@ -284,7 +287,9 @@ class Identification(Known):
 
         Those that were held too.
         """
-        return all_parameters(self.model, self.theta, self.low, self.high, self.units)
+        ends, quantile = (self.low, self.high), student(INTERVAL, self.dof)
+        tied = tied_values(self.model, self.theta, ends, self._by_theta, quantile, self.units)
+        return all_parameters(self.model, self.theta, *ends, self.units, tied)
 
     @cached_property
     def search_parameters(self) -> Mapping[str, Value]:
@@ -317,9 +322,14 @@ class Identification(Known):
         """
         # In the units of the values: a covariance in others would fit none of the printed numbers.
         factor = self._factors
+        covariance: Real = factor[:, None] * self._by_theta * factor
+        return covariance
+
+    @property
+    def _by_theta(self) -> Real:
+        """Covariance (p, p) of theta, infinite where the data do not determine a parameter."""
         lost, finite = lost_and_known(self.spread)
-        inner = self.slopes @ finite @ self.slopes.T
-        covariance: Real = factor[:, None] * inner * factor
+        covariance: Real = self.slopes @ finite @ self.slopes.T
         # What hangs on a direction that the data do not determine is not determined either.
         touched = np.any(np.abs(self.slopes[:, lost]) > 0.0, axis=1)
         covariance[touched, touched] = np.inf
@@ -502,6 +512,8 @@ class Identification(Known):
             "only_sweeps": self.on_sweeps,
             "rates": rates_of(self.model),
         }
+        if self.model.ties:
+            kept["ties"] = list(self.model.ties)
         if self.calibration is not None:
             kept["calibration"] = self.calibration.to_dict()
         if self.uncertainty is not None:

@@ -55,6 +55,7 @@ def fit_document(identified: Identification, verbose: bool = False) -> list[Pass
         Prose(f"{identified.model.name} fitted to {identified.name} ({_size(identified)})"),
         Preformatted(drawing_of(identified.model)),
         parameters_table("parameter", _listed(identified, verbose), gone(identified)),
+        Prose(f"tied        {'; '.join(ties)}" if (ties := identified.model.ties) else ""),
         _budget(identified) if verbose else Prose(),
         _populations(identified),
         search,

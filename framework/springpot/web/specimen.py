@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
+from springpot.inputs import json_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test
 from springpot.registry import open_measurement, open_tests
@@ -122,7 +123,7 @@ def specimen_of(text: str) -> Specimen:
         If it is none, as that of a session may be that a stranger wrote.
     """
     try:
-        files = json.loads(text)["files"]
+        files = json_of(text)["files"]
         kept = [{key: str(file[key]) for key in ("name", "choice", "content")} for file in files]
     except (ValueError, KeyError, TypeError) as error:
         raise DataError(f"these are no tests in time: {error}") from None

@@ -59,6 +59,7 @@ from .specimen import Opened, Specimen, given
 from .studies import report_of, studies, study
 from .testing import leave_in_time, understood_in_time
 from .trying import invented, tried, with_law
+from .watching import watched
 
 SCHEMA = "springpot.workbench/1"
 Told = Callable[[str], None]
@@ -473,6 +474,19 @@ def _report(ladder: Ladder, measurement: Measurement, state: State, source: str)
     return leaving.report(ladder, measurement, shlex.split(leaving.command(state, source)))
 
 
+def look(
+    told: Told, folder: str, known: str = "", base: str = "", before: str = ""
+) -> dict[str, Any]:
+    """What is new in the folder that is watched; its data as of a file that was dropped."""
+    found, data = watched(folder, known, base, before)
+    if data is None:
+        return found
+    shown = found["folder"]
+    alone = not base and len(found["files"]) == 1
+    source = _relative(str(Path(folder) / found["files"][0])) if alone else shown
+    return {**found, **_understood(data, source, joined=not alone)}
+
+
 def raced(told: Told, name: str = "", report: bool = False) -> dict[str, Any]:
     """The studies here, or one of them with its tables, or its report as a file."""
     if not name:
@@ -497,6 +511,7 @@ TASKS: dict[str, Callable[..., dict[str, Any]]] = {
     "mastercurve": mastered,
     "leave": leave,
     "race": raced,
+    "watch": look,
 }
 
 

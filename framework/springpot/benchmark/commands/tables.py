@@ -116,19 +116,16 @@ def _written(study: str, out: Path, kinds: list[str], report: bool) -> list[Path
 
 
 def _chosen(study: str, wanted: str | None, out: Path) -> dict[str, Table]:
-    from springpot.benchmark.standings import TABLES, study_tables
+    from springpot.benchmark.standings import study_tables, table_names
     from springpot.benchmark.store import Store
     from springpot.benchmark.summary import store_path
     from springpot.errors import StudyError
 
-    if wanted is not None and wanted not in TABLES:
-        raise StudyError(f"unknown table '{wanted}': {study} has {', '.join(TABLES)}")
-    if wanted is None:
-        names = list(TABLES)
-    else:
-        names = [wanted]
     with Store(store_path(study, out)) as store:
-        return dict(study_tables(store, names))
+        names = table_names(store)
+        if wanted is not None and wanted not in names:
+            raise StudyError(f"unknown table '{wanted}': {study} has {', '.join(names)}")
+        return dict(study_tables(store, [wanted] if wanted else names))
 
 
 def _plain(name: str, table: Table) -> dict[str, Any]:

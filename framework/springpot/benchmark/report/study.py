@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from springpot.benchmark.comparison import OVER_ALL, MeanRanks, OptimiserChoice, scopes
-from springpot.benchmark.standings import CHOICE_NOTE, COMPARING, PLAIN, Findings
+from springpot.benchmark.standings import CHOICE_NOTE, COMPARING, NOISY, PLAIN, Findings
 from springpot.benchmark.statistics import Interval
 from springpot.benchmark.store import Store
 from springpot.benchmark.summary import CellSummary, ProblemRow, store_path
@@ -21,6 +21,7 @@ from springpot.report.numbers import seconds
 from springpot.report.style import page
 
 from ...format_numbers import NAMED
+from .fairness import fairness
 from .study_plots import (
     Pens,
     accuracy_against_time,
@@ -101,6 +102,8 @@ def study_html(findings: Findings) -> Html:
             *_pairs(findings),
             *_cost(findings, pens),
             *_failures(findings),
+            *_noise(findings),
+            *fairness(findings.facts, findings.summaries),
         ]
     return page(
         f"{findings.name}: which optimiser?",
@@ -405,6 +408,15 @@ def _failures(findings: Findings) -> Iterator[Html]:
     yield tag("div", table(headers, rows, headers[3:]), class_="scroll")
 
 
+def _noise(findings: Findings) -> Iterator[Html]:
+    if NOISY not in findings.facts:
+        return
+    made = COMPARING[NOISY](findings)
+    yield tag("h2", "What does noise change?")
+    yield tag("p", made.note, class_="quiet")
+    yield _whole(made)
+
+
 def _tables(findings: Findings) -> Iterator[Html]:
     yield tag("h2", "All numbers")
     names = ["summary", "failures"]
@@ -434,7 +446,7 @@ def _repeat(findings: Findings) -> Iterator[Html]:
     yield tag("h2", "To repeat this")
     yield tag("pre", facts.pop("command", ""))
     # The list of cells is for programs, and the name stands above.
-    left_out = {"cells", "name"}
+    left_out = {"cells", "name", "common start", NOISY}
     rows = [(key, value) for key, value in sorted(facts.items()) if key not in left_out]
     yield tag("div", table(("what", "value"), rows), class_="scroll")
     yield tag(

@@ -152,8 +152,7 @@ export class ModelPanel {
       onchange: (event) => { hand[side] = event.target.value === "" ? null : Number(event.target.value); this.touched(hand); } });
     Object.assign(hand, { box, slider });
     return h("div", { class: "parameter" }, head, slider, box,
-      h("label", { class: "check" }, fix, " fix"),
-      h("details", { class: "bounds" }, h("summary", {}, "bounds"), bound("lower"), bound("upper")));
+      h("details", { class: "bounds" }, h("summary", {}, "limits"), bound("lower"), bound("upper"), h("label", { class: "check" }, fix, " fix")));
   }
 
   placed({ value, scale, lower, upper }, place) {

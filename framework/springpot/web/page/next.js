@@ -29,6 +29,6 @@ export class Next {
       h("p", { class: "bar" },
         h("label", { class: "check" }, box, drawable ? " draw both rivals there" : " rivals cannot be drawn for another specimen"),
         h("button", { type: "button", id: "plan", onclick: () => this.app.leaveWith("plan") }, "Plan as CSV"),
-        h("button", { type: "button", onclick: () => this.app.openMore() }, "Add its data")));
+        this.app.watch?.watching ? null : h("button", { type: "button", onclick: () => this.app.openMore() }, "Add its data")));
   }
 }

@@ -84,8 +84,11 @@ export class Compare {
       // What was pointed at or chosen are rows of the data before.
       this.row = null;
       this.chosen = new Set();
-      this.hidden = new Set();
-      this.zoom.ends = null;
+      // What has only grown is looked at as before.
+      if (!scene.fresh) {
+        this.hidden = new Set();
+        this.zoom.ends = null;
+      }
       put(this.view, Object.entries(viewsOf(scene)).map(([name, view]) => h("option", { value: name }, view.name)),
         this.app.fixed || scene.views ? null : h("option", { value: "master-curve" }, "Master curve"));
       put(this.plane,
@@ -111,6 +114,8 @@ export class Compare {
     this.without(spec);
     this.zoom.limit(spec);
     this.main.draw(spec, this.width, tall);
+    if (scene.fresh?.size) this.main.arrive(scene.fresh);
+    setTimeout(() => scene.fresh?.clear()); // drawn again at once, where the words around it leave less room
     // Residuals are of the sweeps as they were measured, not as they were shifted.
     const residual = Boolean(shown) && plane !== "none" && !master;
     this.residual.svg.toggleAttribute("hidden", !residual);
@@ -258,6 +263,8 @@ export class Compare {
       entries.push(...scene.sweeps.map((sweep, i) =>
         this.entry(`sweep-${i}`, `sweep-${Math.round((8 * i) / (scene.sweeps.length - 1))}`, `● ${sweep.label}`)));
     }
+    const { below } = this.main.spec.y;
+    if (below) entries.push(h("span", { class: "quiet" }, `${below} not above zero`));
     if (answer && view !== "master-curve") entries.push(this.entry("model", "", `━ ${answer.discovery.diagnosis.model} (accepted)`));
     if (this.app.hovered) entries.push(h("span", { class: "swatch preview" }, `╌ with ${this.app.hovered} (preview)`));
     if (edited) entries.push(h("span", { class: "swatch edited" }, `┈ edited by hand, ${percent(edited.error)}`));
