@@ -227,19 +227,13 @@ def answer_of(
     named = [] if slipped and weights[-1] > VERDICT.likely else candidates
     # What noise leaves of an adequate model stands out somewhere too.
     where = () if verdict == "adequate" else where_missed(parts, before, noise)
+    error, jump = error_of(tests, noise), slip.says if slipped else ""
     diagnosis = Diagnosis(
         data=base.name,
         model=base.model,
-        error=error_of(tests, noise),
+        error=error,
         verdict=verdict,
-        says=sentence(
-            error_of(tests, noise),
-            verdict,
-            named,
-            where,
-            slip.says if slipped else "",
-            _said_apart(parts, tests),
-        ),
+        says=sentence(error, verdict, named, where, jump, _said_apart(parts, tests)),
         split="",
         where=where,
         candidates=tuple(candidates),
