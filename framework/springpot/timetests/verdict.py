@@ -246,9 +246,16 @@ def answer_of(
         evidence={"nothing": nothing, "unknown": unknown},
         steps=tuple(turning(spec) for part in parts if (spec := turned(part.test.provenance))),
     )
-    # The next round of a discovery goes on from the best fit that there is.
-    fits = (each.fit for each in tried if each.effect.name in alike[:1] and each.fit is not None)
-    return TimeCase(diagnosis, base, next(fits, base), _misfits(parts, base), tuple(tried))
+    fit = _going_on_from(base, tried, alike[:1])
+    return TimeCase(diagnosis, base, fit, _misfits(parts, base), tuple(tried))
+
+
+def _going_on_from(
+    base: Identification, tried: Sequence[Tried], best: Sequence[str]
+) -> Identification:
+    """The best fit that there is: from it the next round of a discovery goes on."""
+    fits = (each.fit for each in tried if each.effect.name in best and each.fit is not None)
+    return next(fits, base)
 
 
 def _said_apart(parts: Sequence[TestPart], tests: Sequence[PartResult]) -> str:
