@@ -21,6 +21,7 @@ if TYPE_CHECKING:  # what a user's type checker sees; the table below is what ha
         read,
     )
     from springpot.comparison import Comparison
+    from springpot.derived import quantities
     from springpot.diagnosis import Diagnosis, Ladder
     from springpot.identification import Identification, Prediction
     from springpot.invention import Invention
@@ -59,6 +60,7 @@ _WHERE = {
     "parse_model": "springpot.registry",
     "plugins": "springpot.registry",
     "predict": "springpot.api",
+    "quantities": "springpot.derived",
     "compare": "springpot.api",
     "diagnose": "springpot.api",
     "discover": "springpot.api",
@@ -98,6 +100,7 @@ __all__ = [
     "parse_model",
     "plugins",
     "predict",
+    "quantities",
     "read",
     "signals_to_measurement",
     "workbench",
