@@ -10,6 +10,7 @@ Exactly what ``springpot discover DATA --accept ...`` gives, and what is drawn o
 from __future__ import annotations
 
 import base64
+import re
 import shlex
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
@@ -119,6 +120,9 @@ Of more, hardly a row would belong to each.
 MOST_RUNS = 200
 """Sweeps that are listed of one measurement."""
 
+_SCHEMA = re.compile(rb'\s*{\s*"schema"\s*:\s*"(springpot\.[\w./-]{1,40})"')
+"""The beginning of a file that springpot wrote, and of no data."""
+
 _ladders: OrderedDict[str, Ladder] = OrderedDict()
 
 
@@ -206,6 +210,11 @@ def understand(
         session = session_of(raw)
         measurement = data_of(session["data"].pop("text"))
         return {**_understood(measurement, session["data"]["source"]), "session": session}
+    if named := _SCHEMA.match(raw):
+        raise DataError(
+            f"{name} is an answer of springpot ({named[1].decode()}): open the data that it is of,"
+            " or a session of the workbench"
+        )
     told(f"reading {len(raw)} bytes")
     try:
         measurement, parts = measured_in(name, raw, choice)
@@ -348,17 +357,19 @@ def _understood_sweeps(measurement: Measurement, parts: tuple[Part, ...]) -> dic
 
 
 def _levels(measurement: Measurement) -> list[dict[str, Any]]:
-    """Rows of each level of temperature and amplitude, where there are several."""
+    """Rows of each level of a condition, where there are several."""
     units = {"temperature": "°C", "amplitude": measurement.units.amplitude}
     levels = []
-    for name in set(units) & set(measurement.conditions):
-        numbers, column = measurement.levels(name), measurement.conditions[name]
-        if not 1 < numbers.max() + 1 <= MOST_LEVELS:
+    for name, column in measurement.conditions.items():
+        numbers = measurement.levels(name)
+        count = int(numbers.max()) + 1
+        # A column that goes on with each row was measured, and not set.
+        if not 1 < count <= min(MOST_LEVELS, len(measurement) / 2):
             continue
-        for number in range(int(numbers.max()) + 1):
+        for number in range(count):
             rows = np.flatnonzero(numbers == number)
-            label = f"{name} {np.mean(column[rows]):.4g} {units[name]}"
-            levels.append({"name": label, "rows": rows.tolist()})
+            label = f"{name} {np.mean(column[rows]):.4g} {units.get(name, '')}".strip()
+            levels.append({"name": label, "column": name, "rows": rows.tolist()})
     return levels
 
 

@@ -265,6 +265,7 @@ def drawn_in_time(ladder: Ladder, tests: Sequence[Test]) -> dict[str, Any]:
             for each in case.tried
             if each.effect.name in after
         },
+        "proposed": ladder.proposed,
         "next": None,
     }
 
