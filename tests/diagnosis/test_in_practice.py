@@ -68,9 +68,7 @@ def test_a_certain_misfit_within_what_is_promised_is_adequate():
     assert told.says.startswith("within what the instrument promises (1 %, 3 mrad); a structure of")
     assert told.leading == ()
     assert all(each.verdict != "missing" for each in told.candidates)
-    tight = springpot.diagnose(
-        data, "fractional-kelvin-voigt", only=few, accuracy="0.05%,3mrad"
-    )
+    tight = springpot.diagnose(data, "fractional-kelvin-voigt", only=few, accuracy="0.05%,3mrad")
     assert (tight.verdict, tight.leading) == (plain.verdict, plain.leading)
 
 
