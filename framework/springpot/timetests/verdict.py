@@ -24,7 +24,7 @@ from springpot.identification.value import Value
 from springpot.measurement.sign import said_of_sign, turned
 from springpot.misfit.error import Error
 from springpot.misfit.where import Where
-from springpot.rheology.effect import Effect
+from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
@@ -32,7 +32,7 @@ from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 from .floor import TimeFloor
 from .left import Left
 from .lines import lines_in
-from .residuals_of_tests import SweepPart, TestPart
+from .residuals_of_tests import InTimePart, SweepPart, TestPart
 from .scatter import ResidualScatter
 from .slip import Slip
 from .where import worst_first
@@ -89,8 +89,9 @@ def sentence(
     candidates: Sequence[Candidate],
     where: Sequence[Where],
     jump: str = "",
+    rival: str = "",
 ) -> str:
-    """The verdict in one sentence; `jump` tells of one that explains the tests as well."""
+    """The verdict in one sentence; `jump` and `rival` tell of what explains the tests as well."""
     size = f"the error is {error.over_floor:.2g} x the noise"
     # Where it fails is the best advice there is, as long as nobody knows what is missing.
     place = ""
@@ -117,7 +118,26 @@ def sentence(
     if verdict == "unexplained":
         helps = f"{names} helps ({after}) but is not all"
         return f"{size}, and no single known effect explains it: {helps}{place}"
-    return f"{size}; missing is {names}: {after}{place}"
+    return f"{size}; missing is {names}: {after}{rival}{place}"
+
+
+def beside_one_ramp(parts: Sequence[TestPart], candidates: Sequence[Candidate]) -> str:
+    """What else one ramp may have shown: a specimen that is not linear.
+
+    The displacement passes each place once, at one speed: a force that a part of the rig adds from
+    there on and one of the specimen itself are the same to it, but for the shape that each was
+    given.
+    """
+    if len(parts) != 1 or not isinstance(parts[0], InTimePart) or parts[0].test.kind != "startup":
+        return ""
+    own = [each for each in candidates if each.physics.layer is Layer.MATERIAL]
+    best = next((each for each in own if each.delta_bic > SEARCH.decisive), None)
+    if best is None or {each.effect for each in own} & {*leading_of(candidates)}:
+        return ""
+    return (
+        f", or a specimen that is not linear ({best.effect}: {best.over_floor:.2g} x), which one"
+        " ramp does not tell apart: ramp at another rate, or back"
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -316,7 +336,14 @@ def answer_of(
         model=base.model,
         error=error_of(tests, noise),
         verdict=verdict,
-        says=sentence(error_of(tests, noise), verdict, named, where, slip.says if slipped else ""),
+        says=sentence(
+            error_of(tests, noise),
+            verdict,
+            named,
+            where,
+            slip.says if slipped else "",
+            beside_one_ramp(parts, named),
+        ),
         split="",
         where=where,
         candidates=tuple(candidates),
