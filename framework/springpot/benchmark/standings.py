@@ -14,6 +14,7 @@ import numpy as np
 
 from springpot.errors import StudyError
 
+from .beside import opened
 from .comparison import (
     OVER_ALL,
     CellScores,
@@ -349,7 +350,10 @@ def study_tables(store: Store, names: Sequence[str] | None = None) -> Iterator[t
 
 
 def write_tables(
-    study: Study | str | Path, formats: Sequence[str] = tuple(FORMATS), out: Path = Path("results")
+    study: Study | str | Path,
+    formats: Sequence[str] = tuple(FORMATS),
+    out: Path = Path("results"),
+    beside: Path | None = None,
 ) -> list[Path]:
     """Write a study's tables beside its store.
 
@@ -361,6 +365,8 @@ def write_tables(
         Of ``md``, ``csv``, ``latex``, ``html``.
     out : Path
         Folder of all results.
+    beside : Path, optional
+        An archive whose trials are shown too.
 
     Returns
     -------
@@ -377,7 +383,7 @@ def write_tables(
     if unknown:
         raise StudyError(f"unknown table format '{unknown[0]}': use {', '.join(FORMATS)}")
     path = store_path(study, out)
-    with Store(path) as store:
+    with opened(path, beside) as store:
         # All of them before the first is written: a fault in one leaves no half of a set behind.
         tables = list(study_tables(store))
     files = []
