@@ -426,7 +426,7 @@ def _tables(findings: Findings) -> Iterator[Html]:
     names = ["summary", "failures"]
     # Before every optimiser has finished a trial of one problem there is nothing to compare.
     if findings.races:
-        names += ["profiles", "ranks"]
+        names += ["profiles", "ranks", "anytime", "sensitivity"]
     for name in names:
         # Folded, at the end: for who wants the numbers behind the pictures.
         made = (PLAIN | COMPARING)[name](findings)
