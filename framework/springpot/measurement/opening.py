@@ -605,6 +605,19 @@ def signals_to_measurement(
     return measurement_of_tests(evaluated, name)
 
 
+def open_signals(spec: str | Path, readers: Iterable[Reader]) -> Signals:
+    """The displacement and force against time in the file that a user names.
+
+    Raises
+    ------
+    DataError
+        If the file holds no time signals.
+    """
+    name, choice = file_and_choice(str(spec))
+    path = Path(name)
+    return within_budget(path, lambda: _signals_by(path, choice, list(readers)))
+
+
 def evaluated_in(
     spec: str | Path,
     readers: Iterable[Reader],
@@ -622,7 +635,7 @@ def evaluated_in(
     """
     name, choice = file_and_choice(str(spec))
     path = Path(name)
-    signals = within_budget(path, lambda: _signals_by(path, choice, list(readers)))
+    signals = open_signals(spec, readers)
     test = one_test(signals, omega=omega, n_harmonics=n_harmonics, window=window)
     return replace(test, notes=tuple(to_type(path, note, choice) for note in test.notes))
 
