@@ -21,6 +21,7 @@ if TYPE_CHECKING:  # what a user's type checker sees; the table below is what ha
         read,
     )
     from springpot.comparison import Comparison
+    from springpot.derived import quantities
     from springpot.diagnosis import Diagnosis, Ladder
     from springpot.identification import Identification, Prediction
     from springpot.invention import Invention
@@ -35,6 +36,7 @@ if TYPE_CHECKING:  # what a user's type checker sees; the table below is what ha
         write_measurement,
     )
     from springpot.rheology import Effect, Model, law
+    from springpot.testreport import cycles
     from springpot.web import workbench
 
 __version__ = "0.1.0"
@@ -59,7 +61,9 @@ _WHERE = {
     "parse_model": "springpot.registry",
     "plugins": "springpot.registry",
     "predict": "springpot.api",
+    "quantities": "springpot.derived",
     "compare": "springpot.api",
+    "cycles": "springpot.testreport",
     "diagnose": "springpot.api",
     "discover": "springpot.api",
     "identify": "springpot.api",
@@ -85,6 +89,7 @@ __all__ = [
     "TimeTest",
     "Units",
     "compare",
+    "cycles",
     "diagnose",
     "discover",
     "geometry",
@@ -98,6 +103,7 @@ __all__ = [
     "parse_model",
     "plugins",
     "predict",
+    "quantities",
     "read",
     "signals_to_measurement",
     "workbench",
