@@ -36,6 +36,7 @@ if TYPE_CHECKING:  # what a user's type checker sees; the table below is what ha
         write_measurement,
     )
     from springpot.rheology import Effect, Model, law
+    from springpot.testreport import cycles
     from springpot.web import workbench
 
 __version__ = "0.1.0"
@@ -62,6 +63,7 @@ _WHERE = {
     "predict": "springpot.api",
     "quantities": "springpot.derived",
     "compare": "springpot.api",
+    "cycles": "springpot.testreport",
     "diagnose": "springpot.api",
     "discover": "springpot.api",
     "identify": "springpot.api",
@@ -87,6 +89,7 @@ __all__ = [
     "TimeTest",
     "Units",
     "compare",
+    "cycles",
     "diagnose",
     "discover",
     "geometry",

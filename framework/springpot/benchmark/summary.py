@@ -130,6 +130,7 @@ class ProblemRow:
     reference: float
     known: float | None
     truth: Mapping[str, float]
+    digest: str = ""
 
 
 @dataclass(frozen=True)
@@ -142,6 +143,7 @@ class CellRow:
     optimiser: str
     options: str
     budget: int
+    digest: str = ""
 
 
 @dataclass(frozen=True, slots=True)
