@@ -23,7 +23,7 @@ from springpot.measurement.sign import said_of_sign, turned
 from springpot.misfit.error import Error
 from springpot.misfit.where import Where
 from springpot.misfit.words import times
-from springpot.rheology.effect import Effect, Layer
+from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
@@ -31,8 +31,9 @@ from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 from .floor import TimeFloor
 from .left import Left
 from .lines import lines_in
+from .one_ramp import beside_one_ramp
 from .promises import TWINS, Promise
-from .residuals_of_tests import InTimePart, SweepPart, TestPart
+from .residuals_of_tests import SweepPart, TestPart
 from .scatter import ResidualScatter
 from .slip import Slip
 from .where import worst_first
@@ -127,25 +128,6 @@ def sentence(
             return f"{size}; {apart}; {helps}{place}"
         return f"{size}, and no single known effect explains it: {helps}{place}"
     return f"{size}; missing is {names}: {after}{rival}{place}"
-
-
-def beside_one_ramp(parts: Sequence[TestPart], candidates: Sequence[Candidate]) -> str:
-    """What else one ramp may have shown: a specimen that is not linear.
-
-    The displacement passes each place once, at one speed: a force that a part of the rig adds from
-    there on and one of the specimen itself are the same to it, but for the shape that each was
-    given.
-    """
-    if len(parts) != 1 or not isinstance(parts[0], InTimePart) or parts[0].test.kind != "startup":
-        return ""
-    own = [each for each in candidates if each.physics.layer is Layer.MATERIAL]
-    best = next((each for each in own if each.delta_bic > SEARCH.decisive), None)
-    if best is None or {each.effect for each in own} & {*leading_of(candidates)}:
-        return ""
-    return (
-        f", or a specimen that is not linear ({best.effect}: {best.over_floor:.2g} x), which one"
-        " ramp does not tell apart: ramp at another rate, or back"
-    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -260,7 +242,7 @@ def answer_of(
             where,
             jump,
             _said_apart(parts, tests),
-            beside_one_ramp(parts, named),
+            beside_one_ramp(parts, named, leading_of(named)),
         ),
         split="",
         where=where,
