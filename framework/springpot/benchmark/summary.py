@@ -301,7 +301,7 @@ def summary_table(name: str, summaries: Sequence[CellSummary], target: str, accu
         *(*_WHO, "budget", "trials", "failed", "success"),
         *("evaluations to target", "expected running time"),
         *(f"parameters within {float(accuracy):g}", "parameter error"),
-        *("objective", "noise-free objective"),
+        *("objective reached", "noise-free objective"),
     )
     rows = [
         (
