@@ -1,4 +1,4 @@
-"""What one ramp cannot tell: a part of the rig that is met on the way from a specimen that stiffens.
+"""What one ramp cannot tell: a part of the rig met on the way, or a specimen that stiffens.
 
 The displacement passes each place once, at one speed. A force that a part of the rig adds from
 there on and one of the specimen itself are the same to it, but for the shape that each was given.
