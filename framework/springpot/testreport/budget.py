@@ -46,7 +46,7 @@ class BudgetLine:
 
 
 @dataclass(frozen=True)
-class Budget:
+class ErrorBudget:
     """A result with all that makes it unsure.
 
     Parameters
@@ -98,13 +98,13 @@ class Budget:
             return float(stdtr(self.freedom, ratio))
         return float(ndtr(ratio))
 
-    def scaled(self, factor: float) -> Budget:
+    def scaled(self, factor: float) -> ErrorBudget:
         """The same in another unit."""
         lines = tuple(
             BudgetLine(line.name, line.kind, abs(factor) * line.standard, line.freedom)
             for line in self.lines
         )
-        return Budget(factor * self.value, lines)
+        return ErrorBudget(factor * self.value, lines)
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data."""
@@ -169,7 +169,7 @@ def combined(
     slopes: Real,
     errors: Sequence[StatedError],
     own: Sequence[BudgetLine] | None = None,
-) -> Budget:
+) -> ErrorBudget:
     """The budget of a result that is made of the means of tests.
 
     Parameters
@@ -193,7 +193,7 @@ def combined(
         # One error of all tests adds up with its sign, errors of their own as squares.
         size = abs(float(np.sum(moved))) if error.shared else float(np.sqrt(np.sum(moved**2)))
         lines.append(BudgetLine(error.name, "B", size * error.standard, float("inf")))
-    return Budget(value, tuple(lines))
+    return ErrorBudget(value, tuple(lines))
 
 
 def _type_a(tests: Sequence[EvaluatedTest], quantity: str, slopes: Real) -> list[BudgetLine]:

@@ -12,7 +12,7 @@ from springpot.errors import DataError
 from springpot.format_numbers import counted
 
 from .amounts import amount, between
-from .budget import Budget, BudgetLine, combined
+from .budget import BudgetLine, ErrorBudget, combined
 from .code import PropertyFactor, RequiredTest, Requirement, TestCode, matches
 from .summary import EvaluatedTest
 
@@ -37,7 +37,7 @@ class DecidedRow:
         Name of the test that it is about, or of the one farthest from the limits.
     unit : str
         Of the result: ``-`` of a ratio.
-    budget : Budget
+    budget : ErrorBudget
         The result and its uncertainty.
     low, high : float
         The limits.
@@ -52,7 +52,7 @@ class DecidedRow:
     subject: str
     test: str
     unit: str
-    budget: Budget
+    budget: ErrorBudget
     low: float
     high: float
     verdict: str
@@ -82,7 +82,7 @@ def _finite(value: float) -> float | None:
     return value if np.isfinite(value) else None
 
 
-def decided(budget: Budget, low: float, high: float, guard: str) -> str:
+def decided(budget: ErrorBudget, low: float, high: float, guard: str) -> str:
     """Whether a result lies within limits.
 
     With a guard band of its expanded uncertainty (ISO 14253-1, ILAC-G8: w = U): conforming is what
@@ -156,7 +156,7 @@ def _rows(
         yield _row(code, asked, test.name, test, budget)
 
 
-def _of_cycle(code: TestCode, asked: Requirement, test: EvaluatedTest, cycle: int) -> Budget:
+def _of_cycle(code: TestCode, asked: Requirement, test: EvaluatedTest, cycle: int) -> ErrorBudget:
     """A cycle against the mean of its test, in which all stated errors cancel, or as it is."""
     told, mean = test.each[cycle - 1][asked.quantity], test.means[asked.quantity]
     if asked.to == "mean":
@@ -165,7 +165,7 @@ def _of_cycle(code: TestCode, asked: Requirement, test: EvaluatedTest, cycle: in
         line = BudgetLine(
             _origin(told.source), "A", share * told.sd / abs(mean.value), told.freedom
         )
-        return Budget(told.value / mean.value, (line,))
+        return ErrorBudget(told.value / mean.value, (line,))
     line = BudgetLine(_origin(told.source), "A", told.sd, told.freedom)
     slope = np.array([told.value / mean.value if mean.value else 1.0])
     budget = combined(told.value, [test], asked.quantity, slope, code.errors, [line])
@@ -176,7 +176,9 @@ def _origin(source: str) -> str:
     return {"noise": "noise", "cycles": "scatter of cycles"}[source]
 
 
-def _scaled(code: TestCode, asked: Requirement, test: EvaluatedTest, budget: Budget) -> Budget:
+def _scaled(
+    code: TestCode, asked: Requirement, test: EvaluatedTest, budget: ErrorBudget
+) -> ErrorBudget:
     """As a ratio to the nominal value, where that is asked for."""
     if asked.to != "nominal":
         return budget
@@ -191,7 +193,7 @@ def _scaled(code: TestCode, asked: Requirement, test: EvaluatedTest, budget: Bud
 
 
 def _row(
-    code: TestCode, asked: Requirement, subject: str, test: EvaluatedTest, budget: Budget
+    code: TestCode, asked: Requirement, subject: str, test: EvaluatedTest, budget: ErrorBudget
 ) -> DecidedRow:
     unit = test.unit(asked.quantity) if asked.to == "value" else "-"
     ends = []
@@ -258,8 +260,8 @@ class FoundFactor:
     """A property modification factor: its ends, stated or measured."""
 
     name: str
-    low: Budget
-    high: Budget
+    low: ErrorBudget
+    high: ErrorBudget
     source: str
 
     def to_dict(self) -> dict[str, Any]:
@@ -281,7 +283,7 @@ def factors_of(code: TestCode, tests: Sequence[EvaluatedTest]) -> list[FoundFact
         return []
     ends = []
     for side in ("low", "high"):
-        parts: list[Budget] = [getattr(each, side) for each in found]
+        parts: list[ErrorBudget] = [getattr(each, side) for each in found]
         product = float(np.prod([part.value for part in parts]))
         lines = [
             BudgetLine(
@@ -293,13 +295,13 @@ def factors_of(code: TestCode, tests: Sequence[EvaluatedTest]) -> list[FoundFact
             for each, part in zip(found, parts, strict=True)
             for line in part.lines
         ]
-        ends.append(Budget(1.0 + code.system * (product - 1.0), tuple(lines)))
+        ends.append(ErrorBudget(1.0 + code.system * (product - 1.0), tuple(lines)))
     return [*found, FoundFactor("all, of the system", ends[0], ends[1], code.source)]
 
 
 def _factor(code: TestCode, factor: PropertyFactor, tests: Sequence[EvaluatedTest]) -> FoundFactor:
     if not factor.quantity:
-        low, high = Budget(factor.low, ()), Budget(factor.high, ())
+        low, high = ErrorBudget(factor.low, ()), ErrorBudget(factor.high, ())
         return FoundFactor(factor.name, low, high, factor.source)
     groups = []
     for pattern in (factor.records, factor.reference):
@@ -316,7 +318,7 @@ def _factor(code: TestCode, factor: PropertyFactor, tests: Sequence[EvaluatedTes
     base = float(np.mean([test.means[factor.quantity].value for test in reference]))
     ratios = [_ratio(code, factor.quantity, test, reference, base) for test in varied]
     # What lies between the reference and these is within.
-    one = Budget(1.0, ())
+    one = ErrorBudget(1.0, ())
     low, high = (choose([one, *ratios], key=lambda each: each.value) for choose in (min, max))
     return FoundFactor(factor.name, low, high, factor.source)
 
@@ -327,7 +329,7 @@ def _ratio(
     test: EvaluatedTest,
     reference: Sequence[EvaluatedTest],
     base: float,
-) -> Budget:
+) -> ErrorBudget:
     value = test.means[quantity].value / base
     # A test that is one of the reference has part in both.
     others = [each for each in reference if each is not test]

@@ -13,7 +13,7 @@ from springpot.report.residuals import framed
 from springpot.report.style import page
 from springpot.versions import versions
 
-from .certificate import Certificate
+from .certified import CertifiedTests
 from .deciding import CONFORMING, DecidedRow
 from .figures import figure_cycles
 from .words import chance
@@ -22,7 +22,7 @@ SHOWN = 40
 """Rows of a budget on a page: all are in the workbook."""
 
 
-def certificate_page(certificate: Certificate) -> Html:
+def certificate_page(certificate: CertifiedTests) -> Html:
     """The page; every name in it is escaped."""
     code = certificate.code
     body = [
@@ -47,7 +47,7 @@ def certificate_page(certificate: Certificate) -> Html:
     return page(code.name, *body)
 
 
-def _rule(certificate: Certificate) -> str:
+def _rule(certificate: CertifiedTests) -> str:
     if certificate.code.guard == "none":
         return (
             "Each result is taken as it is, without a guard band: at a limit a decision is wrong"
@@ -78,11 +78,11 @@ def _rows(rows: Sequence[DecidedRow]) -> Html:
 
 
 def _limits(row: DecidedRow) -> str:
-    ends = [number(end) if np.isfinite(end) else "" for end in (row.low, row.high)]
+    ends = [f"{end:.5g}" if np.isfinite(end) else "" for end in (row.low, row.high)]
     return " .. ".join(ends).strip()
 
 
-def _factors(certificate: Certificate) -> Iterator[Html]:
+def _factors(certificate: CertifiedTests) -> Iterator[Html]:
     if not certificate.factors:
         return
     yield tag("h2", "Property modification factors")
@@ -102,7 +102,7 @@ def _factors(certificate: Certificate) -> Iterator[Html]:
         )
 
 
-def _reasons(certificate: Certificate) -> Iterator[Html]:
+def _reasons(certificate: CertifiedTests) -> Iterator[Html]:
     for reason in certificate.reasons:
         yield tag("h2", f"Why {reason.test} fails")
         yield tag("ul", *(tag("li", text) for text in reason.says))
@@ -125,7 +125,7 @@ def _budget(rows: Sequence[DecidedRow]) -> Html:
                table(headers, cells, ("u", "freedom")))  # fmt: skip
 
 
-def _tests(certificate: Certificate) -> Iterator[Html]:
+def _tests(certificate: CertifiedTests) -> Iterator[Html]:
     report = certificate.report
     yield framed(
         figure_cycles(report.tests, report.law),

@@ -65,7 +65,7 @@ def _show(certificate: Certificate, output: Path | None) -> None:
     for row in certificate.rows:
         value, expanded = row.budget.value, row.budget.expanded
         told, _ = with_interval(value, value - expanded, value + expanded)
-        ends = [number(end) if np.isfinite(end) else "" for end in (row.low, row.high)]
+        ends = [f"{end:.5g}" if np.isfinite(end) else "" for end in (row.low, row.high)]
         rows.append([row.name, row.quantity, row.subject, told, number(expanded, 2), *ends,
                      row.unit, chance(row.risk), row.verdict])  # fmt: skip
     headers = ("requirement", "quantity", "of", "result", "U", "low", "high", "unit", "outside",

@@ -5,7 +5,7 @@ import pytest
 from known_loops import loop
 
 from springpot.testreport import LoopRecord
-from springpot.testreport.budget import Budget, BudgetLine, combined, sensitivity
+from springpot.testreport.budget import BudgetLine, ErrorBudget, combined, sensitivity
 from springpot.testreport.code import StatedError
 from springpot.testreport.deciding import CONFORMING, FAILING, UNDECIDED, decided
 from springpot.testreport.summary import EvaluatedTest, Told, evaluate
@@ -112,7 +112,7 @@ def test_a_guard_band_lets_at_most_one_of_forty_pass_that_is_at_the_limit():
     rng, draws = np.random.default_rng(3), 4000
     verdicts = []
     for value in 1.0 + 0.02 * rng.standard_normal(draws):
-        budget = Budget(float(value), (BudgetLine("any", "B", 0.02, np.inf),))
+        budget = ErrorBudget(float(value), (BudgetLine("any", "B", 0.02, np.inf),))
         verdicts.append(decided(budget, 1.0, np.inf, "expanded"))
         assert decided(budget, 1.0, np.inf, "none") == (CONFORMING if value >= 1.0 else FAILING)
     assert verdicts.count(CONFORMING) / draws == pytest.approx(0.025, abs=0.0075)
@@ -120,10 +120,10 @@ def test_a_guard_band_lets_at_most_one_of_forty_pass_that_is_at_the_limit():
 
 
 def test_the_chance_outside_is_that_of_the_result():
-    budget = Budget(1.0, (BudgetLine("any", "B", 0.1, np.inf),))
+    budget = ErrorBudget(1.0, (BudgetLine("any", "B", 0.1, np.inf),))
     assert budget.outside(1.0, np.inf) == pytest.approx(0.5)
     assert budget.outside(1.0 - 0.196, 1.0 + 0.196) == pytest.approx(0.05, abs=1e-4)
-    few = Budget(1.0, (BudgetLine("any", "A", 0.1, 2.0),))
+    few = ErrorBudget(1.0, (BudgetLine("any", "A", 0.1, 2.0),))
     assert few.coverage == pytest.approx(4.303, rel=1e-3)
     assert decided(few, 0.8, 1.2, "expanded") == UNDECIDED
-    assert Budget(1.0, ()).outside(0.9, 1.1) == 0.0
+    assert ErrorBudget(1.0, ()).outside(0.9, 1.1) == 0.0
