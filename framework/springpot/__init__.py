@@ -36,6 +36,7 @@ if TYPE_CHECKING:  # what a user's type checker sees; the table below is what ha
         write_measurement,
     )
     from springpot.rheology import Effect, Model, law
+    from springpot.testreport import certify, cycles
     from springpot.web import workbench
 
 __version__ = "0.1.0"
@@ -61,7 +62,9 @@ _WHERE = {
     "plugins": "springpot.registry",
     "predict": "springpot.api",
     "quantities": "springpot.derived",
+    "certify": "springpot.testreport",
     "compare": "springpot.api",
+    "cycles": "springpot.testreport",
     "diagnose": "springpot.api",
     "discover": "springpot.api",
     "identify": "springpot.api",
@@ -86,7 +89,9 @@ __all__ = [
     "Prediction",
     "TimeTest",
     "Units",
+    "certify",
     "compare",
+    "cycles",
     "diagnose",
     "discover",
     "geometry",

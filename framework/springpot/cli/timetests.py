@@ -185,9 +185,11 @@ def _turned(tests: Sequence[Test], data: Sequence[str]) -> list[str]:
 
 def described(tests: Sequence[TimeTest | OtherTest]) -> dict[str, Any]:
     """What files of tests in time hold, schema ``springpot.inspection/1``."""
+    from springpot.measurement.opening import together
+
     return {
         "schema": "springpot.inspection/1",
-        "data": " + ".join(test.name for test in tests),
+        "data": together(test.name for test in tests),
         "points": sum(map(len, tests)),
         "tests": [_described(test) for test in tests],
     }

@@ -18,7 +18,7 @@ from springpot.drawing import draw, html_of, text_of
 from springpot.errors import ModelError
 from springpot.measurement.covered import Covered
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.opening import Test
+from springpot.measurement.opening import Test, together
 from springpot.measurement.units import Units
 from springpot.plain_data import as_declared, jsonable, number
 from springpot.rheology.continuum import EQUILIBRIUM, VISCOSITY
@@ -346,7 +346,8 @@ class Identification(Known):
     @cached_property
     def populations(self) -> dict[str, Population]:
         """Of parameters that specimens have for themselves: their mean and scatter; else none."""
-        return populations(self.model, self._factors * self.theta, self.covariance, self.units)
+        values, known = self._factors * self.theta, self.sweep.conditions if self.sweep else {}
+        return populations(self.model, values, self.covariance, self.units, known)
 
     @property
     def _factors(self) -> Real:
@@ -426,7 +427,7 @@ class Identification(Known):
     @property
     def name(self) -> str:
         """Names of the tests."""
-        return " + ".join(test.name for test in self.parts or self.data)
+        return together(test.name for test in self.parts or self.data)
 
     @property
     def on_sweeps(self) -> tuple[str, ...]:

@@ -391,7 +391,7 @@ class App {
   get hasMaster() { return Boolean(this.master) && this.master.data === this.state?.data; }
 
   // Whether there are several levels that could be shifted.
-  get canShift() { return Boolean(this.data?.levels.length); }
+  get canShift() { return Boolean(this.data?.levels.some(({ column }) => column === "temperature" || column === "amplitude")); }
 
   masterSpec() { return masterSpec(this.scene, this.master, this.state.excluded); }
 

@@ -113,7 +113,7 @@ export class Watch {
     this.of = diagnosis.model;
     const chances = Object.fromEntries(diagnosis.candidates.map((one) => [one.effect, one.probability]));
     if (this.trail.at(-1)?.data !== this.data) this.trail.push({ data: this.data, count: scene.count, chances });
-    const [kind, says] = decision(diagnosis);
+    const [kind, says] = decision(diagnosis, answer.proposed);
     put(this.parent, this.picture(diagnosis.candidates), h("p", { id: "decided", class: kind }, says));
   }
 
@@ -142,7 +142,7 @@ export class Watch {
 }
 
 // Whether what was measured decides; what to measure else stands below.
-function decision({ verdict, leading, next_experiment: next, model }) {
+function decision({ verdict, leading, model }, next) {
   if (next?.separates.length) return ["open", "Measure here next:"];
   if (verdict === "adequate") return ["decided", `Decided: ${model} explains all that was measured.`];
   if (verdict === "effect-missing" && leading.length === 1) return ["decided", `Decided: ${leading[0]} is missing.`];

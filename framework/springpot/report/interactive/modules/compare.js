@@ -14,7 +14,7 @@ const STEPS = [
   "Leave with a report, a script, the numbers; or measure what decides between the rivals.",
 ];
 const NARROW = 500; // px below which a plot is that of a phone
-const HEIGHTS = { phone: [230, 150], desk: [300, 150] }; // px of the picture and of the residual below it
+const HEIGHTS = { phone: [200, 120], desk: [300, 150] }; // px of the picture and of the residual below it
 const MOST_PLACES = 3; // sentences below the picture: more would leave it no room
 const MOST_NOTES = 2;
 const FINGER = 24; // px within which a finger means a point
@@ -140,6 +140,10 @@ export class Compare {
     this.preview(this.app.hovered);
     this.point(this.row);
     this.selected(this.chosen);
+    // On a phone the pictures stay in sight, and what stands above them goes.
+    const section = this.parent.closest("section");
+    const top = (element) => element.getBoundingClientRect().top;
+    section?.style.setProperty("--above", `${Math.round(top(this.frames) - top(section))}px`);
   }
 
   // A sentence and the points that it is about light up together.
