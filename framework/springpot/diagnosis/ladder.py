@@ -207,7 +207,7 @@ class Ladder:
     def proposed(self) -> dict[str, Any] | None:
         """What to measure next, as in a diagnosis: of the rung that cannot be decided."""
         experiment = self.undecided.diagnosis.next_experiment
-        return experiment and experiment.to_dict()
+        return None if experiment is None else experiment.to_dict()
 
     def __str__(self) -> str:
         return text_of(self)

@@ -36,7 +36,7 @@ class Specimen:
     files : tuple of dict
         Each ``{"name", "choice", "content"}``: what was dropped, in base64, and what was answered.
     out : tuple of int
-        Rows that are left out, ascending; possible where there is one test.
+        Rows that are left out, ascending, counted through all tests.
     """
 
     files: tuple[dict[str, str], ...]
@@ -55,14 +55,14 @@ class Specimen:
         found = [test for file in self.files for test in _opened(file, open_tests)]
         if not self.out:
             return tuple(found)
-        if len(found) > 1:
-            raise DataError(
-                "rows of several tests cannot be left out together: open one test alone to leave"
-                " rows out of it"
-            )
-        stays = np.ones(len(found[0]), dtype=bool)
+        stays = np.ones(sum(map(len, found)), dtype=bool)
         stays[list(self.out)] = False
-        return (found[0].subset(stays),)
+        ends = np.cumsum([len(test) for test in found])
+        return tuple(
+            test if rows.all() else test.subset(rows)
+            for test, rows in zip(found, np.split(stays, ends[:-1]), strict=True)
+            if rows.any()
+        )
 
     @property
     def name(self) -> str:

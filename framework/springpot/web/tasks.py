@@ -29,10 +29,11 @@ from springpot.inputs import bytes_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import runs_of
 from springpot.measurement.reader import OpenQuestion, Part, parts_as_opened
+from springpot.measurement.units import Units
 from springpot.owners import blamed, described
 from springpot.registry import open_measurement, parse_model, plugins
 from springpot.report.interactive.answers import drawn
-from springpot.report.interactive.in_time import drawn_in_time
+from springpot.report.interactive.in_time import TimeScene, drawn_in_time
 from springpot.report.interactive.scene import PageScene, relative_error
 from springpot.report.network import network_svg
 from springpot.report.plugin_cards import EXAMPLE_MEMBER
@@ -40,6 +41,8 @@ from springpot.report.plugin_cards import effect as effect_card
 from springpot.report.plugin_cards import model as model_card
 from springpot.rheology.model import Family, Model
 from springpot.suggestions import suggested
+from springpot.timetests.residuals_of_tests import units_of
+from springpot.timetests.specimen import reference_of
 
 from . import leaving
 from .files import safe_name
@@ -386,37 +389,51 @@ def curve(
     told: Told, state: Mapping[str, Any], text: str, hands: Mapping[str, Any]
 ) -> dict[str, Any]:
     """The curve of a model whose parameters were set by hand, and its error."""
-    asked, measurement = State.of(state), _measured(text)
-    model = _bound(asked, measurement)
-    return _drawn(asked, measurement, model, theta_of(model, measurement, hand_of(model, hands)))
+    asked, data = State.of(state), _opened(text)
+    model = _bound(asked, data)
+    return _drawn(asked, data, model, theta_of(model, _units(data), hand_of(model, hands)))
 
 
 def held(
     told: Told, state: Mapping[str, Any], text: str, hands: Mapping[str, Any]
 ) -> dict[str, Any]:
     """The best fit that respects what the hand fixed and bounded, begun where the sliders stand."""
-    asked, measurement = State.of(state), _measured(text)
-    model = _bound(asked, measurement)
+    asked, data = State.of(state), _opened(text)
+    model = _bound(asked, data)
     told(f"fitting {model.name} within the hand's bounds")
     hand = hand_of(model, hands)
-    used = kept(measurement, asked.excluded)
     # What is fixed is no parameter of the model any more.
     start = {name: value for name, value in hand.values.items() if name not in hand.fix}
+    used = given(kept(data, asked.excluded))
     fit: Any = identify(used, model, fix=hand.fix, bounds=hand.bounds, start=start)
     values = hand.fix | {
-        parameter.name: float(value * used.units.of(parameter.unit)[0])
+        parameter.name: float(value * _units(data).of(parameter.unit)[0])
         for parameter, value in zip(fit.model.parameters, fit.theta, strict=True)
     }
-    return {**_drawn(asked, measurement, fit.model, fit.theta), "values": values}
+    return {**_drawn(asked, data, fit.model, fit.theta), "values": values}
 
 
-def _bound(state: State, measurement: Measurement) -> Model:
-    return parse_model(state.expression).bound_to(kept(measurement, state.excluded).points)
+def _bound(state: State, data: Opened) -> Model:
+    model = parse_model(state.expression)
+    if isinstance(data, Specimen):
+        return model
+    return model.bound_to(kept(data, state.excluded).points)
 
 
-def _drawn(state: State, measurement: Measurement, model: Model, theta: Any) -> dict[str, Any]:
-    error = relative_error(kept(measurement, state.excluded), model, theta)
-    return {"error": error, **PageScene(measurement).curve(model, theta)}
+def _units(data: Opened) -> Units:
+    if isinstance(data, Specimen):
+        return units_of(data.tests)
+    return data.units
+
+
+def _drawn(state: State, data: Opened, model: Model, theta: Any) -> dict[str, Any]:
+    if isinstance(data, Specimen):
+        tests = kept(data, state.excluded).tests
+        reference = reference_of(tests)
+        error = TimeScene(tests).error(model, theta, reference)
+        return {"error": error, **TimeScene(data.tests).curve(model, theta, reference)}
+    error = relative_error(kept(data, state.excluded), model, theta)
+    return {"error": error, **PageScene(data).curve(model, theta)}
 
 
 def trial(told: Told, state: Mapping[str, Any], text: str, law: object) -> dict[str, Any]:

@@ -112,7 +112,7 @@ export class ModelPanel {
       put(this.table);
       return;
     }
-    const movable = !this.app.scene.views && answer.parameters.length && answer.state.model !== "" && answer.state.model !== "material";
+    const movable = answer.parameters.length && answer.state.model !== "" && answer.state.model !== "material";
     const rows = answer.parameters.map((parameter) => this.row(parameter, movable));
     this.told = h("p", { id: "edited-says", class: "quiet", role: "status" });
     this.fit = h("button", { type: "button", id: "fit", onclick: () => { if (usable(this.fit)) this.app.hands.fit(this.asked()); } }, "Fit within these");

@@ -3,6 +3,13 @@
 import { h, put } from "./dom.js";
 import { number, pretty } from "./numbers.js";
 
+// Why nothing is proposed.
+function nothing({ discovery }, scene) {
+  const rivals = discovery.diagnosis.leading;
+  if (!scene.views || rivals.length < 2) return "Nothing is open that another measurement would decide.";
+  return `These tests do not tell ${rivals.join(" from ")}. What would is proposed from sweeps: add one of this specimen.`;
+}
+
 export class Next {
   constructor(parent, app) {
     this.parent = parent;
@@ -13,7 +20,7 @@ export class Next {
     const { answer, looks } = this.app;
     const proposed = answer?.proposed;
     if (!proposed) {
-      put(this.parent, h("p", { class: "quiet" }, answer ? "Nothing is open that another measurement would decide." : "What to measure next is told here."));
+      put(this.parent, h("p", { class: "quiet" }, answer ? nothing(answer, this.app.scene) : "What to measure next is told here."));
       return;
     }
     if (!proposed.separates.length) {
