@@ -446,10 +446,12 @@ def one_for_each_set(grown: Sequence[Grown]) -> list[Grown]:
     # In a fixed order and by more than rounding, so that two orders of adding an effect cannot
     # change the answer.
     for each in sorted(grown, key=lambda one: one.names):
-        known = best.get(each.key)
-        least = -np.inf if known is None else known.refit.log_evidence + EVIDENCE.rounding
-        if each.refit.log_evidence > least:
-            best[each.key] = each
+        key = tuple(sorted(each.names))
+        if (
+            key not in best
+            or each.refit.log_evidence > best[key].refit.log_evidence + EVIDENCE.rounding
+        ):
+            best[key] = each
     return list(best.values())
 
 

@@ -448,7 +448,7 @@ class SweepRungs:
         # Alone or first, an effect may only have seemed needed: with all others in place it is
         # asked anew which set it is.
         cases, names = [step.case for step in steps], [step.accepted for step in steps[1:]]
-        found = likeliest_set(cases, [name for name in names if name])
+        found = likeliest_set(cases, [name for name in names if name], self.effects)
         if found is None:
             return steps
         self.sets.append(found)

@@ -6,7 +6,7 @@ has neighbours: one effect more, one less, another one or two in the place of on
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,7 +30,7 @@ from .evidence import (
 )
 from .examination import Case
 from .grown import Grown, Search
-from .scan import Score, scan_effects
+from .scan import Score, applicable, scan_effects
 from .search import clear, effort_of, sort_by_evidence
 
 
@@ -143,18 +143,31 @@ class EffectSet:
         return model.vector(dict(zip(names, self.refit.theta.tolist(), strict=True)))
 
     def places(self) -> dict[str | None, tuple[str, ...]]:
-        """For each effect of a set, what may stand in its place beside the others."""
+        """For each effect of the set, what may stand in its place."""
         names = [effect.name for effect in self.effects]
-        stand: dict[str | None, tuple[str, ...]] = {}
-        for name in names:
-            others = without(names, [name])
-            chances: dict[str, float] = {}
-            for one in self.evidence.explanations:
-                left = without(one.names, others)
-                if len(one.names) == len(names) and len(left) == 1:
-                    chances[left[0]] = chances.get(left[0], 0.0) + one.probability
-            stand[name] = tuple(credible(chances))
-        return stand
+        chances: dict[str | None, dict[str, float]] = {name: {} for name in names}
+        sets = [one for one in self.evidence.explanations if len(one.names) == len(names)]
+        # Those first that differ in one place: they tell whose place it is where two differ.
+        for one in sorted(sets, key=lambda one: len(without(one.names, names))):
+            for name, other in _paired(names, one.names, chances):
+                chances[name][other] = chances[name].get(other, 0.0) + one.probability
+        return {name: tuple(credible(chances[name])) for name in names}
+
+
+def _paired(
+    names: Sequence[str], others: Sequence[str], known: Mapping[str | None, Container[str]]
+) -> Iterator[tuple[str, str]]:
+    """Each name of a set with the one of another set that stands in its place."""
+    free, new = without(names, others), without(others, names)
+    yield from ((name, name) for name in without(names, free))
+    while free:
+        place, other = next(
+            ((place, other) for place in free for other in new if other in known[place]),
+            (free[0], new[0]),
+        )
+        free.remove(place)
+        new.remove(other)
+        yield place, other
 
 
 def complete_set(case: Case, rng: np.random.Generator) -> EffectSet | None:
@@ -191,7 +204,9 @@ def complete_set(case: Case, rng: np.random.Generator) -> EffectSet | None:
     return EffectSet(tuple(_in_order(found, best)), best.refit, evidence)
 
 
-def likeliest_set(cases: Sequence[Case], accepted: Sequence[str]) -> EffectSet | None:
+def likeliest_set(
+    cases: Sequence[Case], accepted: Sequence[str], library: Sequence[Effect]
+) -> EffectSet | None:
     """The likeliest set of effects, begun with those accepted one after the other.
 
     None where fewer than two were.
@@ -202,25 +217,24 @@ def likeliest_set(cases: Sequence[Case], accepted: Sequence[str]) -> EffectSet |
         From the user's model to the one with all of them.
     accepted : sequence of str
         Their names.
+    library : sequence of Effect
+        Effects that may be missing.
     """
     if len(accepted) < 2:
         return None
     first, last = cases[0].search, cases[-1].search.base
     # In units of the noise that is known in the end, and without the points set aside.
     base = refit(first.base.model, last.data, last.noise, [first.base.theta])
-    known = {
-        effect.name: effect
-        for case in cases
-        for effect in (
-            *(score.influence.effect for score in case.search.scan.scores),
-            *last.model.effects,
-        )
-    }
-    present = {effect.name for effect in base.model.effects}
-    effects = [effect for name, effect in known.items() if name not in present or name in accepted]
+    scanned = {score.influence.effect for case in cases for score in case.search.scan.scores}
+    chosen = _accepted(last.model, base.model, accepted)
+    # Beside another effect what is narrow may stand for a broad one as well.
+    effects = [
+        effect
+        for effect in applicable(library, base.fit.measurement)
+        if effect in scanned or effect in chosen or effect.narrow
+    ]
     frame = base.frame()
     scan = scan_effects(base, frame, effects)
-    chosen = tuple(known[name] for name in accepted)
     begun = Grown(chosen, last, last.rss)
     search = replace(first, base=base, frame=frame, scan=scan, grown=[begun], promoted=frozenset())
     found = searched_sets(search, effects)
@@ -233,6 +247,14 @@ def likeliest_set(cases: Sequence[Case], accepted: Sequence[str]) -> EffectSet |
             others.remove(effect)
             order.append(effect)
     return EffectSet((*order, *others), best.refit, evidence)
+
+
+def _accepted(model: Model, base: Model, names: Sequence[str]) -> tuple[Effect, ...]:
+    """The effects of these names that a model has beyond the base's, in their order."""
+    added = list(model.effects)
+    for effect in base.effects:
+        added.remove(effect)
+    return tuple(next(effect for effect in added if effect.name == name) for name in names)
 
 
 def _in_order(search: Search, grown: Grown) -> list[Effect]:

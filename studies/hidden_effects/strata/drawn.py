@@ -27,10 +27,11 @@ class Drawn:
 
     ``kind`` is "nothing", "one" (a library effect is missing), "two" or "three" (so many are),
     "outside" (something that has no name) or "base" (the model's own spectrum is wrong); ``right``
-    holds every name that is a right answer, ``own`` the chi-square left without each of several. ``floor`` is the relative rms error per complex point of the noise alone; ``network``
-    names the true spectrum where that is not the model's; ``chi2`` is what the best refitted model
-    leaves of the noise-free data, ``material_chi2`` what any passive spectrum leaves of them, where
-    that was asked.
+    holds every name that is a right answer, ``own`` the chi-square left without each of several.
+    ``floor`` is the relative rms error per complex point of the noise alone; ``network`` names the
+    true spectrum where that is not the model's; ``chi2`` is what the best refitted model leaves of
+    the noise-free data, ``material_chi2`` what any passive spectrum leaves of them, where that was
+    asked.
     """
 
     seed: int
