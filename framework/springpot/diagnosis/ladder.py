@@ -430,14 +430,14 @@ class SweepRungs:
 
         See `_explained`.
         """
-        if steps[-1].diagnosis.verdict == "adequate":
+        last = steps[-1].case
+        # "Inconclusive" is no ground for a decision that nobody looks at.
+        if last.diagnosis.verdict not in ("effect-missing", "unexplained"):
             return None
-        if not self.plan and (found := complete_set(steps[-1].case, self.rng)):
+        if not self.plan and (found := complete_set(last, self.rng)):
             self.plan.extend(found.effects)
             self.sets.append(found)
-        effect = _decisive(steps)
-        if self.plan:
-            effect = self.plan.pop(0)
+        effect = self.plan.pop(0) if self.plan else _decisive(steps)
         if effect is None or effect.name in refused:
             return None
         return effect
@@ -452,19 +452,23 @@ class SweepRungs:
         if found is None:
             return steps
         self.sets.append(found)
-        climbed = [steps[0]]
+        kept = [steps[0]]
         for step, effect in zip_longest(steps[1:], found.effects):
             if effect is None:
                 break
-            before = climbed[-1]
-            if step is None or step.model.name != (before.model + effect).name:
-                case = self.examined(before.model + effect, progress, before, effect)
-                step = rung_of(case, before, effect.name)
-            climbed.append(step)
-        if climbed[-1].diagnosis.verdict not in ("adequate", steps[-1].diagnosis.verdict):
+            model = kept[-1].model + effect
+            if step is None or step.model.name != model.name:
+                # What cannot be fitted is no better.
+                try:
+                    case = self.examined(model, progress, kept[-1], effect)
+                except SpringpotError:
+                    return steps
+                step = rung_of(case, kept[-1], effect.name)
+            kept.append(step)
+        if kept[-1].diagnosis.verdict not in ("adequate", steps[-1].diagnosis.verdict):
             return steps
         alike = found.places()
-        return [replace(step, alike=alike.get(step.accepted, step.alike)) for step in climbed]
+        return [replace(step, alike=alike.get(step.accepted, step.alike)) for step in kept]
 
 
 # Beside the starts read off the data: those know nothing of what the rung before has found.
@@ -488,8 +492,7 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
         return None
     case = steps[-1].case
     candidates = case.diagnosis.candidates
-    # "Inconclusive" is no ground for a decision that nobody looks at.
-    if verdicts[-1] not in ("effect-missing", "unexplained") or not candidates:
+    if not candidates:
         return None
     # What changes with time is mended by no effect, however much of it one takes.
     if case.course is not None:
