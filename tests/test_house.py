@@ -60,13 +60,15 @@ FLOORS = {
     "report": 13,
     "cli": 14,
     "benchmark": 15,
+    "derived": 15,
     "solvers": 15,
     "structure": 15,
+    "testreport": 15,
     "web": 16,
 }
 """A room may import from rooms below it and from itself; two rooms on one floor do not meet."""
 
-GUESTS = {"benchmark", "solvers", "structure", "web"}
+GUESTS = {"benchmark", "derived", "solvers", "structure", "testreport", "web"}
 """Each brings commands by the entry-point group and could move out by moving one folder."""
 
 FOR_PLUGINS = {"errors", "hooks", "rheology", "measurement", "identification", "solvers"}

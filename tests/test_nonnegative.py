@@ -37,3 +37,15 @@ def test_where_the_active_set_goes_round_another_way_is_found(monkeypatch):
     weights, other = non_negative(matrix, target)
     assert np.all(weights >= 0.0)
     assert other == pytest.approx(left, abs=1e-6 * float(target @ target))
+
+
+def test_a_column_too_small_for_its_square_has_no_weight():
+    # What slow tests tell of relaxations that have faded long before their first sample.
+    matrix = np.linspace(0.5, 1.0, 10)[:, None] * np.array([0.01, 1e-77, 0.0])
+    matrix[1, :2] *= -20.0
+    matrix[2:, 2] = 5e-324
+    target = np.array([1.1, -25.8, 11.9, 12.3, 9.6, 6.0, 2.3, -1.2, -3.5, -1.5])
+    weights, left = non_negative(matrix, target)
+    assert np.all(np.isfinite(weights))
+    assert weights[-1] == 0.0
+    assert left == pytest.approx(float(np.sum((matrix @ weights - target) ** 2)))

@@ -21,6 +21,7 @@ if TYPE_CHECKING:  # what a user's type checker sees; the table below is what ha
         read,
     )
     from springpot.comparison import Comparison
+    from springpot.derived import quantities
     from springpot.diagnosis import Diagnosis, Ladder
     from springpot.identification import Identification, Prediction
     from springpot.invention import Invention
@@ -35,6 +36,7 @@ if TYPE_CHECKING:  # what a user's type checker sees; the table below is what ha
         write_measurement,
     )
     from springpot.rheology import Effect, Model, law
+    from springpot.testreport import certify, cycles
     from springpot.web import workbench
 
 __version__ = "0.1.0"
@@ -59,7 +61,10 @@ _WHERE = {
     "parse_model": "springpot.registry",
     "plugins": "springpot.registry",
     "predict": "springpot.api",
+    "quantities": "springpot.derived",
+    "certify": "springpot.testreport",
     "compare": "springpot.api",
+    "cycles": "springpot.testreport",
     "diagnose": "springpot.api",
     "discover": "springpot.api",
     "identify": "springpot.api",
@@ -84,7 +89,9 @@ __all__ = [
     "Prediction",
     "TimeTest",
     "Units",
+    "certify",
     "compare",
+    "cycles",
     "diagnose",
     "discover",
     "geometry",
@@ -98,6 +105,7 @@ __all__ = [
     "parse_model",
     "plugins",
     "predict",
+    "quantities",
     "read",
     "signals_to_measurement",
     "workbench",

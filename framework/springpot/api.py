@@ -108,8 +108,12 @@ def identify(
     simpler: Sequence[Model | str] = (),
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
+    tie: str | Sequence[str] = (),
     own: Mapping[str, str] | None = None,
+    share: str | Sequence[str] = (),
+    specimen: str | None = None,
     start: Mapping[str, float] | None = None,
+    robust: str | None = None,
     exclude: str | Sequence[str] = (),
     accuracy: Accuracy | str | None = None,
 ) -> Identification:
@@ -134,11 +138,22 @@ def identify(
         Parameters that are held, in printed units: ``{"alpha": 0.5}``.
     bounds : mapping of str to (float, float), optional
         Ends between which parameters are sought, in printed units: ``{"k": (0.0, 200.0)}``.
+    tie : str or sequence of str
+        Parameters that follow from others, or keep an order: ``["k2 = 2*k1", "tau1 < tau2"]``;
+        their numbers are in printed units.
     own : mapping of str to str, optional
         Parameters of which each level of a column has its own, and the column: ``{"k": "batch"}``;
-        ``"file"`` where each sweep is a specimen. All others are shared.
+        ``"file"`` where each sweep is a specimen, ``"batch,number"`` where several columns tell
+        them, ``"batch/specimen"`` where they are of batches. All others are shared.
+    share : str or sequence of str
+        Parameters that all specimens share; where no `own` is given every other is their own.
+    specimen : str, optional
+        Columns whose levels are the specimens, in the place of files: ``"batch,number"``. They
+        differ, which repeats do not: the intervals follow their scatter.
     start : mapping of str to float, optional
         Where the native solver begins too, in printed units.
+    robust : {"huber", "soft-l1"}, optional
+        Let numbers of a sweep that lie far off count less.
     exclude : str or sequence of str
         Rows to leave out: ``"frequency=40..60"`` or ``["row=3", "temperature=20,frequency=1..2"]``.
     accuracy : Accuracy or str, optional
@@ -171,14 +186,18 @@ def identify(
     tests = excluded(_tests(measurement), exclude)
     # Values come as they are printed: the units of the data must be known to read them.
     units = units_of(tests)
-    judged, tests = owning(constrained(_model(model), units, fix, bounds), tests, own)
+    held = constrained(_model(model), units, fix, bounds, tie)
+    judged, tests = owning(held, tests, own, share, specimen)
     search: dict[str, Any] = {"budget": budget, "restarts": restarts, "seed": seed}
     search |= {"optimiser": _optimiser(optimiser), "objective": _objective(objective)}
     search |= {"intervals": intervals, "start": own_values(judged, units, start, "start")}
     data = sweep_of(tests)
     if data is None:
+        if robust is not None:
+            raise OptionError("a robust fit is one of sweeps: leave robust out beside time")
         fit = identify_in_time(tests, judged, **search)
     else:
+        search["robust"] = robust
         parts = [_model(part) for part in simpler]
         fit = identify_objects(data, judged, simpler=parts, **search)
     if (promised := _promised(accuracy, tests)) is not None:
@@ -222,7 +241,10 @@ def diagnose(
     seed: int = 0,
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
+    tie: str | Sequence[str] = (),
     own: Mapping[str, str] | None = None,
+    share: str | Sequence[str] = (),
+    specimen: str | None = None,
     exclude: str | Sequence[str] = (),
     accuracy: Accuracy | str | None = None,
     progress: Progress = silent,
@@ -245,7 +267,7 @@ def diagnose(
         Names of effects that may not: a user knows that nothing slips.
     seed : int
         Of simulated noise; the same seed gives the same bits.
-    fix, bounds, own, exclude
+    fix, bounds, tie, own, share, specimen, exclude
         What is known beforehand, and rows to leave out; see `identify`.
     accuracy : Accuracy or str, optional
         What the instrument promises, such as ``1%,3mrad``: a misfit within it is no verdict on the
@@ -270,7 +292,8 @@ def diagnose(
     'inertia'
     """
     tests = excluded(_tests(measurement), exclude)
-    judged, tests = owning(constrained(_judged(model), units_of(tests), fix, bounds), tests, own)
+    held = constrained(_judged(model), units_of(tests), fix, bounds, tie)
+    judged, tests = owning(held, tests, own, share, specimen)
     promised = _promised(accuracy, tests)
     data = sweep_of(tests)
     if data is None:
@@ -293,7 +316,10 @@ def discover(
     seed: int = 0,
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
+    tie: str | Sequence[str] = (),
     own: Mapping[str, str] | None = None,
+    share: str | Sequence[str] = (),
+    specimen: str | None = None,
     exclude: str | Sequence[str] = (),
     accuracy: Accuracy | str | None = None,
     progress: Progress = silent,
@@ -317,7 +343,7 @@ def discover(
         Which effects may be named; see `diagnose`.
     seed : int
         Of simulated noise.
-    fix, bounds, own, exclude
+    fix, bounds, tie, own, share, specimen, exclude
         What is known beforehand, and rows to leave out; see `identify`.
     accuracy : Accuracy or str, optional
         What the instrument promises, such as ``1%,3mrad``: a misfit within it is no verdict on the
@@ -344,7 +370,8 @@ def discover(
     ['24.1%', '4.4%']
     """
     tests = excluded(_tests(measurement), exclude)
-    begin, tests = owning(constrained(_judged(model), units_of(tests), fix, bounds), tests, own)
+    held = constrained(_judged(model), units_of(tests), fix, bounds, tie)
+    begin, tests = owning(held, tests, own, share, specimen)
     promised = _promised(accuracy, tests)
     data = sweep_of(tests)
     known = library(effects, only, without, data)
@@ -373,7 +400,10 @@ def invent(
     seed: int = 0,
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
+    tie: str | Sequence[str] = (),
     own: Mapping[str, str] | None = None,
+    share: str | Sequence[str] = (),
+    specimen: str | None = None,
     exclude: str | Sequence[str] = (),
     progress: Progress = silent,
 ) -> Invention:
@@ -389,7 +419,7 @@ def invent(
         Columns that a law may go with; by default all that were varied by themselves.
     seed : int
         Of simulated noise; the same seed gives the same bits.
-    fix, bounds, own, exclude
+    fix, bounds, tie, own, share, specimen, exclude
         What is known beforehand, and rows to leave out; see `identify`.
     progress : callable, optional
         Told in a few words what is being done.
@@ -412,7 +442,8 @@ def invent(
     'none'
     """
     tests = excluded(_tests(measurement), exclude)
-    judged, tests = owning(constrained(_judged(model), units_of(tests), fix, bounds), tests, own)
+    held = constrained(_judged(model), units_of(tests), fix, bounds, tie)
+    judged, tests = owning(held, tests, own, share, specimen)
     data = sweep_of(tests)
     if data is None:
         raise DataError("a law is sought in sweeps: tests in time are read by diagnose")

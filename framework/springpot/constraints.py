@@ -6,6 +6,7 @@ takes.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any, TypeVar
@@ -35,8 +36,9 @@ def constrained(
     units: Units,
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
+    tie: str | Sequence[str] = (),
 ) -> Model:
-    """The model with parameters held or bounded, of values in printed units.
+    """The model with parameters held, bounded or tied, of values in printed units.
 
     Parameters
     ----------
@@ -48,6 +50,8 @@ def constrained(
         Parameters to hold: ``{"alpha": 0.5, "inertia.m": 0.6}``.
     bounds : mapping of str to (float, float), optional
         Lower and upper end, by name.
+    tie : str or sequence of str
+        Parameters that follow from others, or keep an order: ``["k2 = 2*k1", "tau1 < tau2"]``.
 
     Raises
     ------
@@ -66,11 +70,42 @@ def constrained(
             )
         low, high = ends
         own_bounds[name] = (own_value(model, units, name, low), own_value(model, units, name, high))
-    return model.holding(fixed, own_bounds)
+    return tied(model.holding(fixed, own_bounds), units, tie)
+
+
+def tied(model: Model, units: Units, tie: str | Sequence[str]) -> Model:
+    """The model with parameters that follow from others, whose numbers are in printed units.
+
+    Raises
+    ------
+    ModelError
+        If a tie is none, or cannot be kept.
+    OptionError
+        If it is no text.
+    """
+    # A single text need not stand in a list.
+    ties = [tie] if isinstance(tie, str) else list(tie)
+    for text in ties:
+        if not isinstance(text, str):
+            raise OptionError(f"a tie is a text such as 'k2 = 2*k1', not {text!r:.40}")
+        for name in model.held:
+            if re.search(rf"(?<![\w.#-]){re.escape(name)}(?![\w.])", text):
+                raise ModelError(f"'{text:.80}': {name} is held already, so nothing ties it")
+    if ties and is_material(model):
+        raise ModelError(
+            f"{model.name}: parameters of a free spectrum cannot be tied; name a model that has"
+            " them, such as prony-3"
+        )
+    factors = {each.name: units.of(each.unit)[0] for each in model.parameters}
+    return model.tying(ties, factors)
 
 
 def owning(
-    model: Model, tests: Sequence[Test], own: Mapping[str, str] | None
+    model: Model,
+    tests: Sequence[Test],
+    own: Mapping[str, str] | None,
+    share: str | Sequence[str] = (),
+    specimen: str | None = None,
 ) -> tuple[Model, list[Test]]:
     """The model with parameters of which each level of a column has its own, and the tests.
 
@@ -85,6 +120,10 @@ def owning(
         A sweep, where a parameter is to be a level's own.
     own : mapping of str to str, optional
         The column of each such parameter: ``{"k": "batch"}``; ``"*"`` is every parameter.
+    share : str or sequence of str
+        Parameters that all levels share; without `own` every other one is each specimen's.
+    specimen : str, optional
+        Columns whose levels are the specimens, in the place of the files: ``"batch,number"``.
 
     Raises
     ------
@@ -95,7 +134,17 @@ def owning(
     OptionError
         If it is no mapping.
     """
-    wanted = by_name(own, "own", '{"k": "batch"}')
+    wanted = dict(by_name(own, "own", '{"k": "batch"}'))
+    shared = [share] if isinstance(share, str) else list(share)
+    for name in shared:
+        if name not in model.names:
+            raise ModelError(f"{model.name} has no free parameter '{name}' that could be shared")
+        if name in wanted:
+            raise ModelError(f"{name} is each level's own, or shared: not both")
+    if shared and not wanted:
+        wanted = {EVERY: FILE}
+    if specimen is not None:
+        tests = [_of_specimens(tests, specimen)]
     if not wanted:
         return model, list(tests)
     if is_material(model):
@@ -112,13 +161,56 @@ def owning(
         if name == EVERY:
             # Factors of levels are each level's already.
             of_levels = {prefix for effect, prefix in model.named_effects() if effect.by_levels}
-            names = [each for each in model.names if each.rpartition(".")[0] not in of_levels]
+            names = [
+                each
+                for each in model.names
+                if each.rpartition(".")[0] not in of_levels and each not in shared
+            ]
         model = model.owning(names, column)
     return model, [sweep]
 
 
+def _of_specimens(tests: Sequence[Test], columns: str) -> Measurement:
+    """The sweep whose levels of columns are the specimens that files are else."""
+    sweep = sweep_of(tests)
+    if sweep is None:
+        raise DataError("specimens are told by columns of sweeps, not beside tests in time")
+    if FILE in sweep.conditions:
+        raise DataError(f"{sweep.name} has a column '{FILE}' of its own: name it as the specimen")
+    words = np.array(_words(sweep, columns.replace("/", ",")))
+    _, repeat = np.unique(words, return_inverse=True)
+    if sweep.repeat is not None:
+        # A repeat of one is none of another.
+        pairs = np.column_stack([repeat.ravel(), sweep.repeat])
+        _, repeat = np.unique(pairs, axis=0, return_inverse=True)
+    return replace(sweep, labels={**sweep.labels, FILE: words}, repeat=repeat.ravel())
+
+
+def _words(sweep: Measurement, columns: str) -> list[str]:
+    """Of each row what several columns say together: ``2/7``."""
+    told = []
+    for name in (each.strip() for each in columns.split(",")):
+        if name in sweep.labels:
+            told.append(sweep.labels[name].tolist())
+        elif name in sweep.conditions:
+            told.append([f"{value:g}" for value in sweep.conditions[name].tolist()])
+        else:
+            known = ", ".join([*sweep.conditions, *sweep.labels]) or "none"
+            raise DataError(f"{sweep.name} has no column '{name}' (there are: {known})")
+    return ["/".join(each) for each in zip(*told, strict=True)]
+
+
 def _numbered(sweep: Measurement, column: str) -> Measurement:
-    """The sweep with a column of numbers, where it has one of words."""
+    """The sweep with a column of numbers, where it has one of words, or is several."""
+    outer, nested, _ = column.rpartition("/")
+    if "/" in outer:
+        raise OptionError(f"'{column}': a population has one level above it, as in batch/specimen")
+    if nested or "," in column:
+        words = _words(sweep, column.replace("/", ","))
+        sweep = replace(sweep, labels={**sweep.labels, column: np.array(words)})
+    if nested:
+        # The column of what specimens are of, which tells their batches.
+        sweep = _numbered(sweep, outer)
     if column in sweep.labels:
         labels = dict(sweep.labels)
         given = labels.pop(column).tolist()

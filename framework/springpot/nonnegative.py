@@ -32,8 +32,10 @@ def non_negative(columns: Real, target: Real) -> tuple[Real, float]:
 
     # Columns of one size: the active set is chosen by slopes, which depend on the units otherwise.
     size = np.linalg.norm(columns, axis=0)
-    size = np.where(size > 0.0, size, 1.0)
-    scaled = columns / size
+    # One whose squares are below any number is none.
+    seen = size > 0.0
+    size = np.where(seen, size, 1.0)
+    scaled = np.where(seen, columns, 0.0) / size
     system, wanted = scaled, target
     if scaled.shape[0] > 2 * scaled.shape[1]:
         # The same problem in as many rows as columns: the active set then moves among small

@@ -29,6 +29,7 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test
 from springpot.measurement.other_test import OtherTest
 from springpot.measurement.reader import OpenQuestion, Part
+from springpot.measurement.steady import Signals
 from springpot.measurement.timereader import open_in_time as in_time_by
 from springpot.measurement.timetest import TimeTest
 from springpot.owners import use_owners
@@ -534,6 +535,17 @@ def signals_to_measurement(
         window=window,
         name=name,
     )
+
+
+def open_signals(spec: str | Path) -> Signals:
+    """The displacement and force against time in the file that a user names.
+
+    Raises
+    ------
+    DataError
+        If the file holds no time signals.
+    """
+    return opening.open_signals(spec, plugins().items("reader"))
 
 
 def evaluated_signals(

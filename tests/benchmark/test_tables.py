@@ -171,7 +171,7 @@ def test_failures_never_become_numbers(tmp_path):
     rows = list(csv.DictReader((outcome.store.parent / "summary.csv").open()))
     bad = rows[0]
     assert (bad["failed"], bad["success"], bad["evaluations to target"]) == ("3", "0.0", "inf")
-    assert (bad["objective"], bad["parameter error"], bad["parameters within 0.01"]) == (
+    assert (bad["objective reached"], bad["parameter error"], bad["parameters within 0.01"]) == (
         "",
         "",
         "0.0",
@@ -241,7 +241,7 @@ def test_where_the_optimum_is_outside_of_the_box_trials_race_for_the_best_inside
 
 def test_no_trial_stops_where_descents_do_not_agree_on_the_optimum(tight, monkeypatch):
     monkeypatch.setattr(
-        "springpot.benchmark.study.minima_in_box", lambda problem: np.geomspace(1.0, 1e9, 32)
+        "springpot.benchmark.cases.minima_in_box", lambda problem: np.geomspace(1.0, 1e9, 32)
     )
     plan = small_study(datasets=[tight], stop_at_target=True, models=["fractional-kelvin"]).plan()
     assert plan.cases[0].optimum is None

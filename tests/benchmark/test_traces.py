@@ -136,6 +136,9 @@ def test_a_grid_is_geometric_and_ends_at_the_last_evaluation():
     assert at(evaluations, values, np.array([1, 2, 6, 7, 100])).tolist() == [np.inf, 5, 5, 1, 1]
 
 
+DRAWN = ("reference", "known", "optimum", "covered")
+
+
 def old_store(folder):
     """A store as the first release wrote it."""
     study = small_study(datasets=[artificial()], models=["own"], optimisers=[Walk()])
@@ -143,7 +146,7 @@ def old_store(folder):
     with sqlite3.connect(path) as db:
         for table in ("fact", "problem", "cell", "trial"):
             db.execute(f"ALTER TABLE {table} DROP COLUMN seal")
-        for column in ("batched", "processor", "processor_batched"):
+        for column in ("batched", "processor", "processor_batched", *DRAWN):
             db.execute(f"ALTER TABLE trial DROP COLUMN {column}")
         db.execute("ALTER TABLE trace DROP COLUMN recommended")
         db.execute("ALTER TABLE trace DROP COLUMN seen")
@@ -195,8 +198,8 @@ def as_before_processor_times(path):
     """Turn a store into what the version before wrote."""
     with sqlite3.connect(path) as db:
         db.execute("PRAGMA journal_mode = DELETE")
-        db.execute("ALTER TABLE trial DROP COLUMN processor")
-        db.execute("ALTER TABLE trial DROP COLUMN processor_batched")
+        for column in ("processor", "processor_batched", *DRAWN):
+            db.execute(f"ALTER TABLE trial DROP COLUMN {column}")
         old = db.execute(trials_of(columns(db)["trial"])).fetchall()
         db.executemany(
             "UPDATE trial SET seal = ? WHERE cell = ? AND repetition = ?",

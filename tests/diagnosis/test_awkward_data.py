@@ -5,12 +5,14 @@ No crash, one line, nothing invented.
 
 import json
 import warnings
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hidden_data import KELVIN, SWEEP, design, exact, measured
 
 import springpot
+from springpot.diagnosis.search import _spread
 from springpot.errors import DataError, ModelError, SpringpotError
 from springpot.report.jsontext import jsonable
 
@@ -220,3 +222,14 @@ def test_where_nothing_of_a_material_is_left_the_answer_is_no_fault():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert springpot.diagnose(data).verdict == "unexplained"
+
+
+def test_a_change_beyond_all_numbers_is_spread_as_a_small_one_is():
+    """What is taken out of a fit may have been held by what is left of it."""
+    search = SimpleNamespace(
+        frame=SimpleNamespace(whiten=lambda values: np.concatenate([values.real, values.imag]))
+    )
+    change = np.array([3.0, 4.0j, 0.0])
+    assert _spread(search, change) == pytest.approx(49.0 / 25.0)
+    assert _spread(search, 1e200 * change) == pytest.approx(49.0 / 25.0)
+    assert _spread(search, 0.0 * change) == 0.0

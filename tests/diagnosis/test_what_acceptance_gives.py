@@ -1,4 +1,4 @@
-"""The error printed after an effect is what accepting it gives, whatever way it is accepted."""
+"""Error and parameters of an effect are what accepting it gives, whatever way it is accepted."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ def test_the_error_after_an_effect_is_that_of_accepting_it(data, model):
         assert identified.relative_rms == pytest.approx(row.error_after, rel=0.01), row.effect
 
 
-def test_what_weighs_the_points_changes_no_error(rng):
+def test_what_weighs_the_points_changes_no_answer(rng):
     """Noise of another shape than |K| moves a fit.
 
-    The error that is told of it is that of `identify`.
+    The error and the parameters that are told of it are those of `identify`.
     """
     omega = np.tile(np.geomspace(0.1, 100.0, 16), 4)
     exact = parse_model("zener").stiffness(np.array([50.0, 200.0, 6.0]), omega)
@@ -48,6 +48,11 @@ def test_what_weighs_the_points_changes_no_error(rng):
     diagnosis = springpot.diagnose(data, "springpot")
     identified = springpot.identify(data, "springpot")
     assert diagnosis.error.relative_rms == pytest.approx(identified.relative_rms, rel=1e-4)
+    for name, told in identified.parameters.items():
+        found = diagnosis.parameters[name]
+        assert [found.value, found.low, found.high] == pytest.approx(
+            [told.value, told.low, told.high], rel=1e-4
+        ), name
 
 
 def test_an_effect_that_was_never_fitted_alone_has_no_error():

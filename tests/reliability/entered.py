@@ -3,7 +3,7 @@
 ``SPRINGPOT_NOTES`` names the file that is written at the end. ``SPRINGPOT_ORDER`` names one with
 the tests that run before all others, in their order, and those that do not run; without it, notes
 are made of the seconds that each test took, of the functions of the framework that it entered, as
-file and first line, and of whether it started a process, which may enter anything.
+file from the root and first line, and of whether it started a process, which may enter anything.
 """
 
 from __future__ import annotations
@@ -65,7 +65,14 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
     finally:
         sys.settrace(None)
         threading.settrace(None)  # type: ignore[arg-type]
-        places = sorted({(code.co_filename, code.co_firstlineno) for code in seen if _ours(code)})
+        root = item.config.rootpath
+        places = sorted(
+            {
+                (os.path.relpath(code.co_filename, root), code.co_firstlineno)
+                for code in seen
+                if _ours(code)
+            }
+        )
         TESTS[item.nodeid] = {
             "seconds": perf_counter() - start,
             "entered": places,

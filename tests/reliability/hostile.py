@@ -157,6 +157,17 @@ def zip_bomb(folder: Path, size: float) -> Path:
     return _workbook(folder, "bomb.xlsx", write)
 
 
+def nested_workbook(folder: Path, size: float) -> Path:
+    """A workbook of 30 kB with a million cells, each within the one before."""
+
+    def write(book: zipfile.ZipFile) -> None:
+        depth = int(1e6 * size)
+        cells = "<row>" + "<c><is>" * depth + "</is></c>" * depth + "</row>"
+        book.writestr("xl/worksheets/sheet1.xml", f"{SHEET}{cells}</sheetData></worksheet>")
+
+    return _workbook(folder, "nested.xlsx", write)
+
+
 def xml_bomb(folder: Path, size: float) -> Path:
     """A workbook whose sheet defines entities of entities: a billion laughs."""
 
@@ -296,6 +307,7 @@ FILES: tuple[Callable[[Path, float], Path], ...] = (
     dense_workbook,
     zip_bomb,
     xml_bomb,
+    nested_workbook,
     small_tables,
     many_steps,
     many_intervals,

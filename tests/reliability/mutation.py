@@ -20,10 +20,11 @@ import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
+from hashlib import sha256
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -37,6 +38,8 @@ SMALLEST = 1e-100
 LEFT_OUT = shutil.ignore_patterns(
     ".git", ".venv", "*_cache", "__pycache__", ".hypothesis", "build", "*.sqlite*"
 )
+KEPT = ROOT / "build" / "mutants"
+"""Where rooms as they are stay for the next seed."""
 PATIENCE = 3.0
 """A change that lets the tests of a room run that many times as long as without it is noticed too.
 """
@@ -208,7 +211,6 @@ def _textual(node: ast.BinOp) -> bool:
 class Room:
     """What the tests of a room do without any change."""
 
-    folder: Path
     seconds: float
     entered: dict[str, Any]
     failed: list[str] = field(default_factory=list)
@@ -218,7 +220,7 @@ class Room:
 
         Of both the shortest first; of a module itself, any part of it is entered.
         """
-        file = str(self.folder / mutant.path)
+        file = str(mutant.path)
         line = _function(mutant)
 
         def place(name: str) -> tuple[bool, float]:
@@ -249,6 +251,28 @@ def _function(mutant: Mutant) -> int | None:
     return max(around, default=None)
 
 
+def state_of(root: Path) -> str:
+    """A digest of all that the tests of a room hang on."""
+    digest = sha256()
+    for folder in ("framework", "plugins", "tests"):
+        for path in sorted((root / folder).rglob("*")):
+            if path.suffix in (".py", ".json"):
+                digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def kept(path: Path, state: str, make: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    """What is kept of this very state; else what is made now, and kept."""
+    if path.exists():
+        found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        if found.pop("state") == state:
+            return found
+    made = make()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps({"state": state, **made}), encoding="utf-8")
+    return made
+
+
 class Copy:
     """A copy of the repository in which files are changed and tests run."""
 
@@ -256,6 +280,7 @@ class Copy:
         self.folder = folder / "copy"
         self._order, self._notes = folder / "order.json", folder / "notes.json"
         self._rooms: dict[str, Room] = {}
+        self._state = state_of(ROOT)
         shutil.copytree(ROOT, self.folder, ignore=LEFT_OUT)
 
     def notices(self, mutant: Mutant) -> str:
@@ -281,14 +306,17 @@ class Copy:
         A test that fails on this machine would notice whatever is done: it is left out.
         """
         if name not in self._rooms:
-            start = perf_counter()
-            with suppress(subprocess.CalledProcessError):
-                self._run(name, None)
-            noted = self._noted()
-            self._rooms[name] = Room(
-                self.folder, perf_counter() - start, noted["tests"], noted["failed"]
-            )
+            path = KEPT / f"{name or 'root'}.json"
+            self._rooms[name] = Room(**kept(path, self._state, lambda: self._measured(name)))
         return self._rooms[name]
+
+    def _measured(self, name: str) -> dict[str, Any]:
+        start = perf_counter()
+        with suppress(subprocess.CalledProcessError):
+            self._run(name, None)
+        noted = self._noted()
+        seconds = perf_counter() - start
+        return {"seconds": seconds, "entered": noted["tests"], "failed": noted["failed"]}
 
     def _noted(self) -> dict[str, Any]:
         """What the tests left in writing; nothing where they ended before their time."""

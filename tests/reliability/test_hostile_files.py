@@ -77,6 +77,13 @@ def test_a_workbook_has_no_more_cells_than_are_read_of_all_sheets(tmp_path, monk
         open_measurement(path, (), READERS)
 
 
+def test_a_workbook_is_nested_no_deeper_than_workbooks_are(tmp_path):
+    """A deep tree is freed within C, where no clock is heard: it must not be built."""
+    path = hostile.nested_workbook(tmp_path, 0.001)
+    with pytest.raises(DataError, match="nested too deeply"):
+        open_measurement(path, (), READERS)
+
+
 def test_a_text_is_no_longer_than_is_read_in_one_piece(tmp_path, monkeypatch):
     path = hostile.many_rows(tmp_path, 0.001)
     monkeypatch.setattr("springpot.inputs.bytes_of.__defaults__", (1 << 10,))

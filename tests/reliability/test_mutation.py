@@ -4,7 +4,19 @@ import ast
 
 import numpy as np
 import pytest
-from mutation import PACKAGE, ROOT, Change, Mutant, Room, changes_of, drawn, own_tests, room_of
+from mutation import (
+    PACKAGE,
+    ROOT,
+    Change,
+    Mutant,
+    Room,
+    changes_of,
+    drawn,
+    kept,
+    own_tests,
+    room_of,
+    state_of,
+)
 
 
 @pytest.mark.parametrize(
@@ -76,15 +88,33 @@ def test_the_tests_that_enter_the_changed_function_run_first_and_the_shortest_of
         for node in ast.walk(tree)
         if isinstance(node, ast.FunctionDef) and not node.decorator_list
     )
-    here, beside = [str(ROOT / path), function.lineno], [str(ROOT / path), 1]
+    here, beside = [str(path), function.lineno], [str(path), 1]
     entered = {
         "long": {"seconds": 2.0, "entered": [beside, here], "started": False},
         "beside": {"seconds": 0.1, "entered": [beside], "started": False},
         "short": {"seconds": 1.0, "entered": [here], "started": True},
         "outside": {"seconds": 0.2, "entered": [], "started": True},
     }
-    room = Room(ROOT, 3.1, entered)
+    room = Room(3.1, entered)
     inside = Mutant(path, Change(function.body[-1].lineno, 0, 0, "", ""))
     assert room.first(inside) == ["short", "long", "outside"]
     of_module = room.first(Mutant(path, Change(1, 0, 0, "", "")))
     assert of_module == ["beside", "short", "long", "outside"]
+
+
+def test_a_room_as_it_is_stays_known_until_something_it_hangs_on_is_changed(tmp_path):
+    (tmp_path / "tests").mkdir()
+    (tmp_path / "tests" / "test_it.py").write_text("1\n")
+    made = []
+
+    def room(seconds):
+        def make():
+            made.append(seconds)
+            return {"seconds": seconds}
+
+        return kept(tmp_path / "kept" / "room.json", state_of(tmp_path), make)
+
+    assert [room(1.0), room(2.0)] == [{"seconds": 1.0}] * 2
+    (tmp_path / "tests" / "test_it.py").write_text("2\n")
+    assert room(3.0) == {"seconds": 3.0}
+    assert made == [1.0, 3.0]

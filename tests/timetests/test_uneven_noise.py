@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 import springpot
 from springpot import parse_model
@@ -83,3 +84,16 @@ def test_at_the_noise_nothing_is_missing_from_a_real_relaxation(spec):
     [test] = springpot.open_in_time(f"{UNSEEN}/{spec}")
     fit = identify(test, parse_model("material"))
     assert not Left.by(fit.model, fit.theta, fit.reference, parts_of_specimen([test])).misfit
+    assert "a jump in" not in springpot.diagnose(test).says
+
+
+@pytest.mark.parametrize("seed", [1, 16, 18])
+def test_where_noise_grows_on_the_way_its_largest_swings_are_no_jumps(seed):
+    t = np.geomspace(0.01, 1e4, 76)
+    # Each error half that of its neighbour and half its own, as of a curve that was read by hand.
+    own = np.random.default_rng(seed).normal(size=120)
+    wandering = lfilter([np.sqrt(0.75)], [1.0, -0.5], own)[-76:]
+    share = np.where(t < 300.0, 1e-4, 1.5e-3)
+    modulus = (100.0 + 300.0 * (1.0 + t / 3.0) ** -0.35) * (1.0 + share * wandering)
+    answer = springpot.diagnose(springpot.TimeTest.of_relaxation(t, modulus, "MPa"))
+    assert answer.verdict == "adequate"

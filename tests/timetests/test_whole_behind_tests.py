@@ -120,7 +120,10 @@ def test_quick_tests_follow_by_exponentials(stays):
             for each in quick
             if isinstance(each, exponentials.QuickPart)
         ]
-        + [[type(each).__name__ for each in quick], convex.lattice(parts, 3)],
+        + [
+            [type(each).__name__ for each in quick],
+            convex.lattice([part.resolved for part in parts], 3),
+        ],
         within=1e-3,
     )  # fmt: skip
 

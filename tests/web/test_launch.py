@@ -191,6 +191,13 @@ def test_a_record_is_a_test_in_time(tmp_path: Path):
     assert found["scene"]["axis"]["column"] == "time"
 
 
+def test_an_answer_is_no_data_and_says_what_is():
+    content = base64.b64encode(json.dumps({"schema": "springpot.diagnosis/2"}).encode()).decode()
+    told = perform("understand", {"name": "mine.json", "content": content}, lambda _: None)
+    assert told["error"].startswith("mine.json is an answer of springpot (springpot.diagnosis/2)")
+    assert "session" in told["error"]
+
+
 def test_the_browser_is_called_without_the_token(monkeypatch: pytest.MonkeyPatch):
     """All users of a machine see what a process is called with.
 

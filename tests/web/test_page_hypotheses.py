@@ -21,7 +21,7 @@ from springpot.measurement import Measurement
 from springpot.report.jsontext import to_json
 from springpot.web import leaving
 from springpot.web.sessions import State, digest_of, measured_in, text_of
-from springpot.web.tasks import answer, ladder_of, trial
+from springpot.web.tasks import again, answer, ladder_of, trial
 
 MODEL = "fractional-maxwell"
 LAW = "my-mass = parallel: -m*omega^2"
@@ -122,6 +122,24 @@ def test_a_column_is_split_with_the_error_that_its_rung_has():
     preview = told["previews"][action["name"]]
     assert preview["error"] == pytest.approx(ladder.steps[-1].relative_rms, rel=0.01)
     assert preview["error"] < 0.1 * told["discovery"]["diagnosis"]["error"]["relative_rms"]
+
+
+def test_rows_are_chosen_by_any_column_that_was_set():
+    told = again(silent, {}, text_of(of_currents()), "mine.csv", False)
+    assert [(level["name"], len(level["rows"])) for level in told["levels"]] == [
+        ("current 0.5", len(OMEGA)),
+        ("current 1", len(OMEGA)),
+    ]
+
+
+def test_taking_one_of_two_rivals_leaves_the_question(damper_data: Measurement):
+    _, before = asked(damper_data, MODEL)
+    _, told = asked(damper_data, MODEL, "inertia")
+    assert told["discovery"]["diagnosis"]["next_experiment"] is None
+    assert told["proposed"] == before["proposed"]
+    assert told["next"]["rivals"] == before["next"]["rivals"]
+    _, both = asked(damper_data, MODEL, "inertia", "specimen-inertia")
+    assert both["proposed"] is None
 
 
 def test_a_row_that_stands_out_is_seen_left_out(damper_data: Measurement):

@@ -16,8 +16,8 @@ from springpot.diagnosis.examination import silent
 from springpot.errors import DataError
 from springpot.report.jsontext import to_json
 from springpot.web.sessions import data_of, joined, measured_in, session_of, text_of
-from springpot.web.specimen import Specimen
-from springpot.web.tasks import answered, perform, trial, understand
+from springpot.web.specimen import SCHEMA, Specimen, specimen_of
+from springpot.web.tasks import answered, curve, held, perform, trial, understand
 
 TIME = np.geomspace(0.1, 100.0, 40)
 ORDER = 0.2
@@ -115,13 +115,44 @@ def test_files_cross_as_they_came_and_so_into_a_session(relaxed: dict[str, Any])
     assert known["branches"][0]["states"][0]["data"] == relaxed["digest"]
 
 
+def test_tests_nested_too_deeply_are_refused_in_one_line():
+    nested = "[" * 100_000 + "]" * 100_000
+    with pytest.raises(DataError, match="no tests in time: nested too deeply"):
+        specimen_of(f'{{"schema": "{SCHEMA}", "files": {nested}}}')
+
+
 def test_a_relaxation_and_a_sweep_are_tests_of_one_specimen():
     one, other = measured_in("relax.csv", relaxation())[0], measured_in("sweep.csv", sweep())[0]
     both = joined(one, other)
     assert isinstance(both, Specimen)
     assert [test.name for test in both.tests] == ["relax", "sweep"]
-    with pytest.raises(DataError, match="rows of several tests"):
-        both.subset(np.arange(len(both)) > 0).tests  # noqa: B018
+    relaxed, swept = both.subset((np.arange(len(both)) > 4) & (np.arange(len(both)) != 45)).tests
+    assert (len(relaxed), len(swept)) == (len(TIME) - 5, 24)
+    (alone,) = both.subset(np.arange(len(both)) >= len(TIME)).tests
+    assert alone.name == "sweep"
+
+
+def test_rows_of_several_tests_leave_in_the_session_alone(relaxed: dict[str, Any]):
+    both = joined(data_of(relaxed["text"]), measured_in("sweep.csv", sweep())[0])
+    asked = {"kind": "script", "text": text_of(both), "source": "", "joined": True}
+    told = perform("leave", {**asked, "state": {"data": "", "excluded": [0]}}, silent)
+    assert "only the session" in told["error"]
+
+
+def test_a_hand_moves_the_parameters_of_a_test_in_time(
+    relaxed: dict[str, Any], answer: dict[str, Any]
+):
+    state = {"data": relaxed["digest"], "model": "maxwell"}
+    hands = {one["name"]: {"value": one["value"]} for one in answer["parameters"]}
+    same = curve(silent, state, relaxed["text"], hands)
+    told = answer["discovery"]["diagnosis"]["error"]["relative_rms"]
+    assert same["error"] == pytest.approx(told, rel=1e-3)
+    hands["k"]["value"] *= 2.0
+    assert curve(silent, state, relaxed["text"], hands)["error"] > 1.5 * told
+    hands["k"]["fixed"] = True
+    found = held(silent, state, relaxed["text"], hands)
+    assert found["values"]["k"] == hands["k"]["value"]
+    assert found["error"] > told
 
 
 @pytest.mark.parametrize("kind", ["command", "script", "curves", "data", "plan"])
@@ -149,6 +180,8 @@ def test_a_relaxation_goes_through_the_whole_loop(page: Open):
     assert here.page.locator("#plot-view .line.preview").count() == 1
     assert here.page.locator("#plot-residual .line.preview").count() == 1
     assert here.violations() == []
+    here.page.locator("[aria-label='move k']").press("ArrowRight")
+    here.page.locator("#plot-residual .line.edited").wait_for(state="attached")
     here.page.click("#effect-parallel-springpot")
     here.shows("maxwell + parallel-springpot")
     assert "adequate" in here.reads("#verdict")

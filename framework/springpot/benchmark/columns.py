@@ -11,6 +11,8 @@ import numpy as np
 
 from springpot.errors import StudyError
 
+from .comparison import JudgingScale, goal_of, judged, reference_of
+from .statistics import hitting_time
 from .store import Store
 from .study import Study
 from .summary import CellRow, TrialRow, store_path
@@ -24,13 +26,24 @@ TRIAL = (
     *_WHO,
     *("status", "reason", "best", "oracle", "parameter_error", "theta"),
     *("evaluations", "gradients", "batched", "seconds", "processor", "processor_batched"),
+    *("reference", "f_best", "target", "hit", "covered"),
 )
 TRACE = (*_WHO, "evaluations", "best", "recommended", "oracle")
 
 
 def trial_columns(store: Store) -> Columns:
-    """One row for each trial; a failed one has a reason and no values."""
-    return _filled(TRIAL, (_trial(cell, row) for cell, rows in _trials(store) for row in rows))
+    """One row for each trial; a failed one has a reason and no values.
+
+    ``reference``, ``f_best`` and ``target`` are the objectives by which it is judged, ``hit`` the
+    evaluation at which it reached the target: who has these can compute every table anew.
+    """
+    scale = JudgingScale.of(store)
+    rows = (
+        _trial(cell, row, float(best), scale)
+        for cell, trials, bests in judged(store)
+        for row, best in zip(trials, bests, strict=True)
+    )
+    return _filled(TRIAL, rows)
 
 
 def trace_columns(store: Store) -> Columns:
@@ -128,12 +141,21 @@ def _who(cell: CellRow, row: TrialRow) -> tuple[Any, ...]:
     )
 
 
-def _trial(cell: CellRow, row: TrialRow) -> tuple[Any, ...]:
+def _trial(cell: CellRow, row: TrialRow, best: float, scale: JudgingScale) -> tuple[Any, ...]:
+    reference = reference_of(cell.problem, row)
+    target, hit, f_best = goal_of(reference, best, scale.target), np.inf, None
+    if row.best is not None and row.best <= target:
+        hit = hitting_time(*row.improvements(), target)
+    # Where all trials failed nothing is known to be good.
+    if np.isfinite(best):
+        f_best = best
     return (
         *_who(cell, row),
         *(str(row.status), row.reason, row.best, row.oracle, row.parameter_error, row.theta_text),
         *(row.evaluations, row.gradients, row.batched),
         *(row.seconds, row.processor, row.processor_batched),
+        *(reference, f_best, target if f_best is not None else None),
+        *(int(hit) if np.isfinite(hit) else None, row.covered),
     )
 
 

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 from springpot.format_numbers import counted
 from springpot.rheology.points import Real
 
+from .bayes import signed_rank_posterior
 from .plan import stream_of
 from .statistics import (
     Interval,
@@ -91,6 +92,12 @@ class CellScores:
         evaluation's median; only for data with noise and a known truth.
     dimension : int
         Number of parameters; zero if no trial came to anything.
+    oracles, errors, covered : ndarray, shape (n,)
+        Noise-free objective, largest relative error of the parameters, and share of their intervals
+        that hold the truth; infinite, and of `covered` zero, where a trial failed; NaN where they
+        are not known.
+    area : ndarray, shape (n,)
+        Area over the convergence curve of each trial; see `area_over_curve`.
     """
 
     cell: CellRow
@@ -102,6 +109,10 @@ class CellScores:
     curve: Real
     clean: Real | None
     dimension: int
+    oracles: Real = field(default_factory=lambda: np.empty(0))
+    errors: Real = field(default_factory=lambda: np.empty(0))
+    covered: Real = field(default_factory=lambda: np.empty(0))
+    area: Real = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,29 +153,41 @@ class JudgingScale:
         return np.union1d(geometric_grid(self.budget), np.array(self.marks))
 
 
-def judged(store: Store) -> Iterator[tuple[CellRow, list[TrialRow], float]]:
-    """Each cell of the study with its trials and the best objective known of its problem."""
-    bests = store.bests()
+def judged(store: Store) -> Iterator[tuple[CellRow, list[TrialRow], Real]]:
+    """Each cell of the study with its trials and the best objective (n,) known of their data."""
+    bests, draws = store.bests(), store.bests_of_draws()
     cells = {cell.id: cell for cell in store.cells()}
     for number, trials in store.trials():
         if number in cells:
-            yield cells[number], trials, bests.get(cells[number].problem.id, np.inf)
+            own = cells[number].problem.id
+            best = bests.get(own, np.inf)
+            # Noise of its own makes a trial's data another problem than those of its neighbours.
+            known = [draws.get((own, trial.repetition), best) for trial in trials]
+            yield cells[number], trials, np.array(known)
 
 
-def goal_of(problem: ProblemRow, best: float, target: float) -> float:
+def reference_of(problem: ProblemRow, trial: TrialRow) -> float:
+    """Objective from which the progress of a trial is measured."""
+    if trial.reference is None:
+        return problem.reference
+    return trial.reference
+
+
+def goal_of(reference: float, best: float, target: float) -> float:
     """Objective that counts as success; nothing does where no value is known."""
     if not np.isfinite(best):
         return -np.inf
-    return target_value(best, problem.reference, target)
+    return target_value(best, reference, target)
 
 
 def score_cell(
-    cell: CellRow, trials: Sequence[TrialRow], best: float, scale: JudgingScale
+    cell: CellRow, trials: Sequence[TrialRow], best: Real | float, scale: JudgingScale
 ) -> CellScores:
-    """Scores of a cell on a problem whose best known objective is `best`."""
-    goal = goal_of(cell.problem, best, scale.target)
+    """Scores of a cell on data whose best known objective is `best`, (n,) or one for all."""
+    bests = np.broadcast_to(best, len(trials))
+    references = np.array([reference_of(cell.problem, trial) for trial in trials])
     along = np.full((len(trials), len(scale.grid)), np.inf)
-    hits = np.full(len(trials), np.inf)
+    hits, area = np.full(len(trials), np.inf), np.zeros(len(trials))
     dimension = 0
     for row, trial in enumerate(trials):
         # A trial that failed keeps its infinite time: it is never given a number.
@@ -172,10 +195,13 @@ def score_cell(
             continue
         evaluations, values = trial.improvements()
         along[row] = at(evaluations, values, scale.grid)
+        goal = goal_of(float(references[row]), float(bests[row]), scale.target)
         hits[row] = hitting_time(evaluations, values, goal)
+        excess = _excess(values, bests[row], references[row])
+        area[row] = area_over_curve(evaluations, excess, scale)
         dimension = dimension or len(trial.theta)
     # Only now, on the few evaluations of the grid: the traces may have thousands.
-    along = _excess(along, best, cell.problem.reference)
+    along = _excess(along, bests[:, None], references[:, None])
     return CellScores(
         cell,
         repetitions=np.array([trial.repetition for trial in trials]),
@@ -187,21 +213,53 @@ def score_cell(
         curve=bands(along),
         clean=_clean(trials, scale),
         dimension=dimension,
+        oracles=_told(trials, "oracle", np.inf),
+        errors=_told(trials, "parameter_error", np.inf),
+        covered=_told(trials, "covered", 0.0),
+        area=area,
     )
 
 
-def _excess(values: Real, best: float, reference: float) -> Real:
+def area_over_curve(evaluations: NDArray[np.int64], excess: Real, scale: JudgingScale) -> float:
+    """One less the mean of log10 of the excess over all evaluations of the budget.
+
+    In decades from 1 down to the target, outside of which nothing counts.
+
+    Parameters
+    ----------
+    evaluations, excess : ndarray, shape (n,)
+        The improvements of a trial.
+    scale : JudgingScale
+        Target and budget.
+    """
+    # Each improvement stands until the next one; before the first there is nothing.
+    lasting = np.diff(np.append(evaluations, scale.budget + 1))
+    # A target of no decade leaves no area: it is then taken over one.
+    lowest = min(scale.target, 0.1)
+    decades = np.log10(np.clip(excess, lowest, 1.0)) / np.log10(lowest)
+    return float(lasting @ decades) / scale.budget
+
+
+def _told(trials: Sequence[TrialRow], name: str, failed: float) -> Real:
+    """What trials say of themselves (n,), NaN where they say nothing."""
+    # As floats, in which None is no number.
+    told = np.array([getattr(trial, name) for trial in trials], dtype=float)
+    told[[trial.best is None for trial in trials]] = failed
+    return told
+
+
+def _excess(values: Real, best: Real | float, reference: Real | float) -> Real:
     """Zero at the best.
 
     Infinite values stay so, and all but the best are where nothing is worse than it.
     """
     above = np.zeros_like(values)
     np.subtract(values, best, out=above, where=values > best)
-    span = reference - best
-    if span > 0.0:
-        return above / span
+    span = np.broadcast_to(np.asarray(reference - best), values.shape)
     # Nothing is worse than the best that is known: there is no scale on which to be half as bad.
-    return np.where((above > 0.0) | np.isinf(values), np.inf, 0.0)
+    found = np.where((above > 0.0) | np.isinf(values), np.inf, 0.0)
+    np.divide(above, span, out=found, where=span > 0.0)
+    return found
 
 
 def _clean(trials: Sequence[TrialRow], scale: JudgingScale) -> Real | None:
@@ -242,6 +300,10 @@ class ProblemRace:
         """Names of the entrants."""
         return tuple(scores.cell.label for scores in self.cells)
 
+    def of_trials(self, name: str) -> Real:
+        """A property of the cells' trials, (entrants, n)."""
+        return of_trials(self.cells, name)
+
     @property
     def dimension(self) -> int:
         """Number of parameters."""
@@ -263,17 +325,16 @@ def races_of(scores: Iterable[CellScores]) -> list[ProblemRace]:
 def _race(cells: Sequence[CellScores]) -> ProblemRace:
     # Only where all have run: an entrant must not win by the repetitions that others have still to
     # do.
-    common = set.intersection(*(set(scores.repetitions.tolist()) for scores in cells))
-    rows = [np.isin(scores.repetitions, sorted(common)) for scores in cells]
-
-    def stacked(name: str) -> Real:
-        return np.stack(
-            [getattr(scores, name)[chosen] for scores, chosen in zip(cells, rows, strict=True)]
-        )
-
+    names = ("hits", "spent", "values")
     return ProblemRace(
-        cells[0].cell.problem, tuple(cells), stacked("hits"), stacked("spent"), stacked("values")
+        cells[0].cell.problem, tuple(cells), *(of_trials(cells, name) for name in names)
     )
+
+
+def of_trials(cells: Sequence[CellScores], name: str) -> Real:
+    """A property of the trials of cells, (cells, n, ...), of the repetitions that all have."""
+    common = sorted(set.intersection(*(set(cell.repetitions.tolist()) for cell in cells)))
+    return np.stack([getattr(cell, name)[np.isin(cell.repetitions, common)] for cell in cells])
 
 
 LEVEL = 0.05
@@ -283,6 +344,8 @@ The level at which comparisons of optimisers are usually
 published (Derrac and others 2011, doi:10.1016/j.swevo.2011.02.002)."""
 
 OVER_ALL = "all problems"
+PROBLEMS = "problems"
+"""What is ranked in where there are several."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -466,6 +529,24 @@ class MeanRanks:
         return np.array([rank.value for rank in self.ranks])
 
     @cached_property
+    def posterior(self) -> Real | None:
+        """Probabilities (k, k, 3) that the row's optimiser is better than the column's.
+
+        Then that they are equal in practice, and that it is worse; None of a single problem.
+        """
+        if self.unit != PROBLEMS:
+            return None
+        gaps = np.array([a12_table(reached) for reached in self.reached]) - 0.5
+        k = len(self.labels)
+        found = np.zeros((k, k, 3))
+        first, second = np.triu_indices(k, 1)
+        # A chance above one half is the better one's.
+        below, equal, above = signed_rank_posterior(gaps[:, first, second].T).T
+        found[first, second] = np.column_stack([above, equal, below])
+        found[second, first] = np.column_stack([below, equal, above])
+        return found
+
+    @cached_property
     def chances(self) -> Real:
         """Chances (k, k) that the row's optimiser ends below the column's on a problem (A12)."""
         table: Real = np.mean([a12_table(reached) for reached in self.reached], axis=0)
@@ -512,7 +593,7 @@ def rank(scope: str, races: Sequence[ProblemRace], mark: int, scale: JudgingScal
     pairs = pairs_of(len(labels))
     among = [rankdata(r, axis=None).reshape(r.shape) for r in reached]
     if len(races) > 1:
-        unit = "problems"
+        unit = PROBLEMS
         blocks = np.stack([ranks.mean(axis=1) for ranks in among])
         within = rankdata(blocks, axis=1)
         p, least = wilcoxon_holm(blocks), least_signed_rank(len(blocks)) * pairs

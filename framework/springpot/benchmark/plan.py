@@ -16,9 +16,14 @@ import numpy as np
 from springpot.identification.problem import Objective
 from springpot.identification.runs import BatchedOptimiser, Optimiser, options_of
 from springpot.measurement.measurement import Measurement
+from springpot.registry import parse_model
+from springpot.rheology.points import Real
 
 SCHEME = 1
 """Version of what a trial is; a change to it makes every stored trial count as another one."""
+
+COMMON = "common"
+"""All optimisers of a repetition are given the same first point."""
 
 BLOCK = 50
 """Repetitions that a batched optimiser runs at once.
@@ -65,6 +70,25 @@ class Source:
     stiffness_scale: float | None
 
 
+@dataclass(frozen=True)
+class DrawnNoise:
+    """Noise of which every repetition draws its own.
+
+    Parameters
+    ----------
+    level : float
+        Of eq. (53), with both signs.
+    seed : int
+        The study's.
+    of : str
+        Name of the data to which it is added.
+    """
+
+    level: float
+    seed: int
+    of: str
+
+
 @dataclass(frozen=True, eq=False)
 class RaceCase:
     """One problem of a study: data, a model and an objective.
@@ -84,6 +108,8 @@ class RaceCase:
         Objective at the true parameters, if this model made the data.
     optimum : float or None
         Smallest objective in the box, where it is wanted and could be found beforehand.
+    noise : DrawnNoise or None
+        What every repetition adds to the data; then all of the above is that of data without it.
     """
 
     source: Source
@@ -92,10 +118,14 @@ class RaceCase:
     reference: float
     known: float | None
     optimum: float | None = None
+    noise: DrawnNoise | None = None
 
     @property
     def digest(self) -> str:
         """Digest of the problem's content."""
+        noise: list[object] = []
+        if self.noise is not None:
+            noise = [self.noise.level, self.noise.seed]
         return digest_of(
             SCHEME,
             self.source.name,
@@ -103,6 +133,7 @@ class RaceCase:
             self.source.stiffness_scale,
             self.model,
             self.objective.name,
+            *noise,
         )
 
 
@@ -154,6 +185,8 @@ class Plan:
     deadline: float
     memory: int
     requirements: Mapping[str, float]
+    x0: str = "own"
+    noise: tuple[float, ...] = ()
 
     @property
     def size(self) -> int:
@@ -165,6 +198,21 @@ class Plan:
         case = self.cases[cell.case]
         # Common random numbers: what differs between two optimisers is then less often luck.
         return stream_of(self.seed, case.source.name, case.model, case.objective.name, repetition)
+
+    def start(self, cell: Cell, repetition: int) -> Real | None:
+        """The first point (d,) in the unit cube that all optimisers share; None of their own."""
+        if self.x0 != COMMON:
+            return None
+        case = self.cases[cell.case]
+        data = case.source.name
+        if case.noise is not None:
+            data = case.noise.of
+        rng = np.random.default_rng(stream_of(self.seed, "x0", data, case.model, repetition))
+        return rng.random(len(parse_model(case.model).names))
+
+    def each_its_own(self, cell: Cell) -> bool:
+        """Whether repetitions differ by more than an optimiser's random numbers."""
+        return self.x0 == COMMON or self.cases[cell.case].noise is not None
 
     def stop_value(self, case: RaceCase) -> float:
         """Objective at which a run may end."""
@@ -201,7 +249,8 @@ class Plan:
         for cell in sorted(self.cells, key=lambda cell: cell.entrant):
             done = finished(cell)
             optimiser = self.entrants[cell.entrant].optimiser
-            if isinstance(optimiser, BatchedOptimiser) or not optimiser.card.stochastic:
+            together = isinstance(optimiser, BatchedOptimiser) or not optimiser.card.stochastic
+            if together and not self.each_its_own(cell):
                 for first in range(0, self.repetitions, BLOCK):
                     block = tuple(range(first, min(first + BLOCK, self.repetitions)))
                     missing = tuple(r for r in block if r not in done)
@@ -223,10 +272,16 @@ def stream_of(seed: int, *names: object) -> np.random.SeedSequence:
     return np.random.SeedSequence(int(digest_of("stream", SCHEME, seed, *names)[:32], 16))
 
 
-def cell_digest(case: RaceCase, entrant: Entrant, budget: int, seed: int, stop: float) -> str:
+def cell_digest(
+    case: RaceCase, entrant: Entrant, budget: int, seed: int, stop: float, x0: str = "own"
+) -> str:
     """Digest of a cell: the problem, the optimiser with its options, the budget and the seed."""
     stop_text = None
     # JSON, of which the digest is made, has no word for infinity.
     if stop != -np.inf:
         stop_text = float(stop)
-    return digest_of(case.digest, entrant.optimiser.name, entrant.options, budget, seed, stop_text)
+    parts = [case.digest, entrant.optimiser.name, entrant.options, budget, seed, stop_text]
+    # Not written where every optimiser begins as it likes, as all trials did before there was this.
+    if x0 == COMMON:
+        parts.append(x0)
+    return digest_of(*parts)

@@ -110,7 +110,7 @@ def _save_singly(damaged: sqlite3.Connection, fresh: sqlite3.Connection) -> None
                 fresh.execute(put, row)
 
 
-SCHEMA = 4
+SCHEMA = 5
 """Number of the layout below, kept in the file as ``user_version``."""
 
 TABLES = """
@@ -128,6 +128,7 @@ CREATE TABLE trial (
     reason TEXT NOT NULL, best REAL, theta TEXT, parameter_error REAL, oracle REAL,
     evaluations INTEGER NOT NULL, gradients INTEGER NOT NULL, seconds REAL NOT NULL,
     batched INTEGER NOT NULL DEFAULT 0, seal BLOB, processor REAL, processor_batched REAL,
+    reference REAL, known REAL, optimum REAL, covered REAL,
     PRIMARY KEY (cell, repetition)) WITHOUT ROWID;
 CREATE TABLE trace (
     cell INTEGER NOT NULL, repetition INTEGER NOT NULL, points BLOB NOT NULL,
@@ -148,6 +149,12 @@ ALTER TABLE trial ADD COLUMN seal BLOB"""
     3: (
         """ALTER TABLE trial ADD COLUMN processor REAL;
 ALTER TABLE trial ADD COLUMN processor_batched REAL"""
+    ),
+    4: (
+        """ALTER TABLE trial ADD COLUMN reference REAL;
+ALTER TABLE trial ADD COLUMN known REAL;
+ALTER TABLE trial ADD COLUMN optimum REAL;
+ALTER TABLE trial ADD COLUMN covered REAL"""
     ),
 }
 """What turns each older layout into the next."""
@@ -231,6 +238,10 @@ FROM trial LEFT JOIN trace USING (cell, repetition) ORDER BY cell, repetition"""
 
 
 ALL_TRIALS = trials_of(expected()["trial"])
+
+
+DRAWN_TRIALS = ALL_TRIALS.replace("ORDER BY", "WHERE reference IS NOT NULL ORDER BY")
+"""Those whose data have noise of their own."""
 
 
 def problem_columns(case: RaceCase) -> dict[str, Any]:

@@ -14,6 +14,8 @@ import numpy as np
 
 from springpot.errors import StudyError
 
+from .bayes import ROPE
+from .beside import opened
 from .comparison import (
     OVER_ALL,
     CellScores,
@@ -27,12 +29,16 @@ from .comparison import (
     profiles,
     races_of,
     rankings,
+    reference_of,
     score_cell,
 )
+from .noise_table import noise_table
+from .robustness import anytime_table, sensitivity_table
 from .statistics import Interval, hitting_time
 from .store import Store
 from .study import Study
 from .summary import (
+    CellRow,
     CellSummary,
     TrialRow,
     failure_table,
@@ -137,15 +143,30 @@ def pair_table(name: str, rankings_shown: Sequence[MeanRanks]) -> Table:
                         float(ranking.chances[i, j]),
                         p,
                         verdict,
+                        *posterior(ranking, int(i), int(j)),
                     )
                 )
-    columns = ("budget", "optimiser", "against", "chance to end below", "p (Holm)", "told apart")
+    columns = (
+        *("budget", "optimiser", "against", "chance to end below", "p (Holm)", "told apart"),
+        *("probably better", "equal in practice", "probably worse"),
+    )
     note = (
         "Chance: that a trial of the optimiser ends below one of the other on the same problem at"
         " that budget, ties by half (A12, Vargha and Delaney), mean over problems; from 0.56, 0.64"
         " and 0.71 on it is called small, medium and large. p: as in the table of ranks."
+        " Probably better, equal in practice, worse: on a further problem like these, by the"
+        " Bayesian signed-rank test (Benavoli and others 2014, 2017) on the chances by problem;"
+        f" equal in practice is a chance within 0.5 and {ROPE:g}, less than a small effect. No"
+        " evidence of a difference is not evidence of none: the second number is."
     )
     return Table(f"{name}: pairs", columns, rows, note)
+
+
+def posterior(ranking: MeanRanks, i: int, j: int) -> tuple[Entry, ...]:
+    """Probabilities that one optimiser is better, equal and worse; nothing of a single problem."""
+    if ranking.posterior is None:
+        return None, None, None
+    return tuple(float(each) for each in ranking.posterior[i, j])
 
 
 def profile_table(name: str, races: Sequence[ProblemRace], scale: JudgingScale) -> Table:
@@ -247,10 +268,11 @@ class Findings:
                 scores[cell.id] = score_cell(cell, trials, best, scale)
                 hits = scores[cell.id].hits
             else:
-                goal = goal_of(cell.problem, best, scale.target)
                 # For the summary alone: no trace is unpacked of which the best shows already that
                 # it missed.
-                hits = np.array([_hit(trial, goal) for trial in trials])
+                hits = np.array(
+                    [_hit(*each, cell, scale) for each in zip(trials, best, strict=True)]
+                )
             summaries[cell.id] = summarise_cell(cell, trials, hits, float(facts["accuracy"]))
         # In the order of the study, which is not that in which the store has its trials.
         order = [cell.id for cell in store.cells() if cell.id in summaries]
@@ -282,8 +304,9 @@ class Findings:
         return rankings(self.races, self.scale)
 
 
-def _hit(trial: TrialRow, goal: float) -> float:
-    """Evaluation at which a trial reached `goal`; its trace is read only if it did."""
+def _hit(trial: TrialRow, best: float, cell: CellRow, scale: JudgingScale) -> float:
+    """Evaluation at which a trial reached its target; its trace is read only if it did."""
+    goal = goal_of(reference_of(cell.problem, trial), best, scale.target)
     if trial.best is None or trial.best > goal:
         return np.inf
     return hitting_time(*trial.improvements(), goal)
@@ -307,31 +330,52 @@ COMPARING: dict[str, Callable[[Findings], Table]] = {
     "pairs": lambda f: pair_table(f.name, f.rankings),
     "profiles": lambda f: profile_table(f.name, f.races, f.scale),
     "progress": lambda f: progress_table(f.name, f.scores, f.scale),
+    "anytime": lambda f: anytime_table(f.name, f.races, f.scale),
+    "sensitivity": lambda f: sensitivity_table(f.name, f.races, f.scale),
+    "noise": lambda f: noise_table(f.facts, f.races, f.scale),
 }
 """Tables that need every trial's trace."""
 
-TABLES = ("choice", "summary", "ranks", "pairs", "profiles", "progress", "timing", "failures")
+TABLES = (
+    *("choice", "summary", "ranks", "pairs", "sensitivity", "anytime", "profiles", "progress"),
+    *("timing", "failures"),
+)
 """All of them, in the order in which they are shown."""
 
+NOISY = "noise"
+"""The table of a study that has noise for an axis."""
 
-def study_tables(store: Store, names: Sequence[str] = TABLES) -> Iterator[tuple[str, Table]]:
+
+def table_names(store: Store) -> tuple[str, ...]:
+    """The tables that a study has."""
+    if NOISY in store.facts():
+        return (*TABLES, NOISY)
+    return TABLES
+
+
+def study_tables(store: Store, names: Sequence[str] | None = None) -> Iterator[tuple[str, Table]]:
     """File stem and table of what is written after a run.
 
     Parameters
     ----------
     store : Store
         The study's.
-    names : sequence of str
-        Which of `TABLES`.
+    names : sequence of str, optional
+        Which of them; all by default.
     """
     # Every trace is read only if a table that is wanted compares by them.
+    if names is None:
+        names = table_names(store)
     findings = Findings.of(store, scored=any(name in COMPARING for name in names))
     for name in names:
         yield name, (PLAIN | COMPARING)[name](findings)
 
 
 def write_tables(
-    study: Study | str | Path, formats: Sequence[str] = tuple(FORMATS), out: Path = Path("results")
+    study: Study | str | Path,
+    formats: Sequence[str] = tuple(FORMATS),
+    out: Path = Path("results"),
+    beside: Path | None = None,
 ) -> list[Path]:
     """Write a study's tables beside its store.
 
@@ -343,6 +387,8 @@ def write_tables(
         Of ``md``, ``csv``, ``latex``, ``html``.
     out : Path
         Folder of all results.
+    beside : Path, optional
+        An archive whose trials are shown too.
 
     Returns
     -------
@@ -359,7 +405,7 @@ def write_tables(
     if unknown:
         raise StudyError(f"unknown table format '{unknown[0]}': use {', '.join(FORMATS)}")
     path = store_path(study, out)
-    with Store(path) as store:
+    with opened(path, beside) as store:
         # All of them before the first is written: a fault in one leaves no half of a set behind.
         tables = list(study_tables(store))
     files = []

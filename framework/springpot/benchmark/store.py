@@ -13,6 +13,7 @@ import json
 import sqlite3
 import sys
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
 from hashlib import blake2b
 from itertools import groupby
 from math import inf
@@ -33,10 +34,11 @@ from .database import (
     require_tables,
     transaction,
 )
-from .plan import Plan
+from .plan import COMMON, Plan
 from .schema import (
     ALL_TRIALS,
     CELLS,
+    DRAWN_TRIALS,
     DROP_STRAY,
     FACTS,
     KEYS,
@@ -272,6 +274,13 @@ class Store:
         described |= {"target": repr(plan.target), "accuracy": repr(plan.accuracy), **facts}
         if plan.requirements:
             described["requirements"] = json.dumps(dict(plan.requirements))
+        if plan.stop_at_target:
+            described["stop at target"] = "True"
+        if plan.noise:
+            described["noise"] = json.dumps(noise_of(plan))
+        if plan.x0 == COMMON:
+            begin = [each.label for each in plan.entrants if each.optimiser.card.started]
+            described["common start"] = json.dumps(begin)
         with one_line(self.path), transaction(self._db):
             problems = [self._enter("problem", problem_columns(case)) for case in plan.cases]
             cells = {
@@ -293,6 +302,48 @@ class Store:
                 [(*fact, seal(fact)) for fact in described.items()],
             )
         return cells
+
+    def copy_to(self, path: Path) -> None:
+        """Write all of it into a new file."""
+        with one_line(path), closing(sqlite3.connect(path)) as copy:
+            self._db.backup(copy)
+
+    def adopt(
+        self,
+        cells: Mapping[int, Mapping[str, object]],
+        labels: Mapping[int, str],
+        facts: Mapping[str, str],
+    ) -> dict[int, int]:
+        """Enter cells of another study of the same problems, shown behind one's own.
+
+        Parameters
+        ----------
+        cells : mapping of int to mapping
+            Columns of each, the problem by its digest.
+        labels : mapping of int to str
+            As they are shown.
+        facts : mapping of str to str
+            What is to be told of them.
+
+        Returns
+        -------
+        dict
+            From their numbers to those in this store.
+        """
+        shown = json.loads(self.facts()["cells"])
+        shown += [(cells[i]["digest"], label) for i, label in labels.items()]
+        told = {"cells": json.dumps(shown), **facts}
+        with one_line(self.path), transaction(self._db):
+            problems = {row["digest"]: row["id"] for row in self._rows(PROBLEMS) if sound(row)}
+            numbers = {
+                i: self._enter("cell", {**each, "problem": problems[each["problem"]]})
+                for i, each in cells.items()
+            }
+            self._db.executemany(
+                "INSERT OR REPLACE INTO fact VALUES (?, ?, ?)",
+                [(*fact, seal(fact)) for fact in told.items()],
+            )
+        return numbers
 
     def _enter(self, table: str, columns: dict[str, object]) -> int:
         """The number of a row, which is written where it is missing or not what it should be."""
@@ -406,6 +457,7 @@ class Store:
                 row["optimiser"],
                 row["options"],
                 row["budget"],
+                row["digest"],
             )
             for label, row in kept
         ]
@@ -431,6 +483,23 @@ class Store:
         return {
             number: min(least.get(number, inf), known.get(number, inf)) for number in least | known
         } | planned
+
+    def bests_of_draws(self) -> dict[tuple[int, int], float]:
+        """Best objective of each problem and repetition, where a repetition has its own noise."""
+        optima: dict[tuple[int, int], float] = {}
+        least: dict[tuple[int, int], float] = {}
+        with one_line(self.path):
+            problem = {row["id"]: row["problem"] for row in self._rows(CELLS) if sound(row)}
+            for row in self._rows(DRAWN_TRIALS):
+                if row["cell"] not in problem or not sound(row):
+                    continue
+                key = (problem[row["cell"]], row["repetition"])
+                if row["optimum"] is not None:
+                    optima[key] = row["optimum"]
+                values = [row[name] for name in ("best", "known") if row[name] is not None]
+                least[key] = min([least.get(key, inf), *values])
+        # Where trials end at a target, it is the one that they raced for.
+        return least | optima
 
     def trials(self) -> Iterator[tuple[int, list[TrialRow]]]:
         """Cell number and trials of every cell, up to the study's repetitions.
@@ -464,6 +533,17 @@ class Store:
         if not isinstance(repetition, int) or repetition < 0:
             return None
         return TrialRow(row["cell"], repetition, Status.DAMAGED, DAMAGED)
+
+
+def noise_of(plan: Plan) -> dict[str, float]:
+    """Level of noise of each data set whose truth is known."""
+    levels = {}
+    for case in plan.cases:
+        if case.noise is not None:
+            levels[case.source.name] = case.noise.level
+        elif case.source.truth:
+            levels[case.source.name] = 0.0
+    return levels
 
 
 _TOLD = {"name", "cells", "repetitions", "seed", "budget", "target", "accuracy", "optima"}

@@ -18,14 +18,14 @@ from typing import TypeAlias, TypeGuard
 import numpy as np
 
 from springpot.errors import StudyError
-from springpot.identification.native import fit, minima_in_box
-from springpot.identification.problem import Objective, Problem
+from springpot.identification.problem import Objective
 from springpot.identification.runs import Optimiser, options_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import DataSet, open_measurement
 from springpot.registry import parse_model, plugins
 
-from .plan import Cell, Entrant, Plan, RaceCase, Source, cell_digest
+from .cases import case_of, with_noise_axis
+from .plan import COMMON, Cell, Entrant, Plan, RaceCase, Source, cell_digest
 
 
 def main(study: object, arguments: Sequence[str] | None = None) -> None:
@@ -55,9 +55,6 @@ def main(study: object, arguments: Sequence[str] | None = None) -> None:
 
 OWN = "own"
 """Stands for a data set's own model where a model is named."""
-
-AGREEING = 5
-"""Descents within the box that must end at the same value before it is taken for the optimum."""
 
 REQUIREMENTS = ("min_success", "max_parameter_error", "max_seconds")
 """Fields of a study that the accuracy gate holds every cell to."""
@@ -99,6 +96,12 @@ class Study:
         doi:10.1137/080724083).
     accuracy : float
         Relative error within which every parameter is right, where the truth is known.
+    noise : sequence of float
+        Levels of noise, such as ``[0, 0.01, 0.03]``: data of known truth are raced at each of them,
+        with a fresh draw of eq. (53), of both signs, for every repetition.
+    x0 : {"own", "common"}
+        Whether optimisers begin where they like, or all of a repetition get the same first point:
+        it is the first evaluation of each, and those that begin at a point begin there.
     stop_at_target : bool
         End a trial at the target instead of using up the budget, where the optimum in the search
         box is known beforehand, from the native solver or from descents that agree.
@@ -149,6 +152,8 @@ class Study:
     max_parameter_error: float | None = None
     max_seconds: float | None = None
     finish: Callable[[Path, Path], None] | None = None
+    noise: Sequence[float] = ()
+    x0: str = OWN
 
     def __post_init__(self) -> None:
         # A name is a folder on any system: no slash, no blank, and no dot in front that hides it.
@@ -182,6 +187,11 @@ class Study:
         self._require(
             "min_success", self.min_success is None or self.min_success <= 1, "a share of at most 1"
         )
+        self._require("x0", self.x0 in (OWN, COMMON), f"'{OWN}' or '{COMMON}'")
+        self._require(
+            "noise", _is_levels(self.noise), "a list of different levels from 0 to below 1"
+        )
+        object.__setattr__(self, "noise", tuple(sorted(float(level) for level in self.noise)))
         self._require("seed", _is_whole(self.seed), "a whole number")
         # As a plain one: the digests of trials are made of JSON, which knows no other.
         object.__setattr__(self, "seed", int(self.seed))
@@ -246,6 +256,8 @@ class Study:
             self.deadline,
             self.memory,
             self._requirements(),
+            self.x0,
+            tuple(self.noise),
         )
         pairs = product(range(len(cases)), range(len(entrants)))
         return replace(plan, cells=tuple(_cell(plan, i, c, e) for i, (c, e) in enumerate(pairs)))
@@ -265,8 +277,11 @@ class Study:
         for source in sources:
             # Two expressions may name the same model, such as its name and its alias.
             models = dict.fromkeys(self._models_of(source))
-            for model, objective in product(models, objectives):
-                cases.append(_case(source, model, objective, wanted))
+            for data, noise in with_noise_axis(source, self.noise, self.seed):
+                for model, objective in product(models, objectives):
+                    # Of data whose noise is yet to be drawn there is no optimum to find.
+                    found = case_of(data, model, objective, None if noise else wanted)
+                    cases.append(replace(found, noise=noise))
         return tuple(cases)
 
     def _require_known(self, names: list[str]) -> None:
@@ -304,6 +319,14 @@ def _is_number(value: object) -> TypeGuard[float]:
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
         return False
     return isfinite(value)
+
+
+def _is_levels(value: object) -> bool:
+    """Whether these are levels of noise."""
+    if isinstance(value, str) or not isinstance(value, Sequence | np.ndarray):
+        return False
+    right = all(_is_number(level) and 0 <= level < 1 for level in value)
+    return right and len(set(value)) == len(value)
 
 
 def _is_whole(value: object) -> TypeGuard[float]:
@@ -385,79 +408,12 @@ def _unique(word: str, names: list[str], study: str) -> None:
         )
 
 
-def _case(source: Source, expression: str, objective: Objective, target: float | None) -> RaceCase:
-    model = parse_model(expression)
-    # Here already: a model that does not fit its data is told before the first trial.
-    problem = Problem.of(model, source.measurement, objective, source.stiffness_scale)
-    reference = _reference(problem)
-    known = None
-    if truth_fits(source, model.name, model.names):
-        stiffness = model.stiffness(model.vector(dict(source.truth)), source.measurement.points)
-        residual = objective.residual(stiffness, source.measurement, problem.weights)
-        known = float(np.sum(residual * residual))
-    optimum = None
-    if target is not None:
-        optimum = _optimum(problem, reference, known, target)
-    return RaceCase(source, model.name, objective, reference, known, optimum)
-
-
-def _reference(problem: Problem) -> float:
-    """Objective from which progress is measured.
-
-    At the centre of the box, or of no answer at all if that is less.
-
-    Where the centre is absurd (a box far too large, an inertia at high frequency) its objective
-    says nothing of the data, and a millionth of it would be reached by fits that are of no use.
-    """
-    with np.errstate(all="ignore"):
-        centre = problem.evaluate(0.5 * (problem.lower + problem.upper))
-        nothing = problem.objective.value(
-            np.zeros_like(problem.measurement.stiffness), problem.measurement, problem.weights
-        )
-    # No answer has no logarithm.
-    return float(np.fmin(centre, nothing))
-
-
-def _optimum(
-    problem: Problem, reference: float, known: float | None, target: float
-) -> float | None:
-    """Smallest objective in the box; None where that is not certain.
-
-    It is where the native solver, which knows no box, finds nothing better outside, or where
-    several descents within the box end at the same value.
-    """
-    # The native solver is told nothing of the box: it says what there is at best.
-    unbounded = fit(problem.model, problem.measurement, problem.objective)
-    least = np.inf
-    with np.errstate(all="ignore"):
-        x = np.clip(problem.space.from_theta(unbounded.theta), problem.lower, problem.upper)
-        if np.all(np.isfinite(x)):
-            least = float(problem.evaluate(x))
-    if known is not None:
-        least = min(least, known)
-    # What rounding and the ends of the box cost must not matter beside the target.
-    slack = 0.01 * target * (reference - unbounded.cost)
-    if least - unbounded.cost <= slack:
-        return least
-    minima = minima_in_box(problem)
-    least = float(minima[0])
-    # Descents that agree on what is above the truth have all missed the optimum.
-    missed = known is not None and known < least - slack
-    if missed or not minima[AGREEING - 1] - least <= slack:
-        return None
-    return least
-
-
-def truth_fits(source: Source, model: str, names: tuple[str, ...]) -> bool:
-    """Whether the true parameters are those of this model."""
-    return (
-        bool(source.truth)
-        and parse_model(source.model).name == model
-        and set(source.truth) == set(names)
-    )
-
-
 def _cell(plan: Plan, index: int, case: int, entrant: int) -> Cell:
     stop = plan.stop_value(plan.cases[case])
-    digest = cell_digest(plan.cases[case], plan.entrants[entrant], plan.budget, plan.seed, stop)
+    if plan.stop_at_target and plan.cases[case].noise is not None:
+        # Each repetition has its own, from this share of its data.
+        stop = plan.target
+    digest = cell_digest(
+        plan.cases[case], plan.entrants[entrant], plan.budget, plan.seed, stop, plan.x0
+    )
     return Cell(index, case, entrant, digest)

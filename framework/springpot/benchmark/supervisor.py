@@ -25,6 +25,7 @@ from springpot.errors import StudyError
 from springpot.identification.runs import AGREE, miscounted, mistraced, same
 from springpot.processes import end_group
 
+from .cases import drawn
 from .fork_server import BEGUN, BORN, BROKEN, ENDED, READY, Nursery, Parcel, answer
 from .plan import Plan, WorkOrder
 from .trial import Status, TrialResult, TwinProblem, failure, unpack
@@ -44,7 +45,9 @@ class Audit:
 
     def __init__(self, plan: Plan) -> None:
         self._plan = plan
-        self._bench = lru_cache(KEPT)(lambda case: TwinProblem(plan.cases[case]))
+        self._bench = lru_cache(KEPT)(
+            lambda case, repetition: TwinProblem(drawn(plan, plan.cases[case], repetition))
+        )
 
     def __call__(self, task: WorkOrder, results: Sequence[TrialResult]) -> list[TrialResult]:
         """The results, those that contradict themselves or the problem replaced by failures."""
@@ -79,8 +82,13 @@ class Audit:
 
     def _false_value(self, result: TrialResult) -> str:
         """Whether the best point has the value that is claimed."""
-        case = self._plan.cases[self._plan.cells[result.cell].case]
-        bench = self._bench(self._plan.cells[result.cell].case)
+        number = self._plan.cells[result.cell].case
+        fresh = self._plan.cases[number].noise is not None
+        bench = self._bench(number, result.repetition if fresh else 0)
+        case = bench.case
+        told = (result.reference, result.known, result.optimum)
+        if fresh and told != (case.reference, case.known, case.optimum):
+            return "its data are not those of its repetition"
         judged = bench.judged(np.array(result.point))
         if not _equal(judged.theta, result.theta):
             return "its parameters are not those of its best point"

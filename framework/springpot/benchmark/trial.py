@@ -27,15 +27,16 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.distributions import student
 from springpot.identification.problem import Problem, watched
 from springpot.identification.recorder import Recorder, all_points
 from springpot.identification.runs import Card, Optimiser, Run, run, run_batch
-from springpot.measurement.measurement import Measurement
 from springpot.registry import parse_model
 from springpot.rheology.points import Real
+from springpot.thresholds import INTERVAL
 
-from .plan import Cell, Plan, RaceCase, Source, WorkOrder
-from .study import truth_fits
+from .cases import drawn, noise_free, noisy, truth_fits
+from .plan import Cell, Plan, RaceCase, WorkOrder
 
 BUDGET = 4
 """A single evaluation, two in a stack, one with its gradient.
@@ -250,6 +251,11 @@ class TrialResult:
         Search point of the smallest objective, as it was evaluated.
     factor : float
         Penalty in the value there.
+    reference, known, optimum : float or None
+        Of its own data, where every repetition draws its noise: as in `RaceCase`.
+    covered : float or None
+        Share of the parameters whose 95 % interval at the best point holds the truth; None where no
+        truth is known, the data have no noise, or there is no interval.
     """
 
     cell: int
@@ -271,6 +277,10 @@ class TrialResult:
     seen: bytes | None = None
     point: tuple[float, ...] = ()
     factor: float = 1.0
+    reference: float | None = None
+    known: float | None = None
+    optimum: float | None = None
+    covered: float | None = None
 
 
 def failure(
@@ -302,6 +312,9 @@ class Workshop:
         """The results of a task; whatever an optimiser raises becomes a status."""
         cell = self.plan.cells[task.cell]
         bench = self._benches[cell.case]
+        case = self.plan.cases[cell.case]
+        if case.noise is not None and not isinstance(bench, Exception):
+            bench = _built(case, self.plan, task.repetitions[0])
         if isinstance(bench, Exception):
             return failure(task, Status.ERROR, f"{type(bench).__name__}: {bench}")
         try:
@@ -325,7 +338,9 @@ class Workshop:
         # A generator for each repetition: a trial is the same alone, in a batch, and on another
         # worker.
         rngs = [np.random.default_rng(self.plan.stream(cell, r)) for r in task.repetitions]
-        target = self.plan.stop_value(self.plan.cases[cell.case])
+        target = self.plan.stop_value(bench.case)
+        if self.plan.each_its_own(cell):
+            return [self._single(task.cell, r, bench, target) for r in task.repetitions]
         runs = run_batch(
             entrant.optimiser, bench.problem, self.plan.budget, rngs, target, bench.noisy
         )
@@ -343,6 +358,26 @@ class Workshop:
             replace(result, processor=time, processor_batched=result.processor)
             for result, time in zip(results, times, strict=True)
         ]
+
+    def _single(self, cell: int, repetition: int, bench: TwinProblem, target: float) -> TrialResult:
+        """A trial of data or with a first point of its own."""
+        known = self.plan.cells[cell]
+        rng = np.random.default_rng(self.plan.stream(known, repetition))
+        done = run(
+            self.plan.entrants[known.entrant].optimiser,
+            bench.problem,
+            self.plan.budget,
+            rng,
+            target,
+            bench.noisy,
+            self.plan.start(known, repetition),
+        )
+        result = bench.judge(cell, repetition, done)
+        if self.plan.cases[known.case].noise is None:
+            return result
+        # What a value of these data is worth can be read off no other trial's.
+        case = bench.case
+        return replace(result, reference=case.reference, known=case.known, optimum=case.optimum)
 
     def warm_up(self, task: WorkOrder, begun: Callable[[], None] = lambda: None) -> None:
         """Let the optimiser of a task import what it needs before it is timed.
@@ -384,9 +419,16 @@ class Bell:
             action()
 
 
-def _built(case: RaceCase) -> TwinProblem | Exception:
-    """A problem ready to run, or why it cannot: that is told by its trials."""
+def _built(
+    case: RaceCase, plan: Plan | None = None, repetition: int = 0
+) -> TwinProblem | Exception:
+    """A problem ready to run, or why it cannot: that is told by its trials.
+
+    With a plan it has the noise of a repetition.
+    """
     try:
+        if plan is not None:
+            case = drawn(plan, case, repetition)
         bench = TwinProblem(case)
         bench.witness  # noqa: B018  taken now, while no optimiser has run
     except Exception as error:
@@ -424,7 +466,7 @@ class TwinProblem:
     """
 
     def __init__(self, case: RaceCase) -> None:
-        source = case.source
+        self.case, source = case, case.source
         model = parse_model(case.model)
         self.problem = Problem.of(model, source.measurement, case.objective, source.stiffness_scale)
         clean = noise_free(source)
@@ -432,9 +474,7 @@ class TwinProblem:
         if clean is not None:
             self.clean = replace(self.problem, measurement=clean)
         # Exact data differ from computed ones by rounding only; their objective is its own oracle.
-        self.noisy = clean is not None and not np.allclose(
-            clean.stiffness, source.measurement.stiffness, rtol=1e-9, atol=0.0
-        )
+        self.noisy = clean is not None and noisy(source, clean)
         self.truth: Real | None = None
         if truth_fits(source, model.name, model.names):
             self.truth = model.vector(dict(source.truth))
@@ -492,8 +532,32 @@ class TwinProblem:
             seen=seen,
             point=tuple(done.point.tolist()),
             factor=done.factor,
+            covered=self.coverage(done.point),
             **common,  # type: ignore[arg-type]
         )
+
+    def coverage(self, point: Real) -> float | None:
+        """Share of the search parameters whose 95 % interval at a point (d,) holds the truth.
+
+        Intervals of least squares: Student's t times the standard error that Jacobian and scatter
+        give.
+        """
+        if self.truth is None or not self.noisy:
+            return None
+        problem = self.problem
+        with np.errstate(all="ignore"):
+            x = problem.space.repaired(point)
+            residual, jacobian = problem.residuals_and_jacobian(x)
+            # Both in widths of the box: parameters are of very different sizes.
+            width = problem.upper - problem.lower
+            away = (x - problem.space.from_theta(self.truth)) / width
+            information = (jacobian * width).T @ (jacobian * width)
+            freedom = len(residual) - problem.dimension
+            if freedom < 1 or not np.linalg.cond(information) < 1.0 / np.finfo(float).eps:
+                return None
+            variance = residual @ residual / freedom * np.diag(np.linalg.inv(information))
+        inside = np.abs(away) <= student(INTERVAL, freedom) * np.sqrt(variance)
+        return float(inside.mean())
 
     def _without_noise(self, done: Run) -> tuple[bytes | None, bytes | None]:
         """Packed traces of what was recommended and seen, judged against noise-free data."""
@@ -512,15 +576,6 @@ class TwinProblem:
 def relative_error(theta: Real, truth: Real) -> float:
     """Largest relative error of a parameter; the absolute one where the truth is zero."""
     return float(np.max(np.abs(theta - truth) / np.where(truth == 0, 1.0, np.abs(truth))))
-
-
-def noise_free(source: Source) -> Measurement | None:
-    """The data as they would be without noise, where the truth is known."""
-    if not source.truth:
-        return None
-    model = parse_model(source.model)
-    stiffness = model.stiffness(model.vector(dict(source.truth)), source.measurement.points)
-    return replace(source.measurement, stiffness=stiffness)
 
 
 def _status(done: Run) -> tuple[Status, str]:

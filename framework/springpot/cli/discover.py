@@ -265,11 +265,12 @@ def _climbed(tests: Sequence[Test], model: Model | None, **arguments: Any) -> tu
     """The ladder, as far as it was waited for, and the exit code that says which."""
     from springpot.api import discover
     from springpot.diagnosis.examination import within
+    from springpot.measurement.opening import together
 
     # Ladders as far as they came, so that Ctrl-C costs the step that was under way and no more.
     reached: list[Ladder] = []
     with Waiting() as waiting:
-        progress = within(" + ".join(test.name for test in tests), waiting.told)
+        progress = within(together(test.name for test in tests), waiting.told)
         try:
             arguments |= {"progress": progress, "reached": reached.append}
             ladder: Any = discover(tests, model, **arguments)
@@ -306,7 +307,7 @@ def again_with(
     for name in ("effects", "accuracy"):
         if options[name] is not None:
             again += [f"--{name}", options[name]]
-    for name in ("effect", "without", "fix", "bounds", "exclude"):
+    for name in ("effect", "without", "fix", "bounds", "tie", "exclude"):
         for text in options[name]:
             again += [f"--{name}", text]
     again += ["--seed", str(seed or 0)]

@@ -13,14 +13,18 @@ MEANING = (
     "geometry",
     "fix",
     "bounds",
+    "tie",
     "exclude",
     "own",
+    "share",
+    "specimen",
     "population",
     "effects",
     "effect",
     "without",
     "along",
     "accuracy",
+    "robust",
     "seed",
 )
 """Options by which the same files give another answer; those of outputs are none."""

@@ -183,6 +183,33 @@ class Ladder:
         """The model of the last rung."""
         return self.steps[-1].model
 
+    @property
+    def undecided(self) -> Step:
+        """The rung whose next experiment is open.
+
+        The last one; or, where that has no question, an earlier one that could not tell what was
+        accepted from what was not: taking one of two rivals answers nothing.
+        """
+        last = self.steps[-1]
+        if self.diagnosis.next_experiment is not None:
+            return last
+        accepted = {step.accepted for step in self.steps}
+        for before, step in zip(self.steps[-2::-1], self.steps[:0:-1], strict=True):
+            if before.examined is None:
+                continue
+            proposed = before.diagnosis.next_experiment
+            if proposed is None or step.accepted not in proposed.separates:
+                continue
+            if len(accepted & set(proposed.separates)) == 1:
+                return before
+        return last
+
+    @property
+    def proposed(self) -> dict[str, Any] | None:
+        """What to measure next, as in a diagnosis: of the rung that cannot be decided."""
+        experiment = self.undecided.diagnosis.next_experiment
+        return None if experiment is None else experiment.to_dict()
+
     def __str__(self) -> str:
         return text_of(self)
 

@@ -212,6 +212,9 @@ def _spread(search: Search, change: Complex) -> float:
     All of them where it is the same everywhere, one for a spike.
     """
     size = np.hypot(*search.frame.whiten(change).reshape(2, -1))
+    # Relative to the largest: what is taken out may have been held by what is left, and the square
+    # of the rest be no number.
+    size /= max(float(size.max()), 1e-300)
     return float(np.sum(size)) ** 2 / max(float(np.sum(size**2)), 1e-300)
 
 

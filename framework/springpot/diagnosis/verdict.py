@@ -483,9 +483,9 @@ def _named(evidence: Evidence) -> str:
     """The effects one of which is missing, and those one of which is missing beside it."""
     named, beside = evidence.classes[0], evidence.beside
     words = " or ".join(named)
-    # "missing is A or B, and beside it A or B" would be a riddle.
-    if beside and set(beside) == set(named) and len(named) > 1:
-        words = f"{words}, and a second of these beside it"
+    # "missing is A, and beside it A" would be a riddle.
+    if beside and set(beside) == set(named):
+        words = f"{words}, and a second of these beside it" if named[1:] else f"{words}, twice"
     elif beside:
         words = f"{words}, and beside it {' or '.join(beside)}"
     # Only where the headline names the narrow effect itself: the doubt is not its partners'.

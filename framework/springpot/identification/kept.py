@@ -44,6 +44,8 @@ def bounds_of(model: Model) -> dict[str, list[float | None]]:
         return {}
     # Only what a user narrowed is kept: bounds of physics belong to the model, and may be mended
     # there.
+    # So it is of what a tie leaves free, whose bounds keep what is tied within its own.
+    model = model.untied()
     wide = {p.name: (p.lower, p.upper) for p in model.released().parameters}
     narrow = {}
     for origin, p in zip(model.origins, model.parameters, strict=True):
@@ -130,8 +132,11 @@ def fitted_model(model: Model, kept: Mapping[str, Any]) -> tuple[Model, Real]:
     alone = set(kept["only_sweeps"])
     effects = [each.at(SWEEPS) if each.name in alone else each for each in model.effects]
     bounds = {name: _ends(pair) for name, pair in kept["bounds"].items()}
-    # As when it was fitted: first what is held, then the levels of the data.
+    # As when it was fitted: first what is held and tied, then the levels of the data.
     model = replace(model, effects=tuple(effects)).holding(kept["held"], bounds)
+    units = Units(**kept["units"])
+    factors = {each.name: units.of(each.unit)[0] for each in model.parameters}
+    model = model.tying(kept.get("ties", ()), factors)
     for name, column in kept.get("own", {}).items():
         model = model.owning([name], column)
     if "measurement" in kept:

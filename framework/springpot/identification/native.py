@@ -386,10 +386,9 @@ def _released_starts(
     u = known.starts(starts)[1][0]
     best = fit(free, measurement, objective, starts=starts).theta
     full = np.concatenate([known.coordinates.theta(u, known.coordinates.size[0]), best[None]])
-    kept = [free.names.index(name) for name in model.origins]
     # A start that ran away without limit becomes a number again, which the bounds of this model
     # then cut.
-    return list(within_bounds(model, np.nan_to_num(full[:, kept], posinf=1e300)))
+    return list(within_bounds(model, np.nan_to_num(model.started(full), posinf=1e300)))
 
 
 def _search(

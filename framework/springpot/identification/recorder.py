@@ -48,6 +48,8 @@ class Ledger:
         Penalty that is in it.
     trace : list of (int, float)
         Evaluation number and objective at every improvement.
+    start : ndarray, shape (d,), or None
+        The race's common first point.
     """
 
     problem: Searched
@@ -61,6 +63,7 @@ class Ledger:
     best_x: Real = field(default_factory=lambda: np.empty(0), init=False)
     best_factor: float = field(default=1.0, init=False)
     trace: list[tuple[int, float]] = field(default_factory=list, init=False)
+    start: Real | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
         self._lowest, self._highest = self.problem.space.lowest, self.problem.space.highest
@@ -401,6 +404,25 @@ class Recorder:
     def budget(self) -> int:
         """Evaluations allowed."""
         return int(self._told("budget"))
+
+    @property
+    def start(self) -> Real | None:
+        """Search point (d,) that all optimisers of the race begin at, evaluated already.
+
+        None where each begins as it likes.
+        """
+        start: Real | None = self._told("start")
+        if start is None:
+            return None
+        return start.copy()
+
+    def first(self, own: Real) -> Real:
+        """The search point (d,) to begin at: the race's first, and later on one's own."""
+        start = self.start
+        # Once only: whoever starts anew begins elsewhere.
+        if start is None or self.evaluations > 1:
+            return own
+        return start
 
     @property
     def target(self) -> float:

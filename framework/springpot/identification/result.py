@@ -13,17 +13,19 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from springpot.distributions import student
 from springpot.drawing import draw, html_of, text_of
 from springpot.errors import ModelError
 from springpot.measurement.covered import Covered
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.opening import Test
+from springpot.measurement.opening import Test, together
 from springpot.measurement.units import Units
 from springpot.plain_data import as_declared, jsonable, number
 from springpot.rheology.continuum import EQUILIBRIUM, VISCOSITY
 from springpot.rheology.forms import SearchForm
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
+from springpot.thresholds import INTERVAL
 
 from .calibration import Calibration
 from .kept import (
@@ -42,6 +44,8 @@ from .population import Population, populations, specimens_of
 from .prediction import Known
 from .problem import Objective, sizes
 from .regularisation import SmoothSpectrum, regularised
+from .robust import kept_of, objective_again
+from .tied_values import tied_values
 from .uncertainty import Uncertainty, ends, lost_and_known, spread_of
 from .value import Value, all_parameters, printed
 
@@ -284,7 +288,9 @@ class Identification(Known):
 
         Those that were held too.
         """
-        return all_parameters(self.model, self.theta, self.low, self.high, self.units)
+        ends, quantile = (self.low, self.high), student(INTERVAL, self.dof)
+        tied = tied_values(self.model, self.theta, ends, self._by_theta, quantile, self.units)
+        return all_parameters(self.model, self.theta, *ends, self.units, tied)
 
     @cached_property
     def search_parameters(self) -> Mapping[str, Value]:
@@ -317,9 +323,14 @@ class Identification(Known):
         """
         # In the units of the values: a covariance in others would fit none of the printed numbers.
         factor = self._factors
+        covariance: Real = factor[:, None] * self._by_theta * factor
+        return covariance
+
+    @property
+    def _by_theta(self) -> Real:
+        """Covariance (p, p) of theta, infinite where the data do not determine a parameter."""
         lost, finite = lost_and_known(self.spread)
-        inner = self.slopes @ finite @ self.slopes.T
-        covariance: Real = factor[:, None] * inner * factor
+        covariance: Real = self.slopes @ finite @ self.slopes.T
         # What hangs on a direction that the data do not determine is not determined either.
         touched = np.any(np.abs(self.slopes[:, lost]) > 0.0, axis=1)
         covariance[touched, touched] = np.inf
@@ -336,7 +347,8 @@ class Identification(Known):
     @cached_property
     def populations(self) -> dict[str, Population]:
         """Of parameters that specimens have for themselves: their mean and scatter; else none."""
-        return populations(self.model, self._factors * self.theta, self.covariance, self.units)
+        values, known = self._factors * self.theta, self.sweep.conditions if self.sweep else {}
+        return populations(self.model, values, self.covariance, self.units, known)
 
     @property
     def _factors(self) -> Real:
@@ -416,7 +428,7 @@ class Identification(Known):
     @property
     def name(self) -> str:
         """Names of the tests."""
-        return " + ".join(test.name for test in self.parts or self.data)
+        return together(test.name for test in self.parts or self.data)
 
     @property
     def on_sweeps(self) -> tuple[str, ...]:
@@ -502,11 +514,14 @@ class Identification(Known):
             "only_sweeps": self.on_sweeps,
             "rates": rates_of(self.model),
         }
+        if self.model.ties:
+            kept["ties"] = list(self.model.ties)
         if self.calibration is not None:
             kept["calibration"] = self.calibration.to_dict()
         if self.uncertainty is not None:
             absolute = self.uncertainty.absolute
             kept |= {"absolute": absolute, "measurement": measurement_to_dict(self.measurement)}
+            kept |= kept_of(self.uncertainty)
         return kept
 
     @classmethod
@@ -539,18 +554,18 @@ class Identification(Known):
         objective = str(answer["objective"]["name"])
         if "measurement" in kept:
             data = measurement_of(kept["measurement"])
-            by = objective_of(objective, data)
+            by, spread = objective_again(kept, objective, data, objective_of)
             spent, converged = told["evaluations"], bool(kept["converged"])
             fit = Fit(model, data, by, theta, cost, spent, converged)
-            known = Uncertainty(fit, bool(kept["absolute"]))
+            known = Uncertainty(fit, bool(kept["absolute"]), spread=spread)
             return _as_kept(cls.of_sweep(known, low, high, **told), kept)
         units, tests = Units(**kept["units"]), parts_of(answer["tests"])
-        slopes, spread = coordinates_of(answer["covariance"], model, units)
+        slopes, covariance = coordinates_of(answer["covariance"], model, units)
         found = cls(
             model=model,
             theta=theta,
             slopes=slopes,
-            spread=spread,
+            spread=covariance,
             units=units,
             reference=float(kept["reference"]),
             misfit=number(answer["relative_rms"]),

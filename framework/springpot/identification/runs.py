@@ -45,6 +45,8 @@ class Card:
         Carries several repetitions side by side: a `BatchedOptimiser`.
     stochastic : bool
         Depends on the generator.
+    started : bool
+        Begins at the race's common first point where there is one (`Recorder.start`).
     distribution : str
         The installed distribution that does the work, whose version is written beside results.
     """
@@ -55,6 +57,7 @@ class Card:
     gradient: bool = False
     batched: bool = False
     stochastic: bool = True
+    started: bool = False
     distribution: str = ""
 
 
@@ -244,6 +247,7 @@ def run(
     rng: np.random.Generator,
     target: float = -inf,
     diary: bool = False,
+    start: Real | None = None,
 ) -> Run:
     """Let `optimiser` minimise `problem`.
 
@@ -261,6 +265,9 @@ def run(
         The run ends once the objective is this small.
     diary : bool
         Keep every point evaluated.
+    start : ndarray, shape (d,), optional
+        First point that is evaluated, in the unit cube of the box, whatever the optimiser does; it
+        is told of it as `Recorder.start`.
 
     Raises
     ------
@@ -268,9 +275,17 @@ def run(
         If the budget is not positive.
     """
     ledger = Ledger(problem, _checked(budget), target, _pages(diary))
+    if start is not None:
+        ledger.start = problem.lower + start * (problem.upper - problem.lower)
     # Counted on both sides of the door: an optimiser that goes around the recorder is found out.
     recorder, before = Recorder.of(ledger), problem.tally.points
-    spent, fault = _supervised(lambda: optimiser.minimise(recorder, budget, rng))
+
+    def search() -> None:
+        if ledger.start is not None:
+            ledger.value(ledger.start)
+        optimiser.minimise(recorder, budget - ledger.evaluations, rng)
+
+    spent, fault = _supervised(search)
     fault = fault or _past([ledger], problem.tally.points - before)
     return _outcome(optimiser.name, ledger, spent, fault)
 

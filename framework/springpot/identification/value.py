@@ -34,6 +34,8 @@ class Value:
         Such as ``kN/m`` or ``kg``; ``-`` for a pure number.
     fixed : bool
         Whether it was given rather than identified.
+    tied : str
+        How it follows from other parameters, if it does.
 
     Examples
     --------
@@ -47,6 +49,7 @@ class Value:
     high: float
     unit: str
     fixed: bool = False
+    tied: str = ""
 
     @property
     def determined(self) -> bool:
@@ -63,6 +66,8 @@ class Value:
             words.append(self.unit)
         if self.fixed:
             words.append("(fixed)")
+        if self.tied:
+            words.append(f"({self.tied})")
         return " ".join(words)
 
     def to_dict(self) -> dict[str, Any]:
@@ -70,13 +75,16 @@ class Value:
         entries = jsonable(vars(self))
         if not self.fixed:
             del entries["fixed"]
+        if not self.tied:
+            del entries["tied"]
         return dict(entries)
 
     @classmethod
     def from_dict(cls, row: Mapping[str, Any]) -> Value:
         """What `to_dict` gave."""
         low, high = number(row["low"], -inf), number(row["high"], inf)
-        return cls(float(row["value"]), low, high, row["unit"], bool(row.get("fixed")))
+        fixed, tied = bool(row.get("fixed")), str(row.get("tied", ""))
+        return cls(float(row["value"]), low, high, row["unit"], fixed, tied)
 
 
 def values_of(rows: Mapping[str, Mapping[str, Any]]) -> dict[str, Value]:
@@ -113,12 +121,20 @@ def printed(
 
 
 def all_parameters(
-    model: Model, theta: Real, low: Real, high: Real, units: Units
+    model: Model,
+    theta: Real,
+    low: Real,
+    high: Real,
+    units: Units,
+    tied: Mapping[str, tuple[str, Value]] | None = None,
 ) -> dict[str, Value]:
-    """All parameters of a fit, those that were held in their places; see `printed`."""
+    """All parameters of a fit, those that were held or are tied in their places; see `printed`.
+
+    What is tied is given by its name, with that of the parameter that it is a level's own of.
+    """
     free = printed(model.parameters, theta, low, high, units)
-    held = model.held
-    if not held:
+    held, tied = model.held, tied or {}
+    if not (held or tied):
         return free
     rows, known_as = {}, dict(zip(model.names, model.origins, strict=True))
     for parameter in model.released().parameters:
@@ -128,4 +144,6 @@ def all_parameters(
             value = factor * held[name]
             rows[name] = Value(value, value, value, label, fixed=True)
         rows |= {own: row for own, row in free.items() if known_as[own] == name}
-    return rows
+        rows |= {own: row for own, (origin, row) in tied.items() if origin == name}
+    # Shares of orders are none of the released model's.
+    return {**rows, **free}

@@ -55,9 +55,31 @@ from .timetest import TimeTest
 
 Test: TypeAlias = Measurement | TimeTest | OtherTest
 """What was measured on one specimen: a sweep, a test in time, or one of a further kind."""
+LISTED_TESTS = 3
+"""Tests of one file that are named one by one."""
 PROMISED = "promised accuracy"
 """Of a provenance, what a data set says of its instrument; a comment in a file is no such word."""
 EXAMPLE = "temperature=20,amplitude=1 or frequency=1..10"
+
+
+def together(names: Iterable[str]) -> str:
+    """Several tests in one name; of many in one file it says how many they are.
+
+    Examples
+    --------
+    >>> from springpot.measurement.opening import together
+    >>> together(["sweep", "creep#1", "creep#2"])
+    'sweep + creep#1 + creep#2'
+    >>> together(["sweep", *(f"creep#{number}" for number in range(1, 22))])
+    'sweep + creep (21 tests)'
+    """
+    files: dict[str, list[str]] = {}
+    for name in names:
+        files.setdefault(name.partition("#")[0], []).append(name)
+    told: list[str] = []
+    for file, tests in files.items():
+        told += tests if len(tests) <= LISTED_TESTS else [f"{file} ({len(tests)} tests)"]
+    return " + ".join(told)
 
 
 def sweep_of(tests: Sequence[Test]) -> Measurement | None:
@@ -583,6 +605,19 @@ def signals_to_measurement(
     return measurement_of_tests(evaluated, name)
 
 
+def open_signals(spec: str | Path, readers: Iterable[Reader]) -> Signals:
+    """The displacement and force against time in the file that a user names.
+
+    Raises
+    ------
+    DataError
+        If the file holds no time signals.
+    """
+    name, choice = file_and_choice(str(spec))
+    path = Path(name)
+    return within_budget(path, lambda: _signals_by(path, choice, list(readers)))
+
+
 def evaluated_in(
     spec: str | Path,
     readers: Iterable[Reader],
@@ -600,7 +635,7 @@ def evaluated_in(
     """
     name, choice = file_and_choice(str(spec))
     path = Path(name)
-    signals = within_budget(path, lambda: _signals_by(path, choice, list(readers)))
+    signals = open_signals(spec, readers)
     test = one_test(signals, omega=omega, n_harmonics=n_harmonics, window=window)
     return replace(test, notes=tuple(to_type(path, note, choice) for note in test.notes))
 

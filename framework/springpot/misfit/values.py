@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from springpot.identification.held_material import intervals_beside_material
 from springpot.identification.level_weights import shifted_by
-from springpot.identification.uncertainty import Uncertainty
+from springpot.identification.uncertainty import Uncertainty, uses_sd
 from springpot.identification.value import Value
 from springpot.thresholds import VERDICT
 
@@ -14,7 +14,9 @@ from .refit import Refit
 def printed(refit: Refit, by_profile: bool = True) -> dict[str, Value]:
     """All parameters with their 95 % intervals, in the units in which they are printed.
 
-    Where a model does not fit, its misfit and not the noise sets how uncertain they are.
+    They are those that `identify` gives, as the error beside them is: what a noise weighs otherwise
+    ends elsewhere, and one model has one answer. Where a model does not fit, its misfit and not
+    given standard deviations sets how uncertain they are.
 
     Parameters
     ----------
@@ -24,14 +26,12 @@ def printed(refit: Refit, by_profile: bool = True) -> dict[str, Value]:
         Whether wide intervals beside a free spectrum are taken by profile, which takes some 50 ms
         each.
     """
-    units = refit.fit.measurement.units
-    fits = refit.fit.dof <= 0 or refit.relative_rms < VERDICT.misfit * refit.floor
-    known = Uncertainty(refit.fit, absolute=fits)
-    shifted = bool(shifted_by(refit.model))
-    if shifted:
-        # The constants of superposition are those of a master curve, whatever command asks.
-        known = Uncertainty.of(refit.identified)
-    if by_profile or shifted:
+    best = refit.identified
+    units = best.measurement.units
+    fits = refit.relative_rms < VERDICT.misfit * refit.floor
+    known = Uncertainty(best, absolute=fits and uses_sd(best))
+    # The constants of superposition are those of a master curve, whatever command asks.
+    if by_profile or shifted_by(refit.model):
         low, high = intervals_beside_material(known)
     else:
         low, high = known.interval()

@@ -55,6 +55,7 @@ def fit_document(identified: Identification, verbose: bool = False) -> list[Pass
         Prose(f"{identified.model.name} fitted to {identified.name} ({_size(identified)})"),
         Preformatted(drawing_of(identified.model)),
         parameters_table("parameter", _listed(identified, verbose), gone(identified)),
+        Prose(f"tied        {'; '.join(ties)}" if (ties := identified.model.ties) else ""),
         _budget(identified) if verbose else Prose(),
         _populations(identified),
         search,
@@ -140,17 +141,21 @@ def _populations(identified: Identification) -> Passage:
     rows = []
     for name, population in identified.populations.items():
         size, interval = shown(population.mean)
-        apart = _scatter(population)
-        rows.append([name, size, interval, population.mean.unit, apart])
+        apart = [_scatter(population, each) for each in (population.between, population.groups)]
+        rows.append([name, size, interval, population.mean.unit, *apart])
     title = f"{len(specimens_of(identified.populations))} specimens"
-    return TextTable(
-        (title, "mean", "95 % interval", "unit", "between them"), rows, frozenset({"mean"})
-    )
+    nested = any(population.groups for population in identified.populations.values())
+    headers = (title, "mean", "95 % interval", "unit", "within a batch", "between batches")
+    if not nested:
+        headers = (*headers[:4], "between them", "-")
+        rows = [row[:-1] for row in rows]
+    return TextTable(headers[: 5 + nested], rows, frozenset({"mean"}))
 
 
-def _scatter(population: Population) -> str:
+def _scatter(population: Population, between: Value | None) -> str:
     """Standard deviation between specimens with its interval, in per cent where it is a share."""
-    between = population.between
+    if between is None:
+        return "-"
     ends = [between.value, between.low, between.high]
     if population.relative:
         size, low, high = (percent(end, 2) for end in ends)

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from .continuum import Continuum
     from .drawing import draw, drawing_of
     from .effect import AppliesTo, Effect, InstrumentConstant, Layer
-    from .elements import FixedPower, Springpot, dashpot, mass, power_of_s, spring, springpot
+    from .elements import FixedPower, Springpot, dashpot, mass, spring, springpot
     from .forms import KELVIN_FORM, MAXWELL_FORM, TIME_FORM, SearchForm, columns, limits_form, rows
     from .formula import Formula
     from .history import InTime, network_of, sorted_out, with_laws
@@ -88,7 +88,7 @@ if TYPE_CHECKING:
         stiffness,
         viscosity,
     )
-    from .points import KELVIN, ROOM, Complex, Points, Real
+    from .points import KELVIN, ROOM, Complex, Points, Real, power_of_s
     from .signal import clock, delay, filter_mismatch, force_resonance, gain, phase
     from .spectrum import Slopes, Spectrum
     from .stages import Answered, StageLaw, on_clock, on_loading, on_response
@@ -339,7 +339,7 @@ _WHERE = {
     "phase": "springpot.rheology.signal",
     "play": "springpot.rheology.nonlinear",
     "power_law_damper": "springpot.rheology.nonlinear",
-    "power_of_s": "springpot.rheology.elements",
+    "power_of_s": "springpot.rheology.points",
     "quasi_property": "springpot.rheology.parameters",
     "relaxation_mode": "springpot.rheology.linear",
     "relaxation_time": "springpot.rheology.parameters",

@@ -13,24 +13,7 @@ import numpy as np
 
 from .nodes import FULL, VALUE, Node, Response, repeated
 from .parameters import INERTANCE, Parameter, order, quasi_property, stiffness, viscosity
-from .points import Complex, Points, Real
-
-HALF_PI = 0.5j * np.pi
-
-
-def power_of_s(exponent: Real | float, log_omega: Real) -> Complex:
-    """(i omega)^exponent, from real exponentials: a complex power costs eighty times as much.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from springpot.rheology import power_of_s
-    >>> power_of_s(0.5, np.log([4.0])).round(6)
-    array([1.414214+1.414214j])
-    """
-    modulus: Complex = np.exp(exponent * log_omega) * np.exp(HALF_PI * exponent)
-    return modulus
-
+from .points import HALF_PI, Complex, Points, Real, power_of_s
 
 T = TypeVar("T", Real, Complex)
 

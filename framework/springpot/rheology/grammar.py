@@ -17,8 +17,8 @@ import numpy as np
 
 from springpot.errors import ModelError
 
+from .points import GAS_CONSTANT
 from .terms import CALLED, JOINED, OF_REAL, Called, Joined, Name, Number, Power, Term
-from .thermal import GAS_CONSTANT
 
 VARIABLES = ("omega", "f", "s", "X", "T", "T0", "Tr")
 """Frequency in rad/s and Hz, s = i omega, amplitude, temperature and the one of reference in K."""

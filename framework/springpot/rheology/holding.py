@@ -62,12 +62,17 @@ class Held(Mapped):
 
     @property
     def released(self) -> Node:
-        """The inner node."""
-        return self.node
+        """The inner node with all its parameters free."""
+        return self.node.released
 
     @property
     def held(self) -> dict[str, float]:
         """Parameters that are held, by name."""
+        return {**self.node.held, **self.here}
+
+    @property
+    def here(self) -> dict[str, float]:
+        """Those that are held by this node, and by none within it."""
         pairs = zip(self.node.parameters, self.forward.values, strict=True)
         return {parameter.name: value for parameter, value in pairs if value is not None}
 
@@ -82,7 +87,7 @@ class Held(Mapped):
         if bound is self.node:
             return self
         bounds = {each.name: (each.lower, each.upper) for each in self.parameters}
-        return hold(bound, self.held, bounds)
+        return hold(bound, self.here, bounds)
 
     def third_harmonic(self, theta: Real, at: Points) -> Complex | None:
         """That of the inner node, where it knows one."""
@@ -157,7 +162,9 @@ def hold(node: Node, values: Mapping[str, float], bounds: Mapping[str, Bounds]) 
     if not names & (set(values) | set(bounds)):
         return node
     # What is held already stays held, in one wrapping for all.
-    inner, known = node.released, node.held
+    inner, known = node, dict[str, float]()
+    if isinstance(node, Held):
+        inner, known = node.node, node.here
     known |= {name: allowed(p, values[name]) for p in node.parameters if (name := p.name) in values}
     free = [_bounded(p, bounds.get(p.name), known) for p in node.parameters if p.name not in known]
     inserted = Inserted(tuple(known.get(parameter.name) for parameter in inner.parameters))

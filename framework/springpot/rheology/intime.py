@@ -16,9 +16,8 @@ import numpy as np
 from springpot.errors import ModelError
 
 from ..numerics import ALIKE
-from .elements import HALF_PI
 from .nodes import FULL, Node
-from .points import Points, Real
+from .points import HALF_PI, Points, Real
 from .rational import inside, settled
 from .recursion import Modes, driven
 from .spectrum import Slopes, Spectrum, Sum, summed

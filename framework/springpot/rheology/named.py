@@ -8,7 +8,7 @@ Whether an effect that a model has already would be the same thing once more.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple, Self, TypeVar
@@ -20,7 +20,7 @@ from springpot.errors import ModelError
 
 from ..numerics import ALIKE
 from .effect import Effect, Layer, Test
-from .elements import HALF_PI, KnownMass
+from .elements import KnownMass
 from .forms import SearchForm
 from .holding import Bounds, Fixed, Held, hold
 from .levels import Levels
@@ -28,7 +28,8 @@ from .lookup import find_effect
 from .nodes import FULL, GRADIENT, VALUE, Node, Response, Scaled, parallel
 from .own import Own, own_of, owned
 from .parameters import HasParameters, Parameter
-from .points import ROOM, Complex, Points, Real
+from .points import HALF_PI, ROOM, Complex, Points, Real
+from .tied import Follower, Tied, followers, part_of, started, tied, ties_in, untied
 
 _GRID = np.meshgrid(np.log(np.geomspace(0.1, 10.0, 5)), [0.5, 2.0], [280.0, 300.0], indexing="ij")
 _POINTS = Points(_GRID[0].ravel(), _GRID[1].ravel(), _GRID[2].ravel(), ROOM)
@@ -290,6 +291,86 @@ class NamedNetwork(HasParameters):
             values |= {f"{prefix}.{name}": value for name, value in effect.element.held.items()}
         return values
 
+    def tying(self, ties: Sequence[str], factors: Mapping[str, float] | None = None) -> Self:
+        """The model with some parameters that follow from others.
+
+        Parameters
+        ----------
+        ties : sequence of str
+            Such as ``k2 = 2*k1`` or ``tau1 < tau2``; each within the material or within one effect.
+        factors : mapping of str to float, optional
+            From the unit of theta to the one that the numbers of the ties are in, by name.
+
+        Raises
+        ------
+        ModelError
+            If one is no tie, names what is no free parameter or is of several parts, or if ties go
+            round in a circle.
+
+        Examples
+        --------
+        >>> from springpot.rheology import Model, dashpot, parallel, spring
+        >>> model = Model("kelvin", parallel(spring(), dashpot())).tying(["c = 0.1*k"])
+        >>> model.names, model.stiffness([2.0], [1.0]).round(6)
+        (('k',), array([2.+0.2j]))
+        """
+        known = factors or {}
+        own: dict[str, list[str]] = {}
+        prefixes = [prefix for _, prefix in self.named_effects()]
+        for text in ties:
+            own.setdefault(part_of(text, prefixes), []).append(text)
+        material, effects = self.material, []
+        if "" in own:
+            material = tied(material, own[""], known)
+        for effect, prefix in self.named_effects():
+            if prefix in own:
+                element = tied(effect.element, own[prefix], _own(known, prefix), prefix)
+                effect = replace(effect, element=element)
+            effects.append(effect)
+        if not own:
+            return self
+        return replace(self, material=material, effects=tuple(effects), search=None)
+
+    @property
+    def ties(self) -> tuple[str, ...]:
+        """How parameters are tied, as it was typed."""
+        ties = list(ties_in(self.material))
+        for effect in self.effects:
+            ties += ties_in(effect.element)
+        return tuple(ties)
+
+    def untied(self) -> Self:
+        """The model whose parameters are not tied; held and each level's own they stay."""
+        effects = tuple(replace(each, element=untied(each.element)) for each in self.effects)
+        return replace(self, material=untied(self.material), effects=effects)
+
+    def followers(self, theta: Real) -> list[Follower]:
+        """The tied parameters at `theta` (p,)."""
+        first, found = len(self.material.parameters), []
+        rows = list(range(first))
+        parts: list[tuple[Node, str, list[int]]] = [(self.material, "", rows)]
+        parts += [(each.effect.element, f"{each.prefix}.", each.own) for each in self.placed()]
+        for node, prefix, rows in parts:
+            for each in followers(node, theta[rows]):
+                slopes = np.zeros(len(theta))
+                slopes[rows] = each.slopes
+                parameter = each.parameter
+                if prefix:
+                    parameter = parameter.renamed(f"{prefix}{parameter.name}")
+                origin = f"{prefix}{each.origin}"
+                found.append(each._replace(origin=origin, parameter=parameter, slopes=slopes))
+        return found
+
+    def started(self, full: Real) -> Real:
+        """Parameters (..., p) near those (..., q) of the `released` model."""
+        nodes = [self.material, *(each.effect.element for each in self.placed())]
+        ends = np.cumsum([0, *(len(node.released.parameters) for node in nodes)])
+        parts = [
+            started(node, full[..., first:last])
+            for node, first, last in zip(nodes, ends, ends[1:], strict=False)
+        ]
+        return np.concatenate(parts, axis=-1)
+
     def owning(self, names: Collection[str], column: str) -> Self:
         """The model with parameters of which each level of a condition has its own.
 
@@ -365,9 +446,9 @@ class NamedNetwork(HasParameters):
 
     @property
     def constrained(self) -> bool:
-        """Whether parameters are held, kept within narrower bounds, or each level's own."""
+        """Whether parameters are held, tied, kept within narrower bounds, or each level's own."""
         nodes = [self.material, *(effect.element for effect in self.effects)]
-        return any(isinstance(node, Held | Own) for node in nodes)
+        return any(isinstance(node, Held | Tied | Own) for node in nodes)
 
     def released(self) -> Self:
         """The same model with all its parameters free and shared, within the bounds of physics."""

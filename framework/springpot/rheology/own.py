@@ -70,15 +70,17 @@ class Own(Node):
     def _copies(self, parameter: Parameter) -> list[Parameter]:
         if parameter.name not in self.own or not self.values:
             return [parameter]
-        copies = []
-        for word, shown in self._levels:
-            copy = rename(parameter, f"{parameter.name}_{word}")
-            # The order in a unit such as kN s^alpha/m is that of the level, where it is its own.
-            if parameter.unit.time in self.own:
-                unit = replace(parameter.unit, time=f"{parameter.unit.time}_{word}")
-                copy = replace(copy, unit=unit)
-            copies.append(replace(copy, symbol=f"{parameter.symbol}({shown})"))
-        return copies
+        return [self.copied(parameter, number) for number in range(len(self.values))]
+
+    def copied(self, parameter: Parameter, number: int) -> Parameter:
+        """A parameter as that of one level."""
+        word, shown = self._levels[number]
+        copy = rename(parameter, f"{parameter.name}_{word}")
+        # The order in a unit such as kN s^alpha/m is that of the level, where it is its own.
+        if parameter.unit.time in self.own:
+            unit = replace(parameter.unit, time=f"{parameter.unit.time}_{word}")
+            copy = replace(copy, unit=unit)
+        return replace(copy, symbol=f"{parameter.symbol}({shown})")
 
     @cached_property
     def _parameters(self) -> tuple[Parameter, ...]:
@@ -114,6 +116,12 @@ class Own(Node):
         """For each parameter the name of the one that it is a level's own of."""
         pairs = zip(self.node.parameters, self.node.origins, strict=True)
         return tuple(origin for each, origin in pairs for _ in self._copies(each))
+
+    @cached_property
+    def sources(self) -> NDArray[np.intp]:
+        """Where the inner node has what each parameter (q,) is a level's own of, or the same."""
+        counts = [len(self._copies(each)) for each in self.node.parameters]
+        return np.repeat(np.arange(len(counts)), counts)
 
     @cached_property
     def places(self) -> NDArray[np.intp]:

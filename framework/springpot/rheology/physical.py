@@ -13,8 +13,7 @@ from typing import cast
 
 import numpy as np
 
-from .elements import HALF_PI
-from .points import Complex, Real
+from .points import HALF_PI, Complex, Real
 from .written import FACTORS, TypedLaw, Written, examples
 
 AROUND = 256

@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..numerics import ALIKE, ROUNDING
-from .elements import HALF_PI, FixedPower, KnownMass
+from .elements import FixedPower, KnownMass
 from .nodes import (
     FULL,
     GRADIENT,
@@ -44,7 +44,7 @@ from .nodes import (
     Series,
     Shift,
 )
-from .points import Complex, Points, Real
+from .points import HALF_PI, Complex, Points, Real
 from .rational import inside, settled
 
 Anywhere: TypeAlias = NDArray[np.inexact[Any]]

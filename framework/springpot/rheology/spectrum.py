@@ -19,10 +19,9 @@ from springpot.errors import ModelError
 
 from ..numerics import NEGLIGIBLE, ROUNDING
 from .effect import Effect, Layer
-from .elements import HALF_PI
 from .named import NamedNetwork
 from .nodes import FULL, GRADIENT, VALUE, Chain, Node, Parallel, Series, Shift
-from .points import ROOM, Complex, Points, Real
+from .points import HALF_PI, ROOM, Complex, Points, Real
 from .poles import (
     Anywhere,
     Branch,

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from .elements import HALF_PI, power_of_s
+from .points import HALF_PI, power_of_s
 
 LOG_OMEGA = ""
 """Under which a slope by ln omega is kept, beside those by the parameters' names."""

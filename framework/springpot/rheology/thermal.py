@@ -10,10 +10,8 @@ from ..numerics import DECADE
 from .formula import Formula
 from .nodes import FULL, GRADIENT, VALUE, Composing, Composition, Response, Shift
 from .parameters import PURE, Dimension, Parameter, stiffness, viscosity
-from .points import LARGEST_SHIFT, Points, Real
+from .points import GAS_CONSTANT, LARGEST_SHIFT, Points, Real
 
-GAS_CONSTANT = 8.31446261815324e-3
-"""Molar gas constant in kJ/(mol K), exact in the SI of 2019."""
 NEEDS_TEMPERATURE = ("temperature",)
 ACTIVATION = Dimension(label="kJ/mol")
 

@@ -273,8 +273,9 @@ def _printed(known: Known, unit: str) -> dict[str, str]:
 
     The lines of a spectrum are left to the series.
     """
-    # Held parameters are none of the model's own: only the model that is released has them all.
+    # Held and tied parameters are none of the model's own: only the released one has them all.
     values = dict(zip(known.model.names, known.theta.tolist(), strict=True)) | known.model.held
+    values |= {each.parameter.name: each.value for each in known.model.followers(known.theta)}
     shown = {}
     for parameter in known.model.released().parameters:
         if not parameter.detail:

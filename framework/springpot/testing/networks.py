@@ -23,12 +23,12 @@ from springpot.measurement.measurement import Measurement
 from springpot.measurement.units import Units
 from springpot.processes import Ended, can_copy, elsewhere
 from springpot.rheology.continuum import Continuum
-from springpot.rheology.elements import power_of_s, spring, springpot
+from springpot.rheology.elements import spring, springpot
 from springpot.rheology.forms import MAXWELL_FORM
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import FULL, parallel, series
 from springpot.rheology.parameters import Parameter
-from springpot.rheology.points import Points, Real
+from springpot.rheology.points import Points, Real, power_of_s
 
 DEADLINE = 120.0
 """Seconds in which a plugin must have shown all that is asked of it.

@@ -164,9 +164,8 @@ def _apart(logs: Real, amounts: Real) -> Real:
     return np.array(placed)
 
 
-def lattice(parts: Sequence[TestPart], per_decade: int) -> Real:
-    """Rates (m,) in 1/s of the lines that tests tell of, so many a decade."""
-    bands = [part.resolved for part in parts]
+def lattice(bands: Sequence[tuple[float, float]], per_decade: int) -> Real:
+    """Rates (m,) in 1/s of the lines that tests of these bands tell of, so many a decade."""
     low, high = min(each[0] for each in bands), max(each[1] for each in bands)
     decades = np.log10(high / low) + SLOWER + FASTER
     return np.geomspace(low * 10.0**-SLOWER, high * 10.0**FASTER, int(per_decade * decades) + 2)

@@ -34,6 +34,7 @@ from .floor import material_floor
 from .left import Left, delta_bic, independent
 from .material import UntoldError
 from .native import TimeSearch
+from .promises import Promise
 from .residuals_of_tests import (
     InTimePart,
     Test,
@@ -47,7 +48,7 @@ from .scatter import (
 from .score import TimeScan
 from .slip import slip_beside
 from .specimen import at_rigs, at_tests
-from .verdict import Promise, TimeCase, Tried, answer_of, worst_of
+from .verdict import TimeCase, Tried, answer_of, worst_of
 
 LEADING = 14
 """Effects that are fitted, nearly: the others fell behind by a linear step already."""

@@ -25,6 +25,7 @@ from springpot.identification.problem import Objective, Searched
 from springpot.identification.result import Identification
 from springpot.identification.runs import Optimiser
 from springpot.identification.space import box_of
+from springpot.measurement.opening import together
 from springpot.misfit.where import Where
 from springpot.misfit.words import times
 from springpot.registry import parse_model
@@ -510,7 +511,7 @@ def compare(
         judgement_of(fit, float(value - least), floors[effects_of(fit.model)], noise)
         for value, fit in ranked
     ]
-    names = " + ".join(test.name for test in fits[0].tests)
+    names = together(test.name for test in fits[0].tests)
     comparison = Comparison(names, tuple(judged), (), (), "", left_out=left_out)
     vars(comparison).update(magnitude="the signal")
     return comparison

@@ -26,6 +26,7 @@ from .convex import ConvexSpectrum, lattice
 from .material import Around, descended_from, spectrum_of
 from .native import TimeSearch
 from .residuals_of_tests import TestPart, parts_of_specimen
+from .temperatures import seen_by
 from .where import rms
 
 
@@ -77,7 +78,9 @@ def material_floor(fit: Identification) -> TimeFloor:
     own = fit.theta[len(fit.model.material.parameters) :]
     around = Around(coordinates_around(free, TimeSearch(free, parts, fit.reference)), own)
     try:
-        lines = as_lines(fit.model, fit.theta, lattice(parts, PER_DECADE))
+        known = dict(zip(fit.model.names, fit.theta.tolist(), strict=True))
+        bands = seen_by(parts, free, known, fit.reference)
+        lines = as_lines(fit.model, fit.theta, lattice(bands, PER_DECADE))
         found = descended_from(lines, free, parts, fit.reference, around)
     except SpringpotError:
         # Its effects have no law around lines: what remains is whether the model is a bound.

@@ -28,12 +28,15 @@ from ..numerics import ALIKE, MOST_STEPS, NEGLIGIBLE
 from .convex import CLOSER, ConvexSpectrum, lattice, lines_of
 from .residuals_of_tests import InTimePart, TestPart
 from .specimen import Scales, tries_of
+from .temperatures import seen_by, told_by_steps
 from .where import rms
 
 STILL = 1e-7
 """Relative drop of the sum of squares below which a step changes nothing that is printed."""
 NEARLY_STILL = 1e-4
 """The same of an error alone, of which three digits are printed."""
+KEPT = 2
+"""Convex forms of single tests from which a search of all of them begins."""
 BRIEF = 3
 """Steps from each place where an effect of a test may lie.
 
@@ -126,13 +129,24 @@ def spectral(
         If the model cannot be followed in these tests.
     """
     search = _Search(model, parts, reference, coordinates)
-    starts = [search.placed(search.start()), *search.seeded(seeds)]
-    ends = [(search, search.descended(start, MOST_STEPS)) for start in starts]
+    begun = [(search, search.placed(search.start()))]
+    if told := told_by_steps(model, parts, reference):
+        names = [parameter.name for parameter in model.parameters[-len(search.natural) :]]
+        for seed in [*seeds] or [search.own(search.natural)]:
+            pairs = zip(names, seed, strict=True)
+            seeds = [*seeds, np.array([told.get(name, value) for name, value in pairs])]
+    for seed in seeds:
+        other = _Search(model, parts, reference, coordinates, own=seed)
+        begun += [(other, start) for start in other.seeded([seed])]
+    ends = [(each, each.descended(start, MOST_STEPS)) for each, start in begun]
     # From all lines alike a creep may end anywhere: its own convex form, which knows no effect,
-    # tells where it lies.
+    # tells where it lies. Of many tests those do that all of them are nearest to.
+    convex = []
     for lines in [lines_of(part) for part in parts if isinstance(part, InTimePart)]:
         other = _Search(model, parts, reference, coordinates, lines)
-        ends.append((other, other.descended(other.placed(other.start()), MOST_STEPS)))
+        convex.append((other, other.start()))
+    for each, start in sorted(convex, key=lambda pair: pair[1].cost)[:KEPT]:
+        ends.append((each, each.descended(each.placed(start), MOST_STEPS)))
     return _best(ends, parts)
 
 
@@ -169,7 +183,8 @@ def descended_from(
         known = [*known[: len(around.own)], lines_of(parts[0])]
     starts = []
     for each in known:
-        search = _Search(model, parts, reference, around.coordinates, each.beside(known))
+        lines = each.beside(known)
+        search = _Search(model, parts, reference, around.coordinates, lines, around.own)
         starts += [(search, start) for start in search.seeded([around.own])]
     if not starts:
         raise ModelError(f"{model.name} cannot be followed in these tests")
@@ -251,18 +266,26 @@ class _Search:
         reference: float,
         coordinates: Coordinates,
         lines: ConvexSpectrum | None = None,
+        own: Real | None = None,
     ) -> None:
         self.parts, self.reference = list(parts), reference
         self.coordinates, self.size = coordinates, coordinates.size[0]
+        self.bounds = coordinates.bounds()
+        if own is None:
+            own = self.own(self.natural)
+        around = model.parameters[len(model.material.parameters) :]
+        known = {each.name: float(value) for each, value in zip(around, own, strict=True)}
         # A fixed lattice: of given rates the weights are a convex problem, with one solution.
-        self.rates = lattice(parts, PER_DECADE)
-        weights = None
-        if lines is not None:
-            self.rates, weights = lines.among(self.rates)
-        self.weights = weights
+        self.rates = lattice(seen_by(parts, model, known, reference), PER_DECADE)
+        # Lines that are known, or all alike and as stiff as what was measured.
+        if lines is None:
+            stiffness = float(np.exp(np.mean([np.log(part.stiffness) for part in parts])))
+            count = 2 + len(self.rates)
+            self.weights: Real = np.full(count, stiffness / count)
+        else:
+            self.rates, self.weights = lines.among(self.rates)
         self.model = with_rates(model, self.rates.tolist())
         self.count = 2 + len(self.rates)
-        self.bounds = coordinates.bounds()
         self.evaluations = 0
         self.last: tuple[Real, tuple[Real, Real]] | None = None
 
@@ -270,23 +293,22 @@ class _Search:
         """Parameters of the effects at u."""
         return self.coordinates.theta(u, self.size)
 
-    def start(self) -> MaterialPoint:
-        """Lines that are known, or all alike and as stiff as what was measured.
-
-        Effects of their natural size.
-        """
-        stiffness = float(np.exp(np.mean([np.log(part.stiffness) for part in self.parts])))
+    @property
+    def natural(self) -> Real:
+        """Where effects are of their natural size (q,)."""
         # An order begins in the middle, what may be of either sign, such as a drift, at nothing.
-        u = np.where(self.coordinates.log, 0.0, np.where(np.isfinite(self.bounds[0][0]), 0.5, 0.0))
-        weights = self.weights
-        if weights is None:
-            weights = np.full(self.count, stiffness / self.count)
+        middle = np.where(np.isfinite(self.bounds[0][0]), 0.5, 0.0)
+        return np.where(self.coordinates.log, 0.0, middle)
+
+    def start(self) -> MaterialPoint:
+        """The lines before any search, with effects of their natural size."""
+        u = self.natural
         for share in (1.0, 1e-2, 1e-4):
             # Effects that are far too large hide the material: smaller ones may be nearer.
             small = np.where(self.coordinates.log, u + np.log(share), u)
-            cost = self.cost(weights, small)
+            cost = self.cost(self.weights, small)
             if np.isfinite(cost):
-                return MaterialPoint(weights, small, cost)
+                return MaterialPoint(self.weights, small, cost)
         raise ModelError(f"{self.model.name} cannot be followed in these tests")
 
     def seeded(self, seeds: Sequence[Real]) -> list[MaterialPoint]:
@@ -294,14 +316,11 @@ class _Search:
 
         Those that cannot be followed are none.
         """
-        weights = self.weights
-        if weights is None:
-            weights = self.start().weights
         starts = []
         for seed in seeds:
             u = self.coordinates.u(np.asarray(seed, dtype=float).copy(), self.size)
             u = np.clip(u, self.bounds[0][0], self.bounds[1][0])
-            starts.append(MaterialPoint(weights, u, self.cost(weights, u)))
+            starts.append(MaterialPoint(self.weights, u, self.cost(self.weights, u)))
         return [start for start in starts if np.isfinite(start.cost)]
 
     def placed(self, start: MaterialPoint) -> MaterialPoint:

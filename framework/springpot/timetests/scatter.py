@@ -402,18 +402,27 @@ def _from_each(at: Real, after: Real, columns: Real) -> Real:
     return np.asarray(at[:, None] * columns + np.vstack([later[1:], 0.0 * later[:1]]), dtype=float)
 
 
+def rougher(residual: Real) -> Real:
+    """How many times larger than usual the noise is at each sample (n,); 1 where it is not plain.
+
+    By the second differences of neighbours, which a smooth misfit hardly has.
+    """
+    bends = np.abs(np.diff(residual, 2))
+    usual = float(np.median(bends))
+    if not usual > 0.0:
+        return np.ones(len(residual))
+    padded = np.pad(bends, NEIGHBOURS // 2 + 1, mode="reflect")
+    around = np.median(np.lib.stride_tricks.sliding_window_view(padded, NEIGHBOURS), axis=1)
+    return np.where(around > ROUGHER * usual, around / usual, 1.0)
+
+
 def _evened(residual: Real) -> Real:
     """A residual without what noise of one size and normal tails cannot do.
 
     Over its own size where neighbours differ plainly more than usual, and no sample is further off
     than `TAILS`.
     """
-    bends = np.abs(np.diff(residual, 2))
-    padded = np.pad(bends, NEIGHBOURS // 2 + 1, mode="reflect")
-    around = np.median(np.lib.stride_tricks.sliding_window_view(padded, NEIGHBOURS), axis=1)
-    usual = float(np.median(bends))
-    rougher = np.where(around > ROUGHER * usual, around / max(usual, 1e-300), 1.0)
-    even = residual / rougher
+    even = residual / rougher(residual)
     limit = TAILS * NORMAL * float(np.median(np.abs(even)))
     return np.asarray(np.clip(even, -limit, limit), dtype=float)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from springpot.identification.result import Identification
 
 from .left import Left, delta_bic
 from .residuals_of_tests import InTimePart, TestPart
-from .scatter import ResidualScatter, likeliest_jump
+from .scatter import FEWEST, ResidualScatter, likeliest_jump, rougher, scatter_of
 from .specimen import stepped
 
 FURTHER = 3
@@ -40,7 +41,34 @@ class Slip(NamedTuple):
         # One that leaves more than noise is not the whole story: what has a name goes before it.
         if self.left.misfit:
             return -np.inf
-        return delta_bic(before, self.left, noise, 1) - 2.0 * float(np.log(max(self.places, 1)))
+        before, after, noise = _evened(before, self.left, noise)
+        return delta_bic(before, after, noise, 1) - 2.0 * float(np.log(max(self.places, 1)))
+
+
+def _evened(
+    before: Left, after: Left, noise: Sequence[ResidualScatter]
+) -> tuple[Left, Left, list[ResidualScatter]]:
+    """What two stories leave, and its noise, over the size that this has in each part of a test.
+
+    Where the noise grows on the way, its largest swings are no jumps.
+    """
+    sizes = [
+        rougher(value) if len(value) >= FEWEST else np.ones(len(value)) for value in after.residuals
+    ]
+    evened = [
+        scatter if np.all(size == 1.0) else scatter_of(value / size)
+        for scatter, value, size in zip(noise, after.residuals, sizes, strict=True)
+    ]
+    old, new = (
+        replace(
+            left,
+            residuals=tuple(v / size for v, size in zip(left.residuals, sizes, strict=True)),
+            rounded=tuple(v / size for v, size in zip(left.rounded, sizes, strict=True)),
+            felt=tuple(v / size for v, size in zip(left.felt, sizes, strict=True)),
+        )
+        for left in (before, after)
+    )
+    return old, new, evened
 
 
 def slip_beside(parts: Sequence[TestPart], base: Identification, before: Left) -> Slip:

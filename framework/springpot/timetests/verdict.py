@@ -1,8 +1,6 @@
 """What the effects that were tried on tests in time say together: verdict, classes, chances.
 
 What a diagnosis of tests in time says: its error, its sentence, and which effect to add.
-
-What a scan finds of one effect: what it would add to the residuals, and what that promises.
 """
 
 from __future__ import annotations
@@ -24,6 +22,7 @@ from springpot.identification.value import Value
 from springpot.measurement.sign import said_of_sign, turned
 from springpot.misfit.error import Error
 from springpot.misfit.where import Where
+from springpot.misfit.words import times
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
@@ -32,6 +31,8 @@ from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 from .floor import TimeFloor
 from .left import Left
 from .lines import lines_in
+from .one_ramp import beside_one_ramp
+from .promises import TWINS, Promise
 from .residuals_of_tests import SweepPart, TestPart
 from .scatter import ResidualScatter
 from .slip import Slip
@@ -89,8 +90,13 @@ def sentence(
     candidates: Sequence[Candidate],
     where: Sequence[Where],
     jump: str = "",
+    apart: str = "",
+    rival: str = "",
 ) -> str:
-    """The verdict in one sentence; `jump` tells of one that explains the tests as well."""
+    """The verdict in one sentence; `jump` and `rival` tell of what explains the tests as well.
+
+    `apart` tells of tests that are followed one by one and not together.
+    """
     size = f"the error is {error.over_floor:.2g} x the noise"
     # Where it fails is the best advice there is, as long as nobody knows what is missing.
     place = ""
@@ -109,6 +115,8 @@ def sentence(
             hint = f"{candidates[0].effect} would help a little"
         return f"{size}: {hint}, which may be chance; measure longer or repeat it{place}"
     if not names or (verdict == "unexplained" and not candidates[0].lowers(error)):
+        if apart:
+            return f"{size}; {apart}{place}"
         return (
             f"{size}, and no known effect explains it:"
             f" something is missing that is not in the library{place}"
@@ -116,100 +124,10 @@ def sentence(
     after = f"{candidates[0].over_floor:.2g} x with it"
     if verdict == "unexplained":
         helps = f"{names} helps ({after}) but is not all"
+        if apart:
+            return f"{size}; {apart}; {helps}{place}"
         return f"{size}, and no single known effect explains it: {helps}{place}"
-    return f"{size}; missing is {names}: {after}{place}"
-
-
-@dataclass(frozen=True, eq=False)
-class Promise:
-    """One effect at one place of its parameters.
-
-    Attributes
-    ----------
-    effect : Effect
-        The effect.
-    values : tuple of float
-        Its parameters, as large as the record asks for.
-    theta : ndarray, shape (p,)
-        Parameters of the model beside it.
-    drop : float
-        By how much the sum of squares would fall.
-    amount : float
-        Of what was tried: far from one, it is no longer the effect that was tried.
-    direction : ndarray, shape (m,)
-        What it adds to the residuals that the model cannot take over, of length one.
-    as_its_size : bool
-        Whether it grows as a parameter of it does, so that a linear step leads to it.
-    """
-
-    effect: Effect
-    values: tuple[float, ...]
-    theta: Real
-    drop: float
-    amount: float
-    direction: Real
-    as_its_size: bool
-
-    def start(self, base: Identification, model: Model, *, moved: bool = False) -> Real:
-        """A start (p,) for the model with the effect.
-
-        What it promises beside the parameters of the fit.
-
-        Parameters
-        ----------
-        base : Identification
-            The fit that was scanned.
-        model : Model
-            Its model with the effect.
-        moved : bool
-            Let the parameters of the fit make way for the effect, as far as a linear step says.
-        """
-        theta = base.theta
-        if moved:
-            theta = self.theta
-        known = dict(zip(base.model.names, theta.tolist(), strict=True))
-        new = [parameter for parameter in model.parameters if parameter.name not in known]
-        for parameter, value in zip(new, self.values, strict=True):
-            known[parameter.name] = float(np.clip(value, parameter.lower, parameter.upper))
-        # Lines of a free spectrum, which the fit has and the model not yet, are found anew.
-        return model.vector({name: known[name] for name in model.names})
-
-
-@dataclass(frozen=True, eq=False)
-class Atom:
-    """A column: what an effect adds to the residuals of all tests, for an amount of one.
-
-    Attributes
-    ----------
-    effect : Effect
-        The effect.
-    values : ndarray, shape (q,)
-        Its parameters at that amount.
-    powers : ndarray, shape (q,)
-        With which power of the amount each of them goes.
-    column : ndarray, shape (m,)
-        The change of the residuals.
-    signed : bool
-        Whether a negative amount makes sense.
-    """
-
-    effect: Effect
-    values: Real
-    powers: Real
-    column: Real
-    signed: bool
-
-    def at(self, amount: float) -> tuple[float, ...]:
-        """Its parameters for an amount."""
-        # A force grows with the amount; a time or an order, whose power is zero, stays what it is.
-        size = abs(amount) ** self.powers
-        sign = np.where((self.powers != 0.0) & (amount < 0.0), -1.0, 1.0)
-        return tuple((self.values * size * sign).tolist())
-
-
-TWINS = 0.995
-"""Cosine between what two effects leave in a record from which they are one to it, whatever the
-fits say: told apart they would need a hundred times the evidence that finds them."""
+    return f"{size}; missing is {names}: {after}{rival}{place}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -300,23 +218,20 @@ def answer_of(
     best = next((each.left for each in tried), before)
     nothing, *chances, unknown = _agreeing(weights, verdict, best.chance)
     alike = _class(tried, promises, noise)
-    candidates = [
-        _candidate(each, chance, alike, error_of(each.left.rows(parts, noise, base.tests), noise))
-        for each, chance in zip(tried, chances, strict=True)
-    ]
-    # One of several that cannot be told apart is not known to be the missing one.
-    if verdict == "effect-missing" and len(alike) == 1:
-        candidates[0] = replace(candidates[0], verdict="missing")
+    after = [error_of(each.left.rows(parts, noise, base.tests), noise) for each in tried]
+    candidates = _candidates(tried, chances, alike, after, verdict)
     tests = before.rows(parts, noise, base.tests)
     named = [] if slipped and weights[-1] > VERDICT.likely else candidates
     # What noise leaves of an adequate model stands out somewhere too.
     where = () if verdict == "adequate" else where_missed(parts, before, noise)
+    error, jump = error_of(tests, noise), slip.says if slipped else ""
+    apart, rival = _said_apart(parts, tests), beside_one_ramp(parts, named, leading_of(named))
     diagnosis = Diagnosis(
         data=base.name,
         model=base.model,
-        error=error_of(tests, noise),
+        error=error,
         verdict=verdict,
-        says=sentence(error_of(tests, noise), verdict, named, where, slip.says if slipped else ""),
+        says=sentence(error, verdict, named, where, jump, apart, rival),
         split="",
         where=where,
         candidates=tuple(candidates),
@@ -329,9 +244,30 @@ def answer_of(
         evidence={"nothing": nothing, "unknown": unknown},
         steps=tuple(turning(spec) for part in parts if (spec := turned(part.test.provenance))),
     )
-    # The next round of a discovery goes on from the best fit that there is.
-    fits = (each.fit for each in tried if each.effect.name in alike[:1] and each.fit is not None)
-    return TimeCase(diagnosis, base, next(fits, base), _misfits(parts, base), tuple(tried))
+    fit = _going_on_from(base, tried, alike[:1])
+    return TimeCase(diagnosis, base, fit, _misfits(parts, base), tuple(tried))
+
+
+def _going_on_from(
+    base: Identification, tried: Sequence[Tried], best: Sequence[str]
+) -> Identification:
+    """The best fit that there is: from it the next round of a discovery goes on."""
+    fits = (each.fit for each in tried if each.effect.name in best and each.fit is not None)
+    return next(fits, base)
+
+
+def _said_apart(parts: Sequence[TestPart], tests: Sequence[PartResult]) -> str:
+    """What tests say that a material follows one by one and not together; nothing of others."""
+    alone = max(test.over_floor_alone for test in tests)
+    if not max(alone, 1.0) < VERDICT.takes_most * max(test.over_floor for test in tests):
+        return ""
+    says = f"each test by itself is followed to {times(alone)} its noise, all together are not"
+    if any("temperature" in part.conditions for part in parts):
+        return f"{says}: they are not of one specimen in one state"
+    return (
+        f"{says}: they are of another temperature, age or specimen, which no column tells; say it"
+        " of each, such as 'FILE#2?temperature=25[degC]'"
+    )
 
 
 def _notes_on(parts: Sequence[TestPart], best: Left) -> Iterator[str]:
@@ -490,6 +426,22 @@ def _open(each: Tried, alike: Sequence[str]) -> EffectVerdict:
     if each.effect.name in alike or each.delta > VERDICT.clear_evidence:
         return "cannot-tell"
     return "absent"
+
+
+def _candidates(
+    tried: Sequence[Tried],
+    chances: Sequence[float],
+    alike: Sequence[str],
+    after: Sequence[Error],
+    verdict: Verdict,
+) -> list[Candidate]:
+    """The row of each effect that was tried, and whether the first is missing for certain."""
+    told = zip(tried, chances, after, strict=True)
+    rows = [_candidate(each, chance, alike, error) for each, chance, error in told]
+    # One of several that cannot be told apart is not known to be the missing one.
+    if verdict == "effect-missing" and len(alike) == 1:
+        rows[0] = replace(rows[0], verdict="missing")
+    return rows
 
 
 def _candidate(each: Tried, chance: float, alike: Sequence[str], after: Error) -> Candidate:

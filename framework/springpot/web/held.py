@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from springpot.errors import ModelError
-from springpot.measurement.measurement import Measurement
+from springpot.measurement.units import Units
 from springpot.rheology.holding import allowed
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
@@ -75,7 +75,7 @@ def hand_of(model: Model, given: object) -> Hand:
     return hand
 
 
-def theta_of(model: Model, measurement: Measurement, hand: Hand) -> Real:
+def theta_of(model: Model, units: Units, hand: Hand) -> Real:
     """The parameters (p,) in the model's own units.
 
     Raises
@@ -85,7 +85,7 @@ def theta_of(model: Model, measurement: Measurement, hand: Hand) -> Real:
     """
     own = []
     for parameter in model.parameters:
-        factor, _ = measurement.units.of(parameter.unit)
+        factor, _ = units.of(parameter.unit)
         own.append(hand.values[parameter.name] / factor)
     # A hand may set wider ends than there is a model for.
     return np.array(list(map(allowed, model.parameters, own)))

@@ -107,17 +107,23 @@ class Workbench:
         Expression of the model that is judged at first; empty for any material.
     port : int
         Where to listen; 0 takes a free one.
+    watch : str
+        Folder whose files are watched; ``DIR?storage=Pa`` says something of all of them.
 
     Raises
     ------
     OutputError
         If the extra ``workbench`` is not installed.
     OptionError
-        If the port is taken.
+        If the port is taken, or there is no such folder.
     """
 
     def __init__(
-        self, data: str | dict[str, str] | None = None, model: str = "", port: int = 0
+        self,
+        data: str | dict[str, str] | None = None,
+        model: str = "",
+        port: int = 0,
+        watch: str = "",
     ) -> None:
         try:
             import uvicorn
@@ -129,13 +135,16 @@ class Workbench:
             ) from None
         # Loaded here: importing springpot.web must not load a server.
         from .desk import Desk
+        from .watching import folder_of
 
+        if watch and not folder_of(watch)[0].is_dir():
+            raise OptionError(f"{watch}: there is no such folder to watch")
         # First: a port that is taken is told before anything is started.
         self._socket = _listening(port)
         # Nobody guesses 24 random bytes.
         self._token = secrets.token_urlsafe(24)
         self._desk = Desk()
-        self._behind = Server(self._desk, data, model)
+        self._behind = Server(self._desk, data, model, watch)
         app = Guard(self._behind.app(), self._token)
         config = uvicorn.Config(
             app,
@@ -287,6 +296,7 @@ def serve(
     port: int,
     browser: bool,
     tell: Callable[[Workbench], object],
+    watch: str = "",
 ) -> None:
     """What ``springpot workbench`` does.
 
@@ -297,7 +307,7 @@ def serve(
     DataError
         If data or model cannot be used; what a reader merely asks, the page asks.
     """
-    bench = Workbench(data, model or "", port)
+    bench = Workbench(data, model or "", port, watch)
     asked: list[int] = []
 
     def end(number: int, _: object) -> None:
@@ -327,6 +337,7 @@ def workbench(
     *,
     port: int = 0,
     browser: bool = True,
+    watch: str | Path | None = None,
 ) -> Workbench:
     """Open the workbench on data, in the browser; returns at once.
 
@@ -340,6 +351,8 @@ def workbench(
         Where to listen on 127.0.0.1; 0 takes a free port.
     browser : bool
         Whether to open the browser.
+    watch : str or Path, optional
+        Folder that is watched: what its files gain joins the data.
 
     Returns
     -------
@@ -351,7 +364,7 @@ def workbench(
     OutputError
         If the extra ``workbench`` is not installed.
     OptionError
-        If the port is taken.
+        If the port is taken, or there is no such folder.
 
     Examples
     --------
@@ -371,7 +384,7 @@ def workbench(
 
         content = base64.b64encode(text_of(measurement).encode()).decode()
         data = {"name": f"{measurement.name}.csv", "content": content}
-    bench = Workbench(data, model or "", port).start()
+    bench = Workbench(data, model or "", port, str(watch or "")).start()
     if browser:
         bench.open()
     return bench

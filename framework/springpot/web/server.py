@@ -278,12 +278,18 @@ class Server:
         base64.
     model : str
         Expression of the model that it begins with.
+    folder : str
+        What is watched, with what is said of all of its files: ``DIR?storage=Pa``.
     """
 
     def __init__(
-        self, desk: Desk, data: str | dict[str, str] | None = None, model: str = ""
+        self,
+        desk: Desk,
+        data: str | dict[str, str] | None = None,
+        model: str = "",
+        folder: str = "",
     ) -> None:
-        self._desk, self._given, self._model = desk, data, model
+        self._desk, self._given, self._model, self._folder = desk, data, model, folder
         self._texts: dict[str, dict[str, Any]] = {}
 
     def app(self) -> App:
@@ -372,6 +378,8 @@ class Server:
                 "report": given.get("report") is True,
             }
             return self._stream("race", asked)
+        if task == "watch":
+            return self._watch(given)
         # Only what is listed: no address can name another function.
         if task not in LANES:
             return Response("there is no such task\n", 404, media_type="text/plain")
@@ -391,6 +399,21 @@ class Server:
         if task in KEPT:
             key = f"{task} {state.key}"
         return self._stream(task, arguments, LANES[task], key)
+
+    def _watch(self, given: dict[str, Any]) -> Response:
+        """What is new in the folder that the command line named; of none, nothing."""
+        if not self._folder:
+            return Response(b'{"result": {}}\n', media_type="application/x-ndjson")
+        asked = {name: str(given.get(name) or "")[:100] for name in ("known", "base", "before")}
+        for name in ("base", "before"):
+            digest = asked[name]
+            if digest not in ("", *self._texts):
+                raise DataError("these data are no longer here: drop the file again")
+            if digest:
+                # What grows is a data set each time: that it grew from is not the one to go.
+                self._texts[digest] = self._texts.pop(digest)
+                asked[name] = self._texts[digest]["text"]
+        return self._stream("watch", {**asked, "folder": self._folder}, remember=True)
 
     def _stream(
         self,

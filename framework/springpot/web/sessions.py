@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.errors import DataError
 from springpot.inputs import bytes_of, json_of
@@ -132,8 +133,8 @@ def kept(measurement: Kept, excluded: tuple[int, ...]) -> Kept:
     return rest  # type: ignore[no-any-return]
 
 
-def _copied(both: Measurement, count: int) -> bool:
-    """Whether the rows from `count` on stand above already, digit for digit.
+def _there(both: Measurement, count: int) -> NDArray[np.bool_]:
+    """Which of the rows from `count` on stand above already, digit for digit.
 
     A file that is added to itself by mistake would be a repeat without any scatter, and the noise
     floor nothing.
@@ -141,7 +142,7 @@ def _copied(both: Measurement, count: int) -> bool:
     rows = np.column_stack([both.omega, both.storage, both.loss, *both.conditions.values()])
     # By their bytes: two numbers that were measured agree in a few digits, never in all.
     there = {row.tobytes() for row in rows[:count]}
-    return all(row.tobytes() in there for row in rows[count:])
+    return np.array([row.tobytes() in there for row in rows[count:]])
 
 
 def _specimen(data: Opened) -> Specimen:
@@ -167,6 +168,17 @@ def joined(one: Opened, other: Opened) -> Opened:
     return _one_table(first, second)
 
 
+def joined_anew(one: Opened, other: Opened) -> Opened:
+    """As `joined`, without the rows of the other that the first holds already."""
+    first, second = _sweep(one), _sweep(other)
+    if first is None or second is None:
+        return joined(one, other)
+    new = ~_there(together([first, second]), len(first))
+    if not new.any():
+        return one
+    return _one_table(first, second.subset(new))
+
+
 def _sweep(data: Opened) -> Measurement | None:
     """As points at frequencies: a record of one frequency is one of them."""
     if isinstance(data, Specimen):
@@ -176,7 +188,7 @@ def _sweep(data: Opened) -> Measurement | None:
 
 def _one_table(one: Measurement, other: Measurement) -> Measurement:
     both = together([one, other])
-    if _copied(both, len(one)):
+    if _there(both, len(one)).all():
         raise DataError(
             f"{other.name}: all of its points stand in the open data already; nothing was added"
         )

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
+from springpot.inputs import json_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test
 from springpot.registry import open_measurement, open_tests
@@ -35,7 +36,7 @@ class Specimen:
     files : tuple of dict
         Each ``{"name", "choice", "content"}``: what was dropped, in base64, and what was answered.
     out : tuple of int
-        Rows that are left out, ascending; possible where there is one test.
+        Rows that are left out, ascending, counted through all tests.
     """
 
     files: tuple[dict[str, str], ...]
@@ -54,14 +55,14 @@ class Specimen:
         found = [test for file in self.files for test in _opened(file, open_tests)]
         if not self.out:
             return tuple(found)
-        if len(found) > 1:
-            raise DataError(
-                "rows of several tests cannot be left out together: open one test alone to leave"
-                " rows out of it"
-            )
-        stays = np.ones(len(found[0]), dtype=bool)
+        stays = np.ones(sum(map(len, found)), dtype=bool)
         stays[list(self.out)] = False
-        return (found[0].subset(stays),)
+        ends = np.cumsum([len(test) for test in found])
+        return tuple(
+            test if rows.all() else test.subset(rows)
+            for test, rows in zip(found, np.split(stays, ends[:-1]), strict=True)
+            if rows.any()
+        )
 
     @property
     def name(self) -> str:
@@ -122,7 +123,7 @@ def specimen_of(text: str) -> Specimen:
         If it is none, as that of a session may be that a stranger wrote.
     """
     try:
-        files = json.loads(text)["files"]
+        files = json_of(text)["files"]
         kept = [{key: str(file[key]) for key in ("name", "choice", "content")} for file in files]
     except (ValueError, KeyError, TypeError) as error:
         raise DataError(f"these are no tests in time: {error}") from None

@@ -10,6 +10,7 @@ Exactly what ``springpot discover DATA --accept ...`` gives, and what is drawn o
 from __future__ import annotations
 
 import base64
+import re
 import shlex
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
@@ -28,10 +29,11 @@ from springpot.inputs import bytes_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import runs_of
 from springpot.measurement.reader import OpenQuestion, Part, parts_as_opened
+from springpot.measurement.units import Units
 from springpot.owners import blamed, described
 from springpot.registry import open_measurement, parse_model, plugins
 from springpot.report.interactive.answers import drawn
-from springpot.report.interactive.in_time import drawn_in_time
+from springpot.report.interactive.in_time import TimeScene, drawn_in_time
 from springpot.report.interactive.scene import PageScene, relative_error
 from springpot.report.network import network_svg
 from springpot.report.plugin_cards import EXAMPLE_MEMBER
@@ -39,6 +41,8 @@ from springpot.report.plugin_cards import effect as effect_card
 from springpot.report.plugin_cards import model as model_card
 from springpot.rheology.model import Family, Model
 from springpot.suggestions import suggested
+from springpot.timetests.residuals_of_tests import units_of
+from springpot.timetests.specimen import reference_of
 
 from . import leaving
 from .files import safe_name
@@ -59,6 +63,7 @@ from .specimen import Opened, Specimen, given
 from .studies import report_of, studies, study
 from .testing import leave_in_time, understood_in_time
 from .trying import invented, tried, with_law
+from .watching import watched
 
 SCHEMA = "springpot.workbench/1"
 Told = Callable[[str], None]
@@ -117,6 +122,9 @@ Of more, hardly a row would belong to each.
 """
 MOST_RUNS = 200
 """Sweeps that are listed of one measurement."""
+
+_SCHEMA = re.compile(rb'\s*{\s*"schema"\s*:\s*"(springpot\.[\w./-]{1,40})"')
+"""The beginning of a file that springpot wrote, and of no data."""
 
 _ladders: OrderedDict[str, Ladder] = OrderedDict()
 
@@ -205,6 +213,11 @@ def understand(
         session = session_of(raw)
         measurement = data_of(session["data"].pop("text"))
         return {**_understood(measurement, session["data"]["source"]), "session": session}
+    if named := _SCHEMA.match(raw):
+        raise DataError(
+            f"{name} is an answer of springpot ({named[1].decode()}): open the data that it is of,"
+            " or a session of the workbench"
+        )
     told(f"reading {len(raw)} bytes")
     try:
         measurement, parts = measured_in(name, raw, choice)
@@ -347,17 +360,19 @@ def _understood_sweeps(measurement: Measurement, parts: tuple[Part, ...]) -> dic
 
 
 def _levels(measurement: Measurement) -> list[dict[str, Any]]:
-    """Rows of each level of temperature and amplitude, where there are several."""
+    """Rows of each level of a condition, where there are several."""
     units = {"temperature": "°C", "amplitude": measurement.units.amplitude}
     levels = []
-    for name in set(units) & set(measurement.conditions):
-        numbers, column = measurement.levels(name), measurement.conditions[name]
-        if not 1 < numbers.max() + 1 <= MOST_LEVELS:
+    for name, column in measurement.conditions.items():
+        numbers = measurement.levels(name)
+        count = int(numbers.max()) + 1
+        # A column that goes on with each row was measured, and not set.
+        if not 1 < count <= min(MOST_LEVELS, len(measurement) / 2):
             continue
-        for number in range(int(numbers.max()) + 1):
+        for number in range(count):
             rows = np.flatnonzero(numbers == number)
-            label = f"{name} {np.mean(column[rows]):.4g} {units[name]}"
-            levels.append({"name": label, "rows": rows.tolist()})
+            label = f"{name} {np.mean(column[rows]):.4g} {units.get(name, '')}".strip()
+            levels.append({"name": label, "column": name, "rows": rows.tolist()})
     return levels
 
 
@@ -374,37 +389,51 @@ def curve(
     told: Told, state: Mapping[str, Any], text: str, hands: Mapping[str, Any]
 ) -> dict[str, Any]:
     """The curve of a model whose parameters were set by hand, and its error."""
-    asked, measurement = State.of(state), _measured(text)
-    model = _bound(asked, measurement)
-    return _drawn(asked, measurement, model, theta_of(model, measurement, hand_of(model, hands)))
+    asked, data = State.of(state), _opened(text)
+    model = _bound(asked, data)
+    return _drawn(asked, data, model, theta_of(model, _units(data), hand_of(model, hands)))
 
 
 def held(
     told: Told, state: Mapping[str, Any], text: str, hands: Mapping[str, Any]
 ) -> dict[str, Any]:
     """The best fit that respects what the hand fixed and bounded, begun where the sliders stand."""
-    asked, measurement = State.of(state), _measured(text)
-    model = _bound(asked, measurement)
+    asked, data = State.of(state), _opened(text)
+    model = _bound(asked, data)
     told(f"fitting {model.name} within the hand's bounds")
     hand = hand_of(model, hands)
-    used = kept(measurement, asked.excluded)
     # What is fixed is no parameter of the model any more.
     start = {name: value for name, value in hand.values.items() if name not in hand.fix}
+    used = given(kept(data, asked.excluded))
     fit: Any = identify(used, model, fix=hand.fix, bounds=hand.bounds, start=start)
     values = hand.fix | {
-        parameter.name: float(value * used.units.of(parameter.unit)[0])
+        parameter.name: float(value * _units(data).of(parameter.unit)[0])
         for parameter, value in zip(fit.model.parameters, fit.theta, strict=True)
     }
-    return {**_drawn(asked, measurement, fit.model, fit.theta), "values": values}
+    return {**_drawn(asked, data, fit.model, fit.theta), "values": values}
 
 
-def _bound(state: State, measurement: Measurement) -> Model:
-    return parse_model(state.expression).bound_to(kept(measurement, state.excluded).points)
+def _bound(state: State, data: Opened) -> Model:
+    model = parse_model(state.expression)
+    if isinstance(data, Specimen):
+        return model
+    return model.bound_to(kept(data, state.excluded).points)
 
 
-def _drawn(state: State, measurement: Measurement, model: Model, theta: Any) -> dict[str, Any]:
-    error = relative_error(kept(measurement, state.excluded), model, theta)
-    return {"error": error, **PageScene(measurement).curve(model, theta)}
+def _units(data: Opened) -> Units:
+    if isinstance(data, Specimen):
+        return units_of(data.tests)
+    return data.units
+
+
+def _drawn(state: State, data: Opened, model: Model, theta: Any) -> dict[str, Any]:
+    if isinstance(data, Specimen):
+        tests = kept(data, state.excluded).tests
+        reference = reference_of(tests)
+        error = TimeScene(tests).error(model, theta, reference)
+        return {"error": error, **TimeScene(data.tests).curve(model, theta, reference)}
+    error = relative_error(kept(data, state.excluded), model, theta)
+    return {"error": error, **PageScene(data).curve(model, theta)}
 
 
 def trial(told: Told, state: Mapping[str, Any], text: str, law: object) -> dict[str, Any]:
@@ -473,6 +502,19 @@ def _report(ladder: Ladder, measurement: Measurement, state: State, source: str)
     return leaving.report(ladder, measurement, shlex.split(leaving.command(state, source)))
 
 
+def look(
+    told: Told, folder: str, known: str = "", base: str = "", before: str = ""
+) -> dict[str, Any]:
+    """What is new in the folder that is watched; its data as of a file that was dropped."""
+    found, data = watched(folder, known, base, before)
+    if data is None:
+        return found
+    shown = found["folder"]
+    alone = not base and len(found["files"]) == 1
+    source = _relative(str(Path(folder) / found["files"][0])) if alone else shown
+    return {**found, **_understood(data, source, joined=not alone)}
+
+
 def raced(told: Told, name: str = "", report: bool = False) -> dict[str, Any]:
     """The studies here, or one of them with its tables, or its report as a file."""
     if not name:
@@ -497,6 +539,7 @@ TASKS: dict[str, Callable[..., dict[str, Any]]] = {
     "mastercurve": mastered,
     "leave": leave,
     "race": raced,
+    "watch": look,
 }
 
 

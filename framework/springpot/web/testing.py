@@ -81,6 +81,8 @@ def leave_in_time(
     if kind in LACKS:
         raise DataError(LACKS[kind])
     sources, stem = data.sources, Path(data.sources[0]).stem
+    if kind in ("script", "command") and state.excluded and len(data.tests) > 1:
+        raise DataError("rows of several tests were left out, which only the session can say")
     if kind == "script":
         return {"name": f"{stem}.py", "text": leaving.script(state, *sources)}
     # The command takes one file.

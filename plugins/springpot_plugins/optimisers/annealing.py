@@ -38,6 +38,7 @@ class DualAnnealing(Optimiser):
     card: ClassVar[Card] = Card(
         "generalised simulated annealing with local search (SciPy)",
         "Xiang et al. 1997, doi:10.1016/S0375-9601(97)00474-X",
+        started=True,
     )
 
     def __post_init__(self) -> None:
@@ -64,6 +65,7 @@ class DualAnnealing(Optimiser):
                 visit=self.visit,
                 accept=self.accept,
                 restart_temp_ratio=self.restart_ratio,
+                x0=cube.first(),
                 rng=rng,
             ),
         )

@@ -32,6 +32,20 @@ class Cube:
         """Search point of a point of the cube."""
         return self.problem.lower + np.asarray(u) * (self.problem.upper - self.problem.lower)
 
+    def start(self, rng: np.random.Generator) -> Real:
+        """Point (d,) of the cube to begin at: the race's first, then uniform ones."""
+        own, first = rng.random(self.dimension), self.first()
+        if first is None:
+            return own
+        return first
+
+    def first(self) -> Real | None:
+        """The race's first point (d,) at the first attempt, for libraries that draw their own."""
+        if self.problem.start is None or self.problem.evaluations > 1:
+            return None
+        width = self.problem.upper - self.problem.lower
+        return np.clip((self.problem.start - self.problem.lower) / width, 0.0, 1.0)
+
     def __call__(self, u: Real) -> float:
         """Objective at one point (d,) of the cube."""
         return self.problem(self.place(u))

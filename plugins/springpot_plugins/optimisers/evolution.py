@@ -43,7 +43,9 @@ class CmaEs(Optimiser):
 
     name: ClassVar[str] = "cma-es"
     card: ClassVar[Card] = Card(
-        "covariance matrix adaptation with restarts (pycma)", "Hansen 2016, arXiv:1604.00772"
+        "covariance matrix adaptation with restarts (pycma)",
+        "Hansen 2016, arXiv:1604.00772",
+        started=True,
     )
 
     def __post_init__(self) -> None:
@@ -84,6 +86,7 @@ class BipopCmaEs(Optimiser):
     card: ClassVar[Card] = Card(
         "covariance matrix adaptation, two populations (pycma)",
         "Hansen 2009, doi:10.1145/1570256.1570333",
+        started=True,
     )
 
     def __post_init__(self) -> None:
@@ -117,7 +120,7 @@ class BipopCmaEs(Optimiser):
 
 
 def _evolve(cube: Cube, size: int, sigma: float, allowed: int, rng: np.random.Generator) -> None:
-    """One run of pycma from a uniform start, of `allowed` evaluations at most."""
+    """One run of pycma from a uniform start or the race's, of `allowed` evaluations at most."""
     import cma
 
     options = {
@@ -133,7 +136,7 @@ def _evolve(cube: Cube, size: int, sigma: float, allowed: int, rng: np.random.Ge
         "verbose": -9,
         "verb_log": 0,
     }
-    strategy = cma.CMAEvolutionStrategy(rng.random(cube.dimension), sigma, options)
+    strategy = cma.CMAEvolutionStrategy(cube.start(rng), sigma, options)
     while not strategy.stop():
         points = strategy.ask()
         strategy.tell(points, cube.batch(np.array(points)).tolist())
@@ -164,6 +167,7 @@ class DifferentialEvolution(Optimiser):
     card: ClassVar[Card] = Card(
         "differential evolution, vectorised (SciPy)",
         "Storn and Price 1997, doi:10.1023/A:1008202821328",
+        started=True,
     )
 
     def __post_init__(self) -> None:
@@ -199,6 +203,7 @@ class DifferentialEvolution(Optimiser):
                 polish=False,
                 # A whole generation in one call knows no better point of the same generation.
                 updating="deferred",
+                x0=cube.first(),
                 vectorized=True,
                 rng=rng,
             )

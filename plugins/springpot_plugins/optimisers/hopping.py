@@ -33,6 +33,7 @@ class BasinHopping(Optimiser):
         "basin hopping with L-BFGS-B (SciPy)",
         "Wales and Doye 1997, doi:10.1021/jp970984n",
         gradient=True,
+        started=True,
     )
 
     def __post_init__(self) -> None:
@@ -49,7 +50,7 @@ class BasinHopping(Optimiser):
             problem,
             lambda: basinhopping(
                 cube.gradient,
-                rng.random(cube.dimension),
+                cube.start(rng),
                 niter=UNENDING,
                 T=self.temperature,
                 stepsize=self.step,
@@ -78,6 +79,7 @@ class Cobyqa(Optimiser):
     card: ClassVar[Card] = Card(
         "trust region of quadratic models, multi-start (SciPy)",
         "Ragonneau and Zhang, COBYQA; Ragonneau 2022, arXiv:2210.12018",
+        started=True,
     )
 
     def __post_init__(self) -> None:
@@ -101,7 +103,7 @@ class Cobyqa(Optimiser):
             problem,
             lambda: minimize(
                 cube,
-                rng.random(cube.dimension),
+                cube.start(rng),
                 method="COBYQA",
                 bounds=[(0.0, 1.0)] * cube.dimension,
                 options=options,

@@ -37,6 +37,7 @@ class LeastSquares(Optimiser):
         "multi-start nonlinear least squares with exact Jacobian (SciPy)",
         "Branch et al. 1999, doi:10.1137/S1064827595289108; More 1978, doi:10.1007/BFb0067700",
         gradient=True,
+        started=True,
     )
 
     def __post_init__(self) -> None:
@@ -60,7 +61,8 @@ class LeastSquares(Optimiser):
             bounds, scale = (-np.inf, np.inf), 1.0
 
         def descend() -> None:
-            start = problem.lower + rng.random(problem.dimension) * (problem.upper - problem.lower)
+            width = problem.upper - problem.lower
+            start = problem.first(problem.lower + rng.random(problem.dimension) * width)
             least_squares(
                 misfit.residuals,
                 np.clip(misfit.inner(start), lower, upper),

@@ -96,7 +96,7 @@ class _Global(Optimiser):
         # Seeded once: attempt after attempt goes on in one stream, and none repeats another.
         _seed(rng)
         solver = Solver(self.algorithm, cube, getattr(self, "population", 0))
-        keep_on(problem, lambda: solver.search(rng.random(cube.dimension)))
+        keep_on(problem, lambda: solver.search(cube.start(rng)))
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,9 @@ class Crs(_Population):
     algorithm = "GN_CRS2_LM"
     name = "nlopt-crs"
     card = Card(
-        "controlled random search (NLopt)", "Kaelo and Ali 2006, doi:10.1007/s10957-006-9101-0"
+        "controlled random search (NLopt)",
+        "Kaelo and Ali 2006, doi:10.1007/s10957-006-9101-0",
+        started=True,
     )
 
     def __post_init__(self) -> None:
@@ -133,7 +135,11 @@ class Isres(_Population):
 
     algorithm = "GN_ISRES"
     name = "nlopt-isres"
-    card = Card("improved stochastic ranking evolution strategy (NLopt)", "Runarsson and Yao 2005")
+    card = Card(
+        "improved stochastic ranking evolution strategy (NLopt)",
+        "Runarsson and Yao 2005",
+        started=True,
+    )
 
 
 class Esch(_Population):
@@ -141,7 +147,9 @@ class Esch(_Population):
 
     algorithm = "GN_ESCH"
     name = "nlopt-esch"
-    card = Card("evolutionary algorithm with Cauchy mutation (NLopt)", "da Silva Santos 2010")
+    card = Card(
+        "evolutionary algorithm with Cauchy mutation (NLopt)", "da Silva Santos 2010", started=True
+    )
 
 
 class DirectL(_Global):
@@ -181,7 +189,9 @@ class Mlsl(Optimiser):
 
     name: ClassVar[str] = "nlopt-mlsl"
     card: ClassVar[Card] = Card(
-        "multi-level single linkage (NLopt)", "Rinnooy Kan and Timmer 1987, doi:10.1007/BF02592071"
+        "multi-level single linkage (NLopt)",
+        "Rinnooy Kan and Timmer 1987, doi:10.1007/BF02592071",
+        started=True,
     )
 
     def __post_init__(self) -> None:
@@ -203,7 +213,7 @@ class Mlsl(Optimiser):
         solver = Solver(whole, cube, self.sample)
         local = Solver(descent, cube, tolerance=self.tolerance)
         solver.native.set_local_optimizer(local.native)
-        keep_on(problem, lambda: solver.search(rng.random(cube.dimension)))
+        keep_on(problem, lambda: solver.search(cube.start(rng)))
 
 
 @dataclass(frozen=True)
@@ -228,7 +238,7 @@ class _Local(Optimiser):
         cube = Cube(problem)
         _seed(rng)
         solver = Solver(self.algorithm, cube, tolerance=self.tolerance)
-        keep_on(problem, lambda: solver.search(rng.random(cube.dimension)))
+        keep_on(problem, lambda: solver.search(cube.start(rng)))
 
 
 class Sbplx(_Local):
@@ -236,7 +246,7 @@ class Sbplx(_Local):
 
     algorithm = "LN_SBPLX"
     name = "nlopt-sbplx"
-    card = Card("multi-start subplex (NLopt)", "Rowan 1990", globally=False)
+    card = Card("multi-start subplex (NLopt)", "Rowan 1990", globally=False, started=True)
 
 
 class Bobyqa(_Local):
@@ -244,7 +254,7 @@ class Bobyqa(_Local):
 
     algorithm = "LN_BOBYQA"
     name = "nlopt-bobyqa"
-    card = Card("multi-start BOBYQA (NLopt)", "Powell 2009", globally=False)
+    card = Card("multi-start BOBYQA (NLopt)", "Powell 2009", globally=False, started=True)
 
 
 class NelderMead(_Local):
@@ -256,6 +266,7 @@ class NelderMead(_Local):
         "multi-start simplex (NLopt)",
         "Nelder and Mead 1965, doi:10.1093/comjnl/7.4.308",
         globally=False,
+        started=True,
     )
 
 
@@ -268,5 +279,6 @@ class Lbfgs(_Local):
         "multi-start L-BFGS with exact gradient (NLopt)",
         "Liu and Nocedal 1989, doi:10.1007/BF01589116",
         globally=False,
+        started=True,
         gradient=True,
     )

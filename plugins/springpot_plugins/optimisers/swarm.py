@@ -70,7 +70,7 @@ class PaperSwarm(BatchedOptimiser):
 
     name: ClassVar[str] = "pso-paper"
     card: ClassVar[Card] = Card(
-        "particle swarm of the paper", "section 4, eq. (48)-(52)", batched=True
+        "particle swarm of the paper", "section 4, eq. (48)-(52)", batched=True, started=True
     )
 
     def __post_init__(self) -> None:
@@ -114,6 +114,9 @@ class PaperSwarm(BatchedOptimiser):
         d = len(limits.expected)
         # Positions stay as drawn, also where kinf is below k0: they are evaluated with the repair.
         x = limits.birth(_draw(rngs, (self.particles, d)))
+        for own_x, recorder in zip(x.transpose(PARAMETERS_LAST), problems.recorders, strict=True):
+            # One particle begins at the race's first point, where there is one.
+            own_x[0] = recorder.first(own_x[0])
         # Zero vectors are what the paper begins with.
         velocity, fastest = np.zeros_like(x), self.clamp * limits.expected
         own, own_value = x.copy(), self._evaluate(problems, limits, x).copy()

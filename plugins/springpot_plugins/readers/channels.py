@@ -35,6 +35,8 @@ from .languages import CHANNELS
 from .names import fold
 from .titles import apart_from_sign, require_word
 
+_IGNORED = ("ignore", "none")
+"""What a user says (``?3=ignore``) of a column that is to be left alone."""
 NAMES: dict[str, tuple[str, ...]] = {
     "time": (
         *("time", "t", "temps", "zeit", "tiempo", "tempo", "elapsed time", "laufzeit"),
@@ -232,8 +234,8 @@ def places_of(titles: Sequence[str], below: Sequence[str], choice: Choice) -> Pl
     below : sequence of str
         Units from a row of their own or from a file's properties; empty where there are none.
     choice : Choice
-        What the user says: ``force=kN``, ``3=force[kN]``, or ``force=-kN`` for a force that counts
-        the other way.
+        What the user says: ``force=kN``, ``3=force[kN]``, ``force=-kN`` for a force that counts
+        the other way, or ``3=ignore``.
 
     Raises
     ------
@@ -242,12 +244,16 @@ def places_of(titles: Sequence[str], below: Sequence[str], choice: Choice) -> Pl
     """
     # A binary file may have names of several lines.
     titles = [" ".join(title.split()) for title in titles]
+    said = dict(choice.columns)
+    for name in [name for name, meaning in said.items() if meaning in _IGNORED]:
+        # As though the file called it nothing: its number stays, and another sensor may be meant.
+        titles[_column(_recognised(titles, below), titles, name, said.pop(name))] = ""
     layout = _recognised(titles, below)
     notes: list[str] = []
-    for name, meaning in choice.columns.items():
+    for name, meaning in said.items():
         notes += _apply(layout, titles, name, meaning)
     _require_all(layout, titles)
-    if not choice.columns:  # which sensor is meant was then said by the user
+    if not said:  # which sensor is meant was then said by the user
         notes += _sensors_left(layout, titles, below)
     columns, units, signs = [], [], []
     for channel in UNITS:
@@ -383,8 +389,10 @@ def _column(layout: Mapping[str, _Place], titles: Sequence[str], name: str, mean
     tests: tuple[Callable[[int, str], bool], ...] = (
         lambda i, title: name == str(i + 1) or name == title,
         lambda i, title: name in layout and layout[name].column == i,
-        lambda i, title: fold(name) == fold(channel_of(title)[2]),
-        lambda i, title: channel_of(title)[0] == channel_of(name)[0] is not None,
+        lambda i, title: with_numbers_of(name, title) and fold(name) == fold(channel_of(title)[2]),
+        lambda i, title: (
+            with_numbers_of(name, title) and channel_of(title)[0] == channel_of(name)[0] is not None
+        ),
     )
     # An exact name in any place goes before a mere likeness.
     passing = ([i for i, title in enumerate(titles) if is_meant(i, title)] for is_meant in tests)
@@ -397,6 +405,11 @@ def _column(layout: Mapping[str, _Place], titles: Sequence[str], name: str, mean
         instead = f"write {named[0] + 1}={meaning:.40} or another number in its place"
         raise DataError(f"'{name:.40}' may be column {shown}; {instead}")
     return named[0]
+
+
+def with_numbers_of(name: str, title: str) -> bool:
+    """Whether a title has the numbers of a name: ``Force 2`` is not ``Force [kN]``."""
+    return set(re.findall(r"\d+", name)) <= set(re.findall(r"\d+", title))
 
 
 def _overruled(

@@ -18,9 +18,10 @@ from springpot.measurement import (
 )
 
 from .blocks import ANGLE, FREQUENCY
+from .channels import with_numbers_of
 from .curve_names import logarithm
 from .flags import IGNORE, STATUS
-from .names import FREQUENCIES, fold, rank
+from .names import FREQUENCIES, fold, rank, role_of
 from .proposals import OR_IN_TIME, proposal, stated_unit, usual_unit
 from .titles import (
     SWEEPS,
@@ -160,12 +161,16 @@ def _place(headings: Sequence[Heading], name: str, meaning: str, words: Vocabula
     if name.isdigit() and len(name) < 6 and 1 <= int(name) <= len(headings):
         return int(name) - 1
     role = _role(name, words)
+    # A number may belong to a symbol, such as G2 for a loss; else it is that of a sensor.
+    symbol = role_of(name) is not None
     # The exact word first: titles that differ in case alone, such as g' and G', are told apart by
     # it.
     tests: tuple[Callable[[Heading], bool], ...] = (
         lambda h: h.title == name or h.name == name,
         lambda h: fold(h.title) == fold(name) or fold(h.name) == fold(name),
-        lambda h: role is not None and h.role == role,
+        lambda h: (
+            role is not None and h.role == role and (symbol or with_numbers_of(name, h.title))
+        ),
     )
     for test in tests:
         places = [i for i, heading in enumerate(headings) if test(heading)]

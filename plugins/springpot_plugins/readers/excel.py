@@ -5,7 +5,6 @@ Tables as in CSV, one or more on each sheet.
 
 from __future__ import annotations
 
-import zipfile
 from collections.abc import Sequence
 from dataclasses import replace
 from datetime import date, datetime, time
@@ -20,10 +19,10 @@ from springpot.measurement import (
     Part,
     Reader,
     Signals,
-    budget_of,
     measurement_from_signals,
 )
 
+from .archive import check_archive
 from .blocks import Block, blocks_of
 from .channels import UNITS as CHANNELS
 from .channels import found_in
@@ -38,8 +37,6 @@ from .rearranged import needs_rearranging, rearranged
 from .side_by_side import apart, has_condition
 from .signals_csv import signals_of_sheet
 
-_MOST_ENTRIES = 10_000
-"""Files in a workbook: one has some ten, and a list of millions would take long to read."""
 _SEARCHED = 100
 """Rows of a sheet that may stand above the names of channels."""
 
@@ -128,7 +125,7 @@ def sheets_in(path: Path) -> list[tuple[str, Grid]]:
 
 def _sheets(path: Path) -> list[tuple[str, Grid]]:
     """Title and cells of each sheet of a new workbook."""
-    _check_archive(path)
+    check_archive(path)
     try:
         from openpyxl import load_workbook
     except ImportError:
@@ -202,22 +199,6 @@ def _with_condition(block: Block, curve: CurveName) -> Block:
     if has_condition(curve, block.roles):
         return block
     return replace(block, constants={curve.title: curve.value, **block.constants})
-
-
-def _check_archive(path: Path) -> None:
-    try:
-        with zipfile.ZipFile(path) as archive:
-            entries = archive.infolist()
-    except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError) as error:
-        raise DataError(f"no readable Excel file: {error}") from None
-    if not any(entry.filename.startswith("xl/") for entry in entries):
-        raise DataError("a zip archive without an Excel workbook; unpack it, or save it as .xlsx")
-    size = sum(entry.file_size for entry in entries)
-    # Before anything is unpacked: a small archive may hold terabytes of zeros.
-    if size > budget_of(path).memory or len(entries) > _MOST_ENTRIES:
-        raise DataError(
-            f"the workbook unpacks to {size} bytes; save the one sheet that matters, or CSV"
-        )
 
 
 def _grid(sheet: Any, unpacked: Unpacked) -> Grid:

@@ -58,9 +58,12 @@ def lacking(block: Block, columns: Sequence[Column]) -> DataError:
         says = f"a {has} without a {lacks[0]} is no test"
     # No column is proposed: read as another quantity its numbers would be wrong without a word.
     spec = ",".join(f"NAME={role}[{EXAMPLES[role]}]" for role in lacks)
+    others = ", or, of a modulus that relaxes, 'FILE?NAME=relaxation[Pa]'"
+    if len(lacks) > 1:
+        others = f", 'FILE?NAME=strain[-],NAME=stress[Pa]'{others}"
     return DataError(
-        f"{says}; say which, with its name or number and unit, such as 'FILE?{spec}', or, of a"
-        f" modulus that relaxes, 'FILE?NAME=relaxation[Pa]' (columns: {there})"
+        f"{says}; say which, with its name or number and unit, such as 'FILE?{spec}'{others}"
+        f" (columns: {there})"
     )
 
 

@@ -120,3 +120,34 @@ def test_a_sign_or_a_column_in_the_place_of_a_meaning_is_refused(tmp_path, hint)
     for opened in (open_in_time, lambda name: signals_to_measurement([name])):
         with pytest.raises(DataError, match="a meaning is one word with its unit"):
             opened(f"{path}?{hint}")
+
+
+FIRST, SECOND = PULLED.max(), 2.0 * PULLED.max()
+
+
+@pytest.mark.parametrize(
+    ("hint", "largest"),
+    [
+        ("4=ignore", FIRST),
+        ("3=ignore", SECOND),
+        ("force=ignore", SECOND),
+        ("Force 2=ignore", FIRST),
+        ("Force 2=force[N]", SECOND),
+    ],
+)
+def test_a_column_that_is_to_be_ignored_is_as_though_it_were_not_there(tmp_path, hint, largest):
+    """And one that is called by its number is no other."""
+    titles = "time [s],Displacement (mm),Force (N),Force 2 (N)"
+    path = rig(tmp_path, titles, CLOCK, MOVED, PULLED, 2.0 * PULLED)
+    plain = signals_to_measurement([path]).magnitude[0] / PULLED.max()
+    assert signals_to_measurement([f"{path}?{hint}"]).magnitude[0] == pytest.approx(
+        plain * largest, rel=1e-6
+    )
+    [test] = open_in_time(f"{path}?{hint}")
+    assert test.response.max() == pytest.approx(largest, rel=1e-6)
+
+
+def test_of_signals_without_their_last_sensor_its_column_is_asked_for(tmp_path):
+    path = rig(tmp_path, "time [s],Displacement (mm),Force (N)", CLOCK, MOVED, PULLED)
+    with pytest.raises(DataError, match="no column of force"):
+        signals_to_measurement([f"{path}?3=ignore"])

@@ -406,6 +406,10 @@ def _number(value: float | None) -> float:
 def baseline_of(store: Store, script: str = "") -> Baseline:
     """The baseline that a store's trials make."""
     facts, bests = store.facts(), store.bests()
+    if "noise" in facts:
+        raise StudyError(
+            f"study {facts['name']} draws its noise anew: a gate needs the same data every time"
+        )
     fraction = float(facts["target"])
     right = _right_parameters(store)
     goals: dict[str, Goal] = {}

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from springpot.benchmark.beside import opened
 from springpot.benchmark.comparison import OVER_ALL, MeanRanks, OptimiserChoice, scopes
-from springpot.benchmark.standings import CHOICE_NOTE, COMPARING, PLAIN, Findings
+from springpot.benchmark.standings import CHOICE_NOTE, COMPARING, NOISY, PLAIN, Findings
 from springpot.benchmark.statistics import Interval
-from springpot.benchmark.store import Store
 from springpot.benchmark.summary import CellSummary, ProblemRow, store_path
 from springpot.benchmark.tables import Table, text
 from springpot.files import write_text
@@ -21,6 +21,7 @@ from springpot.report.numbers import seconds
 from springpot.report.style import page
 
 from ...format_numbers import NAMED
+from .fairness import fairness
 from .study_plots import (
     Pens,
     accuracy_against_time,
@@ -61,7 +62,9 @@ details table { font-size: 0.85em; }
 """
 
 
-def write_study_report(study: str | Path, out: Path = Path("results")) -> Path:
+def write_study_report(
+    study: str | Path, out: Path = Path("results"), beside: Path | None = None
+) -> Path:
     """Write ``report.html`` beside a study's store.
 
     Parameters
@@ -70,6 +73,8 @@ def write_study_report(study: str | Path, out: Path = Path("results")) -> Path:
         A study's script, store, folder or name.
     out : Path
         Folder of all results.
+    beside : Path, optional
+        An archive whose trials are shown too.
 
     Raises
     ------
@@ -79,7 +84,7 @@ def write_study_report(study: str | Path, out: Path = Path("results")) -> Path:
         If the file cannot be written.
     """
     path = store_path(study, out)
-    with Store(path) as store:
+    with opened(path, beside) as store:
         findings = Findings.of(store)
     return write_text(path.parent / "report.html", study_html(findings))
 
@@ -101,6 +106,8 @@ def study_html(findings: Findings) -> Html:
             *_pairs(findings),
             *_cost(findings, pens),
             *_failures(findings),
+            *_noise(findings),
+            *fairness(findings.facts, findings.summaries),
         ]
     return page(
         f"{findings.name}: which optimiser?",
@@ -405,12 +412,21 @@ def _failures(findings: Findings) -> Iterator[Html]:
     yield tag("div", table(headers, rows, headers[3:]), class_="scroll")
 
 
+def _noise(findings: Findings) -> Iterator[Html]:
+    if NOISY not in findings.facts:
+        return
+    made = COMPARING[NOISY](findings)
+    yield tag("h2", "What does noise change?")
+    yield tag("p", made.note, class_="quiet")
+    yield _whole(made)
+
+
 def _tables(findings: Findings) -> Iterator[Html]:
     yield tag("h2", "All numbers")
     names = ["summary", "failures"]
     # Before every optimiser has finished a trial of one problem there is nothing to compare.
     if findings.races:
-        names += ["profiles", "ranks"]
+        names += ["profiles", "ranks", "anytime", "sensitivity"]
     for name in names:
         # Folded, at the end: for who wants the numbers behind the pictures.
         made = (PLAIN | COMPARING)[name](findings)
@@ -434,7 +450,7 @@ def _repeat(findings: Findings) -> Iterator[Html]:
     yield tag("h2", "To repeat this")
     yield tag("pre", facts.pop("command", ""))
     # The list of cells is for programs, and the name stands above.
-    left_out = {"cells", "name"}
+    left_out = {"cells", "name", "common start", NOISY}
     rows = [(key, value) for key, value in sorted(facts.items()) if key not in left_out]
     yield tag("div", table(("what", "value"), rows), class_="scroll")
     yield tag(

@@ -48,8 +48,9 @@ def drawn(ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
         on one smooth curve for each sweep, in the order and unit of the data, and as residuals in
         each plane with the ``width`` of their noise; ``previews``: for each candidate curves and
         planes of the model grown by it alone, with its ``error``, ``model`` and whether it was
-        ``refitted`` or comes from the scan; ``actions``: see `acted`; ``next``: the rivals at the
-        proposed points.
+        ``refitted`` or comes from the scan; ``actions``: see `acted`; ``proposed``: what
+        to measure next;
+        ``next``: the rivals at the proposed points.
     """
     scene, case = PageScene(measurement), ladder.steps[-1].case
     base = case.search.base
@@ -60,14 +61,15 @@ def drawn(ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
     acted_on = {act.name: preview(scene, act.used, act.preview) for act in acts}
     return {
         "discovery": ladder.to_dict(),
-        "of": "|K|",
+        "of": measurement.units.magnitude,
         "parameters": parameters_of(base.model, ladder.steps[-1].parameters, used.units),
         "noise": in_parts(noise),
         "reference": reference_note(used, [base.model.network]),
         "model": scene.curve(base.model, base.theta, np.maximum(noise.real, noise.imag)),
         "actions": [act.to_dict() for act in acts],
         "previews": acted_on | {one.effect: preview(scene, used, one) for one in grown},
-        "next": _next(case, {one.effect: one for one in grown}, measurement),
+        "proposed": ladder.proposed,
+        "next": _next(ladder, {one.effect: one for one in grown}, measurement),
     }
 
 
@@ -104,14 +106,19 @@ def preview(scene: PageScene, used: Measurement, one: Preview) -> dict[str, Any]
     return {"model": one.model.name, "error": error, "refitted": one.refitted, **curve}
 
 
-def _next(case: Case, grown: dict[str, Preview], measurement: Measurement) -> dict[str, Any] | None:
+def _next(
+    ladder: Ladder, grown: dict[str, Preview], measurement: Measurement
+) -> dict[str, Any] | None:
     """The proposed experiment, and what the two rivals predict along it.
 
     None where nothing is proposed.
     """
+    case = ladder.undecided.case
     proposed = case.diagnosis.next_experiment
     if proposed is None or not proposed.action.get("omega"):
         return None
+    if ladder.undecided is not ladder.steps[-1]:
+        grown = {one.effect: one for one in grown_by_each(case, proposed.separates)}
     points = _along(proposed_points(proposed.action, measurement), proposed.action)
     floor = case.diagnosis.error.noise_floor
     rivals = []

@@ -6,7 +6,7 @@ done with the data themselves.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -43,9 +43,14 @@ class Preview:
     refitted: bool
 
 
-def grown_by_each(case: Case) -> Iterator[Preview]:
-    """For each candidate of a diagnosis, the model that has accepted it alone, as far as known."""
+def grown_by_each(case: Case, only: Container[str] | None = None) -> Iterator[Preview]:
+    """For each candidate of a diagnosis, the model that has accepted it alone, as far as known.
+
+    Of all, or of the effects `only`.
+    """
     for candidate in case.diagnosis.candidates:
+        if only is not None and candidate.effect not in only:
+            continue
         try:
             grown = case.grown_with(candidate.physics)
         # An effect that does not fit this model or these data has nothing to be drawn.

@@ -22,6 +22,7 @@ from springpot.rheology.points import Real
 from springpot.timetests.recording import recorded
 from springpot.timetests.residuals_of_tests import Test, TestPart, parts_of_specimen, units_of
 from springpot.timetests.verdict import TimeCase
+from springpot.timetests.where import rms
 
 from .scene import MOST_ON_CURVES, MOST_POINTS, OF_RESIDUALS, parameters_of, rounded
 
@@ -96,6 +97,13 @@ class TimeScene:
             ],
             "views": dict(views),
         }
+
+    def error(self, model: Model, theta: Real, reference: float) -> float:
+        """Relative error of the test that is missed most, as `Identification.relative_rms`."""
+        return max(
+            rms(part.residual(model, theta, reference).value * part.relative_sd)
+            for part in self.parts
+        )
 
     def curve(
         self, model: Model, theta: Real, reference: float, whole: bool = False
@@ -265,6 +273,7 @@ def drawn_in_time(ladder: Ladder, tests: Sequence[Test]) -> dict[str, Any]:
             for each in case.tried
             if each.effect.name in after
         },
+        "proposed": ladder.proposed,
         "next": None,
     }
 

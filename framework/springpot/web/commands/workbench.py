@@ -24,10 +24,21 @@ from springpot.cli.common import MODEL, json_option, print_json
     metavar="N",
     help="Where to listen; a free port.",
 )
+@click.option(
+    "--watch",
+    metavar="DIR",
+    default="",
+    help="Watch a folder: rows join the data as its files grow.",
+)
 @click.option("--no-browser", is_flag=True, help="Print the address only.")
 @json_option
 def command(
-    data: str | None, model: str | None, port: int, no_browser: bool, as_json: bool
+    data: str | None,
+    model: str | None,
+    port: int,
+    watch: str,
+    no_browser: bool,
+    as_json: bool,
 ) -> None:
     """Open a page on which data are dropped, effects pointed at and accepted, and the error falls.
 
@@ -43,4 +54,4 @@ def command(
         else:
             click.echo(f"springpot workbench: {bench.address}")
 
-    serve(data, model, port, not no_browser, tell)
+    serve(data, model, port, not no_browser, tell, watch)

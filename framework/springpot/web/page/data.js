@@ -13,6 +13,9 @@ const ASKED = {
   part: () => "open the part ",
 };
 
+const MOST_ANSWERS = 12; // that are read at a glance
+const USUAL = new Set(["Pa", "kPa", "MPa", "GPa", "N/m", "N/mm", "kN/m", "kN/mm", "lbf/in"]);
+
 // Sets that every installation has, each an answered page by one click: a mass and a delay that hide, a polymer whose times
 // go with the temperature, and a material of more parts than its model has.
 const EXAMPLES = [
@@ -24,6 +27,30 @@ const EXAMPLES = [
 function examples(app) {
   return h("div", { class: "examples" }, h("p", {}, h("b", {}, "Try one")), EXAMPLES.map(([set, model, says]) =>
     h("button", { type: "button", class: "primary", "data-example": set, onclick: () => app.openExample(set, model) }, says)));
+}
+
+// Columns whose units are asked for with the same answers are asked for at once: storage and loss have one.
+function together(asked) {
+  const found = [];
+  for (const one of asked) {
+    const units = one.answers.map(({ answer }) => answer).join();
+    const same = one.kind === "unit" && found.find((other) => other.kind === "unit" && other.units === units);
+    if (!same) found.push({ ...one, units, answers: one.answers.map((answer) => ({ ...answer })) });
+    else {
+      same.about += ` and ${one.about}`;
+      same.answers.forEach((answer, i) => { answer.said += `,${one.answers[i].said}`; });
+    }
+  }
+  return found;
+}
+
+// The usual answers first; of many the others stand apart.
+function choices(answers) {
+  const option = ({ answer, said }) => h("option", { value: said }, answer);
+  if (answers.length <= MOST_ANSWERS) return answers.map(option);
+  const usual = answers.filter(({ answer }) => USUAL.has(answer));
+  return [h("option", { value: "" }, "choose…"), h("optgroup", { label: "usual" }, usual.map(option)),
+    h("optgroup", { label: "all others" }, answers.filter((one) => !usual.includes(one)).map(option))];
 }
 
 // As a user types it behind the name of a file: #PART?COLUMN=UNIT,COLUMN=UNIT.
@@ -135,14 +162,14 @@ export class Data {
 
   // An open question of the reader: each thing that it cannot know, with the answers that it takes, the usual first.
   form(question) {
-    const fields = question.asked.map((asked, i) => h("p", {},
+    const fields = together(question.asked).map((asked, i) => h("p", {},
       h("label", { for: `asked-${i}` }, ASKED[asked.kind](asked.about)),
-      h("select", { id: `asked-${i}` }, ...asked.answers.map(({ answer, said }) => h("option", { value: said }, answer)))));
+      h("select", { id: `asked-${i}`, required: true }, choices(asked.answers))));
     return h("form", { class: "question", id: "question", onsubmit: (event) => {
       event.preventDefault();
       const said = [...event.target.querySelectorAll("select")].map((select) => select.value);
       this.app.openFiles([question.file], question.join, [...question.said, ...said]);
-    } }, h("p", {}, question.says), ...fields, h("button", { class: "primary" }, "Open with these"));
+    } }, h("p", {}, question.says.split("; if ")[0]), ...fields, h("button", { class: "primary" }, "Open with these"));
   }
 
   understood(data) {

@@ -66,6 +66,12 @@ export class History {
     return this.branches[this.at === 0 ? 1 : this.at - 1];
   }
 
+  // Data have grown: each state is of these from now on, and the rows that it leaves out stand elsewhere.
+  moved(before, data, rows) {
+    const there = (state) => ({ ...state, data, excluded: state.excluded.map((row) => rows[row]).filter((row) => row !== null) });
+    for (const branch of this.branches) branch.states = branch.states.map((state) => (state.data === before ? there(state) : state));
+  }
+
   toJSON() {
     return { branches: this.branches, branch: this.at };
   }

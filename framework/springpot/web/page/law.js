@@ -29,8 +29,9 @@ export class Law {
     let why = "";
     if (!answer) why = "there is no answer yet";
     else if (busy || waiting) why = "wait for the computation, or cancel it";
+    if (data?.scene.views) why = "laws are sought in sweeps: type one here, or add a sweep of this specimen";
     enable(this.find, laws ? "they stand above" : why);
-    this.find.hidden = !answer || Boolean(data.scene.views) || !["unexplained", "inconclusive"].includes(answer.discovery.verdict);
+    this.find.hidden = !answer || !["unexplained", "inconclusive"].includes(answer.discovery.verdict);
     if (this.of !== answer) this.forget();
     this.of = answer;
     this.enable();

@@ -22,7 +22,7 @@ export function leaveDialog(app) {
   const shown = h("pre", { id: "command-line", tabindex: "0" });
   const done = h("p", { class: "quiet", role: "status", id: "done" });
   // Why a file cannot be had: a button that only fails when it is pressed keeps that to itself.
-  const lacks = (kind) => (kind === "plan" && !app.answer.discovery.diagnosis.next_experiment ? "no further measurement is proposed here" : "");
+  const lacks = (kind) => (kind === "plan" && !app.answer.proposed ? "no further measurement is proposed here" : "");
   const leaving = (kind, name, type) => {
     const button = h("button", { type: "button", "data-leave": kind, onclick: () => { if (usable(button)) away(() => app.leaveWith(kind, type)); } }, name);
     enable(button, lacks(kind));

@@ -16,6 +16,7 @@ import { ModelPanel } from "./model.js";
 import { Next } from "./next.js";
 import { Race } from "./race.js";
 import { looksOf } from "./views.js";
+import { Watch } from "./watch.js";
 import { answerTo, keyOf, lacking, rowsOf, textOf } from "./wants.js";
 import { Work } from "./work.js";
 
@@ -50,6 +51,7 @@ class App {
       new Next(byId("next-body"), this),
     ];
     this.race = new Race(byId("race"));
+    this.watch = new Watch(this, byId("odds-body"));
   }
 
   get state() { return this.history.state; }
@@ -121,12 +123,14 @@ class App {
     // Panels make their elements anew: what had the focus has it still.
     const focused = document.activeElement?.id;
     for (const panel of this.panels) panel.render();
+    this.watch.render();
     this.compare.fill();
     if (focused && document.activeElement === document.body) byId(focused)?.focus();
   }
 
   save() {
-    const session = { ...this.history.toJSON(), view: this.looks };
+    const { base, data } = this.watch;
+    const session = { ...this.history.toJSON(), view: this.looks, watch: { base, data } };
     sessionStorage.setItem(SAVED, JSON.stringify(session));
   }
 
@@ -178,6 +182,22 @@ class App {
       if (this.named !== null) this.history.push(this.judging(this.named));
     } else this.history.push(this.stateOn(found.digest, onto));
     this.named = null;
+    this.arrive();
+  }
+
+  // Data that are watched have more rows than before: all ladders go on with these.
+  grown(found) {
+    const before = this.state?.data;
+    if (!before) {
+      this.opened(found);
+      return;
+    }
+    const old = new Set(found.rows);
+    found.scene.fresh = new Set([...Array(found.scene.count).keys()].filter((row) => !old.has(row)));
+    this.known.set(found.digest, found);
+    this.history.moved(before, found.digest, found.rows);
+    for (const [key, answer] of this.answers) if (answer.state.data === before) this.answers.delete(key);
+    this.known.delete(before);
     this.arrive();
   }
 
@@ -371,7 +391,7 @@ class App {
   get hasMaster() { return Boolean(this.master) && this.master.data === this.state?.data; }
 
   // Whether there are several levels that could be shifted.
-  get canShift() { return Boolean(this.data?.levels.length); }
+  get canShift() { return Boolean(this.data?.levels.some(({ column }) => column === "temperature" || column === "amplitude")); }
 
   masterSpec() { return masterSpec(this.scene, this.master, this.state.excluded); }
 
@@ -448,6 +468,7 @@ class App {
       this.looks = looksOf(session.view);
       if (this.state) {
         this.arrive();
+        this.watch.begin(session.watch);
         return;
       }
     }
@@ -462,6 +483,7 @@ class App {
       const bytes = Uint8Array.from(atob(content), (letter) => letter.charCodeAt(0));
       return { question: { ...found.question, file: new File([bytes], name), said: [], join: false } };
     });
+    this.watch.begin({});
   }
 }
 

@@ -112,7 +112,7 @@ export class ModelPanel {
       put(this.table);
       return;
     }
-    const movable = !this.app.scene.views && answer.parameters.length && answer.state.model !== "" && answer.state.model !== "material";
+    const movable = answer.parameters.length && answer.state.model !== "" && answer.state.model !== "material";
     const rows = answer.parameters.map((parameter) => this.row(parameter, movable));
     this.told = h("p", { id: "edited-says", class: "quiet", role: "status" });
     this.fit = h("button", { type: "button", id: "fit", onclick: () => { if (usable(this.fit)) this.app.hands.fit(this.asked()); } }, "Fit within these");
@@ -152,8 +152,7 @@ export class ModelPanel {
       onchange: (event) => { hand[side] = event.target.value === "" ? null : Number(event.target.value); this.touched(hand); } });
     Object.assign(hand, { box, slider });
     return h("div", { class: "parameter" }, head, slider, box,
-      h("label", { class: "check" }, fix, " fix"),
-      h("details", { class: "bounds" }, h("summary", {}, "bounds"), bound("lower"), bound("upper")));
+      h("details", { class: "bounds" }, h("summary", {}, "limits"), bound("lower"), bound("upper"), h("label", { class: "check" }, fix, " fix")));
   }
 
   placed({ value, scale, lower, upper }, place) {

@@ -14,7 +14,7 @@ const STEPS = [
   "Leave with a report, a script, the numbers; or measure what decides between the rivals.",
 ];
 const NARROW = 500; // px below which a plot is that of a phone
-const HEIGHTS = { phone: [230, 150], desk: [300, 150] }; // px of the picture and of the residual below it
+const HEIGHTS = { phone: [200, 120], desk: [300, 150] }; // px of the picture and of the residual below it
 const MOST_PLACES = 3; // sentences below the picture: more would leave it no room
 const MOST_NOTES = 2;
 const FINGER = 24; // px within which a finger means a point
@@ -84,8 +84,11 @@ export class Compare {
       // What was pointed at or chosen are rows of the data before.
       this.row = null;
       this.chosen = new Set();
-      this.hidden = new Set();
-      this.zoom.ends = null;
+      // What has only grown is looked at as before.
+      if (!scene.fresh) {
+        this.hidden = new Set();
+        this.zoom.ends = null;
+      }
       put(this.view, Object.entries(viewsOf(scene)).map(([name, view]) => h("option", { value: name }, view.name)),
         this.app.fixed || scene.views ? null : h("option", { value: "master-curve" }, "Master curve"));
       put(this.plane,
@@ -111,6 +114,8 @@ export class Compare {
     this.without(spec);
     this.zoom.limit(spec);
     this.main.draw(spec, this.width, tall);
+    if (scene.fresh?.size) this.main.arrive(scene.fresh);
+    setTimeout(() => scene.fresh?.clear()); // drawn again at once, where the words around it leave less room
     // Residuals are of the sweeps as they were measured, not as they were shifted.
     const residual = Boolean(shown) && plane !== "none" && !master;
     this.residual.svg.toggleAttribute("hidden", !residual);
@@ -135,6 +140,10 @@ export class Compare {
     this.preview(this.app.hovered);
     this.point(this.row);
     this.selected(this.chosen);
+    // On a phone the pictures stay in sight, and what stands above them goes.
+    const section = this.parent.closest("section");
+    const top = (element) => element.getBoundingClientRect().top;
+    section?.style.setProperty("--above", `${Math.round(top(this.frames) - top(section))}px`);
   }
 
   // A sentence and the points that it is about light up together.
@@ -258,6 +267,8 @@ export class Compare {
       entries.push(...scene.sweeps.map((sweep, i) =>
         this.entry(`sweep-${i}`, `sweep-${Math.round((8 * i) / (scene.sweeps.length - 1))}`, `● ${sweep.label}`)));
     }
+    const { below } = this.main.spec.y;
+    if (below) entries.push(h("span", { class: "quiet" }, `${below} not above zero`));
     if (answer && view !== "master-curve") entries.push(this.entry("model", "", `━ ${answer.discovery.diagnosis.model} (accepted)`));
     if (this.app.hovered) entries.push(h("span", { class: "swatch preview" }, `╌ with ${this.app.hovered} (preview)`));
     if (edited) entries.push(h("span", { class: "swatch edited" }, `┈ edited by hand, ${percent(edited.error)}`));

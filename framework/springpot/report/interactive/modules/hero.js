@@ -69,8 +69,8 @@ function withoutAnswer(scene, refused) {
   return refused ? UNANSWERED : "";
 }
 
-// Of tests in time whole sentences are said.
-const placeOf = ({ says }, { views }) => (views ? pretty(`${says[0].toUpperCase()}${says.slice(1)}.`) : pretty(`The model's ${says}.`));
+// What lies too high or too low is the model's; of tests in time and of single points whole sentences are said.
+const placeOf = ({ says }, { views }) => pretty(!views && /^(storage|loss)/.test(says) ? `The model's ${says}.` : `${says[0].toUpperCase()}${says.slice(1)}.`);
 
 function fallTo(candidate, error) {
   const after = candidate.error_after ?? candidate.predicted_error;

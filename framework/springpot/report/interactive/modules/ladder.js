@@ -121,7 +121,7 @@ export class Ladder {
       parts.push(s("text", { class: "tick", x: this.x(i), y: this.height - 8, "text-anchor": "middle" }, cut(name, (2 * half) / LONGEST)));
     });
     const middle = (8 + bottom) / 2;
-    parts.push(s("text", { class: "label", x: 11, y: middle, "text-anchor": "middle", transform: `rotate(-90 11 ${middle})` }, this.app.answer.of === "|K|" ? "error of |K|" : "error"));
+    parts.push(s("text", { class: "label", x: 11, y: middle, "text-anchor": "middle", transform: `rotate(-90 11 ${middle})` }, this.app.scene.views ? "error" : `error of ${this.app.answer.of}`));
     // No error lies below the material floor: under its line there is room, unless the other words stand there.
     const dashes = this.y(steps[0].material_floor);
     parts.push(s("text", { class: "tick", x: LEFT + (dashes + 14 < bottom ? 3 : ASIDE), y: bottom - 3 }, "noise floor"));

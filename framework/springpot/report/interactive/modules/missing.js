@@ -178,7 +178,7 @@ export class Missing {
         ...row("error", preview ? `${percent(diagnosis.error.relative_rms)} → ${percent(preview.error)} (${times(preview.error, floor)})${preview.refitted ? "" : ", by the scan alone"}` : "no preview: it was not fitted alone"),
         ...row("evidence", `probability ${probability(candidate.probability)}, ΔBIC ${number(candidate.delta_bic, 3)}`),
         ...row("cannot be told from", others.join(", ") || "nothing: it has its own curve"),
-        ...(candidate.verdict === "missing" || candidate.bound === null ? [] : row("would have been seen", `from ${percent(candidate.bound, 2)} of |K| on`))));
+        ...(candidate.verdict === "missing" || candidate.bound === null ? [] : row("would have been seen", `from ${percent(candidate.bound, 2)} of ${this.app.answer.of} on`))));
   }
 }
 

@@ -24,10 +24,13 @@ export function probability(value) {
   return value.toFixed(value < 0.1 ? 3 : 2);
 }
 
+const VAGUE = 1e6; // ratio of an interval's ends beyond which nothing is known of a value
+
 // Two digits of the interval's width decide how many of the value are told.
 export function withInterval(value, low, high) {
   const width = Math.abs(high - low) / 2;
   if (low === null || high === null || !Number.isFinite(width) || width === 0) return [number(value), ""];
+  if (low > 0 && high / low > VAGUE) return [number(value, 2), "(these data do not tell it)"];
   const place = Math.floor(Math.log10(width)) - 1;
   const size = Math.floor(Math.log10(Math.abs(value) || width));
   const digits = Math.min(8, Math.max(2, size - place + 1));

@@ -7,6 +7,7 @@ const RIGHT = 10;
 const TOP = 10;
 const BOTTOM = 38;
 const FALL = 500; // ms
+const DRIFT = 900; // ms
 const MANY = 600; // points from which they are drawn small
 
 export function niceTicks(low, high, most = 6) {
@@ -215,6 +216,14 @@ export class Plot {
       const key = `${row} ${part}`;
       const rise = stood.places.get(key) - places.get(key);
       if (rise) marks[i].animate([{ transform: `translateY(${rise}px)` }, { transform: "none" }], { duration: FALL, easing: "ease-in" });
+    });
+  }
+
+  // Points of rows that are new come in from above.
+  arrive(rows) {
+    if (matchMedia("(prefers-reduced-motion: reduce)").matches) return;
+    this.spec.points.forEach(({ row }, i) => {
+      if (this.marks[i] && rows.has(row)) this.marks[i].animate([{ transform: "translateY(-40px)", opacity: 0 }, { transform: "none", opacity: 1 }], { duration: DRIFT, easing: "ease-out" });
     });
   }
 

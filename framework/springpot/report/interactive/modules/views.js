@@ -99,7 +99,7 @@ function bounded(axis, values, room, plain) {
     const sizes = values.map(Math.abs).filter((size) => size > 0).sort((a, b) => a - b);
     axis.bend = sizes[Math.floor(sizes.length * SMALL)] || 1;
     axis.log = false;
-    axis.label += ` (${below} not above zero)`;
+    axis.below = below;
   }
   const { forth, back } = turned(axis);
   const [low, high] = axis.bend ? range(values.map(forth), false, room).map(back) : range(values, axis.log, room);

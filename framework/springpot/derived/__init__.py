@@ -1,0 +1,24 @@
+"""Quantities that follow from a fit or from data: crossover, plateau, viscosity, linear limit ...
+
+Each with its interval, and whether the data or the model say it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from springpot.lazy import offered
+
+if TYPE_CHECKING:
+    from .asking import quantities
+    from .quantity import Quantities, Quantity
+
+__all__ = ["Quantities", "Quantity", "quantities"]
+
+_WHERE = {
+    "Quantities": "springpot.derived.quantity",
+    "Quantity": "springpot.derived.quantity",
+    "quantities": "springpot.derived.asking",
+}
+
+__getattr__, __dir__ = offered(__name__, _WHERE)

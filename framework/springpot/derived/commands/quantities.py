@@ -1,0 +1,90 @@
+"""``springpot quantities``: what follows from a fit or from data, with intervals."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from springpot.cli import completion
+from springpot.cli.common import COMPLETED, DATA, FILE, MODEL, emit, json_option, window
+
+
+@click.command(
+    "quantities",
+    epilog="Example: springpot quantities sweep.csv --model fractional-zener --frequency 5",
+)
+@click.argument("data", type=DATA, metavar="FIT.json|DATA", shell_complete=completion.data)
+@click.option("--model", "-m", metavar="EXPR", help=f"{MODEL} Without it the data.", **COMPLETED)
+@click.option(
+    "--frequency",
+    "-f",
+    type=click.FloatRange(min=0.0, min_open=True),
+    metavar="HZ",
+    help="Of |K|, loss factor and energy of a cycle.",
+)
+@click.option("--temperature", "-t", type=float, metavar="DEGC", help="Where the model needs it.")
+@click.option(
+    "--amplitude", "-a", type=float, metavar="X", help="In the amplitude unit of the data."
+)
+@click.option(
+    "--at",
+    "others",
+    multiple=True,
+    metavar="COLUMN=VALUE",
+    help="Another column that the model depends on: batch=2.",
+)
+@click.option(
+    "--without",
+    multiple=True,
+    metavar="EFFECT",
+    help="Leave an effect out, such as one of the rig.",
+    shell_complete=completion.names_of("effect"),
+)
+@click.option("--csv", "as_csv", is_flag=True, help="Print a table as CSV.")
+@click.option(
+    "-o", "--output", type=FILE, metavar="FILE", help="Write a .csv, .xlsx, .tex, .html or .md."
+)
+@json_option
+def command(
+    data: str,
+    model: str | None,
+    others: tuple[str, ...],
+    as_csv: bool,
+    output: Path | None,
+    as_json: bool,
+    **asked: Any,
+) -> None:
+    """Quantities of a fit or of data, each with its 95 % interval and who says it.
+
+    FIT.json is what 'springpot identify DATA --model EXPR --json' prints. A model says crossover,
+    plateau, moduli at rest and of fast changes, zero-shear viscosity, mean relaxation time, |K|,
+    loss factor and energy of a cycle; sweeps of the amplitude say linear limit, yield and flow
+    point. Without a model the points around a place say what lies within the data.
+    """
+    from springpot.constraints import values_of
+    from springpot.derived import quantities
+    from springpot.derived.quantity import told
+    from springpot.files import require_writable, write_text
+    from springpot.report.value_table import require_ending, write_values
+
+    if as_csv and as_json:
+        raise click.UsageError("give --csv or --json, not both", click.get_current_context())
+    if output is not None:
+        require_writable(output)
+        require_ending(output)
+    asked.update(values_of(others))
+    answer = quantities(data, model, **asked)
+    if output is not None:
+        if output.suffix == ".csv":
+            write_text(output, answer.to_csv())
+        else:
+            rows = [((row.name, row.place(answer.units), row.source), row.value) for row in answer]
+            write_values(output, answer.title, ("quantity", "at", "from"), rows)
+    if as_csv:
+        print(answer.to_csv(), end="")
+        return
+    emit(answer, as_json, lambda: print(told(answer, window())))
+    if output is not None and not as_json:
+        print(f"\nwritten: {output}")

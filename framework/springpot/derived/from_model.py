@@ -1,0 +1,273 @@
+"""Quantities of a fitted model, with the exact derivative of each by the model's parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from springpot.distributions import student
+from springpot.identification.prediction import Known
+from springpot.measurement.measurement import points_at
+from springpot.rheology.nodes import FULL
+from springpot.rheology.parameters import STIFFNESS, VISCOSITY
+from springpot.rheology.points import Real
+from springpot.thresholds import INTERVAL
+
+from .quantity import Quantity, energy_unit, in_logarithm, noun
+
+DECADE = float(np.log(10.0))
+REACH = 3.0 * DECADE
+"""How far beyond the measured frequencies a crossover or a plateau is looked for."""
+FINE = 60.0
+"""Places a decade at which it is looked for."""
+FARTHEST = 30
+"""Decades beyond the measured frequencies at which a limit must have been reached."""
+FLAT = 1e-3
+"""Slope in double logarithmic axes of what has reached its limit."""
+RISEN = 1e-4
+"""Share by which a solid's storage exceeds its value at rest, where its first rise is read.
+
+More would bend it, and less would lose digits.
+"""
+ROUNDING = 1e-9
+"""Slope, or change of it, that rounding alone may make."""
+STEP = 1e-3
+"""Of differences of exact slopes along ln omega."""
+
+
+class Logs(NamedTuple):
+    """ln K' and ln K'' with their slopes, at ln omega (n,).
+
+    Attributes
+    ----------
+    storage, loss : ndarray, shape (n,)
+        Not a number where the part is not positive.
+    storage_x, loss_x : ndarray, shape (n,)
+        Derivatives by ln omega.
+    storage_t, loss_t : ndarray, shape (p, n)
+        Derivatives by the parameters.
+    """
+
+    storage: Real
+    loss: Real
+    storage_x: Real
+    loss_x: Real
+    storage_t: Real
+    loss_t: Real
+
+    @property
+    def damping(self) -> tuple[Real, Real, Real]:
+        """Ln tan delta and its slopes."""
+        return (
+            self.loss - self.storage,
+            self.loss_x - self.storage_x,
+            self.loss_t - self.storage_t,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class OfModel:
+    """A fitted model under given conditions.
+
+    Parameters
+    ----------
+    known : Known
+        The fit.
+    conditions : mapping of str to float
+        Temperature in degC, amplitude and others that the model needs.
+    band : tuple of float
+        ln omega between which crossover and plateau are looked for.
+    limits : bool
+        Whether limits beyond the band are told: not of a free spectrum, which ends with the data.
+    """
+
+    known: Known
+    conditions: Mapping[str, float]
+    band: tuple[float, float]
+    limits: bool = True
+
+    def logs(self, x: Real) -> Logs:
+        """Of ln omega (n,)."""
+        known = self.known
+        columns = {name: np.full(len(x), value) for name, value in self.conditions.items()}
+        points = points_at(x, columns, known.reference)
+        with np.errstate(all="ignore"):
+            response = known.model.network.respond(known.theta, points, FULL)
+            found = []
+            for part in (np.real, np.imag):
+                value = part(response.value)
+                value = np.where(value > 0.0, value, np.nan)
+                found.append(
+                    (
+                        np.log(value),
+                        part(response.by_log_omega) / value,
+                        part(response.by_theta) / value,
+                    )
+                )
+        (a, a_x, a_t), (b, b_x, b_t) = found
+        return Logs(a, b, a_x, b_x, a_t, b_t)
+
+    def told(
+        self,
+        name: str,
+        log: float,
+        slope: Real,
+        unit: tuple[float, str],
+        says: str,
+        omega: float | None = None,
+        at: Mapping[str, float] | None = None,
+    ) -> Quantity:
+        """A quantity by its logarithm and the derivative (p,) of that by the parameters."""
+        with np.errstate(all="ignore"):
+            variance = float(slope @ self.known.theta_covariance @ slope)
+        reach = student(INTERVAL, self.known.dof) * np.sqrt(max(variance, 0.0))
+        outside = True
+        if omega is not None:
+            columns = {name: np.array([value]) for name, value in self.conditions.items()}
+            outside = bool(self.known.covered.outside(np.array([omega]), columns)[0])
+        value = in_logarithm(log, float(reach), unit[1], unit[0])
+        held = {**self.conditions, **(at or {})}
+        return Quantity(name, value, "model", held, outside, says)
+
+    def quantities(self) -> Iterator[Quantity]:
+        """All that the model has, whatever frequency is asked for."""
+        yield from self._crossovers()
+        yield from self._plateaus()
+        if self.limits:
+            yield from self._limits()
+
+    def _roots(self, values: Real, x: Real, rising: bool | None = None) -> Iterator[float]:
+        """Where values (n,) of the damping, or of its slope, change their sign."""
+        which = 0 if rising is None else 1
+        for i in np.flatnonzero(np.sign(values[:-1]) * np.sign(values[1:]) < 0):
+            if rising and values[i] > 0.0:
+                continue
+            low, high = x[i], x[i + 1]
+            for _ in range(50):
+                middle = 0.5 * (low + high)
+                value = self.logs(np.array([middle])).damping[which][0]
+                if value * values[i] > 0.0:
+                    low = middle
+                else:
+                    high = middle
+            yield float(0.5 * (low + high))
+
+    @property
+    def _grid(self) -> Real:
+        low, high = self.band
+        return np.linspace(low, high, int((high - low) / DECADE * FINE) + 2)
+
+    def _crossovers(self) -> Iterator[Quantity]:
+        units, grid = self.known.units, self._grid
+        for x in self._roots(self.logs(grid).damping[0], grid):
+            logs = self.logs(np.array([x]))
+            _, slope, by_theta = logs.damping
+            if abs(slope[0]) < ROUNDING:
+                continue
+            moved = -by_theta[:, 0] / slope[0]
+            clock = 1.0 if units.clock == "rad/s" else 0.5 / np.pi
+            rate = float(np.exp(x))
+            says = "where storage and loss are equal"
+            yield self.told("crossover frequency", x, moved, (clock, units.clock), says, rate)
+            size = logs.storage_t[:, 0] + logs.storage_x[0] * moved
+            unit = units.of(STIFFNESS)
+            yield self.told(f"crossover {noun(units)}", logs.storage[0], size, unit, says, rate)
+
+    def _plateaus(self) -> Iterator[Quantity]:
+        grid = self._grid
+        for x in self._roots(self.logs(grid).damping[1], grid, rising=True):
+            here, (before, after) = (
+                self.logs(np.array([x])),
+                (self.logs(np.array([x + step])).damping for step in (-STEP, STEP)),
+            )
+            if here.damping[0][0] >= 0.0:
+                continue
+            bend = after[1][0] - before[1][0]
+            # What is flat but for rounding has no place where it is least.
+            if bend < ROUNDING:
+                continue
+            moved = -(after[2][:, 0] - before[2][:, 0]) / bend
+            size = here.storage_t[:, 0] + here.storage_x[0] * moved
+            at = {"frequency": float(np.exp(x)) / (2.0 * np.pi)}
+            says = "storage where the loss factor is least"
+            unit = self.known.units.of(STIFFNESS)
+            yield self.told("plateau", here.storage[0], size, unit, says, float(np.exp(x)), at)
+
+    def _limits(self) -> Iterator[Quantity]:
+        units, away = self.known.units, DECADE * np.arange(FARTHEST + 1.0)
+        slow, fast = self.logs(self.band[0] - away), self.logs(self.band[1] + away)
+        rest = _flat(slow.storage_x)
+        if rest is not None:
+            says = "storage at rest"
+            yield self._limit("equilibrium", slow, rest, says)
+            yield from self._first_rise(slow, rest)
+        elif (place := _flat(slow.loss_x - 1.0)) is not None:
+            x = self.band[0] - away[place]
+            name = "zero-shear viscosity" if units.is_modulus else "viscous constant at rest"
+            says = "loss over the angular frequency, at rest"
+            log, slope = slow.loss[place] - x, slow.loss_t[:, place]
+            yield self.told(name, log, slope, units.of(VISCOSITY), says)
+            if (place := _flat(slow.storage_x - slow.loss_x - 1.0)) is not None:
+                x = self.band[0] - away[place]
+                log = slow.storage[place] - slow.loss[place] - x
+                yield self._mean_time(log, slow.storage_t[:, place] - slow.loss_t[:, place])
+        place = _flat(fast.storage_x)
+        # Where loss goes on rising a fast change is no matter of storage.
+        if place is not None and fast.damping[0][place] < 0.0:
+            yield self._limit("instantaneous", fast, place, "storage of fast changes")
+
+    def _limit(self, name: str, logs: Logs, place: int, says: str) -> Quantity:
+        unit = self.known.units.of(STIFFNESS)
+        name = f"{name} {noun(self.known.units)}"
+        return self.told(name, logs.storage[place], logs.storage_t[:, place], unit, says)
+
+    def _first_rise(self, slow: Logs, rest: int) -> Iterator[Quantity]:
+        """The mean time of a solid: how its storage begins to rise, over its loss."""
+        x = self.band[1] - 0.1 * DECADE * np.arange(10.0 * FARTHEST)
+        logs, least = self.logs(x), np.exp(slow.storage[rest])
+        risen = np.exp(logs.storage) - least
+        with np.errstate(all="ignore"):
+            place = int(np.nanargmin(np.abs(np.log(risen / least / RISEN))))
+            if not abs(np.log(risen[place] / least / RISEN)) < DECADE:
+                return
+            slope = np.exp(logs.storage[place]) * logs.storage_x[place] / risen[place]
+        if abs(slope - 2.0) > 100.0 * RISEN or abs(logs.loss_x[place] - 1.0) > 100.0 * RISEN:
+            return
+        by_theta = np.exp(logs.storage[place]) * logs.storage_t[:, place]
+        by_theta = (by_theta - least * slow.storage_t[:, rest]) / risen[place]
+        log = float(np.log(risen[place]) - logs.loss[place] - x[place])
+        yield self._mean_time(log, by_theta - logs.loss_t[:, place])
+
+    def _mean_time(self, log: float, slope: Real) -> Quantity:
+        says = "rise of storage over omega times loss, at rest: times weighted by their viscosity"
+        return self.told("mean relaxation time", log, slope, (1.0, "s"), says)
+
+    def at(self, hertz: float) -> Iterator[Quantity]:
+        """|K|, loss factor and energy of a cycle at a frequency."""
+        units, x = self.known.units, np.log(2.0 * np.pi * np.array([hertz]))
+        logs, rate, at = self.logs(x), 2.0 * np.pi * hertz, {"frequency": hertz}
+        damping, _, by_theta = logs.damping
+        storage, loss = np.exp(2.0 * logs.storage[0]), np.exp(2.0 * logs.loss[0])
+        size = 0.5 * float(np.log(storage + loss))
+        slope = (storage * logs.storage_t[:, 0] + loss * logs.loss_t[:, 0]) / (storage + loss)
+        if np.isfinite(size):
+            unit, says = units.of(STIFFNESS), "size of the complex value"
+            yield self.told(units.magnitude, size, slope, unit, says, rate, at)
+            says = "loss over storage"
+            damped = float(damping[0]), by_theta[:, 0]
+            yield self.told("loss factor", *damped, (1.0, "-"), says, rate, at)
+        amplitude = self.conditions.get("amplitude")
+        if amplitude is not None and amplitude > 0.0 and np.isfinite(logs.loss[0]):
+            log = float(logs.loss[0] + np.log(np.pi * amplitude**2))
+            told, unit = (log, logs.loss_t[:, 0]), energy_unit(units)
+            yield self.told("energy of a cycle", *told, unit, "area of the loop", rate, at)
+
+
+def _flat(slope: Real) -> int | None:
+    """The place where a slope is least, if what it is of has reached its limit there."""
+    size = np.where(np.isfinite(slope), np.abs(slope), np.inf)
+    place = int(np.argmin(size))
+    return place if size[place] < FLAT else None

@@ -1,0 +1,203 @@
+"""What is told of a quantity, and of all of them."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from io import StringIO
+from typing import Any, Literal
+
+import numpy as np
+
+from springpot.identification.value import Value
+from springpot.measurement.units import (
+    AMPLITUDE_UNITS,
+    LENGTH_UNITS,
+    MODULUS_UNITS,
+    STRAIN_UNITS,
+    Units,
+)
+from springpot.plain_data import jsonable
+from springpot.report.text import TextTable
+from springpot.report.values import shown
+
+SCHEMA = "springpot.quantities/1"
+Source = Literal["data", "model"]
+ENDLESS = 30.0
+"""Half of an interval in natural logarithms, from which it has no end."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A quantity with its 95 % interval.
+
+    Attributes
+    ----------
+    name : str
+        Such as ``crossover frequency``.
+    value : Value
+        With its interval and unit.
+    source : {"data", "model"}
+        Whether measured points around it say it, or a fitted model.
+    at : mapping of str to float
+        Frequency in Hz, temperature in degC, amplitude in the unit of the data, that it belongs to.
+    outside : bool
+        Whether it lies, or the model was asked, outside of what was measured.
+    says : str
+        What it is.
+    """
+
+    name: str
+    value: Value
+    source: Source
+    at: Mapping[str, float] = field(default_factory=dict)
+    outside: bool = False
+    says: str = ""
+
+    def to_dict(self) -> dict[str, Any]:
+        """A row of the answer."""
+        row = {"name": self.name, **self.value.to_dict(), "source": self.source}
+        row |= {"at": dict(self.at), "outside_measured": self.outside, "says": self.says}
+        return row
+
+    def place(self, units: Units) -> str:
+        """Where it belongs to, as people say it."""
+        told = []
+        for name, value in self.at.items():
+            if name == "frequency":
+                told.append(units.at(value))
+            else:
+                unit = {"temperature": "degC", "amplitude": units.amplitude}.get(name, "-")
+                told.append(f"{name} {value:.4g} {unit}".removesuffix(" -"))
+        return ", ".join(told)
+
+
+@dataclass(frozen=True, eq=False)
+class Quantities:
+    """The quantities of a fit, or of data.
+
+    Attributes
+    ----------
+    name : str
+        Of the data.
+    model : str
+        The model expression; empty where none was asked.
+    units : Units
+        Those of the data.
+    rows : tuple of Quantity
+        The quantities.
+    notes : tuple of str
+        What there is none of, and why.
+    """
+
+    name: str
+    model: str
+    units: Units
+    rows: tuple[Quantity, ...]
+    notes: tuple[str, ...] = ()
+
+    def __iter__(self) -> Iterator[Quantity]:
+        return iter(self.rows)
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __getitem__(self, name: str) -> Value:
+        """The first quantity of that name.
+
+        Raises
+        ------
+        KeyError
+            If there is none, with those that there are.
+        """
+        for row in self.rows:
+            if row.name == name:
+                return row.value
+        known = ", ".join(dict.fromkeys(row.name for row in self.rows)) or "none"
+        raise KeyError(f"no '{name}' (there are: {known})")
+
+    @property
+    def title(self) -> str:
+        """The model and the data, in one line."""
+        return f"{self.model} fitted to {self.name}" if self.model else self.name
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, schema ``springpot.quantities/1``; an end that there is none of is None."""
+        answer = {"schema": SCHEMA, "data": self.name, "model": self.model or None}
+        rows = [row.to_dict() for row in self.rows]
+        return dict(jsonable({**answer, "quantities": rows, "notes": list(self.notes)}))
+
+    def to_csv(self) -> str:
+        """A table with a row for each quantity."""
+        stream = StringIO()
+        write = csv.writer(stream, lineterminator="\n").writerow
+        unit = self.units.amplitude
+        at = ["frequency [Hz]", "temperature [degC]", f"amplitude [{unit}]"]
+        write(["quantity", "value", "low", "high", "unit", "source", *at, "outside_measured"])
+        for row in self.rows:
+            value = row.value
+            cells = [row.name, repr(value.value), repr(value.low), repr(value.high), value.unit]
+            cells += [row.source, *(repr(row.at[n]) if n in row.at else "" for n in AT)]
+            write([*cells, str(row.outside).lower()])
+        return stream.getvalue()
+
+    def __repr__(self) -> str:
+        return f"<Quantities of {self.name}: {', '.join(row.name for row in self.rows)}>"
+
+    def __str__(self) -> str:
+        return told(self)
+
+
+AT = ("frequency", "temperature", "amplitude")
+"""What a quantity may belong to, in the order of the table."""
+
+
+def in_logarithm(log: float, reach: float, unit: str, factor: float = 1.0) -> Value:
+    """A positive value by its logarithm, with half the width of the interval of that."""
+    value = factor * float(np.exp(log))
+    if not reach < ENDLESS:
+        return Value(value, 0.0, float("inf"), unit)
+    return Value(value, value * float(np.exp(-reach)), value * float(np.exp(reach)), unit)
+
+
+def noun(units: Units) -> str:
+    """What storage is, at a place."""
+    return "modulus" if units.is_modulus else "stiffness"
+
+
+def energy_unit(units: Units) -> tuple[float, str]:
+    """Factor and unit of the energy that a cycle takes: of a modulus that of a volume."""
+    stiffness, amplitude = MODULUS_UNITS[units.stiffness], AMPLITUDE_UNITS[units.amplitude]
+    if units.is_modulus and units.amplitude in STRAIN_UNITS:
+        return stiffness * amplitude**2, "J/m^3"
+    if not units.is_modulus and (units.amplitude in LENGTH_UNITS or "rad" in units.stiffness):
+        return stiffness * amplitude**2, "J"
+    return 1.0, f"{units.stiffness} {units.amplitude}^2"
+
+
+def told(answer: Quantities, columns: int | None = None) -> str:
+    """A row for each, and what there is none of.
+
+    Parameters
+    ----------
+    answer : Quantities
+        The answer.
+    columns : int, optional
+        Of the window.
+    """
+    rows = []
+    for row in answer:
+        size, interval = shown(row.value)
+        source = f"{row.source}, outside" if row.outside else row.source
+        place = row.place(answer.units) or "-"
+        rows.append([row.name, size, interval, row.value.unit, place, source])
+    headers = ("quantity", "value", "95 % interval", "unit", "at", "from")
+    table = TextTable(headers, rows, frozenset({"value"}), spare=("at",))
+    if columns is not None and rows:
+        table = table.fitted(columns)
+    lines = [answer.title, "", *([table.plain()] if rows else ["nothing can be told"])]
+    lines += [f"note        {note}" for note in answer.notes]
+    if any(row.outside for row in answer):
+        lines.append("outside     of what was measured: it holds only if the model does")
+    return "\n".join(lines)

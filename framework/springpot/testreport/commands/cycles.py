@@ -1,0 +1,92 @@
+"""``springpot cycles``: what a test report tells of each cycle."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from springpot.cli.common import DATA, FILE, emit, json_option, of_each
+
+if TYPE_CHECKING:
+    from springpot.testreport.report import CycleReport
+    from springpot.testreport.summary import EvaluatedTest
+
+
+@click.command(
+    "cycles", epilog="Example: springpot cycles test-*.csv --cycles 3..10 -o report.xlsx"
+)
+@click.argument("records", type=DATA, nargs=-1, required=True, metavar="RECORD...")
+@click.option(
+    "--cycles",
+    "wanted",
+    metavar="A..B",
+    help="Cycles that the means are of; by default all but the first and the last.",
+)
+@click.option(
+    "-o", "--output", type=FILE, metavar="FILE", help="Write all rows here (.xlsx or .csv)."
+)
+@click.option(
+    "--figure",
+    type=FILE,
+    metavar="FILE",
+    help="Draw the loops, their ellipse and backbone (.png, .svg or .pdf).",
+)
+@json_option
+def command(
+    records: tuple[str, ...],
+    wanted: str | None,
+    output: Path | None,
+    figure: Path | None,
+    as_json: bool,
+) -> int:
+    """Stiffness, damping and energy of each cycle of a test, as a test report has them.
+
+    Each RECORD holds displacement and force against time, read as 'springpot signals' reads it; one
+    without a time gives what needs none. One that cannot be used is named on stderr. Each number
+    has a 95 % interval: from the noise of the record, or from the scatter of the cycles where that
+    is more. Tests at several speeds give the law F0 = C |v|^alpha.
+    """
+    from springpot.report.canvas import check_figure_path
+    from springpot.testreport.record import read_record
+    from springpot.testreport.report import report_of
+    from springpot.testreport.sheets import check_sheets_path
+    from springpot.testreport.summary import evaluate, range_of
+
+    # What cannot be written is told before long records are read.
+    if output is not None:
+        check_sheets_path(output)
+    if figure is not None:
+        check_figure_path(figure)
+    meant = None if wanted is None else range_of(wanted)
+    tests: list[EvaluatedTest] = []
+    worst = of_each(records, lambda name: tests.append(evaluate(read_record(name), meant)))
+    if not tests:
+        return worst
+    report = report_of(tests)
+    if output is not None:
+        report.write(output)
+    if figure is not None:
+        report.figure(figure)
+    emit(report.to_dict(), as_json, lambda: _show(report, output, figure))
+    return worst
+
+
+def _show(report: CycleReport, output: Path | None, figure: Path | None) -> None:
+    from springpot.report.numbers import with_interval
+    from springpot.testreport.words import law_text, table_of
+
+    for test in report.tests:
+        table_of(test).show()
+        print()
+        value, interval = with_interval(test.energy.value, test.energy.low, test.energy.high)
+        print(f"energy of the run  {value} {interval} {test.record.units['energy']}")
+        for note in test.notes:
+            print(f"note: {note}")
+        print()
+    if report.law is not None:
+        print(f"velocity law  {law_text(report.law)}")
+    for path in (output, figure):
+        if path is not None:
+            print(f"written: {path}")

@@ -1,0 +1,160 @@
+"""A folder that is watched: what its files hold, joined, as often as one of them has grown.
+
+Nothing waits for the folder here: the page asks again and again, so that no thread outlives it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import time
+from collections import defaultdict
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from springpot.errors import DataError, SpringpotError
+from springpot.inputs import bytes_of
+from springpot.measurement.measurement import Measurement
+
+from .sessions import data_of, digest_of, joined, joined_anew, measured_in, text_of
+from .specimen import Opened
+
+SETTLED = 10.0
+"""Seconds after which nobody writes on at a last line that has no end.
+
+A program that writes through a buffer stops in the midst of a number.
+"""
+MOST_FILES = 500
+"""Files of a folder: one for each frequency of a long sweep."""
+PASSED = (".", "~")
+"""With what the names of files begin that other programs hide, or have open."""
+
+Seen = tuple[str, int, int, bool]
+"""Name, bytes, time of the last change, and whether that is long ago."""
+
+
+def seen_in(folder: Path, now: float) -> list[Seen]:
+    """The files of a folder by name.
+
+    Raises
+    ------
+    DataError
+        If it is none, or holds too many.
+    """
+    try:
+        found = []
+        for path in sorted(folder.iterdir()):
+            if path.name.startswith(PASSED) or not path.is_file():
+                continue
+            known = path.stat()
+            settled = now - known.st_mtime > SETTLED
+            found.append((path.name, known.st_size, known.st_mtime_ns, settled))
+    except OSError as error:
+        raise DataError(f"{folder} cannot be watched: {error.strerror}") from None
+    if len(found) > MOST_FILES:
+        raise DataError(f"{folder} holds {len(found)} files: at most {MOST_FILES} are watched")
+    return found
+
+
+@lru_cache(maxsize=2 * MOST_FILES)
+def _read(folder: Path, seen: Seen, choice: str) -> Opened | str:
+    """What a file holds so far, or why it waits; read again only when it has changed."""
+    name, _, _, settled = seen
+    try:
+        content = bytes_of(folder / name)
+        # A last line without an end may hold half a number.
+        if not settled and not content.endswith(b"\n") and b"\0" not in content:
+            content = content[: content.rfind(b"\n") + 1]
+        if not content:
+            return f"{name}: no whole line so far"
+        return measured_in(name, content, choice)[0]
+    except SpringpotError as error:
+        return " ".join(str(error).split())
+
+
+def _together(
+    folder: Path, files: list[Seen], base: Opened | None, choice: str
+) -> tuple[Opened | None, list[str], list[str]]:
+    """All that can be joined, the names of these files, and why the others wait."""
+    data, used, waits = base, [], []
+    for seen in files:
+        found = _read(folder, seen, choice)
+        if isinstance(found, str):
+            waits.append(found)
+            continue
+        try:
+            if data is None:
+                data = found
+            elif data is base:
+                # What the open data hold already was saved with them.
+                data = joined_anew(data, found)
+            else:
+                data = joined(data, found)
+            used.append(seen[0])
+        except SpringpotError as error:
+            waits.append(" ".join(str(error).split()))
+    return data, used, waits
+
+
+def folder_of(spec: str) -> tuple[Path, str]:
+    """A folder, and what is said of all of its files behind it."""
+    # A name may hold the sign itself.
+    if Path(spec).is_dir():
+        return Path(spec).resolve(), ""
+    name, sign, said = spec.partition("?")
+    return Path(name).resolve(), sign + said
+
+
+def watched(
+    folder: str, known: str, base: str, before: str
+) -> tuple[dict[str, Any], Opened | None]:
+    """What is new in a folder, and the data if they are others than before.
+
+    Parameters
+    ----------
+    folder : str
+        Which, as `folder_of` takes it.
+    known : str
+        Signature of what was told last: of the same nothing more is told.
+    base, before : str
+        Text of the data that the files join, and of those that are open; empty for none.
+
+    Returns
+    -------
+    dict
+        ``folder``, ``signature``; where that is new ``files`` (names), ``waits`` (lines), ``rows``
+        (where each row of the data before stands now).
+    Measurement or Specimen or None
+        The data.
+    """
+    place, choice = folder_of(folder)
+    files = seen_in(place, time.time())
+    asked = json.dumps([files, digest_of(base), choice])
+    signature = hashlib.sha256(asked.encode()).hexdigest()
+    if signature == known:
+        return {"folder": place.name, "signature": signature}, None
+    start = data_of(base) if base else None
+    data, used, waits = _together(place, files, start, choice)
+    told = {"folder": place.name, "signature": signature, "files": used, "waits": waits}
+    if data is None or not used or text_of(data) == before:
+        return told, None
+    return {**told, "rows": _moved(data_of(before), data) if before else []}, data
+
+
+def _moved(before: Opened, now: Opened) -> list[int | None]:
+    """Where each row of the data before stands now: files grow, and others stand behind them."""
+    if not isinstance(before, Measurement) or not isinstance(now, Measurement):
+        return [row if row < len(now) else None for row in range(len(before))]
+    names = [name for name in before.conditions if name in now.conditions]
+    places = defaultdict(list)
+    for row, key in reversed(list(enumerate(_keys(now, names)))):
+        places[key].append(row)
+    return [places[key].pop() if places[key] else None for key in _keys(before, names)]
+
+
+def _keys(data: Measurement, names: list[str]) -> list[bytes]:
+    columns = [data.omega, data.storage, data.loss, *(data.conditions[name] for name in names)]
+    return [row.tobytes() for row in np.column_stack(columns)]

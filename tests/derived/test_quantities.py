@@ -1,0 +1,220 @@
+"""Quantities that follow from a fit or from data: exact where a formula is known, and covered."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.derived import quantities
+from springpot.derived.from_data import linear_limit
+from springpot.distributions import student
+from springpot.errors import SpringpotError
+
+OMEGA = np.geomspace(0.01, 100.0, 30)
+KN = springpot.Units("kN/m", "mm")
+
+
+def sweep(expression, values, noise=0.0, seed=1, units=None, omega=OMEGA, **conditions):
+    """Data of a model whose parameters are known."""
+    model, rng = springpot.parse_model(expression), np.random.default_rng(seed)
+    size = len(omega)
+    scatter = 1.0 + noise * (rng.normal(size=size) + 1j * rng.normal(size=size))
+    columns = {name: np.full(size, value) for name, value in conditions.items()}
+    return springpot.Measurement(
+        omega,
+        model.stiffness(model.vector(values), omega) * scatter,
+        conditions=columns,
+        units=units or springpot.Units(),
+    )
+
+
+def fractional_crossover(k, c, alpha):
+    """Where k / (1 + u e^(-i alpha pi/2)), u = k / (c omega^alpha), has equal parts."""
+    angle = 0.5 * np.pi * alpha
+    u = 1.0 / (np.sin(angle) - np.cos(angle))
+    return (k / c / u) ** (1.0 / alpha), k * (1.0 + u * np.cos(angle)) / abs(
+        1.0 + u * np.exp(1j * angle)
+    ) ** 2
+
+
+OMEGA_X, G_X = fractional_crossover(100.0, 50.0, 0.6)
+EXACT = [
+    (
+        "maxwell",
+        {"k": 100.0, "c": 50.0},
+        {
+            "crossover frequency": 1.0 / np.pi,
+            "crossover modulus": 50.0,
+            "zero-shear viscosity": 50.0,
+            "mean relaxation time": 0.5,
+            "instantaneous modulus": 100.0,
+            "loss factor": 1.0 / np.pi,
+        },
+    ),
+    (
+        "fractional-maxwell",
+        {"k": 100.0, "c": 50.0, "alpha": 0.6},
+        {
+            "crossover frequency": OMEGA_X / (2.0 * np.pi),
+            "crossover modulus": G_X,
+            "instantaneous modulus": 100.0,
+        },
+    ),
+    (
+        "zener",
+        {"k1": 10.0, "k2": 90.0, "c": 30.0},
+        {
+            "equilibrium modulus": 10.0,
+            "instantaneous modulus": 100.0,
+            "mean relaxation time": 1.0 / 3.0,
+        },
+    ),
+    (
+        "maxwell-2",
+        {"k1": 3.0, "tau1": 10.0, "k2": 6.0, "tau2": 0.01},
+        {"zero-shear viscosity": 30.06, "mean relaxation time": 300.0006 / 30.06},
+    ),
+    # With a = c1 / c2 its loss factor a u + (1 + a) / u is least at u^2 = (1 + a) / a.
+    ("jeffreys", {"c1": 0.1, "k": 3.0, "c2": 0.8}, {"zero-shear viscosity": 0.9, "plateau": 2.7}),
+]
+
+
+@pytest.mark.parametrize(("expression", "values", "expected"), EXACT)
+def test_formulas_of_models_are_met(expression, values, expected):
+    found = quantities(sweep(expression, values), expression, frequency=1.0)
+    for name, value in expected.items():
+        assert found[name].value == pytest.approx(value, rel=1e-5), name
+
+
+def test_a_solid_has_no_viscosity_and_a_power_law_no_time():
+    solid = quantities(sweep("kelvin", {"k": 3.0, "c": 1.0}), "kelvin")
+    names = {row.name for row in solid}
+    assert "equilibrium modulus" in names
+    assert not names & {"zero-shear viscosity", "instantaneous modulus", "mean relaxation time"}
+    power = quantities(sweep("springpot", {"c": 3.0, "alpha": 0.3}), "springpot")
+    assert not any("rest" in row.says for row in power)
+    assert any("power of the frequency" in note for note in power.notes)
+
+
+@pytest.mark.parametrize(
+    ("name", "expression", "values"),
+    [
+        ("crossover frequency", "fractional-maxwell", {"k": 100.0, "c": 50.0, "alpha": 0.6}),
+        ("crossover modulus", "fractional-maxwell", {"k": 100.0, "c": 50.0, "alpha": 0.6}),
+        ("plateau", "maxwell-2", {"k1": 3.0, "tau1": 10.0, "k2": 6.0, "tau2": 0.01}),
+        ("mean relaxation time", "zener", {"k1": 10.0, "k2": 90.0, "c": 30.0}),
+        ("|G*|", "zener", {"k1": 10.0, "k2": 90.0, "c": 30.0}),
+    ],
+)
+def test_intervals_are_those_of_the_parameters(name, expression, values):
+    """By differences of the whole quantity along each parameter."""
+    fit = springpot.identify(sweep(expression, values, noise=0.01), expression)
+    logs = []
+    for i in range(len(fit.theta)):
+        for sign in (-1.0, 1.0):
+            theta = fit.theta * np.where(np.arange(len(fit.theta)) == i, 1.0 + sign * 1e-4, 1.0)
+            moved = {name: float(value) for name, value in zip(fit.model.names, theta, strict=True)}
+            # All that has a formula is a function of the parameters alone.
+            exact = springpot.identify(sweep(expression, moved), expression)
+            logs.append(np.log(quantities(exact, frequency=1.0)[name].value))
+    slopes = (np.array(logs[1::2]) - np.array(logs[::2])) / (2e-4 * fit.theta)
+    reach = student(0.95, fit.dof) * np.sqrt(slopes @ fit.covariance @ slopes)
+    found = quantities(fit, frequency=1.0)[name]
+    assert np.log(found.high / found.value) == pytest.approx(reach, rel=0.01)
+
+
+def test_intervals_cover():
+    """Of 80 series: within three deviations of 95 %, from the data as from the model."""
+    hits = {"model": 0, "data": 0}
+    for seed in range(80):
+        data = sweep("fractional-maxwell", {"k": 100.0, "c": 50.0, "alpha": 0.6}, 0.01, seed)
+        for model in ("fractional-maxwell", None):
+            found = quantities(data, model)["crossover frequency"]
+            inside = found.low <= OMEGA_X / (2.0 * np.pi) <= found.high
+            hits["data" if model is None else "model"] += inside
+    assert all(count >= 0.875 * 80 for count in hits.values()), hits
+
+
+def test_the_linear_limit_is_covered():
+    """Of a softening that is not the curve that is fitted."""
+    x, rng = np.log(np.geomspace(1e-4, 1.0, 33)), np.random.default_rng(3)
+    exact = -np.log1p((np.exp(x) / 0.05) ** 1.2)
+    truth, hits = np.log(0.05) + np.log(0.05 / 0.95) / 1.2, 0
+    for _ in range(120):
+        found = linear_limit(x, exact + 0.01 * rng.normal(size=len(x)))
+        assert found is not None
+        place, error, dof = found
+        hits += abs(place - truth) <= student(0.95, dof) * error
+    assert 0.89 * 120 <= hits < 120
+
+
+def test_a_sweep_of_the_amplitude_says_limit_yield_and_flow():
+    strain = np.geomspace(0.1, 100.0, 31)  # in %
+    storage = 1000.0 / (1.0 + (strain / 10.0) ** 2)
+    loss = 300.0 / (1.0 + strain / 60.0)
+    data = springpot.Measurement(
+        np.full(31, 6.0),
+        storage + 1j * loss,
+        conditions={"amplitude": strain},
+        units=springpot.Units("Pa", "%"),
+    )
+    found = quantities(data)
+    limit = 10.0 * np.sqrt(0.05 / 0.95)
+    assert found["linear limit"].value == pytest.approx(limit, rel=0.02)
+    assert found["linear limit"].unit == "%"
+    at_limit = abs(950.0 + 300.0j / (1.0 + limit / 60.0)) * 0.01 * limit
+    assert found["yield stress"].value == pytest.approx(at_limit, rel=0.02)
+    flow = found["flow point"].value
+    solid = 1000.0 / (1.0 + (flow / 10.0) ** 2)
+    assert solid == pytest.approx(300.0 / (1.0 + flow / 60.0), rel=0.02)
+    assert all(row.source == "data" for row in found)
+
+
+def test_energy_of_a_cycle_is_in_joule():
+    """Pi K'' X^2: of 4 kN s/m at 2 mm and 1 Hz."""
+    data = sweep("kelvin", {"k": 100.0, "c": 4.0}, units=KN, amplitude=2.0)
+    for model in ("kelvin", None):
+        found = quantities(data, model, frequency=1.0)["energy of a cycle"]
+        expected = np.pi * 4000.0 * 2.0 * np.pi * 0.002**2
+        assert (found.value, found.unit) == (pytest.approx(expected, rel=1e-3), "J")
+
+
+def test_each_row_says_who_says_it_and_whether_it_was_measured():
+    data = sweep("maxwell", {"k": 100.0, "c": 50.0}, noise=0.01)
+    rows = {row.name: row for row in quantities(data, "maxwell", frequency=1000.0)}
+    assert not rows["crossover frequency"].outside
+    assert rows["zero-shear viscosity"].outside
+    assert rows["loss factor"].outside
+    assert {row.source for row in rows.values()} == {"model"}
+    with pytest.raises(KeyError, match="crossover frequency"):
+        quantities(data)["zero-shear viscosity"]
+
+
+def test_a_free_spectrum_ends_with_the_data():
+    found = quantities(sweep("maxwell", {"k": 100.0, "c": 50.0}, noise=0.01), "material")
+    assert found["crossover modulus"].value == pytest.approx(50.0, rel=0.05)
+    assert not any(row.outside for row in found)
+    assert any("ends with the data" in note for note in found.notes)
+
+
+def test_the_answer_of_a_kept_fit_is_the_same(tmp_path):
+    fit = springpot.identify(sweep("maxwell", {"k": 100.0, "c": 50.0}, 0.01, units=KN), "maxwell")
+    path = tmp_path / "fit.json"
+    path.write_text(json.dumps(fit.to_dict()), encoding="utf-8")
+    again, first = quantities(path, frequency=1.0), quantities(fit, frequency=1.0)
+    assert [row.value for row in again] == [row.value for row in first]
+    assert "crossover stiffness" in {row.name for row in again}
+    answer = json.loads(json.dumps(again.to_dict(), allow_nan=False))
+    assert answer["schema"] == "springpot.quantities/1"
+    assert answer["quantities"][0]["source"] == "model"
+    assert again.to_csv().splitlines()[1].startswith("crossover frequency,")
+
+
+def test_a_condition_that_the_model_needs_is_asked_for():
+    model = "maxwell + wlf-shift"
+    data = springpot.read("nist-srm2491")
+    with pytest.raises(SpringpotError, match="temperature="):
+        quantities(data, model)
