@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,10 +29,12 @@ from .evidence import (
     size_of_scanned,
     without,
 )
-from .examination import Case
 from .grown import Grown, Search
 from .scan import Score, applicable, scan_effects
 from .search import clear, effort_of, sort_by_evidence
+
+if TYPE_CHECKING:
+    from .examination import Case
 
 
 def searched_sets(search: Search, effects: Sequence[Effect]) -> Search:
