@@ -7,7 +7,7 @@ import { number, pretty } from "./numbers.js";
 function nothing({ discovery }, scene) {
   const rivals = discovery.diagnosis.leading;
   if (!scene.views || rivals.length < 2) return "Nothing is open that another measurement would decide.";
-  return `These tests do not tell ${rivals.join(" from ")}. What would is proposed from sweeps: add one of this specimen.`;
+  return `These tests do not tell ${rivals.join(", ")} apart. What would is proposed from sweeps: add one of this specimen.`;
 }
 
 export class Next {

@@ -30,7 +30,7 @@ const titleOf = (plane) => `${plane[0].toUpperCase()}${plane.slice(1)} plane`;
 export function verdict({ discovery, of }) {
   const { diagnosis } = discovery;
   const says = diagnosis.says[0].toUpperCase() + diagnosis.says.slice(1);
-  return `${diagnosis.model}: ${discovery.verdict}, at ${percent(diagnosis.error.relative_rms)} of ${of}. ${says}.`;
+  return pretty(`${diagnosis.model}: ${discovery.verdict}, at ${percent(diagnosis.error.relative_rms)} of ${of}. ${says}.`);
 }
 
 export class Compare {
