@@ -19,6 +19,10 @@ export class Next {
   render() {
     const { answer, looks } = this.app;
     const proposed = answer?.proposed;
+    if (answer?.discovery.verdict === "sought") {
+      put(this.parent);
+      return;
+    }
     if (!proposed) {
       put(this.parent, h("p", { class: "quiet" }, answer ? nothing(answer, this.app.scene) : "What to measure next is told here."));
       return;
