@@ -110,6 +110,8 @@ def identify(
     bounds: Mapping[str, Bounds] | None = None,
     tie: str | Sequence[str] = (),
     own: Mapping[str, str] | None = None,
+    share: str | Sequence[str] = (),
+    specimen: str | None = None,
     start: Mapping[str, float] | None = None,
     exclude: str | Sequence[str] = (),
     accuracy: Accuracy | str | None = None,
@@ -140,7 +142,13 @@ def identify(
         their numbers are in printed units.
     own : mapping of str to str, optional
         Parameters of which each level of a column has its own, and the column: ``{"k": "batch"}``;
-        ``"file"`` where each sweep is a specimen. All others are shared.
+        ``"file"`` where each sweep is a specimen, ``"batch,number"`` where several columns tell
+        them, ``"batch/specimen"`` where they are of batches. All others are shared.
+    share : str or sequence of str
+        Parameters that all specimens share; where no `own` is given every other is their own.
+    specimen : str, optional
+        Columns whose levels are the specimens, in the place of files: ``"batch,number"``. They
+        differ, which repeats do not: the intervals follow their scatter.
     start : mapping of str to float, optional
         Where the native solver begins too, in printed units.
     exclude : str or sequence of str
@@ -175,7 +183,8 @@ def identify(
     tests = excluded(_tests(measurement), exclude)
     # Values come as they are printed: the units of the data must be known to read them.
     units = units_of(tests)
-    judged, tests = owning(constrained(_model(model), units, fix, bounds, tie), tests, own)
+    held = constrained(_model(model), units, fix, bounds, tie)
+    judged, tests = owning(held, tests, own, share, specimen)
     search: dict[str, Any] = {"budget": budget, "restarts": restarts, "seed": seed}
     search |= {"optimiser": _optimiser(optimiser), "objective": _objective(objective)}
     search |= {"intervals": intervals, "start": own_values(judged, units, start, "start")}
@@ -228,6 +237,8 @@ def diagnose(
     bounds: Mapping[str, Bounds] | None = None,
     tie: str | Sequence[str] = (),
     own: Mapping[str, str] | None = None,
+    share: str | Sequence[str] = (),
+    specimen: str | None = None,
     exclude: str | Sequence[str] = (),
     accuracy: Accuracy | str | None = None,
     progress: Progress = silent,
@@ -250,7 +261,7 @@ def diagnose(
         Names of effects that may not: a user knows that nothing slips.
     seed : int
         Of simulated noise; the same seed gives the same bits.
-    fix, bounds, tie, own, exclude
+    fix, bounds, tie, own, share, specimen, exclude
         What is known beforehand, and rows to leave out; see `identify`.
     accuracy : Accuracy or str, optional
         What the instrument promises, such as ``1%,3mrad``: a misfit within it is no verdict on the
@@ -275,9 +286,8 @@ def diagnose(
     'inertia'
     """
     tests = excluded(_tests(measurement), exclude)
-    judged, tests = owning(
-        constrained(_judged(model), units_of(tests), fix, bounds, tie), tests, own
-    )
+    held = constrained(_judged(model), units_of(tests), fix, bounds, tie)
+    judged, tests = owning(held, tests, own, share, specimen)
     promised = _promised(accuracy, tests)
     data = sweep_of(tests)
     if data is None:
@@ -302,6 +312,8 @@ def discover(
     bounds: Mapping[str, Bounds] | None = None,
     tie: str | Sequence[str] = (),
     own: Mapping[str, str] | None = None,
+    share: str | Sequence[str] = (),
+    specimen: str | None = None,
     exclude: str | Sequence[str] = (),
     accuracy: Accuracy | str | None = None,
     progress: Progress = silent,
@@ -325,7 +337,7 @@ def discover(
         Which effects may be named; see `diagnose`.
     seed : int
         Of simulated noise.
-    fix, bounds, tie, own, exclude
+    fix, bounds, tie, own, share, specimen, exclude
         What is known beforehand, and rows to leave out; see `identify`.
     accuracy : Accuracy or str, optional
         What the instrument promises, such as ``1%,3mrad``: a misfit within it is no verdict on the
@@ -352,9 +364,8 @@ def discover(
     ['24.1%', '4.4%']
     """
     tests = excluded(_tests(measurement), exclude)
-    begin, tests = owning(
-        constrained(_judged(model), units_of(tests), fix, bounds, tie), tests, own
-    )
+    held = constrained(_judged(model), units_of(tests), fix, bounds, tie)
+    begin, tests = owning(held, tests, own, share, specimen)
     promised = _promised(accuracy, tests)
     data = sweep_of(tests)
     known = library(effects, only, without, data)
@@ -385,6 +396,8 @@ def invent(
     bounds: Mapping[str, Bounds] | None = None,
     tie: str | Sequence[str] = (),
     own: Mapping[str, str] | None = None,
+    share: str | Sequence[str] = (),
+    specimen: str | None = None,
     exclude: str | Sequence[str] = (),
     progress: Progress = silent,
 ) -> Invention:
@@ -400,7 +413,7 @@ def invent(
         Columns that a law may go with; by default all that were varied by themselves.
     seed : int
         Of simulated noise; the same seed gives the same bits.
-    fix, bounds, tie, own, exclude
+    fix, bounds, tie, own, share, specimen, exclude
         What is known beforehand, and rows to leave out; see `identify`.
     progress : callable, optional
         Told in a few words what is being done.
@@ -423,9 +436,8 @@ def invent(
     'none'
     """
     tests = excluded(_tests(measurement), exclude)
-    judged, tests = owning(
-        constrained(_judged(model), units_of(tests), fix, bounds, tie), tests, own
-    )
+    held = constrained(_judged(model), units_of(tests), fix, bounds, tie)
+    judged, tests = owning(held, tests, own, share, specimen)
     data = sweep_of(tests)
     if data is None:
         raise DataError("a law is sought in sweeps: tests in time are read by diagnose")

@@ -101,7 +101,11 @@ def tied(model: Model, units: Units, tie: str | Sequence[str]) -> Model:
 
 
 def owning(
-    model: Model, tests: Sequence[Test], own: Mapping[str, str] | None
+    model: Model,
+    tests: Sequence[Test],
+    own: Mapping[str, str] | None,
+    share: str | Sequence[str] = (),
+    specimen: str | None = None,
 ) -> tuple[Model, list[Test]]:
     """The model with parameters of which each level of a column has its own, and the tests.
 
@@ -116,6 +120,10 @@ def owning(
         A sweep, where a parameter is to be a level's own.
     own : mapping of str to str, optional
         The column of each such parameter: ``{"k": "batch"}``; ``"*"`` is every parameter.
+    share : str or sequence of str
+        Parameters that all levels share; without `own` every other one is each specimen's.
+    specimen : str, optional
+        Columns whose levels are the specimens, in the place of the files: ``"batch,number"``.
 
     Raises
     ------
@@ -126,7 +134,17 @@ def owning(
     OptionError
         If it is no mapping.
     """
-    wanted = by_name(own, "own", '{"k": "batch"}')
+    wanted = dict(by_name(own, "own", '{"k": "batch"}'))
+    shared = [share] if isinstance(share, str) else list(share)
+    for name in shared:
+        if name not in model.names:
+            raise ModelError(f"{model.name} has no free parameter '{name}' that could be shared")
+        if name in wanted:
+            raise ModelError(f"{name} is each level's own, or shared: not both")
+    if shared and not wanted:
+        wanted = {EVERY: FILE}
+    if specimen is not None:
+        tests = [_of_specimens(tests, specimen)]
     if not wanted:
         return model, list(tests)
     if is_material(model):
@@ -143,13 +161,56 @@ def owning(
         if name == EVERY:
             # Factors of levels are each level's already.
             of_levels = {prefix for effect, prefix in model.named_effects() if effect.by_levels}
-            names = [each for each in model.names if each.rpartition(".")[0] not in of_levels]
+            names = [
+                each
+                for each in model.names
+                if each.rpartition(".")[0] not in of_levels and each not in shared
+            ]
         model = model.owning(names, column)
     return model, [sweep]
 
 
+def _of_specimens(tests: Sequence[Test], columns: str) -> Measurement:
+    """The sweep whose levels of columns are the specimens that files are else."""
+    sweep = sweep_of(tests)
+    if sweep is None:
+        raise DataError("specimens are told by columns of sweeps, not beside tests in time")
+    if FILE in sweep.conditions:
+        raise DataError(f"{sweep.name} has a column '{FILE}' of its own: name it as the specimen")
+    words = np.array(_words(sweep, columns.replace("/", ",")))
+    _, repeat = np.unique(words, return_inverse=True)
+    if sweep.repeat is not None:
+        # A repeat of one is none of another.
+        pairs = np.column_stack([repeat.ravel(), sweep.repeat])
+        _, repeat = np.unique(pairs, axis=0, return_inverse=True)
+    return replace(sweep, labels={**sweep.labels, FILE: words}, repeat=repeat.ravel())
+
+
+def _words(sweep: Measurement, columns: str) -> list[str]:
+    """Of each row what several columns say together: ``2/7``."""
+    told = []
+    for name in (each.strip() for each in columns.split(",")):
+        if name in sweep.labels:
+            told.append(sweep.labels[name].tolist())
+        elif name in sweep.conditions:
+            told.append([f"{value:g}" for value in sweep.conditions[name].tolist()])
+        else:
+            known = ", ".join([*sweep.conditions, *sweep.labels]) or "none"
+            raise DataError(f"{sweep.name} has no column '{name}' (there are: {known})")
+    return ["/".join(each) for each in zip(*told, strict=True)]
+
+
 def _numbered(sweep: Measurement, column: str) -> Measurement:
-    """The sweep with a column of numbers, where it has one of words."""
+    """The sweep with a column of numbers, where it has one of words, or is several."""
+    outer, nested, _ = column.rpartition("/")
+    if "/" in outer:
+        raise OptionError(f"'{column}': a population has one level above it, as in batch/specimen")
+    if nested or "," in column:
+        words = _words(sweep, column.replace("/", ","))
+        sweep = replace(sweep, labels={**sweep.labels, column: np.array(words)})
+    if nested:
+        # The column of what specimens are of, which tells their batches.
+        sweep = _numbered(sweep, outer)
     if column in sweep.labels:
         labels = dict(sweep.labels)
         given = labels.pop(column).tolist()

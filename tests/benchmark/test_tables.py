@@ -171,7 +171,7 @@ def test_failures_never_become_numbers(tmp_path):
     rows = list(csv.DictReader((outcome.store.parent / "summary.csv").open()))
     bad = rows[0]
     assert (bad["failed"], bad["success"], bad["evaluations to target"]) == ("3", "0.0", "inf")
-    assert (bad["objective"], bad["parameter error"], bad["parameters within 0.01"]) == (
+    assert (bad["objective reached"], bad["parameter error"], bad["parameters within 0.01"]) == (
         "",
         "",
         "0.0",

@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 from springpot.format_numbers import counted
 from springpot.rheology.points import Real
 
+from .bayes import signed_rank_posterior
 from .plan import stream_of
 from .statistics import (
     Interval,
@@ -95,6 +96,8 @@ class CellScores:
         Noise-free objective, largest relative error of the parameters, and share of their intervals
         that hold the truth; infinite, and of `covered` zero, where a trial failed; NaN where they
         are not known.
+    area : ndarray, shape (n,)
+        Area over the convergence curve of each trial; see `area_over_curve`.
     """
 
     cell: CellRow
@@ -109,6 +112,7 @@ class CellScores:
     oracles: Real = field(default_factory=lambda: np.empty(0))
     errors: Real = field(default_factory=lambda: np.empty(0))
     covered: Real = field(default_factory=lambda: np.empty(0))
+    area: Real = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,7 +187,7 @@ def score_cell(
     bests = np.broadcast_to(best, len(trials))
     references = np.array([reference_of(cell.problem, trial) for trial in trials])
     along = np.full((len(trials), len(scale.grid)), np.inf)
-    hits = np.full(len(trials), np.inf)
+    hits, area = np.full(len(trials), np.inf), np.zeros(len(trials))
     dimension = 0
     for row, trial in enumerate(trials):
         # A trial that failed keeps its infinite time: it is never given a number.
@@ -193,6 +197,8 @@ def score_cell(
         along[row] = at(evaluations, values, scale.grid)
         goal = goal_of(float(references[row]), float(bests[row]), scale.target)
         hits[row] = hitting_time(evaluations, values, goal)
+        excess = _excess(values, bests[row], references[row])
+        area[row] = area_over_curve(evaluations, excess, scale)
         dimension = dimension or len(trial.theta)
     # Only now, on the few evaluations of the grid: the traces may have thousands.
     along = _excess(along, bests[:, None], references[:, None])
@@ -210,7 +216,28 @@ def score_cell(
         oracles=_told(trials, "oracle", np.inf),
         errors=_told(trials, "parameter_error", np.inf),
         covered=_told(trials, "covered", 0.0),
+        area=area,
     )
+
+
+def area_over_curve(evaluations: NDArray[np.int64], excess: Real, scale: JudgingScale) -> float:
+    """One less the mean of log10 of the excess over all evaluations of the budget.
+
+    In decades from 1 down to the target, outside of which nothing counts.
+
+    Parameters
+    ----------
+    evaluations, excess : ndarray, shape (n,)
+        The improvements of a trial.
+    scale : JudgingScale
+        Target and budget.
+    """
+    # Each improvement stands until the next one; before the first there is nothing.
+    lasting = np.diff(np.append(evaluations, scale.budget + 1))
+    # A target of no decade leaves no area: it is then taken over one.
+    lowest = min(scale.target, 0.1)
+    decades = np.log10(np.clip(excess, lowest, 1.0)) / np.log10(lowest)
+    return float(lasting @ decades) / scale.budget
 
 
 def _told(trials: Sequence[TrialRow], name: str, failed: float) -> Real:
@@ -317,6 +344,8 @@ The level at which comparisons of optimisers are usually
 published (Derrac and others 2011, doi:10.1016/j.swevo.2011.02.002)."""
 
 OVER_ALL = "all problems"
+PROBLEMS = "problems"
+"""What is ranked in where there are several."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -500,6 +529,24 @@ class MeanRanks:
         return np.array([rank.value for rank in self.ranks])
 
     @cached_property
+    def posterior(self) -> Real | None:
+        """Probabilities (k, k, 3) that the row's optimiser is better than the column's.
+
+        Then that they are equal in practice, and that it is worse; None of a single problem.
+        """
+        if self.unit != PROBLEMS:
+            return None
+        gaps = np.array([a12_table(reached) for reached in self.reached]) - 0.5
+        k = len(self.labels)
+        found = np.zeros((k, k, 3))
+        first, second = np.triu_indices(k, 1)
+        # A chance above one half is the better one's.
+        below, equal, above = signed_rank_posterior(gaps[:, first, second].T).T
+        found[first, second] = np.column_stack([above, equal, below])
+        found[second, first] = np.column_stack([below, equal, above])
+        return found
+
+    @cached_property
     def chances(self) -> Real:
         """Chances (k, k) that the row's optimiser ends below the column's on a problem (A12)."""
         table: Real = np.mean([a12_table(reached) for reached in self.reached], axis=0)
@@ -546,7 +593,7 @@ def rank(scope: str, races: Sequence[ProblemRace], mark: int, scale: JudgingScal
     pairs = pairs_of(len(labels))
     among = [rankdata(r, axis=None).reshape(r.shape) for r in reached]
     if len(races) > 1:
-        unit = "problems"
+        unit = PROBLEMS
         blocks = np.stack([ranks.mean(axis=1) for ranks in among])
         within = rankdata(blocks, axis=1)
         p, least = wilcoxon_holm(blocks), least_signed_rank(len(blocks)) * pairs

@@ -21,6 +21,8 @@ from typing import Any, Protocol, TextIO
 from springpot.terminal_safe import below, plain
 from springpot.versions import versions
 
+from .archive import Archive
+from .beside import rivals_of
 from .engine import check_engine, make_engine
 from .plan import Plan
 from .standings import write_tables
@@ -180,6 +182,7 @@ def run_study(
     quiet: bool = False,
     retry_failed: bool = False,
     tables: bool = True,
+    beside: Path | None = None,
 ) -> Outcome:
     """Run what is missing of a study, then write its tables.
 
@@ -201,6 +204,8 @@ def run_study(
         Run trials that failed before, or whose records are damaged, once more.
     tables : bool
         Write the tables and what the study adds to them.
+    beside : Path, optional
+        An archive whose trials stand in the tables too; told before the first trial if they cannot.
 
     Raises
     ------
@@ -222,12 +227,14 @@ def run_study(
     with Store(path, write=True, mend=retry_failed) as store:
         # Before the first trial, so that a run that is interrupted can be shown and resumed.
         numbers = store.register(plan, provenance(plan))
+        if beside is not None:
+            rivals_of(store, Archive.read(beside))
         if retry_failed:
             store.forget_failed(numbers.values())
         ran, failed = _work(plan, store, numbers, script, workers, engine, quiet)
     written: list[Path] = []
     if tables:
-        written = write_tables(path)
+        written = write_tables(path, beside=beside)
         if declared.finish is not None:
             with _aside(quiet):
                 declared.finish(path, path.parent)

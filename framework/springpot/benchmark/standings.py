@@ -14,6 +14,8 @@ import numpy as np
 
 from springpot.errors import StudyError
 
+from .bayes import ROPE
+from .beside import opened
 from .comparison import (
     OVER_ALL,
     CellScores,
@@ -31,6 +33,7 @@ from .comparison import (
     score_cell,
 )
 from .noise_table import noise_table
+from .robustness import anytime_table, sensitivity_table
 from .statistics import Interval, hitting_time
 from .store import Store
 from .study import Study
@@ -140,15 +143,30 @@ def pair_table(name: str, rankings_shown: Sequence[MeanRanks]) -> Table:
                         float(ranking.chances[i, j]),
                         p,
                         verdict,
+                        *posterior(ranking, int(i), int(j)),
                     )
                 )
-    columns = ("budget", "optimiser", "against", "chance to end below", "p (Holm)", "told apart")
+    columns = (
+        *("budget", "optimiser", "against", "chance to end below", "p (Holm)", "told apart"),
+        *("probably better", "equal in practice", "probably worse"),
+    )
     note = (
         "Chance: that a trial of the optimiser ends below one of the other on the same problem at"
         " that budget, ties by half (A12, Vargha and Delaney), mean over problems; from 0.56, 0.64"
         " and 0.71 on it is called small, medium and large. p: as in the table of ranks."
+        " Probably better, equal in practice, worse: on a further problem like these, by the"
+        " Bayesian signed-rank test (Benavoli and others 2014, 2017) on the chances by problem;"
+        f" equal in practice is a chance within 0.5 and {ROPE:g}, less than a small effect. No"
+        " evidence of a difference is not evidence of none: the second number is."
     )
     return Table(f"{name}: pairs", columns, rows, note)
+
+
+def posterior(ranking: MeanRanks, i: int, j: int) -> tuple[Entry, ...]:
+    """Probabilities that one optimiser is better, equal and worse; nothing of a single problem."""
+    if ranking.posterior is None:
+        return None, None, None
+    return tuple(float(each) for each in ranking.posterior[i, j])
 
 
 def profile_table(name: str, races: Sequence[ProblemRace], scale: JudgingScale) -> Table:
@@ -312,11 +330,16 @@ COMPARING: dict[str, Callable[[Findings], Table]] = {
     "pairs": lambda f: pair_table(f.name, f.rankings),
     "profiles": lambda f: profile_table(f.name, f.races, f.scale),
     "progress": lambda f: progress_table(f.name, f.scores, f.scale),
+    "anytime": lambda f: anytime_table(f.name, f.races, f.scale),
+    "sensitivity": lambda f: sensitivity_table(f.name, f.races, f.scale),
     "noise": lambda f: noise_table(f.facts, f.races, f.scale),
 }
 """Tables that need every trial's trace."""
 
-TABLES = ("choice", "summary", "ranks", "pairs", "profiles", "progress", "timing", "failures")
+TABLES = (
+    *("choice", "summary", "ranks", "pairs", "sensitivity", "anytime", "profiles", "progress"),
+    *("timing", "failures"),
+)
 """All of them, in the order in which they are shown."""
 
 NOISY = "noise"
@@ -349,7 +372,10 @@ def study_tables(store: Store, names: Sequence[str] | None = None) -> Iterator[t
 
 
 def write_tables(
-    study: Study | str | Path, formats: Sequence[str] = tuple(FORMATS), out: Path = Path("results")
+    study: Study | str | Path,
+    formats: Sequence[str] = tuple(FORMATS),
+    out: Path = Path("results"),
+    beside: Path | None = None,
 ) -> list[Path]:
     """Write a study's tables beside its store.
 
@@ -361,6 +387,8 @@ def write_tables(
         Of ``md``, ``csv``, ``latex``, ``html``.
     out : Path
         Folder of all results.
+    beside : Path, optional
+        An archive whose trials are shown too.
 
     Returns
     -------
@@ -377,7 +405,7 @@ def write_tables(
     if unknown:
         raise StudyError(f"unknown table format '{unknown[0]}': use {', '.join(FORMATS)}")
     path = store_path(study, out)
-    with Store(path) as store:
+    with opened(path, beside) as store:
         # All of them before the first is written: a fault in one leaves no half of a set behind.
         tables = list(study_tables(store))
     files = []

@@ -13,6 +13,7 @@ import json
 import sqlite3
 import sys
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
 from hashlib import blake2b
 from itertools import groupby
 from math import inf
@@ -273,6 +274,8 @@ class Store:
         described |= {"target": repr(plan.target), "accuracy": repr(plan.accuracy), **facts}
         if plan.requirements:
             described["requirements"] = json.dumps(dict(plan.requirements))
+        if plan.stop_at_target:
+            described["stop at target"] = "True"
         if plan.noise:
             described["noise"] = json.dumps(noise_of(plan))
         if plan.x0 == COMMON:
@@ -299,6 +302,48 @@ class Store:
                 [(*fact, seal(fact)) for fact in described.items()],
             )
         return cells
+
+    def copy_to(self, path: Path) -> None:
+        """Write all of it into a new file."""
+        with one_line(path), closing(sqlite3.connect(path)) as copy:
+            self._db.backup(copy)
+
+    def adopt(
+        self,
+        cells: Mapping[int, Mapping[str, object]],
+        labels: Mapping[int, str],
+        facts: Mapping[str, str],
+    ) -> dict[int, int]:
+        """Enter cells of another study of the same problems, shown behind one's own.
+
+        Parameters
+        ----------
+        cells : mapping of int to mapping
+            Columns of each, the problem by its digest.
+        labels : mapping of int to str
+            As they are shown.
+        facts : mapping of str to str
+            What is to be told of them.
+
+        Returns
+        -------
+        dict
+            From their numbers to those in this store.
+        """
+        shown = json.loads(self.facts()["cells"])
+        shown += [(cells[i]["digest"], label) for i, label in labels.items()]
+        told = {"cells": json.dumps(shown), **facts}
+        with one_line(self.path), transaction(self._db):
+            problems = {row["digest"]: row["id"] for row in self._rows(PROBLEMS) if sound(row)}
+            numbers = {
+                i: self._enter("cell", {**each, "problem": problems[each["problem"]]})
+                for i, each in cells.items()
+            }
+            self._db.executemany(
+                "INSERT OR REPLACE INTO fact VALUES (?, ?, ?)",
+                [(*fact, seal(fact)) for fact in told.items()],
+            )
+        return numbers
 
     def _enter(self, table: str, columns: dict[str, object]) -> int:
         """The number of a row, which is written where it is missing or not what it should be."""
@@ -412,6 +457,7 @@ class Store:
                 row["optimiser"],
                 row["options"],
                 row["budget"],
+                row["digest"],
             )
             for label, row in kept
         ]

@@ -130,6 +130,7 @@ class ProblemRow:
     reference: float
     known: float | None
     truth: Mapping[str, float]
+    digest: str = ""
 
 
 @dataclass(frozen=True)
@@ -142,6 +143,7 @@ class CellRow:
     optimiser: str
     options: str
     budget: int
+    digest: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -299,7 +301,7 @@ def summary_table(name: str, summaries: Sequence[CellSummary], target: str, accu
         *(*_WHO, "budget", "trials", "failed", "success"),
         *("evaluations to target", "expected running time"),
         *(f"parameters within {float(accuracy):g}", "parameter error"),
-        *("objective", "noise-free objective"),
+        *("objective reached", "noise-free objective"),
     )
     rows = [
         (

@@ -253,9 +253,20 @@ def known_options(command: F) -> F:
             help="Parameters that each level has for itself: k,c:batch; each file without COLUMN.",
         ),
         click.option(
+            "--share",
+            metavar="NAMES",
+            help="Parameters that all specimens share; every other one is their own.",
+        ),
+        click.option(
+            "--specimen",
+            metavar="COLUMNS",
+            help="Columns whose levels are the specimens, in the place of files: batch,number.",
+        ),
+        click.option(
             "--population",
             metavar="COLUMN",
-            help="Every parameter is each specimen's own: mean and scatter over COLUMN, or file.",
+            help="Every parameter is each specimen's own: mean and scatter over COLUMN, file,"
+            " or batch/specimen.",
         ),
         click.option(
             "--fix", multiple=True, metavar="NAME=VALUE", help="Hold a parameter, in printed units."
@@ -316,6 +327,8 @@ def known_from(options: dict[str, Any]) -> dict[str, Any]:
         "bounds": bounds_of(options.pop("bounds")),
         "tie": options.pop("tie"),
         "own": own,
+        "share": (options.pop("share") or "").replace(",", " ").split(),
+        "specimen": options.pop("specimen"),
         "exclude": options.pop("exclude"),
     }
 

@@ -16,6 +16,8 @@ MEANING = (
     "tie",
     "exclude",
     "own",
+    "share",
+    "specimen",
     "population",
     "effects",
     "effect",

@@ -346,7 +346,8 @@ class Identification(Known):
     @cached_property
     def populations(self) -> dict[str, Population]:
         """Of parameters that specimens have for themselves: their mean and scatter; else none."""
-        return populations(self.model, self._factors * self.theta, self.covariance, self.units)
+        values, known = self._factors * self.theta, self.sweep.conditions if self.sweep else {}
+        return populations(self.model, values, self.covariance, self.units, known)
 
     @property
     def _factors(self) -> Real:

@@ -141,17 +141,21 @@ def _populations(identified: Identification) -> Passage:
     rows = []
     for name, population in identified.populations.items():
         size, interval = shown(population.mean)
-        apart = _scatter(population)
-        rows.append([name, size, interval, population.mean.unit, apart])
+        apart = [_scatter(population, each) for each in (population.between, population.groups)]
+        rows.append([name, size, interval, population.mean.unit, *apart])
     title = f"{len(specimens_of(identified.populations))} specimens"
-    return TextTable(
-        (title, "mean", "95 % interval", "unit", "between them"), rows, frozenset({"mean"})
-    )
+    nested = any(population.groups for population in identified.populations.values())
+    headers = (title, "mean", "95 % interval", "unit", "within a batch", "between batches")
+    if not nested:
+        headers = (*headers[:4], "between them", "-")
+        rows = [row[:-1] for row in rows]
+    return TextTable(headers[: 5 + nested], rows, frozenset({"mean"}))
 
 
-def _scatter(population: Population) -> str:
+def _scatter(population: Population, between: Value | None) -> str:
     """Standard deviation between specimens with its interval, in per cent where it is a share."""
-    between = population.between
+    if between is None:
+        return "-"
     ends = [between.value, between.low, between.high]
     if population.relative:
         size, low, high = (percent(end, 2) for end in ends)

@@ -11,6 +11,10 @@ COMMANDS = {
         "springpot.benchmark.commands.export",
         "A study's results for IOHanalyzer, COCO, CSV or Parquet.",
     ),
+    "archive": (
+        "springpot.benchmark.commands.archive",
+        "A study's trials as one file that other studies read as rivals.",
+    ),
     "regression": (
         "springpot.benchmark.commands.regression",
         "The accuracy gate for continuous integration.",

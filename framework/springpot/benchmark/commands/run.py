@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from springpot.cli.common import FOLDER, INPUT, POSITIVE, emit, json_option, own_stdout
+
+if TYPE_CHECKING:
+    from springpot.benchmark.study import Study
 
 
 @click.command("run", epilog="Example: springpot run race.py --workers 2")
@@ -34,6 +37,19 @@ from springpot.cli.common import FOLDER, INPUT, POSITIVE, emit, json_option, own
     metavar="DIR",
     help="Results go here.",
 )
+@click.option(
+    "--beside",
+    type=INPUT,
+    metavar="FILE",
+    help="Show this archive in the tables too.",
+)
+@click.option(
+    "--optimiser",
+    "optimisers",
+    multiple=True,
+    metavar="NAME",
+    help="Race this one beside an archive that is given for STUDY.py; may be repeated.",
+)
 @click.option("--retry-failed", is_flag=True, help="Run trials that failed before once more.")
 @click.option("--quiet", "-q", is_flag=True, help="Show no progress.")
 @json_option
@@ -44,26 +60,42 @@ def command(
     budget: int | None,
     repeats: int | None,
     out: Path,
+    beside: Path | None,
+    optimisers: tuple[str, ...],
     retry_failed: bool,
     quiet: bool,
     as_json: bool,
 ) -> None:
     """Run what is missing of the study that STUDY.py declares, and write its tables and report.
 
-    Finished trials are kept: after an interruption, the same command goes on.
+    Finished trials are kept: after an interruption, the same command goes on. An archive in place
+    of STUDY.py gives the problems, and its trials are the rivals: springpot run published.zip
+    --optimiser mine
     """
+    from springpot.benchmark.beside import study_of
     from springpot.benchmark.report.study import write_study_report
     from springpot.benchmark.runner import run_study
 
     if workers is not None and engine not in (None, "local"):
         raise click.UsageError("give --workers or --engine, not both", click.get_current_context())
+    is_archive = study.suffix == ".zip"
+    if is_archive != bool(optimisers):
+        raise click.UsageError(
+            "--optimiser goes with an archive (.zip), and an archive with it",
+            click.get_current_context(),
+        )
     # Optimisers of other makers print what they like.
     with own_stdout(quiet):
-        outcome = run_study(study, workers, engine, budget, repeats, out, quiet, retry_failed)
+        declared: Study | Path = study
+        if is_archive:
+            declared, beside = study_of(study, optimisers), study
+        outcome = run_study(
+            declared, workers, engine, budget, repeats, out, quiet, retry_failed, beside=beside
+        )
     result = {
         "schema": "springpot.run/1",
         **asdict(outcome),
-        "report": write_study_report(outcome.store),
+        "report": write_study_report(outcome.store, beside=beside),
     }
     emit(result, as_json, lambda: _show(result))
 

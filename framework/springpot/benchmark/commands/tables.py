@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.cli.common import DATA, FOLDER, emit, json_option
+from springpot.cli.common import DATA, FOLDER, INPUT, emit, json_option
 
 if TYPE_CHECKING:
     from springpot.benchmark.tables import Table
@@ -52,6 +52,12 @@ FORMATS = ("md", "csv", "latex", "html")
 @click.option(
     "--digits", type=click.IntRange(1, 4), metavar="N", help="Significant digits; 4 by default."
 )
+@click.option(
+    "--beside",
+    type=INPUT,
+    metavar="FILE",
+    help="Show the trials of this archive too, without running them.",
+)
 @click.option("--caption", metavar="TEXT", help="Of a floating table in LaTeX.")
 @click.option("--label", metavar="NAME", help="For \\ref in LaTeX.")
 @json_option
@@ -65,6 +71,7 @@ def command(
     columns: tuple[str, ...],
     rows: tuple[str, ...],
     digits: int | None,
+    beside: Path | None,
     caption: str | None,
     label: str | None,
     as_json: bool,
@@ -79,7 +86,7 @@ def command(
 
     # Files are whole tables: columns and rows are chosen for what is printed into a paper.
     if write or report:
-        paths = _written(study, out, [kind] if write else [], report)
+        paths = _written(study, out, [kind] if write else [], report, beside)
         files = {"schema": "springpot.files/1", "files": paths}
         emit(files, as_json, lambda: print(*paths, sep="\n"))
         return
@@ -91,7 +98,7 @@ def command(
         )
     tables = {
         name: for_paper(table, columns, rows, digits)
-        for name, table in _chosen(study, wanted, out).items()
+        for name, table in _chosen(study, wanted, out, beside).items()
     }
     result = {
         "schema": "springpot.tables/1",
@@ -103,25 +110,27 @@ def command(
     emit(result, as_json, lambda: print("\n".join(texts), end=""))
 
 
-def _written(study: str, out: Path, kinds: list[str], report: bool) -> list[Path]:
+def _written(
+    study: str, out: Path, kinds: list[str], report: bool, beside: Path | None
+) -> list[Path]:
     """Files of tables, of one kind or none, and of the report beside a study's results."""
     from springpot.benchmark.standings import write_tables
 
-    paths = list(write_tables(study, kinds, out)) if kinds else []
+    paths = list(write_tables(study, kinds, out, beside)) if kinds else []
     if report:
         from springpot.benchmark.report.study import write_study_report
 
-        paths.append(write_study_report(study, out))
+        paths.append(write_study_report(study, out, beside))
     return paths
 
 
-def _chosen(study: str, wanted: str | None, out: Path) -> dict[str, Table]:
+def _chosen(study: str, wanted: str | None, out: Path, beside: Path | None) -> dict[str, Table]:
+    from springpot.benchmark.beside import opened
     from springpot.benchmark.standings import study_tables, table_names
-    from springpot.benchmark.store import Store
     from springpot.benchmark.summary import store_path
     from springpot.errors import StudyError
 
-    with Store(store_path(study, out)) as store:
+    with opened(store_path(study, out), beside) as store:
         names = table_names(store)
         if wanted is not None and wanted not in names:
             raise StudyError(f"unknown table '{wanted}': {study} has {', '.join(names)}")

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from springpot.benchmark.beside import opened
 from springpot.benchmark.comparison import OVER_ALL, MeanRanks, OptimiserChoice, scopes
 from springpot.benchmark.standings import CHOICE_NOTE, COMPARING, NOISY, PLAIN, Findings
 from springpot.benchmark.statistics import Interval
-from springpot.benchmark.store import Store
 from springpot.benchmark.summary import CellSummary, ProblemRow, store_path
 from springpot.benchmark.tables import Table, text
 from springpot.files import write_text
@@ -62,7 +62,9 @@ details table { font-size: 0.85em; }
 """
 
 
-def write_study_report(study: str | Path, out: Path = Path("results")) -> Path:
+def write_study_report(
+    study: str | Path, out: Path = Path("results"), beside: Path | None = None
+) -> Path:
     """Write ``report.html`` beside a study's store.
 
     Parameters
@@ -71,6 +73,8 @@ def write_study_report(study: str | Path, out: Path = Path("results")) -> Path:
         A study's script, store, folder or name.
     out : Path
         Folder of all results.
+    beside : Path, optional
+        An archive whose trials are shown too.
 
     Raises
     ------
@@ -80,7 +84,7 @@ def write_study_report(study: str | Path, out: Path = Path("results")) -> Path:
         If the file cannot be written.
     """
     path = store_path(study, out)
-    with Store(path) as store:
+    with opened(path, beside) as store:
         findings = Findings.of(store)
     return write_text(path.parent / "report.html", study_html(findings))
 
@@ -422,7 +426,7 @@ def _tables(findings: Findings) -> Iterator[Html]:
     names = ["summary", "failures"]
     # Before every optimiser has finished a trial of one problem there is nothing to compare.
     if findings.races:
-        names += ["profiles", "ranks"]
+        names += ["profiles", "ranks", "anytime", "sensitivity"]
     for name in names:
         # Folded, at the end: for who wants the numbers behind the pictures.
         made = (PLAIN | COMPARING)[name](findings)

@@ -1,0 +1,316 @@
+"""A study's trials as one file, which another study reads as rivals without running them.
+
+A zip of ``study.json`` (what was run, with which versions, on which machine), ``trials.csv``,
+``traces.csv`` (the improvements of every trial) and ``oracles.csv`` (those of the noise-free
+objective over all that was evaluated). The same store gives the same bytes.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import zipfile
+import zlib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from functools import partial
+from io import StringIO, TextIOWrapper
+from itertools import groupby
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+
+from springpot.errors import StudyError
+from springpot.files import write_with
+from springpot.identification.runs import miscounted, mistraced
+
+from .store import Store
+from .summary import CellRow, ProblemRow, TrialRow
+from .trial import Status, TrialResult, pack, pack_values, unpack
+
+SCHEMA = "springpot.archive/1"
+STAMP = (1980, 1, 1, 0, 0, 0)
+"""Date of every file within: the earliest that a zip can tell."""
+LARGEST = 1 << 26
+"""Bytes of the description that are read: some 100,000 cells."""
+FAULTS = (
+    *(KeyError, ValueError, TypeError, IndexError, OSError, EOFError, RuntimeError),
+    *(zipfile.BadZipFile, zlib.error, csv.Error),
+)
+"""What a file that is none, or a damaged one, makes of its reading."""
+
+WHOLE = ("evaluations", "gradients", "batched")
+REAL = (
+    *("best", "parameter_error", "oracle", "seconds", "processor", "processor_batched"),
+    *("reference", "known", "optimum", "covered"),
+)
+TRIAL = ("cell", "repetition", "status", "truth", *WHOLE, *REAL, "theta", "reason")
+LEFT_OUT = ("cells", "optima")
+"""Facts that name a store's own rows."""
+
+
+@dataclass(frozen=True)
+class ArchivedCell:
+    """One optimiser on one problem, as it was published.
+
+    Parameters
+    ----------
+    label, optimiser, options, digest : str
+        Who, and the digest of what was run.
+    problem : int
+        Place of its problem in the archive.
+    """
+
+    label: str
+    optimiser: str
+    options: str
+    digest: str
+    problem: int
+
+
+@dataclass(frozen=True)
+class Archive:
+    """What an archive holds, but for its trials.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    facts : mapping of str to str
+        Name, budget, seed, target, versions, machine, command.
+    problems : tuple of ProblemRow
+        What was raced on.
+    cells : tuple of ArchivedCell
+        Who on what.
+    """
+
+    path: Path
+    facts: Mapping[str, str]
+    problems: tuple[ProblemRow, ...]
+    cells: tuple[ArchivedCell, ...]
+
+    @classmethod
+    def read(cls, path: Path) -> Archive:
+        """Open one.
+
+        Raises
+        ------
+        StudyError
+            If it is none, or damaged.
+        """
+        with _one_line(path), zipfile.ZipFile(path) as whole, whole.open("study.json") as stream:
+            told = json.loads(stream.read(LARGEST))
+            if told["schema"] != SCHEMA:
+                raise ValueError(f"its schema is {told['schema']:.40}, not {SCHEMA}")
+            facts = {str(key): str(value) for key, value in told["facts"].items()}
+            for key in ("name", "budget", "seed", "target", "accuracy", "repetitions"):
+                facts[key]
+            problems = tuple(ProblemRow(id=i, **each) for i, each in enumerate(told["problems"]))
+            cells = tuple(ArchivedCell(**each) for each in told["cells"])
+            for cell in cells:
+                problems[cell.problem]
+        return cls(path, facts, problems, cells)
+
+    def trials(self, cells: Iterable[int]) -> Iterator[TrialResult]:
+        """The trials of some cells, one at a time.
+
+        Raises
+        ------
+        StudyError
+            If the record of one contradicts itself.
+        """
+        wanted, budget = set(cells), int(self.facts["budget"])
+        with _one_line(self.path), zipfile.ZipFile(self.path) as whole:
+            rows, traces, oracles = (
+                _rows(whole, name) for name in ("trials.csv", "traces.csv", "oracles.csv")
+            )
+            pages, seen = _Pages(traces), _Pages(oracles)
+            head = next(rows)
+            for row in rows:
+                told = dict(zip(head, row, strict=True))
+                key = int(told["cell"]), int(told["repetition"])
+                result = _trial(key, told, pages.of(key), seen.of(key))
+                if key[0] in wanted:
+                    if not result.status.failed and (wrong := _contradiction(result, budget)):
+                        raise ValueError(f"of trial {key[1]} of {self.cells[key[0]].label} {wrong}")
+                    yield result
+            if pages.left or seen.left:
+                raise ValueError("it has traces of no trial")
+
+
+def write_archive(store: Store, path: Path) -> int:
+    """Write a store's study into one file.
+
+    Returns
+    -------
+    int
+        How many trials are in it.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written.
+    """
+    cells = [cell for cell in store.cells() if cell.digest]
+    numbers = {cell.id: i for i, cell in enumerate(cells)}
+    # In the order of the store; each cell by its place in the description.
+    trials = [(numbers[n], rows) for n, rows in store.trials() if n in numbers]
+    write_with(path, partial(_fill, _description(store, cells), trials))
+    return sum(len(rows) for _, rows in trials)
+
+
+def _description(store: Store, cells: Sequence[CellRow]) -> str:
+    problems = list({cell.problem.id: cell.problem for cell in cells}.values())
+    places = {problem.id: i for i, problem in enumerate(problems)}
+    told = {
+        "schema": SCHEMA,
+        "facts": {key: value for key, value in store.facts().items() if key not in LEFT_OUT},
+        "problems": [_without(asdict(problem), "id") for problem in problems],
+        "cells": [
+            asdict(
+                ArchivedCell(
+                    cell.label, cell.optimiser, cell.options, cell.digest, places[cell.problem.id]
+                )
+            )
+            for cell in cells
+        ],
+    }
+    return json.dumps(told, indent=1, sort_keys=True) + "\n"
+
+
+def _without(values: dict[str, Any], name: str) -> dict[str, Any]:
+    return {key: value for key, value in values.items() if key != name}
+
+
+def _fill(
+    description: str, trials: Sequence[tuple[int, list[TrialRow]]], stream: IO[bytes]
+) -> None:
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as whole:
+        _put(whole, "study.json", [description])
+        for name, head, of in (
+            ("trials.csv", [TRIAL], _trial_rows),
+            ("traces.csv", [], _trace_rows),
+            ("oracles.csv", [], _oracle_rows),
+        ):
+            _put(whole, name, _text(head, *(of(number, rows) for number, rows in trials)))
+
+
+def _put(whole: zipfile.ZipFile, name: str, parts: Iterable[str]) -> None:
+    # Without the date, the system and the rights of this run: the same trials are the same bytes.
+    about = zipfile.ZipInfo(name, STAMP)
+    about.compress_type, about.create_system, about.external_attr = (
+        zipfile.ZIP_DEFLATED,
+        3,
+        0o644 << 16,
+    )
+    with whole.open(about, "w", force_zip64=True) as stream:
+        for part in parts:
+            stream.write(part.encode("utf-8"))
+
+
+def _text(*blocks: Iterable[Sequence[Any]]) -> Iterator[str]:
+    """Blocks of rows as CSV, one block at a time in memory."""
+    for block in blocks:
+        stream = StringIO()
+        csv.writer(stream, lineterminator="\n").writerows(block)
+        yield stream.getvalue()
+
+
+def _trial_rows(cell: int, rows: Sequence[TrialRow]) -> Iterator[tuple[Any, ...]]:
+    for row in rows:
+        truth = "none"
+        if row.recommended is not None and row.seen is not None:
+            truth = "noisy" if row.recommended else "exact"
+        numbers = [getattr(row, name) for name in (*WHOLE, *REAL)]
+        # As JSON also the reason: a spreadsheet would take one that begins with = for a formula.
+        reason = json.dumps(row.reason)
+        yield (
+            *(cell, row.repetition, str(row.status), truth, *numbers),
+            *(row.theta_text or "", reason),
+        )
+
+
+def _trace_rows(cell: int, rows: Sequence[TrialRow]) -> Iterator[tuple[Any, ...]]:
+    for row in rows:
+        evaluations, values = row.improvements()
+        told: list[Any] = [None] * len(values)
+        if row.recommended and (known := row.recommendations()) is not None:
+            told = known[1].tolist()
+        for point in zip(evaluations.tolist(), values.tolist(), told, strict=True):
+            yield (cell, row.repetition, *point)
+
+
+def _oracle_rows(cell: int, rows: Sequence[TrialRow]) -> Iterator[tuple[Any, ...]]:
+    for row in rows:
+        if row.seen and (known := row.oracle_trace()) is not None:
+            for point in zip(known[0].tolist(), known[1].tolist(), strict=True):
+                yield (cell, row.repetition, *point)
+
+
+@contextmanager
+def _one_line(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except FAULTS as error:
+        raise StudyError(
+            f"{path} is no archive of a study, or damaged: {' '.join(str(error).split())[:120]}"
+        ) from error
+
+
+def _rows(whole: zipfile.ZipFile, name: str) -> Iterator[list[str]]:
+    with whole.open(name) as stream, TextIOWrapper(stream, "utf-8", newline="") as text:
+        yield from csv.reader(text)
+
+
+class _Pages:
+    """Rows of a file by trial, in the order of the trials."""
+
+    def __init__(self, rows: Iterator[list[str]]) -> None:
+        self._groups = groupby(rows, key=lambda row: (int(row[0]), int(row[1])))
+        self._next = next(self._groups, None)
+
+    @property
+    def left(self) -> bool:
+        """Whether there are rows that no trial has asked for."""
+        return self._next is not None
+
+    def of(self, key: tuple[int, int]) -> list[list[str]]:
+        """The rows of a trial, without its key; none if the next ones are another's."""
+        if self._next is None or self._next[0] != key:
+            return []
+        found = [row[2:] for row in self._next[1]]
+        self._next = next(self._groups, None)
+        return found
+
+
+def _trial(
+    key: tuple[int, int],
+    told: Mapping[str, str],
+    trace: Sequence[Sequence[str]],
+    oracle: Sequence[Sequence[str]],
+) -> TrialResult:
+    kept: dict[str, Any] = {name: float(told[name]) if told[name] else None for name in REAL}
+    kept |= {name: int(told[name]) for name in WHOLE}
+    # Another machine's clock is no measure beside this one's.
+    kept |= {"seconds": 0.0, "processor": None, "processor_batched": None}
+    kept["trace"] = pack([(int(row[0]), float(row[1])) for row in trace])
+    if told["truth"] == "exact":
+        kept |= {"recommended": b"", "seen": b""}
+    if told["truth"] == "noisy":
+        kept["recommended"] = pack_values(np.array([float(row[2]) for row in trace]))
+        kept["seen"] = pack([(int(row[0]), float(row[1])) for row in oracle])
+    if told["theta"]:
+        kept["theta"] = json.loads(told["theta"])
+    return TrialResult(*key, Status(told["status"]), str(json.loads(told["reason"])), **kept)
+
+
+def _contradiction(result: TrialResult, budget: int) -> str:
+    """What is wrong with the record of a trial that came to something, or nothing."""
+    numbers, values = unpack(result.trace)
+    if not len(numbers) or result.best is None:
+        return "the trace is missing"
+    return miscounted(result.evaluations, result.gradients, result.batched, budget) or mistraced(
+        numbers, values, result.evaluations, result.best
+    )

@@ -1,0 +1,48 @@
+"""``springpot archive``: a study's trials as one file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from springpot.cli.common import DATA, FILE, FOLDER, emit, json_option
+
+
+@click.command("archive", epilog="Example: springpot archive race -o race.zip")
+@click.argument("study", type=DATA, metavar="STUDY")
+@click.option(
+    "-o",
+    "--output",
+    "path",
+    type=FILE,
+    metavar="FILE",
+    help="By default NAME.zip beside the results.",
+)
+@click.option(
+    "--out",
+    type=FOLDER,
+    default=Path("results"),
+    show_default=True,
+    metavar="DIR",
+    help="Where results are.",
+)
+@json_option
+def command(study: str, path: Path | None, out: Path, as_json: bool) -> None:
+    """Write trials, versions, machine and seeds of STUDY into one file.
+
+    Others compare with it without running it: springpot tables MINE --beside FILE, or springpot run
+    FILE --optimiser NAME.
+    """
+    from springpot.benchmark.archive import write_archive
+    from springpot.benchmark.store import Store
+    from springpot.benchmark.summary import store_path
+
+    store = store_path(study, out)
+    if path is None:
+        path = store.with_suffix(".zip")
+    with Store(store) as found:
+        trials = write_archive(found, path)
+    result: dict[str, Any] = {"schema": "springpot.archived/1", "file": path, "trials": trials}
+    emit(result, as_json, lambda: print(f"{trials} trials in {path}"))

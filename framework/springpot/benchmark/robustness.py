@@ -1,0 +1,132 @@
+"""What of a ranking stands: over all budgets at once, and without any one problem."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from springpot.rheology.points import Real
+
+from .comparison import JudgingScale, ProblemRace, quality
+from .plan import stream_of
+from .statistics import Interval, mean_interval, mean_ranks
+from .tables import Entry, Table
+
+FEWEST = 6
+"""Problems from which on a bootstrap over them is shown, the fewest by which a signed-rank test can
+tell two optimisers apart; below it their range is."""
+
+
+def anytime_table(name: str, races: Sequence[ProblemRace], scale: JudgingScale) -> Table:
+    """Area over the curve and share of targets, one number for all budgets up to the study's."""
+    rows: list[tuple[Entry, ...]] = []
+    if races:
+        areas = np.array([race.of_trials("area").mean(axis=1) for race in races])
+        targets = np.array(
+            [[cell.attained.mean() for cell in race.cells] for race in races], dtype=float
+        )
+        ranks = mean_ranks(-areas)
+        area, target = _intervals(areas, "area"), _intervals(targets, "targets")
+        rows = [
+            (races[0].labels[i], area[i], target[i], float(ranks[i]), len(races))
+            for i in np.argsort(-areas.mean(axis=0), kind="stable")
+        ]
+    note = (
+        "Area over the convergence curve (AOCC): one less the mean over all evaluations up to"
+        f" {scale.budget} of log10 of the excess between {scale.target:g} and 1, over the decades"
+        " between them; 1 for who is at the target from the first evaluation, 0 for who never gets"
+        " below the reference or failed. Targets: share of all trials and targets reached, mean"
+        " over the logarithm of the evaluations. Means over problems with bootstrap 95 % intervals,"
+        f" or their range below {FEWEST} problems."
+    )
+    columns = ("optimiser", "area over the curve", "targets", "mean rank by area", "problems")
+    return Table(f"{name}: anytime", columns, rows, note)
+
+
+def _intervals(values: Real, what: str) -> list[Interval]:
+    """Means of the columns of `values` (problems, k)."""
+    if len(values) >= FEWEST:
+        return mean_interval(values, np.random.default_rng(stream_of(0, "anytime", what)))
+    ends = zip(values.mean(axis=0), values.min(axis=0), values.max(axis=0), strict=True)
+    return [Interval(*map(float, each)) for each in ends]
+
+
+@dataclass(frozen=True, eq=False)
+class WithoutSome:
+    """A ranking without some problems.
+
+    Parameters
+    ----------
+    without : str
+        Which.
+    ranks : ndarray, shape (k,)
+        Mean ranks.
+    """
+
+    without: str
+    ranks: Real
+
+    @property
+    def places(self) -> Real:
+        """Places (k,), the best being 1; equals share the better."""
+        # Rounded: means of the same ranks in another order differ in their last bits.
+        ranks = np.round(self.ranks, 9)
+        places: Real = 1 + (ranks < ranks[:, None]).sum(axis=1)
+        return places
+
+
+def without_each(races: Sequence[ProblemRace], scale: JudgingScale) -> Iterator[WithoutSome]:
+    """The ranking at the whole budget: of all, then without each problem and without each model."""
+    from scipy.stats import rankdata
+
+    reached = [quality(race, -1, scale.target) for race in races]
+    blocks = np.stack([rankdata(r, axis=None).reshape(r.shape).mean(axis=1) for r in reached])
+    yield WithoutSome("", mean_ranks(blocks))
+    if len(races) < 2:
+        return
+    for i, race in enumerate(races):
+        told = f"{race.problem.model} on {race.problem.dataset}, {race.problem.objective}"
+        yield WithoutSome(told, mean_ranks(np.delete(blocks, i, axis=0)))
+    models = [race.problem.model for race in races]
+    for model in dict.fromkeys(models):
+        left = [own != model for own in models]
+        if any(left) and models.count(model) > 1:
+            yield WithoutSome(f"all of {model}", mean_ranks(blocks[left]))
+
+
+def sensitivity_table(name: str, races: Sequence[ProblemRace], scale: JudgingScale) -> Table:
+    """How far each optimiser moves if a problem, or all problems of a model, had not been there."""
+    rows: list[tuple[Entry, ...]] = []
+    if races:
+        whole, *others = without_each(races, scale)
+        places = np.array([each.places for each in others], dtype=float)
+        places = places.reshape(len(others), len(whole.ranks))
+        for i in np.argsort(whole.ranks, kind="stable"):
+            place = int(whole.places[i])
+            rows.append(
+                (
+                    races[0].labels[i],
+                    float(whole.ranks[i]),
+                    place,
+                    *_moved(places[:, i], place, [each.without for each in others]),
+                )
+            )
+    columns = ("optimiser", "mean rank", "place", "best", "worst", "moved most without")
+    note = (
+        f"Place by mean rank at {scale.budget} evaluations over all problems; best and worst: its"
+        " place when one problem, or all problems of one model, are left out. Whose place hangs on"
+        " one problem is not known to be there on others."
+    )
+    return Table(f"{name}: sensitivity", columns, rows, note)
+
+
+def _moved(places: Real, place: int, names: Sequence[str]) -> tuple[Entry, ...]:
+    if not len(places):
+        return None, None, None
+    steps = np.abs(places - place)
+    furthest = None
+    if steps.max() > 0:
+        furthest = names[int(steps.argmax())]
+    return int(places.min()), int(places.max()), furthest

@@ -1,0 +1,186 @@
+"""An archived study stands beside another as if all had run together."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from dataclasses import replace
+
+import pytest
+from benchmark_fakes import Moody, Walk, artificial, measurement, small_study
+
+from springpot.benchmark import Store, run_study
+from springpot.benchmark.archive import Archive, write_archive
+from springpot.benchmark.beside import opened, study_of
+from springpot.benchmark.standings import study_tables
+from springpot.errors import StudyError
+from springpot.measurement import DataSet
+
+RIVALS = ["native", "nlopt-direct-l", ("broken", Moody(mood="throw"))]
+
+
+def a_study(optimisers, **changes):
+    told = {
+        "datasets": [artificial(), artificial(0.02, "noisy"), DataSet("lab", "own", unknown)],
+        "models": {"kelvin": ["own"], "noisy": ["own"], "lab": ["fractional-kelvin"]},
+        "repetitions": 3,
+        "budget": 60,
+        "noise": [0, 0.01],
+    }
+    return small_study(optimisers=optimisers, **(told | changes))
+
+
+def unknown():
+    return measurement(0.01, "lab")
+
+
+def run_in(folder, study):
+    return run_study(study, engine="serial", out=folder, quiet=True, tables=False).store
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A study of all, an archive of its rivals, and a study of the walk alone."""
+    folder = tmp_path_factory.mktemp("archive")
+    run_in(folder / "all", a_study([Walk(), *RIVALS]))
+    with Store(run_in(folder / "rivals", a_study(RIVALS))) as store:
+        assert write_archive(store, folder / "rivals.zip") == 5 * 3 * 3
+    run_in(folder / "walk", a_study([Walk()]))
+    return folder
+
+
+def store_in(folder, name):
+    return folder / name / "small" / "small.sqlite"
+
+
+def test_the_same_trials_are_the_same_bytes_of_plain_text(folder):
+    with Store(store_in(folder, "rivals")) as store:
+        write_archive(store, folder / "again.zip")
+    assert (folder / "again.zip").read_bytes() == (folder / "rivals.zip").read_bytes()
+    with zipfile.ZipFile(folder / "rivals.zip") as whole:
+        names = whole.namelist()
+        told = json.loads(whole.read("study.json"))
+        texts = [whole.read(name).decode("utf-8") for name in names]
+    assert names == ["study.json", "trials.csv", "traces.csv", "oracles.csv"]
+    assert all(texts)
+    assert {"python", "machine", "numpy", "seed", "started"} <= set(told["facts"])
+
+
+def test_tables_beside_an_archive_are_those_of_one_study(folder):
+    """But for the times, which another machine took."""
+    before = store_in(folder, "walk").read_bytes()
+    with Store(store_in(folder, "all")) as store:
+        wanted = dict(study_tables(store))
+    with opened(store_in(folder, "walk"), folder / "rivals.zip") as store:
+        found = dict(study_tables(store))
+        assert "rivals.zip, study small" in store.facts()["beside"]
+    del wanted["timing"], found["timing"]
+    assert {n: sorted(map(repr, t.rows)) for n, t in found.items()} == {
+        n: sorted(map(repr, t.rows)) for n, t in wanted.items()
+    }
+    assert store_in(folder, "walk").read_bytes() == before
+
+
+def test_what_a_study_ran_itself_is_not_shown_twice(folder):
+    with opened(store_in(folder, "all"), folder / "rivals.zip") as store:
+        assert len(store.cells()) == 5 * 4
+    mine = run_in(folder / "mine", a_study([("native", Walk(shrink=0.9))]))
+    with opened(mine, folder / "rivals.zip") as store:
+        labels = dict.fromkeys(cell.label for cell in store.cells())
+    assert list(labels) == ["native", "native (archive)", "nlopt-direct-l", "broken"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"budget": 61}, "its evaluations a trial is 60, not 61"),
+        ({"seed": 2}, "its seed is 1, not 2"),
+        ({"target": 1e-4}, "its target is 0.001, not 0.0001"),
+        ({"stop_at_target": True}, "its stop at the target is none, not True"),
+        ({"x0": "common"}, "only one of them has a common first point"),
+        ({"noise": [0, 0.02]}, "no trials of kelvin+2%, fractional-kelvin, paper with these data"),
+        ({"objectives": ["log"]}, "no trials of kelvin, fractional-kelvin, log with these data"),
+        ({"datasets": [artificial(0.03, "kelvin")], "models": ["own"], "noise": []}, "these data"),
+    ],
+)
+def test_other_problems_budgets_and_seeds_are_refused_in_one_line(folder, tmp_path, changes, told):
+    study = a_study([Walk()], **{"repetitions": 1, "budget": 60} | changes)
+    plan = study.plan()
+    with Store(tmp_path / "small.sqlite", write=True) as store:
+        store.register(plan, {})
+    with (
+        pytest.raises(StudyError, match="cannot stand beside small") as error,
+        opened(tmp_path / "small.sqlite", folder / "rivals.zip"),
+    ):
+        pass
+    assert told in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def changed(source, target, name, old, new):
+    """An archive with one text replaced."""
+    with zipfile.ZipFile(source) as whole, zipfile.ZipFile(target, "w") as copy:
+        for entry in whole.namelist():
+            text = whole.read(entry).decode()
+            if entry == name:
+                assert old in text
+                text = text.replace(old, new, 1)
+            copy.writestr(entry, text)
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("study.json", "springpot.archive/1", "springpot.archive/2"),
+        ("study.json", '"problem": 0', '"problem": 99'),
+        ("study.json", '"seed"', '"sod"'),
+        ("trials.csv", "budget,exact,60", "budget,exact,61"),
+        ("trials.csv", "budget,exact,60", "won,exact,60"),
+        ("traces.csv", "\n0,0,", "\n0,7,"),
+        ("traces.csv", "0,0,1,", "0,0,one,"),
+        ("oracles.csv", "3,0,", "44,0,"),
+    ],
+)
+def test_a_damaged_archive_is_told_in_one_line(folder, tmp_path, name, old, new):
+    changed(folder / "rivals.zip", tmp_path / "bad.zip", name, old, new)
+    with (
+        pytest.raises(StudyError, match=r"bad\.zip is no archive of a study, or damaged") as error,
+        opened(store_in(folder, "walk"), tmp_path / "bad.zip"),
+    ):
+        pass
+    assert "\n" not in str(error.value)
+
+
+def test_half_an_archive_and_no_archive_are_told(folder, tmp_path):
+    whole = (folder / "rivals.zip").read_bytes()
+    for size in (0, 100, len(whole) // 2, len(whole) - 1):
+        (tmp_path / "half.zip").write_bytes(whole[:size])
+        with pytest.raises(StudyError, match="no archive of a study, or damaged"):
+            Archive.read(tmp_path / "half.zip")
+    with pytest.raises(StudyError, match="no archive of a study, or damaged"):
+        Archive.read(tmp_path / "absent.zip")
+
+
+def test_an_optimiser_enters_an_archived_study_by_one_command(springpot, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    published = replace(
+        a_study(["native", "cma-es"]),
+        name="published",
+        datasets=["artificial-springpot"],
+        models=["own"],
+        repetitions=1,
+        x0="common",
+        stop_at_target=True,
+    )
+    with Store(run_in(tmp_path, published)) as store:
+        write_archive(store, tmp_path / "published.zip")
+    mine = study_of(tmp_path / "published.zip", ["nlopt-bobyqa"])
+    cases = [case.digest for case in mine.plan().cases]
+    assert cases == [case.digest for case in published.plan().cases]
+    command = ["run", "published.zip", "--optimiser", "nlopt-bobyqa", "--engine", "serial", "-q"]
+    assert springpot(*command).code == 0
+    table = (tmp_path / "results/published-beside/summary.csv").read_text(encoding="utf-8")
+    for label in ("native", "cma-es", "nlopt-bobyqa"):
+        assert table.count(f",{label},") == 2
+    report = (tmp_path / "results/published-beside/report.html").read_text(encoding="utf-8")
+    assert "published.zip, study published" in report
