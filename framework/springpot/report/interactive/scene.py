@@ -42,6 +42,17 @@ OF_RESIDUALS = 4
 """Significant digits of residuals, of which an answer has the most numbers."""
 
 
+def _words(units: Units) -> dict[str, Any]:
+    """What things are called on the page."""
+    return {
+        "each": "sweep",
+        "symbol": units.magnitude.strip("|*"),
+        "magnitude": units.magnitude,
+        "clock": units.clock,
+        "per_hertz": units.on_clock(1.0),
+    }
+
+
 @dataclass(frozen=True, eq=False)
 class PageScene:
     """Data as the page draws them.
@@ -131,13 +142,7 @@ class PageScene:
                 "logarithmic": self.axis.logarithmic,
                 "per_hertz": per_hertz,
             },
-            "words": {
-                "each": "sweep",
-                "symbol": measurement.units.magnitude.strip("|*"),
-                "magnitude": measurement.units.magnitude,
-                "clock": measurement.units.clock,
-                "per_hertz": measurement.units.on_clock(1.0),
-            },
+            "words": _words(measurement.units),
             "cloud": self._cloud(sweep_of),
             "rows": rows.tolist(),
             "x": rounded(self.axis.values[rows]),
