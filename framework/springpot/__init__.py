@@ -36,7 +36,7 @@ if TYPE_CHECKING:  # what a user's type checker sees; the table below is what ha
         write_measurement,
     )
     from springpot.rheology import Effect, Model, law
-    from springpot.testreport import cycles
+    from springpot.testreport import certify, cycles
     from springpot.web import workbench
 
 __version__ = "0.1.0"
@@ -62,6 +62,7 @@ _WHERE = {
     "plugins": "springpot.registry",
     "predict": "springpot.api",
     "quantities": "springpot.derived",
+    "certify": "springpot.testreport",
     "compare": "springpot.api",
     "cycles": "springpot.testreport",
     "diagnose": "springpot.api",
@@ -88,6 +89,7 @@ __all__ = [
     "Prediction",
     "TimeTest",
     "Units",
+    "certify",
     "compare",
     "cycles",
     "diagnose",

@@ -5,7 +5,8 @@ import pytest
 
 from springpot.benchmark.standings import _or_none
 from springpot.benchmark.statistics import Interval
-from springpot.benchmark.tables import _field, _fields, _rounded, number, text
+from springpot.benchmark.tables import _rounded, number, text
+from springpot.report.tables import _field, _fields
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from concurrent.futures import Future
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -12,6 +13,7 @@ from benchmark_fakes import OMEGA, TRUTH, Moody, Walk, artificial, measurement, 
 
 from springpot.benchmark import cases, fork_server, runner, summary, trial
 from springpot.benchmark import study as studies
+from springpot.benchmark.engine import ExecutorEngine
 from springpot.benchmark.fork_server import Parcel
 from springpot.benchmark.plan import BLOCK, WorkOrder
 from springpot.benchmark.trial import Bell, Status, TrialResult, TwinProblem, Workshop
@@ -364,3 +366,32 @@ def test_a_canary_goes_through_each_door():
     assert done.status == "budget"
     other = replace(problem, measurement=measurement(1e-9))
     assert trial.outcome(problem) == trial.outcome(problem) != trial.outcome(other)
+
+
+def test_a_canary_keeps_a_diary_of_where_it_has_been(monkeypatch):
+    """An array that was changed shows there, even where the best stays."""
+    problem = TwinProblem(small_study(datasets=[artificial()]).plan().cases[0]).problem
+    before, searched = trial.outcome(problem), trial.run
+
+    def elsewhere(*given, **options):
+        done = searched(*given, **options)
+        return replace(done, diary=[(1.01 * page, value) for page, value in done.diary])
+
+    monkeypatch.setattr(trial, "run", elsewhere)
+    assert trial.outcome(problem) != before
+
+
+def test_an_executor_has_no_more_batches_under_way_than_its_width():
+    submitted = []
+
+    def submit(action, parcel, batch):
+        submitted.append(batch)
+        future = Future()
+        future.set_result([f"result of {each}" for each in batch])
+        return future
+
+    engine = ExecutorEngine(SimpleNamespace(submit=submit), None, width=2, batch=3)
+    results = engine.run(range(12))
+    assert len(next(results)) == 3
+    assert submitted == [[0, 1, 2], [3, 4, 5]]
+    assert len(list(results)) == 3

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import springpot
+from springpot.diagnosis import notes
 from springpot.diagnosis.marginal import _price_of_a_bound
 from springpot.registry import parse_model
 from springpot.thresholds import EVIDENCE
@@ -108,3 +109,15 @@ def test_a_bound_costs_what_its_room_is_beside_a_prediction():
     )
     # Never more than to know nothing at all.
     assert _price_of_a_bound(1e3 * one, 1e6 * one) == -EVIDENCE.unpredicted_harmonic
+
+
+@pytest.mark.parametrize(("levels", "says"), [(2, ""), (3, "growing as amplitude^2 ± ")])
+def test_three_amplitudes_tell_how_a_harmonic_grows(levels, says):
+    amplitude = np.geomspace(0.1, 1.0, levels)
+    data = springpot.Measurement(
+        np.ones(levels), np.full(levels, 1.0 + 1.0j), conditions={"amplitude": amplitude}
+    )
+    found = notes._growth(data, 0.01 * amplitude**2, np.arange(levels))
+    assert bool(found) == bool(says)
+    assert says in found
+    assert ("cubic spring" in found) == bool(says)

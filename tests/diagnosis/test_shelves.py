@@ -40,6 +40,17 @@ def test_what_helps_takes_a_tenth_of_the_error_and_the_most_stands_first(found):
     assert names(found, "helps")[0] == "frame-resonance"
 
 
+def test_what_helps_only_beside_another_effect_is_not_offered_before_it(found):
+    """Accepted alone it left the error where it was."""
+    rows = [replace(row, error_beside=float("nan")) for row in found.candidates]
+    least = min(row.after for row in rows)
+    pair = next(i for i, row in enumerate(rows) if row.effect == "fixture-resonance")
+    rows[pair] = replace(rows[pair], error_beside=0.5 * least)
+    nameless = replace(found, verdict="unexplained", leading=(), candidates=tuple(rows))
+    assert names(nameless, "helps")[-1] == "fixture-resonance"
+    assert nameless.offered != "fixture-resonance"
+
+
 def test_what_is_ruled_out_is_one_line(found):
     text = " ".join(told(found).split())
     assert "ruled out, as the error stays: filter-mismatch, parallel-dashpot, " in text

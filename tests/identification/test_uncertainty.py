@@ -1,5 +1,7 @@
 """Intervals: they cover the truth as often as they say, and say so where the data give none."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from native_problems import OMEGA, noisy, setup
@@ -7,7 +9,7 @@ from scipy.optimize import least_squares
 
 from soaked import soaked
 from springpot.distributions import student
-from springpot.identification import Uncertainty, bootstrap, fit, profile
+from springpot.identification import Uncertainty, bootstrap, fit, fitting, profile
 from springpot.measurement import Measurement
 from springpot.registry import parse_model
 
@@ -156,3 +158,16 @@ def test_no_degrees_of_freedom_no_interval():
     low, high = known.interval()
     assert np.all(low[:3] == 0.0)
     assert np.all(np.isinf(high[:3]))
+
+
+def test_draws_of_a_parameter_that_is_as_good_as_zero_reach_down_to_its_bound(monkeypatch):
+    """No two fits stop at the same tiny number."""
+    parameters = parse_model("zener").parameters
+    theta = np.array([1e-12, 3.0, 1e12])
+    drawn = theta * np.array([[2.0, 0.9, 0.5], [3.0, 1.1, 0.6]])
+    monkeypatch.setattr(fitting, "bootstrap", lambda *given: drawn)
+    fit = SimpleNamespace(theta=theta, model=SimpleNamespace(parameters=parameters))
+    known = SimpleNamespace(specimens=None, level=1.0, fit=fit, at_bound=np.array([-1, 0, 1]))
+    low, high = fitting._interval(known, "bootstrap", 0)
+    assert low == pytest.approx([parameters[0].lower, 2.7, 0.5e12])
+    assert high == pytest.approx([3e-12, 3.3, parameters[2].upper])

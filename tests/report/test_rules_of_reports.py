@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from springpot.measurement import Measurement
-from springpot.report import fit_text
+from springpot.report import fit_text, invention
 
 OMEGA = np.array([1.0, 2.0, 3.0, 4.0])
 
@@ -42,3 +42,21 @@ def test_a_condition_that_varies_and_is_not_used_is_told(conditions, needs, note
     assert all(told.startswith(note) for told, note in zip(found, notes, strict=True))
     fitted.sweep = None
     assert fit_text.unused(fitted) == []
+
+
+@pytest.mark.parametrize(
+    ("causal", "passive", "kind"),
+    [
+        (True, True, "causal, passive"),
+        (True, False, "causal, not passive"),
+        (True, None, "causal"),
+        (False, True, "not causal"),
+        (False, None, "not causal"),
+    ],
+)
+def test_a_law_is_told_as_the_physics_that_it_is(causal, passive, kind):
+    """What is not known of a law is not said."""
+    law = SimpleNamespace(
+        text="k", probability=0.5, error_after=0.01, causal=causal, passive=passive, like=()
+    )
+    assert invention._row(law)[3] == kind

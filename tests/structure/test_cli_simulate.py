@@ -236,3 +236,23 @@ def test_a_damper_that_moves_further_than_it_was_measured_is_told():
 def test_a_condition_that_was_held_is_one_number():
     covered = Covered((1.0, 10.0), {"temperature": (23.0, 23.0)})
     assert covered.span("temperature", Units()) == "temperature of 23 [degC]"
+
+
+@pytest.mark.parametrize("peak", [0.0, 0.05])
+def test_of_a_frame_that_does_not_move_nobody_takes_a_share(springpot, write, peak):
+    """At rest, or stuck in friction: what is left of its energy is rounding, or nothing."""
+    stuck = """[structure]
+mass = 1e3
+stiffness = 1e6
+damping = 0.02
+
+[[damper]]
+model = "spring + friction"
+parameters = { k = 100, "friction.F" = 1.0 }
+unit = "kN/m"
+"""
+    quiet = "".join(f"{0.02 * i:.2f},{peak * (i % 2)}\n" for i in range(40))
+    record = write("time [s],acceleration [g]\n" + quiet, "quiet.csv")
+    told = springpot("simulate", write(stuck, "stuck.toml"), "--record", record)
+    assert told.code == 0, told.err
+    assert "energy      0 kJ put in\n" in told.out

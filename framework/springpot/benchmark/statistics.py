@@ -6,12 +6,12 @@ A trial that failed or missed its target has an infinite running time; it is nev
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import comb, factorial, inf, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.report.tables import Interval as Interval
 from springpot.rheology.points import Real
 
 Z95 = 1.959963984540054
@@ -19,23 +19,6 @@ Z95 = 1.959963984540054
 
 EXACT = 50
 """Blocks up to which the signed-rank test is exact."""
-
-
-@dataclass(frozen=True)
-class Interval:
-    """An estimate with its 95 % interval.
-
-    Examples
-    --------
-    >>> from springpot.benchmark.statistics import wilson
-    >>> rate = wilson(18, 20)
-    >>> rate.value, round(rate.low, 2), round(rate.high, 2)
-    (0.9, 0.7, 0.97)
-    """
-
-    value: float
-    low: float
-    high: float
 
 
 def wilson(successes: int, trials: int, z: float = Z95) -> Interval | None:

@@ -78,9 +78,20 @@ OPTIMISER = (
 @seed_option
 @geometry_option
 @accuracy_option
+@click.option(
+    "--robust",
+    type=click.Choice(("huber", "soft-l1")),
+    help="Let numbers that lie far off count less.",
+)
 @click.option("--intervals", type=click.Choice(INTERVALS), default="jacobian", show_default=True)
 @click.option(
     "--figure", type=FILE, metavar="FILE", help="Draw data, fit and residuals (.png, .svg or .pdf)."
+)
+@click.option(
+    "--table",
+    type=FILE,
+    metavar="FILE",
+    help="Write the parameters as .csv, .xlsx, .tex, .html or .md.",
 )
 @verbose_option
 @json_option
@@ -91,6 +102,7 @@ def command(
     joint: bool,
     as_csv: bool,
     figure: Path | None,
+    table: Path | None,
     verbose: bool,
     as_json: bool,
     **options: Any,
@@ -107,11 +119,9 @@ def command(
     from springpot.constraints import values_of
     from springpot.measurement.joining import joined
     from springpot.registry import parse_model
-    from springpot.report.canvas import check_figure_path
+    from springpot.report.value_table import write_parameters
 
-    # A path that cannot be written is told before time is spent on the fit.
-    if figure is not None:
-        check_figure_path(figure)
+    _check_paths(figure, table)
     if as_csv and as_json:
         raise click.UsageError("give --csv or --json, not both", click.get_current_context())
     expression = parse_model(model)
@@ -119,20 +129,21 @@ def command(
     arguments = {**options, **known, "start": values_of(options["start"])}
     tests = timetests.named_tests(data, geometry)
     if tests is not None:
+        arguments["table"] = table
         timetests.identify(tests, data, expression, figure, as_csv, as_json, arguments)
         return 0
     if len(data) > 1 and not joint:
         if figure is not None:
             advice = "--figure draws one fit: name one DATA, or give --joint"
             raise click.UsageError(advice, click.get_current_context())
-        return _each(data, expression, geometry, arguments, as_csv, as_json)
+        return _each(data, expression, geometry, arguments, table, as_csv, as_json)
     measured = [opened(name, geometry) for name in data]
-    together = measured[0]
-    if len(measured) > 1:
-        together = joined(measured)
+    together = joined(measured) if len(measured) > 1 else measured[0]
     fit = _fitted(together, expression, arguments)
     if figure is not None:
         fit.plot(figure)
+    if table is not None:
+        write_parameters(table, [fit])
     if as_csv:
         from springpot.report.fit_text import many_csv
 
@@ -141,6 +152,17 @@ def command(
     else:
         emit(fit, as_json, lambda: _show(fit, data, model, figure, verbose))
     return 0
+
+
+def _check_paths(figure: Path | None, table: Path | None) -> None:
+    """A path that cannot be written is told before time is spent on the fit."""
+    from springpot.report.canvas import check_figure_path
+    from springpot.report.value_table import require_ending
+
+    if figure is not None:
+        check_figure_path(figure)
+    if table is not None:
+        require_ending(table)
 
 
 def _fitted(measured: Measurement, model: Model, arguments: dict[str, Any]) -> Identification:
@@ -170,6 +192,7 @@ def _each(
     model: Model,
     geometry: str | None,
     arguments: dict[str, Any],
+    table: Path | None,
     as_csv: bool,
     as_json: bool,
 ) -> int:
@@ -178,6 +201,7 @@ def _each(
     What is there is printed even where the rest is interrupted.
     """
     from springpot.report.fit_text import many_csv, many_text
+    from springpot.report.value_table import write_parameters
 
     fits: list[Identification] = []
 
@@ -188,6 +212,8 @@ def _each(
             print_json(fits[-1], indent=None)
 
     worst = of_each(data, answer)
+    if fits and table is not None:
+        write_parameters(table, fits)
     if fits and as_csv:
         print(many_csv(fits), end="")
     elif fits and not as_json:

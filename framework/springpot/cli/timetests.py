@@ -78,6 +78,8 @@ def identify(
 
     from .waiting import Waiting
 
+    table = options.pop("table")
+
     # An optimiser runs in a copy of this process, which is safe only where no thread runs beside.
     with ExitStack() as stack:
         if options.get("optimiser") is None:
@@ -85,6 +87,10 @@ def identify(
         fit: Any = identified_from(tests, model, **options)
     if figure is not None:
         fit.plot(figure)
+    if table is not None:
+        from springpot.report.value_table import write_parameters
+
+        write_parameters(table, [fit])
     if as_csv:
         from springpot.report.fit_text import many_csv
 

@@ -117,6 +117,11 @@ class Quantities:
         known = ", ".join(dict.fromkeys(row.name for row in self.rows)) or "none"
         raise KeyError(f"no '{name}' (there are: {known})")
 
+    @property
+    def title(self) -> str:
+        """The model and the data, in one line."""
+        return f"{self.model} fitted to {self.name}" if self.model else self.name
+
     def to_dict(self) -> dict[str, Any]:
         """Plain data, schema ``springpot.quantities/1``; an end that there is none of is None."""
         answer = {"schema": SCHEMA, "data": self.name, "model": self.model or None}
@@ -191,8 +196,7 @@ def told(answer: Quantities, columns: int | None = None) -> str:
     table = TextTable(headers, rows, frozenset({"value"}), spare=("at",))
     if columns is not None and rows:
         table = table.fitted(columns)
-    title = f"{answer.model} fitted to {answer.name}" if answer.model else answer.name
-    lines = [title, "", *([table.plain()] if rows else ["nothing can be told"])]
+    lines = [answer.title, "", *([table.plain()] if rows else ["nothing can be told"])]
     lines += [f"note        {note}" for note in answer.notes]
     if any(row.outside for row in answer):
         lines.append("outside     of what was measured: it holds only if the model does")

@@ -293,12 +293,21 @@ class Diagnosis:
         return "ruled-out"
 
     def on_shelf(self, shelf: Shelf) -> tuple[Candidate, ...]:
-        """The effects of a shelf; of those that help the one that takes most of the error first."""
+        """The effects of a shelf; of those that help the one that takes most of the error first.
+
+        What helps only beside another effect stands behind those that help alone.
+        """
         found = [each for each in self.candidates if self.shelf_of(each) == shelf]
         if shelf == "helps":
             # What the headline names stands as it names it.
             first = {name: place for place, name in enumerate(self.leading)}
-            found.sort(key=lambda each: (first.get(each.effect, len(first)), each.after))
+            found.sort(
+                key=lambda each: (
+                    first.get(each.effect, len(first)),
+                    isfinite(each.error_beside),
+                    each.after,
+                )
+            )
         return tuple(found)
 
     @property

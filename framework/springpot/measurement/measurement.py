@@ -356,6 +356,49 @@ class Measurement(Rows):
         """
         return draw(self, path, ax)
 
+    def to_dataframe(self) -> Any:
+        """The rows as a `pandas.DataFrame`, under the headings of a CSV file.
+
+        Raises
+        ------
+        OptionError
+            If pandas is not installed.
+        """
+        from .frames import dataframe
+
+        return dataframe(self)
+
+    def to_xarray(self) -> Any:
+        """The rows as an `xarray.Dataset` along ``point``, conditions as coordinates.
+
+        Raises
+        ------
+        OptionError
+            If xarray is not installed.
+        """
+        from .frames import dataset
+
+        return dataset(self)
+
+    @classmethod
+    def from_dataframe(cls, frame: Any) -> Measurement:
+        """A measurement of a table whose headings are those of a CSV file: ``storage [kN/m]``.
+
+        Parameters
+        ----------
+        frame : pandas.DataFrame
+            With frequency or omega, storage and loss; columns of numbers are conditions, those of
+            words labels.
+
+        Raises
+        ------
+        DataError
+            If a column or its unit is missing.
+        """
+        from .frames import arguments_of
+
+        return cls(**arguments_of(frame))
+
     def as_modulus(self, geometry: Geometry, unit: str = "Pa") -> Measurement:
         """The material that a specimen or damper of this geometry is made of.
 

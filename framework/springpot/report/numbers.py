@@ -59,6 +59,19 @@ def with_interval(value: float, low: float | None, high: float | None) -> tuple[
     return at_place(value, place), f"[{at_place(low, place)}, {at_place(high, place)}]"
 
 
+def halved(value: float, low: float, high: float) -> tuple[str, str]:
+    """A value and half the width of its interval, with the digits that `with_interval` keeps."""
+    width = 0.5 * (high - low)
+    if width <= 0.0:
+        return number(value), "0"
+    place = max(_place(width), exponent_of(value if value else width) - MOST_DIGITS + 1)
+    size = at_place(value, place)
+    # With the decimals that the value has, however small it is.
+    if "e" not in size and place <= 0:
+        return size, f"{width:.{-place}f}"
+    return size, at_place(width, place)
+
+
 def told_range(data: Measurement) -> str:
     """The frequencies of data as the file tells them, such as ``1.00 to 48.0 Hz``."""
     first, last = float(min(data.frequency)), float(max(data.frequency))

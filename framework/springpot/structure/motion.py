@@ -27,6 +27,7 @@ from springpot.errors import DataError, ModelError
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
+from ..numerics import ROUNDING
 from .beside import Beside, forces
 from .frame import Damper, Frame, Mode, modes_of
 
@@ -383,10 +384,14 @@ class Motion:
             ),
             np.zeros(len(step * power)),
         )
-        return {
-            name: _integral(each, step)
-            for name, each in (("input", power), ("dampers", taken), ("frame", own))
-        }
+        # Beside what rides along with the ground the work on a frame that is stuck is rounding.
+        reached = _integral(np.abs(self.record.acceleration), step)[-1]
+        least = ROUNDING * float(np.sum(self.frame.mass)) * reached**2
+        energies = {"input": power, "dampers": taken, "frame": own}
+        for name, rate in energies.items():
+            whole = _integral(rate, step)
+            energies[name] = np.where(np.abs(whole) > least, whole, 0.0)
+        return energies
 
 
 def _integral(rate: Real, step: float) -> Real:

@@ -7,22 +7,27 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
+    from .certificate import Certificate, certify
     from .record import LoopRecord, read_record
     from .report import CycleReport, cycles
     from .summary import EvaluatedTest, Told
     from .velocity import VelocityLaw
 
 __all__ = [
+    "Certificate",
     "CycleReport",
     "EvaluatedTest",
     "LoopRecord",
     "Told",
     "VelocityLaw",
+    "certify",
     "cycles",
     "read_record",
 ]
 
 _WHERE = {
+    "Certificate": "springpot.testreport.certificate",
+    "certify": "springpot.testreport.certificate",
     "CycleReport": "springpot.testreport.report",
     "EvaluatedTest": "springpot.testreport.summary",
     "LoopRecord": "springpot.testreport.record",

@@ -56,3 +56,22 @@ def law_text(law: VelocityLaw) -> str:
         parts.append(f"{name} = {value} {interval}{unit}")
     origin = {"noise": "the noise of the tests", "tests": "the scatter of the tests"}[law.source]
     return f"F0 = C |v|^alpha with {' and '.join(parts)}, from {origin}"
+
+
+SURE = 1e-4
+"""A chance below it is not told by its size: the tails of a distribution are not known so far."""
+
+
+def chance(value: float) -> str:
+    """A chance in per cent.
+
+    Examples
+    --------
+    >>> chance(0.0234), chance(1e-9), chance(1.0)
+    ('2.3 %', '< 0.01 %', '> 99.99 %')
+    """
+    if value < SURE:
+        return "< 0.01 %"
+    if value > 1.0 - SURE:
+        return "> 99.99 %"
+    return f"{100.0 * value:.2g} %"

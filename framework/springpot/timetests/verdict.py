@@ -31,6 +31,7 @@ from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 from .floor import TimeFloor
 from .left import Left
 from .lines import lines_in
+from .one_ramp import beside_one_ramp
 from .promises import TWINS, Promise
 from .residuals_of_tests import SweepPart, TestPart
 from .scatter import ResidualScatter
@@ -90,8 +91,9 @@ def sentence(
     where: Sequence[Where],
     jump: str = "",
     apart: str = "",
+    rival: str = "",
 ) -> str:
-    """The verdict in one sentence; `jump` tells of one that explains the tests as well.
+    """The verdict in one sentence; `jump` and `rival` tell of what explains the tests as well.
 
     `apart` tells of tests that are followed one by one and not together.
     """
@@ -125,7 +127,7 @@ def sentence(
         if apart:
             return f"{size}; {apart}; {helps}{place}"
         return f"{size}, and no single known effect explains it: {helps}{place}"
-    return f"{size}; missing is {names}: {after}{place}"
+    return f"{size}; missing is {names}: {after}{rival}{place}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,24 +218,20 @@ def answer_of(
     best = next((each.left for each in tried), before)
     nothing, *chances, unknown = _agreeing(weights, verdict, best.chance)
     alike = _class(tried, promises, noise)
-    candidates = [
-        _candidate(each, chance, alike, error_of(each.left.rows(parts, noise, base.tests), noise))
-        for each, chance in zip(tried, chances, strict=True)
-    ]
-    # One of several that cannot be told apart is not known to be the missing one.
-    if verdict == "effect-missing" and len(alike) == 1:
-        candidates[0] = replace(candidates[0], verdict="missing")
+    after = [error_of(each.left.rows(parts, noise, base.tests), noise) for each in tried]
+    candidates = _candidates(tried, chances, alike, after, verdict)
     tests = before.rows(parts, noise, base.tests)
     named = [] if slipped and weights[-1] > VERDICT.likely else candidates
     # What noise leaves of an adequate model stands out somewhere too.
     where = () if verdict == "adequate" else where_missed(parts, before, noise)
     error, jump = error_of(tests, noise), slip.says if slipped else ""
+    apart, rival = _said_apart(parts, tests), beside_one_ramp(parts, named, leading_of(named))
     diagnosis = Diagnosis(
         data=base.name,
         model=base.model,
         error=error,
         verdict=verdict,
-        says=sentence(error, verdict, named, where, jump, _said_apart(parts, tests)),
+        says=sentence(error, verdict, named, where, jump, apart, rival),
         split="",
         where=where,
         candidates=tuple(candidates),
@@ -428,6 +426,22 @@ def _open(each: Tried, alike: Sequence[str]) -> EffectVerdict:
     if each.effect.name in alike or each.delta > VERDICT.clear_evidence:
         return "cannot-tell"
     return "absent"
+
+
+def _candidates(
+    tried: Sequence[Tried],
+    chances: Sequence[float],
+    alike: Sequence[str],
+    after: Sequence[Error],
+    verdict: Verdict,
+) -> list[Candidate]:
+    """The row of each effect that was tried, and whether the first is missing for certain."""
+    told = zip(tried, chances, after, strict=True)
+    rows = [_candidate(each, chance, alike, error) for each, chance, error in told]
+    # One of several that cannot be told apart is not known to be the missing one.
+    if verdict == "effect-missing" and len(alike) == 1:
+        rows[0] = replace(rows[0], verdict="missing")
+    return rows
 
 
 def _candidate(each: Tried, chance: float, alike: Sequence[str], after: Error) -> Candidate:

@@ -20,7 +20,7 @@ from .channels import found_in
 from .choices import ask_columns, ask_each, numbered
 from .conditions_above import with_conditions_above
 from .dynamic import measurement_from, parts_from
-from .grid import COMMENT, Grid, grid_of, head_grid, is_number
+from .grid import COMMENT, Grid, grid_of, head_grid, holds_number, is_number
 from .header_facts import facts_of, pairs_in
 from .headings import headings_of
 from .names import FREQUENCIES, MODULI
@@ -153,6 +153,8 @@ def numbers_said(grid: Grid, choice: Choice) -> Block:
     # With names the question can show them; without, only the number of the columns is known.
     if block.headings == numbered(len(titles)):
         raise ask_columns(len(titles))
+    if any(each.role == "flow" for each in block.headings) and not block.roles & FREQUENCIES:
+        raise DataError(block.holds())
     raise _ask_which(titles)
 
 
@@ -174,8 +176,11 @@ def without_names(grid: Grid, words: Vocabulary = SWEEPS) -> Block:
         raise DataError(
             "there is no table of numbers; write frequency [Hz], storage [Pa], loss [Pa] above them"
         )
+    width = len(kept[start][0])
+    # A row of numbers above the names is no data: it tells the curves apart.
+    if start + 2 < len(kept) and _names(kept[start + 1][0], width):
+        start += 2
     rows, lines = [row for row, _ in kept[start:]], [n for _, n in kept[start:]]
-    width = len(rows[0])
     for row, number in zip(rows, lines, strict=True):
         if len(row) != width:
             raise DataError(f"line {number}: {len(row)} cells where the first row has {width}")
@@ -184,6 +189,12 @@ def without_names(grid: Grid, words: Vocabulary = SWEEPS) -> Block:
     if above and len(above[-1]) == width:
         headings = headings_of(above.pop(), [], width, words)
     return Block("", headings, rows, lines, above, words=words)
+
+
+def _names(row: Sequence[str], width: int) -> bool:
+    """Whether all cells of a row are filled, and none with a number."""
+    filled = all(cell.strip() for cell in row)
+    return len(row) == width and filled and not any(map(holds_number, row))
 
 
 def _ask_which(names: Sequence[str]) -> OpenQuestion:

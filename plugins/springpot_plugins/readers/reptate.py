@@ -10,7 +10,7 @@ from springpot.measurement import Choice, Measurement, Reader
 
 from .blocks import Block, is_data
 from .dynamic import measurement_from
-from .grid import COMMENT, cells_of, lines_of, separator_in
+from .grid import COMMENT, cells_of, is_number, lines_of, separator_in
 from .headings import headings_of
 from .text import head_text, text_of
 from .titles import Heading, heading
@@ -34,7 +34,7 @@ CLOCKS = frozenset({"omega", "freq", "frequency"})
 
 def first_line(text: str) -> dict[str, str]:
     """The keys and values of the first line; none for other files."""
-    line = text.lstrip("\ufeff").split("\n", 1)[0][:4000].strip()
+    line = lines_of(text.lstrip("\ufeff")[:4000])[0].strip()
     if not HEADER.match(line):
         return {}
     pairs = (piece.partition("=") for piece in line.split(";") if "=" in piece)
@@ -59,7 +59,7 @@ def table_of(text: str) -> tuple[list[list[str]], list[int], list[list[str]]]:
     """
     lines = [(i, line) for i, line in enumerate(lines_of(text), 1) if i > 1 and line.strip()]
     separator = separator_in([line for _, line in lines])
-    split = [(i, cells_of(line.strip(), separator, i)) for i, line in lines]
+    split = [(i, _numbers_apart(cells_of(line.strip(), separator, i))) for i, line in lines]
     start = next((k for k, (_, cells) in enumerate(split) if _is_row(cells)), None)
     if start is None:
         raise DataError("a RepTate file without three columns of numbers")
@@ -72,6 +72,17 @@ def table_of(text: str) -> tuple[list[list[str]], list[int], list[list[str]]]:
         [i for i, _ in numbers],
         [cells for _, cells in split[:start]],
     )
+
+
+def _numbers_apart(cells: list[str]) -> list[str]:
+    """The cells, where blanks may part some numbers of a row and tabs the others."""
+    if not any(" " in cell for cell in cells):
+        return cells
+    apart: list[str] = []
+    for cell in cells:
+        words = cell.split()
+        apart += words if words and all(map(is_number, words)) else [cell]
+    return apart
 
 
 def _is_row(cells: list[str]) -> bool:

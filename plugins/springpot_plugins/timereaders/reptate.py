@@ -16,7 +16,7 @@ from springpot.errors import DataError
 from springpot.measurement import Choice, Loading, TimeReader, TimeTest
 from springpot.rheology import Real
 
-from ..readers.grid import is_number
+from ..readers.grid import is_number, lines_of
 from ..readers.reptate import CLOCKS, first_line
 from ..readers.text import head_text, text_of
 from .tables import without_ties
@@ -31,7 +31,7 @@ def recognises(head: bytes) -> float:
     keys = first_line(text)
     if not keys or keys.keys() & CLOCKS:
         return 0.0
-    widths = {len(line.split()) for line in text.split("\n")[1:40] if _is_row(line)}
+    widths = {len(line.split()) for line in lines_of(text)[1:40] if _is_row(line)}
     # A sweep of RepTate has the same first line above three columns, but nothing that is sheared at
     # one rate; what stands behind the first two columns of a startup is the rheometer's.
     return 0.96 * (widths == {2} or ("gdot" in keys and bool(widths) and min(widths) >= 2))
@@ -81,7 +81,7 @@ def _is_row(line: str) -> bool:
 
 
 def _rows(text: str, path: Path) -> Real:
-    lines = [line for line in text.split("\n")[1:] if _is_row(line)]
+    lines = [line for line in lines_of(text)[1:] if _is_row(line)]
     rows = np.array([[float(cell) for cell in line.split()[:2]] for line in lines])
     if len(rows) < 2:
         raise DataError(f"{path}: a RepTate file without two columns of numbers")

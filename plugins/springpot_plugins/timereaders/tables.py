@@ -186,20 +186,27 @@ def _runs(block: Block, choice: Choice) -> list[Block]:
         # What is wrong with it is told when it is read as one test.
         return [block]
     steps = np.sign(np.diff(times))
+    if not (steps < 0.0).any():
+        return [block]
     onwards = float(np.median(steps[steps != 0.0])) if (steps != 0.0).any() else 0.0
     starts = np.flatnonzero(steps == -onwards) + 1
-    if (not len(starts) and onwards >= 0.0) or len(starts) >= _FEW * len(times):
-        return [block]
-    runs = np.split(np.arange(len(times)), starts)
-    if len(runs) == 1:
-        return [_rows(block, runs[0][::-1], "")]
-    others = [each for i, each in enumerate(columns) if i != place and each.name not in MEASURED]
-    told = (_told_apart(each, runs) for each in others)
-    names = next((each for each in told if each is not None), None)
-    # A record whose clock slipped is none of these.
+    names = None
+    if 0 < len(starts) < _FEW * len(times):
+        runs = np.split(np.arange(len(times)), starts)
+        others = (each for i, each in enumerate(columns) if i != place)
+        told = (_told_apart(each, runs) for each in others if each.name not in MEASURED)
+        names = next((each for each in told if each is not None), None)
     if names is None:
-        return [block]
+        # A record whose clock slipped is none of these.
+        return [_rows(block, np.argsort(times), "") if _of_one_curve(times, steps) else block]
     return [_rows(block, run[:: int(onwards)], name) for run, name in zip(runs, names, strict=True)]
+
+
+def _of_one_curve(times: Real, steps: Real) -> bool:
+    """Whether pieces that run on or back leave one another's times alone, as when digitised."""
+    pieces = np.split(times, np.flatnonzero(np.diff(steps)) + 2)
+    ends = sorted((float(piece.min()), float(piece.max())) for piece in pieces)
+    return all(last < first for (_, last), (first, _) in pairwise(ends))
 
 
 def _told_apart(column: Column, runs: Sequence[NDArray[np.intp]]) -> list[str] | None:

@@ -93,6 +93,27 @@ OF_SPECIMENS = {
 }
 
 
+@pytest.mark.parametrize("order", [[2, 1, 0, 3, 4], [1, 0, 2, 3, 4], [3, 4, 0, 1, 2]])
+def test_pairs_of_digitised_curves_are_tests_whatever_the_order_of_their_points(tmp_path, order):
+    """Numbers above the pairs were taken for their first row, and X and Y for no numbers."""
+    pairs = lines(TIME[order], COLD[order], TIME[::-1], WARM[::-1])
+    said = "?X=time[s],Y=relaxation[Pa]"
+    are_both(opened(tmp_path, f"20,,40,\nX,Y,X,Y\n{pairs}", said))
+
+
+def test_runs_that_a_column_tells_apart_are_not_sorted_into_one(tmp_path):
+    rows = "10,900,1\n20,800,1\n40,700,1\n1,400,2\n2,300,2\n4,200,2\n"
+    first, second = opened(tmp_path, f"t [s],relaxation [Pa],Set\n{rows}")
+    np.testing.assert_allclose(first.time, [10.0, 20.0, 40.0])
+    np.testing.assert_allclose(second.time, [1.0, 2.0, 4.0])
+
+
+def test_runs_that_cover_the_same_times_are_not_sorted_into_one(tmp_path):
+    text = f"t [s],E(t) [Pa]\n{ONE}\n{lines(TIME, WARM)}"
+    with pytest.raises(DataError, match="the time does not rise"):
+        opened(tmp_path, text)
+
+
 @pytest.mark.parametrize("layout", OF_SPECIMENS)
 def test_curves_of_several_specimens_are_tests(tmp_path, layout):
     are_both(opened(tmp_path, OF_SPECIMENS[layout]))

@@ -252,6 +252,7 @@ REFUSED = {
         "Shear rate [1/s],Viscosity [Pa.s],Temperature [°C]\n1,2,3\n",
         "steady flow, no dynamic test",
     ),
+    "flow by one name": ("Shear Rate,Stress\n1,2\n10,3\n", "steady flow, no dynamic test"),
     "neither": (
         "Zeit [s];Temperatur [°C];Normalkraft [N]\n1;2;3\n",
         r"missing frequency \[Hz\] or omega \[rad/s\], and storage",

@@ -43,7 +43,9 @@ from springpot.cli.common import COMPLETED, DATA, FILE, MODEL, emit, json_option
     shell_complete=completion.names_of("effect"),
 )
 @click.option("--csv", "as_csv", is_flag=True, help="Print a table as CSV.")
-@click.option("-o", "--output", type=FILE, metavar="FILE.csv", help="Write the table.")
+@click.option(
+    "-o", "--output", type=FILE, metavar="FILE", help="Write a .csv, .xlsx, .tex, .html or .md."
+)
 @json_option
 def command(
     data: str,
@@ -65,15 +67,21 @@ def command(
     from springpot.derived import quantities
     from springpot.derived.quantity import told
     from springpot.files import require_writable, write_text
+    from springpot.report.value_table import require_ending, write_values
 
     if as_csv and as_json:
         raise click.UsageError("give --csv or --json, not both", click.get_current_context())
     if output is not None:
         require_writable(output)
+        require_ending(output)
     asked.update(values_of(others))
     answer = quantities(data, model, **asked)
     if output is not None:
-        write_text(output, answer.to_csv())
+        if output.suffix == ".csv":
+            write_text(output, answer.to_csv())
+        else:
+            rows = [((row.name, row.place(answer.units), row.source), row.value) for row in answer]
+            write_values(output, answer.title, ("quantity", "at", "from"), rows)
     if as_csv:
         print(answer.to_csv(), end="")
         return

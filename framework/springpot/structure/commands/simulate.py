@@ -340,10 +340,13 @@ def _show(simulation: Simulation, figure: Path | None) -> None:
     if result["dampers"]:
         _show_dampers(result)
     energy = result["energy"]
-    share = 100.0 * energy["dampers"] / energy["input"]
+    told = f"energy      {number(energy['input'] / 1e3)} kJ put in"
+    # Where nothing moved, or what was put in has gone back, nobody has taken a share of it.
+    if energy["input"] > 0.0:
+        share = 100.0 * energy["dampers"] / energy["input"]
+        told += f", {share:.3g} % of it taken by the dampers"
     print(
-        f"energy      {number(energy['input'] / 1e3)} kJ put in, {share:.3g} % of it taken by the"
-        " dampers",
+        told,
         *_last_lines(result["notes"], figure),
         sep="\n",
     )

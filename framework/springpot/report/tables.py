@@ -1,0 +1,270 @@
+"""One small writer of tables.
+
+Markdown, CSV, LaTeX (booktabs), HTML and Excel from the same rows by one rule for numbers.
+"""
+
+from __future__ import annotations
+
+import csv
+import html
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from io import StringIO
+from math import isinf, isnan
+from pathlib import Path
+from typing import TypeAlias
+
+from springpot.files import write_text
+from springpot.measurement.csv_safe import guarded
+
+SMALLEST_PLAIN, LARGEST_PLAIN = 1e-3, 1e6
+"""Sizes between which numbers stand without a power of ten."""
+WHOLE_FROM = 1e4
+"""From here on four digits would be a power of ten, which is harder to compare down a column."""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """An estimate with its 95 % interval.
+
+    Examples
+    --------
+    >>> from springpot.benchmark.statistics import wilson
+    >>> rate = wilson(18, 20)
+    >>> rate.value, round(rate.low, 2), round(rate.high, 2)
+    (0.9, 0.7, 0.97)
+    """
+
+    value: float
+    low: float
+    high: float
+
+
+Entry: TypeAlias = str | int | float | Interval | None
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows under a heading.
+
+    Parameters
+    ----------
+    title : str
+        One line above it.
+    columns : tuple of str
+        Headings.
+    rows : sequence of tuples
+        Texts, numbers, `Interval` or None (nothing to say).
+    note : str
+        What the columns mean.
+    """
+
+    title: str
+    columns: tuple[str, ...]
+    rows: Sequence[tuple[Entry, ...]]
+    note: str = ""
+
+
+def number(value: float) -> str:
+    """Four significant digits; powers of ten below 0.001 and from a million on.
+
+    Whole numbers as they are.
+    """
+    if isinstance(value, int):
+        return str(value)
+    if isnan(value):
+        return "–"
+    if isinf(value):
+        return str(value).replace("inf", "∞")
+    # Zero is neither large nor small: it has no power of ten.
+    if value and not SMALLEST_PLAIN <= abs(value) < LARGEST_PLAIN:
+        return f"{value:.3e}"
+    if abs(value) >= WHOLE_FROM:
+        return f"{value:.0f}"
+    return f"{value:.4g}"
+
+
+def text(entry: Entry) -> str:
+    """An entry as people read it."""
+    if entry is None:
+        return "–"
+    if isinstance(entry, Interval):
+        return f"{number(entry.value)} [{number(entry.low)}, {number(entry.high)}]"
+    if isinstance(entry, str):
+        return entry
+    return number(entry)
+
+
+def to_markdown(table: Table) -> str:
+    """The table in GitHub's Markdown."""
+    lines = [f"# {table.title}", ""]
+    lines.append(_pipes(table.columns))
+    rules = {True: "---:", False: "---"}
+    lines.append(_pipes([rules[numeric] for numeric in _numeric(table)]))
+    lines += [_pipes([text(entry) for entry in row]) for row in table.rows]
+    if table.note:
+        lines += ["", table.note]
+    return "\n".join(lines) + "\n"
+
+
+def _pipes(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(_markdown_cell(cell) for cell in cells) + " |"
+
+
+def _markdown_cell(cell: str) -> str:
+    # The backslash goes first: the one that hides a bar must not be hidden itself.
+    escaped = cell.replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;")
+    # A line break would end the row.
+    return " ".join(escaped.split())
+
+
+def to_csv(table: Table) -> str:
+    """The table for programs.
+
+    Numbers in full, an interval as three columns, nothing as an empty field.
+    """
+    stream = StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    # A column has the same fields in all rows, whichever of them hold an interval.
+    wide = [
+        any(isinstance(row[i], Interval) for row in table.rows) for i in range(len(table.columns))
+    ]
+    heads: list[str] = []
+    for column, is_wide in zip(table.columns, wide, strict=True):
+        heads.append(column)
+        if is_wide:
+            heads += [f"{column} low", f"{column} high"]
+    writer.writerow([guarded(name) for name in heads])
+    for row in table.rows:
+        values: list[str] = []
+        for entry, is_wide in zip(row, wide, strict=True):
+            values += _fields(entry, is_wide)
+        writer.writerow(values)
+    return stream.getvalue()
+
+
+def _fields(entry: Entry, wide: bool) -> tuple[str, ...]:
+    if isinstance(entry, Interval):
+        return tuple(_field(value) for value in (entry.value, entry.low, entry.high))
+    if wide:
+        return (_field(entry), "", "")
+    return (_field(entry),)
+
+
+def _field(entry: str | float | None) -> str:
+    if entry is None:
+        return ""
+    # NumPy's floats are floats that name their type when asked for all their digits.
+    if isinstance(entry, float):
+        return repr(float(entry))
+    return guarded(str(entry))
+
+
+_LATEX = {sign: rf"\{sign}" for sign in "&%$#_{}"} | {
+    "\\": r"\textbackslash{}",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "<": r"\textless{}",
+    ">": r"\textgreater{}",
+    "∞": r"$\infty$",
+    "–": "--",
+    "±": r"$\pm$",
+    "|": r"\textbar{}",
+}
+
+
+def to_latex(table: Table) -> str:
+    """The table for a paper, with booktabs."""
+    sides = {True: "r", False: "l"}
+    layout = "".join(sides[numeric] for numeric in _numeric(table))
+    lines = [
+        f"% {table.title}",
+        rf"\begin{{tabular}}{{{layout}}}",
+        r"\toprule",
+        _ampersands(table.columns),
+        r"\midrule",
+    ]
+    lines += [_ampersands([text(entry) for entry in row]) for row in table.rows]
+    return "\n".join([*lines, r"\bottomrule", r"\end{tabular}"]) + "\n"
+
+
+def escaped_latex(words: str) -> str:
+    """Text in which no sign commands LaTeX."""
+    return "".join(_LATEX.get(character, character) for character in words)
+
+
+def _ampersands(cells: Sequence[str]) -> str:
+    return " & ".join(_latex_cell(cell) for cell in cells) + r" \\"
+
+
+def _latex_cell(cell: str) -> str:
+    escaped = escaped_latex(cell)
+    # A row that begins with a bracket would be read as the optional argument of the line break
+    # before it.
+    if escaped.startswith("["):
+        return "{" + escaped + "}"
+    return escaped
+
+
+_STYLE = (
+    "body{font:15px/1.4 system-ui,sans-serif;margin:2em}table{border-collapse:collapse}"
+    "th,td{padding:.25em .7em;border-bottom:1px solid #ccc;text-align:left}.n{text-align:right}"
+)
+
+
+def to_html(table: Table) -> str:
+    """The table as a page of its own."""
+    marks = {True: ' class="n"', False: ""}
+    kinds = [marks[numeric] for numeric in _numeric(table)]
+    # Names of data sets and optimisers are anybody's words: none may be read as a tag.
+    title, note = html.escape(table.title), html.escape(table.note)
+    head = "".join(
+        f"<th{k}>{html.escape(c)}</th>" for c, k in zip(table.columns, kinds, strict=True)
+    )
+    rows = [
+        "".join(
+            f"<td{k}>{html.escape(text(entry))}</td>" for entry, k in zip(row, kinds, strict=True)
+        )
+        for row in table.rows
+    ]
+    body = "\n".join(f"<tr>{row}</tr>" for row in rows)
+    return (
+        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
+        f"<style>{_STYLE}</style></head><body>\n<h1>{title}</h1>\n"
+        f"<table>\n<thead><tr>{head}</tr></thead>\n"
+        f"<tbody>\n{body}\n</tbody>\n</table>\n<p>{note}</p>\n</body></html>\n"
+    )
+
+
+def _numeric(table: Table) -> list[bool]:
+    """Whether a column holds numbers, and so stands flush right."""
+    columns = range(len(table.columns))
+    return [
+        bool(table.rows) and not any(isinstance(row[i], str) for row in table.rows) for i in columns
+    ]
+
+
+FORMATS: dict[str, tuple[str, Callable[[Table], str]]] = {
+    "md": ("md", to_markdown),
+    "csv": ("csv", to_csv),
+    "latex": ("tex", to_latex),
+    "html": ("html", to_html),
+}
+"""Name of a format to its file suffix and writer."""
+
+
+def save_table(
+    table: Table, folder: Path, stem: str, formats: Sequence[str] = tuple(FORMATS)
+) -> list[Path]:
+    """Write a table to files ``stem.SUFFIX`` in a folder, one for each format.
+
+    Raises
+    ------
+    OutputError
+        If one of them cannot be written.
+    """
+    written = []
+    for name in formats:
+        suffix, write = FORMATS[name]
+        written.append(write_text(folder / f"{stem}.{suffix}", write(table)))
+    return written

@@ -1,0 +1,26 @@
+"""One ramp passes each place once: a stop and a specimen that stiffens are the same to it."""
+
+import numpy as np
+
+from springpot.measurement import Loading, TimeTest
+from springpot.registry import parse_model, plugins
+from springpot.timetests import diagnose
+
+TIME = np.geomspace(0.2, 40.0, 60)
+LIBRARY = [plugins().effect(name) for name in ("dead-zone", "cubic-stiffness", "inertia")]
+
+
+def pulled(rate):
+    """A melt that hardens from a strain of two on, as a branched one does when it is stretched."""
+    strain = rate * TIME
+    stress = 50.0 * rate * (1.0 - np.exp(-TIME / 5.0)) + 8.0 * np.maximum(strain - 2.0, 0.0)
+    stress += 0.005 * stress.max() * np.random.default_rng(3).normal(size=len(TIME))
+    ramp = Loading(np.array([0.0, TIME[-1]]), np.array([0.0, strain[-1]]))
+    return TimeTest(TIME, stress, ramp, force_unit="kPa")
+
+
+def test_a_stop_in_one_ramp_may_be_a_specimen_that_is_not_linear():
+    found = diagnose(pulled(0.1), parse_model("maxwell"), LIBRARY)
+    assert found.leading == ("dead-zone",)
+    assert "or a specimen that is not linear (cubic-stiffness: " in found.says
+    assert "ramp at another rate, or back" in found.says
