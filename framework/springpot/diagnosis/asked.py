@@ -18,7 +18,7 @@ from .scan import Score, best_pairs, enough_for, shifted_twice
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class AskedSet:
     """A set of effects to be refitted: from given starts (p,), and so many read off the data."""
 
     effects: tuple[Effect, ...]
@@ -32,7 +32,7 @@ class Asked:
         """Names of its effects in alphabetical order."""
         return tuple(sorted(effect.name for effect in self.effects))
 
-    def joined(self, other: Asked) -> Asked:
+    def joined(self, other: AskedSet) -> AskedSet:
         """The same set with the starts of both."""
         starts, predicted = [*self.starts, *other.starts], min(self.predicted, other.predicted)
         return replace(
@@ -60,12 +60,12 @@ def beside(present: Sequence[Effect], model: Model, effects: Sequence[Effect]) -
     ]
 
 
-def one_more(present: tuple[Effect, ...], scores: Sequence[Score]) -> list[Asked]:
+def one_more(present: tuple[Effect, ...], scores: Sequence[Score]) -> list[AskedSet]:
     """The best of the effects that were scanned beside others, with these."""
     # Beside another effect the scan's own starts are near enough; those read off the data know of
     # neither.
     return [
-        Asked(
+        AskedSet(
             (*present, score.influence.effect),
             score.influence.model,
             list(score.starts),
@@ -78,7 +78,7 @@ def one_more(present: tuple[Effect, ...], scores: Sequence[Score]) -> list[Asked
 
 def two_more(
     present: tuple[Effect, ...], fitted: Refit, frame: NoiseFrame, scores: Sequence[Score]
-) -> list[Asked]:
+) -> list[AskedSet]:
     """Pairs that explain together what a model with some effects leaves, with these."""
     asked = []
     for pair in best_pairs(frame, scores, fitted.model, fitted.theta, SEARCH.together):
@@ -86,7 +86,7 @@ def two_more(
         if _second_law(both[:1], both[1]):
             continue
         predicted = fitted.rss - pair.gain
-        asked.append(Asked((*present, *both), pair.model, [pair.start], 1, predicted))
+        asked.append(AskedSet((*present, *both), pair.model, [pair.start], 1, predicted))
     return asked
 
 
@@ -103,9 +103,9 @@ def _second_law(effects: Sequence[Effect], other: Effect) -> bool:
     return any(effect.plane == "shift" and effect.needs == other.needs for effect in effects)
 
 
-def once(asked: Sequence[Asked]) -> list[Asked]:
+def once(asked: Sequence[AskedSet]) -> list[AskedSet]:
     """Each set once, with the starts of all its ways: ten starts take hardly longer than five."""
-    sets: dict[tuple[str, ...], Asked] = {}
+    sets: dict[tuple[str, ...], AskedSet] = {}
     for each in asked:
         if each.key in sets:
             each = sets[each.key].joined(each)

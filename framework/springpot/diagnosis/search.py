@@ -24,7 +24,7 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.points import Complex
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
-from .asked import Asked, beside, once, one_more, two_more
+from .asked import AskedSet, beside, once, one_more, two_more
 from .grown import Grown, Search
 from .scan import Score, applicable, enough_for, scan_effects, shifted_twice
 
@@ -301,12 +301,12 @@ def _seek_pairs(search: Search, effects: Sequence[Effect], rng: np.random.Genera
     search.left = battery(search.best.frame(), rng)
 
 
-def _together(search: Search) -> list[Asked]:
+def _together(search: Search) -> list[AskedSet]:
     """Pairs that explain the residual together."""
     return two_more((), search.base, search.frame, search.scan.scores)
 
 
-def _one_by_one(search: Search, effects: Sequence[Effect]) -> list[Asked]:
+def _one_by_one(search: Search, effects: Sequence[Effect]) -> list[AskedSet]:
     """The best second effects beside each of the best first ones."""
     asked = []
     for first in search.grown[: SEARCH.beam]:

@@ -20,7 +20,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import SEARCH, VERDICT
 
-from .asked import Asked, beside, once, one_more, two_more
+from .asked import AskedSet, beside, once, one_more, two_more
 from .evidence import (
     Evidence,
     credible,
@@ -53,7 +53,7 @@ def searched_sets(search: Search, effects: Sequence[Effect]) -> Search:
         near = _likeliest(found)[: SEARCH.beam]
         if not near or near[0].key in opened:
             break
-        asked: list[Asked] = []
+        asked: list[AskedSet] = []
         for grown in near:
             if grown.key not in opened:
                 opened.add(grown.key)
@@ -74,7 +74,7 @@ def _likeliest(search: Search) -> list[Grown]:
     return sorted(sets, key=lambda one: -one.refit.log_evidence - log_prior(one, library))
 
 
-def _neighbours(search: Search, grown: Grown, effects: Sequence[Effect]) -> Iterator[Asked]:
+def _neighbours(search: Search, grown: Grown, effects: Sequence[Effect]) -> Iterator[AskedSet]:
     """Sets that differ from one by an effect, or by two in the place of one."""
     scores = _scanned(grown.effects, grown.refit, effects)
     yield from one_more(grown.effects, scores)
@@ -93,7 +93,7 @@ def _scanned(present: Sequence[Effect], fitted: Refit, effects: Sequence[Effect]
     return scan_effects(fitted, fitted.frame(), others).scores
 
 
-def _beside_known(each: Asked, grown: Grown) -> list[Real]:
+def _beside_known(each: AskedSet, grown: Grown) -> list[Real]:
     """The first start of a set with the values that it shares with another, fitted one."""
     known = dict(zip(grown.refit.model.names, grown.refit.theta.tolist(), strict=True))
     own = zip(each.model.names, each.starts[0].tolist(), strict=True)
