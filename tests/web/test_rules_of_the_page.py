@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import os
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -12,7 +13,7 @@ import pytest
 
 from springpot.errors import DataError
 from springpot.measurement import Measurement, Units
-from springpot.web import desk, server, sessions
+from springpot.web import desk, server, sessions, worker
 from springpot.web.sessions import State
 
 TOKEN = "right"
@@ -325,3 +326,19 @@ def test_what_was_measured_twice_alone_is_a_repeat():
         sessions._one_table(DATA, DATA.subset(np.arange(2), "part"))
     known = sessions._one_table(both, other)
     assert known.repeat is not None
+
+
+def test_what_foreign_code_prints_is_no_answer(monkeypatch, capfd):
+    monkeypatch.setattr(worker.sys, "stdin", [])
+    monkeypatch.setattr(worker.signal, "signal", lambda *given: None)
+    monkeypatch.setattr("springpot.registry.plugins", dict)
+    kept = os.dup(1)
+    try:
+        worker.main()
+        os.write(1, b"a word of a plugin")
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+    told = capfd.readouterr()
+    assert json.loads(told.out) == {"ready": True}
+    assert "a word of a plugin" in told.err
