@@ -201,6 +201,17 @@ def test_who_asks_the_same_at_once_hears_the_same():
     assert answers(Ready(STAGE, ONE), ["a", "a"], together=True) == [[STAGE, ONE]] * 2
 
 
+def test_who_waits_hears_the_place_in_the_queue():
+    results = [b'{"result": %d}\n' % number for number in range(5)]
+    heard = answers(Ready(*results), list("abcde"), together=True)
+    assert [lines[-1] for lines in heard] == results
+    told = [json.loads(line)["stage"] for line in heard[-1][:-1]]
+    places = [int(stage.split("place ")[1].split()[0]) for stage in told]
+    assert places == sorted(places, reverse=True)
+    assert (places[0], places[-1]) == (4, 1)
+    assert heard[0] == results[:1]
+
+
 def test_the_newest_answers_are_kept_up_to_their_size(monkeypatch):
     monkeypatch.setattr(desk, "KEPT", 10)
     bench = desk.Desk()

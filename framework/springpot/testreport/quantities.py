@@ -19,13 +19,12 @@ from springpot.thresholds import INTERVAL, SIGNALS
 from .finding import Found
 from .local import (
     EIGHTH,
-    SMOOTH,
     Channel,
     Estimate,
     Turning,
     forces_at_turnings,
     noise_of,
-    polynomial_at,
+    smooth_value,
     turning_point,
     value_at,
 )
@@ -348,12 +347,18 @@ def _greatest(
     few = max(len(values) // 16, 1)
     while few:
         inner = np.abs(np.convolve(values, np.full(few, 1.0 / few), mode="valid"))
-        place = float(time[int(np.argmax(inner)) + few // 2])
-        solution, covariance = polynomial_at(channel, place, EIGHTH * (stop - start), SMOOTH)
-        # Of a force that stays at its greatest, the highest of so many windows is so by chance.
-        by_chance = float(normal_quantile(1.0 - 1.0 / max(len(values) / few, 2.0)))
-        sd = float(np.sqrt(covariance[0, 0])) * (1.0 + by_chance / student(INTERVAL, np.inf))
-        if abs(solution[0]) > best.value:
-            best = Estimate(abs(float(solution[0])), sd)
+        place = int(np.argmax(inner)) + few // 2
+        found = smooth_value(channel, float(time[place]), EIGHTH * (stop - start))
         few //= 4
+        if found is None:
+            # Beside a jump there is no smooth piece: the sample itself, once the highest is meant.
+            if few:
+                continue
+            found = Estimate(float(values[place]), channel.noise)
+        if abs(found.value) > best.value:
+            # Of a force that stays at its greatest, the highest of many windows is so by chance.
+            by_chance = float(normal_quantile(1.0 - 1.0 / max(len(values), 2)))
+            best = Estimate(
+                abs(found.value), found.sd * (1.0 + by_chance / student(INTERVAL, np.inf))
+            )
     return best
