@@ -21,9 +21,10 @@ from springpot.benchmark import save_table
 from springpot.benchmark.bias import BUDGET, DIMENSION, RUNS, Bias, bias_of, bias_table
 
 NAMES = (
-    *("random-search", "pso-paper", "cma-es", "bipop-cma-es", "differential-evolution"),
-    *("dual-annealing", "nlopt-crs", "nlopt-isres", "nlopt-esch", "nlopt-mlsl", "nlopt-sbplx"),
-    *("nlopt-bobyqa", "nlopt-nelder-mead", "nlopt-direct-l", "scipy-direct"),
+    *("random-search", "pso-paper", "spso-2011", "cma-es", "bipop-cma-es", "l-shade"),
+    *("differential-evolution", "dual-annealing", "nlopt-crs", "nlopt-isres", "nlopt-esch"),
+    *("nlopt-mlsl", "nlopt-sbplx", "nlopt-bobyqa", "nlopt-nelder-mead", "nlopt-direct-l"),
+    "scipy-direct",
 )
 """Those without derivatives; COBYQA takes a hundred times as long as any of them."""
 

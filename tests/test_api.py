@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import springpot
+from springpot import api
 from springpot.errors import SpringpotError
+from springpot.measurement import TimeTest
 
 DATA, MODEL = "artificial-hidden", "fractional-maxwell"
 
@@ -145,3 +147,17 @@ def test_another_test_of_any_kind_is_predicted_from_a_fit(tmp_path):
     assert predicted.plot(tmp_path / "predicted.png").stat().st_size > 10_000
     with pytest.raises(SpringpotError, match="is no fit"):
         springpot.predict(springpot.diagnose(relaxed, model), sweep)
+
+
+def test_against_a_test_in_time_the_named_models_are_compared_or_all_that_have_a_size(monkeypatch):
+    asked = []
+    monkeypatch.setattr(
+        api, "compare_in_time", lambda tests, models, progress: asked.append(models)
+    )
+    relaxation = TimeTest.of_relaxation([0.1, 1.0, 10.0], [3.0, 2.0, 1.0], "MPa")
+    springpot.compare(relaxation, [MODEL])
+    springpot.compare(relaxation)
+    [[named], every] = asked
+    assert named.name == MODEL
+    assert MODEL in [model.name for model in every]
+    assert len(every) > 20

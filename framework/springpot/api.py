@@ -113,6 +113,7 @@ def identify(
     share: str | Sequence[str] = (),
     specimen: str | None = None,
     start: Mapping[str, float] | None = None,
+    robust: str | None = None,
     exclude: str | Sequence[str] = (),
     accuracy: Accuracy | str | None = None,
 ) -> Identification:
@@ -151,6 +152,8 @@ def identify(
         differ, which repeats do not: the intervals follow their scatter.
     start : mapping of str to float, optional
         Where the native solver begins too, in printed units.
+    robust : {"huber", "soft-l1"}, optional
+        Let numbers of a sweep that lie far off count less.
     exclude : str or sequence of str
         Rows to leave out: ``"frequency=40..60"`` or ``["row=3", "temperature=20,frequency=1..2"]``.
     accuracy : Accuracy or str, optional
@@ -190,8 +193,11 @@ def identify(
     search |= {"intervals": intervals, "start": own_values(judged, units, start, "start")}
     data = sweep_of(tests)
     if data is None:
+        if robust is not None:
+            raise OptionError("a robust fit is one of sweeps: leave robust out beside time")
         fit = identify_in_time(tests, judged, **search)
     else:
+        search["robust"] = robust
         parts = [_model(part) for part in simpler]
         fit = identify_objects(data, judged, simpler=parts, **search)
     if (promised := _promised(accuracy, tests)) is not None:

@@ -12,7 +12,7 @@ import pytest
 from hidden_data import KELVIN, SWEEP, design, exact, measured
 
 import springpot
-from springpot.diagnosis.search import _spread
+from springpot.diagnosis.search import _forget_narrow, _spread
 from springpot.errors import DataError, ModelError, SpringpotError
 from springpot.report.jsontext import jsonable
 
@@ -233,3 +233,17 @@ def test_a_change_beyond_all_numbers_is_spread_as_a_small_one_is():
     assert _spread(search, change) == pytest.approx(49.0 / 25.0)
     assert _spread(search, 1e200 * change) == pytest.approx(49.0 / 25.0)
     assert _spread(search, 0.0 * change) == 0.0
+
+
+def test_a_narrow_effect_that_no_fit_has_shares_no_prior():
+    def score(name, narrow):
+        return SimpleNamespace(
+            influence=SimpleNamespace(effect=SimpleNamespace(name=name, narrow=narrow))
+        )
+
+    scores = [score("broad", False), score("fitted", True), score("resonance", True)]
+    search = SimpleNamespace(
+        grown=[SimpleNamespace(names=("fitted",))], scan=SimpleNamespace(scores=scores)
+    )
+    _forget_narrow(search)
+    assert [each.influence.effect.name for each in scores] == ["broad", "fitted"]

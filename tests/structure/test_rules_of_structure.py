@@ -225,3 +225,14 @@ def test_a_positive_parameter_is_drawn_by_its_logarithm_whatever_its_size(size):
     # What is nothing has no logarithm, and stays.
     assert np.all(drawn[:, 1] == 0.0)
     assert Damper(model, theta).drawn(rng).theta is theta
+
+
+@pytest.mark.parametrize(
+    ("unit", "earth"),
+    [("m/s^2", 9.80665), ("m/s2", 9.80665), ("g", 1.0), ("gal", 980.665), ("mm/s^2", 9806.65)],
+)
+def test_the_pull_of_the_earth_is_the_same_in_every_unit(tmp_path, unit, earth):
+    path = tmp_path / "record.csv"
+    path.write_text(f"time [s],acceleration [{unit}]\n0,0\n0.1,{earth}\n0.2,0\n")
+    record = reading.read_record(str(path), np.random.default_rng(0))
+    assert record.acceleration == pytest.approx([0.0, 9.80665, 0.0])

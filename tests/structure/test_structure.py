@@ -249,3 +249,12 @@ def test_the_drift_figure_shows_its_largest_point_whole():
         for line in axes.lines:
             assert np.all(line.get_xdata() < right - 0.03 * (right - left))
             assert np.all((line.get_ydata() > bottom + 0.1) & (line.get_ydata() < top - 0.1))
+
+
+@pytest.mark.parametrize("stiffness", [[1e6], [1e6, 2e6]])
+def test_at_its_own_frequency_a_frame_that_nothing_damps_has_no_steady_state(stiffness):
+    undamped = Frame([1000.0] * len(stiffness), stiffness, damping=0.0)
+    own = modes_of(undamped)[0].s.imag
+    with pytest.raises(ModelError, match="nothing damps the frame, which swings ever higher"):
+        steady_state(undamped, np.array([0.5 * own, own]))
+    assert np.isfinite(steady_state(undamped, np.array([0.999 * own, 1.001 * own]))).all()

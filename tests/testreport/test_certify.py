@@ -10,6 +10,7 @@ import pytest
 
 import springpot
 from springpot.errors import DataError
+from springpot.testreport import LoopRecord
 from springpot.testreport.amounts import amount, between, ratio_of_units
 from springpot.testreport.code import read_code
 
@@ -94,6 +95,27 @@ def test_where_a_test_fails_its_hidden_effect_is_named(springpot, tests):
     reasons = {each["test"]: each for each in answer["reasons"]}
     assert reasons["design-2"]["effects"] == ["dead-zone"]
     assert reasons["design-1"]["effects"] == []
+
+
+def test_a_lag_that_no_single_frequency_shows_is_found_in_all_of_them(tmp_path, rng):
+    """A channel that is 4 ms late makes a damper softer the faster it moves."""
+    code, records = tmp_path / "code.toml", []
+    asked = '[nominal]\nK_eff = "0.8 kN/mm"\n' + SIMPLE.replace("W_d", "K_eff")
+    asked = asked.replace('to = "mean"', 'to = "nominal"').replace("10 %", "5 %")
+    code.write_text(asked.replace("[code]", '[code]\nmodel = "kelvin"'), encoding="utf-8")
+    for frequency in (0.5, 1.0, 2.0, 4.0, 8.0):
+        omega = 2.0 * np.pi * frequency
+        t = np.arange(4 * 40 + 1) / (40.0 * frequency)
+        late = omega * (t - 0.004)
+        force = 8.0 * np.sin(late) + 0.1 * omega * np.cos(late)
+        force += 0.003 * force.max() * rng.standard_normal(len(t))
+        record_ = LoopRecord(t, 10.0 * np.sin(omega * t), force, "mm", "kN", f"{frequency:g} Hz")
+        records.append(record_)
+    certificate = springpot.certify(records, code)
+    assert [row.test for row in certificate.rows if row.verdict == "not conforming"] == ["8 Hz"]
+    together = certificate.reasons[-1]
+    assert together.test == "all 5 tests together"
+    assert "time-delay" in together.effects
 
 
 def test_what_goes_with_the_temperature_is_told_where_no_diagnosis_can_be(tests, monkeypatch):

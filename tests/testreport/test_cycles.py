@@ -141,6 +141,35 @@ def test_where_cycles_scatter_more_than_noise_their_scatter_counts(rng):
     assert told.sd == pytest.approx(np.std(each, ddof=1) / np.sqrt(10.0))
 
 
+def test_a_short_peak_of_force_is_seen_and_a_plateau_is_not_lifted_by_its_noise(rng):
+    """Friction that breaks loose: a peak of a twentieth of a cycle."""
+    record, _ = noisy("coulomb", rng, 5e-3, cycles=5)
+    plain = evaluate(record).means["F_peak"]
+    assert plain.low <= 5.0 <= plain.high
+    away = (record.time * OMEGA / (2.0 * np.pi)) % 1.0 - 0.1
+    bump = 3.0 * np.exp(-((away / 0.015) ** 2))
+    force = record.force + bump
+    peaked = evaluate(LoopRecord(record.time, record.displacement, force, "mm", "kN"))
+    true = np.max(loop("coulomb", cycles=5)[2] + bump)
+    assert true > 6.0
+    assert peaked.means["F_peak"].value == pytest.approx(true, rel=0.01)
+
+
+def test_a_cycle_that_runs_up_says_nothing_of_how_the_others_scatter(rng):
+    """The first and last cycle have half the stroke, as test rigs begin and end."""
+    t = np.arange(1201) / 200.0
+    grown = np.interp(t, [0.0, 1.0, 5.0, 6.0], [0.6, 1.0, 1.0, 0.6])
+    x = 10.0 * grown * np.sin(2.0 * np.pi * t)
+    force = 2.0 * x + 0.02 * rng.standard_normal(len(t))
+    test = evaluate(LoopRecord(t, x, force, "mm", "kN"))
+    assert len(test.cycles) == 6
+    assert test.means["D+"].value == pytest.approx(10.0, rel=1e-3)
+    assert all(row["W_d"].high - row["W_d"].low < 2.0 for row in test.each)
+    assert not any("unequal strokes" in note for note in test.notes)
+    whole = evaluate(LoopRecord(t, x, force, "mm", "kN"), (1, 6))
+    assert any("unequal strokes: 1, 6" in note for note in whole.notes)
+
+
 def test_means_are_of_the_cycles_that_are_asked_for():
     t, x, force, _ = loop("linear", cycles=6)
     record = LoopRecord(t, x, force * (1.0 + 0.01 * np.floor(t * OMEGA / (2 * np.pi) + 1e-9)), "mm")

@@ -365,8 +365,8 @@ def test_ten_thousand_rows_are_drawn_and_a_computation_is_told_and_cancelled(pag
     )
     here.drop("many.csv", f"frequency [Hz],storage [kPa],loss [kPa]\n{rows}".encode())
     here.page.locator("#facts").wait_for()
-    assert here.reads("#facts") == "10000 points, 1 sweep, 1500 of them drawn"
-    assert here.page.locator("#plot-view .mark").count() == 2 * 1500
+    assert here.reads("#facts") == "10000 points, 1 sweep, 1500 of them can be pointed at"
+    assert 4 <= here.page.locator("#plot-view .cloud").count() <= 8, "cells, not points"
     here.page.locator("#work").wait_for()
     playwright.expect(here.page.locator("#stage")).not_to_contain_text(
         "computing", timeout=PATIENCE

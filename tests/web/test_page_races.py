@@ -71,6 +71,20 @@ def test_a_model_that_is_named_during_the_first_answer_takes_its_place(page: Ope
     assert here.page.locator("#redo").get_attribute("title") == "there is nothing to redo"
 
 
+def test_a_first_look_is_there_while_causes_are_sought(page: Open, damper: bytes):
+    here = page()
+    here.name("fractional-maxwell")
+    with here.held("answer"):
+        here.drop("damper.csv", damper)
+        here.page.locator("#number:has-text('the noise floor')").wait_for()
+        assert "is being sought" in here.reads("#verdict")
+        assert "too high above" in here.reads("#fails")
+        assert here.page.locator("#plot-view .line.model").count() == 2
+        assert here.page.locator("#effects [role=option]").count() == 0
+    here.page.locator("#effects [role=option]").first.wait_for()
+    assert "effect-missing" in here.reads("#verdict")
+
+
 def test_what_is_typed_stays_while_an_answer_arrives(page: Open, damper: bytes):
     here = page()
     with here.held("answer"):

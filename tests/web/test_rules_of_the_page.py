@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import os
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -12,7 +13,7 @@ import pytest
 
 from springpot.errors import DataError
 from springpot.measurement import Measurement, Units
-from springpot.web import desk, server, sessions
+from springpot.web import desk, server, sessions, worker
 from springpot.web.sessions import State
 
 TOKEN = "right"
@@ -200,6 +201,17 @@ def test_who_asks_the_same_at_once_hears_the_same():
     assert answers(Ready(STAGE, ONE), ["a", "a"], together=True) == [[STAGE, ONE]] * 2
 
 
+def test_who_waits_hears_the_place_in_the_queue():
+    results = [b'{"result": %d}\n' % number for number in range(5)]
+    heard = answers(Ready(*results), list("abcde"), together=True)
+    assert [lines[-1] for lines in heard] == results
+    told = [json.loads(line)["stage"] for line in heard[-1][:-1]]
+    places = [int(stage.split("place ")[1].split()[0]) for stage in told]
+    assert places == sorted(places, reverse=True)
+    assert (places[0], places[-1]) == (4, 1)
+    assert heard[0] == results[:1]
+
+
 def test_the_newest_answers_are_kept_up_to_their_size(monkeypatch):
     monkeypatch.setattr(desk, "KEPT", 10)
     bench = desk.Desk()
@@ -325,3 +337,19 @@ def test_what_was_measured_twice_alone_is_a_repeat():
         sessions._one_table(DATA, DATA.subset(np.arange(2), "part"))
     known = sessions._one_table(both, other)
     assert known.repeat is not None
+
+
+def test_what_foreign_code_prints_is_no_answer(monkeypatch, capfd):
+    monkeypatch.setattr(worker.sys, "stdin", [])
+    monkeypatch.setattr(worker.signal, "signal", lambda *given: None)
+    monkeypatch.setattr("springpot.registry.plugins", dict)
+    kept = os.dup(1)
+    try:
+        worker.main()
+        os.write(1, b"a word of a plugin")
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+    told = capfd.readouterr()
+    assert json.loads(told.out) == {"ready": True}
+    assert "a word of a plugin" in told.err

@@ -78,6 +78,11 @@ OPTIMISER = (
 @seed_option
 @geometry_option
 @accuracy_option
+@click.option(
+    "--robust",
+    type=click.Choice(("huber", "soft-l1")),
+    help="Let numbers that lie far off count less.",
+)
 @click.option("--intervals", type=click.Choice(INTERVALS), default="jacobian", show_default=True)
 @click.option(
     "--figure", type=FILE, metavar="FILE", help="Draw data, fit and residuals (.png, .svg or .pdf)."

@@ -24,6 +24,7 @@ MEANING = (
     "without",
     "along",
     "accuracy",
+    "robust",
     "seed",
 )
 """Options by which the same files give another answer; those of outputs are none."""

@@ -29,6 +29,7 @@ from .native import Fit, fit, require_enough
 from .notes import notes_on
 from .problem import Objective, Problem, Searched
 from .result import Identification
+from .robust import TUNED, robust_fit
 from .runs import Optimiser, Run, contradiction, run
 from .simulated import bootstrap, over_specimens
 from .space import require_conditions, require_size
@@ -148,6 +149,7 @@ def identify(
     intervals: str = "jacobian",
     simpler: Sequence[Model] = (),
     start: Mapping[str, float] | None = None,
+    robust: str | None = None,
 ) -> Identification:
     """Identify the parameters of a model.
 
@@ -176,6 +178,8 @@ def identify(
     start : mapping of str to float, optional
         Where the native solver begins too, in the units of the measurement; parameters that are
         left out start where they fit best beside these.
+    robust : {"huber", "soft-l1"}, optional
+        Let numbers that lie far off count less.
 
     Returns
     -------
@@ -228,11 +232,30 @@ def identify(
         best, status, notes = _by_optimiser(problem, optimiser, budget, restarts, seed)
     # Whoever has searched: intervals are told in one way.
     known = Uncertainty.of(best)
+    if robust is not None:
+        known, told_of_it = _robust(best, robust, name, intervals)
+        notes = [*notes, told_of_it]
     low, high = _interval(known, intervals, seed or 0)
     notes = [*notes, *_references(model), *notes_on(known, low, high)]
     spent = perf_counter() - began
     told = {"evaluations": best.evaluations, "seconds": spent, "notes": tuple(notes)}
     return Identification.of_sweep(known, low, high, name, status, **told, seed=seed or 0)
+
+
+def _robust(best: Fit, loss: str, optimiser: str, intervals: str) -> tuple[Uncertainty, str]:
+    """What robust weights make of a fit."""
+    if loss not in TUNED:
+        raise OptionError(f"robust is {' or '.join(TUNED)}, not '{loss}'")
+    if optimiser != NATIVE or intervals != "jacobian":
+        raise OptionError(
+            "a robust fit is the native solver's, with intervals by its jacobian:"
+            " leave out the optimiser and the intervals"
+        )
+
+    def refit(objective: Objective, theta: Real) -> Fit:
+        return fit(best.model, best.measurement, objective, starts=0, seeds_theta=[theta])
+
+    return robust_fit(best, loss, refit)
 
 
 def searched(

@@ -397,6 +397,10 @@ class Searched(ABC):
     def residuals_and_jacobian(self, x: Real) -> tuple[Real, Real]:
         """Residuals (..., m), whose squares sum to the objective, and derivative (..., m, d)."""
 
+    def residuals(self, x: Real) -> Real:
+        """Residuals (..., m) alone, for searches by models of them without derivatives."""
+        return self.residuals_and_jacobian(x)[0]
+
     def gradient(self, x: Real) -> tuple[Real, Real]:
         """Objective (...) and its exact gradient (..., d)."""
         residual, jacobian = self.residuals_and_jacobian(x)

@@ -138,6 +138,13 @@ class Ledger:
         self._note_derivative(point, float(residual @ residual))
         return residual, jacobian
 
+    def misfit(self, x: Real) -> Real:
+        """Residuals (2n,) alone at one point: an evaluation without a derivative."""
+        point = self._admitted(x)
+        residual = self.problem.residuals(point)
+        self._note_single(point, float(residual @ residual))
+        return residual
+
     def residual_batch(self, x: Real) -> tuple[Real, Real]:
         """Residuals (m, 2n) and their exact Jacobian (m, 2n, d) at points (m, d); m evaluations.
 
@@ -164,8 +171,11 @@ class Ledger:
         return np.minimum(np.maximum(x, self._lowest), self._highest)
 
     def _note_derivative(self, point: Real, value: float) -> None:
-        self.evaluations += 1
         self.gradients += 1
+        self._note_single(point, value)
+
+    def _note_single(self, point: Real, value: float) -> None:
+        self.evaluations += 1
         if self.diary is not None:
             self.diary.append((point, None))
         if value < self.best:
@@ -343,6 +353,7 @@ class Recorder:
     __slots__ = (
         "_batch",
         "_gradient",
+        "_misfit",
         "_problem",
         "_residual_batch",
         "_residuals",
@@ -354,6 +365,7 @@ class Recorder:
     _batch: Callable[[Real, Real | None], Real]
     _gradient: Callable[[Real], tuple[float, Real]]
     _residuals: Callable[[Real], tuple[Real, Real]]
+    _misfit: Callable[[Real], Real]
     _residual_batch: Callable[[Real], tuple[Real, Real]]
     _told: Callable[[str], Any]
 
@@ -373,6 +385,7 @@ class Recorder:
         self._problem = ledger.problem
         # The recorder holds no ledger: an optimiser could write into what it can reach.
         self._value, self._gradient = _door(ledger.value), _door(ledger.gradient)
+        self._misfit = _door(ledger.misfit)
         self._residuals, self._residual_batch = (
             _door(ledger.residuals),
             _door(ledger.residual_batch),
@@ -506,6 +519,10 @@ class Recorder:
     def residuals(self, x: Real) -> tuple[Real, Real]:
         """Residuals (2n,) and their exact Jacobian (2n, d) at one point; one evaluation."""
         return self._residuals(x)
+
+    def misfit(self, x: Real) -> Real:
+        """Residuals (2n,) alone at one point; one evaluation, without a derivative."""
+        return self._misfit(x)
 
     def residual_batch(self, x: Real) -> tuple[Real, Real]:
         """Residuals (m, 2n) and their exact Jacobian (m, 2n, d) at points (m, d); m evaluations.

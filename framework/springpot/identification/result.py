@@ -44,6 +44,7 @@ from .population import Population, populations, specimens_of
 from .prediction import Known
 from .problem import Objective, sizes
 from .regularisation import SmoothSpectrum, regularised
+from .robust import kept_of, objective_again
 from .tied_values import tied_values
 from .uncertainty import Uncertainty, ends, lost_and_known, spread_of
 from .value import Value, all_parameters, printed
@@ -520,6 +521,7 @@ class Identification(Known):
         if self.uncertainty is not None:
             absolute = self.uncertainty.absolute
             kept |= {"absolute": absolute, "measurement": measurement_to_dict(self.measurement)}
+            kept |= kept_of(self.uncertainty)
         return kept
 
     @classmethod
@@ -552,18 +554,18 @@ class Identification(Known):
         objective = str(answer["objective"]["name"])
         if "measurement" in kept:
             data = measurement_of(kept["measurement"])
-            by = objective_of(objective, data)
+            by, spread = objective_again(kept, objective, data, objective_of)
             spent, converged = told["evaluations"], bool(kept["converged"])
             fit = Fit(model, data, by, theta, cost, spent, converged)
-            known = Uncertainty(fit, bool(kept["absolute"]))
+            known = Uncertainty(fit, bool(kept["absolute"]), spread=spread)
             return _as_kept(cls.of_sweep(known, low, high, **told), kept)
         units, tests = Units(**kept["units"]), parts_of(answer["tests"])
-        slopes, spread = coordinates_of(answer["covariance"], model, units)
+        slopes, covariance = coordinates_of(answer["covariance"], model, units)
         found = cls(
             model=model,
             theta=theta,
             slopes=slopes,
-            spread=spread,
+            spread=covariance,
             units=units,
             reference=float(kept["reference"]),
             misfit=number(answer["relative_rms"]),

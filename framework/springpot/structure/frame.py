@@ -541,6 +541,11 @@ def steady_state(frame: Frame, omega: Real, acceleration: float = 1.0) -> Comple
     ndarray of complex, shape (w, n)
         In m.
 
+    Raises
+    ------
+    ModelError
+        Where nothing damps the frame at a frequency of its own.
+
     Examples
     --------
     >>> import numpy as np
@@ -549,7 +554,15 @@ def steady_state(frame: Frame, omega: Real, acceleration: float = 1.0) -> Comple
     >>> np.abs(steady_state(frame, np.array([2 * np.pi]))).round(3)
     array([[0.253]])
     """
-    value, _ = frame.dynamic(1j * np.atleast_1d(np.asarray(omega, dtype=float)))
+    omega = np.atleast_1d(np.asarray(omega, dtype=float))
+    value, _ = frame.dynamic(np.asarray(1j * omega, dtype=np.complex128))
+    left = np.linalg.svd(value, compute_uv=False)[:, -1]
+    endless = left <= ROUNDING * np.linalg.norm(frame.elastic, 2)
+    if endless.any():
+        raise ModelError(
+            f"at {omega[endless][0] / (2.0 * np.pi):.4g} Hz nothing damps the frame, which swings"
+            " ever higher there: give it a damping, or another frequency"
+        )
     # Seen from the ground each floor is pushed by its own inertia.
     load = -frame.mass * acceleration * np.ones((len(value), 1))
     return np.asarray(np.linalg.solve(value, load[:, :, None])[:, :, 0])

@@ -12,6 +12,8 @@ from springpot.api import diagnose
 from springpot.distributions import student
 from springpot.errors import DataError, OutputError, SpringpotError
 from springpot.files import write_text
+from springpot.measurement.from_signals import measurement_from_signals
+from springpot.measurement.steady import Signals
 from springpot.measurement.timetest import TimeTest
 from springpot.thresholds import INTERVAL
 
@@ -137,6 +139,8 @@ def certify(
             worst.setdefault(row.test, row)
         by_name = {test.name: test for test in found}
         reasons = [_reason(row, by_name[row.test], code) for row in [*worst.values()][:MOST]]
+        if failing:
+            reasons += _of_all(found, code)
     return Certificate(
         code,
         report_of(found),
@@ -200,6 +204,28 @@ def _reason(row: DecidedRow, test: EvaluatedTest, code: TestCode) -> Reason:
         return Reason(test.name, (*says, f"no diagnosis: {error}"), ())
     says.insert(0, diagnosis.says)
     return Reason(test.name, tuple(says), tuple(diagnosis.leading))
+
+
+def _of_all(tests: Sequence[EvaluatedTest], code: TestCode) -> list[Reason]:
+    """What is hidden in all tests together, as a sweep over their frequencies, where they have any.
+
+    One frequency cannot tell a lag from a softer material, or a mass from a spring.
+    """
+    timed = [test for test in tests if test.record.timed]
+    if len({f"{test.frequency.value:.2g}" for test in timed}) < JUDGED:
+        return []
+    records = [test.record for test in timed]
+    signals = [
+        Signals(each.time, each.displacement, each.force, each.displacement_unit, each.force_unit,
+                each.name)
+        for each in records
+    ]  # fmt: skip
+    name = f"all {len(timed)} tests together"
+    try:
+        diagnosis = diagnose(measurement_from_signals(signals, name=name), code.model)
+    except SpringpotError as error:
+        return [Reason(name, (f"no diagnosis: {error}",), ())]
+    return [Reason(name, (diagnosis.says,), tuple(diagnosis.leading))]
 
 
 def _judged(test: EvaluatedTest) -> TimeTest:

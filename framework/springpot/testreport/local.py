@@ -120,6 +120,21 @@ def polynomial_at(channel: Channel, moment: float, width: float, degree: int) ->
     return fit.solution * scale, fit.covariance * np.outer(scale, scale)
 
 
+def smooth_value(channel: Channel, moment: float, width: float) -> Estimate | None:
+    """The value at a moment around which a channel is smooth; None beside a jump."""
+
+    def enough(half: float) -> bool:
+        return len(channel.within(moment - half, moment + half)[0]) > SMOOTH + 1
+
+    for half in _widths(width, enough):
+        time, values = channel.within(moment - half, moment + half)
+        columns = np.vander((time - moment) / half, SMOOTH + 1, increasing=True)
+        fit = _least_squares(columns, values, channel.noise)
+        if fit.fits and len(time) > SMOOTH + 1:
+            return Estimate(float(fit.solution[0]), float(np.sqrt(fit.covariance[0, 0])))
+    return None
+
+
 def value_at(channel: Channel, moment: Estimate, width: float) -> Estimate:
     """The value at a moment that is itself known with a deviation."""
     solution, covariance = polynomial_at(channel, moment.value, width, SMOOTH)

@@ -104,7 +104,7 @@ def _factors(certificate: CertifiedTests) -> Iterator[Html]:
 
 def _reasons(certificate: CertifiedTests) -> Iterator[Html]:
     for reason in certificate.reasons:
-        yield tag("h2", f"Why {reason.test} fails")
+        yield tag("h2", f"Why not: {reason.test}")
         yield tag("ul", *(tag("li", text) for text in reason.says))
 
 

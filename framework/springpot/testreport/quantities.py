@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from springpot.distributions import normal_quantile
+from springpot.distributions import normal_quantile, student
 from springpot.rheology.points import Real
-from springpot.thresholds import SIGNALS
+from springpot.thresholds import INTERVAL, SIGNALS
 
 from .finding import Found
 from .local import (
@@ -24,7 +24,7 @@ from .local import (
     Turning,
     forces_at_turnings,
     noise_of,
-    polynomial_at,
+    smooth_value,
     turning_point,
     value_at,
 )
@@ -101,11 +101,22 @@ class Cycle:
     values: dict[str, Estimate]
 
 
-def cycles_of(record: LoopRecord, found: Found) -> list[Cycle]:
-    """The quantities of each whole cycle."""
+def cycles_of(record: LoopRecord, found: Found, first: int, last: int) -> list[Cycle]:
+    """The quantities of each whole cycle.
+
+    Parameters
+    ----------
+    record : LoopRecord
+        What was measured.
+    found : Found
+        Where the cycles are.
+    first, last : int
+        Those that drift is read from: where the motion grows, its mean moves with it.
+    """
     bounds = [bound.value for bound in found.bounds]
     noise = noise_of(record.displacement), noise_of(record.force)
-    drifts = [_drift(record.time, values, bounds) for values in (record.displacement, record.force)]
+    steady = bounds[first - 1 : last + 1]
+    drifts = [_drift(record.time, values, steady) for values in (record.displacement, record.force)]
     loops = []
     for i, (start, stop) in enumerate(pairwise(bounds)):
         # The part that fits of this cycle can see, with the level that it has in its middle.
@@ -325,21 +336,29 @@ def _greatest(
     stop: float,
     ends: tuple[Estimate, Estimate],
 ) -> Estimate:
-    """The greatest force: at a turning point, or between them."""
+    """The greatest force: at a turning point, or between them.
+
+    Looked for with means over wide and narrow windows: a narrow one finds a peak, and a wide one
+    the middle of a part that stays above all others. What counts is the fit around that place.
+    """
     time, values = channel.within(start, stop)
-    period = stop - start
     best = max(ends, key=lambda each: abs(each.value))
     best = Estimate(abs(best.value), best.sd)
-    # The middle of a part that stays above all others, not a sample that noise lifts.
     few = max(len(values) // 16, 1)
-    inner = np.abs(np.convolve(values, np.full(few, 1.0 / few), mode="valid"))
-    place = int(np.argmax(inner)) + few // 2
-    solution, covariance = polynomial_at(channel, float(time[place]), EIGHTH * period, 4)
-    spread = float(np.sqrt(covariance[0, 0]))
-    # Of a force that stays at its greatest, the highest of so many windows is higher by chance.
-    count = max(len(values) / few, 2.0)
-    by_chance = float(normal_quantile(1.0 - 1.0 / count))
-    sd = spread * (1.0 + by_chance / float(normal_quantile(0.975)))
-    if abs(solution[0]) > best.value:
-        best = Estimate(abs(float(solution[0])), sd)
+    while few:
+        inner = np.abs(np.convolve(values, np.full(few, 1.0 / few), mode="valid"))
+        place = int(np.argmax(inner)) + few // 2
+        found = smooth_value(channel, float(time[place]), EIGHTH * (stop - start))
+        few //= 4
+        if found is None:
+            # Beside a jump there is no smooth piece: the sample itself, once the highest is meant.
+            if few:
+                continue
+            found = Estimate(float(values[place]), channel.noise)
+        if abs(found.value) > best.value:
+            # Of a force that stays at its greatest, the highest of many windows is so by chance.
+            by_chance = float(normal_quantile(1.0 - 1.0 / max(len(values), 2)))
+            best = Estimate(
+                abs(found.value), found.sd * (1.0 + by_chance / student(INTERVAL, np.inf))
+            )
     return best

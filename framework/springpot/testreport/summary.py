@@ -12,6 +12,7 @@ import numpy as np
 
 from springpot.distributions import f_quantile, student
 from springpot.errors import DataError, OptionError
+from springpot.measurement.steady import TOLERANCE
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
@@ -179,11 +180,11 @@ def evaluate(record: LoopRecord, wanted: tuple[int, int] | None = None) -> Evalu
         If there is no whole cycle, or none of those that are wanted.
     """
     found = find_cycles(record)
-    cycles = tuple(cycles_of(record, found))
-    first, last = _range(record, len(cycles), wanted)
+    first, last = _range(record, len(found.middles), wanted)
+    cycles = tuple(cycles_of(record, found, first, last))
     names = [each.name for each in QUANTITIES if each.name in cycles[0].values]
     columns = {name: [cycle.values[name] for cycle in cycles] for name in names}
-    each = {name: _each(values) for name, values in columns.items()}
+    each = {name: _each(values, first, last) for name, values in columns.items()}
     means = {name: _mean(values[first - 1 : last]) for name, values in columns.items()}
     rates = [
         Estimate(1.0 / (after.value - before.value), _of_frequency(before, after))
@@ -191,6 +192,11 @@ def evaluate(record: LoopRecord, wanted: tuple[int, int] | None = None) -> Evalu
     ]
     work = energy_of(record, list(cycles))
     notes = [*record.notes, *found.notes, *_remarks(record, found, means)]
+    if other := _other_strokes(cycles, first, last):
+        notes.append(
+            f"the mean is of cycles of unequal strokes: {', '.join(map(str, other))} differ by more"
+            f" than {100 * TOLERANCE:.0f} %; others are chosen by --cycles A..B"
+        )
     if wanted is not None and last < wanted[1]:
         notes.append(f"there are {len(cycles)} whole cycles: the means are of {first} to {last}")
     return EvaluatedTest(
@@ -207,6 +213,18 @@ def evaluate(record: LoopRecord, wanted: tuple[int, int] | None = None) -> Evalu
     )
 
 
+def _other_strokes(cycles: Sequence[Cycle], first: int, last: int) -> list[int]:
+    """Cycles of the mean whose stroke is not that of most."""
+    meant = cycles[first - 1 : last]
+    strokes = np.array([each.values["D+"].value - each.values["D-"].value for each in meant])
+    usual = float(np.median(strokes))
+    return [
+        each.number
+        for each, stroke in zip(meant, strokes, strict=True)
+        if abs(stroke - usual) > TOLERANCE * usual
+    ]
+
+
 def _of_frequency(before: Estimate, after: Estimate) -> float:
     return float(np.hypot(before.sd, after.sd) / (after.value - before.value) ** 2)
 
@@ -221,14 +239,20 @@ def _range(record: LoopRecord, count: int, wanted: tuple[int, int] | None) -> tu
     return wanted[0], min(wanted[1], count)
 
 
-def _each(values: Sequence[Estimate]) -> list[Told]:
-    """The values of all cycles, with the deviation of each: of noise, or from one to the next."""
+def _each(values: Sequence[Estimate], first: int, last: int) -> list[Told]:
+    """The values of all cycles, with the deviation of each: of noise, or from one to the next.
+
+    From one to the next of those that the mean is of: a first or last cycle that runs up or down
+    says nothing of how the others scatter.
+    """
     numbers, sds = np.array(values).T
-    # From one cycle to the next: what warms up or wears in changes over many of them.
-    steps = np.diff(numbers)
-    scatter = float(np.sqrt(np.mean(steps**2) / 2.0)) if len(steps) else 0.0
-    if len(values) >= FEWEST and _more(scatter**2, float(np.mean(sds**2)), len(steps)):
-        return [Told.of(float(value), scatter, len(steps), "cycles") for value in numbers]
+    # What warms up or wears in changes over many of them.
+    steps = np.diff(numbers[first - 1 : last])
+    if len(steps) + 1 >= FEWEST:
+        variance = float(np.mean(steps**2)) / 2.0
+        if _more(variance, float(np.mean(sds[first - 1 : last] ** 2)), len(steps)):
+            sd = float(np.sqrt(variance))
+            return [Told.of(float(value), sd, len(steps), "cycles") for value in numbers]
     return [Told.of(value, sd, np.inf, "noise") for value, sd in values]
 
 

@@ -16,7 +16,7 @@ from springpot.diagnosis.evidence import chances_of, log_prior_of_one, size_of_l
 from springpot.diagnosis.in_practice import Misfit
 from springpot.diagnosis.result import Candidate, Diagnosis, EffectVerdict, Verdict
 from springpot.diagnosis.verdict import Facts, rule_for
-from springpot.identification.part_result import PartResult
+from springpot.identification.part_result import AGREE, PartResult
 from springpot.identification.result import Identification
 from springpot.identification.value import Value
 from springpot.measurement.sign import said_of_sign, turned
@@ -260,7 +260,7 @@ def _going_on_from(
 def _said_apart(parts: Sequence[TestPart], tests: Sequence[PartResult]) -> str:
     """What tests say that a material follows one by one and not together; nothing of others."""
     alone = max(test.over_floor_alone for test in tests)
-    if not max(alone, 1.0) < VERDICT.takes_most * max(test.over_floor for test in tests):
+    if not alone < AGREE or all(test.agrees for test in tests):
         return ""
     says = f"each test by itself is followed to {times(alone)} its noise, all together are not"
     if any("temperature" in part.conditions for part in parts):

@@ -125,6 +125,7 @@ class Desk:
     def __init__(self, long: int = 2) -> None:
         self._lanes = {"short": [DeskWorker()], "long": [DeskWorker() for _ in range(long)]}
         self._free: dict[str, asyncio.Queue[DeskWorker]] = {}
+        self._queues: dict[str, list[_Running]] = {lane: [] for lane in self._lanes}
         self._running: dict[str, _Running] = {}
         self._closing = False
         self._kept: OrderedDict[str, Line] = OrderedDict()
@@ -210,7 +211,7 @@ class Desk:
     ) -> None:
         line = _error("the computation was cancelled")
         try:
-            worker = await self._free[lane].get()
+            worker = await self._turn(running, lane)
             try:
                 line = await worker.perform(task, arguments, running.told)
             finally:
@@ -228,11 +229,30 @@ class Desk:
             # Whoever waits hears an end, of what was cancelled too.
             running.told(line)
 
+    async def _turn(self, running: _Running, lane: str) -> DeskWorker:
+        """A worker, as soon as one is free; who waits hears how many wait before."""
+        free, queue = self._free[lane], self._queues[lane]
+        if free.empty():
+            queue.append(running)
+            _tell_places(queue)
+        try:
+            return await free.get()
+        finally:
+            if running in queue:
+                queue.remove(running)
+                _tell_places(queue)
+
     def _keep(self, key: str, line: Line) -> None:
         self._kept[key] = line
         # The newest stays, however large: it was asked for just now.
         while len(self._kept) > 1 and sum(map(len, self._kept.values())) > KEPT:
             self._kept.popitem(last=False)
+
+
+def _tell_places(queue: list[_Running]) -> None:
+    for place, running in enumerate(queue, 1):
+        stage = f"others compute: place {place} of {len(queue)} in the queue"
+        running.told(json.dumps({"stage": stage}).encode() + b"\n")
 
 
 def _error(says: str) -> Line:

@@ -461,11 +461,11 @@ LANES = {
     "held": "long",
     "laws": "long",
 }
-LANES |= {"curve": "short", "again": "short", "trial": "short"}
+LANES |= {"first": "short", "curve": "short", "again": "short", "trial": "short"}
 """Which workers do what the page asks of data."""
 EXTRA = {"curve": ("hands",), "held": ("hands",), "leave": ("kind",), "trial": ("law",)}
 """What these tasks are told beside the state."""
-KEPT = frozenset({"answer", "ranking", "mastercurve", "laws"})
+KEPT = frozenset({"first", "answer", "ranking", "mastercurve", "laws"})
 """Pure functions of the state alone."""
 
 

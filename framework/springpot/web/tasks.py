@@ -46,6 +46,7 @@ from springpot.timetests.specimen import reference_of
 
 from . import leaving
 from .files import safe_name
+from .first import first_look
 from .held import hand_of, theta_of
 from .sessions import (
     State,
@@ -385,6 +386,11 @@ def answered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     return answer(asked, ladder, _opened(text))
 
 
+def first(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
+    """See `springpot.web.first.first_look`."""
+    return first_look(State.of(state), _measured(text))
+
+
 def curve(
     told: Told, state: Mapping[str, Any], text: str, hands: Mapping[str, Any]
 ) -> dict[str, Any]:
@@ -531,6 +537,7 @@ TASKS: dict[str, Callable[..., dict[str, Any]]] = {
     "dataset": dataset,
     "again": again,
     "answer": answered,
+    "first": first,
     "curve": curve,
     "held": held,
     "trial": trial,

@@ -9,13 +9,17 @@ from springpot.identification import Optimiser, OptimiserFamily
 
 from . import (
     annealing,
+    dfo,
     evolution,
     hopping,
     leastsquares,
+    lshade,
     minion,
+    minuit,
     native,
     nloptlib,
     sampling,
+    spso,
     swarm,
     unified,
 )
@@ -26,9 +30,11 @@ def springpot_optimisers() -> Iterable[type[Optimiser]]:
     """All of them."""
     return (
         swarm.PaperSwarm,
+        spso.StandardSwarm,
         evolution.CmaEs,
         evolution.BipopCmaEs,
         evolution.DifferentialEvolution,
+        lshade.LShade,
         nloptlib.Crs,
         nloptlib.Isres,
         nloptlib.Esch,
@@ -52,4 +58,4 @@ def springpot_optimisers() -> Iterable[type[Optimiser]]:
 @hookimpl
 def springpot_optimiser_families() -> Iterable[OptimiserFamily]:
     """Libraries of many."""
-    return (unified.FAMILY, minion.FAMILY)
+    return (unified.FAMILY, minion.FAMILY, dfo.FAMILY, minuit.FAMILY)

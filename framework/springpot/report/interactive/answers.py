@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from springpot.diagnosis.examination import Case
 from springpot.diagnosis.ladder import Ladder
 from springpot.measurement.measurement import Measurement
+from springpot.misfit.refit import Refit
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Points, Real
 
@@ -57,7 +57,7 @@ def drawn(ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
     used = base.data.raw
     # Once, for previews and rivals alike: each is a model with its parameters.
     grown = list(grown_by_each(case))
-    noise, acts = _noise(scene, case), list(acted(case, used))
+    noise, acts = _noise(scene, base), list(acted(case, used))
     acted_on = {act.name: preview(scene, act.used, act.preview) for act in acts}
     return {
         "discovery": ladder.to_dict(),
@@ -73,6 +73,23 @@ def drawn(ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
     }
 
 
+def drawn_at_once(base: Refit, measurement: Measurement) -> dict[str, Any]:
+    """A fitted model as `drawn`, without anything that it may lack."""
+    scene = PageScene(measurement)
+    noise = _noise(scene, base)
+    return {
+        "of": measurement.units.magnitude,
+        "parameters": [],
+        "noise": in_parts(noise),
+        "reference": "",
+        "model": scene.curve(base.model, base.theta, np.maximum(noise.real, noise.imag)),
+        "actions": [],
+        "previews": {},
+        "proposed": None,
+        "next": None,
+    }
+
+
 def rungs(ladder: Ladder, measurement: Measurement) -> list[dict[str, Any]]:
     """Each rung of a ladder as `drawn`: every ladder is the beginning of the next, to the bit."""
     answers = []
@@ -83,12 +100,11 @@ def rungs(ladder: Ladder, measurement: Measurement) -> list[dict[str, Any]]:
     return answers
 
 
-def _noise(scene: PageScene, case: Case) -> Complex:
+def _noise(scene: PageScene, base: Refit) -> Complex:
     """Standard deviations at the drawn points.
 
     Those of the fitted point of nearest |K|, as a share of it.
     """
-    base = case.search.base
     fitted, drawn = base.fit.measurement.magnitude, scene.measurement.magnitude[scene.rows]
     # Points that are drawn need not be those that were fitted: repeats are fitted as their mean.
     order = np.argsort(fitted)

@@ -29,6 +29,8 @@ MOST_POINTS = 1500
 
 As SVG, each is an element of the page, and a screen has hardly more columns.
 """
+MOST_IN_CLOUD = 20_000
+"""Further rows that are drawn as a density: more would look the same."""
 MOST_ON_CURVES = 480
 """Points on all smooth curves of one model together, and of its residuals in a plane.
 
@@ -38,6 +40,17 @@ DIGITS = 6
 """Significant digits of what is drawn; a screen shows three."""
 OF_RESIDUALS = 4
 """Significant digits of residuals, of which an answer has the most numbers."""
+
+
+def _words(units: Units) -> dict[str, Any]:
+    """What things are called on the page."""
+    return {
+        "each": "sweep",
+        "symbol": units.magnitude.strip("|*"),
+        "magnitude": units.magnitude,
+        "clock": units.clock,
+        "per_hertz": units.on_clock(1.0),
+    }
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,13 +142,8 @@ class PageScene:
                 "logarithmic": self.axis.logarithmic,
                 "per_hertz": per_hertz,
             },
-            "words": {
-                "each": "sweep",
-                "symbol": measurement.units.magnitude.strip("|*"),
-                "magnitude": measurement.units.magnitude,
-                "clock": measurement.units.clock,
-                "per_hertz": measurement.units.on_clock(1.0),
-            },
+            "words": _words(measurement.units),
+            "cloud": self._cloud(sweep_of),
             "rows": rows.tolist(),
             "x": rounded(self.axis.values[rows]),
             "omega": rounded(measurement.omega[rows]),
@@ -149,6 +157,20 @@ class PageScene:
                 for x, points in self.grids
             ],
         }
+
+    def _cloud(self, sweep_of: NDArray[np.int64]) -> dict[str, Any]:
+        """Rows beside those that can be pointed at: as many as make a density."""
+        rest = np.setdiff1d(np.arange(len(self.measurement)), self.rows)
+        rest = rest[np.isin(rest, np.concatenate([sweep.rows for sweep in self.sweeps]))]
+        if len(rest) > MOST_IN_CLOUD:
+            rest = rest[np.linspace(0, len(rest) - 1, MOST_IN_CLOUD).round().astype(int)]
+        columns = (self.axis.values, self.measurement.storage, self.measurement.loss)
+        names = ("x", "storage", "loss")
+        cloud = {
+            name: rounded(column[rest], OF_RESIDUALS)
+            for name, column in zip(names, columns, strict=True)
+        }
+        return {**cloud, "sweep": sweep_of[rest].tolist()}
 
     def curve(self, model: Model, theta: Real, sd: Real | None = None) -> dict[str, Any]:
         """K of a model on the smooth curves, and its residuals in each plane.

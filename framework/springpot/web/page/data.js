@@ -181,7 +181,7 @@ export class Data {
     const facts = [`${data.scene.count} point${data.scene.count === 1 ? "" : "s"}`, `${sweeps} ${data.scene.words.each}${sweeps === 1 ? "" : "s"}`,
       data.repeats > 1 ? `${data.repeats} repeats` : "", data.deviations ? "standard deviations given" : ""];
     const shown = data.scene.rows.length;
-    if (shown < data.scene.count) facts.push(`${shown} of them drawn`);
+    if (shown < data.scene.count) facts.push(`${shown} of them can be pointed at`);
     return [
       h("p", { id: "facts", title: "rows of the table; sweeps are rows of one temperature, amplitude and step" }, facts.filter(Boolean).join(", "), out ? h("span", {}, `; ${out} left out `,
         h("button", { type: "button", id: "take-back", onclick: () => this.app.leaveOut([]) }, "Take back all")) : ""),

@@ -65,7 +65,19 @@ class App {
     if (!this.state) return null;
     const found = this.answers.get(keyOf(this.state));
     if (found) this.last = found;
-    return this.last?.state.data === this.state.data ? this.last : null;
+    if (this.last?.state.data === this.state.data) return this.last;
+    return this.busy && this.early?.of === this.state ? this.early.found : null;
+  }
+
+  // How far the model lies from new data, while what it may lack is sought.
+  async glance() {
+    const { state } = this;
+    if (this.glanced === state || this.answer || !this.scene || this.scene.views || state.accepted.length) return;
+    this.glanced = state;
+    try {
+      this.early = { of: state, found: await api.ask("first", { state }) };
+    } catch { return; } // the whole answer tells why
+    if (this.state === state && this.waiting) this.render();
   }
 
   // Whether what is drawn is of another state than the one a person asked for.
@@ -334,6 +346,7 @@ class App {
     this.pursuing = true;
     try {
       for (let want = lacking(this); want && !this.busy; want = lacking(this)) {
+        if (want.name === answerTo(this.state)) this.glance();
         const { found, refused } = await this.work.run(want.name, want.ask);
         if (found) want.take(found);
         if (refused) this.leave(want, refused);

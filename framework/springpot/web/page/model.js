@@ -108,7 +108,7 @@ export class ModelPanel {
     const { answer } = this.app;
     this.hands = new Map();
     this.app.hands.forget();
-    if (!answer) {
+    if (!answer || answer.discovery.verdict === "sought") {
       put(this.table);
       return;
     }

@@ -7,7 +7,7 @@ import { number, pretty } from "./numbers.js";
 function nothing({ discovery }, scene) {
   const rivals = discovery.diagnosis.leading;
   if (!scene.views || rivals.length < 2) return "Nothing is open that another measurement would decide.";
-  return `These tests do not tell ${rivals.join(" from ")}. What would is proposed from sweeps: add one of this specimen.`;
+  return `These tests do not tell ${rivals.join(", ")} apart. What would is proposed from sweeps: add one of this specimen.`;
 }
 
 export class Next {
@@ -19,6 +19,10 @@ export class Next {
   render() {
     const { answer, looks } = this.app;
     const proposed = answer?.proposed;
+    if (answer?.discovery.verdict === "sought") {
+      put(this.parent);
+      return;
+    }
     if (!proposed) {
       put(this.parent, h("p", { class: "quiet" }, answer ? nothing(answer, this.app.scene) : "What to measure next is told here."));
       return;

@@ -30,7 +30,8 @@ const titleOf = (plane) => `${plane[0].toUpperCase()}${plane.slice(1)} plane`;
 export function verdict({ discovery, of }) {
   const { diagnosis } = discovery;
   const says = diagnosis.says[0].toUpperCase() + diagnosis.says.slice(1);
-  return `${diagnosis.model}: ${discovery.verdict}, at ${percent(diagnosis.error.relative_rms)} of ${of}. ${says}.`;
+  const word = discovery.verdict === "sought" ? "" : `${discovery.verdict}, `;
+  return `${diagnosis.model}: ${word}at ${percent(diagnosis.error.relative_rms)} of ${of}. ${pretty(says)}.`;
 }
 
 export class Compare {
@@ -193,6 +194,7 @@ export class Compare {
     const single = this.app.scene.sweeps.length < 2;
     const shown = ({ part, kind, sweep }) => !this.hidden.has(single ? part || kind : `sweep-${sweep}`);
     spec.points = spec.points.filter(shown);
+    spec.cloud = spec.cloud?.filter(shown);
     spec.lines = spec.lines.filter((line) => line.sweep === undefined || (shown(line) && !this.hidden.has("model")));
   }
 

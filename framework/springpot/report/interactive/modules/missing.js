@@ -215,6 +215,7 @@ const row = (term, text) => [h("dt", { title: MEANS[term] }, term), h("dd", { ti
 
 function sentence(diagnosis, fixed, invention) {
   if (invention) return foundIn(invention);
+  if (diagnosis.verdict === "sought") return "They are being sought.";
   if (diagnosis.verdict === "adequate") return "Nothing is missing: what is left is noise. These were tried.";
   if (diagnosis.verdict === "unexplained") return "No known effect explains what is left. These were tried.";
   if (diagnosis.verdict === "inconclusive") return "These data cannot decide. These were tried.";

@@ -8,7 +8,9 @@ const TOP = 10;
 const BOTTOM = 38;
 const FALL = 500; // ms
 const DRIFT = 900; // ms
-const MANY = 600; // points from which they are drawn small
+const MANY = 600; // points from which they are drawn as a cloud
+const CELL = 2; // px of its cells
+const DENSE = [1, 2, 4, 9]; // points in a cell from which it is darker
 
 export function niceTicks(low, high, most = 6) {
   const rough = (high - low) / most || 1;
@@ -97,7 +99,8 @@ export class Plot {
     this.extraLayer = s("g", { class: "extra-layer" });
     this.cursorLayer = s("g", { class: "cursor-layer" });
     this.small = spec.points.length > MANY;
-    this.marks = spec.points.map((point) => this.mark(point));
+    this.marks = spec.points.map((point) => (this.small && !point.out ? null : this.mark(point)));
+    const cloud = this.small ? this.cloud([...spec.points.filter((point) => !point.out), ...(spec.cloud || [])]) : [];
     const box = { x: LEFT, y: TOP, width: width - LEFT - RIGHT, height: height - TOP - BOTTOM };
     svg.replaceChildren(
       s("title", {}, this.title),
@@ -107,7 +110,7 @@ export class Plot {
         ...(spec.shades || []).map((shade, lane) => this.shade(shade, lane)),
         ...(spec.bands || []).map((band) => this.band(band)),
         ...(spec.lines || []).map((line) => this.line(line)),
-        this.extraLayer, ...(spec.stations || []).map((x) => this.station(x)), s("g", { class: "points" }, ...this.marks.filter(Boolean)),
+        this.extraLayer, ...(spec.stations || []).map((x) => this.station(x)), s("g", { class: "points" }, ...cloud, ...this.marks.filter(Boolean)),
         this.previewLayer, this.cursorLayer),
     );
   }
@@ -176,9 +179,29 @@ export class Plot {
     if (!Number.isFinite(cx) || !Number.isFinite(cy)) return null;
     const common = { "data-row": row, class: `mark ${kind}${out ? " out" : ""}` };
     if (out) return s("path", { ...common, d: `M${cx - 3} ${cy - 3}l6 6m0 -6l-6 6` });
-    const half = this.small ? 1.3 : 3;
+    const half = 3;
     if (part === "loss") return s("rect", { ...common, x: cx - half, y: cy - half, width: 2 * half, height: 2 * half, stroke: colour });
     return s("circle", { ...common, cx, cy, r: 1.13 * half, fill: colour });
+  }
+
+  // Cells of the picture, the darker the more points lie in them.
+  cloud(points) {
+    const kinds = new Map();
+    for (const { x, y, kind, colour } of points) {
+      const [across, down] = [Math.round(this.x(x) / CELL), Math.round(this.y(y) / CELL)];
+      if (!Number.isFinite(across) || !Number.isFinite(down)) continue;
+      const key = `${kind}|${colour}`;
+      if (!kinds.has(key)) kinds.set(key, new Map());
+      const cells = kinds.get(key);
+      const cell = `M${across * CELL - CELL / 2} ${down * CELL}h${CELL}`;
+      cells.set(cell, (cells.get(cell) || 0) + 1);
+    }
+    return [...kinds].flatMap(([key, cells]) => {
+      const [kind, stroke] = key.split("|");
+      const layers = DENSE.map(() => "");
+      for (const [cell, count] of cells) layers[DENSE.findLastIndex((least) => count >= least)] += cell;
+      return layers.map((d, level) => (d ? s("path", { class: `cloud dense-${level} ${kind}`, d, stroke }) : null)).filter(Boolean);
+    });
   }
 
   // The worst place over the whole height, the others as bars at the foot, one above the other.
@@ -239,9 +262,9 @@ export class Plot {
   // A ring around the points of one row, and of those that are selected.
   point(row, chosen) {
     const rings = [];
-    this.spec.points.forEach((point, i) => {
+    this.spec.points.forEach((point) => {
       const here = row !== null && point.row === row;
-      if (!this.marks[i] || !(here || chosen.has(point.row))) return;
+      if (!(here || chosen.has(point.row)) || !Number.isFinite(this.x(point.x) + this.y(point.y))) return;
       rings.push(s("circle", { class: here ? "ring" : "ring chosen", cx: this.x(point.x), cy: this.y(point.y), r: 7 }));
       if (here && this.spec.upright) {
         const at = this.x(point.x);

@@ -82,11 +82,21 @@ export function viewSpec(name, scene, excluded, model, plain = "") {
       points.push({ x, y, kind, row, colour, sweep: scene.sweep[i], out: excluded.has(row) });
     }
   });
+  const cloud = cloudOf(scene, view);
   const lines = model ? viewLines(name, scene, model, "model") : [];
   const [x, y] = [view.x(scene), view.y(scene)];
   bounded(x, points.map((point) => point.x), view.upright ? 0.03 : 0.06, plain.includes("x"));
   bounded(y, points.map((point) => point.y), 0.12, plain.includes("y"));
-  return { x, y, points, lines, upright: Boolean(view.upright), says: `${points.length} points` };
+  return { x, y, points, cloud, lines, upright: Boolean(view.upright), says: `${points.length} points` };
+}
+
+// Points that are drawn and cannot be pointed at, of data that have very many.
+function cloudOf(scene, view) {
+  const { x = [], storage, loss, sweep } = scene.cloud || {};
+  return x.flatMap((along, i) => view.parts.map(({ kind, at: place }) => {
+    const [across, up] = place(along, storage[i], loss[i]);
+    return { x: across, y: up, kind, colour: colourOf(scene, sweep[i], kind), sweep: sweep[i] };
+  }));
 }
 
 // The ends of an axis. A logarithmic one on which something is zero or negative is bent around zero: nothing measured is
