@@ -215,7 +215,7 @@ def answer_of(
     weights = _weights(tried, promises, of_slip)
     # A class holds nearly all of the probability: what is in no library may be one of it.
     slipped = of_slip > SEARCH.decisive and weights[-1] > 1.0 - EVIDENCE.credible
-    verdict = rule_for(facts_of(before, tried, slipped, noise)).verdict
+    verdict = rule_for(facts_of(before, tried, slipped)).verdict
     best = next((each.left for each in tried), before)
     nothing, *chances, unknown = _agreeing(weights, verdict, best.chance)
     alike = _class(tried, promises, noise)
@@ -313,10 +313,8 @@ def _is_plain(tried: Sequence[Tried]) -> bool:
     return bool(tried) and tried[0].helps
 
 
-def facts_of(
-    before: Left, tried: Sequence[Tried], unknown: bool, noise: Sequence[ResidualScatter]
-) -> Facts:
-    """What the tests say of the model beside their noise, `tried` best first.
+def facts_of(before: Left, tried: Sequence[Tried], unknown: bool) -> Facts:
+    """What the tests say of the model, `tried` best first.
 
     Whether something `unknown` may be it as well, beyond doubt that something is.
     """
@@ -325,7 +323,7 @@ def facts_of(
         gain = tried[0].delta
     return Facts(
         by_battery=before.misfit,
-        exceeds=before.doubtful or before.exceeds(noise),
+        exceeds=before.doubtful,
         ruled_out=plain or unknown,
         gain=gain,
         something=gain > VERDICT.clear_evidence,
