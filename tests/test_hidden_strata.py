@@ -14,7 +14,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 STUDIES = ROOT / "studies"
-GENERATOR = ("drawn", "rig", "noise", "wrong_base", "in_time", "time_domain", "__init__")
+GENERATOR = ("drawn", "rig", "noise", "several", "wrong_base", "in_time", "time_domain", "__init__")
 sys.path.insert(0, str(STUDIES))
 
 from hidden_effects.bases import BASES  # noqa: E402

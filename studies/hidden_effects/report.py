@@ -31,7 +31,8 @@ FURTHER = (
     " correlated, a drift in random row order; `wrong-base`: fractional-kelvin is asked where the"
     " truth is another network, and then no model at all; `notch`, `ripple`: faults of the rig on"
     " noise of unknown size; `replicates`: each with a gain of its own; `rounding`: three"
-    " significant digits. The second table counts verdicts for every kind."
+    " significant digits; `two`, `three`: so many effects, each of a chi2 of 120 or more beside the"
+    " others, half in sweeps and half in fields. The second table counts verdicts for every kind."
 )
 BINS = (5.0, 15.0, 30.0, 60.0, 120.0, 400.0, 1200.0, np.inf)
 

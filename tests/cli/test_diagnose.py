@@ -383,3 +383,9 @@ def test_a_ladder_is_a_picture(heavy, tmp_path):
     levels = [segment[0, 1] for segment in third.get_segments()]
     np.testing.assert_allclose(levels, [100 * step.material_floor for step in ladder.steps])
     assert "material floor" in [text.get_text() for text in axes.get_legend().get_texts()]
+
+
+def test_a_stage_that_is_told_keeps_no_process_alive():
+    from springpot.cli import waiting
+
+    assert waiting.Waiting()._thread.daemon

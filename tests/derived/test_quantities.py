@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import springpot
 from springpot.derived import quantities
-from springpot.derived.from_data import linear_limit
+from springpot.derived.from_data import AROUND, _plateau, linear_limit
 from springpot.distributions import student
 from springpot.errors import SpringpotError
 
@@ -218,3 +219,26 @@ def test_a_condition_that_the_model_needs_is_asked_for():
     data = springpot.read("nist-srm2491")
     with pytest.raises(SpringpotError, match="temperature="):
         quantities(data, model)
+
+
+@pytest.mark.parametrize("power", [0.8, 2.4])
+def test_the_error_of_a_linear_limit_is_what_it_scatters_by(power):
+    x, rng = np.log(np.geomspace(1e-4, 1.0, 33)), np.random.default_rng(3)
+    exact = -np.log1p((np.exp(x) / 0.05) ** power)
+    found = [linear_limit(x, exact + 0.01 * rng.normal(size=len(x))) for _ in range(60)]
+    places, errors, _ = np.array(found).T
+    assert 0.8 < np.std(places) / np.sqrt(np.mean(errors**2)) < 1.25
+
+
+def test_the_interval_of_a_plateau_holds_the_error_of_its_place():
+    x, rng, logs, reach = np.linspace(-2.0, 2.0, 30), np.random.default_rng(3), [], []
+    for _ in range(60):
+        noise = 0.01 * rng.normal(size=(2, 30))
+        storage = 1.0 + 5.0 * x + noise[0]
+        loss = storage - 1.0 + 0.2 * (x - 0.3) ** 2 + noise[1]
+        measured = SimpleNamespace(storage=storage, loss=loss, at={})
+        [found] = _plateau(x, measured, SimpleNamespace(units=springpot.Units()))
+        logs.append(np.log(found.value.value))
+        reach.append(np.log(found.value.high / found.value.value))
+    spread = np.sqrt(np.mean(np.square(reach))) / student(0.95, AROUND - 3)
+    assert 0.8 < np.std(logs) / spread < 1.25

@@ -38,3 +38,9 @@ def rung(error, verdict):
 def test_what_predicts_the_unseen_better_stays(rungs, kept, monkeypatch):
     monkeypatch.setattr(ladder, "prediction_gain", lambda before, after: after / before)
     assert len(_explained([rung(*each) for each in rungs])) == kept
+
+
+def test_a_set_of_three_that_was_sought_together_stays():
+    rungs = [rung(*each) for each in [(8.0, "unexplained"), (6.0, "unexplained")]]
+    rungs += [rung(*each) for each in [(4.0, "effect-missing"), (1.0, "adequate")]]
+    assert len(_explained(rungs, [3])) == 4

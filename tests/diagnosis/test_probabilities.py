@@ -43,12 +43,12 @@ def grown(*priors, names=None, beyond=(), evidence=0.0):
 
 def test_a_set_of_effects_has_the_shares_of_all_of_them():
     some = 1.0 - EVIDENCE.prior_nothing
-    assert np.exp(e._log_prior(grown(0.5), 4.0)) == pytest.approx(some * 0.125)
+    assert np.exp(e.log_prior(grown(0.5), 4.0)) == pytest.approx(some * 0.125)
     pair = some * EVIDENCE.prior_pair * 0.125 * 0.25
-    assert np.exp(e._log_prior(grown(0.5, 1.0), 4.0)) == pytest.approx(pair)
+    assert np.exp(e.log_prior(grown(0.5, 1.0), 4.0)) == pytest.approx(pair)
     beyond = grown(0.5, 1.0, beyond=("a", "b"))
     wanted = pair * EVIDENCE.beyond_physics**2
-    assert np.exp(e._log_prior(beyond, 4.0)) == pytest.approx(wanted)
+    assert np.exp(e.log_prior(beyond, 4.0)) == pytest.approx(wanted)
 
 
 @pytest.mark.parametrize("p", [1e-300, 1e-12, 1e-3, 0.2, 1 / np.e, 0.9])
@@ -69,8 +69,8 @@ def test_the_fewest_names_that_hold_nearly_all():
 
 
 def test_each_name_takes_one_of_its_own_away():
-    assert e._without(["a", "b", "a"], ["a", "c"]) == ["b", "a"]
-    assert e._without(["a"], ["a", "a"]) == []
+    assert e.without(["a", "b", "a"], ["a", "c"]) == ["b", "a"]
+    assert e.without(["a"], ["a", "a"]) == []
 
 
 def test_of_each_set_the_best_whatever_the_order_of_adding():

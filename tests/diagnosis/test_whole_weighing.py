@@ -61,7 +61,7 @@ def of_search(search):
             " + ".join(each.names): [
                 each.refit.log_evidence, marginal.marginal(search, each),
                 marginal._refund(search, each), marginal._extras(search, each),
-                evidence._log_prior(each, 5.0), each.same_at_all_amplitudes,
+                evidence.log_prior(each, 5.0), each.same_at_all_amplitudes,
                 len(each.effects) == 1 and each.broadens_an_order,
                 [effect.name for effect in each.beyond_physics],
             ]

@@ -11,6 +11,7 @@ from springpot.measurement import (
     near_units,
     normal_unit,
     temperature_in_celsius,
+    units,
 )
 from springpot.rheology import Dimension
 
@@ -118,3 +119,11 @@ def test_units_that_differ_in_case_alone_go_before_those_that_look_alike():
     assert near_units("mpa", MODULUS_UNITS) == ["MPa", "mPa"]
     assert near_units("kilopascals", MODULUS_UNITS) == []
     assert "Hz" in near_units("Hzz", FREQUENCY_UNITS)
+
+
+@pytest.mark.parametrize(
+    ("power", "words"),
+    [((("", 2.0),), 2.0), ((("first.n", 1.0),), "n"), ((("", 1.0), ("n", -1.0)), "(1-n)")],
+)
+def test_a_power_is_told_as_a_person_writes_it(power, words):
+    assert units._exponent(power) == words

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from springpot.measurement import Measurement
-from springpot.report import fit_text, invention
+from springpot.report import fit_text, invention, ladder_text
 
 OMEGA = np.array([1.0, 2.0, 3.0, 4.0])
 
@@ -60,3 +60,18 @@ def test_a_law_is_told_as_the_physics_that_it_is(causal, passive, kind):
         text="k", probability=0.5, error_after=0.01, causal=causal, passive=passive, like=()
     )
     assert invention._row(law)[3] == kind
+
+
+@pytest.mark.parametrize(
+    ("ratio", "words"),
+    [
+        (1.5, "by +50 %"),
+        (0.75, "by -25 %"),
+        (0.5, "by a factor of 0.500"),
+        (2.0, "by a factor of 2.00"),
+        (3.0, "by a factor of 3.00"),
+        (-1.0, "changed sign"),
+    ],
+)
+def test_a_change_beyond_half_and_double_is_a_factor(ratio, words):
+    assert ladder_text.change(ratio) == words

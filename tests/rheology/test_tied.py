@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from springpot.errors import ModelError
 from springpot.registry import parse_model
 
 
@@ -22,3 +23,9 @@ def test_a_straight_line_leaves_room_for_what_follows_it(tie, room):
     model = parse_model("fractional-maxwell-general").tying([tie])
     [beta] = [each for each in model.parameters if each.name == "beta"]
     assert (beta.lower, beta.upper) == pytest.approx(room)
+
+
+@pytest.mark.parametrize("tie", ["alpha = beta + 1", "alpha = beta + 2"])
+def test_a_tie_that_leaves_a_point_or_nothing_is_refused(tie):
+    with pytest.raises(ModelError, match="leaves beta no room"):
+        parse_model("fractional-maxwell-general").tying([tie])

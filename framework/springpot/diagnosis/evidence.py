@@ -117,7 +117,7 @@ class Evidence:
         """
         tried = one_for_each_set(search.grown)
         logs = _log_weights(search, tried)
-        prior = log_prior_of_one(_size_of_scanned(search))
+        prior = log_prior_of_one(size_of_scanned(search))
         weights, unknown = chances_of(logs, unknown_marginal(search) + prior)
         pairs = zip(tried, weights[1:].tolist(), strict=True)
         explanations = [Explanation(grown, weight) for grown, weight in pairs]
@@ -264,7 +264,7 @@ class Evidence:
         for one in self.explanations:
             # An explanation with another partner is another answer, not a rival for the leader's
             # place.
-            others = _without(one.names, partners)
+            others = without(one.names, partners)
             if len(one.names) == len(best.names) and len(others) == 1:
                 chances[others[0]] = chances.get(others[0], 0.0) + one.probability
             elif len(one.names) < len(best.names):
@@ -285,7 +285,7 @@ class Evidence:
         chances: dict[str, float] = {}
         for one in with_leader:
             if len(one.names) == 2:
-                (partner,) = _without(one.names, [self.leader])
+                (partner,) = without(one.names, [self.leader])
                 chances[partner] = chances.get(partner, 0.0) + one.probability
         # Where the leader alone is still likely, a partner in the headline would be one too many.
         enough = EVIDENCE.beside * sum(one.probability for one in with_leader)
@@ -338,9 +338,9 @@ def _log_weights(search: Search, tried: Sequence[Grown]) -> Real:
     complete = (
         search.base.log_likelihood + harmonic_evidence(search.base) + np.log(EVIDENCE.prior_nothing)
     )
-    library = _size_of_scanned(search)
+    library = size_of_scanned(search)
     return np.array(
-        [complete, *(marginal(search, grown) + _log_prior(grown, library) for grown in tried)]
+        [complete, *(marginal(search, grown) + log_prior(grown, library) for grown in tried)]
     )
 
 
@@ -375,7 +375,8 @@ def _leaning(tried: Sequence[Grown], logs: Real, imitators: frozenset[str]) -> f
     return frozenset(name for grown in tried for name in grown.names) - by_itself - imitators
 
 
-def _size_of_scanned(search: Search) -> float:
+def size_of_scanned(search: Search) -> float:
+    """Sum of the prior weights of the effects of a search's scan."""
     return size_of_library(score.influence.effect for score in search.scan.scores)
 
 
@@ -404,7 +405,7 @@ def unknown_odds(p_value: float) -> float:
     return float(EVIDENCE.outside / (1.0 - EVIDENCE.outside) / (-np.e * p_value * np.log(p_value)))
 
 
-def _without(names: Sequence[str], others: Sequence[str]) -> list[str]:
+def without(names: Sequence[str], others: Sequence[str]) -> list[str]:
     """Names that are left when each of the others has taken one of its name away."""
     left = list(names)
     for name in others:
@@ -427,7 +428,7 @@ def _shared(likeliest: Explanation, confounded: Sequence[Grown]) -> list[Explana
     ]
 
 
-def _log_prior(grown: Grown, library: float) -> float:
+def log_prior(grown: Grown, library: float) -> float:
     """Log prior of a set of effects.
 
     Of one half, each by its share in the library, and a second one by half.

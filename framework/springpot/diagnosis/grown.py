@@ -114,6 +114,11 @@ class Grown:
         """Names of the effects added."""
         return tuple(effect.name for effect in self.effects)
 
+    @property
+    def key(self) -> tuple[str, ...]:
+        """The same in alphabetical order, whatever was added first."""
+        return tuple(sorted(self.names))
+
 
 def size_of(fitted: Refit, effect: Effect) -> float:
     """The size of an effect in a fitted model; of one that was added twice, that of the second."""

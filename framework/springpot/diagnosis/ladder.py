@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import islice
+from itertools import islice, zip_longest
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
@@ -17,7 +17,7 @@ from springpot.identification.part_result import PartResult, in_floors, parts_of
 from springpot.identification.space import require_conditions
 from springpot.identification.value import Value, values_of
 from springpot.measurement.measurement import Measurement
-from springpot.misfit.refit import prediction_gain, refit
+from springpot.misfit.refit import prediction_gain
 from springpot.misfit.words import over_floor
 from springpot.plain_data import alive, jsonable, number, some
 from springpot.registry import parse_model
@@ -31,6 +31,7 @@ from .grown import at_its_limit
 from .in_practice import Accuracy
 from .result import Candidate, Diagnosis, Verdict
 from .scan import scan_effects
+from .sets import EffectSet, complete_set, likeliest_set
 
 MOST_HIDDEN = 2
 """Effects that may be accepted from an unexplained rung on, if they complete the model."""
@@ -424,21 +425,28 @@ class SweepRungs:
         For simulated noise.
     accuracy : Accuracy or None
         What the instrument promises.
+    sets : list of EffectSet
+        Sets that were found to explain the data together.
+    plan : list of Effect
+        Those of the last such set that are still to be accepted.
     """
 
     measurement: Measurement
     effects: Sequence[Effect]
     rng: np.random.Generator
     accuracy: Accuracy | None = None
+    sets: list[EffectSet] = field(default_factory=list)
+    plan: list[Effect] = field(default_factory=list)
 
     def examined(
         self, model: Model, progress: Progress, before: Step | None, effect: Effect | None
     ) -> Case:
         """The examination of a model, begun where the rung before has led."""
-        starts: Sequence[Real] = ()
+        starts: list[Real] = []
         if before is not None and effect is not None:
             require_conditions(model, self.measurement)
             starts = _starts(before.case, effect)
+        starts += [found.start(model) for found in self.sets if found.makes(model)]
         case = examine(
             self.measurement, model, self.effects, self.rng, starts, progress, self.accuracy
         )
@@ -449,25 +457,45 @@ class SweepRungs:
 
         See `_explained`.
         """
-        if steps[-1].diagnosis.verdict == "adequate":
+        last = steps[-1].case
+        # "Inconclusive" is no ground for a decision that nobody looks at.
+        if last.diagnosis.verdict not in ("effect-missing", "unexplained"):
             return None
-        effect = _decisive(steps)
+        if not self.plan and (found := complete_set(last, self.rng)):
+            self.plan.extend(found.effects)
+            self.sets.append(found)
+        effect = self.plan.pop(0) if self.plan else _decisive(steps)
         if effect is None or effect.name in refused:
             return None
         return effect
 
     def settled(self, steps: list[Step], progress: Progress) -> list[Step]:
-        """The rungs that explain something, without an effect that later ones make needless."""
-        steps = _explained(steps)
-        # After the rungs that led nowhere are taken back: beside them an earlier one may only have
-        # seemed needless.
-        needless = _needless(steps)
-        if not needless:
+        """The rungs that explain something, each the likeliest beside all others."""
+        steps = _explained(steps, [len(found.effects) for found in self.sets])
+        # Alone or first, an effect may only have seemed needed: with all others in place it is
+        # asked anew which set it is.
+        cases, names = [step.case for step in steps], [step.accepted for step in steps[1:]]
+        found = likeliest_set(cases, [name for name in names if name], self.effects)
+        if found is None:
             return steps
-        before = steps[-1]
-        case = self.examined(before.model - needless, progress, None, None)
-        rung = rung_of(case, before, f"-{needless}")
-        return [*steps, replace(rung, alike=())]
+        self.sets.append(found)
+        kept = [steps[0]]
+        for step, effect in zip_longest(steps[1:], found.effects):
+            if effect is None:
+                break
+            model = kept[-1].model + effect
+            if step is None or step.model.name != model.name:
+                # What cannot be fitted is no better.
+                try:
+                    case = self.examined(model, progress, kept[-1], effect)
+                except SpringpotError:
+                    return steps
+                step = rung_of(case, kept[-1], effect.name)
+            kept.append(step)
+        if kept[-1].diagnosis.verdict not in ("adequate", steps[-1].diagnosis.verdict):
+            return steps
+        alike = found.places()
+        return [replace(step, alike=alike.get(step.accepted, step.alike)) for step in kept]
 
 
 # Beside the starts read off the data: those know nothing of what the rung before has found.
@@ -491,8 +519,7 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
         return None
     case = steps[-1].case
     candidates = case.diagnosis.candidates
-    # "Inconclusive" is no ground for a decision that nobody looks at.
-    if verdicts[-1] not in ("effect-missing", "unexplained") or not candidates:
+    if not candidates:
         return None
     # What changes with time is mended by no effect, however much of it one takes.
     if case.course is not None:
@@ -539,7 +566,7 @@ def _first_named(diagnosis: Diagnosis) -> Candidate:
     return diagnosis.candidates[0]
 
 
-def _explained(steps: list[Step]) -> list[Step]:
+def _explained(steps: list[Step], sets: Sequence[int] = ()) -> list[Step]:
     """The rungs up to the first unexplained one, and those beyond it that proved to be physics.
 
     Effects that hide one another can leave a rung unexplained that two more steps explain; where
@@ -554,7 +581,8 @@ def _explained(steps: list[Step]) -> list[Step]:
     first = verdicts.index("unexplained")
     # So few more effects that complete the model are two that hid each other, not a curve bent to a
     # misfit.
-    if verdicts[-1] in ("adequate", "inconclusive") and len(verdicts) - 1 - first <= MOST_HIDDEN:
+    most = max([MOST_HIDDEN, *sets])
+    if verdicts[-1] in ("adequate", "inconclusive") and len(verdicts) - 1 - first <= most:
         return steps
     kept = first + 1
     # One after the other: a rung that predicts nothing new ends what may be believed of those above
@@ -570,20 +598,6 @@ def _explained(steps: list[Step]) -> list[Step]:
 
 def _prediction_gain(before: Step, after: Step) -> float:
     return prediction_gain(before.case.search.base, after.case.search.base)
-
-
-def _needless(steps: Sequence[Step]) -> str:
-    """An accepted effect without which the evidence is larger, as later ones do what it did.
-
-    Empty if none is.
-    """
-    base = steps[-1].case.search.base
-    added = [step.accepted for step in steps if step.accepted]
-    # Not the last one: it was accepted beside all others, decisively.
-    for name in added[:-1]:
-        if refit(base.model - name, base.data, base.noise).log_evidence > base.log_evidence:
-            return name
-    return ""
 
 
 def moves(before: Mapping[str, Value], after: Mapping[str, Value]) -> dict[str, float]:

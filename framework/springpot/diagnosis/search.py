@@ -6,7 +6,7 @@ Single effects first, pairs where one effect leaves structure.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf
 
 import numpy as np
@@ -21,12 +21,12 @@ from springpot.misfit.floor import beyond_floor
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.residual_battery import battery, repeats_structure
 from springpot.rheology.effect import Effect
-from springpot.rheology.model import Model
-from springpot.rheology.points import Complex, Real
+from springpot.rheology.points import Complex
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
+from .asked import AskedSet, beside, once, one_more, two_more
 from .grown import Grown, Search
-from .scan import Score, applicable, best_pairs, enough_for, scan_effects, shifted_twice
+from .scan import Score, applicable, enough_for, scan_effects, shifted_twice
 
 
 def search_from(base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> Search:
@@ -149,7 +149,7 @@ def _try_narrow(search: Search, library: Sequence[Effect]) -> list[Effect]:
                 base, search.frame, [effect], threshold=search.scan.threshold
             ).scores:
                 search.scan.scores.append(score)
-                search.grown += _clear(search, [grown_with(search, score)])
+                search.grown += clear(search, [grown_with(search, score)])
                 effects.append(effect)
     sort_by_evidence(search)
     return effects
@@ -169,7 +169,7 @@ def _forget_narrow(search: Search) -> None:
     search.scan.scores[:] = kept
 
 
-def _clear(search: Search, tried: Sequence[Grown]) -> list[Grown]:
+def clear(search: Search, tried: Sequence[Grown]) -> list[Grown]:
     """The grown models whose narrow effects, if they have any, are seen as such."""
     return [grown for grown in tried if _resolved(search, grown)]
 
@@ -253,7 +253,7 @@ def grown_with(search: Search, score: Score) -> Grown:
         base.noise,
         list(score.starts),
         starts=2,
-        effort=_effort(search),
+        effort=effort_of(search),
     )
     return Grown((score.influence.effect,), grown, score.predicted)
 
@@ -276,7 +276,7 @@ def _from_the_best(search: Search, grown: Grown) -> Grown:
     return grown
 
 
-def _effort(search: Search) -> Effort:
+def effort_of(search: Search) -> Effort:
     """No longer than it takes to tell that a grown model is no rival of the best one."""
     least = min((grown.refit.rss for grown in search.grown), default=inf)
     if least == inf:
@@ -290,95 +290,31 @@ def sort_by_evidence(search: Search) -> None:
     search.grown.sort(key=lambda grown: -grown.refit.log_evidence)
 
 
-@dataclass(frozen=True, eq=False)
-class _Asked:
-    """A pair of effects to be refitted: from given starts (p,), and so many read off the data."""
-
-    effects: tuple[Effect, ...]
-    model: Model
-    starts: list[Real]
-    read_off: int
-    predicted: float
-
-    def joined(self, other: _Asked) -> _Asked:
-        """The same pair with the starts of both."""
-        starts, predicted = [*self.starts, *other.starts], min(self.predicted, other.predicted)
-        return replace(
-            self, starts=starts, read_off=max(self.read_off, other.read_off), predicted=predicted
-        )
-
-
 def _seek_pairs(search: Search, effects: Sequence[Effect], rng: np.random.Generator) -> None:
     """Seek a second effect beside several first ones, and pairs that only work together."""
-    base, effort = search.base, _effort(search)
-    pairs = []
-    for each in _once([*_together(search), *_one_by_one(search, effects)]):
-        if enough_for(base, each.model):
-            fitted = refit(each.model, base.data, base.noise, each.starts, each.read_off, effort)
-            pairs.append(Grown(each.effects, fitted, each.predicted))
-    search.grown += _clear(search, pairs)
+    base, effort = search.base, effort_of(search)
+    asked = once([*_together(search), *_one_by_one(search, effects)])
+    enough = [each for each in asked if each.is_judged_by(base)]
+    search.grown += clear(search, [each.fitted(base, effort) for each in enough])
     sort_by_evidence(search)
     _add_singles(search)
     search.left = battery(search.best.frame(), rng)
 
 
-def _together(search: Search) -> list[_Asked]:
+def _together(search: Search) -> list[AskedSet]:
     """Pairs that explain the residual together."""
-    base, asked = search.base, []
-    for pair in best_pairs(
-        search.frame, search.scan.scores, base.model, base.theta, SEARCH.together
-    ):
-        both = (pair.first.influence.effect, pair.second.influence.effect)
-        if _second_law(both[:1], both[1]):
-            continue
-        asked.append(_Asked(both, pair.model, [pair.start], 1, base.rss - pair.gain))
-    return asked
+    return two_more((), search.base, search.frame, search.scan.scores)
 
 
-def _one_by_one(search: Search, effects: Sequence[Effect]) -> list[_Asked]:
+def _one_by_one(search: Search, effects: Sequence[Effect]) -> list[AskedSet]:
     """The best second effects beside each of the best first ones."""
     asked = []
     for first in search.grown[: SEARCH.beam]:
-        frame = first.refit.frame()
-        others = [
-            effect
-            for effect in effects
-            if not (effect.narrow and any(one.narrow for one in first.effects))
-            and not shifted_twice(first.refit.model, effect)
-            and not _second_law(first.effects, effect)
-        ]
-        for score in scan_effects(first.refit, frame, others).scores[: SEARCH.seconds]:
-            both = (*first.effects, score.influence.effect)
-            # Beside another effect the scan's own starts are near enough; those read off the data
-            # know of neither.
-            asked.append(
-                _Asked(both, score.influence.model, list(score.starts), 0, score.predicted)
-            )
+        scores = scan_effects(
+            first.refit, first.refit.frame(), beside(first.effects, first.refit.model, effects)
+        ).scores
+        asked += one_more(first.effects, scores)
     return asked
-
-
-def _second_law(effects: Sequence[Effect], other: Effect) -> bool:
-    """Whether another shift by the same condition is among them.
-
-    Of a material's times there is one law.
-
-    What a second one would mend, such as a temperature that was misread, is no physics of the
-    material.
-    """
-    if other.plane != "shift":
-        return False
-    return any(effect.plane == "shift" and effect.needs == other.needs for effect in effects)
-
-
-def _once(asked: Sequence[_Asked]) -> list[_Asked]:
-    """Each pair once, with the starts of all its ways: ten starts take hardly longer than five."""
-    pairs: dict[tuple[str, ...], _Asked] = {}
-    for each in asked:
-        key = tuple(sorted(effect.name for effect in each.effects))
-        if key in pairs:
-            each = pairs[key].joined(each)
-        pairs[key] = each
-    return list(pairs.values())
 
 
 def _add_singles(search: Search) -> None:
@@ -389,7 +325,7 @@ def _add_singles(search: Search) -> None:
     alone = {grown.names[0] for grown in search.grown if len(grown.effects) == 1}
     wanted = {name for grown in search.grown[: SEARCH.singles] for name in grown.names} - alone
     scores = [score for score in search.scan.scores if score.influence.effect.name in wanted]
-    search.grown += _clear(search, [grown_with(search, score) for score in scores])
+    search.grown += clear(search, [grown_with(search, score) for score in scores])
     sort_by_evidence(search)
 
 

@@ -48,6 +48,7 @@ from .scatter import (
 from .score import TimeScan
 from .slip import slip_beside
 from .specimen import at_rigs, at_tests
+from .temperatures import is_law
 from .verdict import TimeCase, Tried, answer_of, worst_of
 
 LEADING = 14
@@ -296,6 +297,8 @@ def _leading(promises: dict[str, list[Promise]], before: Left) -> list[list[Prom
     # Beside other tests each such fit would take as long as all others.
     if len(before.residuals) == 1:
         worth += [each for each in ranked if not each[0].as_its_size and each not in worth]
+    # A law of temperature moves times by decades, which no small step foretells either.
+    worth += [each for each in ranked if is_law(each[0].effect) and each not in worth]
     if len(worth) < FEWEST:
         return ranked[:FEWEST]
     return worth

@@ -10,13 +10,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from springpot.distributions import f_sf
 from springpot.identification.part_result import PartResult
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
 from .imposed_noise import felt
 from .residuals_of_tests import TestPart
-from .scatter import ResidualScatter, times_noise
+from .scatter import LOCAL, ResidualScatter, times_noise
 from .where import rms
 
 
@@ -107,6 +108,18 @@ class Left:
                 )
             )
         return tuple(rows)
+
+    def exceeds(self, noise: Sequence[ResidualScatter]) -> bool:
+        """Whether more is left of some test than that noise ever leaves.
+
+        A misfit at an end passes for noise with a memory, until something tells the noise.
+        """
+        for value, scatter in zip(self.residuals, noise, strict=True):
+            count = independent([value], [scatter])
+            ratio = times_noise(value, scatter.size) ** 2
+            if f_sf(ratio, count, count) < LOCAL:
+                return True
+        return False
 
     def squares(self, noise: Sequence[ResidualScatter]) -> float:
         """Sum of squares over that noise, a sample counted for what it adds to its neighbours."""

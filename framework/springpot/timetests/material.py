@@ -28,7 +28,7 @@ from ..numerics import ALIKE, MOST_STEPS, NEGLIGIBLE
 from .convex import CLOSER, ConvexSpectrum, lattice, lines_of
 from .residuals_of_tests import InTimePart, TestPart
 from .specimen import Scales, tries_of
-from .temperatures import seen_by, told_by_steps
+from .temperatures import is_law, seen_by, told_by_steps
 from .where import rms
 
 STILL = 1e-7
@@ -130,7 +130,9 @@ def spectral(
     """
     search = _Search(model, parts, reference, coordinates)
     begun = [(search, search.placed(search.start()))]
-    if told := told_by_steps(model, parts, reference):
+    # Seeds of a model that had its laws before know them.
+    unknown = not seeds or is_law(model.effects[-1])
+    if unknown and (told := told_by_steps(model, parts, reference)):
         names = [parameter.name for parameter in model.parameters[-len(search.natural) :]]
         for seed in [*seeds] or [search.own(search.natural)]:
             pairs = zip(names, seed, strict=True)

@@ -25,6 +25,11 @@ from springpot.superposition.after_steps import SHOWN, after_steps, by_one_numbe
 from .residuals_of_tests import TestPart
 
 
+def is_law(effect: Effect) -> bool:
+    """Whether an effect shifts by the temperature alone."""
+    return effect.plane == "shift" and effect.needs == {"temperature"}
+
+
 def laws_of(model: Model) -> tuple[Effect, ...]:
     """Its effects that hang on the temperature alone."""
     return tuple(effect for effect in model.effects if effect.needs == {"temperature"})
@@ -77,7 +82,7 @@ def seen_by(
     reference : float
         Temperature in kelvin at which shifts are one.
     """
-    laws = tuple(each for each in laws_of(model) if each.plane == "shift")
+    laws = tuple(each for each in model.effects if is_law(each))
     bands = [part.resolved for part in parts]
     if not laws:
         return bands

@@ -11,15 +11,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from springpot.diagnosis.actions import turning
+from springpot.diagnosis.actions import ToDo, leaving_out_the_beginning, turning
 from springpot.diagnosis.evidence import chances_of, log_prior_of_one, size_of_library, unknown_odds
 from springpot.diagnosis.in_practice import Misfit
 from springpot.diagnosis.result import Candidate, Diagnosis, EffectVerdict, Verdict
 from springpot.diagnosis.verdict import Facts, rule_for
-from springpot.identification.part_result import PartResult
+from springpot.identification.part_result import AGREE, PartResult
 from springpot.identification.result import Identification
 from springpot.identification.value import Value
 from springpot.measurement.sign import said_of_sign, turned
+from springpot.measurement.timetest import TimeTest
 from springpot.misfit.error import Error
 from springpot.misfit.where import Where
 from springpot.misfit.words import times
@@ -214,7 +215,7 @@ def answer_of(
     weights = _weights(tried, promises, of_slip)
     # A class holds nearly all of the probability: what is in no library may be one of it.
     slipped = of_slip > SEARCH.decisive and weights[-1] > 1.0 - EVIDENCE.credible
-    verdict = rule_for(facts_of(before, tried, slipped)).verdict
+    verdict = rule_for(facts_of(before, tried, slipped, noise)).verdict
     best = next((each.left for each in tried), before)
     nothing, *chances, unknown = _agreeing(weights, verdict, best.chance)
     alike = _class(tried, promises, noise)
@@ -242,7 +243,7 @@ def answer_of(
         tests=tests,
         left_out=left_out,
         evidence={"nothing": nothing, "unknown": unknown},
-        steps=tuple(turning(spec) for part in parts if (spec := turned(part.test.provenance))),
+        steps=tuple(_steps(parts, verdict, where)),
     )
     fit = _going_on_from(base, tried, alike[:1])
     return TimeCase(diagnosis, base, fit, _misfits(parts, base), tuple(tried))
@@ -259,7 +260,7 @@ def _going_on_from(
 def _said_apart(parts: Sequence[TestPart], tests: Sequence[PartResult]) -> str:
     """What tests say that a material follows one by one and not together; nothing of others."""
     alone = max(test.over_floor_alone for test in tests)
-    if not max(alone, 1.0) < VERDICT.takes_most * max(test.over_floor for test in tests):
+    if not alone < AGREE or all(test.agrees for test in tests):
         return ""
     says = f"each test by itself is followed to {times(alone)} its noise, all together are not"
     if any("temperature" in part.conditions for part in parts):
@@ -268,6 +269,22 @@ def _said_apart(parts: Sequence[TestPart], tests: Sequence[PartResult]) -> str:
         f"{says}: they are of another temperature, age or specimen, which no column tells; say it"
         " of each, such as 'FILE#2?temperature=25[degC]'"
     )
+
+
+def _steps(parts: Sequence[TestPart], verdict: Verdict, where: Sequence[Where]) -> Iterator[ToDo]:
+    """What can be done with the tests themselves."""
+    for part in parts:
+        if spec := turned(part.test.provenance):
+            yield turning(spec)
+    if verdict == "effect-missing" or not where or len(parts) != 1:
+        return
+    test = parts[0].test
+    if not isinstance(test, TimeTest) or not test.after_step or where[0].low > test.time[0]:
+        return
+    # Of a step that took its time the usual advice is to look at what comes long after it.
+    later = np.flatnonzero(test.time > where[0].high)
+    if len(later):
+        yield leaving_out_the_beginning(0.5 * (where[0].high + float(test.time[later[0]])))
 
 
 def _notes_on(parts: Sequence[TestPart], best: Left) -> Iterator[str]:
@@ -296,8 +313,10 @@ def _is_plain(tried: Sequence[Tried]) -> bool:
     return bool(tried) and tried[0].helps
 
 
-def facts_of(before: Left, tried: Sequence[Tried], unknown: bool) -> Facts:
-    """What the tests say of the model, `tried` best first.
+def facts_of(
+    before: Left, tried: Sequence[Tried], unknown: bool, noise: Sequence[ResidualScatter]
+) -> Facts:
+    """What the tests say of the model beside their noise, `tried` best first.
 
     Whether something `unknown` may be it as well, beyond doubt that something is.
     """
@@ -306,7 +325,7 @@ def facts_of(before: Left, tried: Sequence[Tried], unknown: bool) -> Facts:
         gain = tried[0].delta
     return Facts(
         by_battery=before.misfit,
-        exceeds=before.doubtful,
+        exceeds=before.doubtful or before.exceeds(noise),
         ruled_out=plain or unknown,
         gain=gain,
         something=gain > VERDICT.clear_evidence,

@@ -15,6 +15,7 @@ from hidden_effects.scaling import NotVisible
 from hidden_effects.strata.drawn import Drawn
 from hidden_effects.strata.noise import noise
 from hidden_effects.strata.rig import notch, replicates, ripple, rounding
+from hidden_effects.strata.several import three, two
 from hidden_effects.strata.time_domain import history, time
 from hidden_effects.strata.wrong_base import wrong_base
 
@@ -27,6 +28,8 @@ STRATA: dict[str, Callable[[int, np.random.Generator], Drawn]] = {
     "ripple": ripple,
     "replicates": replicates,
     "rounding": rounding,
+    "two": two,
+    "three": three,
 }
 
 

@@ -25,12 +25,13 @@ QUIET, LOUD = 1e-3, 0.03
 class Drawn:
     """A measurement of a stratum. Frequencies in rad/s, stiffness in kN/m, amplitude in mm.
 
-    ``kind`` is "nothing", "one" (a library effect is missing), "outside" (something that has no
-    name) or "base" (the model's own spectrum is wrong); ``right`` holds every name that is a right
-    answer. ``floor`` is the relative rms error per complex point of the noise alone; ``network``
-    names the true spectrum where that is not the model's; ``chi2`` is what the best refitted model
-    leaves of the noise-free data, ``material_chi2`` what any passive spectrum leaves of them, where
-    that was asked.
+    ``kind`` is "nothing", "one" (a library effect is missing), "two" or "three" (so many are),
+    "outside" (something that has no name) or "base" (the model's own spectrum is wrong); ``right``
+    holds every name that is a right answer, ``own`` the chi-square left without each of several.
+    ``floor`` is the relative rms error per complex point of the noise alone; ``network`` names the
+    true spectrum where that is not the model's; ``chi2`` is what the best refitted model leaves of
+    the noise-free data, ``material_chi2`` what any passive spectrum leaves of them, where that was
+    asked.
     """
 
     seed: int
@@ -52,6 +53,7 @@ class Drawn:
     material: str | None = None
     material_chi2: float | None = None
     material_right: tuple[str, ...] = ()
+    own: tuple[float, ...] = ()
 
     @property
     def name(self) -> str:
@@ -91,7 +93,7 @@ class Drawn:
             "model": self.model,
             "truth": list(self.right),
             "parameters": [self.parameters],
-            "own_chi2": [self.chi2],
+            "own_chi2": list(self.own) or [self.chi2],
             "chi2": self.chi2,
             "material_chi2": self.material_chi2,
             "material_truth": list(self.material_right),

@@ -17,6 +17,7 @@ from hidden_effects.figures import (
     first,
     first_class,
     flagged,
+    found,
     mean,
     named,
     same_verdict,
@@ -45,6 +46,7 @@ def strata_table(rows: list[Row]) -> list[Figure]:
         if here:
             out += [
                 *_plain(stratum, here),
+                *_several(stratum, here),
                 *_outside(stratum, here),
                 *_base(stratum, here),
                 *_floor(stratum, here),
@@ -121,6 +123,53 @@ def _found(head: str, d: str, nothing: list[Row], one: list[Row]) -> list[Figure
         ),
         share(f"{head}first by name, chi2 >= 120", d, of_kind(one, "one", least=PLAIN), named),
         share(f"{head}confident name and wrong", d, [*nothing, *one], misnamed, 0.01, "<="),
+    ]
+
+
+def _several(d: str, rows: list[Row]) -> list[Figure]:
+    """Several effects are missing, each plain to see beside the others."""
+    hidden = _walked(of_kind(rows, "two", "three"))
+    effects = [r | {"effect": name} for r in hidden for name in r["truth"]]
+    rungs = [r | {"rung": s} for r in hidden for s in r["ladder"]["steps"] if s["accepted"]]
+    return [
+        share(
+            "several: all accepted by name",
+            d,
+            hidden,
+            lambda r: set(r["truth"]) <= set(accepted(r)),
+            0.5 if d == "two" else None,
+        ),
+        share(
+            "several: all accepted, by name or class",
+            d,
+            hidden,
+            lambda r: all(found(r, name) for name in r["truth"]),
+        ),
+        share(
+            "several: exactly these accepted, by name",
+            d,
+            hidden,
+            lambda r: sorted(r["truth"]) == sorted(accepted(r)),
+        ),
+        share(
+            "several: an effect accepted by name", d, effects, lambda r: r["effect"] in accepted(r)
+        ),
+        share(
+            "several: an effect accepted, by name or class",
+            d,
+            effects,
+            lambda r: found(r, r["effect"]),
+            0.75 if d == "three" else None,
+        ),
+        share(
+            "several: accepted where no hidden one is in the class",
+            d,
+            rungs,
+            lambda r: not {r["rung"]["accepted"], *r["rung"]["class"]} & set(r["truth"]),
+            0.01,
+            "<=",
+        ),
+        mean("several: seconds per ladder", d, (r["ladder_seconds"] for r in hidden)),
     ]
 
 

@@ -1,0 +1,280 @@
+"""Sets of effects that are missing together.
+
+Of several a first one takes the room of the others, so that one after the other leads astray. A set
+has neighbours: one effect more, one less, another one or two in the place of one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from springpot.identification.material import is_material
+from springpot.misfit.refit import Refit, refit
+from springpot.misfit.residual_battery import battery
+from springpot.rheology.effect import Effect
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
+from springpot.thresholds import SEARCH, VERDICT
+
+from .asked import AskedSet, beside, once, one_more, two_more
+from .evidence import (
+    Evidence,
+    credible,
+    log_prior,
+    one_for_each_set,
+    size_of_scanned,
+    without,
+)
+from .grown import Grown, Search
+from .scan import Score, applicable, scan_effects
+from .search import clear, effort_of, sort_by_evidence
+
+if TYPE_CHECKING:
+    from .examination import Case
+
+
+def searched_sets(search: Search, effects: Sequence[Effect]) -> Search:
+    """The search, gone on to sets that are neighbours of the best, until none is better.
+
+    Parameters
+    ----------
+    search : Search
+        With the sets to begin with.
+    effects : sequence of Effect
+        Of which sets are made.
+    """
+    found = replace(search, grown=list(search.grown), confounded=[])
+    opened: set[tuple[str, ...]] = set()
+    while True:
+        near = _likeliest(found)[: SEARCH.beam]
+        if not near or near[0].key in opened:
+            break
+        asked: list[AskedSet] = []
+        for grown in near:
+            if grown.key not in opened:
+                opened.add(grown.key)
+                asked += _neighbours(found, grown, effects)
+        known = {grown.key for grown in found.grown}
+        new = [each for each in once(asked) if each.key not in known]
+        new = [each for each in new if each.is_judged_by(found.base)]
+        effort = effort_of(found)
+        found.grown += clear(found, [each.fitted(found.base, effort) for each in new])
+    sort_by_evidence(found)
+    return found
+
+
+def _likeliest(search: Search) -> list[Grown]:
+    """One fit of each set, the likeliest first."""
+    library = size_of_scanned(search)
+    sets = one_for_each_set(search.grown)
+    return sorted(sets, key=lambda one: -one.refit.log_evidence - log_prior(one, library))
+
+
+def _neighbours(search: Search, grown: Grown, effects: Sequence[Effect]) -> Iterator[AskedSet]:
+    """Sets that differ from one by an effect, or by two in the place of one."""
+    scores = _scanned(grown.effects, grown.refit, effects)
+    yield from one_more(grown.effects, scores)
+    for i in range(len(grown.effects)):
+        rest = (*grown.effects[:i], *grown.effects[i + 1 :])
+        fitted = _without(search, grown, i)
+        others = [effect for effect in effects if effect.name != grown.names[i]]
+        scores = _scanned(rest, fitted, others)
+        for each in [*one_more(rest, scores), *two_more(rest, fitted, fitted.frame(), scores)]:
+            # What stays may be where the whole set has put it, too.
+            yield replace(each, starts=[*each.starts, *_beside_known(each, grown)])
+
+
+def _scanned(present: Sequence[Effect], fitted: Refit, effects: Sequence[Effect]) -> list[Score]:
+    others = beside(present, fitted.model, effects)
+    return scan_effects(fitted, fitted.frame(), others).scores
+
+
+def _beside_known(each: AskedSet, grown: Grown) -> list[Real]:
+    """The first start of a set with the values that it shares with another, fitted one."""
+    known = dict(zip(grown.refit.model.names, grown.refit.theta.tolist(), strict=True))
+    own = zip(each.model.names, each.starts[0].tolist(), strict=True)
+    return [np.array([known.get(name, value) for name, value in own])]
+
+
+def _without(search: Search, grown: Grown, i: int) -> Refit:
+    """The fit of a set without one of its effects, which joins the search."""
+    rest = (*grown.effects[:i], *grown.effects[i + 1 :])
+    if not rest:
+        return search.base
+    key = tuple(sorted(effect.name for effect in rest))
+    # As found so far: the best of several fits, where it was grown in several ways.
+    known = [one.refit for one in search.grown if one.key == key]
+    if known:
+        return max(known, key=lambda one: one.log_evidence)
+    model = grown.refit.model - grown.effects[i].name
+    values = dict(zip(grown.refit.model.names, grown.refit.theta, strict=True))
+    start = np.array([values[name] for name in model.names])
+    fitted = refit(model, search.base.data, search.base.noise, [start], starts=2)
+    search.grown.append(Grown(rest, fitted, fitted.rss))
+    return fitted
+
+
+@dataclass(frozen=True, eq=False)
+class EffectSet:
+    """Effects that explain the data together.
+
+    Attributes
+    ----------
+    effects : tuple of Effect
+        In the order in which they are to be accepted.
+    refit : Refit
+        The fit with all of them.
+    evidence : Evidence
+        Of all sets that were tried.
+    """
+
+    effects: tuple[Effect, ...]
+    refit: Refit
+    evidence: Evidence
+
+    def makes(self, model: Model) -> bool:
+        """Whether a model has all of them, and no more."""
+        return sorted(self.refit.model.names) == sorted(model.names)
+
+    def start(self, model: Model) -> Real:
+        """Parameters (p,) of a model that it makes, as they were fitted."""
+        names = self.refit.model.names
+        return model.vector(dict(zip(names, self.refit.theta.tolist(), strict=True)))
+
+    def places(self) -> dict[str | None, tuple[str, ...]]:
+        """For each effect of the set, what may stand in its place."""
+        names = [effect.name for effect in self.effects]
+        chances: dict[str | None, dict[str, float]] = {name: {} for name in names}
+        sets = [one for one in self.evidence.explanations if len(one.names) == len(names)]
+        # Those first that differ in one place: they tell whose place it is where two differ.
+        for one in sorted(sets, key=lambda one: len(without(one.names, names))):
+            for name, other in _paired(names, one.names, chances):
+                chances[name][other] = chances[name].get(other, 0.0) + one.probability
+        return {name: tuple(credible(chances[name])) for name in names}
+
+
+def _paired(
+    names: Sequence[str], others: Sequence[str], known: Mapping[str | None, Container[str]]
+) -> Iterator[tuple[str, str]]:
+    """Each name of a set with the one of another set that stands in its place."""
+    free, new = without(names, others), without(others, names)
+    yield from ((name, name) for name in without(names, free))
+    while free:
+        place, other = next(
+            ((place, other) for place in free for other in new if other in known[place]),
+            (free[0], new[0]),
+        )
+        free.remove(place)
+        new.remove(other)
+        yield place, other
+
+
+def complete_set(case: Case, rng: np.random.Generator) -> EffectSet | None:
+    """Several effects that together explain all, where no one or two do; None without such.
+
+    Parameters
+    ----------
+    case : Case
+        A model, examined.
+    rng : numpy.random.Generator
+        For simulated noise.
+    """
+    search = case.search
+    explained = search.left.p_value >= VERDICT.structure_alarm
+    # What changes with time, and what a free spectrum follows with effects, has no such answer.
+    if explained or case.course is not None or is_material(search.base.model):
+        return None
+    if not search.grown or search.alarm > VERDICT.accepted:
+        return None
+    found = searched_sets(search, [score.influence.effect for score in search.scan.scores])
+    evidence = Evidence.of(found)
+    best = evidence.explanations[0].grown
+    # As where effects are named: beside any material only if that is clearly better.
+    behind = case.naming.best.log_evidence_of_all - best.refit.log_evidence_of_all
+    left = battery(best.refit.frame(), rng)
+    if (
+        evidence.unknown > VERDICT.likely
+        or 2.0 * behind > SEARCH.decisive
+        or 2.0 * _needed(found, best) < SEARCH.decisive
+        or left.p_value < VERDICT.structure_alarm
+        or best.beyond_physics
+    ):
+        return None
+    return EffectSet(tuple(_in_order(found, best)), best.refit, evidence)
+
+
+def likeliest_set(
+    cases: Sequence[Case], accepted: Sequence[str], library: Sequence[Effect]
+) -> EffectSet | None:
+    """The likeliest set of effects, begun with those accepted one after the other.
+
+    None where fewer than two were.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+        From the user's model to the one with all of them.
+    accepted : sequence of str
+        Their names.
+    library : sequence of Effect
+        Effects that may be missing.
+    """
+    if len(accepted) < 2:
+        return None
+    first, last = cases[0].search, cases[-1].search.base
+    # In units of the noise that is known in the end, and without the points set aside.
+    base = refit(first.base.model, last.data, last.noise, [first.base.theta])
+    scanned = {score.influence.effect for case in cases for score in case.search.scan.scores}
+    chosen = _accepted(last.model, base.model, accepted)
+    # Beside another effect what is narrow may stand for a broad one as well.
+    effects = [
+        effect
+        for effect in applicable(library, base.fit.measurement)
+        if effect in scanned or effect in chosen or effect.narrow
+    ]
+    frame = base.frame()
+    scan = scan_effects(base, frame, effects)
+    begun = Grown(chosen, last, last.rss)
+    search = replace(first, base=base, frame=frame, scan=scan, grown=[begun], promoted=frozenset())
+    found = searched_sets(search, effects)
+    evidence = Evidence.of(found)
+    best = evidence.explanations[0].grown
+    # What stays keeps its rung.
+    order, others = [], _in_order(found, best)
+    for effect in chosen:
+        if effect in others:
+            others.remove(effect)
+            order.append(effect)
+    return EffectSet((*order, *others), best.refit, evidence)
+
+
+def _accepted(model: Model, base: Model, names: Sequence[str]) -> tuple[Effect, ...]:
+    """The effects of these names that a model has beyond the base's, in their order."""
+    added = list(model.effects)
+    for effect in base.effects:
+        added.remove(effect)
+    return tuple(next(effect for effect in added if effect.name == name) for name in names)
+
+
+def _in_order(search: Search, grown: Grown) -> list[Effect]:
+    """The effects of a set, the ones first that do most without the others."""
+    fits = {one.key: one.refit for one in one_for_each_set(search.grown)}
+    left, order = list(grown.effects), []
+    while left:
+        # Last is what is missed the least.
+        evidence = []
+        for one in left:
+            fit = fits.get(tuple(sorted(each.name for each in left if each is not one)))
+            evidence.append(-np.inf if fit is None else fit.log_evidence)
+        order.append(left.pop(int(np.argmax(evidence))))
+    return order[::-1]
+
+
+def _needed(search: Search, grown: Grown) -> float:
+    """Log-evidence that a set has beyond the best with fewer effects."""
+    fewer = [one.refit for one in search.grown if len(one.effects) < len(grown.effects)]
+    return grown.refit.log_evidence - max(fit.log_evidence for fit in (search.base, *fewer))
