@@ -18,6 +18,12 @@ EXAMINATIONS = (
     "compare_objects",
     "rank",
     "identify_objects",
+    "mastercurve_of",
+    "invent_objects",
+    "diagnose_in_time",
+    "discover_in_time",
+    "compare_in_time",
+    "identify_in_time",
 )
 """What `springpot.api`, and with it the command line, asks the framework for."""
 

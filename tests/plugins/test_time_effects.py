@@ -143,7 +143,7 @@ def test_an_overshoot_is_a_fading_network_as_much_as_any_other_effect_that_does_
     rng = np.random.default_rng(5)
     test = start_up(0.4)
     noisy = test.response + 0.002 * test.response.max() * rng.standard_normal(len(test.response))
-    names = ("fading-network", "thermal-transient", "frame-resonance", "finite-ramp", "inertia")
+    names = ("fading-network", "thermal-transient", "finite-ramp", "inertia")
     effects = [plugins().effect(name) for name in names]
     found = diagnose(replace(test, response=noisy), parse_model("material"), effects)
     assert "fading-network" in found.candidates[0].alike

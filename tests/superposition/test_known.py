@@ -12,6 +12,8 @@ from springpot.identification import Objective
 from springpot.identification.known_factors import FURTHEST
 from springpot.report.told import told
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 
 def apart(i, omega):
     """Three decades between the second and the third level, half a decade being measured."""

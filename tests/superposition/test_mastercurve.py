@@ -8,6 +8,8 @@ import springpot
 from springpot.errors import SpringpotError
 from springpot.superposition import level_of
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 
 @pytest.fixture(scope="module")
 def found():

@@ -11,6 +11,8 @@ import springpot
 from springpot.report.mastercurve import EXACT
 from springpot.report.told import told
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 
 def rubber(i, omega):
     """A plateau whose stiffness alone knows of temperature."""

@@ -18,6 +18,8 @@ from springpot.identification.levels_alone import each_alone
 from springpot.registry import plugins
 from springpot.superposition import laws
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 
 def wlf_of(curve):
     (law,) = [one for one in curve.laws if one.law.name == "WLF"]

@@ -6,6 +6,8 @@ from sweeps import mass, measured, phase_error, simple, two_branches
 
 import springpot
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 
 @pytest.mark.soak
 def test_a_simple_material_is_called_simple():

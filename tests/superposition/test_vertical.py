@@ -14,6 +14,8 @@ from springpot.identification.known_factors import FURTHEST
 from springpot.identification.superposed_fit import superposed_fit
 from springpot.rheology import Continuum, Effect, Layer, Levels, Model, chain, shift
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 CELSIUS = np.array([20.0, 30.0, 40.0, 50.0, 60.0, 70.0])
 STEEP = -0.35 * (CELSIUS - 40.0)
 """Ln a of the straight sweeps: 1.5 decades for ten kelvin, two decades being measured."""

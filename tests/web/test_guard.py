@@ -294,14 +294,15 @@ def test_the_page_itself_may_be_come_to_from_a_file(bench: Workbench):
     )
 
 
-@pytest.fixture
-def impatient(monkeypatch: pytest.MonkeyPatch) -> Iterator[Workbench]:
+@pytest.fixture(scope="module")
+def impatient() -> Iterator[Workbench]:
     """A workbench that waits a second for a head, and takes eight connections."""
-    monkeypatch.setattr("springpot.web.launch.HEAD_PATIENCE", 1.0)
-    monkeypatch.setattr("springpot.web.launch.MOST", 8)
-    running = Workbench().start()
-    yield running
-    running.close()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("springpot.web.launch.HEAD_PATIENCE", 1.0)
+        patch.setattr("springpot.web.launch.MOST", 8)
+        running = Workbench().start()
+        yield running
+        running.close()
 
 
 @pytest.mark.parametrize("sent", [b"", b"GET / HTTP/1.1\r\nHost: 127.0", b"GET / HTTP/1.1\r\n"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -120,9 +121,11 @@ def _text(
     diagnosis: Diagnosis, measurement: Measurement, verbose: bool, named: str, model: str | None
 ) -> None:
     """The answer, and the command that goes on from it."""
+    from springpot.diagnosis.actions import of_data
     from springpot.measurement.sign import turned
     from springpot.report.told import told
 
+    diagnosis = replace(diagnosis, steps=of_data(diagnosis.steps, named, *with_model(model)))
     # At once: what is there stays, even where the rest is interrupted.
     print(told(diagnosis, window(), data=measurement, verbose=verbose), flush=True)
     if following := _next_command(diagnosis, named, model, turned(measurement.provenance)):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -161,10 +162,12 @@ def _show_diagnosis(
     model: str | None,
     verbose: bool,
 ) -> None:
+    from springpot.diagnosis.actions import of_data
     from springpot.report.told import told
 
-    print(told(diagnosis, window(), verbose=verbose))
     judged = with_model(model)
+    diagnosis = replace(diagnosis, steps=of_data(diagnosis.steps, *data, *judged))
+    print(told(diagnosis, window(), verbose=verbose))
     # Before all else: of a force that counts the other way every other answer is wrong.
     right_way = _turned(tests, data)
     if right_way != list(data):

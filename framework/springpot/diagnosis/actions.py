@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from springpot.plain_data import jsonable, number
@@ -48,6 +48,20 @@ class ToDo:
         return cls(row["says"], row["command"], number(row["error_after"]))
 
 
+def of_data(steps: Iterable[ToDo], *words: str) -> tuple[ToDo, ...]:
+    """The steps with the data, and the model that is judged, in their commands.
+
+    Parameters
+    ----------
+    steps : iterable of ToDo
+        Whose commands hold `DATA`.
+    *words : str
+        The data as the user called them, and the options that name the model.
+    """
+    given = suggested("", *words).removeprefix(suggested(""))
+    return tuple(replace(step, command=step.command.replace(f" {DATA}", given)) for step in steps)
+
+
 def turning(spec: str) -> ToDo:
     """To turn one channel; `spec` opens the data so.
 
@@ -67,6 +81,14 @@ def leaving_out(row: int, error_after: float) -> ToDo:
     says = f"row {row} stands out: leave it out of every fit too"
     command = suggested("diagnose", DATA, "--exclude", f"row={row}")
     return ToDo(says, command, error_after, exclude=(row,))
+
+
+def leaving_out_the_beginning(until: float) -> ToDo:
+    """To leave out what was measured while a step was still being made, up to a time in s."""
+    says = (
+        "the misfit is largest at the beginning, where a step is still made: leave it out, compare"
+    )
+    return ToDo(says, suggested("diagnose", DATA, "--exclude", f"time=..{until:.3g}"))
 
 
 def accepting(effect: str, explains: bool, error_after: float) -> ToDo:

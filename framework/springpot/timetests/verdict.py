@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from springpot.diagnosis.actions import turning
+from springpot.diagnosis.actions import ToDo, leaving_out_the_beginning, turning
 from springpot.diagnosis.evidence import chances_of, log_prior_of_one, size_of_library, unknown_odds
 from springpot.diagnosis.in_practice import Misfit
 from springpot.diagnosis.result import Candidate, Diagnosis, EffectVerdict, Verdict
@@ -20,6 +20,7 @@ from springpot.identification.part_result import AGREE, PartResult
 from springpot.identification.result import Identification
 from springpot.identification.value import Value
 from springpot.measurement.sign import said_of_sign, turned
+from springpot.measurement.timetest import TimeTest
 from springpot.misfit.error import Error
 from springpot.misfit.where import Where
 from springpot.misfit.words import times
@@ -242,7 +243,7 @@ def answer_of(
         tests=tests,
         left_out=left_out,
         evidence={"nothing": nothing, "unknown": unknown},
-        steps=tuple(turning(spec) for part in parts if (spec := turned(part.test.provenance))),
+        steps=tuple(_steps(parts, verdict, where)),
     )
     fit = _going_on_from(base, tried, alike[:1])
     return TimeCase(diagnosis, base, fit, _misfits(parts, base), tuple(tried))
@@ -268,6 +269,22 @@ def _said_apart(parts: Sequence[TestPart], tests: Sequence[PartResult]) -> str:
         f"{says}: they are of another temperature, age or specimen, which no column tells; say it"
         " of each, such as 'FILE#2?temperature=25[degC]'"
     )
+
+
+def _steps(parts: Sequence[TestPart], verdict: Verdict, where: Sequence[Where]) -> Iterator[ToDo]:
+    """What can be done with the tests themselves."""
+    for part in parts:
+        if spec := turned(part.test.provenance):
+            yield turning(spec)
+    if verdict == "effect-missing" or not where or len(parts) != 1:
+        return
+    test = parts[0].test
+    if not isinstance(test, TimeTest) or not test.after_step or where[0].low > test.time[0]:
+        return
+    # Of a step that took its time the usual advice is to look at what comes long after it.
+    later = np.flatnonzero(test.time > where[0].high)
+    if len(later):
+        yield leaving_out_the_beginning(0.5 * (where[0].high + float(test.time[later[0]])))
 
 
 def _notes_on(parts: Sequence[TestPart], best: Left) -> Iterator[str]:
