@@ -172,7 +172,7 @@ def scatter_of(residual: Real, usual: float = 0.0) -> ResidualScatter:
             likely += _log_likelihood(power[band], factor * noise[band])
     smooth = likely - _log_likelihood(power, _spectrum(omega, *alone))
     excess = 2.0 * max(smooth, _of_a_jump(residual))
-    local = min(_local(residual, above[1]), _of_all(residual, *alone))
+    local = _local(residual, above[1])
     found = ResidualScatter(*alone, float(excess) - usual, local)
     if found.misfit:
         return replace(found, size=above[0], memory=above[1])
@@ -450,14 +450,6 @@ def _local(residual: Real, memory: float) -> float:
     # A short bump is smooth, and hardly there in what is new with each sample: so both are looked
     # at.
     return min(1.0, 2.0 * _worst(white, 0.0, 1.0), 2.0 * _worst(residual, memory, alike))
-
-
-def _of_all(residual: Real, size: float, memory: float) -> float:
-    """Chance that noise of this size leaves so much, which is read where both ends are faded."""
-    if size == 0.0:
-        return 1.0
-    count = len(residual) * (1.0 - memory**2) / (1.0 + memory**2)
-    return _chance(float(np.mean(residual**2)) / size**2, count, count)
 
 
 def _worst(values: Real, memory: float, worth: float) -> float:
