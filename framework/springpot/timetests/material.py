@@ -438,7 +438,9 @@ class _Search:
         """
         if not self.model.of_tests:
             return ""
-        value, by_weights, by_u = self.slopes(weights, u)
+        value, *slopes = self.slopes(weights, u)
+        # What has no slope there takes nothing over.
+        by_weights, by_u = (np.where(np.isfinite(each).all(axis=0), each, 0.0) for each in slopes)
         signal = np.concatenate([part.signal for part in self.parts])
         names = [parameter.name for parameter in self.model.parameters[self.count :]]
         for i in range(self.first_of_tests, len(u)):
