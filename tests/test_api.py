@@ -10,6 +10,8 @@ from springpot import api
 from springpot.errors import SpringpotError
 from springpot.measurement import TimeTest
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 DATA, MODEL = "artificial-hidden", "fractional-maxwell"
 
 

@@ -10,6 +10,8 @@ import pytest
 
 from springpot.registry import parse_model
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 MODEL = parse_model("fractional-maxwell")
 THETA = MODEL.theta(k=400.0, c=60.0, alpha=0.5)
 T = np.geomspace(0.02, 50.0, 120)

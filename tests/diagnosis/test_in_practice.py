@@ -9,6 +9,8 @@ import springpot
 from springpot.diagnosis.in_practice import Accuracy, Misfit, in_practice
 from springpot.errors import OptionError
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 
 def sweep(notch, seed=1):
     """A springpot beside a spring, whose modulus has a hump that no phase goes with."""

@@ -12,6 +12,8 @@ from springpot.identification import fit
 from springpot.registry import parse_model
 from springpot.report.jsontext import to_json
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 CASES = [
     ("artificial-hidden", "fractional-maxwell"),
     # A quick fit of one more mode stops in another minimum.

@@ -10,6 +10,8 @@ import pytest
 import springpot
 from springpot.measurement.opening import Test
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 CLOCK = np.geomspace(0.02, 200.0, 30)
 NOISE = 0.004
 
