@@ -37,7 +37,8 @@ def test_nothing_moves_on_the_terminal_while_an_optimiser_runs_in_a_copy(optimis
     monkeypatch.setattr(timetests, "emit", lambda what, as_json, show: printed.append(as_json))
     model = SimpleNamespace(name="maxwell")
     for figure in (None, "fit.svg"):
-        timetests.identify([], ["a.csv"], model, figure, False, True, {"optimiser": optimiser})
+        options = {"optimiser": optimiser, "table": None}
+        timetests.identify([], ["a.csv"], model, figure, False, True, options)
     assert words == ["fitting maxwell"] * (2 * (optimiser is None))
     assert drawn == ["fit.svg"]
     assert printed == [True, True]

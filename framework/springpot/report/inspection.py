@@ -17,6 +17,7 @@ from springpot.measurement.other_test import OtherTest
 from springpot.measurement.reader import with_part
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import Units
+from springpot.numerics import NEGLIGIBLE
 from springpot.suggestions import suggested
 
 from .numbers import percent
@@ -277,6 +278,8 @@ def _of_kind(result: dict[str, Any], test: OtherTest) -> list[tuple[str, str]]:
 def _in_time(result: dict[str, Any], test: TimeTest) -> list[tuple[str, str]]:
     clock, answer = result["time"], result["response"]
     noise, largest = result["noise"], result["largest"]
+    # What rounding leaves of a share is none.
+    share = noise["relative"] if noise["relative"] > NEGLIGIBLE else 0.0
     imposed, answered = test.words
     size = _sized(largest["value"], largest["unit"])
     # A record of any shape has no step, and so no rise.
@@ -292,7 +295,7 @@ def _in_time(result: dict[str, Any], test: TimeTest) -> list[tuple[str, str]]:
         ),
         (
             "noise",
-            f"{percent(noise['relative'], 2)} and {_sized(noise['absolute'], answer['unit'], 2)}",
+            f"{percent(share, 2)} and {_sized(noise['absolute'], answer['unit'], 2)}",
         ),
     ]
     if result["temperature_moves"] is not None:

@@ -180,7 +180,8 @@ def allowed(parameter: Parameter, value: float) -> float:
         If it is none.
     """
     if not (isfinite(value) and parameter.lower <= value <= parameter.upper):
-        room = f"[{parameter.lower:g}, {parameter.upper:g}]"
+        ends = f"{parameter.lower:g}", f"{parameter.upper:g}"
+        room = f"[{ends[0]}, {ends[1]}{']' if isfinite(parameter.upper) else ')'}"
         raise ModelError(f"{parameter.name} cannot be {value:g}: it lies in {room}")
     return float(value)
 
@@ -197,7 +198,8 @@ def _bounded(parameter: Parameter, bounds: Bounds | None, known: Mapping[str, fl
     # Bounds of a user never reach beyond those of physics.
     low, high = max(bounds[0], parameter.lower), min(bounds[1], parameter.upper)
     if not low < high:
-        room = f"[{parameter.lower:g}, {parameter.upper:g}]"
+        ends = f"{parameter.lower:g}", f"{parameter.upper:g}"
+        room = f"[{ends[0]}, {ends[1]}{']' if isfinite(parameter.upper) else ')'}"
         raise ModelError(
             f"{parameter.name} has no room between {bounds[0]:g} and {bounds[1]:g}:"
             f" it lies in {room}"
