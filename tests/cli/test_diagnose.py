@@ -308,6 +308,8 @@ def test_the_demonstration_tells_its_whole_story(springpot, undrawn, tmp_path, m
     from springpot.benchmark.commands import demo
 
     monkeypatch.setattr(demo, "_run", lambda race, out: f"{race.name} of {len(race.optimisers)}\n")
+    few = library.api.library(only=["inertia", "time-delay", "series-spring", "wlf-shift"])
+    monkeypatch.setattr("springpot.api.library", lambda *given: few)
     answer = springpot("demo", "--out", tmp_path / "story")
     assert answer.code == 0, answer.err
     assert {path.name for path in (tmp_path / "story").iterdir()} >= {
