@@ -311,7 +311,7 @@ def test_the_demonstration_tells_its_whole_story(springpot, undrawn, tmp_path, m
     from springpot.benchmark.commands import demo
 
     monkeypatch.setattr(demo, "_run", lambda race, out: f"{race.name} of {len(race.optimisers)}\n")
-    few = effects_of(only=["inertia", "time-delay", "series-spring", "wlf-shift"])
+    few = effects_of(only=["inertia", "time-delay", "wlf-shift"])
     monkeypatch.setattr(api, "library", lambda *given: few)
     answer = springpot("demo", "--out", tmp_path / "story")
     assert answer.code == 0, answer.err
