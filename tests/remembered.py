@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import importlib
 import inspect
 import io
 import pickle
@@ -11,6 +12,7 @@ from types import MappingProxyType
 from typing import Any
 
 import pytest
+from numpy.random import Generator
 
 EXAMINATIONS = (
     "diagnose_objects",
@@ -27,7 +29,16 @@ EXAMINATIONS = (
 )
 """What `springpot.api`, and with it the command line, asks the framework for."""
 
-_known: dict[tuple[str, bytes], Any] = {}
+RUNGS = (
+    "springpot.diagnosis.examination",
+    "springpot.diagnosis.ladder",
+    "springpot.timetests.diagnosis",
+    "springpot.timetests.discovery",
+)
+"""Where `examine` is called: the first rung of a discovery is what a diagnosis tells."""
+
+_known: dict[tuple[str, bytes], tuple[Any, list[Any]]] = {}
+"""Answers by what was asked, each with what it left of the random numbers."""
 
 
 def remember(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -36,38 +47,54 @@ def remember(monkeypatch: pytest.MonkeyPatch) -> None:
     import springpot.judgement
 
     for name in EXAMINATIONS:
-        monkeypatch.setattr(springpot.api, name, _remembering(name, getattr(springpot.api, name)))
-    compare = _remembering("compare_objects", springpot.judgement.compare)
+        monkeypatch.setattr(springpot.api, name, _remembering(getattr(springpot.api, name)))
+    compare = _remembering(springpot.judgement.compare)
     monkeypatch.setattr(springpot.judgement, "compare", compare)
+    for place in RUNGS:
+        module = importlib.import_module(place)
+        monkeypatch.setattr(module, "examine", _remembering(module.examine))
 
 
-def _remembering(name: str, examine: Callable[..., Any]) -> Callable[..., Any]:
+def _remembering(examine: Callable[..., Any]) -> Callable[..., Any]:
+    signature = inspect.signature(examine)
+    name = f"{examine.__module__}.{examine.__qualname__}"
+
     def answer(*given: Any, **named: Any) -> Any:
-        asked = _written(given, named)
+        bound = signature.bind(*given, **named)
+        bound.apply_defaults()
+        asked = _written(bound.arguments)
         # Who is to be given each rung must be given it, whoever asked the same before.
         if asked is None or named.get("reached") is not None:
             return examine(*given, **named)
+        drawn = [part for part in bound.arguments.values() if isinstance(part, Generator)]
         if (name, asked) not in _known:
-            _known[name, asked] = examine(*given, **named)
-        return _known[name, asked]
+            found = examine(*given, **named)
+            _known[name, asked] = found, [each.bit_generator.state for each in drawn]
+        found, states = _known[name, asked]
+        for each, state in zip(drawn, states, strict=True):
+            each.bit_generator.state = state
+        return found
 
     return answer
 
 
-def _written(given: tuple[Any, ...], named: dict[str, Any]) -> bytes | None:
+def _written(arguments: dict[str, Any]) -> bytes | None:
     """The question as bytes.
 
     None where it holds what cannot be written, such as a function of the test's own.
     """
     # Who is told of the progress does not change the answer.
-    asked = [part for part in given if not inspect.isroutine(part)]
-    options = {key: part for key, part in named.items() if not inspect.isroutine(part)}
+    asked = {
+        key: tuple(part) if isinstance(part, list) else part
+        for key, part in arguments.items()
+        if not inspect.isroutine(part)
+    }
     written = io.BytesIO()
     pickler = _Question(written)
     # Otherwise the bytes would depend on which parts are one object and which are only equal.
     pickler.fast = True
     try:
-        pickler.dump((asked, options))
+        pickler.dump(asked)
     except (pickle.PicklingError, AttributeError, TypeError, RecursionError):
         return None
     return written.getvalue()

@@ -15,6 +15,8 @@ from springpot.errors import DataError
 from springpot.measurement import TimeTest
 from springpot.registry import plugins
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 jsonschema = pytest.importorskip("jsonschema")
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "schemas"
 DATA, MODEL = "artificial-hidden", "fractional-maxwell"

@@ -24,7 +24,7 @@ pytest_plugins = ["pytester"]
 
 ROOT = Path(__file__).resolve().parents[2]
 GATE, BASELINE = ROOT / "studies" / "gate.py", ROOT / "results" / "gate" / "baseline.json"
-NOISE = int(os.environ.get("SPRINGPOT_NOISE", "6"))
+NOISE = int(os.environ.get("SPRINGPOT_NOISE", "3"))
 """Repetitions with other seeds; 200 were run once, see docs/ci.md."""
 MAXWELL = "artificial-fractional-maxwell"
 

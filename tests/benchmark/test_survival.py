@@ -16,7 +16,7 @@ from springpot.errors import StudyError
 
 DECLARE = "from springpot.benchmark import Study\nStudy"
 HERE = Path(__file__).parent
-KILLS = int(os.environ.get("SPRINGPOT_KILLS", "3"))
+KILLS = int(os.environ.get("SPRINGPOT_KILLS", "2"))
 REPETITIONS = 4 * KILLS
 SCRIPT = """
 import sys

@@ -4,6 +4,8 @@ import pytest
 
 import springpot as package
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 
 def test_the_text_has_factors_laws_and_a_verdict(springpot):
     answer = springpot("mastercurve", "nist-srm2491", "--reference", "20degC")

@@ -28,7 +28,8 @@ def told_of(answer, bad):
 
 
 @pytest.mark.parametrize(
-    ("command", "model"), [("identify", MODEL), ("diagnose", MODEL), ("inspect", ())]
+    ("command", "model"),
+    [("identify", MODEL), ("diagnose", (*MODEL, "--effects", "inertia")), ("inspect", ())],
 )
 def test_an_empty_file_stops_no_other(springpot, damper, empty, write, command, model):
     other = write(damper.read_bytes(), "other.csv")

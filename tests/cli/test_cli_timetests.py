@@ -10,6 +10,8 @@ import pytest
 
 from springpot.registry import parse_model
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 MODEL = parse_model("fractional-maxwell")
 THETA = MODEL.theta(k=400.0, c=60.0, alpha=0.5)
 T = np.geomspace(0.02, 50.0, 120)
@@ -171,7 +173,7 @@ def test_parameters_are_held_bounded_and_begun_at_as_in_sweeps(springpot, relaxe
     told = springpot("identify", relaxed, crept, *words, "--start", "c=50", "--json").json
     assert set(told["parameters"]) >= {"k", "c"}
     assert told["parameters"]["k"]["value"] <= 300.0
-    missing = springpot("diagnose", relaxed, *words, "--json").json
+    missing = springpot("diagnose", relaxed, *words, "--effects", "force-drift", "--json").json
     assert missing["verdict"] != "adequate"
     refused = ["identify", relaxed, "-m", "fractional-maxwell", "--fix"]
     springpot(*refused, "m=1").is_one_line("no free parameter 'm'")
@@ -316,14 +318,15 @@ def test_a_discovery_from_tests_in_time_is_reported_and_drawn_as_one_of_sweeps(
     import springpot as package
 
     page = tmp_path / "story.html"
-    words = ["-m", "fractional-kelvin", "--accept", "series-spring"]
+    few = ["series-spring", "force-drift"]
+    words = ["-m", "fractional-kelvin", "--effects", ",".join(few), "--accept", few[0]]
     told = springpot("discover", relaxed, *words, "--report", page)
     assert told.code == 0, told.err
     text = page.read_text()
     for word in ("What is missing from fractional-kelvin?", "series-spring", "To repeat this"):
         assert word in text
     assert not re.search(r"\bnan\b", text.lower().replace("nanometer", ""))
-    ladder = package.discover(relaxed, "fractional-kelvin", accept="series-spring")
+    ladder = package.discover(relaxed, "fractional-kelvin", accept=few[0], only=few)
     compared = package.compare(relaxed, ["maxwell", "fractional-maxwell"])
     for i, answer in enumerate(
         (ladder, ladder.diagnosis, compared, ladder.steps[-1].examined.base)

@@ -220,15 +220,16 @@ def test_models_are_compared_in_text_json_and_figure(springpot, heavy, tmp_path)
 
 
 def test_without_a_model_any_material_is_judged(springpot, heavy):
-    answer = springpot("diagnose", heavy, "--json").json
+    few = ("--effects", "inertia,time-delay,series-spring")
+    answer = springpot("diagnose", heavy, *few, "--json").json
     assert answer["model"] == "material"
     assert answer["error"]["material_floor"] == answer["error"]["relative_rms"]
     assert answer["candidates"][0]["effect"] == "inertia"
-    named = springpot("diagnose", heavy, "-m", "material", "--json").json
+    named = springpot("diagnose", heavy, "-m", "material", *few, "--json").json
     assert named["candidates"] == answer["candidates"]
-    ladder = springpot("discover", heavy, "--auto", "--json").json
+    ladder = springpot("discover", heavy, *few, "--auto", "--json").json
     assert [step["model"] for step in ladder["steps"]] == ["material", "material + inertia"]
-    text = springpot("discover", heavy, "--auto").out
+    text = springpot("discover", heavy, *few, "--auto").out
     assert text.splitlines()[2].split("  ")[-1] == "material floor"
 
 
@@ -305,9 +306,13 @@ def test_who_waits_is_told_why(capsys, monkeypatch):
 
 
 def test_the_demonstration_tells_its_whole_story(springpot, undrawn, tmp_path, monkeypatch):
+    from springpot import api
+    from springpot.api import library as effects_of
     from springpot.benchmark.commands import demo
 
     monkeypatch.setattr(demo, "_run", lambda race, out: f"{race.name} of {len(race.optimisers)}\n")
+    few = effects_of(only=["inertia", "time-delay", "wlf-shift"])
+    monkeypatch.setattr(api, "library", lambda *given: few)
     answer = springpot("demo", "--out", tmp_path / "story")
     assert answer.code == 0, answer.err
     assert {path.name for path in (tmp_path / "story").iterdir()} >= {

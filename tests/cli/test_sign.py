@@ -7,6 +7,8 @@ import shlex
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 TIME = np.linspace(0.0, 4.0, 401)
 MOVED = np.sin(2.0 * np.pi * TIME)
 

@@ -12,6 +12,8 @@ import pytest
 
 from springpot.registry import plugins
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 FREQUENCY = np.geomspace(0.5, 50.0, 8).tolist()
 COMMAND = re.compile(r"^(?:next|or, [^:]*): springpot (.*?)(?:   \(|$)", re.MULTILINE)
 WITHIN = re.compile(r"""springpot (inspect (?:'[^']*'(?:"'"'[^']*')*))""")

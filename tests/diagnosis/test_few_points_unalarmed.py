@@ -35,6 +35,7 @@ def test_without_an_alarm_nothing_is_called_missing_or_unexplained(whole):
     assert whole.verdict == "adequate"
 
 
+@pytest.mark.soak_cases("seed 0", "seed 12", "seed 3")
 def test_nor_is_something_unknown_likelier_than_nothing(whole):
     """It was called likelier than 0.999.
 

@@ -26,7 +26,7 @@ def diagnosed(effect, mass, hertz=HERTZ, unit="Pa"):
     return springpot.diagnose(data, springpot.parse_model("zener"))
 
 
-@pytest.mark.soak_cases("specimen-inertia-MPa")
+@pytest.mark.soak_cases("specimen-inertia-MPa", "specimen-inertia-fixed-Pa")
 @pytest.mark.parametrize("unit", ["Pa", "MPa"])
 @pytest.mark.parametrize("effect", ["specimen-inertia", "specimen-inertia-fixed"])
 def test_a_specimen_a_metre_thick_is_not_named(effect, unit):

@@ -9,14 +9,16 @@ import springpot
 from springpot.diagnosis.in_practice import Accuracy, Misfit, in_practice
 from springpot.errors import OptionError
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 
 def sweep(notch, seed=1):
     """A springpot beside a spring, whose modulus has a hump that no phase goes with."""
-    omega = np.geomspace(1.0, 1e3, 60)
+    omega = np.geomspace(1.0, 1e3, 30)
     hump = 1.0 + notch * np.exp(-(((np.log10(omega) - 1.5) / 0.3) ** 2))
     model = springpot.parse_model("fractional-kelvin-voigt")
     exact = model.stiffness(np.array([400.0, 60.0, 0.3]), omega)
-    noise = np.random.default_rng(seed).normal(size=(2, 60)) * 1e-4
+    noise = np.random.default_rng(seed).normal(size=(2, 30)) * 1e-4
     return springpot.Measurement(omega, exact * hump * (1.0 + noise[0] + 1j * noise[1]))
 
 

@@ -36,7 +36,8 @@ def test_what_stands_beside_the_leading_effect_is_named_with_its_rivals():
 
 
 def mass_in(stiffness):
-    diagnosis = springpot.diagnose(measured(WIDE, stiffness, level=0.004), ZENER.name)
+    data = measured(WIDE, stiffness, level=0.004)
+    diagnosis = springpot.diagnose(data, ZENER.name, only=["inertia", "time-delay"])
     return next(each for each in diagnosis.candidates if each.effect == "inertia").parameters["m"]
 
 

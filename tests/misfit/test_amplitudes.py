@@ -9,6 +9,7 @@ from springpot.misfit.material import notes_on_amplitudes
 
 FREQUENCY = np.geomspace(0.1, 50.0, 15)
 AMPLITUDES = (0.05, 0.2, 0.6, 1.5)
+FEW = ["inertia", "payne"]
 OMEGA = np.tile(2.0 * np.pi * FREQUENCY, len(AMPLITUDES))
 AMPLITUDE = np.repeat(AMPLITUDES, len(FREQUENCY))
 GEL = 1e3 * (1.0 + 0.3 * (1j * OMEGA) ** 0.25)
@@ -61,17 +62,17 @@ def test_several_temperatures_are_no_question_of_the_amplitude():
 
 
 def test_a_diagnosis_tells_it():
-    found = springpot.diagnose(measured(GEL / (1.0 + AMPLITUDE)), "kelvin")
+    found = springpot.diagnose(measured(GEL / (1.0 + AMPLITUDE)), "kelvin", only=FEW)
     assert any("one material for all 4 amplitudes" in note for note in found.notes)
 
 
 def test_a_mass_shows_where_no_material_behaves_so():
-    found = springpot.diagnose(measured(GEL - 0.02 * OMEGA**2), "kelvin")
+    found = springpot.diagnose(measured(GEL - 0.02 * OMEGA**2), "kelvin", only=FEW)
     (note,) = (each for each in found.notes if each.startswith("no linear material follows"))
     assert "above" in note
     assert "Hz" in note
 
 
 def test_what_a_material_follows_is_no_such_place():
-    found = springpot.diagnose(measured(GEL), "kelvin")
+    found = springpot.diagnose(measured(GEL), "kelvin", only=FEW)
     assert not any("no linear material follows" in note for note in found.notes)

@@ -57,6 +57,7 @@ def test_stops_exactly_at_its_budget(name, budget):
     assert found.trace[-1] == (found.trace[-1][0], found.best)
 
 
+@pytest.mark.soak_cases("cobyqa-springpot")
 @pytest.mark.parametrize("model", ["springpot", "fractional-zener"])
 @pytest.mark.parametrize("name", NAMES)
 def test_same_seed_same_bits_whatever_ran_before(name, model):
@@ -88,6 +89,7 @@ def test_deterministic_ones_do_not_depend_on_the_seed(name):
     assert traces[0] == traces[1]
 
 
+@pytest.mark.soak_cases("cobyqa-fractional-zener")
 @pytest.mark.parametrize("model", ["fractional-kelvin4", "fractional-zener"])
 @pytest.mark.parametrize("name", NAMES)
 def test_results_keep_limits_and_thermodynamic_order(name, model):
@@ -102,6 +104,7 @@ def test_results_keep_limits_and_thermodynamic_order(name, model):
             assert (found.theta > 0).all()
 
 
+@pytest.mark.soak_cases("cobyqa-fractional-kelvin4")
 @pytest.mark.parametrize("model", ["fractional-kelvin4", "fractional-zener"])
 @pytest.mark.parametrize("name", sorted(GOOD))
 def test_good_ones_find_the_artificial_optimum(name, model):

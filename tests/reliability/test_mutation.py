@@ -54,8 +54,13 @@ def test_texts_annotations_and_settings_are_left_alone(text):
     assert changes_of(text + "\n") == []
 
 
-def test_each_change_is_one_line_that_python_reads_and_that_differs():
-    for mutant in drawn(np.random.default_rng(1), 40):
+@pytest.fixture(scope="module")
+def forty():
+    return list(drawn(np.random.default_rng(1), 40))
+
+
+def test_each_change_is_one_line_that_python_reads_and_that_differs(forty):
+    for mutant in forty:
         text = (ROOT / mutant.path).read_text()
         changed = mutant.change.made(text)
         ast.parse(changed)
@@ -64,8 +69,8 @@ def test_each_change_is_one_line_that_python_reads_and_that_differs():
         )
 
 
-def test_changes_are_spread_over_the_rooms():
-    rooms = {room_of(mutant.path) for mutant in drawn(np.random.default_rng(1), 40)}
+def test_changes_are_spread_over_the_rooms(forty):
+    rooms = {room_of(mutant.path) for mutant in forty}
     assert len(rooms) >= 10
 
 

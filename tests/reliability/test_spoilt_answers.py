@@ -40,8 +40,8 @@ ANSWERS = {
     "identification in time": lambda: timetests.identify(
         [relaxation()], springpot.parse_model("zener")
     ),
-    "diagnosis": lambda: springpot.diagnose(sweep(), "maxwell", effects=["inertia"]),
-    "discovery": lambda: springpot.discover(sweep(), "kelvin", accept="inertia"),
+    "diagnosis": lambda: springpot.diagnose(sweep(), "maxwell", only=["inertia"]),
+    "discovery": lambda: springpot.discover(sweep(), "kelvin", accept="inertia", only=["inertia"]),
     "comparison": lambda: springpot.compare(sweep(), ["maxwell", "springpot"]),
 }
 """How each is made; all of them can be loaded again."""

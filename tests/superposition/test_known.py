@@ -44,8 +44,8 @@ def glass(seed, step=3.0, points=8):
     )
 
 
-@pytest.fixture(scope="module")
-def parted():
+@pytest.fixture
+def parted(asked_once):
     return springpot.mastercurve(measured(apart, noise=0.003, decades=0.5))
 
 
@@ -83,6 +83,7 @@ def test_no_factor_is_left_out_of_the_text(parted):
     assert not [line for line in lines if line.lstrip().startswith(("0  -", "15  -"))]
 
 
+@pytest.mark.soak_cases("1", "2")
 @pytest.mark.parametrize("seed", range(3))
 def test_flat_sweeps_that_do_not_overlap_are_told_not_to(seed):
     """Flat they are too; yet no shift and no vertical factor that is expected would join them."""
@@ -128,7 +129,9 @@ def test_a_line_that_misses_the_loss_is_not_called_noise():
     assert all("misses the loss" in failure.says for failure in missed)
 
 
-def test_a_part_that_scatters_as_much_as_it_is_is_not_missed():
+@pytest.mark.soak_cases("1")
+@pytest.mark.parametrize("seed", range(2))
+def test_a_part_that_scatters_as_much_as_it_is_is_not_missed(seed):
     """Noise in proportion to |K| drowns the loss of a glass.
 
     The line need not follow what nobody sees.
@@ -137,6 +140,5 @@ def test_a_part_that_scatters_as_much_as_it_is_is_not_missed():
     def drowned(i, omega):
         return 1e3 * (1.0 + (1e-3j * omega * np.exp(-0.1 * TEMPERATURES[i])) ** 0.5)
 
-    for seed in range(2):
-        rest = springpot.mastercurve(measured(drowned, noise=0.05, seed=seed)).simplicity
-        assert not [failure for failure in rest.failures if failure.kind == "part"]
+    rest = springpot.mastercurve(measured(drowned, noise=0.05, seed=seed)).simplicity
+    assert not [failure for failure in rest.failures if failure.kind == "part"]

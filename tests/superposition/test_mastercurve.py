@@ -11,8 +11,8 @@ from springpot.superposition import level_of
 pytestmark = pytest.mark.usefixtures("asked_once")
 
 
-@pytest.fixture(scope="module")
-def found():
+@pytest.fixture
+def found(asked_once):
     return springpot.mastercurve(measured(simple))
 
 
@@ -194,6 +194,7 @@ def test_a_picture_is_drawn(found, tmp_path):
     assert "made at 30 degC" in (tmp_path / "curve.svg").read_text(encoding="utf-8")
 
 
-def test_the_same_data_give_the_same_bits(found):
+def test_the_same_data_give_the_same_bits(found, monkeypatch):
+    monkeypatch.undo()  # both are worked out
     again = springpot.mastercurve(measured(simple))
     np.testing.assert_array_equal(again.factors.log_a, found.factors.log_a)

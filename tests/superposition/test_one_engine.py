@@ -248,7 +248,7 @@ def test_diagnose_tells_the_constants_of_the_curve():
     names = ("Arrhenius", "WLF")
     curve = springpot.mastercurve("nist-srm2491", vertical=False)
     laws = {law.law.name: law for law in curve.laws if law.law.name in names}
-    answer = springpot.diagnose("nist-srm2491", effects=["arrhenius-shift", "wlf-shift"])
+    answer = springpot.diagnose("nist-srm2491", only=["arrhenius-shift", "wlf-shift"])
     for name, effect in zip(names, ("arrhenius-shift", "wlf-shift"), strict=True):
         (found,) = [each for each in answer.candidates if each.effect == effect]
         ours = np.column_stack([laws[name].values, laws[name].low, laws[name].high])

@@ -41,7 +41,7 @@ def test_fit_and_diagnosis_tell_the_same_error():
     """Of molecules that vibrate before they relax: what a model leaves there is no scatter."""
     test = springpot.registry.open_tests(VIBRATING)[0]
     fit = springpot.identify(test, "prony-2")
-    told = springpot.diagnose(test, "prony-2", effects=["parallel-springpot"])
+    told = springpot.diagnose(test, "prony-2", only=["parallel-springpot"])
     assert told.error.relative_rms == pytest.approx(fit.relative_rms, rel=1e-9)
 
 

@@ -34,7 +34,8 @@ def relaxations(noise: float, seed: int) -> list[TimeTest]:
 
 
 def test_the_law_by_which_times_move_by_decades_is_what_is_missing():
-    answer = springpot.diagnose(relaxations(0.01, 1))
+    few = ["wlf-shift", "arrhenius-shift", "ageing", "force-drift"]
+    answer = springpot.diagnose(relaxations(0.01, 1), only=few)
     assert answer.verdict == "effect-missing"
     assert answer.best.effect == "wlf-shift"
     assert answer.data == "specimen (6 tests)"

@@ -16,6 +16,8 @@ from springpot.registry import Owner
 from springpot.rheology import Points
 from springpot.rheology.intime import Traced
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 HEADER = "f [Hz],level [dB],phase [rad]"
 
 

@@ -55,7 +55,7 @@ def test_it_may_be_asked_at_rest(fit):
 
 @pytest.fixture(scope="module")
 def diagnosis(relaxed):
-    return springpot.diagnose(relaxed, "maxwell", effects=["parallel-spring", "force-drift"])
+    return springpot.diagnose(relaxed, "maxwell", only=["parallel-spring", "force-drift"])
 
 
 def test_in_one_answer_a_test_has_one_noise_floor(fit, diagnosis):
