@@ -23,7 +23,12 @@ def suggested(verb: str, *words: object) -> str:
     >>> print(suggested("diagnose", "my gel.csv", "--model", "kelvin + inertia"))
     springpot diagnose 'my gel.csv' --model 'kelvin + inertia'
     """
-    return " ".join(["springpot", verb, *(quote(str(word)) for word in words)])
+    return " ".join(["springpot", verb, *map(in_shell, words)])
+
+
+def in_shell(word: object) -> str:
+    """A word as a shell takes it."""
+    return quote(str(word))
 
 
 def with_model(model: str | None) -> list[str]:

@@ -10,6 +10,7 @@ import re
 import shlex
 import sys
 from contextlib import suppress
+from dataclasses import make_dataclass
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -125,6 +126,8 @@ ANSWER = SimpleNamespace(
     best=SimpleNamespace(effect="inertia", model=parse_model("kelvin"), fails=True, unclear=False),
 )
 
+IN_TIME = make_dataclass("Answer", [*vars(ANSWER), "steps"])(**vars(ANSWER), steps=())
+
 
 def printing(name, *given):
     """A function that prints an answer, whose words are not looked at, and what follows it."""
@@ -201,12 +204,15 @@ SCENARIOS = {
         "cli/timetests.py:_show", UNFIT, None, ["step.csv"], "maxwell"
     ),
     "cli/timetests.py:_show_diagnosis": printing(
-        "cli/timetests.py:_show_diagnosis", ANSWER, [], ["step.csv"], "maxwell", False
+        "cli/timetests.py:_show_diagnosis", IN_TIME, [], ["step.csv"], "maxwell", False
     ),
     "diagnosis/actions.py:accepting": of_call(
         "diagnosis/actions.py:accepting", "inertia", True, 0.1
     ),
     "diagnosis/actions.py:leaving_out": of_call("diagnosis/actions.py:leaving_out", 3, 0.1),
+    "diagnosis/actions.py:leaving_out_the_beginning": of_call(
+        "diagnosis/actions.py:leaving_out_the_beginning", 0.3
+    ),
     "diagnosis/actions.py:splitting": of_call("diagnosis/actions.py:splitting", "temperature", 0.1),
     "diagnosis/actions.py:turning": of_call("diagnosis/actions.py:turning", "sweep.csv"),
     "diagnosis/notes.py:_by_column": by_column,

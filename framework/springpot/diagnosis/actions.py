@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from springpot.plain_data import jsonable, number
-from springpot.suggestions import suggested
+from springpot.suggestions import in_shell, suggested
 
 DATA = "DATA"
 """Stands in commands for what a user called the data, and for the model that is judged."""
@@ -58,8 +58,8 @@ def of_data(steps: Iterable[ToDo], *words: str) -> tuple[ToDo, ...]:
     *words : str
         The data as the user called them, and the options that name the model.
     """
-    given = suggested("", *words).removeprefix(suggested(""))
-    return tuple(replace(step, command=step.command.replace(f" {DATA}", given)) for step in steps)
+    given = f" {' '.join(map(in_shell, words))} "
+    return tuple(replace(step, command=step.command.replace(f" {DATA} ", given)) for step in steps)
 
 
 def turning(spec: str) -> ToDo:
