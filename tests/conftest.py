@@ -5,6 +5,7 @@ Being here it also puts this folder's helper modules within reach of every test.
 
 from __future__ import annotations
 
+import gc
 import signal
 from collections.abc import Iterator
 from io import BytesIO
@@ -27,6 +28,11 @@ for name, examples in (("any machine", 30), ("soak", 300)):
         name, max_examples=examples, deadline=None, suppress_health_check=[HealthCheck.too_slow]
     )
 settings.load_profile("any machine")
+
+
+def pytest_collection_finish() -> None:
+    """Ten thousand tests stay until the end: looking through them for garbage takes time."""
+    gc.freeze()
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -13,8 +13,8 @@ from cases import CASES
 
 from answers import asked, cases_of, gist, kept, moved, same
 
-ONE_IN = 8
-"""The suite asks each eighth question, the soak all of them."""
+ONE_IN = 10
+"""The suite asks each tenth question, the soak all of them."""
 WITHIN = 0.02
 """Relative difference that another machine's rounding may make of a fit's error or a noise floor.
 """
