@@ -171,7 +171,8 @@ def test_what_an_optimiser_s_process_sends_calls_nothing_here(tmp_path):
             pickle.dumps = lambda *_: dumps(Bomb())
             pickle.dump = lambda _, stream: stream.write(dumps(Bomb()))
 
-    with pytest.raises(springpot.errors.OptionError, match="exit code 0"):
+    # Whether what it forged is sent hangs on who loaded the module before; it is never called.
+    with pytest.raises(springpot.errors.OptionError, match="exit code 0|no finite value"):
         springpot.identify(DATA, "fractional-maxwell", optimiser=Forger(), budget=9)
     assert not (tmp_path / "called").exists()
 
