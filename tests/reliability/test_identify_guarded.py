@@ -172,7 +172,7 @@ def test_what_an_optimiser_s_process_sends_calls_nothing_here(tmp_path):
             pickle.dump = lambda _, stream: stream.write(dumps(Bomb()))
 
     # Whether what it forged is sent hangs on who loaded the module before; it is never called.
-    with pytest.raises(springpot.errors.OptionError, match="exit code 0|no finite value"):
+    with pytest.raises(springpot.errors.OptionError, match=r"exit code 0|no finite value"):
         springpot.identify(DATA, "fractional-maxwell", optimiser=Forger(), budget=9)
     assert not (tmp_path / "called").exists()
 
