@@ -80,6 +80,31 @@ OUTPUT = "springpot.output"
 """Where a command with ``--json`` finds its own output among what its context knows."""
 
 
+def results_option(text: str) -> Callable[[F], F]:
+    """The folder in which a study's results are, ``--out``."""
+    return click.option(
+        "--out", type=FOLDER, default=Path("results"), show_default=True, metavar="DIR", help=text
+    )
+
+
+def at_place(command: F) -> F:
+    """Add ``--amplitude`` and ``--at``: under which conditions a model is asked."""
+    for add in (
+        click.option(
+            "--at",
+            "others",
+            multiple=True,
+            metavar="COLUMN=VALUE",
+            help="Another column that the model depends on: batch=2.",
+        ),
+        click.option(
+            "--amplitude", "-a", type=float, metavar="X", help="In the amplitude unit of the data."
+        ),
+    ):
+        command = add(command)
+    return command
+
+
 def json_option(command: F) -> F:
     """Add ``--json``; with it, standard output holds what `print_json` prints and nothing else."""
     text = "Print JSON instead of text."

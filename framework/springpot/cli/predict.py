@@ -10,7 +10,7 @@ import click
 from springpot.identified import no_fit
 
 from . import timetests
-from .common import DATA, FILE, INPUT, emit, geometry_option, json_option
+from .common import DATA, FILE, INPUT, at_place, emit, geometry_option, json_option
 
 if TYPE_CHECKING:
     from springpot.identification.prediction import Prediction
@@ -46,16 +46,7 @@ Eight and more for each decade of a usual sweep.
     metavar="DEGC",
     help="In degC, where the model depends on it.",
 )
-@click.option(
-    "--amplitude", "-a", type=float, metavar="X", help="In the amplitude unit of the data."
-)
-@click.option(
-    "--at",
-    "others",
-    multiple=True,
-    metavar="COLUMN=VALUE",
-    help="Another column that the model depends on: batch=2.",
-)
+@at_place
 @click.option(
     "--level", type=click.FloatRange(0.0, 1.0, True, True), default=0.95, show_default=True
 )

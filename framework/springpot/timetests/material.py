@@ -28,7 +28,7 @@ from ..numerics import ALIKE, MOST_STEPS, NEGLIGIBLE
 from .convex import CLOSER, ConvexSpectrum, lattice, lines_of
 from .residuals_of_tests import InTimePart, TestPart
 from .specimen import Scales, tries_of
-from .temperatures import is_law, seen_by, told_by_steps
+from .temperatures import is_law, lawful, seen_by
 from .where import rms
 
 STILL = 1e-7
@@ -131,12 +131,9 @@ def spectral(
     search = _Search(model, parts, reference, coordinates)
     begun = [(search, search.placed(search.start()))]
     # Seeds of a model that had its laws before know them.
-    unknown = not seeds or is_law(model.effects[-1])
-    if unknown and (told := told_by_steps(model, parts, reference)):
-        names = [parameter.name for parameter in model.parameters[-len(search.natural) :]]
-        for seed in [*seeds] or [search.own(search.natural)]:
-            pairs = zip(names, seed, strict=True)
-            seeds = [*seeds, np.array([told.get(name, value) for name, value in pairs])]
+    if not seeds or any(map(is_law, model.effects[-1:])):
+        natural = search.own(search.natural)
+        seeds = [*seeds, *lawful(model, parts, reference, list(seeds) or [natural])]
     for seed in seeds:
         other = _Search(model, parts, reference, coordinates, own=seed)
         begun += [(other, start) for start in other.seeded([seed])]

@@ -405,8 +405,11 @@ def _from_each(at: Real, after: Real, columns: Real) -> Real:
 def rougher(residual: Real) -> Real:
     """How many times larger than usual the noise is at each sample (n,); 1 where it is not plain.
 
-    By the second differences of neighbours, which a smooth misfit hardly has.
+    By the second differences of neighbours, which a smooth misfit hardly has; few samples tell
+    nothing of it.
     """
+    if len(residual) < FEWEST:
+        return np.ones(len(residual))
     bends = np.abs(np.diff(residual, 2))
     usual = float(np.median(bends))
     if not usual > 0.0:

@@ -9,10 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.identification.result import Identification
+from springpot.rheology.points import Real
 
 from .left import Left, delta_bic
 from .residuals_of_tests import InTimePart, TestPart
-from .scatter import FEWEST, ResidualScatter, likeliest_jump, rougher, scatter_of
+from .scatter import ResidualScatter, likeliest_jump, rougher, scatter_of
 from .specimen import stepped
 
 FURTHER = 3
@@ -52,23 +53,26 @@ def _evened(
 
     Where the noise grows on the way, its largest swings are no jumps.
     """
-    sizes = [
-        rougher(value) if len(value) >= FEWEST else np.ones(len(value)) for value in after.residuals
-    ]
+    sizes = [rougher(value) for value in after.residuals]
     evened = [
         scatter if np.all(size == 1.0) else scatter_of(value / size)
         for scatter, value, size in zip(noise, after.residuals, sizes, strict=True)
     ]
-    old, new = (
-        replace(
-            left,
-            residuals=tuple(v / size for v, size in zip(left.residuals, sizes, strict=True)),
-            rounded=tuple(v / size for v, size in zip(left.rounded, sizes, strict=True)),
-            felt=tuple(v / size for v, size in zip(left.felt, sizes, strict=True)),
-        )
-        for left in (before, after)
+    return _over(before, sizes), _over(after, sizes), evened
+
+
+def _over(left: Left, sizes: Sequence[Real]) -> Left:
+    """What is left of each test over the size (m,) of its noise there."""
+
+    def divided(values: Sequence[Real]) -> tuple[Real, ...]:
+        return tuple(value / size for value, size in zip(values, sizes, strict=True))
+
+    return replace(
+        left,
+        residuals=divided(left.residuals),
+        rounded=divided(left.rounded),
+        felt=divided(left.felt),
     )
-    return old, new, evened
 
 
 def slip_beside(parts: Sequence[TestPart], base: Identification, before: Left) -> Slip:

@@ -19,7 +19,7 @@ from springpot.identification.problem import relative_objective
 from springpot.measurement.timetest import TimeTest
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
-from springpot.rheology.points import KELVIN, Points
+from springpot.rheology.points import KELVIN, Points, Real
 from springpot.superposition.after_steps import SHOWN, after_steps, by_one_number
 
 from .residuals_of_tests import TestPart
@@ -64,6 +64,23 @@ def told_by_steps(model: Model, parts: Sequence[TestPart], reference: float) -> 
         found = fit_spectrum(lawful, points, by_one_number(relative_objective()))
         told |= dict(zip(found.model.names, found.theta.tolist(), strict=True))
     return {name: told[name] for name in model.names if name in told}
+
+
+def lawful(
+    model: Model, parts: Sequence[TestPart], reference: float, seeds: Sequence[Real]
+) -> list[Real]:
+    """Seeds (q,) of the effects around any material, with their laws of temperature as steps tell.
+
+    None where steps tell nothing.
+    """
+    told = told_by_steps(model, parts, reference)
+    if not told:
+        return []
+    around = model.parameters[len(model.material.parameters) :]
+    return [
+        np.array([told.get(each.name, value) for each, value in zip(around, seed, strict=True)])
+        for seed in seeds
+    ]
 
 
 def seen_by(

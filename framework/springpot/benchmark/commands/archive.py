@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from springpot.cli.common import DATA, FILE, FOLDER, emit, json_option
+from springpot.cli.common import DATA, FILE, emit, json_option, results_option
 
 
 @click.command("archive", epilog="Example: springpot archive race -o race.zip")
@@ -20,14 +20,7 @@ from springpot.cli.common import DATA, FILE, FOLDER, emit, json_option
     metavar="FILE",
     help="By default NAME.zip beside the results.",
 )
-@click.option(
-    "--out",
-    type=FOLDER,
-    default=Path("results"),
-    show_default=True,
-    metavar="DIR",
-    help="Where results are.",
-)
+@results_option("Where results are.")
 @json_option
 def command(study: str, path: Path | None, out: Path, as_json: bool) -> None:
     """Write trials, versions, machine and seeds of STUDY into one file.

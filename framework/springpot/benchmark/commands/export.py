@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from springpot.cli.common import DATA, FOLDER, emit, json_option
+from springpot.cli.common import DATA, FOLDER, emit, json_option, results_option
 
 FORMATS = ("ioh", "coco", "csv", "parquet")
 
@@ -24,14 +24,7 @@ FORMATS = ("ioh", "coco", "csv", "parquet")
     metavar="DIR",
     help="Folder; by default beside the results.",
 )
-@click.option(
-    "--out",
-    type=FOLDER,
-    default=Path("results"),
-    show_default=True,
-    metavar="DIR",
-    help="Where results are.",
-)
+@results_option("Where results are.")
 @json_option
 def command(study: str, kind: str, folder: Path | None, out: Path, as_json: bool) -> None:
     """Write the results of STUDY (its name, script, folder or .sqlite file) for another tool.

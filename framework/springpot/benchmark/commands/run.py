@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.cli.common import FOLDER, INPUT, POSITIVE, emit, json_option, own_stdout
+from springpot.cli.common import (
+    INPUT,
+    POSITIVE,
+    emit,
+    json_option,
+    own_stdout,
+    results_option,
+)
 
 if TYPE_CHECKING:
     from springpot.benchmark.study import Study
@@ -29,14 +36,7 @@ if TYPE_CHECKING:
 @click.option(
     "--repeats", type=POSITIVE, metavar="N", help="Trials of each cell, instead of the study's."
 )
-@click.option(
-    "--out",
-    type=FOLDER,
-    default=Path("results"),
-    show_default=True,
-    metavar="DIR",
-    help="Results go here.",
-)
+@results_option("Results go here.")
 @click.option(
     "--beside",
     type=INPUT,

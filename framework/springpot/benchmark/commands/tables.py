@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.cli.common import DATA, FOLDER, INPUT, emit, json_option
+from springpot.cli.common import DATA, INPUT, emit, json_option, results_option
 
 if TYPE_CHECKING:
     from springpot.benchmark.tables import Table
@@ -27,14 +27,7 @@ FORMATS = ("md", "csv", "latex", "html")
 @click.option(
     "--report", is_flag=True, help="Write the report, one HTML file, instead of printing."
 )
-@click.option(
-    "--out",
-    type=FOLDER,
-    default=Path("results"),
-    show_default=True,
-    metavar="DIR",
-    help="Where results are.",
-)
+@results_option("Where results are.")
 @click.option(
     "--column",
     "columns",

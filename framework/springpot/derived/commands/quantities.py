@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from springpot.cli import completion
-from springpot.cli.common import COMPLETED, DATA, FILE, MODEL, emit, json_option, window
+from springpot.cli.common import COMPLETED, DATA, FILE, MODEL, at_place, emit, json_option, window
 
 
 @click.command(
@@ -25,16 +25,7 @@ from springpot.cli.common import COMPLETED, DATA, FILE, MODEL, emit, json_option
     help="Of |K|, loss factor and energy of a cycle.",
 )
 @click.option("--temperature", "-t", type=float, metavar="DEGC", help="Where the model needs it.")
-@click.option(
-    "--amplitude", "-a", type=float, metavar="X", help="In the amplitude unit of the data."
-)
-@click.option(
-    "--at",
-    "others",
-    multiple=True,
-    metavar="COLUMN=VALUE",
-    help="Another column that the model depends on: batch=2.",
-)
+@at_place
 @click.option(
     "--without",
     multiple=True,
