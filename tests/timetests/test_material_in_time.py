@@ -112,3 +112,8 @@ def test_a_drift_is_named_beside_any_material():
     found = diagnose(relaxed_with("force-drift", [0.5]), "material", effects)
     assert found.verdict == "effect-missing"
     assert found.best.effect == "force-drift"
+
+
+def test_a_material_alone_takes_a_start_that_tells_nothing_of_effects(fit):
+    again = identify(RELAXED, parse_model("material"), seeds=[fit.theta[:2]], thorough=False)
+    assert again.cost == pytest.approx(fit.cost, rel=1e-3)
