@@ -281,6 +281,7 @@ class Copy:
         self._order, self._notes = folder / "order.json", folder / "notes.json"
         self._rooms: dict[str, Room] = {}
         self._state = state_of(ROOT)
+        self._made = 0
         shutil.copytree(ROOT, self.folder, ignore=LEFT_OUT)
 
     def notices(self, mutant: Mutant) -> str:
@@ -290,14 +291,19 @@ class Copy:
         order = {"first": room.first(mutant), "left out": room.failed}
         self._order.write_text(json.dumps(order), encoding="utf-8")
         path = self.folder / mutant.path
+        before = path.stat()
         kept = path.read_text(encoding="utf-8")
         path.write_text(mutant.change.made(kept), encoding="utf-8")
+        # Python keeps what it compiled by the second of the file: no two changes share one.
+        self._made += 1
+        os.utime(path, (self._made, self._made))
         try:
             self._run(name, PATIENCE * room.seconds + START, "-x", SPRINGPOT_ORDER=str(self._order))
         except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as fault:
             return next(iter(self._noted()["failed"]), str(fault))
         finally:
             path.write_text(kept, encoding="utf-8")
+            os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
         return ""
 
     def room(self, name: str) -> Room:
@@ -331,7 +337,7 @@ class Copy:
         own = os.pathsep.join(
             str(self.folder / name) for name in ("framework", "plugins", "tests/reliability")
         )
-        environment = {**os.environ, "PYTHONPATH": own, "PYTHONDONTWRITEBYTECODE": "1", **told}
+        environment = {**os.environ, "PYTHONPATH": own, **told}
         running = subprocess.Popen(
             [
                 sys.executable,
