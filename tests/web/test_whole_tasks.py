@@ -128,7 +128,7 @@ def test_a_hand_keeps_ends_that_there_are_and_what_stays():
 
 
 def test_a_library_is_told_once_with_all_that_is_installed():
-    told = tasks.library(silent)
+    told = tasks.TASKS["library"](silent)
     assert {"models", "effects", "datasets", "faults"} == set(told)
     names = {each["name"] for each in told["effects"]}
     assert "inertia" in names
