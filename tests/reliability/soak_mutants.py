@@ -16,6 +16,8 @@ LEAST = 0.85
 
 Some change nothing that anybody could see.
 """
+LEFT_ALONE = "texts, annotations, guards against a division by zero, numbers that have a name"
+"""What is never changed; `mutation` says why."""
 
 
 def rows(rng: np.random.Generator, scale: float) -> Iterator[Row]:
@@ -31,7 +33,8 @@ def rows(rng: np.random.Generator, scale: float) -> Iterator[Row]:
                 unnoticed.append(f"{place}:{change.line} `{change.before}` to `{change.after}`")
             failing |= set(copy.room(room_of(mutant.path)).failed)
     noticed = count - len(unnoticed)
-    told = f"{noticed} of {count}; not noticed: {'; '.join(unnoticed) or 'none'}"
+    told = f"{noticed} of {count}, of all but {LEFT_ALONE}"
+    told += f"; not noticed: {'; '.join(unnoticed) or 'none'}"
     if failing:
         told += f"; left out, as they fail without any change: {', '.join(sorted(failing))}"
     kept = noticed >= LEAST * count
