@@ -6,10 +6,10 @@ annotations, docstrings, assertions that two lists are of one length, guards aga
 zero (`x or 1.0`, or next to nothing), and settings: numbers with a name of their own, of which
 studies say what is best. A setting of none, or of yes or no, is a rule.
 
-A room's tests that enter the changed function run first, the shortest of them before all others,
-then those that start processes, as what another process enters is not seen; the rest of the room's
-tests follow. Which enter what is noted once, and kept as long as the tests are the same: of changed
-code it is an order that may be a worse one, and no other answer.
+Of a room's tests those run that enter the changed function, the shortest of them before all others,
+then those that start processes, as what another process enters is not seen. Which enter what is
+noted once, and kept as long as the tests are the same. The others could notice only what an earlier
+test left behind, and what has changed since may enter more: what is noticed is at least as many.
 """
 
 from __future__ import annotations
@@ -42,8 +42,7 @@ LEFT_OUT = shutil.ignore_patterns(
 KEPT = ROOT / "build" / "mutants"
 """Where rooms as they are stay for the next seed."""
 PATIENCE = 3.0
-"""A change that lets the tests of a room run that many times as long as without it is noticed too.
-"""
+"""A change that lets tests run that many times as long as without it is noticed too."""
 START = 60.0
 """Seconds that an interpreter may need beside them on a busy machine."""
 
@@ -218,24 +217,28 @@ class Room:
     entered: dict[str, Any]
     failed: list[str] = field(default_factory=list)
 
-    def first(self, mutant: Mutant) -> list[str]:
-        """The tests that enter the changed function, then those that start processes.
+    def asked(self, mutant: Mutant) -> list[str]:
+        """The tests that may notice: those that enter the changed function or start processes.
 
-        Of both the shortest first; of a module itself, any part of it is entered.
+        Of both the shortest first. Of what runs as a module is loaded any test of the room may.
         """
         file = str(mutant.path)
-        wanted = _function(mutant)
+        function = _function(mutant)
 
         def place(name: str) -> tuple[bool, float]:
             each = self.entered[name]
-            enters = any(path == file and wanted in (None, told) for path, told in each["entered"])
+            enters = any(
+                path == file and function in (None, told) for path, told in each["entered"]
+            )
             return not enters, each["seconds"]
 
         places = {name: place(name) for name in self.entered}
         chosen = [
-            name for name, each in self.entered.items() if not places[name][0] or each["started"]
+            name
+            for name, each in self.entered.items()
+            if function is None or not places[name][0] or each["started"]
         ]
-        return sorted(chosen, key=lambda name: places[name])
+        return sorted(set(chosen) - set(self.failed), key=lambda name: places[name])
 
 
 def _function(mutant: Mutant) -> str | None:
@@ -292,8 +295,11 @@ class Copy:
         """The test of the room that fails with the change; empty where all pass."""
         name = room_of(mutant.path)
         room = self.room(name)
-        order = {"first": room.first(mutant), "left out": room.failed}
-        self._order.write_text(json.dumps(order), encoding="utf-8")
+        asked = room.asked(mutant)
+        if not asked:
+            return ""
+        self._order.write_text(json.dumps(asked), encoding="utf-8")
+        patience = PATIENCE * sum(room.entered[each]["seconds"] for each in asked) + START
         path = self.folder / mutant.path
         before = path.stat()
         kept = path.read_text(encoding="utf-8")
@@ -302,7 +308,7 @@ class Copy:
         self._made += 1
         os.utime(path, (self._made, self._made))
         try:
-            self._run(name, PATIENCE * room.seconds + START, "-x", SPRINGPOT_ORDER=str(self._order))
+            self._run(name, patience, "-x", SPRINGPOT_ORDER=str(self._order))
         except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as fault:
             return next(iter(self._noted()["failed"]), str(fault))
         finally:
