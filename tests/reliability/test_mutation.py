@@ -6,6 +6,7 @@ import mutation
 import numpy as np
 import pytest
 from mutation import (
+    AMISS,
     PACKAGE,
     ROOT,
     Change,
@@ -100,13 +101,13 @@ def test_files_of_tests_that_name_what_was_changed_run_first():
 
 
 @pytest.fixture
-def room(tmp_path, monkeypatch):
-    """A room with a test that notices, one that does not, and one that fails anyway."""
+def copy(tmp_path, monkeypatch):
+    """A room with one test that sees a function, and one that always fails."""
     package, tests = tmp_path / PACKAGE / "room", tmp_path / "tests" / "room"
     for folder in (package, tests):
         folder.mkdir(parents=True)
     (package.parent / "__init__.py").write_text("")
-    (package / "sums.py").write_text("def twice(x):\n    return x + x\n\n\nUNUSED = 1 + 1\n")
+    (package / "sums.py").write_text("def twice(x):\n    return x + x\n")
     head = "from springpot.room.sums import twice\n\n\ndef test_it():\n    assert "
     (tests / "test_a.py").write_text(f"{head}0\n")
     (tests / "test_b.py").write_text(f"{head}twice(2) == 4\n")
@@ -114,11 +115,33 @@ def room(tmp_path, monkeypatch):
     return Copy(tmp_path / "folder")
 
 
-def test_a_change_is_noticed_by_a_test_that_fails_with_it_alone(room):
-    path = PACKAGE / "room" / "sums.py"
-    assert room.notices(Mutant(path, Change(2, 11, 16, "x + x", "x - x"))) == (
-        "tests/room/test_b.py::test_it"
-    )
-    assert room.failing == {"tests/room/test_a.py::test_it"}
-    assert room.notices(Mutant(path, Change(5, 9, 14, "1 + 1", "1 - 1"))) == ""
-    assert (room.folder / path).read_text().endswith("UNUSED = 1 + 1\n")
+SUMS = PACKAGE / "room" / "sums.py"
+TURNED = Mutant(SUMS, Change(2, 11, 16, "x + x", "x - x"))
+FIRST, SECOND = (f"tests/room/test_{name}.py::test_it" for name in "ab")
+
+
+def test_the_first_failing_test_is_told_of_those_that_can_pass(copy):
+    copy.failing.add(FIRST)
+    assert copy._run(*own_tests("room")) == ""
+    with copy._made(TURNED):
+        assert copy._run(*own_tests("room")) == SECOND
+    assert (copy.folder / SUMS).read_text() == (mutation.ROOT / SUMS).read_text()
+
+
+@pytest.mark.parametrize(
+    ("runs", "by", "failing"),
+    [
+        ([""], "", set()),
+        ([SECOND, ""], SECOND, set()),
+        # It fails without the change, too: the others are asked anew.
+        ([FIRST, FIRST, SECOND, ""], SECOND, {FIRST}),
+        ([FIRST, FIRST, ""], "", {FIRST}),
+        ([AMISS], AMISS, set()),
+    ],
+)
+def test_a_change_is_noticed_by_a_test_that_fails_with_it_alone(
+    copy, monkeypatch, runs, by, failing
+):
+    monkeypatch.setattr(copy, "_run", lambda *options: runs.pop(0))
+    assert copy.notices(TURNED) == by
+    assert (copy.failing, runs) == (failing, [])
