@@ -5,8 +5,8 @@ import pytest
 
 from springpot.benchmark.standings import _or_none
 from springpot.benchmark.statistics import Interval
-from springpot.benchmark.tables import _rounded, number, text
-from springpot.report.tables import _field, _fields
+from springpot.benchmark.tables import _rounded
+from springpot.report.tables import _field, _fields, number, text
 
 
 @pytest.mark.parametrize(

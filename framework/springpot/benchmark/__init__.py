@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
+    from springpot.report.tables import FORMATS, Table, save_table
+
     from .columns import frame
     from .exporting import Export, export
     from .runner import Outcome, run_study
@@ -15,7 +17,6 @@ if TYPE_CHECKING:
     from .store import Store
     from .study import Study
     from .summary import load_study, store_path
-    from .tables import FORMATS, Table, save_table
     from .trial import Status
 
 __all__ = [
@@ -40,19 +41,19 @@ __all__ = [
 
 _WHERE = {
     "Export": "springpot.benchmark.exporting",
-    "FORMATS": "springpot.benchmark.tables",
+    "FORMATS": "springpot.report.tables",
     "Findings": "springpot.benchmark.standings",
     "Interval": "springpot.benchmark.statistics",
     "Outcome": "springpot.benchmark.runner",
     "Status": "springpot.benchmark.trial",
     "Store": "springpot.benchmark.store",
     "Study": "springpot.benchmark.study",
-    "Table": "springpot.benchmark.tables",
+    "Table": "springpot.report.tables",
     "export": "springpot.benchmark.exporting",
     "frame": "springpot.benchmark.columns",
     "load_study": "springpot.benchmark.summary",
     "run_study": "springpot.benchmark.runner",
-    "save_table": "springpot.benchmark.tables",
+    "save_table": "springpot.report.tables",
     "store_path": "springpot.benchmark.summary",
     "summarise": "springpot.benchmark.standings",
     "write_tables": "springpot.benchmark.standings",

@@ -10,11 +10,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from springpot.report.tables import Entry, Table
 from springpot.rheology.points import Real
 
 from .comparison import CellScores, JudgingScale, ProblemRace
-from .statistics import mean_ranks, median, wilson
-from .tables import Entry, Table
+from .statistics import mean_ranks, median, pooled_ranks, wilson
 
 MEASURES = ("objective", "noise-free regret", "parameter error")
 
@@ -103,8 +103,6 @@ def _regret(race: ProblemRace) -> Real:
 
 def _ranks(races: Sequence[ProblemRace], measure: str, scale: JudgingScale) -> Real | None:
     """Mean ranks (k,) over the problems on which a measure is known."""
-    from scipy.stats import rankdata
-
     blocks = []
     for race in races:
         # Below the target nothing counts: whoever got further is no better.
@@ -114,7 +112,7 @@ def _ranks(races: Sequence[ProblemRace], measure: str, scale: JudgingScale) -> R
         if measure == MEASURES[2]:
             values = race.of_trials("errors")
         if not np.isnan(values).any():
-            blocks.append(rankdata(values, axis=None).reshape(values.shape).mean(axis=1))
+            blocks.append(pooled_ranks(values).mean(axis=1))
     if not blocks:
         return None
     return mean_ranks(np.array(blocks))

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from springpot.report.tables import Entry, Table
 from springpot.rheology.points import Real
 
 from .comparison import JudgingScale, ProblemRace, quality
 from .plan import stream_of
-from .statistics import Interval, mean_interval, mean_ranks
-from .tables import Entry, Table
+from .statistics import Interval, mean_interval, mean_range, mean_ranks, pooled_ranks
 
 FEWEST = 6
 """Problems from which on a bootstrap over them is shown, the fewest by which a signed-rank test can
@@ -49,8 +49,7 @@ def _intervals(values: Real, what: str) -> list[Interval]:
     """Means of the columns of `values` (problems, k)."""
     if len(values) >= FEWEST:
         return mean_interval(values, np.random.default_rng(stream_of(0, "anytime", what)))
-    ends = zip(values.mean(axis=0), values.min(axis=0), values.max(axis=0), strict=True)
-    return [Interval(*map(float, each)) for each in ends]
+    return mean_range(values)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,10 +78,8 @@ class WithoutSome:
 
 def without_each(races: Sequence[ProblemRace], scale: JudgingScale) -> Iterator[WithoutSome]:
     """The ranking at the whole budget: of all, then without each problem and without each model."""
-    from scipy.stats import rankdata
-
     reached = [quality(race, -1, scale.target) for race in races]
-    blocks = np.stack([rankdata(r, axis=None).reshape(r.shape).mean(axis=1) for r in reached])
+    blocks = np.stack([pooled_ranks(each).mean(axis=1) for each in reached])
     yield WithoutSome("", mean_ranks(blocks))
     if len(races) < 2:
         return

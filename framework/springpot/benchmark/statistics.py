@@ -176,15 +176,23 @@ def mean_ranks(scores: Real) -> Real:
     return ranks
 
 
+def pooled_ranks(values: Real) -> Real:
+    """Rank of each value among all of them, in their shape; infinite ones rank last."""
+    from scipy.stats import rankdata
+
+    return np.asarray(rankdata(values, axis=None).reshape(values.shape))
+
+
 def friedman(scores: Real) -> tuple[float, float]:
     """Friedman's statistic and p-value of `scores` (blocks, treatments); infinite scores rank last.
 
     Where every block is one tie nothing differs, which SciPy calls 0/0. By the approximation of chi
     squared, but never below the chance that so few blocks agree in the order of all.
     """
-    from scipy.stats import friedmanchisquare
+    from scipy.stats import friedmanchisquare, rankdata
 
-    ranks = _finite_order(scores)
+    # The same order without infinities.
+    ranks = rankdata(scores, axis=1)
     if not np.ptp(ranks):
         return 0.0, 1.0
     statistic, p = friedmanchisquare(*ranks.T)
@@ -347,10 +355,17 @@ def mean_interval(values: Real, rng: np.random.Generator, draws: int = 1000) -> 
     n = len(values)
     # How often each block is drawn is all that a mean asks: no table of draws is made.
     counts = rng.multinomial(n, np.full(n, 1.0 / n), size=draws)
-    low, high = np.quantile(counts @ values / n, [0.025, 0.975], axis=0)
-    return [
-        Interval(*map(float, each)) for each in zip(values.mean(axis=0), low, high, strict=True)
-    ]
+    return intervals(values.mean(axis=0), *np.quantile(counts @ values / n, [0.025, 0.975], axis=0))
+
+
+def mean_range(values: Real) -> list[Interval]:
+    """Mean of each column of `values` (blocks, k) with the range of its blocks."""
+    return intervals(values.mean(axis=0), values.min(axis=0), values.max(axis=0))
+
+
+def intervals(values: Real, low: Real, high: Real) -> list[Interval]:
+    """An interval of each value (k,) and its ends."""
+    return [Interval(*map(float, each)) for each in zip(values, low, high, strict=True)]
 
 
 def a12(a: Real, b: Real) -> float:
@@ -375,11 +390,3 @@ def a12_table(values: Real) -> Real:
     # What is neither above nor below is a tie, and counts by half.
     table: Real = 0.5 + 0.5 * (above - below).mean(axis=2) / values.shape[1]
     return table
-
-
-def _finite_order(scores: Real) -> Real:
-    """Ranks within blocks: the same order without infinities."""
-    from scipy.stats import rankdata
-
-    ranks: Real = rankdata(scores, axis=1)
-    return ranks

@@ -6,35 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from springpot.errors import StudyError
-from springpot.report.tables import (
-    FORMATS,
-    Entry,
-    Interval,
-    Table,
-    escaped_latex,
-    number,
-    save_table,
-    text,
-    to_csv,
-    to_html,
-    to_latex,
-    to_markdown,
-)
-
-__all__ = [
-    "FORMATS",
-    "Entry",
-    "Table",
-    "captioned",
-    "for_paper",
-    "number",
-    "save_table",
-    "text",
-    "to_csv",
-    "to_html",
-    "to_latex",
-    "to_markdown",
-]
+from springpot.report.tables import Entry, Interval, Table, escaped_latex, text
 
 
 def for_paper(

@@ -5,8 +5,6 @@ With relative paths, units in every header.
 
 from __future__ import annotations
 
-import csv
-import io
 import shlex
 from collections.abc import Sequence
 from pathlib import PurePath
@@ -16,7 +14,7 @@ import numpy as np
 
 from springpot.diagnosis.ladder import Ladder
 from springpot.errors import DataError
-from springpot.measurement.csv_safe import guarded
+from springpot.measurement.csv_safe import csv_text
 from springpot.measurement.measurement import Measurement
 from springpot.report.interactive.hypotheses import grown_by_each
 from springpot.report.interactive.scene import PageScene, proposed_points
@@ -217,7 +215,7 @@ def curves_csv(ladder: Ladder, measurement: Measurement) -> str:
                         *_flat(values),
                     ]
                 )
-    return csv_of(table)
+    return csv_text(table)
 
 
 def plan_csv(ladder: Ladder, measurement: Measurement) -> str:
@@ -248,7 +246,7 @@ def plan_csv(ladder: Ladder, measurement: Measurement) -> str:
         table.append([*settings, "", ""])
     # The proposal is to stay one line of comment, whatever it says.
     reason = " ".join(proposed.says.split())
-    return f"# {reason}\n" + csv_of(table)
+    return f"# {reason}\n" + csv_text(table)
 
 
 def _frequencies(omega: float) -> list[float]:
@@ -260,20 +258,3 @@ def _flat(values: Sequence[complex]) -> list[float]:
     for value in values:
         parts += [float(value.real), float(value.imag)]
     return parts
-
-
-def csv_of(rows: Sequence[Sequence[Any]]) -> str:
-    """Rows as a table, in which no text is a formula."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    for row in rows:
-        # Text comes from files and plugins, and a table program would run what looks like a
-        # formula.
-        writer.writerow(map(_guarded, row))
-    return stream.getvalue()
-
-
-def _guarded(cell: Any) -> Any:
-    if isinstance(cell, str):
-        return guarded(cell)
-    return cell

@@ -10,7 +10,7 @@ import click
 from springpot.cli.common import DATA, INPUT, emit, json_option, results_option
 
 if TYPE_CHECKING:
-    from springpot.benchmark.tables import Table
+    from springpot.report.tables import Table
 
 FORMATS = ("md", "csv", "latex", "html")
 
@@ -74,8 +74,8 @@ def command(
     For a paper: springpot tables race --table summary --format latex --column optimiser --column
     success --digits 3 --row model=fractional-zener --caption "The race" --label tab:race
     """
-    from springpot.benchmark.tables import FORMATS as WRITERS
     from springpot.benchmark.tables import captioned, for_paper
+    from springpot.report.tables import FORMATS as WRITERS
 
     # Files are whole tables: columns and rows are chosen for what is printed into a paper.
     if write or report:
