@@ -30,7 +30,6 @@ from numpy.typing import NDArray
 from springpot.format_numbers import counted
 from springpot.rheology.points import Real
 
-from .bayes import signed_rank_posterior
 from .plan import stream_of
 from .statistics import (
     Interval,
@@ -48,6 +47,7 @@ from .statistics import (
     mean_range,
     performance_profile,
     pooled_ranks,
+    signed_rank_posterior,
     target_value,
     wilcoxon_holm,
     wilson,

@@ -15,7 +15,6 @@ import numpy as np
 from springpot.errors import StudyError
 from springpot.report.tables import FORMATS, Entry, Table, save_table
 
-from .bayes import ROPE
 from .beside import opened
 from .comparison import (
     OVER_ALL,
@@ -33,9 +32,8 @@ from .comparison import (
     reference_of,
     score_cell,
 )
-from .noise_table import noise_table
-from .robustness import anytime_table, sensitivity_table
-from .statistics import hitting_time, intervals
+from .robustness import anytime_table, noise_table, sensitivity_table
+from .statistics import ROPE, hitting_time, intervals
 from .store import Store
 from .study import Study
 from .summary import (

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .certificate import Certificate, certify
+    from .certificate import Certificate
+    from .certifying import certify
     from .record import LoopRecord, read_record
     from .report import CycleReport, cycles
     from .summary import EvaluatedTest, Told
@@ -27,7 +28,7 @@ __all__ = [
 
 _WHERE = {
     "Certificate": "springpot.testreport.certificate",
-    "certify": "springpot.testreport.certificate",
+    "certify": "springpot.testreport.certifying",
     "CycleReport": "springpot.testreport.report",
     "EvaluatedTest": "springpot.testreport.summary",
     "LoopRecord": "springpot.testreport.record",

@@ -21,8 +21,8 @@ from springpot.report.interactive.scene import PageScene, proposed_points
 from springpot.rheology.points import KELVIN
 from springpot.terminal_safe import plain
 
-from .files import safe_name
 from .sessions import State
+from .specimen import safe_name
 
 MOST_RANGES = 20
 """Ranges of rows that are said on a command line; more are left out in a file of their own."""
