@@ -3,7 +3,7 @@
 ``SPRINGPOT_NOTES`` names the file that is written at the end. ``SPRINGPOT_ORDER`` names one with
 the tests that run before all others, in their order, and those that do not run; without it, notes
 are made of the seconds that each test took, of the functions of the framework that it entered, as
-file from the root and first line, and of whether it started a process, which may enter anything.
+file from the root and name, and of whether it started a process, which may enter anything.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
         root = item.config.rootpath
         places = sorted(
             {
-                (os.path.relpath(code.co_filename, root), code.co_firstlineno)
+                (os.path.relpath(code.co_filename, root), code.co_qualname)
                 for code in seen
                 if _ours(code)
             }

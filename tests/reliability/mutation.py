@@ -3,12 +3,13 @@
 A change is one that a tired hand could make: a comparison turned, an operator exchanged, a number
 doubled, a condition negated. Left alone is what no test should hang on: text for people,
 annotations, docstrings, assertions that two lists are of one length, guards against a division by
-zero, and settings: numbers with a name of their own, of which studies say what is best. A setting
-of none, or of yes or no, is a rule.
+zero (`x or 1.0`, or next to nothing), and settings: numbers with a name of their own, of which
+studies say what is best. A setting of none, or of yes or no, is a rule.
 
 A room's tests that enter the changed function run first, the shortest of them before all others,
 then those that start processes, as what another process enters is not seen; the rest of the room's
-tests follow.
+tests follow. Which enter what is noted once, and kept as long as the tests are the same: of changed
+code it is an order that may be a worse one, and no other answer.
 """
 
 from __future__ import annotations
@@ -173,6 +174,8 @@ def _is_setting(parent: ast.AST, node: ast.expr) -> bool:
         return _is_setting(parent, node.operand)
     if not isinstance(node, ast.Constant) or type(node.value) not in (int, float) or not node.value:
         return False
+    if isinstance(parent, ast.BoolOp) and isinstance(parent.op, ast.Or):
+        return node is parent.values[-1]
     if isinstance(parent, ast.Assign):
         first = parent.targets[0]
         named = isinstance(first, ast.Name) and first.id.isupper()
@@ -221,11 +224,11 @@ class Room:
         Of both the shortest first; of a module itself, any part of it is entered.
         """
         file = str(mutant.path)
-        line = _function(mutant)
+        wanted = _function(mutant)
 
         def place(name: str) -> tuple[bool, float]:
             each = self.entered[name]
-            enters = any(path == file and line in (None, start) for path, start in each["entered"])
+            enters = any(path == file and wanted in (None, told) for path, told in each["entered"])
             return not enters, each["seconds"]
 
         places = {name: place(name) for name in self.entered}
@@ -235,29 +238,31 @@ class Room:
         return sorted(chosen, key=lambda name: places[name])
 
 
-def _function(mutant: Mutant) -> int | None:
-    """First line of the innermost function with the change.
+def _function(mutant: Mutant) -> str | None:
+    """Qualified name of the innermost function with the change.
 
     None for what runs as the module is loaded.
     """
-    tree = ast.parse((ROOT / mutant.path).read_text(encoding="utf-8"))
-    line = mutant.change.line
-    around = [
-        min(part.lineno for part in (node, *node.decorator_list))
-        for node in ast.walk(tree)
-        if isinstance(node, ast.FunctionDef)
-        and node.body[0].lineno <= line <= (node.end_lineno or 0)
-    ]
-    return max(around, default=None)
+    line, name, found = mutant.change.line, "", None
+    # Level by level: of those around one line the outermost comes first.
+    for part in ast.walk(ast.parse((ROOT / mutant.path).read_text(encoding="utf-8"))):
+        if not isinstance(part, ast.FunctionDef | ast.ClassDef):
+            continue
+        if part.body[0].lineno <= line <= (part.end_lineno or 0):
+            name += part.name
+            found = name if isinstance(part, ast.FunctionDef) else None
+            name += ".<locals>." if found else "."
+    return found
 
 
-def state_of(root: Path) -> str:
-    """A digest of all that the tests of a room hang on."""
+def state_of(root: Path, room: str) -> str:
+    """A digest of the tests of a room, and of what all tests share."""
     digest = sha256()
-    for folder in ("framework", "plugins", "tests"):
-        for path in sorted((root / folder).rglob("*")):
-            if path.suffix in (".py", ".json"):
-                digest.update(path.read_bytes())
+    paths = [*(root / "tests" / room).rglob("*.py")] if room else []
+    paths += (root / "tests").glob("*.py")
+    for path in sorted(paths):
+        if not room or path.parent.name == room or not path.name.startswith("test_"):
+            digest.update(path.read_bytes())
     return digest.hexdigest()
 
 
@@ -280,7 +285,7 @@ class Copy:
         self.folder = folder / "copy"
         self._order, self._notes = folder / "order.json", folder / "notes.json"
         self._rooms: dict[str, Room] = {}
-        self._state = state_of(ROOT)
+        self._made = 0
         shutil.copytree(ROOT, self.folder, ignore=LEFT_OUT)
 
     def notices(self, mutant: Mutant) -> str:
@@ -290,14 +295,19 @@ class Copy:
         order = {"first": room.first(mutant), "left out": room.failed}
         self._order.write_text(json.dumps(order), encoding="utf-8")
         path = self.folder / mutant.path
+        before = path.stat()
         kept = path.read_text(encoding="utf-8")
         path.write_text(mutant.change.made(kept), encoding="utf-8")
+        # Python keeps what it compiled by the second of the file: no two changes share one.
+        self._made += 1
+        os.utime(path, (self._made, self._made))
         try:
             self._run(name, PATIENCE * room.seconds + START, "-x", SPRINGPOT_ORDER=str(self._order))
         except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as fault:
             return next(iter(self._noted()["failed"]), str(fault))
         finally:
             path.write_text(kept, encoding="utf-8")
+            os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
         return ""
 
     def room(self, name: str) -> Room:
@@ -307,7 +317,8 @@ class Copy:
         """
         if name not in self._rooms:
             path = KEPT / f"{name or 'root'}.json"
-            self._rooms[name] = Room(**kept(path, self._state, lambda: self._measured(name)))
+            state = state_of(ROOT, name)
+            self._rooms[name] = Room(**kept(path, state, lambda: self._measured(name)))
         return self._rooms[name]
 
     def _measured(self, name: str) -> dict[str, Any]:
@@ -331,7 +342,7 @@ class Copy:
         own = os.pathsep.join(
             str(self.folder / name) for name in ("framework", "plugins", "tests/reliability")
         )
-        environment = {**os.environ, "PYTHONPATH": own, "PYTHONDONTWRITEBYTECODE": "1", **told}
+        environment = {**os.environ, "PYTHONPATH": own, **told}
         running = subprocess.Popen(
             [
                 sys.executable,

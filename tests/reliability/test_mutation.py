@@ -54,6 +54,10 @@ def test_texts_annotations_and_settings_are_left_alone(text):
     assert changes_of(text + "\n") == []
 
 
+def test_the_number_that_stands_in_for_nothing_is_a_guard():
+    assert [change.after for change in changes_of("x or 1.0\n")] == ["(x and 1.0)"]
+
+
 @pytest.fixture(scope="module")
 def forty():
     return list(drawn(np.random.default_rng(1), 40))
@@ -85,15 +89,11 @@ def test_every_room_has_tests_of_its_own():
 
 
 def test_the_tests_that_enter_the_changed_function_run_first_and_the_shortest_of_them_before_all():
-    (path,) = (path for path in (ROOT / PACKAGE).rglob("points.py"))
-    path = path.relative_to(ROOT)
+    path = PACKAGE / "rheology" / "points.py"
     tree = ast.parse((ROOT / path).read_text())
-    function = next(
-        node
-        for node in ast.walk(tree)
-        if isinstance(node, ast.FunctionDef) and not node.decorator_list
-    )
-    here, beside = [str(path), function.lineno], [str(path), 1]
+    holder = next(node for node in tree.body if isinstance(node, ast.ClassDef))
+    function = next(node for node in holder.body if isinstance(node, ast.FunctionDef))
+    here, beside = [str(path), f"{holder.name}.{function.name}"], [str(path), "other"]
     entered = {
         "long": {"seconds": 2.0, "entered": [beside, here], "started": False},
         "beside": {"seconds": 0.1, "entered": [beside], "started": False},
@@ -108,8 +108,10 @@ def test_the_tests_that_enter_the_changed_function_run_first_and_the_shortest_of
 
 
 def test_a_room_as_it_is_stays_known_until_something_it_hangs_on_is_changed(tmp_path):
-    (tmp_path / "tests").mkdir()
-    (tmp_path / "tests" / "test_it.py").write_text("1\n")
+    own, other = (tmp_path / "tests" / name / "test_it.py" for name in ("room", "other"))
+    for path in (own, other):
+        path.parent.mkdir(parents=True)
+        path.write_text("1\n")
     made = []
 
     def room(seconds):
@@ -117,9 +119,11 @@ def test_a_room_as_it_is_stays_known_until_something_it_hangs_on_is_changed(tmp_
             made.append(seconds)
             return {"seconds": seconds}
 
-        return kept(tmp_path / "kept" / "room.json", state_of(tmp_path), make)
+        return kept(tmp_path / "kept" / "room.json", state_of(tmp_path, "room"), make)
 
-    assert [room(1.0), room(2.0)] == [{"seconds": 1.0}] * 2
-    (tmp_path / "tests" / "test_it.py").write_text("2\n")
+    assert room(1.0) == {"seconds": 1.0}
+    other.write_text("2\n")
+    assert room(2.0) == {"seconds": 1.0}
+    own.write_text("2\n")
     assert room(3.0) == {"seconds": 3.0}
     assert made == [1.0, 3.0]

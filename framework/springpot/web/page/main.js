@@ -143,7 +143,7 @@ class App {
   save() {
     const { base, data } = this.watch;
     const session = { ...this.history.toJSON(), view: this.looks, watch: { base, data } };
-    sessionStorage.setItem(SAVED, JSON.stringify(session));
+    api.memory.setItem(SAVED, JSON.stringify(session));
   }
 
   // ---- data -------------------------------------------------------------------------------------------------
@@ -468,7 +468,7 @@ class App {
 
   async begin() {
     this.render();
-    const saved = sessionStorage.getItem(SAVED);
+    const saved = api.memory.getItem(SAVED);
     api.installed().then((found) => {
       this.installed = found;
       this.model.complete();
