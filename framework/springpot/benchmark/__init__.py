@@ -39,24 +39,18 @@ __all__ = [
     "write_tables",
 ]
 
-_WHERE = {
-    "Export": "springpot.benchmark.exporting",
-    "FORMATS": "springpot.report.tables",
-    "Findings": "springpot.benchmark.standings",
-    "Interval": "springpot.benchmark.statistics",
-    "Outcome": "springpot.benchmark.runner",
-    "Status": "springpot.benchmark.trial",
-    "Store": "springpot.benchmark.store",
-    "Study": "springpot.benchmark.study",
-    "Table": "springpot.report.tables",
-    "export": "springpot.benchmark.exporting",
-    "frame": "springpot.benchmark.columns",
-    "load_study": "springpot.benchmark.summary",
-    "run_study": "springpot.benchmark.runner",
-    "save_table": "springpot.report.tables",
-    "store_path": "springpot.benchmark.summary",
-    "summarise": "springpot.benchmark.standings",
-    "write_tables": "springpot.benchmark.standings",
-}
-
-__getattr__, __dir__ = offered(__name__, _WHERE)
+__getattr__, __dir__ = offered(
+    __name__,
+    {
+        "columns": "frame",
+        "exporting": "Export export",
+        "runner": "Outcome run_study",
+        "standings": "Findings summarise write_tables",
+        "statistics": "Interval",
+        "store": "Store",
+        "study": "Study",
+        "summary": "load_study store_path",
+        "springpot.report.tables": "FORMATS save_table Table",
+        "trial": "Status",
+    },
+)
