@@ -300,8 +300,7 @@ def test_the_story_by_keyboard_alone(page: Open, damper: bytes):
 @pytest.mark.soak
 def test_a_phone_in_the_dark(page: Open, damper: bytes):
     here = page(390, 844, has_touch=True, is_mobile=True, color_scheme="dark")
-    here.drop("damper.csv", damper)
-    here.judge(MODEL)
+    here.open("damper.csv", damper, MODEL)
     assert here.page.evaluate("() => document.documentElement.scrollWidth") <= 390
     assert here.violations() == []
     here.page.tap("#effect-inertia")
@@ -351,8 +350,7 @@ def test_what_is_open_or_refused_is_told(page: Open):
 def test_a_name_without_end_is_cut_before_a_button_is(page: Open, damper: bytes):
     here = page()
     usual = here.page.locator("header").bounding_box()["height"]
-    here.drop(f"{'W' * 300}.csv", damper)
-    here.shows("material")
+    here.open(f"{'W' * 300}.csv", damper, "kelvin")
     assert here.page.locator("header").bounding_box()["height"] == usual
 
 
@@ -484,8 +482,7 @@ def test_after_a_restart_the_printed_address_goes_on_in_the_same_tab(browser: An
     first = Workbench().start()
     context = browser.new_context()
     here, port = Page(context, first), first.port
-    here.drop("damper.csv", damper)
-    here.judge(MODEL)
+    here.open("damper.csv", damper, MODEL)
     first.close()
     here.page.locator("#lost").wait_for()
     second = Workbench(port=port).start()

@@ -156,8 +156,7 @@ def test_a_row_that_stands_out_is_seen_left_out(damper_data: Measurement):
 @IN_A_BROWSER
 def test_a_law_is_previewed_while_it_is_typed_taken_and_undone(page: Open, damper: bytes):
     here = page()
-    here.drop("damper.csv", damper)
-    here.judge(MODEL)
+    here.open("damper.csv", damper, MODEL)
     here.page.fill("#law", "my-mass = parallel: -m*omega^")
     here.page.locator("#law-says", has_text="no formula").wait_for()
     assert here.page.get_attribute("#add-law", "aria-disabled") == "true"
@@ -180,8 +179,7 @@ def test_a_law_is_previewed_while_it_is_typed_taken_and_undone(page: Open, dampe
 @pytest.mark.soak
 def test_a_law_is_found_where_no_effect_explains(page: Open):
     here = page()
-    here.drop("rubber.csv", table(of_amplitudes(), amplitude="mm").encode())
-    here.judge(MODEL)
+    here.open("rubber.csv", table(of_amplitudes(), amplitude="mm").encode(), MODEL)
     assert "unexplained" in here.reads("#verdict")
     here.page.click("#find-law")
     here.done()
@@ -200,8 +198,7 @@ def test_a_law_is_found_where_no_effect_explains(page: Open):
 @IN_A_BROWSER
 def test_points_are_seen_left_out_before_they_are(page: Open, damper: bytes):
     here = page()
-    here.drop("damper.csv", damper)
-    here.judge(f"{MODEL} + inertia")
+    here.open("damper.csv", damper, f"{MODEL} + inertia")
     box = here.page.locator("#plot-residual").bounding_box()
     here.page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 20)
     here.page.mouse.down()

@@ -172,8 +172,7 @@ def test_what_leaves_with_a_test_in_time_is_whole_or_says_why(relaxed: dict[str,
 @IN_A_BROWSER
 def test_a_relaxation_goes_through_the_whole_loop(page: Open):
     here = page()
-    here.drop("relax.csv", relaxation())
-    here.judge("maxwell")
+    here.open("relax.csv", relaxation(), "maxwell")
     assert here.reads("#facts") == "40 points, 1 test"
     assert "effect-missing" in here.reads("#verdict")
     here.page.hover("#effect-parallel-springpot")
@@ -196,8 +195,7 @@ def test_a_relaxation_goes_through_the_whole_loop(page: Open):
 @IN_A_BROWSER
 def test_a_record_is_drawn_as_loops_and_sweeps_stand_beside(page: Open):
     here = page()
-    here.drop("record.csv", record())
-    here.judge("kelvin")
+    here.open("record.csv", record(), "kelvin")
     here.page.select_option("#view", "loop-0")
     label = here.page.get_attribute("#plot-view", "aria-label")
     assert "force [N] against displacement [mm]" in label
