@@ -21,7 +21,7 @@ from springpot.measurement import Measurement
 from springpot.report.jsontext import to_json
 from springpot.web import leaving
 from springpot.web.sessions import State, digest_of, measured_in, text_of
-from springpot.web.tasks import again, answer, ladder_of, trial
+from springpot.web.tasks import _ladder, again, answered, ladder_of, trial
 
 MODEL = "fractional-maxwell"
 LAW = "my-mass = parallel: -m*omega^2"
@@ -63,9 +63,10 @@ def of_currents(extra: float = 0.0) -> Measurement:
 
 
 def asked(data: Measurement, model: str, *accepted: str) -> tuple[State, dict[str, Any]]:
-    """A state and its answer, as the page gets it."""
-    state = State(digest_of(text_of(data)), model, accepted)
-    return state, json.loads(to_json(answer(state, ladder_of(state, data), data)))
+    """A state and its answer, as the page gets it from a worker that remembers ladders."""
+    text = text_of(data)
+    state = State(digest_of(text), model, accepted)
+    return state, json.loads(to_json(answered(silent, state.to_dict(), text)))
 
 
 def tried(state: State, data: Measurement, law: object) -> dict[str, Any]:
@@ -104,7 +105,7 @@ def test_what_is_no_law_is_one_line(damper_data: Measurement, typed: object):
 
 def test_an_accepted_law_is_a_rung_and_stands_in_command_and_session(damper_data: Measurement):
     state = State(digest_of(text_of(damper_data)), MODEL, (LAW,))
-    ladder = ladder_of(state, damper_data)
+    ladder = _ladder(state, text_of(damper_data), silent)
     assert [step.accepted for step in ladder.steps] == [None, "my-mass"]
     assert ladder.verdict == "adequate"
     words = shlex.split(leaving.command(state, "damper.csv"))
