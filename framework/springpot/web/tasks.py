@@ -45,9 +45,6 @@ from springpot.timetests.residuals_of_tests import units_of
 from springpot.timetests.specimen import reference_of
 
 from . import leaving
-from .files import safe_name
-from .first import first_look
-from .held import hand_of, theta_of
 from .sessions import (
     State,
     data_of,
@@ -60,10 +57,10 @@ from .sessions import (
     session_of,
     text_of,
 )
-from .specimen import Opened, Specimen, given
+from .specimen import Opened, Specimen, given, safe_name
 from .studies import report_of, studies, study
 from .testing import leave_in_time, understood_in_time
-from .trying import invented, tried, with_law
+from .trying import first_look, hand_of, invented, theta_of, tried, with_law
 from .watching import watched
 
 SCHEMA = "springpot.workbench/1"
@@ -387,7 +384,7 @@ def answered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
 
 
 def first(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
-    """See `springpot.web.first.first_look`."""
+    """See `springpot.web.trying.first_look`."""
     return first_look(State.of(state), _measured(text))
 
 

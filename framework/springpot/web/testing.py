@@ -11,6 +11,7 @@ import numpy as np
 
 from springpot.diagnosis.ladder import Ladder
 from springpot.errors import DataError
+from springpot.measurement.csv_safe import csv_text
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test
 from springpot.measurement.other_test import OtherTest
@@ -113,4 +114,4 @@ def _curves(ladder: Ladder, data: Specimen) -> str:
             [part.test.name, float(at), float(measured), float(computed), unit]
             for at, measured, computed in zip(part.at, part.measured, model, strict=True)
         ]
-    return leaving.csv_of(table)
+    return csv_text(table)
