@@ -41,7 +41,7 @@ def test_each_step_stands_still_and_the_way_between_is_short(ladder, tmp_path, m
 
 def test_a_passage_goes_from_one_curve_to_the_next(ladder):
     """Where it begins it is the fit before, where it ends the fit itself."""
-    stage = replay.Stage(ladder)
+    stage = replay.Replay(ladder)
     before, after = stage.fits
     points = stage.data.points
     for share, expected in ((0.0, before), (1.0, after)):

@@ -89,9 +89,9 @@ def write_replay(ladder: Ladder, path: str | Path) -> Path:
 
 def frames_of(ladder: Ladder) -> list[tuple[Image, int]]:
     """Frames of a ladder of a sweep, each with the milliseconds that it stands."""
-    stage = Stage(ladder)
+    played = Replay(ladder)
     moments = _moments(len(ladder.steps))
-    return [(stage.at(step, share), lasting) for step, share, lasting in moments]
+    return [(played.at(step, share), lasting) for step, share, lasting in moments]
 
 
 def written_as_gif(frames: Sequence[tuple[Image, int]], file: IO[bytes]) -> None:
@@ -112,7 +112,7 @@ def _moments(steps: int) -> Iterator[tuple[int, float, int]]:
         yield step, 1.0, HOLD
 
 
-class Stage:
+class Replay:
     """What all frames share: the data with their noise, the fits, the ends of the axes.
 
     Parameters
