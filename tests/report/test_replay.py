@@ -45,9 +45,9 @@ def test_a_passage_goes_from_one_curve_to_the_next(ladder):
     before, after = stage.fits
     points = stage.data.points
     for share, expected in ((0.0, before), (1.0, after)):
-        way = replay.Passage(after.model, after.theta, "", before, share)
+        way = replay.OnTheWay(after.model, after.theta, "", before, share)
         np.testing.assert_allclose(way.at(points), expected.at(points), rtol=1e-12)
-    half = replay.Passage(after.model, after.theta, "", before, 0.5)
+    half = replay.OnTheWay(after.model, after.theta, "", before, 0.5)
     middle = 0.5 * (before.at(points) + after.at(points))
     np.testing.assert_allclose(half.at(points), middle, rtol=1e-12)
 

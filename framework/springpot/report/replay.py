@@ -43,7 +43,7 @@ DOTS = 100
 
 
 @dataclass(frozen=True, eq=False)
-class Passage(DrawnFit):
+class OnTheWay(DrawnFit):
     """A curve on the way from one fit to the next.
 
     Parameters
@@ -140,7 +140,7 @@ class Replay:
 
         there = self.fits[step]
         before = self.fits[max(step - 1, 0)]
-        passing = Passage(there.model, there.theta, there.label, before, share)
+        passing = OnTheWay(there.model, there.theta, there.label, before, share)
         # The step's own mark only appears where its curve has arrived.
         reached = step + 1
         if share < 1.0:
