@@ -1,7 +1,7 @@
 """Answers golden questions where there are no threads, no processes and no optimisers' libraries.
 
-``python bare.py NAME...`` prints each answer as a line of JSON, in the order of the cases.
-Python in a browser lacks.
+``python bare.py NAME...`` prints each answer as a line of JSON, in the order of the cases. What is
+taken away here is what Python in a browser lacks.
 """
 
 from __future__ import annotations
