@@ -5,6 +5,8 @@ With relative paths, units in every header.
 
 from __future__ import annotations
 
+import base64
+import io
 import shlex
 from collections.abc import Sequence
 from pathlib import PurePath
@@ -162,6 +164,16 @@ def report(ladder: Ladder, tests: Any, command: list[str]) -> str:
 
     require_matplotlib()
     return report_html(ladder, tests, command)
+
+
+def replay(ladder: Ladder) -> str:
+    """The moving picture of a ladder in base64."""
+    # Drawing needs a library that nothing else here does.
+    from springpot.report.replay import frames_of, written_as_gif
+
+    stream = io.BytesIO()
+    written_as_gif(frames_of(ladder), stream)
+    return base64.b64encode(stream.getvalue()).decode()
 
 
 def curves_csv(ladder: Ladder, measurement: Measurement) -> str:

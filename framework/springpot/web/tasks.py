@@ -478,7 +478,7 @@ def mastered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
 def leave(
     told: Told, kind: str, state: Mapping[str, Any], text: str, source: str, joined: bool
 ) -> dict[str, Any]:
-    """One of the things that a user leaves with: its text and the name of its file."""
+    """One of the things that a user leaves with: its name, and its text or its bytes."""
     asked, data = State.of(state), _opened(text)
     if isinstance(data, Specimen):
         return leave_in_time(kind, asked, data, lambda: _ladder(asked, text, told))
@@ -498,6 +498,8 @@ def leave(
         return {"name": f"{stem}-plan.csv", "text": leaving.plan_csv(ladder, measurement)}
     if kind == "report":
         return {"name": f"{stem}-report.html", "text": _report(ladder, measurement, asked, shown)}
+    if kind == "replay":
+        return {"name": f"{stem}-replay.gif", "base64": leaving.replay(ladder)}
     raise DataError(f"there is nothing called '{kind[:40]}' to leave with")
 
 
