@@ -9,7 +9,9 @@ import sys
 from collections.abc import Iterator
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
+from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 from typing import NamedTuple
 
 import pytest
@@ -308,6 +310,17 @@ def test_the_chain_of_imports_grows_no_longer():
     assert max(depth.values()) <= DEEPEST
 
 
+def test_only_who_draws_waits_for_matplotlib():
+    """It takes as long to import as all else, and is an extra that may be missing."""
+    drawing = [path for path, package in FILES if "matplotlib" in names_at_once(path, package)]
+    assert drawing == []
+
+
+def names_at_once(path: Path, package: str) -> set[str]:
+    """What is imported as soon as a file is."""
+    return {name.partition(".")[0] for name in names_of(facts(path).at_once, package)}
+
+
 def test_a_measurement_needs_few_files():
     """So that a browser's Python or a reader's author need not load the framework for the data."""
     program = (
@@ -330,11 +343,14 @@ def test_names_that_a_package_offers_are_no_files_of_it():
     for path, _ in FILES:
         if path.name != "__init__.py" or "offered(" not in path.read_text(encoding="utf-8"):
             continue
-        text = path.read_text(encoding="utf-8")
-        where = dict(re.findall(r'^    "(\w+)": "([\w.]+)",$', text, re.M))
+        package = import_module(".".join(["springpot", *path.parent.relative_to(FRAMEWORK).parts]))
         files = {file.stem for file in path.parent.glob("*.py")}
-        clash = {name for name in where if name in files and not where[name].endswith(f".{name}")}
-        assert clash == set()
+        clash = [
+            name
+            for name in files & set(dir(package))
+            if not isinstance(getattr(package, name), ModuleType)
+        ]
+        assert clash == []
 
 
 def test_a_docstring_is_no_code():

@@ -291,7 +291,7 @@ def _of_a_jump(residual: Real) -> float:
     sums = np.concatenate([[0.0], np.cumsum(even)])
     taken, plainest, edge = even, 0.0, _edge(n)
     for width in LEVEL * 2 ** np.arange(int(np.log2(n / LEVEL))):
-        first = max(width, edge)
+        first = max(int(width), edge)
         middle = np.arange(first, n - first + 1)
         jumps = sums[middle + width] - 2.0 * sums[middle] + sums[middle - width]
         best = int(np.argmax(np.abs(jumps)))

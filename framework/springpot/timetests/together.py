@@ -79,7 +79,7 @@ class Together:
         for each in self.steps:
             answer = each.network.respond(theta[each.places], each.at, GRADIENT)
             value[each.rows] = (answer.value.real - each.measured) * each.weight
-            by_theta[np.ix_(each.rows, each.places)] = (answer.by_theta.real * each.weight).T
+            by_theta[each.rows[:, None], each.places] = (answer.by_theta.real * each.weight).T
         return value, by_theta
 
 
