@@ -8,9 +8,9 @@ import numpy as np
 
 from springpot.format_numbers import number
 from springpot.markup import Html, table, tag
-from springpot.report.numbers import with_interval
 from springpot.report.residuals import framed
 from springpot.report.style import page
+from springpot.report.text import with_interval
 from springpot.versions import versions
 
 from .certified import CertifiedTests

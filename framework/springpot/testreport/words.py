@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from springpot.format_numbers import counted
-from springpot.report.numbers import with_interval
-from springpot.report.text import TextTable
+from springpot.report.text import TextTable, with_interval
 
 from .quantities import BY_NAME
 from .summary import EvaluatedTest, Told

@@ -12,9 +12,9 @@ import numpy as np
 
 from springpot.errors import ModelError
 from springpot.measurement.units import Units
-from springpot.rheology.holding import allowed
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
+from springpot.rheology.tied import allowed
 
 
 @dataclass(frozen=True)

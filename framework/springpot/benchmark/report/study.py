@@ -17,8 +17,8 @@ from springpot.benchmark.tables import Table, text
 from springpot.files import write_text
 from springpot.format_numbers import counted, number
 from springpot.markup import Html, joined, table, tag
-from springpot.report.numbers import seconds
 from springpot.report.style import page
+from springpot.report.text import seconds
 
 from ...format_numbers import NAMED
 from .fairness import fairness

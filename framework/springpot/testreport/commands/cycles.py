@@ -74,7 +74,7 @@ def command(
 
 
 def _show(report: CycleReport, output: Path | None, figure: Path | None) -> None:
-    from springpot.report.numbers import with_interval
+    from springpot.report.text import with_interval
     from springpot.testreport.words import law_text, table_of
 
     for test in report.tests:
