@@ -102,7 +102,7 @@ def test_sets_that_differ_in_two_places_are_told_place_by_place():
 
     sets = [told(0.4, "a", "b"), told(0.3, "c", "d"), told(0.2, "c", "b"), told(0.1, "a", "b", "e")]
     effects = tuple(SimpleNamespace(name=name) for name in "ba")
-    found = EffectSet(effects, None, SimpleNamespace(explanations=sets))
+    found = EffectSet(effects, None, Evidence(None, 0.0, 0.0, tuple(sets)))
     assert found.places() == {"b": ("b", "d"), "a": ("c", "a")}
 
 

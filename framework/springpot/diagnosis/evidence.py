@@ -5,7 +5,7 @@ How likely each explanation is, and which effects the data cannot tell apart.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -254,20 +254,14 @@ class Evidence:
     def rivals(self) -> dict[str, float]:
         """Effects that could stand in the leading one's place, with their chances.
 
-        Where the best explanation holds a second effect, that one stays while rivals of the leader
-        are counted.
+        Of sets of as many effects, whatever stands in the other places; and of fewer, one alone.
         """
-        best = next(one for one in self.explanations if self.leader in one.names)
-        partners = list(best.names)
-        partners.remove(self.leader)
-        chances: dict[str, float] = {}
+        best = self.explanations[0].names
+        place = best.index(self.leader)
+        partners = [*best[:place], *best[place + 1 :]]
+        chances = dict(self.stand_ins(best)[place])
         for one in self.explanations:
-            # An explanation with another partner is another answer, not a rival for the leader's
-            # place.
-            others = without(one.names, partners)
-            if len(one.names) == len(best.names) and len(others) == 1:
-                chances[others[0]] = chances.get(others[0], 0.0) + one.probability
-            elif len(one.names) < len(best.names):
+            if len(one.names) < len(best):
                 alone = one.names[0]
                 chances.setdefault(alone, 0.0)
                 # A partner stays whoever leads: alone it is no rival of the leader.
@@ -291,6 +285,20 @@ class Evidence:
         enough = EVIDENCE.beside * sum(one.probability for one in with_leader)
         if sum(chances.values()) <= enough:
             return {}
+        best = self.explanations[0].names
+        if len(best) == 2:
+            # Beside whatever stands in the leader's place, as that may be another.
+            return self.stand_ins(best)[1 - best.index(self.leader)]
+        return chances
+
+    def stand_ins(self, names: Sequence[str]) -> list[dict[str, float]]:
+        """For each effect of a set, what may stand in its place, with their chances."""
+        chances: list[dict[str, float]] = [{} for _ in names]
+        sets = [one for one in self.explanations if len(one.names) == len(names)]
+        # Those first that differ in one place: they tell whose place it is where two differ.
+        for one in sorted(sets, key=lambda one: len(without(one.names, names))):
+            for place, other in _paired(names, one.names, chances):
+                chances[place][other] = chances[place].get(other, 0.0) + one.probability
         return chances
 
     @property
@@ -302,14 +310,16 @@ class Evidence:
     def classes(self) -> list[list[str]]:
         """Effects that these data cannot tell apart, the likeliest class first.
 
-        The first class is the smallest set of rivals that holds nearly all of their probability;
-        the rest are grouped by their curves.
+        The first class is the smallest set of rivals that holds nearly all of their probability,
+        the next that of what is missing beside them; the rest are grouped by their curves.
         """
         if not self.explanations:
             return []
         first = credible(self.rivals)
+        second = [name for name in self.beside if name not in first]
         ranked = sorted(best_with(self.search), key=lambda name: -self.effects.get(name, 0.0))
-        return [first, *_grouped(self.search, [name for name in ranked if name not in first])]
+        others = [name for name in ranked if name not in {*first, *second}]
+        return [first, *([second] if second else []), *_grouped(self.search, others)]
 
     def likeliest_with(self) -> dict[str, Refit]:
         """For each effect, the likeliest of the fitted models that have it."""
@@ -453,6 +463,26 @@ def one_for_each_set(grown: Sequence[Grown]) -> list[Grown]:
         ):
             best[key] = each
     return list(best.values())
+
+
+def _paired(
+    names: Sequence[str], others: Sequence[str], known: Sequence[Mapping[str, float]]
+) -> Iterator[tuple[int, str]]:
+    """Each place of a set with the effect of another set that stands in it."""
+    new, free = list(others), []
+    for place, name in enumerate(names):
+        if name in new:
+            new.remove(name)
+            yield place, name
+        else:
+            free.append(place)
+    while free:
+        # Where it is likeliest by itself.
+        pairs = [(place, other) for place in free for other in new]
+        place, other = max(pairs, key=lambda pair: known[pair[0]].get(pair[1], 0.0))
+        free.remove(place)
+        new.remove(other)
+        yield place, other
 
 
 def credible(chances: dict[str, float]) -> list[str]:
