@@ -35,6 +35,34 @@ def test_of_two_effects_each_is_named_with_its_twins():
     assert any({"friction", "hysteretic-loss"} <= group for group in names)
 
 
+def grown(name, stiffness, log_likelihood=0.0, limit=False, beyond=()):
+    refit = SimpleNamespace(stiffness=np.array([stiffness]), log_likelihood=log_likelihood)
+    return SimpleNamespace(refit=refit, beyond_physics=beyond, names=(name,), limit=limit)
+
+
+@pytest.mark.parametrize(
+    ("rival", "named"),
+    [
+        ({"stiffness": 1.1}, True),
+        ({"stiffness": 2.0}, False),
+        ({"stiffness": 1.1, "log_likelihood": -4.0}, False),
+        ({"stiffness": 1.1, "limit": True}, False),
+        ({"stiffness": 1.1, "beyond": ("b",)}, False),
+    ],
+)
+def test_another_law_of_the_same_curve_is_named_however_dear_its_parameters(
+    monkeypatch, rival, named
+):
+    """Unless it is the first by another name, a law at its limit."""
+    monkeypatch.setattr("springpot.diagnosis.evidence.is_a_limit", lambda search, one: one.limit)
+    monkeypatch.setattr("springpot.diagnosis.evidence.harmonic_evidence", lambda fit: 0.0)
+    frame = SimpleNamespace(whiten=lambda k: np.array([k.real, k.imag]))
+    fits = [grown("a", 1.0), grown("b", **rival)]
+    explained = [SimpleNamespace(names=fit.names, probability=0.0, grown=fit) for fit in fits]
+    found = Evidence(SimpleNamespace(frame=frame), 0.0, 0.0, tuple(explained))
+    assert found.same_curve(("a",)) == [["b"] * named]
+
+
 def test_a_set_that_differs_in_both_places_is_told_where_each_may_stand():
     found = told(("a", "b", 0.5), ("a", "d", 0.2), ("c", "d", 0.2), ("c", "b", 0.1))
     wanted = {"a": {"a": 0.7, "c": 0.3}, "b": {"b": 0.6, "d": 0.4}}

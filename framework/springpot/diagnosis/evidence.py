@@ -20,7 +20,7 @@ from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE
 
 from .grown import Grown, Search, SweepDrift, drift_in_place
-from .marginal import harmonic_evidence, marginal, unknown_marginal
+from .marginal import harmonic_evidence, is_a_limit, marginal, unknown_marginal
 
 
 @dataclass(frozen=True, eq=False)
@@ -301,10 +301,39 @@ class Evidence:
                 chances[place][other] = chances[place].get(other, 0.0) + one.probability
         return chances
 
+    def same_curve(self, names: Sequence[str]) -> list[list[str]]:
+        """For each effect of a set, others whose curve in its place is the same for these data.
+
+        However much dearer their parameters are, as long as they are what they are called: a law at
+        its limit is the simpler one by another name.
+        """
+        key = tuple(sorted(names))
+        best = next((one.grown.refit for one in self.explanations if one.names == key), None)
+        alike: list[list[str]] = [[] for _ in names]
+        for one in self.explanations:
+            new = without(one.names, names)
+            if best is None or len(one.names) != len(names) or len(new) != 1:
+                continue
+            other = one.grown.refit
+            near = distance(self.search.frame, other, best) < EVIDENCE.one_curve
+            near = near and _as_good(other, best)
+            if near and not one.grown.beyond_physics and not is_a_limit(self.search, one.grown):
+                (old,) = without(names, one.names)
+                alike[list(names).index(old)] += new
+        return alike
+
     @property
     def beside(self) -> list[str]:
-        """The fewest partners that hold nearly all of their probability, the likeliest first."""
-        return credible(self.partners)
+        """The fewest partners that hold nearly all of their probability, the likeliest first.
+
+        Then those whose curve is the same.
+        """
+        partners = credible(self.partners)
+        best = self.explanations[0].names
+        if partners and len(best) == 2:
+            alike = self.same_curve(best)[1 - best.index(self.leader)]
+            partners += [name for name in alike if name not in partners]
+        return partners
 
     @cached_property
     def classes(self) -> list[list[str]]:
@@ -315,7 +344,9 @@ class Evidence:
         """
         if not self.explanations:
             return []
-        first = credible(self.rivals)
+        first, best = credible(self.rivals), self.explanations[0].names
+        alike = self.same_curve(best)[best.index(self.leader)]
+        first += [name for name in alike if name not in first]
         second = [name for name in self.beside if name not in first]
         ranked = sorted(best_with(self.search), key=lambda name: -self.effects.get(name, 0.0))
         others = [name for name in ranked if name not in {*first, *second}]
@@ -338,6 +369,12 @@ class Evidence:
             if partner is not None:
                 chosen.setdefault(partner, grown)
         return chosen
+
+
+def _as_good(fitted: Refit, best: Refit) -> bool:
+    """Whether a fit explains data and harmonics nearly as well as another."""
+    of_both = (one.log_likelihood + harmonic_evidence(one) for one in (fitted, best))
+    return next(of_both) > next(of_both) - EVIDENCE.as_good
 
 
 def _log_weights(search: Search, tried: Sequence[Grown]) -> Real:

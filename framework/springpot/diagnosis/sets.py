@@ -110,8 +110,11 @@ class EffectSet:
     def places(self) -> dict[str | None, tuple[str, ...]]:
         """For each effect of the set, what may stand in its place."""
         names = [effect.name for effect in self.effects]
-        chances = self.evidence.stand_ins(names)
-        return {name: tuple(credible(own)) for name, own in zip(names, chances, strict=True)}
+        chances, alike = self.evidence.stand_ins(names), self.evidence.same_curve(names)
+        return {
+            name: tuple(dict.fromkeys([*credible(own), *others]))
+            for name, own, others in zip(names, chances, alike, strict=True)
+        }
 
 
 def complete_set(case: Case, rng: np.random.Generator) -> EffectSet | None:
