@@ -140,7 +140,7 @@ def test_the_reference_has_what_a_room_offers(room: str):
     ):
         entries |= {f"{module}.{name.strip()}" for name in members.split(",")}
     offered = importlib.import_module(f"springpot{room}")
-    found = {name: getattr(offered, name) for name in offered.__all__}
+    found = {name: getattr(offered, name) for name in dir(offered)}
     absent = []
     for name, thing in found.items():
         if isinstance(thing, ModuleType):

@@ -41,41 +41,6 @@ if TYPE_CHECKING:  # what a user's type checker sees; the table below is what ha
 
 __version__ = "0.1.0"
 
-_WHERE = {
-    "Comparison": "springpot.comparison",
-    "Diagnosis": "springpot.diagnosis",
-    "Identification": "springpot.identification",
-    "Invention": "springpot.invention",
-    "Ladder": "springpot.diagnosis",
-    "Measurement": "springpot.measurement",
-    "Units": "springpot.measurement",
-    "TimeTest": "springpot.measurement",
-    "open_in_time": "springpot.registry",
-    "geometry": "springpot.measurement",
-    "Model": "springpot.rheology",
-    "Effect": "springpot.rheology",
-    "Prediction": "springpot.identification",
-    "law": "springpot.rheology",
-    "load": "springpot.loading",
-    "open_measurement": "springpot.registry",
-    "parse_model": "springpot.registry",
-    "plugins": "springpot.registry",
-    "predict": "springpot.api",
-    "quantities": "springpot.derived",
-    "certify": "springpot.testreport",
-    "compare": "springpot.api",
-    "cycles": "springpot.testreport",
-    "diagnose": "springpot.api",
-    "discover": "springpot.api",
-    "identify": "springpot.api",
-    "invent": "springpot.api",
-    "mastercurve": "springpot.api",
-    "read": "springpot.api",
-    "signals_to_measurement": "springpot.registry",
-    "workbench": "springpot.web",
-    "write_measurement": "springpot.registry",
-}
-
 __all__ = [
     "__version__",
     "Comparison",
@@ -112,8 +77,26 @@ __all__ = [
     "write_measurement",
 ]
 
-
-__getattr__, _ = offered(__name__, _WHERE)
+__getattr__, _ = offered(
+    __name__,
+    {
+        "api": "compare diagnose discover identify invent mastercurve predict read",
+        "comparison": "Comparison",
+        "derived": "quantities",
+        "diagnosis": "Diagnosis Ladder",
+        "identification": "Identification Prediction",
+        "invention": "Invention",
+        "loading": "load",
+        "measurement": "geometry Measurement TimeTest Units",
+        "registry": (
+            "open_in_time open_measurement parse_model plugins signals_to_measurement "
+            "write_measurement"
+        ),
+        "rheology": "Effect law Model",
+        "testreport": "certify cycles",
+        "web": "workbench",
+    },
+)
 
 
 def __dir__() -> list[str]:

@@ -11,17 +11,23 @@ from typing import Any
 
 
 def offered(
-    package: str, where: Mapping[str, str]
+    package: str, names: Mapping[str, str]
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """The module functions ``__getattr__`` and ``__dir__`` of a package.
 
     Parameters
     ----------
     package : str
-        Its name, for the message.
-    where : mapping of str to str
-        The module of each name that it offers.
+        Its name.
+    names : mapping of str to str
+        What it offers of each of its modules, with spaces between. A module with a dot is named in
+        full.
     """
+    where = {
+        name: module if "." in module else f"{package}.{module}"
+        for module, offers in names.items()
+        for name in offers.split()
+    }
 
     def get(name: str) -> Any:
         if name not in where:

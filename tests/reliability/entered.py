@@ -1,9 +1,9 @@
-"""A plugin of pytest for `mutation`: what each test enters, which tests go first, and which fail.
+"""A plugin of pytest for `mutation`: which tests run, what each of them enters, and which fail.
 
 ``SPRINGPOT_NOTES`` names the file that is written at the end. ``SPRINGPOT_ORDER`` names one with
-the tests that run before all others, in their order, and those that do not run; without it, notes
-are made of the seconds that each test took, of the functions of the framework that it entered, as
-file from the root and first line, and of whether it started a process, which may enter anything.
+the tests that run, in their order. Without it all run, and notes are made of the seconds that each
+took, of the functions of the framework that it entered, as file from the root and name, and of
+whether it started a process, which may enter anything.
 """
 
 from __future__ import annotations
@@ -38,12 +38,13 @@ if "SPRINGPOT_ORDER" not in os.environ:
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The named tests first; the others keep their order."""
+    """The named tests alone, in their order."""
     if "SPRINGPOT_ORDER" in os.environ:
         order = json.loads(Path(os.environ["SPRINGPOT_ORDER"]).read_text(encoding="utf-8"))
-        place = {name: index for index, name in enumerate(order["first"])}
-        items[:] = [item for item in items if item.nodeid not in order["left out"]]
-        items.sort(key=lambda item: place.get(item.nodeid, len(place)))
+        place = {name: index for index, name in enumerate(order)}
+        items[:] = sorted(
+            (item for item in items if item.nodeid in place), key=lambda item: place[item.nodeid]
+        )
 
 
 @pytest.hookimpl(wrapper=True)
@@ -68,7 +69,7 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
         root = item.config.rootpath
         places = sorted(
             {
-                (os.path.relpath(code.co_filename, root), code.co_firstlineno)
+                (os.path.relpath(code.co_filename, root), code.co_qualname)
                 for code in seen
                 if _ours(code)
             }

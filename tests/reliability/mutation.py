@@ -3,12 +3,14 @@
 A change is one that a tired hand could make: a comparison turned, an operator exchanged, a number
 doubled, a condition negated. Left alone is what no test should hang on: text for people,
 annotations, docstrings, assertions that two lists are of one length, guards against a division by
-zero, and settings: numbers with a name of their own, of which studies say what is best. A setting
-of none, or of yes or no, is a rule.
+zero (`x or 1.0`, or next to nothing), and settings: numbers with a name of their own, of which
+studies say what is best. A setting of none, or of yes or no, is a rule.
 
-A room's tests that enter the changed function run first, the shortest of them before all others,
-then those that start processes, as what another process enters is not seen; the rest of the room's
-tests follow.
+Of a room's tests those run that enter the changed function, the shortest of them before all others,
+then those that start processes, as what another process enters is not seen. Which enter what is
+noted once for each file of tests, and kept as long as that is the same. The others could notice
+only what an earlier test left behind, and what has changed since may enter more: what is noticed is
+at least as many.
 """
 
 from __future__ import annotations
@@ -21,12 +23,11 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 from hashlib import sha256
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -39,10 +40,9 @@ LEFT_OUT = shutil.ignore_patterns(
     ".git", ".venv", "*_cache", "__pycache__", ".hypothesis", "build", "*.sqlite*"
 )
 KEPT = ROOT / "build" / "mutants"
-"""Where rooms as they are stay for the next seed."""
+"""Where what tests enter stays for the next seed."""
 PATIENCE = 3.0
-"""A change that lets the tests of a room run that many times as long as without it is noticed too.
-"""
+"""A change that lets tests run that many times as long as without it is noticed too."""
 START = 60.0
 """Seconds that an interpreter may need beside them on a busy machine."""
 
@@ -126,11 +126,10 @@ def room_of(path: Path) -> str:
 
 
 def own_tests(room: str) -> list[str]:
-    """What of `tests` belongs to a room."""
-    if not room:
-        return sorted(str(path.relative_to(ROOT)) for path in (ROOT / "tests").glob("test_*.py"))
-    folder = ROOT / "tests" / room
-    return [str(folder.relative_to(ROOT))] if folder.is_dir() else []
+    """The files of tests that belong to a room."""
+    tests = ROOT / "tests"
+    found = (tests / room).rglob("test_*.py") if room else tests.glob("test_*.py")
+    return sorted(str(path.relative_to(ROOT)) for path in found)
 
 
 def changes_of(text: str) -> list[Change]:
@@ -173,6 +172,8 @@ def _is_setting(parent: ast.AST, node: ast.expr) -> bool:
         return _is_setting(parent, node.operand)
     if not isinstance(node, ast.Constant) or type(node.value) not in (int, float) or not node.value:
         return False
+    if isinstance(parent, ast.BoolOp) and isinstance(parent.op, ast.Or):
+        return node is parent.values[-1]
     if isinstance(parent, ast.Assign):
         first = parent.targets[0]
         named = isinstance(first, ast.Name) and first.id.isupper()
@@ -211,53 +212,57 @@ def _textual(node: ast.BinOp) -> bool:
 class Room:
     """What the tests of a room do without any change."""
 
-    seconds: float
     entered: dict[str, Any]
     failed: list[str] = field(default_factory=list)
 
-    def first(self, mutant: Mutant) -> list[str]:
-        """The tests that enter the changed function, then those that start processes.
+    def asked(self, mutant: Mutant) -> list[str]:
+        """The tests that may notice: those that enter the changed function or start processes.
 
-        Of both the shortest first; of a module itself, any part of it is entered.
+        Of both the shortest first. Of what runs as a module is loaded any test of the room may.
         """
         file = str(mutant.path)
-        line = _function(mutant)
+        function = _function(mutant)
 
         def place(name: str) -> tuple[bool, float]:
             each = self.entered[name]
-            enters = any(path == file and line in (None, start) for path, start in each["entered"])
+            enters = any(
+                path == file and function in (None, told) for path, told in each["entered"]
+            )
             return not enters, each["seconds"]
 
         places = {name: place(name) for name in self.entered}
         chosen = [
-            name for name, each in self.entered.items() if not places[name][0] or each["started"]
+            name
+            for name, each in self.entered.items()
+            if function is None or not places[name][0] or each["started"]
         ]
-        return sorted(chosen, key=lambda name: places[name])
+        return sorted(set(chosen) - set(self.failed), key=lambda name: places[name])
 
 
-def _function(mutant: Mutant) -> int | None:
-    """First line of the innermost function with the change.
+def _function(mutant: Mutant) -> str | None:
+    """Qualified name of the innermost function with the change.
 
     None for what runs as the module is loaded.
     """
-    tree = ast.parse((ROOT / mutant.path).read_text(encoding="utf-8"))
-    line = mutant.change.line
-    around = [
-        min(part.lineno for part in (node, *node.decorator_list))
-        for node in ast.walk(tree)
-        if isinstance(node, ast.FunctionDef)
-        and node.body[0].lineno <= line <= (node.end_lineno or 0)
-    ]
-    return max(around, default=None)
+    line, name, found = mutant.change.line, "", None
+    # Level by level: of those around one line the outermost comes first.
+    for part in ast.walk(ast.parse((ROOT / mutant.path).read_text(encoding="utf-8"))):
+        if not isinstance(part, ast.FunctionDef | ast.ClassDef):
+            continue
+        if part.body[0].lineno <= line <= (part.end_lineno or 0):
+            name += part.name
+            found = name if isinstance(part, ast.FunctionDef) else None
+            name += ".<locals>." if found else "."
+    return found
 
 
-def state_of(root: Path) -> str:
-    """A digest of all that the tests of a room hang on."""
-    digest = sha256()
-    for folder in ("framework", "plugins", "tests"):
-        for path in sorted((root / folder).rglob("*")):
-            if path.suffix in (".py", ".json"):
-                digest.update(path.read_bytes())
+def state_of(root: Path, file: str) -> str:
+    """A digest of a file of tests, and of what it shares with others."""
+    digest, own = sha256(), root / file
+    beside = {*(root / "tests").glob("*.py"), *own.parent.glob("*.py")}
+    for path in sorted(beside):
+        if path == own or not path.name.startswith("test_"):
+            digest.update(path.read_bytes())
     return digest.hexdigest()
 
 
@@ -280,24 +285,46 @@ class Copy:
         self.folder = folder / "copy"
         self._order, self._notes = folder / "order.json", folder / "notes.json"
         self._rooms: dict[str, Room] = {}
-        self._state = state_of(ROOT)
+        self._changes = 0
         shutil.copytree(ROOT, self.folder, ignore=LEFT_OUT)
 
     def notices(self, mutant: Mutant) -> str:
         """The test of the room that fails with the change; empty where all pass."""
         name = room_of(mutant.path)
-        room = self.room(name)
-        order = {"first": room.first(mutant), "left out": room.failed}
-        self._order.write_text(json.dumps(order), encoding="utf-8")
+        left = self.room(name).asked(mutant)
+        with self._made(mutant):
+            while left:
+                failed = self._failing(name, left)
+                # What passes when it is asked again failed by chance, as on a busy machine.
+                if failed not in left or self._failing(name, [failed]):
+                    return failed
+                left = left[left.index(failed) + 1 :]
+        return ""
+
+    @contextmanager
+    def _made(self, mutant: Mutant) -> Iterator[None]:
+        """The copy with a change."""
         path = self.folder / mutant.path
-        kept = path.read_text(encoding="utf-8")
-        path.write_text(mutant.change.made(kept), encoding="utf-8")
+        before, text = path.stat(), path.read_text(encoding="utf-8")
+        path.write_text(mutant.change.made(text), encoding="utf-8")
+        # Python keeps what it compiled by the second of the file: no two changes share one.
+        self._changes += 1
+        os.utime(path, (self._changes, self._changes))
         try:
-            self._run(name, PATIENCE * room.seconds + START, "-x", SPRINGPOT_ORDER=str(self._order))
+            yield
+        finally:
+            path.write_text(text, encoding="utf-8")
+            os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
+
+    def _failing(self, name: str, asked: list[str]) -> str:
+        """The first of some tests of a room that fails, or how they ended otherwise; or nothing."""
+        self._order.write_text(json.dumps(asked), encoding="utf-8")
+        files = sorted({each.partition("::")[0] for each in asked})
+        usual = sum(self.room(name).entered[each]["seconds"] for each in asked)
+        try:
+            self._run(files, PATIENCE * usual + START, "-x", SPRINGPOT_ORDER=str(self._order))
         except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as fault:
             return next(iter(self._noted()["failed"]), str(fault))
-        finally:
-            path.write_text(kept, encoding="utf-8")
         return ""
 
     def room(self, name: str) -> Room:
@@ -306,17 +333,20 @@ class Copy:
         A test that fails on this machine would notice whatever is done: it is left out.
         """
         if name not in self._rooms:
-            path = KEPT / f"{name or 'root'}.json"
-            self._rooms[name] = Room(**kept(path, self._state, lambda: self._measured(name)))
+            entered: dict[str, Any] = {}
+            failed: list[str] = []
+            for file in own_tests(name):
+                path = KEPT / Path(file).with_suffix(".json")
+                noted = kept(path, state_of(ROOT, file), partial(self._measured, file))
+                entered |= noted["tests"]
+                failed += noted["failed"]
+            self._rooms[name] = Room(entered, failed)
         return self._rooms[name]
 
-    def _measured(self, name: str) -> dict[str, Any]:
-        start = perf_counter()
+    def _measured(self, file: str) -> dict[str, Any]:
         with suppress(subprocess.CalledProcessError):
-            self._run(name, None)
-        noted = self._noted()
-        seconds = perf_counter() - start
-        return {"seconds": seconds, "entered": noted["tests"], "failed": noted["failed"]}
+            self._run([file], None)
+        return self._noted()
 
     def _noted(self) -> dict[str, Any]:
         """What the tests left in writing; nothing where they ended before their time."""
@@ -325,13 +355,13 @@ class Copy:
         noted: dict[str, Any] = json.loads(self._notes.read_text(encoding="utf-8"))
         return noted
 
-    def _run(self, room: str, patience: float | None, *options: str, **told: str) -> None:
-        """Run the tests of a room; what they started ends with them."""
+    def _run(self, files: list[str], patience: float | None, *options: str, **told: str) -> None:
+        """Run files of tests; what they started ends with them."""
         self._notes.unlink(missing_ok=True)
         own = os.pathsep.join(
             str(self.folder / name) for name in ("framework", "plugins", "tests/reliability")
         )
-        environment = {**os.environ, "PYTHONPATH": own, "PYTHONDONTWRITEBYTECODE": "1", **told}
+        environment = {**os.environ, "PYTHONPATH": own, **told}
         running = subprocess.Popen(
             [
                 sys.executable,
@@ -343,7 +373,7 @@ class Copy:
                 "-p",
                 "entered",
                 *options,
-                *own_tests(room),
+                *files,
             ],
             cwd=self.folder,
             env={**environment, "SPRINGPOT_NOTES": str(self._notes)},

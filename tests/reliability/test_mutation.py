@@ -54,6 +54,10 @@ def test_texts_annotations_and_settings_are_left_alone(text):
     assert changes_of(text + "\n") == []
 
 
+def test_the_number_that_stands_in_for_nothing_is_a_guard():
+    assert [change.after for change in changes_of("x or 1.0\n")] == ["(x and 1.0)"]
+
+
 @pytest.fixture(scope="module")
 def forty():
     return list(drawn(np.random.default_rng(1), 40))
@@ -84,32 +88,34 @@ def test_every_room_has_tests_of_its_own():
     assert [room for room in sorted(rooms) if not own_tests(room)] == []
 
 
-def test_the_tests_that_enter_the_changed_function_run_first_and_the_shortest_of_them_before_all():
-    (path,) = (path for path in (ROOT / PACKAGE).rglob("points.py"))
-    path = path.relative_to(ROOT)
+def test_tests_that_enter_the_changed_function_or_start_a_process_run_the_shortest_first():
+    path = PACKAGE / "rheology" / "points.py"
     tree = ast.parse((ROOT / path).read_text())
-    function = next(
-        node
-        for node in ast.walk(tree)
-        if isinstance(node, ast.FunctionDef) and not node.decorator_list
-    )
-    here, beside = [str(path), function.lineno], [str(path), 1]
+    holder = next(node for node in tree.body if isinstance(node, ast.ClassDef))
+    function = next(node for node in holder.body if isinstance(node, ast.FunctionDef))
+    here, beside = [str(path), f"{holder.name}.{function.name}"], [str(path), "other"]
     entered = {
         "long": {"seconds": 2.0, "entered": [beside, here], "started": False},
         "beside": {"seconds": 0.1, "entered": [beside], "started": False},
         "short": {"seconds": 1.0, "entered": [here], "started": True},
         "outside": {"seconds": 0.2, "entered": [], "started": True},
     }
-    room = Room(3.1, entered)
+    entered["fails anyway"] = entered["short"]
+    entered["neither"] = {"seconds": 0.3, "entered": [beside], "started": False}
+    room = Room(entered, ["fails anyway"])
     inside = Mutant(path, Change(function.body[-1].lineno, 0, 0, "", ""))
-    assert room.first(inside) == ["short", "long", "outside"]
-    of_module = room.first(Mutant(path, Change(1, 0, 0, "", "")))
-    assert of_module == ["beside", "short", "long", "outside"]
+    assert room.asked(inside) == ["short", "long", "outside"]
+    # What a module sets as it is loaded may be of use anywhere; where it is entered comes first.
+    of_module = room.asked(Mutant(path, Change(1, 0, 0, "", "")))
+    assert of_module == ["beside", "neither", "short", "long", "outside"]
 
 
-def test_a_room_as_it_is_stays_known_until_something_it_hangs_on_is_changed(tmp_path):
-    (tmp_path / "tests").mkdir()
-    (tmp_path / "tests" / "test_it.py").write_text("1\n")
+def test_what_a_file_of_tests_enters_stays_known_until_it_or_what_it_shares_is_changed(tmp_path):
+    own, other, shared = (tmp_path / "tests" / "room" / f"{name}.py" for name in
+                          ("test_it", "test_other", "known"))  # fmt: skip
+    own.parent.mkdir(parents=True)
+    for path in (own, other, shared):
+        path.write_text("1\n")
     made = []
 
     def room(seconds):
@@ -117,9 +123,14 @@ def test_a_room_as_it_is_stays_known_until_something_it_hangs_on_is_changed(tmp_
             made.append(seconds)
             return {"seconds": seconds}
 
-        return kept(tmp_path / "kept" / "room.json", state_of(tmp_path), make)
+        state = state_of(tmp_path, "tests/room/test_it.py")
+        return kept(tmp_path / "kept" / "test_it.json", state, make)["seconds"]
 
-    assert [room(1.0), room(2.0)] == [{"seconds": 1.0}] * 2
-    (tmp_path / "tests" / "test_it.py").write_text("2\n")
-    assert room(3.0) == {"seconds": 3.0}
-    assert made == [1.0, 3.0]
+    assert room(1.0) == 1.0
+    other.write_text("2\n")
+    assert room(2.0) == 1.0
+    own.write_text("2\n")
+    assert room(3.0) == 3.0
+    shared.write_text("2\n")
+    assert room(4.0) == 4.0
+    assert made == [1.0, 3.0, 4.0]

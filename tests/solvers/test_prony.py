@@ -77,6 +77,13 @@ def test_classical_models_are_their_own_series():
     assert (kelvin.equilibrium, kelvin.viscosity, len(kelvin.times)) == (1.0, 2.0, 0)
 
 
+def test_a_solver_carries_no_term_without_weight():
+    """Of a dashpot that may not stand beside them only the shortest term takes a share."""
+    found = prony_of(spectrum_of("kelvin", [1.0, 2.0]), terms=3)
+    assert len(found.times) == len(found.weights) == 1
+    assert found.weights > 0.0
+
+
 def test_a_dashpot_that_may_not_stand_is_refused_with_what_helps():
     with pytest.raises(
         ModelError, match=r"follow its dashpot no nearer than 0\.\d+ %: .*\(--dashpot\)"

@@ -13,6 +13,7 @@ from springpot.timetests.scatter import (
     TENFOLD,
     ResidualScatter,
     _chance,
+    _evened,
     _fitted,
     _jumps,
     _log_likelihood,
@@ -21,6 +22,7 @@ from springpot.timetests.scatter import (
     _spectrum,
     likeliest_jump,
     periodogram,
+    rougher,
     scatter_of_sweep,
     times_noise,
 )
@@ -105,6 +107,27 @@ def test_a_sample_that_repeats_the_last_one_has_no_noise():
     assert _scattered(stuck[1:]).all()
     wanted = np.sqrt(np.sum(stuck**2) / FEWEST) / 2.0
     assert times_noise(stuck, 2.0) == pytest.approx(wanted)
+
+
+def test_noise_of_a_rough_part_is_evened_to_that_of_the_rest():
+    residual = np.where(np.arange(400) % 2, 1.0, -1.0)
+    residual[100:140] *= 20.0
+    times, even = rougher(residual), _evened(residual)
+    assert times[110:130] == pytest.approx(20.0)
+    assert np.all(times[np.r_[:90, 150:400]] == 1.0)
+    assert np.abs(even[np.r_[:90, 110:130, 150:400]]) == pytest.approx(1.0)
+    # Few samples, or such of which most repeat each other, tell nothing of it.
+    for few in (residual[95:130], np.repeat([0.0, 1.0], 40)):
+        assert np.all(rougher(few) == 1.0)
+
+
+def test_a_sample_far_off_is_no_larger_than_the_tails_of_its_noise(rng):
+    residual = rng.normal(size=400)
+    residual[7] = -1e6
+    even = _evened(residual)
+    assert even[7] == pytest.approx(-3.0, rel=0.15)
+    near = (np.abs(residual) < 2.5) & (rougher(residual) == 1.0)
+    assert even[near] == pytest.approx(residual[near])
 
 
 @pytest.mark.parametrize("known", [True, False])

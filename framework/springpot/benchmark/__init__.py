@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
+    from springpot.report.tables import FORMATS, Table, save_table
+
     from .columns import frame
     from .exporting import Export, export
     from .runner import Outcome, run_study
@@ -15,7 +17,6 @@ if TYPE_CHECKING:
     from .store import Store
     from .study import Study
     from .summary import load_study, store_path
-    from .tables import FORMATS, Table, save_table
     from .trial import Status
 
 __all__ = [
@@ -38,24 +39,18 @@ __all__ = [
     "write_tables",
 ]
 
-_WHERE = {
-    "Export": "springpot.benchmark.exporting",
-    "FORMATS": "springpot.benchmark.tables",
-    "Findings": "springpot.benchmark.standings",
-    "Interval": "springpot.benchmark.statistics",
-    "Outcome": "springpot.benchmark.runner",
-    "Status": "springpot.benchmark.trial",
-    "Store": "springpot.benchmark.store",
-    "Study": "springpot.benchmark.study",
-    "Table": "springpot.benchmark.tables",
-    "export": "springpot.benchmark.exporting",
-    "frame": "springpot.benchmark.columns",
-    "load_study": "springpot.benchmark.summary",
-    "run_study": "springpot.benchmark.runner",
-    "save_table": "springpot.benchmark.tables",
-    "store_path": "springpot.benchmark.summary",
-    "summarise": "springpot.benchmark.standings",
-    "write_tables": "springpot.benchmark.standings",
-}
-
-__getattr__, __dir__ = offered(__name__, _WHERE)
+__getattr__, __dir__ = offered(
+    __name__,
+    {
+        "columns": "frame",
+        "exporting": "Export export",
+        "runner": "Outcome run_study",
+        "standings": "Findings summarise write_tables",
+        "statistics": "Interval",
+        "store": "Store",
+        "study": "Study",
+        "summary": "load_study store_path",
+        "springpot.report.tables": "FORMATS save_table Table",
+        "trial": "Status",
+    },
+)

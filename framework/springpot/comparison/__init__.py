@@ -7,23 +7,15 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .comparing import Comparison, Judgement, compare
-    from .ranking import Ranking, rank
+    from .comparing import Comparison as Comparison
+    from .comparing import Judgement as Judgement
+    from .ranking import Ranking as Ranking
+    from .ranking import rank as rank
 
-__all__ = [
-    "Comparison",
-    "Judgement",
-    "Ranking",
-    "compare",
-    "rank",
-]
-
-_WHERE = {
-    "Comparison": "springpot.comparison.comparing",
-    "Judgement": "springpot.comparison.comparing",
-    "Ranking": "springpot.comparison.ranking",
-    "compare": "springpot.comparison.comparing",
-    "rank": "springpot.comparison.ranking",
-}
-
-__getattr__, __dir__ = offered(__name__, _WHERE)
+__getattr__, __dir__ = offered(
+    __name__,
+    {
+        "comparing": "Comparison Judgement",
+        "ranking": "rank Ranking",
+    },
+)

@@ -10,15 +10,11 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .asking import quantities
-    from .quantity import Quantities, Quantity
+    from .asking import quantities as quantities
 
-__all__ = ["Quantities", "Quantity", "quantities"]
-
-_WHERE = {
-    "Quantities": "springpot.derived.quantity",
-    "Quantity": "springpot.derived.quantity",
-    "quantities": "springpot.derived.asking",
-}
-
-__getattr__, __dir__ = offered(__name__, _WHERE)
+__getattr__, __dir__ = offered(
+    __name__,
+    {
+        "asking": "quantities",
+    },
+)

@@ -212,8 +212,7 @@ def of_amplitude(data: Measurement, notes: list[str]) -> Iterator[Quantity]:
     for sweep in curves(data, "amplitude"):
         found = linear_limit(sweep.x, sweep.storage)
         if found is None:
-            largest = f"{float(np.exp(sweep.x[-1])):.3g} {data.units.amplitude}"
-            notes.append(f"storage falls by less than {100 * FALL:g} % up to {largest}: no limit")
+            notes.append(_no_limit(sweep, data.units.amplitude))
         else:
             says = f"storage has fallen by {100 * FALL:g} %"
             yield from _place(sweep, data, *found, ("linear limit", "yield"), says)
@@ -221,6 +220,16 @@ def of_amplitude(data: Measurement, notes: list[str]) -> Iterator[Quantity]:
             error = float(np.sqrt(curve.covariance[0, 0])) / abs(curve.slope)
             says, names = "where storage and loss are equal", ("flow point", "flow")
             yield from _place(sweep, data, place, error, curve.dof, names, says)
+
+
+def _no_limit(sweep: OneSweep, unit: str) -> str:
+    """Why a sweep shows no linear limit: it lies above all amplitudes, or below."""
+    first, last = (float(np.median(part)) for part in (sweep.storage[:3], sweep.storage[-3:]))
+    if last - first > np.log1p(-FALL):
+        largest = f"{float(np.exp(sweep.x[-1])):.3g} {unit}".removesuffix(" -")
+        return f"storage falls by less than {100 * FALL:g} % up to {largest}: no limit"
+    least = f"{float(np.exp(sweep.x[0])):.3g} {unit}".removesuffix(" -")
+    return f"storage falls from {least} on: the linear limit lies below what was measured"
 
 
 def _place(
@@ -260,29 +269,23 @@ def linear_limit(x: Real, storage: Real) -> tuple[float, float, int] | None:
         None where it falls by less.
     """
     depth = -float(np.log1p(-FALL))
-    level, used = float(np.median(storage[:3])), len(x)
-    found = None
+    level = float(np.median(storage[:3]))
     for _ in range(6):
         deep = np.flatnonzero(level - storage > FITTED * depth)
         used = max(int(deep[0]) if len(deep) else len(x), FEWEST)
-        found = _onset(x[:used], storage[:used], level, depth)
-        if found is None:
-            return None
-        level = float(found[0][0])
-    assert found is not None
-    (_, place, _), covariance, dof = found
+        theta, covariance, dof = _onset(x[:used], storage[:used], level, depth)
+        level = float(theta[0])
+    place = float(theta[1])
     if not x[0] < place < x[-1]:
         return None
     return place, float(np.sqrt(covariance[1, 1])), dof
 
 
-def _onset(x: Real, y: Real, level: float, depth: float) -> tuple[Real, Real, int] | None:
+def _onset(x: Real, y: Real, level: float, depth: float) -> tuple[Real, Real, int]:
     """Level, place and power by Gauss and Newton with halved steps, their covariance."""
     fallen = np.flatnonzero(level - y > depth)
     start = x[fallen[0]] if len(fallen) else x[-1]
     theta, dof = np.array([level, float(start), 2.0]), len(x) - 3
-    if dof < 1:
-        return None
 
     def model(at: Real) -> tuple[Real, Real]:
         power = np.exp(np.clip(at[2] * (x - at[1]), -300.0, 300.0))

@@ -375,8 +375,8 @@ def _covariance(rows: FactorRows, expected: Expected | None) -> Real:
     covariance = (carry * sd**2) @ carry.T
     # What the data do not determine gets a deviation that nobody takes for knowledge, rather than
     # infinity, with which nothing can be computed.
-    lost = right[~known].T / size[:, None]
-    lost = lost / np.maximum(np.linalg.norm(lost, axis=0), 1e-300)
+    # By an orthonormal basis: which vectors span what is lost is chance.
+    lost, _ = np.linalg.qr(right[~known].T / size[:, None])
     return np.asarray(covariance + OPEN**2 * lost @ lost.T, dtype=np.float64)
 
 

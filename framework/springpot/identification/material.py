@@ -84,7 +84,7 @@ def is_material(model: Model) -> bool:
     Examples
     --------
     >>> import springpot
-    >>> from springpot.identification import is_material
+    >>> from springpot.identification.material import is_material
     >>> is_material(springpot.parse_model("material")), is_material(springpot.parse_model("kelvin"))
     (True, False)
     """

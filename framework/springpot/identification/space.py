@@ -147,7 +147,7 @@ def paper_box(
     Examples
     --------
     >>> import springpot
-    >>> from springpot.identification import paper_box
+    >>> from springpot.identification.space import paper_box
     >>> data = springpot.read("artificial-hidden")
     >>> box = paper_box(springpot.parse_model("fractional-zener"), data)
     >>> dict(zip(box.names, box.upper.tolist()))
@@ -177,7 +177,7 @@ def box_of(model: Model, scale: float, time: float, reach: float) -> SearchSpace
     Examples
     --------
     >>> import springpot
-    >>> from springpot.identification import box_of
+    >>> from springpot.identification.space import box_of
     >>> box_of(springpot.parse_model("kelvin"), 100.0, 1.0, 1.0).upper
     array([200., 200.])
     """

@@ -7,15 +7,11 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .inventing import invent
-    from .result import FoundLaw, Invention
+    from .result import Invention as Invention
 
-__all__ = ["FoundLaw", "Invention", "invent"]
-
-_WHERE = {
-    "FoundLaw": "springpot.invention.result",
-    "Invention": "springpot.invention.result",
-    "invent": "springpot.invention.inventing",
-}
-
-__getattr__, __dir__ = offered(__name__, _WHERE)
+__getattr__, __dir__ = offered(
+    __name__,
+    {
+        "result": "Invention",
+    },
+)

@@ -7,319 +7,212 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from springpot.inputs import bytes_of, json_of, toml_of
-    from springpot.rheology import HELD, KELVIN
+    from springpot.inputs import (
+        bytes_of as bytes_of,
+    )
+    from springpot.inputs import (
+        json_of as json_of,
+    )
+    from springpot.inputs import (
+        toml_of as toml_of,
+    )
 
-    from . import geometry
-    from .budget import MOST_CELLS, MOST_COLUMNS, MOST_TABLES, Budget, budget_of, within_budget
-    from .covered import RATE, Covered
-    from .csv_safe import guarded, guarded_line, unguarded, unguarded_line
-    from .followed import Record
-    from .from_signals import OneTest, measurement_from_signals, measurement_of_tests
-    from .geometry import Geometry
-    from .geometry_text import parse_geometry
-    from .imposed import Loading
+    from . import geometry as geometry
+    from .budget import (
+        MOST_CELLS as MOST_CELLS,
+    )
+    from .budget import (
+        MOST_COLUMNS as MOST_COLUMNS,
+    )
+    from .budget import (
+        MOST_TABLES as MOST_TABLES,
+    )
+    from .budget import (
+        Budget as Budget,
+    )
+    from .budget import (
+        budget_of as budget_of,
+    )
+    from .budget import (
+        within_budget as within_budget,
+    )
+    from .csv_safe import (
+        guarded as guarded,
+    )
+    from .csv_safe import (
+        guarded_line as guarded_line,
+    )
+    from .csv_safe import (
+        unguarded as unguarded,
+    )
+    from .csv_safe import (
+        unguarded_line as unguarded_line,
+    )
+    from .followed import Record as Record
+    from .from_signals import measurement_from_signals as measurement_from_signals
+    from .geometry_text import parse_geometry as parse_geometry
+    from .imposed import Loading as Loading
     from .independence import (
-        HELD_ALIKE,
-        Spread,
-        at_one_frequency,
-        distinct_log_omega,
-        frequency_numbers,
-        held_frequency_numbers,
-        independent,
-        moved_along,
-        rounded_log_omega,
-        spread_of,
-        steadied,
-        telling,
+        independent as independent,
     )
-    from .interface import as_modulus, as_stiffness, through
-    from .joining import FILE, joined
-    from .measurement import CONDITIONS, Measurement, misspelt, points_at
+    from .independence import (
+        spread_of as spread_of,
+    )
+    from .independence import (
+        steadied as steadied,
+    )
+    from .interface import (
+        as_modulus as as_modulus,
+    )
+    from .interface import (
+        as_stiffness as as_stiffness,
+    )
+    from .interface import (
+        through as through,
+    )
+    from .joining import joined as joined
+    from .measurement import Measurement as Measurement
+    from .measurement import misspelt as misspelt
     from .mixed_tests import (
-        TIME,
-        Sweep,
-        largest_test,
-        settings_of,
-        sweeps_of,
-        temperatures_differ,
-        tests_together,
+        settings_of as settings_of,
     )
-    from .noise import with_noise
+    from .mixed_tests import (
+        sweeps_of as sweeps_of,
+    )
+    from .mixed_tests import (
+        tests_together as tests_together,
+    )
+    from .noise import with_noise as with_noise
     from .opening import (
-        PROMISED,
-        DataSet,
-        conditions,
-        open_measurement,
-        parts_of,
-        pick_reader,
-        select,
-        without,
+        PROMISED as PROMISED,
     )
-    from .other_test import OtherTest
-    from .reader import Choice, OpenQuestion, Part, Question, Reader, parts_as_opened
-    from .replicates import Averaged, average_repeats, noise_of_repeats, thinned
-    from .rows import Moduli
-    from .scatter import (
-        LEAST_RELATIVE,
-        Noise,
-        Scatter,
-        at_least_rounding,
-        checked_noise,
-        noise_shape,
-        plausible_variance,
-        robust_noise_shape,
-        rounding_step,
+    from .opening import (
+        DataSet as DataSet,
     )
-    from .signals import Harmonics, Signals, harmonics_of
-    from .timenoise import SignalNoise, noise_of, relative_scatter
-    from .timereader import TimeReader, open_in_time
-    from .timetest import TimeTest
+    from .opening import (
+        open_measurement as open_measurement,
+    )
+    from .opening import (
+        parts_of as parts_of,
+    )
+    from .opening import (
+        pick_reader as pick_reader,
+    )
+    from .opening import (
+        select as select,
+    )
+    from .opening import (
+        without as without,
+    )
+    from .other_test import OtherTest as OtherTest
+    from .reader import (
+        Choice as Choice,
+    )
+    from .reader import (
+        OpenQuestion as OpenQuestion,
+    )
+    from .reader import (
+        Part as Part,
+    )
+    from .reader import (
+        Question as Question,
+    )
+    from .reader import (
+        Reader as Reader,
+    )
+    from .reader import (
+        parts_as_opened as parts_as_opened,
+    )
+    from .replicates import average_repeats as average_repeats
+    from .replicates import thinned as thinned
+    from .scatter import at_least_rounding as at_least_rounding
+    from .signals import Signals as Signals
+    from .signals import harmonics_of as harmonics_of
+    from .timenoise import noise_of as noise_of
+    from .timereader import TimeReader as TimeReader
+    from .timetest import TimeTest as TimeTest
     from .units import (
-        AMPLITUDE_UNITS,
-        ANGLE_UNITS,
-        FORCE_UNITS,
-        FREQUENCY_UNITS,
-        LENGTH_UNITS,
-        MODULUS_UNITS,
-        PRESSURE_UNITS,
-        STIFFNESS_UNITS,
-        STRAIN_UNITS,
-        TEMPERATURE_UNITS,
-        TIME_UNITS,
-        TORQUE_UNITS,
-        Units,
-        known_unit,
-        near_units,
-        normal_unit,
-        one_modulus,
-        temperature_in_celsius,
+        AMPLITUDE_UNITS as AMPLITUDE_UNITS,
+    )
+    from .units import (
+        ANGLE_UNITS as ANGLE_UNITS,
+    )
+    from .units import (
+        FORCE_UNITS as FORCE_UNITS,
+    )
+    from .units import (
+        FREQUENCY_UNITS as FREQUENCY_UNITS,
+    )
+    from .units import (
+        LENGTH_UNITS as LENGTH_UNITS,
+    )
+    from .units import (
+        MODULUS_UNITS as MODULUS_UNITS,
+    )
+    from .units import (
+        PRESSURE_UNITS as PRESSURE_UNITS,
+    )
+    from .units import (
+        STIFFNESS_UNITS as STIFFNESS_UNITS,
+    )
+    from .units import (
+        STRAIN_UNITS as STRAIN_UNITS,
+    )
+    from .units import (
+        TEMPERATURE_UNITS as TEMPERATURE_UNITS,
+    )
+    from .units import (
+        TIME_UNITS as TIME_UNITS,
+    )
+    from .units import (
+        TORQUE_UNITS as TORQUE_UNITS,
+    )
+    from .units import (
+        Units as Units,
+    )
+    from .units import (
+        known_unit as known_unit,
+    )
+    from .units import (
+        near_units as near_units,
+    )
+    from .units import (
+        normal_unit as normal_unit,
+    )
+    from .units import (
+        temperature_in_celsius as temperature_in_celsius,
     )
 
-__all__ = [
-    "RATE",
-    "Covered",
-    "Sweep",
-    "distinct_log_omega",
-    "frequency_numbers",
-    "at_one_frequency",
-    "held_frequency_numbers",
-    "rounded_log_omega",
-    "TIME",
-    "sweeps_of",
-    "temperatures_differ",
-    "AMPLITUDE_UNITS",
-    "Averaged",
-    "ANGLE_UNITS",
-    "Budget",
-    "CONDITIONS",
-    "FILE",
-    "HELD",
-    "HELD_ALIKE",
-    "Choice",
-    "DataSet",
-    "FORCE_UNITS",
-    "FREQUENCY_UNITS",
-    "Geometry",
-    "Harmonics",
-    "KELVIN",
-    "LEAST_RELATIVE",
-    "LENGTH_UNITS",
-    "Loading",
-    "MODULUS_UNITS",
-    "MOST_CELLS",
-    "MOST_COLUMNS",
-    "MOST_TABLES",
-    "Measurement",
-    "Moduli",
-    "Noise",
-    "OneTest",
-    "OpenQuestion",
-    "PRESSURE_UNITS",
-    "PROMISED",
-    "Part",
-    "Question",
-    "Reader",
-    "STIFFNESS_UNITS",
-    "Scatter",
-    "STRAIN_UNITS",
-    "SignalNoise",
-    "Signals",
-    "Spread",
-    "TEMPERATURE_UNITS",
-    "TIME_UNITS",
-    "Record",
-    "TORQUE_UNITS",
-    "OtherTest",
-    "TimeReader",
-    "TimeTest",
-    "Units",
-    "as_modulus",
-    "as_stiffness",
-    "at_least_rounding",
-    "average_repeats",
-    "budget_of",
-    "bytes_of",
-    "checked_noise",
-    "conditions",
-    "geometry",
-    "guarded",
-    "guarded_line",
-    "harmonics_of",
-    "independent",
-    "joined",
-    "json_of",
-    "known_unit",
-    "largest_test",
-    "measurement_from_signals",
-    "measurement_of_tests",
-    "misspelt",
-    "near_units",
-    "moved_along",
-    "normal_unit",
-    "one_modulus",
-    "noise_of",
-    "noise_of_repeats",
-    "noise_shape",
-    "open_measurement",
-    "parse_geometry",
-    "parts_as_opened",
-    "parts_of",
-    "pick_reader",
-    "plausible_variance",
-    "points_at",
-    "relative_scatter",
-    "robust_noise_shape",
-    "rounding_step",
-    "select",
-    "settings_of",
-    "spread_of",
-    "steadied",
-    "telling",
-    "tests_together",
-    "temperature_in_celsius",
-    "open_in_time",
-    "thinned",
-    "through",
-    "toml_of",
-    "unguarded",
-    "unguarded_line",
-    "with_noise",
-    "within_budget",
-    "without",
-]
-
-_WHERE = {
-    "AMPLITUDE_UNITS": "springpot.measurement.units",
-    "ANGLE_UNITS": "springpot.measurement.units",
-    "Averaged": "springpot.measurement.replicates",
-    "Budget": "springpot.measurement.budget",
-    "CONDITIONS": "springpot.measurement.measurement",
-    "Choice": "springpot.measurement.reader",
-    "Covered": "springpot.measurement.covered",
-    "DataSet": "springpot.measurement.opening",
-    "PROMISED": "springpot.measurement.opening",
-    "FILE": "springpot.measurement.joining",
-    "FORCE_UNITS": "springpot.measurement.units",
-    "FREQUENCY_UNITS": "springpot.measurement.units",
-    "Geometry": "springpot.measurement.geometry",
-    "HELD": "springpot.rheology.levels",
-    "HELD_ALIKE": "springpot.measurement.independence",
-    "Harmonics": "springpot.measurement.signals",
-    "KELVIN": "springpot.rheology.points",
-    "LEAST_RELATIVE": "springpot.measurement.scatter",
-    "LENGTH_UNITS": "springpot.measurement.units",
-    "Loading": "springpot.measurement.imposed",
-    "MODULUS_UNITS": "springpot.measurement.units",
-    "MOST_CELLS": "springpot.measurement.budget",
-    "MOST_COLUMNS": "springpot.measurement.budget",
-    "MOST_TABLES": "springpot.measurement.budget",
-    "Measurement": "springpot.measurement.measurement",
-    "Moduli": "springpot.measurement.rows",
-    "Noise": "springpot.measurement.scatter",
-    "OneTest": "springpot.measurement.from_signals",
-    "OpenQuestion": "springpot.measurement.reader",
-    "PRESSURE_UNITS": "springpot.measurement.units",
-    "Part": "springpot.measurement.reader",
-    "Question": "springpot.measurement.reader",
-    "RATE": "springpot.measurement.covered",
-    "Reader": "springpot.measurement.reader",
-    "Record": "springpot.measurement.followed",
-    "STIFFNESS_UNITS": "springpot.measurement.units",
-    "STRAIN_UNITS": "springpot.measurement.units",
-    "Scatter": "springpot.measurement.scatter",
-    "SignalNoise": "springpot.measurement.timenoise",
-    "Signals": "springpot.measurement.signals",
-    "Spread": "springpot.measurement.independence",
-    "Sweep": "springpot.measurement.mixed_tests",
-    "TEMPERATURE_UNITS": "springpot.measurement.units",
-    "TIME": "springpot.measurement.mixed_tests",
-    "TIME_UNITS": "springpot.measurement.units",
-    "TORQUE_UNITS": "springpot.measurement.units",
-    "OtherTest": "springpot.measurement.other_test",
-    "TimeReader": "springpot.measurement.timereader",
-    "TimeTest": "springpot.measurement.timetest",
-    "Units": "springpot.measurement.units",
-    "as_modulus": "springpot.measurement.interface",
-    "as_stiffness": "springpot.measurement.interface",
-    "at_least_rounding": "springpot.measurement.scatter",
-    "at_one_frequency": "springpot.measurement.independence",
-    "average_repeats": "springpot.measurement.replicates",
-    "budget_of": "springpot.measurement.budget",
-    "bytes_of": "springpot.inputs",
-    "checked_noise": "springpot.measurement.scatter",
-    "conditions": "springpot.measurement.opening",
-    "distinct_log_omega": "springpot.measurement.independence",
-    "frequency_numbers": "springpot.measurement.independence",
-    "geometry": "springpot.measurement.geometry",
-    "guarded": "springpot.measurement.csv_safe",
-    "guarded_line": "springpot.measurement.csv_safe",
-    "harmonics_of": "springpot.measurement.signals",
-    "held_frequency_numbers": "springpot.measurement.independence",
-    "independent": "springpot.measurement.independence",
-    "joined": "springpot.measurement.joining",
-    "json_of": "springpot.inputs",
-    "known_unit": "springpot.measurement.units",
-    "largest_test": "springpot.measurement.mixed_tests",
-    "measurement_from_signals": "springpot.measurement.from_signals",
-    "measurement_of_tests": "springpot.measurement.from_signals",
-    "misspelt": "springpot.measurement.measurement",
-    "moved_along": "springpot.measurement.independence",
-    "near_units": "springpot.measurement.units",
-    "noise_of": "springpot.measurement.timenoise",
-    "noise_of_repeats": "springpot.measurement.replicates",
-    "noise_shape": "springpot.measurement.scatter",
-    "normal_unit": "springpot.measurement.units",
-    "one_modulus": "springpot.measurement.units",
-    "open_in_time": "springpot.measurement.timereader",
-    "open_measurement": "springpot.measurement.opening",
-    "parse_geometry": "springpot.measurement.geometry_text",
-    "parts_as_opened": "springpot.measurement.reader",
-    "parts_of": "springpot.measurement.opening",
-    "pick_reader": "springpot.measurement.opening",
-    "plausible_variance": "springpot.measurement.scatter",
-    "points_at": "springpot.measurement.measurement",
-    "relative_scatter": "springpot.measurement.timenoise",
-    "robust_noise_shape": "springpot.measurement.scatter",
-    "rounded_log_omega": "springpot.measurement.independence",
-    "rounding_step": "springpot.measurement.scatter",
-    "select": "springpot.measurement.opening",
-    "settings_of": "springpot.measurement.mixed_tests",
-    "spread_of": "springpot.measurement.independence",
-    "steadied": "springpot.measurement.independence",
-    "sweeps_of": "springpot.measurement.mixed_tests",
-    "telling": "springpot.measurement.independence",
-    "temperature_in_celsius": "springpot.measurement.units",
-    "temperatures_differ": "springpot.measurement.mixed_tests",
-    "tests_together": "springpot.measurement.mixed_tests",
-    "thinned": "springpot.measurement.replicates",
-    "through": "springpot.measurement.interface",
-    "toml_of": "springpot.inputs",
-    "unguarded": "springpot.measurement.csv_safe",
-    "unguarded_line": "springpot.measurement.csv_safe",
-    "with_noise": "springpot.measurement.noise",
-    "within_budget": "springpot.measurement.budget",
-    "without": "springpot.measurement.opening",
-}
-
-__getattr__, __dir__ = offered(__name__, _WHERE)
+__getattr__, __dir__ = offered(
+    __name__,
+    {
+        "budget": "Budget budget_of MOST_CELLS MOST_COLUMNS MOST_TABLES within_budget",
+        "csv_safe": "guarded guarded_line unguarded unguarded_line",
+        "followed": "Record",
+        "from_signals": "measurement_from_signals",
+        "geometry": "geometry",
+        "geometry_text": "parse_geometry",
+        "imposed": "Loading",
+        "independence": "independent spread_of steadied",
+        "interface": "as_modulus as_stiffness through",
+        "joining": "joined",
+        "measurement": "Measurement misspelt",
+        "mixed_tests": "settings_of sweeps_of tests_together",
+        "noise": "with_noise",
+        "opening": "DataSet open_measurement parts_of pick_reader PROMISED select without",
+        "other_test": "OtherTest",
+        "reader": "Choice OpenQuestion Part parts_as_opened Question Reader",
+        "replicates": "average_repeats thinned",
+        "scatter": "at_least_rounding",
+        "signals": "harmonics_of Signals",
+        "springpot.inputs": "bytes_of json_of toml_of",
+        "timenoise": "noise_of",
+        "timereader": "TimeReader",
+        "timetest": "TimeTest",
+        "units": (
+            "AMPLITUDE_UNITS ANGLE_UNITS FORCE_UNITS FREQUENCY_UNITS known_unit LENGTH_UNITS "
+            "MODULUS_UNITS near_units normal_unit PRESSURE_UNITS STIFFNESS_UNITS STRAIN_UNITS "
+            "temperature_in_celsius TEMPERATURE_UNITS TIME_UNITS TORQUE_UNITS Units"
+        ),
+    },
+)

@@ -64,7 +64,7 @@ def rounded_log_omega(omega: Real) -> Real:
     Examples
     --------
     >>> import numpy as np
-    >>> from springpot.measurement import rounded_log_omega
+    >>> from springpot.measurement.independence import rounded_log_omega
     >>> float(np.ptp(rounded_log_omega(np.array([6.2831853, 6.2831855]))))
     0.0
     """
@@ -78,7 +78,7 @@ def frequency_numbers(data: Frequencies) -> NDArray[np.int64]:
     Examples
     --------
     >>> from springpot import Measurement
-    >>> from springpot.measurement import frequency_numbers
+    >>> from springpot.measurement.independence import frequency_numbers
     >>> frequency_numbers(Measurement([2.0, 1.0, 2.0], [1j, 2j, 3j]))
     array([1, 0, 1])
     """
@@ -93,7 +93,7 @@ def distinct_log_omega(data: Frequencies) -> Real:
     --------
     >>> import numpy as np
     >>> from springpot import Measurement
-    >>> from springpot.measurement import distinct_log_omega
+    >>> from springpot.measurement.independence import distinct_log_omega
     >>> np.exp(distinct_log_omega(Measurement([2.0, 1.0, 2.0], [1j, 2j, 3j]))).round(6)
     array([1., 2.])
     """
@@ -111,7 +111,7 @@ def held_frequency_numbers(omega: Real) -> NDArray[np.int64]:
     Examples
     --------
     >>> import numpy as np
-    >>> from springpot.measurement import held_frequency_numbers
+    >>> from springpot.measurement.independence import held_frequency_numbers
     >>> held_frequency_numbers(np.array([1.0001, 2.0, 0.9999]))
     array([0, 1, 0])
     """
@@ -126,7 +126,7 @@ def at_one_frequency(data: Frequencies) -> bool:
     Examples
     --------
     >>> from springpot import Measurement
-    >>> from springpot.measurement import at_one_frequency
+    >>> from springpot.measurement.independence import at_one_frequency
     >>> at_one_frequency(Measurement([1.0, 1.0002], [1j, 2j]))
     True
     """
@@ -262,7 +262,7 @@ def telling(measurement: Measurement) -> frozenset[str]:
     --------
     >>> import numpy as np
     >>> from springpot import Measurement
-    >>> from springpot.measurement import telling
+    >>> from springpot.measurement.independence import telling
     >>> columns = {"amplitude": [0.1, 0.1], "temperature": [20.0, 20.0]}
     >>> sorted(telling(Measurement([1.0, 2.0], [1j, 2j], conditions=columns)))
     ['amplitude']
@@ -285,7 +285,7 @@ def moved_along(measurement: Measurement) -> set[str]:
     --------
     >>> import numpy as np
     >>> from springpot import Measurement
-    >>> from springpot.measurement import moved_along
+    >>> from springpot.measurement.independence import moved_along
     >>> omega = np.geomspace(0.1, 100.0, 12)
     >>> conditions = {"amplitude": 0.3 / omega**0.5}
     >>> moved_along(Measurement(omega, 1e3 * omega**0.5 + 0j, conditions=conditions))

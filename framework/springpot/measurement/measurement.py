@@ -498,7 +498,7 @@ def points_at(
     Examples
     --------
     >>> import numpy as np
-    >>> from springpot.measurement import points_at
+    >>> from springpot.measurement.measurement import points_at
     >>> points_at(np.zeros(1), {"temperature": np.array([20.0])}, 293.15).temperature
     array([293.15])
     """

@@ -151,7 +151,7 @@ def largest_test(measurement: Measurement, column: str) -> str:
     Examples
     --------
     >>> from springpot import Measurement
-    >>> from springpot.measurement import largest_test
+    >>> from springpot.measurement.mixed_tests import largest_test
     >>> data = Measurement([1.0, 2.0, 1.0], [1j, 2j, 3j], conditions={"current": [0.0, 0.0, 0.5]})
     >>> largest_test(data, "current")
     'current=0'
@@ -463,7 +463,7 @@ def temperatures_differ(measurement: Measurement) -> bool:
     Examples
     --------
     >>> from springpot import Measurement
-    >>> from springpot.measurement import temperatures_differ
+    >>> from springpot.measurement.mixed_tests import temperatures_differ
     >>> conditions = {"temperature": [20.0, 20.3]}
     >>> temperatures_differ(Measurement([1.0, 2.0], [1j, 2j], conditions=conditions))
     False

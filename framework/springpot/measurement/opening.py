@@ -106,7 +106,7 @@ def conditions(text: str, where: str) -> dict[str, str]:
 
     Examples
     --------
-    >>> from springpot.measurement import conditions
+    >>> from springpot.measurement.opening import conditions
     >>> conditions("temperature=20,frequency=1..10", "FILE@temperature=20,frequency=1..10")
     {'temperature': '20', 'frequency': '1..10'}
     """

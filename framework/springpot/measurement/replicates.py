@@ -263,7 +263,8 @@ def noise_of_repeats(averaged: Averaged) -> Noise | None:
     --------
     >>> import numpy as np
     >>> from springpot import Measurement
-    >>> from springpot.measurement import average_repeats, noise_of_repeats
+    >>> from springpot.measurement import average_repeats
+    >>> from springpot.measurement.replicates import noise_of_repeats
     >>> omega, scatter = np.tile([1.0, 2.0, 4.0], 5), np.random.default_rng(1).normal(size=15)
     >>> repeat = np.repeat(np.arange(5), 3)
     >>> data = Measurement(omega, (1.0 + 0.01 * scatter) * (3.0 + 1j), repeat=repeat)

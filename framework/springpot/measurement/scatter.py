@@ -64,7 +64,7 @@ class Noise:
     Examples
     --------
     >>> import numpy as np
-    >>> from springpot.measurement import Noise
+    >>> from springpot.measurement.scatter import Noise
     >>> noise = Noise(np.array([0.1 + 0.2j]), np.inf, "given")
     >>> noise.weights, noise.log_likelihood(4.0, 2)
     (array([10.+5.j]), -2.0)
@@ -324,7 +324,7 @@ def checked_noise(noise: Noise, variance: float, dof: float) -> Noise:
     Examples
     --------
     >>> import numpy as np
-    >>> from springpot.measurement import Noise, checked_noise
+    >>> from springpot.measurement.scatter import Noise, checked_noise
     >>> checked_noise(Noise(np.array([0.1 + 0.1j]), np.inf, "given"), 9.0, 40.0).doubt.split(":")[0]
     'the given standard deviations look too small'
     """
@@ -361,7 +361,7 @@ def plausible_variance(dof: float) -> tuple[float, float]:
 
     Examples
     --------
-    >>> from springpot.measurement import plausible_variance
+    >>> from springpot.measurement.scatter import plausible_variance
     >>> low, high = plausible_variance(40.0)
     >>> round(low, 2), round(high, 2)
     (0.35, 2.11)

@@ -275,7 +275,7 @@ def relative_scatter(sweep: Measurement) -> float:
     --------
     >>> import numpy as np
     >>> from springpot import Measurement
-    >>> from springpot.measurement import relative_scatter
+    >>> from springpot.measurement.timenoise import relative_scatter
     >>> omega = np.geomspace(0.1, 10.0, 200)
     >>> scatter = np.random.default_rng(1).normal(size=(2, 200))
     >>> noise = np.exp(0.01 * (scatter[0] + 1j * scatter[1]))

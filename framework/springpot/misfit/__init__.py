@@ -13,23 +13,11 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .error import Error
-    from .material import any_material
-    from .residual_battery import Finding
-    from .where import Where
+    from .material import any_material as any_material
 
-__all__ = [
-    "Error",
-    "Finding",
-    "Where",
-    "any_material",
-]
-
-_WHERE = {
-    "Error": "springpot.misfit.error",
-    "Finding": "springpot.misfit.residual_battery",
-    "Where": "springpot.misfit.where",
-    "any_material": "springpot.misfit.material",
-}
-
-__getattr__, __dir__ = offered(__name__, _WHERE)
+__getattr__, __dir__ = offered(
+    __name__,
+    {
+        "material": "any_material",
+    },
+)

@@ -7,7 +7,7 @@ A figure that shows itself at the end of a notebook's cell, without pyplot's glo
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from math import inf
@@ -38,6 +38,8 @@ class Picture(Figure):
 
 
 SUFFIXES = (".png", ".svg", ".pdf")
+MOVING = (*SUFFIXES, ".gif")
+"""Of what comes about in steps."""
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Told apart by the colour-blind; doi:10.1038/nmeth.1618."""
@@ -83,10 +85,17 @@ STYLE: dict[Any, Any] = {
 }
 
 
-def check_figure_path(path: str | Path) -> Path:
+def check_figure_path(path: str | Path, suffixes: Sequence[str] = SUFFIXES) -> Path:
     """`path`, after a check that a figure can be written there.
 
     Called before long work, not after it.
+
+    Parameters
+    ----------
+    path : str or Path
+        Of the figure.
+    suffixes : sequence of str
+        The ends of its name that there are.
 
     Raises
     ------
@@ -95,8 +104,8 @@ def check_figure_path(path: str | Path) -> Path:
     """
     path = Path(path)
     # The name first: whoever mistypes it need not install anything to be told.
-    if path.suffix.lower() not in SUFFIXES:
-        raise OutputError(f"cannot draw {path}: a figure's name must end in {', '.join(SUFFIXES)}")
+    if path.suffix.lower() not in suffixes:
+        raise OutputError(f"cannot draw {path}: a figure's name must end in {', '.join(suffixes)}")
     require_matplotlib()
     return require_writable(path)
 

@@ -7,362 +7,331 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .continuum import Continuum
-    from .drawing import draw, drawing_of
-    from .effect import AppliesTo, Effect, InstrumentConstant, Layer
-    from .elements import FixedPower, Springpot, dashpot, mass, spring, springpot
-    from .forms import KELVIN_FORM, MAXWELL_FORM, TIME_FORM, SearchForm, columns, limits_form, rows
-    from .formula import Formula
-    from .history import InTime, network_of, sorted_out, with_laws
-    from .hysteresis import smooth_hysteresis
-    from .intime import Traced
-    from .levels import HELD, Levels, free_factors, free_vertical_factors, levels_of
-    from .linear import (
-        basset,
-        diffusion,
-        hysteretic,
-        relaxation_mode,
-        resonant_frame,
-        retardation_mode,
+    from .continuum import Continuum as Continuum
+    from .drawing import draw as draw
+    from .drawing import drawing_of as drawing_of
+    from .effect import (
+        AppliesTo as AppliesTo,
     )
-    from .model import Model
-    from .named import Placed
+    from .effect import (
+        Effect as Effect,
+    )
+    from .effect import (
+        InstrumentConstant as InstrumentConstant,
+    )
+    from .effect import (
+        Layer as Layer,
+    )
+    from .elements import (
+        FixedPower as FixedPower,
+    )
+    from .elements import (
+        dashpot as dashpot,
+    )
+    from .elements import (
+        mass as mass,
+    )
+    from .elements import (
+        spring as spring,
+    )
+    from .elements import (
+        springpot as springpot,
+    )
+    from .forms import (
+        KELVIN_FORM as KELVIN_FORM,
+    )
+    from .forms import (
+        MAXWELL_FORM as MAXWELL_FORM,
+    )
+    from .forms import (
+        TIME_FORM as TIME_FORM,
+    )
+    from .forms import (
+        SearchForm as SearchForm,
+    )
+    from .forms import (
+        columns as columns,
+    )
+    from .forms import (
+        limits_form as limits_form,
+    )
+    from .forms import (
+        rows as rows,
+    )
+    from .formula import Formula as Formula
+    from .hysteresis import smooth_hysteresis as smooth_hysteresis
+    from .intime import Traced as Traced
+    from .levels import (
+        HELD as HELD,
+    )
+    from .levels import (
+        Levels as Levels,
+    )
+    from .levels import (
+        free_factors as free_factors,
+    )
+    from .levels import (
+        free_vertical_factors as free_vertical_factors,
+    )
+    from .levels import (
+        levels_of as levels_of,
+    )
+    from .linear import (
+        basset as basset,
+    )
+    from .linear import (
+        diffusion as diffusion,
+    )
+    from .linear import (
+        hysteretic as hysteretic,
+    )
+    from .linear import (
+        relaxation_mode as relaxation_mode,
+    )
+    from .linear import (
+        resonant_frame as resonant_frame,
+    )
+    from .linear import (
+        retardation_mode as retardation_mode,
+    )
+    from .model import Model as Model
     from .nodes import (
-        FULL,
-        GRADIENT,
-        VALUE,
-        Chain,
-        Composing,
-        Composition,
-        Mapped,
-        Node,
-        Parallel,
-        Renamed,
-        Response,
-        Scaled,
-        Series,
-        Shift,
-        SpecimenWave,
-        chain,
-        fixed_side_wave,
-        moving_side_wave,
-        parallel,
-        series,
-        shift,
+        FULL as FULL,
+    )
+    from .nodes import (
+        GRADIENT as GRADIENT,
+    )
+    from .nodes import (
+        VALUE as VALUE,
+    )
+    from .nodes import (
+        Mapped as Mapped,
+    )
+    from .nodes import (
+        Node as Node,
+    )
+    from .nodes import (
+        Response as Response,
+    )
+    from .nodes import (
+        chain as chain,
+    )
+    from .nodes import (
+        fixed_side_wave as fixed_side_wave,
+    )
+    from .nodes import (
+        moving_side_wave as moving_side_wave,
+    )
+    from .nodes import (
+        parallel as parallel,
+    )
+    from .nodes import (
+        series as series,
+    )
+    from .nodes import (
+        shift as shift,
     )
     from .nonlinear import (
-        BalancedSeries,
-        Compliant,
-        amplitude_gain,
-        balanced_series,
-        coulomb_friction,
-        crosstalk_force,
-        cubic_dashpot,
-        cubic_spring,
-        damping_function,
-        elasto_sliding,
-        gapped_spring,
-        hardening_spring,
-        payne_softening,
-        play,
-        power_law_damper,
-        slip_film,
-        thinning,
+        amplitude_gain as amplitude_gain,
     )
-    from .own import Own
+    from .nonlinear import (
+        balanced_series as balanced_series,
+    )
+    from .nonlinear import (
+        coulomb_friction as coulomb_friction,
+    )
+    from .nonlinear import (
+        crosstalk_force as crosstalk_force,
+    )
+    from .nonlinear import (
+        cubic_dashpot as cubic_dashpot,
+    )
+    from .nonlinear import (
+        cubic_spring as cubic_spring,
+    )
+    from .nonlinear import (
+        damping_function as damping_function,
+    )
+    from .nonlinear import (
+        elasto_sliding as elasto_sliding,
+    )
+    from .nonlinear import (
+        gapped_spring as gapped_spring,
+    )
+    from .nonlinear import (
+        hardening_spring as hardening_spring,
+    )
+    from .nonlinear import (
+        payne_softening as payne_softening,
+    )
+    from .nonlinear import (
+        play as play,
+    )
+    from .nonlinear import (
+        power_law_damper as power_law_damper,
+    )
+    from .nonlinear import (
+        slip_film as slip_film,
+    )
+    from .nonlinear import (
+        thinning as thinning,
+    )
+    from .own import Own as Own
     from .parameters import (
-        AMPLITUDE,
-        FORCE,
-        INERTANCE,
-        PURE,
-        RADIAN_PER_SECOND,
-        SECOND,
-        STIFFNESS,
-        VISCOSITY,
-        Dimension,
-        HasParameters,
-        Parameter,
-        order,
-        quasi_property,
-        relaxation_time,
-        stiffness,
-        viscosity,
+        AMPLITUDE as AMPLITUDE,
     )
-    from .points import KELVIN, ROOM, Complex, Points, Real, power_of_s
-    from .signal import clock, delay, filter_mismatch, force_resonance, gain, phase
-    from .spectrum import Slopes, Spectrum
-    from .stages import Answered, StageLaw, on_clock, on_loading, on_response
+    from .parameters import (
+        FORCE as FORCE,
+    )
+    from .parameters import (
+        PURE as PURE,
+    )
+    from .parameters import (
+        RADIAN_PER_SECOND as RADIAN_PER_SECOND,
+    )
+    from .parameters import (
+        SECOND as SECOND,
+    )
+    from .parameters import (
+        STIFFNESS as STIFFNESS,
+    )
+    from .parameters import (
+        VISCOSITY as VISCOSITY,
+    )
+    from .parameters import (
+        Dimension as Dimension,
+    )
+    from .parameters import (
+        Parameter as Parameter,
+    )
+    from .parameters import (
+        order as order,
+    )
+    from .parameters import (
+        quasi_property as quasi_property,
+    )
+    from .parameters import (
+        relaxation_time as relaxation_time,
+    )
+    from .parameters import (
+        stiffness as stiffness,
+    )
+    from .parameters import (
+        viscosity as viscosity,
+    )
+    from .points import (
+        KELVIN as KELVIN,
+    )
+    from .points import (
+        Complex as Complex,
+    )
+    from .points import (
+        Points as Points,
+    )
+    from .points import (
+        Real as Real,
+    )
+    from .points import (
+        power_of_s as power_of_s,
+    )
+    from .signal import (
+        clock as clock,
+    )
+    from .signal import (
+        delay as delay,
+    )
+    from .signal import (
+        filter_mismatch as filter_mismatch,
+    )
+    from .signal import (
+        force_resonance as force_resonance,
+    )
+    from .signal import (
+        gain as gain,
+    )
+    from .signal import (
+        phase as phase,
+    )
+    from .spectrum import Spectrum as Spectrum
+    from .stages import (
+        Answered as Answered,
+    )
+    from .stages import (
+        StageLaw as StageLaw,
+    )
+    from .stages import (
+        on_clock as on_clock,
+    )
+    from .stages import (
+        on_loading as on_loading,
+    )
+    from .stages import (
+        on_response as on_response,
+    )
     from .thermal import (
-        Heated,
-        arrhenius,
-        entropic_spring,
-        heated,
-        heating,
-        steady_dashpot,
-        temperature_power,
-        thermal_dashpot,
-        vogel,
-        wlf,
+        arrhenius as arrhenius,
     )
-    from .typed import law
-    from .yielding import yielding_spring
+    from .thermal import (
+        entropic_spring as entropic_spring,
+    )
+    from .thermal import (
+        heated as heated,
+    )
+    from .thermal import (
+        heating as heating,
+    )
+    from .thermal import (
+        steady_dashpot as steady_dashpot,
+    )
+    from .thermal import (
+        temperature_power as temperature_power,
+    )
+    from .thermal import (
+        thermal_dashpot as thermal_dashpot,
+    )
+    from .thermal import (
+        wlf as wlf,
+    )
+    from .typed import law as law
+    from .yielding import yielding_spring as yielding_spring
 
-__all__ = [
-    "ROOM",
-    "Placed",
-    "network_of",
-    "sorted_out",
-    "with_laws",
-    "Formula",
-    "basset",
-    "diffusion",
-    "hysteretic",
-    "relaxation_mode",
-    "resonant_frame",
-    "retardation_mode",
-    "amplitude_gain",
-    "coulomb_friction",
-    "crosstalk_force",
-    "cubic_dashpot",
-    "cubic_spring",
-    "damping_function",
-    "elasto_sliding",
-    "gapped_spring",
-    "payne_softening",
-    "play",
-    "power_law_damper",
-    "smooth_hysteresis",
-    "thinning",
-    "clock",
-    "delay",
-    "filter_mismatch",
-    "force_resonance",
-    "gain",
-    "phase",
-    "Heated",
-    "arrhenius",
-    "entropic_spring",
-    "heated",
-    "heating",
-    "steady_dashpot",
-    "temperature_power",
-    "thermal_dashpot",
-    "vogel",
-    "wlf",
-    "yielding_spring",
-    "SpecimenWave",
-    "fixed_side_wave",
-    "free_factors",
-    "free_vertical_factors",
-    "moving_side_wave",
-    "AMPLITUDE",
-    "Answered",
-    "AppliesTo",
-    "StageLaw",
-    "on_clock",
-    "on_loading",
-    "on_response",
-    "BalancedSeries",
-    "Chain",
-    "Composing",
-    "Complex",
-    "Compliant",
-    "Continuum",
-    "Composition",
-    "Dimension",
-    "Effect",
-    "InstrumentConstant",
-    "FORCE",
-    "FULL",
-    "FixedPower",
-    "GRADIENT",
-    "HasParameters",
-    "INERTANCE",
-    "InTime",
-    "KELVIN",
-    "KELVIN_FORM",
-    "Layer",
-    "Levels",
-    "MAXWELL_FORM",
-    "Mapped",
-    "Model",
-    "Node",
-    "Own",
-    "PURE",
-    "Parallel",
-    "Parameter",
-    "Points",
-    "RADIAN_PER_SECOND",
-    "Real",
-    "Renamed",
-    "Response",
-    "Scaled",
-    "SECOND",
-    "STIFFNESS",
-    "SearchForm",
-    "Series",
-    "Shift",
-    "Slopes",
-    "Spectrum",
-    "Springpot",
-    "TIME_FORM",
-    "Traced",
-    "VALUE",
-    "VISCOSITY",
-    "balanced_series",
-    "chain",
-    "columns",
-    "dashpot",
-    "draw",
-    "drawing_of",
-    "HELD",
-    "law",
-    "levels_of",
-    "hardening_spring",
-    "limits_form",
-    "mass",
-    "order",
-    "parallel",
-    "power_of_s",
-    "quasi_property",
-    "relaxation_time",
-    "rows",
-    "series",
-    "shift",
-    "slip_film",
-    "spring",
-    "springpot",
-    "stiffness",
-    "viscosity",
-]
-
-_WHERE = {
-    "AMPLITUDE": "springpot.rheology.parameters",
-    "Answered": "springpot.rheology.stages",
-    "AppliesTo": "springpot.rheology.effect",
-    "BalancedSeries": "springpot.rheology.nonlinear",
-    "Chain": "springpot.rheology.nodes",
-    "Complex": "springpot.rheology.points",
-    "Compliant": "springpot.rheology.nonlinear",
-    "Composing": "springpot.rheology.nodes",
-    "Composition": "springpot.rheology.nodes",
-    "Continuum": "springpot.rheology.continuum",
-    "Dimension": "springpot.rheology.parameters",
-    "Effect": "springpot.rheology.effect",
-    "FORCE": "springpot.rheology.parameters",
-    "FULL": "springpot.rheology.nodes",
-    "FixedPower": "springpot.rheology.elements",
-    "Formula": "springpot.rheology.formula",
-    "GRADIENT": "springpot.rheology.nodes",
-    "HELD": "springpot.rheology.levels",
-    "HasParameters": "springpot.rheology.parameters",
-    "Heated": "springpot.rheology.thermal",
-    "INERTANCE": "springpot.rheology.parameters",
-    "InTime": "springpot.rheology.history",
-    "InstrumentConstant": "springpot.rheology.effect",
-    "KELVIN": "springpot.rheology.points",
-    "KELVIN_FORM": "springpot.rheology.forms",
-    "StageLaw": "springpot.rheology.stages",
-    "Layer": "springpot.rheology.effect",
-    "Levels": "springpot.rheology.levels",
-    "MAXWELL_FORM": "springpot.rheology.forms",
-    "Mapped": "springpot.rheology.nodes",
-    "Model": "springpot.rheology.model",
-    "Node": "springpot.rheology.nodes",
-    "PURE": "springpot.rheology.parameters",
-    "Own": "springpot.rheology.own",
-    "Parallel": "springpot.rheology.nodes",
-    "Parameter": "springpot.rheology.parameters",
-    "Placed": "springpot.rheology.named",
-    "Points": "springpot.rheology.points",
-    "RADIAN_PER_SECOND": "springpot.rheology.parameters",
-    "ROOM": "springpot.rheology.points",
-    "Real": "springpot.rheology.points",
-    "Renamed": "springpot.rheology.nodes",
-    "Response": "springpot.rheology.nodes",
-    "SECOND": "springpot.rheology.parameters",
-    "STIFFNESS": "springpot.rheology.parameters",
-    "Scaled": "springpot.rheology.nodes",
-    "SearchForm": "springpot.rheology.forms",
-    "Series": "springpot.rheology.nodes",
-    "Shift": "springpot.rheology.nodes",
-    "Slopes": "springpot.rheology.spectrum",
-    "SpecimenWave": "springpot.rheology.nodes",
-    "Spectrum": "springpot.rheology.spectrum",
-    "Springpot": "springpot.rheology.elements",
-    "TIME_FORM": "springpot.rheology.forms",
-    "Traced": "springpot.rheology.intime",
-    "VALUE": "springpot.rheology.nodes",
-    "VISCOSITY": "springpot.rheology.parameters",
-    "amplitude_gain": "springpot.rheology.nonlinear",
-    "arrhenius": "springpot.rheology.thermal",
-    "balanced_series": "springpot.rheology.nonlinear",
-    "basset": "springpot.rheology.linear",
-    "chain": "springpot.rheology.nodes",
-    "clock": "springpot.rheology.signal",
-    "columns": "springpot.rheology.forms",
-    "coulomb_friction": "springpot.rheology.nonlinear",
-    "crosstalk_force": "springpot.rheology.nonlinear",
-    "cubic_dashpot": "springpot.rheology.nonlinear",
-    "cubic_spring": "springpot.rheology.nonlinear",
-    "damping_function": "springpot.rheology.nonlinear",
-    "dashpot": "springpot.rheology.elements",
-    "delay": "springpot.rheology.signal",
-    "diffusion": "springpot.rheology.linear",
-    "draw": "springpot.rheology.drawing",
-    "drawing_of": "springpot.rheology.drawing",
-    "elasto_sliding": "springpot.rheology.nonlinear",
-    "entropic_spring": "springpot.rheology.thermal",
-    "filter_mismatch": "springpot.rheology.signal",
-    "fixed_side_wave": "springpot.rheology.nodes",
-    "force_resonance": "springpot.rheology.signal",
-    "free_factors": "springpot.rheology.levels",
-    "free_vertical_factors": "springpot.rheology.levels",
-    "gain": "springpot.rheology.signal",
-    "gapped_spring": "springpot.rheology.nonlinear",
-    "hardening_spring": "springpot.rheology.nonlinear",
-    "heated": "springpot.rheology.thermal",
-    "heating": "springpot.rheology.thermal",
-    "hysteretic": "springpot.rheology.linear",
-    "law": "springpot.rheology.typed",
-    "levels_of": "springpot.rheology.levels",
-    "limits_form": "springpot.rheology.forms",
-    "mass": "springpot.rheology.elements",
-    "moving_side_wave": "springpot.rheology.nodes",
-    "network_of": "springpot.rheology.history",
-    "on_clock": "springpot.rheology.stages",
-    "on_loading": "springpot.rheology.stages",
-    "on_response": "springpot.rheology.stages",
-    "order": "springpot.rheology.parameters",
-    "parallel": "springpot.rheology.nodes",
-    "payne_softening": "springpot.rheology.nonlinear",
-    "phase": "springpot.rheology.signal",
-    "play": "springpot.rheology.nonlinear",
-    "power_law_damper": "springpot.rheology.nonlinear",
-    "power_of_s": "springpot.rheology.points",
-    "quasi_property": "springpot.rheology.parameters",
-    "relaxation_mode": "springpot.rheology.linear",
-    "relaxation_time": "springpot.rheology.parameters",
-    "resonant_frame": "springpot.rheology.linear",
-    "retardation_mode": "springpot.rheology.linear",
-    "rows": "springpot.rheology.forms",
-    "series": "springpot.rheology.nodes",
-    "shift": "springpot.rheology.nodes",
-    "slip_film": "springpot.rheology.nonlinear",
-    "smooth_hysteresis": "springpot.rheology.hysteresis",
-    "sorted_out": "springpot.rheology.history",
-    "spring": "springpot.rheology.elements",
-    "springpot": "springpot.rheology.elements",
-    "steady_dashpot": "springpot.rheology.thermal",
-    "stiffness": "springpot.rheology.parameters",
-    "temperature_power": "springpot.rheology.thermal",
-    "thermal_dashpot": "springpot.rheology.thermal",
-    "thinning": "springpot.rheology.nonlinear",
-    "viscosity": "springpot.rheology.parameters",
-    "vogel": "springpot.rheology.thermal",
-    "with_laws": "springpot.rheology.history",
-    "wlf": "springpot.rheology.thermal",
-    "yielding_spring": "springpot.rheology.yielding",
-}
-
-__getattr__, __dir__ = offered(__name__, _WHERE)
+__getattr__, __dir__ = offered(
+    __name__,
+    {
+        "continuum": "Continuum",
+        "drawing": "draw drawing_of",
+        "effect": "AppliesTo Effect InstrumentConstant Layer",
+        "elements": "dashpot FixedPower mass spring springpot",
+        "forms": "columns KELVIN_FORM limits_form MAXWELL_FORM rows SearchForm TIME_FORM",
+        "formula": "Formula",
+        "hysteresis": "smooth_hysteresis",
+        "intime": "Traced",
+        "levels": "free_factors free_vertical_factors HELD Levels levels_of",
+        "linear": "basset diffusion hysteretic relaxation_mode resonant_frame retardation_mode",
+        "model": "Model",
+        "nodes": (
+            "chain fixed_side_wave FULL GRADIENT Mapped moving_side_wave Node parallel Response "
+            "series shift VALUE"
+        ),
+        "nonlinear": (
+            "amplitude_gain balanced_series coulomb_friction crosstalk_force cubic_dashpot "
+            "cubic_spring damping_function elasto_sliding gapped_spring hardening_spring "
+            "payne_softening play power_law_damper slip_film thinning"
+        ),
+        "own": "Own",
+        "parameters": (
+            "AMPLITUDE Dimension FORCE order Parameter PURE quasi_property RADIAN_PER_SECOND "
+            "relaxation_time SECOND STIFFNESS stiffness VISCOSITY viscosity"
+        ),
+        "points": "Complex KELVIN Points power_of_s Real",
+        "signal": "clock delay filter_mismatch force_resonance gain phase",
+        "spectrum": "Spectrum",
+        "stages": "Answered on_clock on_loading on_response StageLaw",
+        "thermal": (
+            "arrhenius entropic_spring heated heating steady_dashpot temperature_power "
+            "thermal_dashpot wlf"
+        ),
+        "typed": "law",
+        "yielding": "yielding_spring",
+    },
+)

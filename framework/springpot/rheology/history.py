@@ -362,7 +362,7 @@ def sorted_out(model: NamedNetwork) -> tuple[list[Placed], list[Placed], list[Pl
     Examples
     --------
     >>> import springpot
-    >>> from springpot.rheology import sorted_out
+    >>> from springpot.rheology.history import sorted_out
     >>> groups = sorted_out(springpot.parse_model("kelvin + friction + inertia + gain-error"))
     >>> [[placed.effect.name for placed in group] for group in groups]
     [['inertia'], ['friction'], ['gain-error']]
@@ -406,7 +406,7 @@ def network_of(model: NamedNetwork, inside: list[Placed]) -> tuple[Node, list[in
     Examples
     --------
     >>> import springpot
-    >>> from springpot.rheology import network_of, sorted_out
+    >>> from springpot.rheology.history import network_of, sorted_out
     >>> model = springpot.parse_model("kelvin + friction + inertia")
     >>> network, places = network_of(model, sorted_out(model)[0])
     >>> [model.names[place] for place in places]

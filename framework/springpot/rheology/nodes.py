@@ -524,7 +524,8 @@ class Scaled(Node):
     Examples
     --------
     >>> import numpy as np
-    >>> from springpot.rheology import Points, Scaled, spring
+    >>> from springpot.rheology import Points, spring
+    >>> from springpot.rheology.nodes import Scaled
     >>> Scaled(spring(), 3.0).respond(np.array([2.0]), Points.at([1.0])).value.real
     array([6.])
     """

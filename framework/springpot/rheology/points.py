@@ -97,7 +97,7 @@ class Points:
             raise DataError(
                 "temperature is in kelvin here: use Points.at(omega, temperature=...) for degC"
             )
-        if np.max(np.real(self.log_omega), initial=0.0) > FURTHEST:
+        if np.max(np.real(self.log_omega), initial=FURTHEST) > FURTHEST:
             raise DataError(
                 "log_omega is the natural logarithm of omega:"
                 " use Points.at(omega) for omega in rad/s"

@@ -110,7 +110,8 @@ def vogel(b: str = "B", pole: str = "T0") -> Formula:
     Examples
     --------
     >>> import numpy as np
-    >>> from springpot.rheology import Points, vogel
+    >>> from springpot.rheology import Points
+    >>> from springpot.rheology.thermal import vogel
     >>> at = Points.at([1.0, 1.0], temperature=[20.0, 30.0])
     >>> theta = np.array([np.log(10.0) * 8.86 * 101.6, 293.15 - 101.6])
     >>> np.exp(vogel().respond(theta, at).value.real).round(3)

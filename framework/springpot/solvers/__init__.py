@@ -7,34 +7,27 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .exporting import Exported, exported
-    from .handoff import Handoff, Writer
-    from .prony import BULKS, Prony, Solid, prony_of, solid_of, young_of
+    from .exporting import exported as exported
+    from .handoff import Handoff as Handoff
+    from .handoff import Writer as Writer
+    from .prony import (
+        Prony as Prony,
+    )
+    from .prony import (
+        prony_of as prony_of,
+    )
+    from .prony import (
+        solid_of as solid_of,
+    )
+    from .prony import (
+        young_of as young_of,
+    )
 
-__all__ = [
-    "BULKS",
-    "Exported",
-    "Handoff",
-    "Prony",
-    "Solid",
-    "Writer",
-    "exported",
-    "prony_of",
-    "solid_of",
-    "young_of",
-]
-
-_WHERE = {
-    "BULKS": "springpot.solvers.prony",
-    "Solid": "springpot.solvers.prony",
-    "solid_of": "springpot.solvers.prony",
-    "young_of": "springpot.solvers.prony",
-    "Exported": "springpot.solvers.exporting",
-    "Handoff": "springpot.solvers.handoff",
-    "Prony": "springpot.solvers.prony",
-    "Writer": "springpot.solvers.handoff",
-    "exported": "springpot.solvers.exporting",
-    "prony_of": "springpot.solvers.prony",
-}
-
-__getattr__, __dir__ = offered(__name__, _WHERE)
+__getattr__, __dir__ = offered(
+    __name__,
+    {
+        "exporting": "exported",
+        "handoff": "Handoff Writer",
+        "prony": "Prony prony_of solid_of young_of",
+    },
+)

@@ -10,39 +10,38 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .frame import Damper, Frame, Mode, SteadyState, modes_of, steady_of, steady_state
-    from .motion import GroundMotion, Motion, Simulation, artificial, motion_of, simulate
+    from .frame import (
+        Damper as Damper,
+    )
+    from .frame import (
+        Frame as Frame,
+    )
+    from .frame import (
+        modes_of as modes_of,
+    )
+    from .frame import (
+        steady_of as steady_of,
+    )
+    from .frame import (
+        steady_state as steady_state,
+    )
+    from .motion import (
+        GroundMotion as GroundMotion,
+    )
+    from .motion import (
+        artificial as artificial,
+    )
+    from .motion import (
+        motion_of as motion_of,
+    )
+    from .motion import (
+        simulate as simulate,
+    )
 
-__all__ = [
-    "Damper",
-    "Frame",
-    "Mode",
-    "Motion",
-    "GroundMotion",
-    "Simulation",
-    "SteadyState",
-    "artificial",
-    "modes_of",
-    "motion_of",
-    "simulate",
-    "steady_of",
-    "steady_state",
-]
-
-_WHERE = {
-    "Damper": "springpot.structure.frame",
-    "Frame": "springpot.structure.frame",
-    "Mode": "springpot.structure.frame",
-    "Motion": "springpot.structure.motion",
-    "GroundMotion": "springpot.structure.motion",
-    "Simulation": "springpot.structure.motion",
-    "SteadyState": "springpot.structure.frame",
-    "artificial": "springpot.structure.motion",
-    "modes_of": "springpot.structure.frame",
-    "motion_of": "springpot.structure.motion",
-    "simulate": "springpot.structure.motion",
-    "steady_of": "springpot.structure.frame",
-    "steady_state": "springpot.structure.frame",
-}
-
-__getattr__, __dir__ = offered(__name__, _WHERE)
+__getattr__, __dir__ = offered(
+    __name__,
+    {
+        "frame": "Damper Frame modes_of steady_of steady_state",
+        "motion": "artificial GroundMotion motion_of simulate",
+    },
+)

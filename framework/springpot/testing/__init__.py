@@ -17,17 +17,15 @@ from __future__ import annotations
 
 from springpot.lazy import offered
 
-_WHERE = {
-    "PluginContract": "springpot.testing.contract",
-    "check_dataset": "springpot.testing.contract",
-    "check_effect": "springpot.testing.effects",
-    "check_model": "springpot.testing.models",
-    "check_objective": "springpot.testing.contract",
-    "check_optimiser": "springpot.testing.optimisers",
-    "check_plugin": "springpot.testing.contract",
-    "check_reader": "springpot.testing.readers",
-}
+__getattr__, __dir__ = offered(
+    __name__,
+    {
+        "contract": "PluginContract check_dataset check_objective check_plugin",
+        "effects": "check_effect",
+        "models": "check_model",
+        "optimisers": "check_optimiser",
+        "readers": "check_reader",
+    },
+)
 
-__all__ = list(_WHERE)
-
-__getattr__, __dir__ = offered(__name__, _WHERE)
+__all__ = __dir__()

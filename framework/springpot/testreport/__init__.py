@@ -7,34 +7,15 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .certificate import Certificate, certify
-    from .record import LoopRecord, read_record
-    from .report import CycleReport, cycles
-    from .summary import EvaluatedTest, Told
-    from .velocity import VelocityLaw
+    from .certifying import certify as certify
+    from .record import LoopRecord as LoopRecord
+    from .report import cycles as cycles
 
-__all__ = [
-    "Certificate",
-    "CycleReport",
-    "EvaluatedTest",
-    "LoopRecord",
-    "Told",
-    "VelocityLaw",
-    "certify",
-    "cycles",
-    "read_record",
-]
-
-_WHERE = {
-    "Certificate": "springpot.testreport.certificate",
-    "certify": "springpot.testreport.certificate",
-    "CycleReport": "springpot.testreport.report",
-    "EvaluatedTest": "springpot.testreport.summary",
-    "LoopRecord": "springpot.testreport.record",
-    "Told": "springpot.testreport.summary",
-    "VelocityLaw": "springpot.testreport.velocity",
-    "cycles": "springpot.testreport.report",
-    "read_record": "springpot.testreport.record",
-}
-
-__getattr__, __dir__ = offered(__name__, _WHERE)
+__getattr__, __dir__ = offered(
+    __name__,
+    {
+        "certifying": "certify",
+        "record": "LoopRecord",
+        "report": "cycles",
+    },
+)

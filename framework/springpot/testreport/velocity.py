@@ -107,6 +107,6 @@ def velocity_law(tests: Sequence[EvaluatedTest]) -> VelocityLaw | None:
         (float(np.exp(level - reach[0])), float(np.exp(level + reach[0]))),
         (exponent - float(reach[1]), exponent + float(reach[1])),
         f"{pull}/({per})^alpha",
-        float(np.sqrt(left @ left / max(count, 1))) if count else 0.0,
+        float(np.sqrt(left @ left / count)) if count else 0.0,
         source,
     )

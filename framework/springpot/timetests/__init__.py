@@ -7,38 +7,26 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .diagnosis import diagnose, examine
-    from .discovery import discover
-    from .fitting import compare, identify
-    from .prediction import predict_test
-    from .recording import predicted, recorded
-    from .residuals_of_tests import Test
-    from .where import TestPrediction
+    from .diagnosis import diagnose as diagnose
+    from .diagnosis import examine as examine
+    from .discovery import discover as discover
+    from .fitting import compare as compare
+    from .fitting import identify as identify
+    from .prediction import predict_test as predict_test
+    from .recording import predicted as predicted
+    from .recording import recorded as recorded
+    from .residuals_of_tests import Test as Test
+    from .where import TestPrediction as TestPrediction
 
-__all__ = [
-    "Test",
-    "TestPrediction",
-    "compare",
-    "diagnose",
-    "discover",
-    "examine",
-    "identify",
-    "predict_test",
-    "predicted",
-    "recorded",
-]
-
-_WHERE = {
-    "Test": "springpot.timetests.residuals_of_tests",
-    "TestPrediction": "springpot.timetests.where",
-    "compare": "springpot.timetests.fitting",
-    "diagnose": "springpot.timetests.diagnosis",
-    "discover": "springpot.timetests.discovery",
-    "examine": "springpot.timetests.diagnosis",
-    "identify": "springpot.timetests.fitting",
-    "predict_test": "springpot.timetests.prediction",
-    "predicted": "springpot.timetests.recording",
-    "recorded": "springpot.timetests.recording",
-}
-
-__getattr__, __dir__ = offered(__name__, _WHERE)
+__getattr__, __dir__ = offered(
+    __name__,
+    {
+        "diagnosis": "diagnose examine",
+        "discovery": "discover",
+        "fitting": "compare identify",
+        "prediction": "predict_test",
+        "recording": "predicted recorded",
+        "residuals_of_tests": "Test",
+        "where": "TestPrediction",
+    },
+)

@@ -12,14 +12,19 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .launch import Workbench, serve, workbench
+    from .launch import (
+        Workbench as Workbench,
+    )
+    from .launch import (
+        serve as serve,
+    )
+    from .launch import (
+        workbench as workbench,
+    )
 
-__all__ = ["Workbench", "serve", "workbench"]
-
-_WHERE = {
-    "Workbench": "springpot.web.launch",
-    "serve": "springpot.web.launch",
-    "workbench": "springpot.web.launch",
-}
-
-__getattr__, __dir__ = offered(__name__, _WHERE)
+__getattr__, __dir__ = offered(
+    __name__,
+    {
+        "launch": "serve Workbench workbench",
+    },
+)

@@ -18,9 +18,11 @@ import secrets
 import shutil
 import signal
 import socket
+import sys
 import tempfile
 import threading
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +33,8 @@ from springpot.errors import OptionError, OutputError
 
 if TYPE_CHECKING:
     from springpot.measurement.measurement import Measurement
+
+    from .cell import WorkbenchCell
 
 
 HEAD_PATIENCE = 10.0
@@ -336,10 +340,10 @@ def workbench(
     model: str | None = None,
     *,
     port: int = 0,
-    browser: bool = True,
+    browser: bool | None = None,
     watch: str | Path | None = None,
-) -> Workbench:
-    """Open the workbench on data, in the browser; returns at once.
+) -> Workbench | WorkbenchCell:
+    """Open the workbench on data, in a cell of a notebook or in the browser; returns at once.
 
     Parameters
     ----------
@@ -349,15 +353,18 @@ def workbench(
         Expression of the model to be judged; without it any linear passive material.
     port : int
         Where to listen on 127.0.0.1; 0 takes a free port.
-    browser : bool
-        Whether to open the browser.
+    browser : bool, optional
+        Whether to open the browser; not given, the page stands in the cell of a notebook where one
+        runs this and the extra ``notebook`` is installed, else it opens in the browser.
     watch : str or Path, optional
         Folder that is watched: what its files gain joins the data.
 
     Returns
     -------
-    Workbench
-        Its `address` is what the browser opens; `close` ends it. It ends with the program, too.
+    Workbench or WorkbenchCell
+        The `address` of the one is what the browser opens; the other shows itself, and its
+        `model`, `ladder` and `excluded` are what the page shows. `close` ends either, and it ends
+        with the program, too.
 
     Raises
     ------
@@ -384,7 +391,17 @@ def workbench(
 
         content = base64.b64encode(text_of(measurement).encode()).decode()
         data = {"name": f"{measurement.name}.csv", "content": content}
+    if browser is None and _in_notebook():
+        from .cell import WorkbenchCell
+
+        return WorkbenchCell(data, model or "", str(watch or ""))
     bench = Workbench(data, model or "", port, str(watch or "")).start()
-    if browser:
+    if browser is not False:
         bench.open()
     return bench
+
+
+def _in_notebook() -> bool:
+    """Whether a cell can show a page: a kernel runs this program, and the extra is installed."""
+    # Looked for among what is loaded: a kernel has loaded itself long since.
+    return "ipykernel" in sys.modules and find_spec("anywidget") is not None

@@ -11,8 +11,8 @@ from typing import Any
 from springpot.benchmark.report.study import study_html
 from springpot.benchmark.standings import Findings, study_tables
 from springpot.benchmark.store import Store
-from springpot.benchmark.tables import Table
 from springpot.errors import DataError, SpringpotError
+from springpot.report.tables import Table
 from springpot.suggestions import suggested
 
 RESULTS = Path("results")
@@ -38,7 +38,7 @@ def _progress(name: str, path: Path) -> dict[str, Any]:
         with Store(path) as store:
             cells = store.cells()
             ended = []
-            for _, trials in store.trials():
+            for _, trials in store.raced():
                 ended += [trial.status for trial in trials]
             facts = store.facts()
     # One store that cannot be read must not hide the others.

@@ -1,6 +1,16 @@
-// Requests to the server of this page: a stream of lines, of which the last is the answer.
+// Requests to the engine behind this page: a stream of lines, of which the last is the answer.
 
 const TOKEN = "springpot-token";
+
+// What the page asks by, and what outlives a reload: the server and the tab, or what a notebook puts in their place.
+const host = window.springpot || {
+  memory: sessionStorage,
+  ask(path, options) {
+    const headers = { "X-Springpot-Token": sessionStorage.getItem(TOKEN) || "" };
+    return fetch(path, { ...options, headers, cache: "no-store" });
+  },
+};
+export const { memory } = host;
 
 // The token came behind # in the address; it is kept for a reload of this tab and taken off the address.
 export function takeToken() {
@@ -14,10 +24,9 @@ export function takeToken() {
 export class Failed extends Error {}
 
 async function request(path, options = {}) {
-  const headers = { "X-Springpot-Token": sessionStorage.getItem(TOKEN) || "" };
   let response;
   try {
-    response = await fetch(path, { ...options, headers, cache: "no-store" });
+    response = await host.ask(path, options);
   } catch (error) {
     if (error.name === "AbortError") throw error;
     document.dispatchEvent(new CustomEvent("lost"));

@@ -1,0 +1,118 @@
+"""Quantities of small cases, from the data as from models, as numbers, words and tables."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.derived import quantities
+from springpot.errors import SpringpotError
+from springpot.measurement import TimeTest
+
+OMEGA = np.geomspace(0.05, 60.0, 24)
+STRAIN = np.geomspace(0.1, 100.0, 25)
+SWEEPS = {
+    "fluid": ("maxwell", {"k": 100.0, "c": 50.0}, springpot.Units("kPa", "-"), {}),
+    "solid": ("zener", {"k1": 10.0, "k2": 90.0, "c": 30.0}, springpot.Units("kN/m", "mm"), {}),
+    "power": ("springpot", {"c": 3.0, "alpha": 0.3}, springpot.Units("Pa", "%", "rad/s"), {}),
+    "plateau": (
+        "maxwell-2",
+        {"k1": 3.0, "tau1": 10.0, "k2": 6.0, "tau2": 0.03},
+        springpot.Units("kN/m", "mm"),
+        {"amplitude": 2.0, "temperature": 20.0},
+    ),
+}
+
+
+def sweep(case, seed=1):
+    expression, values, units, held = SWEEPS[case]
+    model, rng = springpot.parse_model(expression), np.random.default_rng(seed)
+    noise = 1.0 + 0.01 * (rng.normal(size=24) + 1j * rng.normal(size=24))
+    exact = model.stiffness(model.vector(values), OMEGA)
+    conditions = {name: np.full(24, value) for name, value in held.items()}
+    return springpot.Measurement(
+        OMEGA, exact * noise, conditions=conditions, units=units, name=case
+    )
+
+
+def strained(fall=10.0, units=("Pa", "%")):
+    """At two frequencies; each softens and flows at strains of its own."""
+    rng, parts = np.random.default_rng(2), []
+    for at in (fall, 1.5 * fall):
+        noise = 1.0 + 0.003 * rng.normal(size=(2, 25))
+        storage = 1000.0 / (1.0 + (STRAIN / at) ** 2) * noise[0]
+        parts.append(storage + 300.0j / (1.0 + STRAIN / 60.0) * noise[1])
+    return springpot.Measurement(
+        np.repeat([6.0, 20.0], 25),
+        np.concatenate(parts),
+        conditions={"amplitude": np.tile(STRAIN, 2)},
+        units=springpot.Units(*units),
+        name="strained",
+    )
+
+
+@cache
+def fitted(case, expression):
+    return springpot.identify(sweep(case), expression)
+
+
+def whole(answer):
+    return {**answer.to_dict(), "text": str(answer), "short": repr(answer), "csv": answer.to_csv()}
+
+
+@pytest.mark.parametrize("case", list(SWEEPS))
+def test_quantities_of_data(case, stays):
+    stays(whole(quantities(sweep(case))))
+
+
+@pytest.mark.parametrize(
+    ("fall", "units"), [(10.0, ("Pa", "%")), (0.4, ("N/mm", "mm")), (1e4, ("Pa", "-"))]
+)
+def test_quantities_of_sweeps_of_the_amplitude(fall, units, stays):
+    """Which soften within them, before their beginning, and not at all."""
+    stays(whole(quantities(strained(fall, units))))
+
+
+@pytest.mark.parametrize(
+    ("case", "expression"),
+    [
+        ("fluid", "maxwell"),
+        ("solid", "zener"),
+        ("power", "springpot"),
+        ("plateau", "maxwell-2"),
+        ("plateau", "material"),
+        ("solid", "kelvin"),
+    ],
+)
+def test_quantities_of_a_model(case, expression, stays):
+    stays(whole(quantities(fitted(case, expression))), within=1e-3)
+
+
+def test_a_model_is_asked_beyond_its_data(stays):
+    stays(whole(quantities(fitted("fluid", "maxwell"), frequency=300.0)))
+
+
+def test_a_model_of_the_amplitude_is_asked_at_one(stays):
+    data = strained()
+    answer = quantities(data, "kelvin + payne", amplitude=3.0, frequency=2.0)
+    stays(whole(answer), within=1e-3)
+
+
+def test_what_says_nothing_by_itself_is_named():
+    t = np.geomspace(0.1, 10.0, 20)
+    relaxed = TimeTest.of_relaxation(t, np.exp(-t), "kPa", name="relaxed")
+    for data in (relaxed, [sweep("fluid"), sweep("solid")]):
+        with pytest.raises(SpringpotError, match="by a model: name one"):
+            quantities(data)
+
+
+@pytest.mark.parametrize(
+    ("fall", "says"),
+    [
+        (1e4, "by less than 5 % up to 100 %: no limit"),
+        (0.4, "from 0.1 % on: the linear limit lies"),
+    ],
+)
+def test_where_there_is_no_linear_limit_it_says_on_which_side_it_lies(fall, says):
+    assert any(f"storage falls {says}" in note for note in quantities(strained(fall)).notes)
