@@ -35,8 +35,10 @@ def test_of_two_effects_each_is_named_with_its_twins():
     assert any({"friction", "hysteretic-loss"} <= group for group in names)
 
 
-def grown(name, stiffness, log_likelihood=0.0, limit=False, beyond=()):
-    refit = SimpleNamespace(stiffness=np.array([stiffness]), log_likelihood=log_likelihood)
+def grown(name, stiffness, log_likelihood=0.0, limit=False, beyond=(), contains=False):
+    refit = SimpleNamespace(
+        stiffness=np.array([stiffness]), log_likelihood=log_likelihood, contains=contains
+    )
     return SimpleNamespace(refit=refit, beyond_physics=beyond, names=(name,), limit=limit)
 
 
@@ -48,6 +50,7 @@ def grown(name, stiffness, log_likelihood=0.0, limit=False, beyond=()):
         ({"stiffness": 1.1, "log_likelihood": -4.0}, False),
         ({"stiffness": 1.1, "limit": True}, False),
         ({"stiffness": 1.1, "beyond": ("b",)}, False),
+        ({"stiffness": 1.1, "contains": True}, False),
     ],
 )
 def test_another_law_of_the_same_curve_is_named_however_dear_its_parameters(
@@ -56,6 +59,7 @@ def test_another_law_of_the_same_curve_is_named_however_dear_its_parameters(
     """Unless it is the first by another name, a law at its limit."""
     monkeypatch.setattr("springpot.diagnosis.evidence.is_a_limit", lambda search, one: one.limit)
     monkeypatch.setattr("springpot.diagnosis.evidence.harmonic_evidence", lambda fit: 0.0)
+    monkeypatch.setattr("springpot.diagnosis.evidence._contains", lambda fit, best: fit.contains)
     frame = SimpleNamespace(whiten=lambda k: np.array([k.real, k.imag]))
     fits = [grown("a", 1.0), grown("b", **rival)]
     explained = [SimpleNamespace(names=fit.names, probability=0.0, grown=fit) for fit in fits]

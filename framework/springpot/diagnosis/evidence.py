@@ -14,13 +14,16 @@ import numpy as np
 from springpot.identification.passive import is_passive
 from springpot.measurement.independence import at_one_frequency
 from springpot.misfit.frame import NoiseFrame
-from springpot.misfit.refit import Refit
+from springpot.misfit.refit import Refit, refit
 from springpot.rheology.effect import Effect
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE
 
 from .grown import Grown, Search, SweepDrift, drift_in_place
 from .marginal import harmonic_evidence, is_a_limit, marginal, unknown_marginal
+
+ONE_CASE = 1e-4
+"""Chi-square a point, beside exact curves, below which one law is a case of another."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -305,7 +308,7 @@ class Evidence:
         """For each effect of a set, others whose curve in its place is the same for these data.
 
         However much dearer their parameters are, as long as they are what they are called: a law at
-        its limit is the simpler one by another name.
+        its limit, or one that contains the other, is the simpler one by another name.
         """
         key = tuple(sorted(names))
         best = next((one.grown.refit for one in self.explanations if one.names == key), None)
@@ -317,7 +320,8 @@ class Evidence:
             other = one.grown.refit
             near = distance(self.search.frame, other, best) < EVIDENCE.one_curve
             near = near and _as_good(other, best)
-            if near and not one.grown.beyond_physics and not is_a_limit(self.search, one.grown):
+            known = one.grown.beyond_physics or is_a_limit(self.search, one.grown)
+            if near and not known and not _contains(other, best):
                 (old,) = without(names, one.names)
                 alike[list(names).index(old)] += new
         return alike
@@ -369,6 +373,18 @@ class Evidence:
             if partner is not None:
                 chosen.setdefault(partner, grown)
         return chosen
+
+
+def _contains(wider: Refit, fitted: Refit) -> bool:
+    """Whether a model of more parameters makes the very curve of another: that is a case of it."""
+    if len(wider.own) <= len(fitted.own):
+        return False
+    exact = replace(fitted.data.mean, stiffness=fitted.stiffness)
+    data = replace(fitted.data, raw=exact, mean=exact)
+    start = wider.seed_from(fitted)
+    again = refit(wider.model, data, fitted.noise, [start, wider.theta], starts=2)
+    # By much less than any data could show.
+    return again.rss < ONE_CASE * len(exact)
 
 
 def _as_good(fitted: Refit, best: Refit) -> bool:
