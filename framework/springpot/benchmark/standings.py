@@ -365,6 +365,11 @@ def study_tables(store: Store, names: Sequence[str] | None = None) -> Iterator[t
     if names is None:
         names = table_names(store)
     findings = Findings.of(store, scored=any(name in COMPARING for name in names))
+    yield from tables_of(findings, names)
+
+
+def tables_of(findings: Findings, names: Sequence[str]) -> Iterator[tuple[str, Table]]:
+    """File stem and table of what is wanted of a study that is read."""
     for name in names:
         yield name, (PLAIN | COMPARING)[name](findings)
 

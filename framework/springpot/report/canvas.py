@@ -9,18 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
 from io import BytesIO
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
-
-from matplotlib.figure import Figure
 
 from springpot.errors import OutputError
 from springpot.files import require_writable, write_with
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 SCREEN = 110
@@ -28,13 +28,19 @@ SCREEN = 110
 """
 
 
-class Picture(Figure):
-    """A figure of its own; notebooks ask it for its PNG."""
+@cache
+def picture() -> type[Figure]:
+    """The class of a figure of its own; notebooks ask it for its PNG."""
+    # Only who draws waits for the library, which takes as long as all else that a worker imports.
+    from matplotlib.figure import Figure
 
-    def _repr_png_(self) -> bytes:
-        stream = BytesIO()
-        self.savefig(stream, format="png", dpi=SCREEN)
-        return stream.getvalue()
+    class Picture(Figure):
+        def _repr_png_(self) -> bytes:
+            stream = BytesIO()
+            self.savefig(stream, format="png", dpi=SCREEN)
+            return stream.getvalue()
+
+    return Picture
 
 
 SUFFIXES = (".png", ".svg", ".pdf")
@@ -132,7 +138,7 @@ def blank(width: float = 7.2, height: float = 5.4) -> Iterator[Figure]:
 
     # Only while it is drawn: the style of a user's own figures stays as it is.
     with rc_context(STYLE):
-        yield Picture(figsize=(width, height), layout="constrained")
+        yield picture()(figsize=(width, height), layout="constrained")
 
 
 def logarithmic(axes: Axes, direction: Literal["x", "y"]) -> None:
