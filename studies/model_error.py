@@ -17,8 +17,8 @@ from paper.published import MODELS, in_columns
 from paper.results import Results, percent, relative_rms
 from springpot import Measurement, identify, open_measurement, plugins
 from springpot.benchmark import Study, Table, save_table
-from springpot.benchmark.tables import Entry
 from springpot.measurement import DataSet
+from springpot.report.tables import Entry
 
 TOO_SIMPLE = {
     "fractional-kelvin4": ["fractional-kelvin"],

@@ -22,10 +22,10 @@ from paper.published import FLUIDS, in_fluid_columns
 from paper.results import Results, relative_rms, sd_rms
 from springpot import identify, open_measurement
 from springpot.benchmark import Interval, Study, Table, save_table
-from springpot.benchmark.tables import Entry
 from springpot.identification import Identification
 from springpot.measurement import DataSet
 from springpot.report.figures import figure_identification
+from springpot.report.tables import Entry
 from springpot.report.views import DrawnFit
 
 ALL = "nist-srm2491"

@@ -25,7 +25,7 @@ from paper.results import available
 from springpot import plugins
 from springpot.benchmark import Store, Study, Table, save_table
 from springpot.benchmark.statistics import ecdf, hitting_time, median, target_value, wilson
-from springpot.benchmark.tables import Entry
+from springpot.report.tables import Entry
 
 NIST = "nist-srm2491@temperature=20"
 OTHERS = ("rheodata-linear-polymer-frequency-sweep", "mitmaps-saos")

@@ -20,7 +20,7 @@ from paper.published import MODELS
 from springpot.benchmark import Findings, Store, Study, Table, save_table
 from springpot.benchmark.comparison import MeanRanks, races_of, rank
 from springpot.benchmark.statistics import Interval, wilson
-from springpot.benchmark.tables import Entry
+from springpot.report.tables import Entry
 from springpot_plugins.optimisers.swarm import PaperSwarm
 
 SWARM = "pso-paper"

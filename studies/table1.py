@@ -19,7 +19,7 @@ from paper.results import Results, Trial, best_of
 from springpot import plugins
 from springpot.benchmark import Interval, Study, Table, save_table
 from springpot.benchmark.statistics import wilson
-from springpot.benchmark.tables import Entry
+from springpot.report.tables import Entry
 
 GROUP = 5
 SWARM, NATIVE = "pso-paper", "native"

@@ -22,8 +22,8 @@ from paper.published import MODELS, TABLE_2, in_columns
 from paper.results import Results
 from springpot import Measurement, identify, plugins
 from springpot.benchmark import Study, Table, save_table
-from springpot.benchmark.tables import Entry
 from springpot.measurement import DataSet
+from springpot.report.tables import Entry
 from springpot_plugins.datasets.artificial import SCALE, TRUTH, artificial
 
 DRAWS = 20

@@ -310,6 +310,17 @@ def test_the_chain_of_imports_grows_no_longer():
     assert max(depth.values()) <= DEEPEST
 
 
+def test_only_who_draws_waits_for_matplotlib():
+    """It takes as long to import as all else, and is an extra that may be missing."""
+    drawing = [path for path, package in FILES if "matplotlib" in names_at_once(path, package)]
+    assert drawing == []
+
+
+def names_at_once(path: Path, package: str) -> set[str]:
+    """What is imported as soon as a file is."""
+    return {name.partition(".")[0] for name in names_of(facts(path).at_once, package)}
+
+
 def test_a_measurement_needs_few_files():
     """So that a browser's Python or a reader's author need not load the framework for the data."""
     program = (

@@ -11,8 +11,8 @@ import numpy as np
 
 from springpot import Measurement, read
 from springpot.benchmark import Interval, Table
-from springpot.benchmark.tables import Entry
 from springpot.errors import DataError
+from springpot.report.tables import Entry
 
 from .sets import RealSet, folders
 

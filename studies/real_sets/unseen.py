@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 
 import springpot
 from springpot.benchmark import Table
-from springpot.benchmark.tables import Entry
 from springpot.errors import SpringpotError
 from springpot.files import write_text
+from springpot.report.tables import Entry
 
 UNSEEN = Path(__file__).resolve().parents[3] / "shared" / "unseen"
 ANSWERS = Path("answers") / "unseen.json"

@@ -12,9 +12,9 @@ from typing import Any
 
 from springpot import Measurement, discover
 from springpot.benchmark import Table
-from springpot.benchmark.tables import Entry
 from springpot.diagnosis import Ladder
 from springpot.files import write_text
+from springpot.report.tables import Entry
 
 from .sets import SETS, RealSet
 

@@ -56,7 +56,7 @@ def test_local_workers_give_the_bytes_of_a_serial_run(serial, tmp_path, workers)
 def test_any_executor_gives_the_bytes_of_a_serial_run(serial, tmp_path):
     with ThreadPoolExecutor(2) as threads:
         run_study(small_study(), engine=threads, out=tmp_path / "threads", quiet=True)
-    with ProcessPoolExecutor(2, mp_context=get_context("forkserver")) as processes:
+    with ProcessPoolExecutor(1, mp_context=get_context("forkserver")) as processes:
         run_study(small_study(), engine=processes, out=tmp_path / "processes", quiet=True)
     assert tables(tmp_path / "threads") == serial
     assert tables(tmp_path / "processes") == serial
@@ -76,7 +76,7 @@ FAULTS = {
 def faulty(tmp_path_factory):
     """A study in which every fault happens, beside one good optimiser."""
     entrants = [*(Moody(mood=mood) for mood in FAULTS), Walk()]
-    study = moody_study("fine", optimisers=entrants, memory=512)
+    study = moody_study("fine", optimisers=entrants, memory=160)
     return run_study(study, workers=2, out=tmp_path_factory.mktemp("faulty"), quiet=True)
 
 

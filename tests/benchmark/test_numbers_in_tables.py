@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from springpot.benchmark.commands.tables import _rounded
 from springpot.benchmark.standings import _or_none
 from springpot.benchmark.statistics import Interval
-from springpot.benchmark.tables import _rounded, number, text
-from springpot.report.tables import _field, _fields
+from springpot.report.tables import _field, _fields, number, text
 
 
 @pytest.mark.parametrize(

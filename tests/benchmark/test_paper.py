@@ -3,8 +3,9 @@
 import pytest
 
 from springpot.benchmark import Interval, Table
-from springpot.benchmark.tables import captioned, for_paper, to_latex
+from springpot.benchmark.commands.tables import captioned, for_paper
 from springpot.errors import StudyError
+from springpot.report.tables import to_latex
 
 TABLE = Table(
     "race",

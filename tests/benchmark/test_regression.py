@@ -45,9 +45,11 @@ def baseline(tmp_path_factory):
     return update(quick(), out=tmp_path_factory.mktemp("results"))
 
 
-def test_the_committed_baseline_is_kept(monkeypatch):
+@pytest.mark.soak_cases("20")
+@pytest.mark.parametrize("repeats", [5, 20])
+def test_the_committed_baseline_is_kept(monkeypatch, repeats):
     monkeypatch.chdir(ROOT)
-    gate = check(GATE, BASELINE, workers=2)
+    gate = check(load_study(GATE).with_options(repeats=repeats), BASELINE)
     assert gate.cells == 12
     assert gate.regressions == ()
 

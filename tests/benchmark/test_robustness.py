@@ -7,9 +7,9 @@ import pytest
 from synthetic import synthetic_store
 
 from springpot.benchmark import Findings, Store
-from springpot.benchmark.bayes import ROPE, signed_rank_posterior
 from springpot.benchmark.comparison import JudgingScale, area_over_curve, races_of
 from springpot.benchmark.robustness import WithoutSome, without_each
+from springpot.benchmark.statistics import ROPE, signed_rank_posterior
 
 SCALE = JudgingScale(1e-4, 100)
 

@@ -16,7 +16,7 @@ from springpot.errors import StudyError
 
 DECLARE = "from springpot.benchmark import Study\nStudy"
 HERE = Path(__file__).parent
-KILLS = int(os.environ.get("SPRINGPOT_KILLS", "2"))
+KILLS = int(os.environ.get("SPRINGPOT_KILLS", "1"))
 REPETITIONS = 4 * KILLS
 SCRIPT = """
 import sys
@@ -88,8 +88,8 @@ def test_killed_at_any_moment_it_goes_on_and_ends_with_the_same_bytes(tmp_path, 
     draw, path, kept, total, at_work = random.Random(11), script(tmp_path), 0, 8 * REPETITIONS, 0
     for i in range(KILLS):
         process = start(path, tmp_path)
-        # Some while it starts, most at work, none twice at the same point.
-        if i % 4:
+        # Most at work, some while it starts, none twice at the same point.
+        if i % 4 != 3:
             least = min(kept + 1, total)
             wait_for(lambda least=least: count(tmp_path) >= least)
         sleep(draw.uniform(0.0, 0.3))

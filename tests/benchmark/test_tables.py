@@ -24,9 +24,9 @@ from springpot.benchmark import (
     summarise,
     write_tables,
 )
-from springpot.benchmark.tables import number, text, to_csv, to_html, to_latex, to_markdown
 from springpot.errors import StudyError
 from springpot.identification import Problem, fit
+from springpot.report.tables import number, text, to_csv, to_html, to_latex, to_markdown
 
 NASTY = Table(
     "A & B <i>",

@@ -64,7 +64,7 @@ def test_the_recorder_costs_little_more_than_the_clamping_it_does(capsys):
         return lambda _: [call(x) for _ in range(chunk)]
 
     free_alone, alone, recorded, clamping, bare = (
-        1e6 / chunk * least([repeated(f) for f in calls], 400, perf_counter)
+        1e6 / chunk * least([repeated(f) for f in calls], 150, perf_counter)
     )
     with capsys.disabled():
         print(

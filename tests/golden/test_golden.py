@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+from bare import told
 from cases import CASES
 
 from answers import asked, cases_of, gist, kept, moved, same
@@ -34,6 +36,27 @@ def test_verdict_named_class_and_errors_are_the_committed_ones(kind, case, tmp_p
         before,
         after,
     )
+
+
+FEW = (
+    "fractional-kelvin hides inertia",
+    "artificial-springpot-noise2 by springpot",
+    "sweep hides time-delay beside a relaxation",
+)
+
+
+@pytest.mark.parametrize("names", [FEW, pytest.param(None, marks=pytest.mark.soak)])
+def test_answers_need_no_threads_no_processes_and_no_library_of_optimisers(names, tmp_path):
+    """Bit for bit: what runs where a browser runs Python."""
+    every = [case for kind in CASES for case in cases_of(kind)]
+    cases = [case for case in every if names is None or case.name in names]
+    bare = subprocess.run(
+        [sys.executable, str(Path(__file__).with_name("bare.py")), *(case.name for case in cases)],
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    assert bare.stdout.splitlines() == [told(case, tmp_path) for case in cases]
 
 
 def test_each_question_has_a_committed_answer_and_each_answer_its_question():

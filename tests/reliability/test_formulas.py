@@ -11,8 +11,6 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from springpot.benchmark.exporting import _csv
-from springpot.benchmark.tables import Table, to_csv
 from springpot.measurement import (
     Measurement,
     guarded,
@@ -21,7 +19,9 @@ from springpot.measurement import (
     unguarded,
     unguarded_line,
 )
+from springpot.measurement.csv_safe import csv_text
 from springpot.registry import write_measurement
+from springpot.report.tables import Table, to_csv
 from springpot_plugins.readers import springpot_readers
 
 FORMULAS = (
@@ -80,8 +80,8 @@ def test_tables_of_a_study():
     assert not [cell for row in csv.reader(io.StringIO(text)) for cell in row if runs(cell)]
 
 
-def test_the_export_of_a_study():
-    text = _csv({"dataset": list(FORMULAS), "value": [-1.0] * len(FORMULAS)})
+def test_rows_as_exports_and_reports_write_them():
+    text = csv_text([["dataset", "value"], *([cell, -1.0] for cell in FORMULAS)])
     rows = list(csv.DictReader(io.StringIO(text)))
     assert not [row for row in rows if runs(row["dataset"])]
     assert {row["value"] for row in rows} == {"-1.0"}

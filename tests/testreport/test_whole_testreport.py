@@ -11,10 +11,10 @@ import pytest
 from known_loops import STROKE, noisy
 
 from springpot.testreport import LoopRecord, certify
-from springpot.testreport.pages import certificate_page
+from springpot.testreport.certificate import certificate_page
+from springpot.testreport.commands.cycles import law_text, table_of
 from springpot.testreport.report import report_of
 from springpot.testreport.summary import evaluate
-from springpot.testreport.words import law_text, table_of
 
 CODES = Path(__file__).resolve().parents[2] / "docs" / "codes"
 NOISE = 5e-3

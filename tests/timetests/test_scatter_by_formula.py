@@ -5,6 +5,7 @@ import pytest
 from scipy import stats
 from scipy.linalg import toeplitz
 
+from springpot.timetests.lines import periodogram
 from springpot.timetests.scatter import (
     FEWEST,
     LEVEL,
@@ -13,6 +14,7 @@ from springpot.timetests.scatter import (
     TENFOLD,
     ResidualScatter,
     _chance,
+    _evened,
     _fitted,
     _jumps,
     _log_likelihood,
@@ -20,7 +22,8 @@ from springpot.timetests.scatter import (
     _scattered,
     _spectrum,
     likeliest_jump,
-    periodogram,
+    powers,
+    rougher,
     scatter_of_sweep,
     times_noise,
 )
@@ -53,20 +56,31 @@ def test_the_spectrum_of_an_autoregression_sums_to_its_covariances():
         assert np.mean(spectrum * np.cos(lag * omega)) == pytest.approx(9.0 * 0.6**lag)
 
 
-def test_the_periodogram_of_white_noise_is_its_variance(rng):
-    powers = [periodogram(2.0 * rng.normal(size=64) + 5.0)[0] for _ in range(2000)]
+def test_the_powers_of_white_noise_are_its_variance_and_hold_all_samples(rng):
+    drawn = [2.0 * rng.normal(size=64) for _ in range(2000)]
+    found = [powers(each)[0] for each in drawn]
+    np.testing.assert_allclose(powers(np.zeros(64))[1], np.pi * np.arange(64) / 64)
+    # Of each frequency the scatter of the mean is 4 sqrt(2 / 2000).
+    np.testing.assert_allclose(np.mean(found, axis=0), 4.0, rtol=0.15)
+    # Nothing is faded: as many squares as the samples have, wherever they are.
+    for power, each in zip(found[:9], drawn, strict=False):
+        assert power.sum() == pytest.approx(each @ each)
+
+
+def test_a_periodogram_has_the_variance_of_white_noise_whatever_its_mean(rng):
+    found = [periodogram(2.0 * rng.normal(size=64) + 5.0)[0] for _ in range(2000)]
     omega = periodogram(np.zeros(64))[1]
     np.testing.assert_allclose(omega, 2.0 * np.pi * np.arange(1, 33) / 64)
     # Of each frequency but the last, which is real, the scatter of the mean is 4 / sqrt(2000).
-    np.testing.assert_allclose(np.mean(powers, axis=0)[2:], 4.0, rtol=0.15)
+    np.testing.assert_allclose(np.mean(found, axis=0)[2:], 4.0, rtol=0.15)
 
 
 def test_size_and_memory_are_read_from_a_spectrum(rng):
     residual = noise(rng, 4000, 0.4, size=3.0)
-    size, memory = _fitted(*periodogram(residual))
+    size, memory = _fitted(*powers(residual))
     assert (size, memory) == (pytest.approx(3.0, rel=0.05), pytest.approx(0.4, abs=0.05))
     # The likelihood is largest there.
-    power, omega = periodogram(residual)
+    power, omega = powers(residual)
     best = _log_likelihood(power, _spectrum(omega, size, memory))
     for other in ((1.02 * size, memory), (0.98 * size, memory), (size, memory + 0.04)):
         assert _log_likelihood(power, _spectrum(omega, *other)) < best
@@ -105,6 +119,27 @@ def test_a_sample_that_repeats_the_last_one_has_no_noise():
     assert _scattered(stuck[1:]).all()
     wanted = np.sqrt(np.sum(stuck**2) / FEWEST) / 2.0
     assert times_noise(stuck, 2.0) == pytest.approx(wanted)
+
+
+def test_noise_of_a_rough_part_is_evened_to_that_of_the_rest():
+    residual = np.where(np.arange(400) % 2, 1.0, -1.0)
+    residual[100:140] *= 20.0
+    times, even = rougher(residual), _evened(residual)
+    assert times[110:130] == pytest.approx(20.0)
+    assert np.all(times[np.r_[:90, 150:400]] == 1.0)
+    assert np.abs(even[np.r_[:90, 110:130, 150:400]]) == pytest.approx(1.0)
+    # Few samples, or such of which most repeat each other, tell nothing of it.
+    for few in (residual[95:130], np.repeat([0.0, 1.0], 40)):
+        assert np.all(rougher(few) == 1.0)
+
+
+def test_a_sample_far_off_is_no_larger_than_the_tails_of_its_noise(rng):
+    residual = rng.normal(size=400)
+    residual[7] = -1e6
+    even = _evened(residual)
+    assert even[7] == pytest.approx(-3.0, rel=0.15)
+    near = (np.abs(residual) < 2.5) & (rougher(residual) == 1.0)
+    assert even[near] == pytest.approx(residual[near])
 
 
 @pytest.mark.parametrize("known", [True, False])

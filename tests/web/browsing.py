@@ -74,6 +74,12 @@ class Page:
         self.page.fill("#expression", model)
         self.page.press("#expression", "Enter")
 
+    def open(self, name: str, content: bytes, model: str) -> None:
+        """Name a model and drop a file that is judged by it, and by nothing before."""
+        self.name(model)
+        self.drop(name, content)
+        self.shows(model)
+
     def judge(self, model: str) -> None:
         """Name a model, and wait for its answer."""
         self.name(model)

@@ -21,7 +21,7 @@ from springpot.measurement import Measurement
 from springpot.report.text import to_json
 from springpot.web import leaving
 from springpot.web.sessions import State, digest_of, measured_in, text_of
-from springpot.web.tasks import again, answer, ladder_of, trial
+from springpot.web.tasks import _ladder, again, answered, ladder_of, trial
 
 MODEL = "fractional-maxwell"
 LAW = "my-mass = parallel: -m*omega^2"
@@ -63,9 +63,10 @@ def of_currents(extra: float = 0.0) -> Measurement:
 
 
 def asked(data: Measurement, model: str, *accepted: str) -> tuple[State, dict[str, Any]]:
-    """A state and its answer, as the page gets it."""
-    state = State(digest_of(text_of(data)), model, accepted)
-    return state, json.loads(to_json(answer(state, ladder_of(state, data), data)))
+    """A state and its answer, as the page gets it from a worker that remembers ladders."""
+    text = text_of(data)
+    state = State(digest_of(text), model, accepted)
+    return state, json.loads(to_json(answered(silent, state.to_dict(), text)))
 
 
 def tried(state: State, data: Measurement, law: object) -> dict[str, Any]:
@@ -104,7 +105,7 @@ def test_what_is_no_law_is_one_line(damper_data: Measurement, typed: object):
 
 def test_an_accepted_law_is_a_rung_and_stands_in_command_and_session(damper_data: Measurement):
     state = State(digest_of(text_of(damper_data)), MODEL, (LAW,))
-    ladder = ladder_of(state, damper_data)
+    ladder = _ladder(state, text_of(damper_data), silent)
     assert [step.accepted for step in ladder.steps] == [None, "my-mass"]
     assert ladder.verdict == "adequate"
     words = shlex.split(leaving.command(state, "damper.csv"))
@@ -156,8 +157,7 @@ def test_a_row_that_stands_out_is_seen_left_out(damper_data: Measurement):
 @IN_A_BROWSER
 def test_a_law_is_previewed_while_it_is_typed_taken_and_undone(page: Open, damper: bytes):
     here = page()
-    here.drop("damper.csv", damper)
-    here.judge(MODEL)
+    here.open("damper.csv", damper, MODEL)
     here.page.fill("#law", "my-mass = parallel: -m*omega^")
     here.page.locator("#law-says", has_text="no formula").wait_for()
     assert here.page.get_attribute("#add-law", "aria-disabled") == "true"
@@ -180,8 +180,7 @@ def test_a_law_is_previewed_while_it_is_typed_taken_and_undone(page: Open, dampe
 @pytest.mark.soak
 def test_a_law_is_found_where_no_effect_explains(page: Open):
     here = page()
-    here.drop("rubber.csv", table(of_amplitudes(), amplitude="mm").encode())
-    here.judge(MODEL)
+    here.open("rubber.csv", table(of_amplitudes(), amplitude="mm").encode(), MODEL)
     assert "unexplained" in here.reads("#verdict")
     here.page.click("#find-law")
     here.done()
@@ -200,8 +199,7 @@ def test_a_law_is_found_where_no_effect_explains(page: Open):
 @IN_A_BROWSER
 def test_points_are_seen_left_out_before_they_are(page: Open, damper: bytes):
     here = page()
-    here.drop("damper.csv", damper)
-    here.judge(f"{MODEL} + inertia")
+    here.open("damper.csv", damper, f"{MODEL} + inertia")
     box = here.page.locator("#plot-residual").bounding_box()
     here.page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 20)
     here.page.mouse.down()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 from browsing import IN_A_BROWSER, Open, Page
 
 pytestmark = IN_A_BROWSER
@@ -20,8 +22,7 @@ TOPMOST = """() => {
 
 def test_the_claim_is_one_number_one_sentence_one_button(page: Open, damper: bytes):
     here = page()
-    here.drop("damper.csv", damper)
-    here.judge(MODEL)
+    here.open("damper.csv", damper, MODEL)
     assert here.reads("#number .big") == "8.5 ×"
     assert here.reads("#fails").startswith("The model's storage stiffness 8.3 %")
     assert here.page.locator("#plot-residual .mark.ghost").count() == 0
@@ -40,8 +41,7 @@ def test_the_claim_is_one_number_one_sentence_one_button(page: Open, damper: byt
 
 def test_a_class_is_one_card_with_what_decides(page: Open, damper: bytes):
     here = page()
-    here.drop("damper.csv", damper)
-    here.judge(MODEL)
+    here.open("damper.csv", damper, MODEL)
     card = here.page.locator(".card").first
     assert card.locator("[role=option] .name").all_inner_texts() == ["inertia", "specimen-inertia"]
     assert "told apart by the next experiment" in card.inner_text()
@@ -106,10 +106,31 @@ def test_an_entry_of_the_legend_hides_what_it_names(page: Open, damper: bytes):
     assert here.page.locator("#plot-view .mark.loss").count() == 14
 
 
+def test_residuals_are_drawn_along_the_rows_of_the_file(page: Open, damper: bytes):
+    here = page()
+    here.drop("damper.csv", damper)
+    here.shows("material")
+    along = """() => [...document.querySelectorAll("#plot-residual circle.mark")]
+        .map((mark) => Number(mark.getAttribute("cx")))"""
+    before = steps(here.page.evaluate(along))
+    assert max(before) > 2.0 * min(before), "by the logarithm of the frequency"
+    here.page.select_option("#column", "row")
+    even = steps(here.page.evaluate(along))
+    assert len(even) == 13
+    assert max(even) < 1.01 * min(even)
+    assert "row of the file" in here.page.locator("#plot-residual .label").first.text_content()
+
+
+def steps(places: list[float]) -> list[float]:
+    """Between neighbours."""
+    return [after - before for before, after in pairwise(places)]
+
+
 def test_what_is_negative_is_drawn(page: Open, damper: bytes):
     here = page()
-    here.drop("below.csv", damper + b"200,-400,30\n300,-1500,25\n")
-    here.shows("material")
+    # As its mass makes it; more is missing from a model that cannot follow, and takes longer.
+    below = damper + b"200,-578.2,33.2\n300,-1749.7,27.5\n"
+    here.open("below.csv", below, f"{MODEL} + inertia")
     assert here.page.locator("#plot-view .mark.storage").count() == 16
     label = here.reads("#key")
     assert "2 not above zero" in label

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
+from typing import Any
 
 import pytest
+from browsing import IN_A_BROWSER, Open
 
 from springpot.benchmark import Study, run_study
 from springpot.errors import DataError
@@ -22,6 +25,12 @@ def test_a_study_is_told_with_its_tables(tmp_path: Path, monkeypatch: pytest.Mon
     report = report_of("small")
     assert report["name"] == "small-report.html"
     assert "nlopt-sbplx" in report["text"]
+    reached = study("small")["attained"]
+    assert set(reached["shares"]) == {"native", "nlopt-sbplx"}
+    for shares in reached["shares"].values():
+        assert len(shares) == len(reached["evaluations"])
+        assert shares == sorted(shares), "what was reached stays reached"
+        assert 0.0 <= shares[0] <= shares[-1] <= 1.0
     tables = study("small")["tables"]
     assert any("native" in cell for table in tables for row in table["rows"] for cell in row)
     assert all(isinstance(cell, str) for table in tables for row in table["rows"] for cell in row)
@@ -46,3 +55,45 @@ def test_a_broken_store_is_told_of_and_hides_nothing(
     (found,) = studies()
     assert found["name"] == "broken"
     assert found["says"]
+
+
+def told(name: str, **costs: int) -> dict[str, Any]:
+    """A study as the page is told of it."""
+    table = {"title": f"{name}: cost", "columns": ["optimiser", "cost"], "note": ""}
+    rows = [[optimiser, str(cost)] for optimiser, cost in costs.items()]
+    shares = {optimiser: [0.0, 1.0 / cost, 1.0] for optimiser, cost in costs.items()}
+    counts = {"cells": 2, "total": 4, "done": 4, "failed": 0, "started": "today", "says": ""}
+    reached = {"evaluations": [1, 10, 100], "shares": shares}
+    return {"name": name, **counts, "tables": [{**table, "rows": rows}], "attained": reached}
+
+
+@IN_A_BROWSER
+def test_two_studies_stand_side_by_side_and_a_click_sorts_a_table(page: Open):
+    """Numbers are sorted by size, up and down; each study has its curves of accuracy."""
+    here = page()
+    raced = {"one": told("one", swarm=90, native=8), "two": told("two", native=9, swarm=100)}
+
+    def answer(route: Any) -> None:
+        asked = route.request.post_data_json.get("name")
+        result = raced[asked] if asked else {"studies": list(raced.values())}
+        route.fulfill(body=json.dumps({"result": result}) + "\n")
+
+    here.page.route("**/api/race", answer)
+    here.page.click("#tab-race")
+    here.page.click("text=Tables of one")
+    column = here.page.locator("#study td:nth-child(2)")
+    column.first.wait_for()
+    assert column.all_inner_texts() == ["90", "8"]
+    sort = here.page.locator("#study .sort", has_text="cost")
+    sort.click()
+    assert column.all_inner_texts() == ["8", "90"]
+    sort.click()
+    assert column.all_inner_texts() == ["90", "8"]
+    assert here.page.locator("#plot-attained-one path.line").count() == 2
+    here.page.click("text=Put two beside")
+    here.page.locator("#plot-attained-two").wait_for()
+    assert here.page.locator("#study h2").all_inner_texts()[0] == "one"
+    assert here.page.locator("#plot-attained-one").count() == 1
+    here.page.locator("#study .racer", has_text="swarm").first.hover()
+    assert here.page.locator("#plot-attained-one .preview-layer path").count() == 1
+    assert here.violations() == []

@@ -140,6 +140,30 @@ def test_a_header_that_stands_twice_is_refused_where_it_matters():
             server._headers_of({"headers": [(name, b"1"), (name, b"1")]})
 
 
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [
+        ({"error": "a.csv: no such file", "fault": False}, "no such file"),
+        # Of a fault of ours the page tells more than a line.
+        ({"error": "a fault in springpot", "fault": True}, ""),
+        ({"result": {}}, ""),
+    ],
+)
+@pytest.mark.parametrize("named", [{"data": "a.csv"}, {"model": "kelvin"}, {}])
+def test_what_is_named_wrongly_ends_the_command(line, says, named):
+    class Told:
+        async def ask(self, task, arguments):
+            assert arguments["spec"] == named.get("data", "")
+            yield json.dumps(line).encode()
+
+    running = server.Server(Told(), **named)
+    if says and named:
+        with pytest.raises(DataError, match=says):
+            _ran(running.require())
+    else:
+        _ran(running.require())
+
+
 # Desk ---------------------------------------------------------------------------------------------
 
 

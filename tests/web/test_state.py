@@ -32,7 +32,6 @@ from springpot.report.interactive.scene import (
 from springpot.report.text import to_json
 from springpot.rheology.nodes import PLANES, Parallel
 from springpot.web import leaving, tasks
-from springpot.web.files import safe_name
 from springpot.web.sessions import (
     State,
     digest_of,
@@ -44,6 +43,7 @@ from springpot.web.sessions import (
     session_of,
     text_of,
 )
+from springpot.web.specimen import safe_name
 from springpot.web.tasks import answer, curve, held, ladder_of
 
 MODEL = "fractional-maxwell"

@@ -8,8 +8,8 @@ import pytest
 import springpot
 from springpot.errors import DataError, ModelError
 from springpot.web import leaving, tasks
-from springpot.web.held import hand_of, theta_of
 from springpot.web.sessions import State, digest_of, text_of
+from springpot.web.trying import hand_of, theta_of
 
 OMEGA = np.geomspace(0.5, 30.0, 6)
 

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
+    from springpot.report.tables import FORMATS, Table, save_table
+
     from .columns import frame
     from .exporting import Export, export
     from .runner import Outcome, run_study
@@ -15,7 +17,6 @@ if TYPE_CHECKING:
     from .store import Store
     from .study import Study
     from .summary import load_study, store_path
-    from .tables import FORMATS, Table, save_table
     from .trial import Status
 
 __all__ = [
@@ -49,7 +50,7 @@ __getattr__, __dir__ = offered(
         "store": "Store",
         "study": "Study",
         "summary": "load_study store_path",
-        "tables": "FORMATS save_table Table",
+        "springpot.report.tables": "FORMATS save_table Table",
         "trial": "Status",
     },
 )

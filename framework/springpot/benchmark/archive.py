@@ -156,7 +156,7 @@ def write_archive(store: Store, path: Path) -> int:
     cells = [cell for cell in store.cells() if cell.digest]
     numbers = {cell.id: i for i, cell in enumerate(cells)}
     # In the order of the store; each cell by its place in the description.
-    trials = [(numbers[n], rows) for n, rows in store.trials() if n in numbers]
+    trials = [(numbers[cell.id], rows) for cell, rows in store.raced() if cell.id in numbers]
     write_with(path, partial(_fill, _description(store, cells), trials))
     return sum(len(rows) for _, rows in trials)
 

@@ -17,11 +17,11 @@ from springpot.identification.problem import Searched
 from springpot.identification.runs import Optimiser, run
 from springpot.identification.space import SearchSpace
 from springpot.registry import parse_model
+from springpot.report.tables import Entry, Table
 from springpot.rheology.points import Real
 
 from .plan import stream_of
 from .statistics import a12, holm, mann_whitney_holm
-from .tables import Entry, Table
 
 LEVEL = 0.01
 """Adjusted p-values up to this are called a bias, over all optimisers and tests of a table."""

@@ -53,9 +53,7 @@ def trace_columns(store: Store) -> Columns:
     noise, ``oracle`` the smallest noise-free objective among all that was evaluated so far; the
     last two only where the truth is known.
     """
-    points = (
-        point for cell, rows in _trials(store) for row in rows for point in _points(cell, row)
-    )
+    points = (point for cell, rows in store.raced() for row in rows for point in _points(cell, row))
     return _filled(TRACE, points)
 
 
@@ -115,12 +113,6 @@ def required(name: str, purpose: str) -> Any:
         return import_module(name)
     except ImportError:
         raise StudyError(f"{purpose} needs {name}: pip install {name}") from None
-
-
-def _trials(store: Store) -> Iterator[tuple[CellRow, list[TrialRow]]]:
-    cells = {cell.id: cell for cell in store.cells()}
-    # One cell at a time, as they are asked for.
-    return ((cells[number], rows) for number, rows in store.trials() if number in cells)
 
 
 def _filled(names: tuple[str, ...], rows: Iterator[tuple[Any, ...]]) -> Columns:

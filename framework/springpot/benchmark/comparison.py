@@ -30,7 +30,6 @@ from numpy.typing import NDArray
 from springpot.format_numbers import counted
 from springpot.rheology.points import Real
 
-from .bayes import signed_rank_posterior
 from .plan import stream_of
 from .statistics import (
     Interval,
@@ -45,7 +44,10 @@ from .statistics import (
     least_signed_rank,
     mann_whitney_holm,
     mean_interval,
+    mean_range,
     performance_profile,
+    pooled_ranks,
+    signed_rank_posterior,
     target_value,
     wilcoxon_holm,
     wilson,
@@ -156,14 +158,11 @@ class JudgingScale:
 def judged(store: Store) -> Iterator[tuple[CellRow, list[TrialRow], Real]]:
     """Each cell of the study with its trials and the best objective (n,) known of their data."""
     bests, draws = store.bests(), store.bests_of_draws()
-    cells = {cell.id: cell for cell in store.cells()}
-    for number, trials in store.trials():
-        if number in cells:
-            own = cells[number].problem.id
-            best = bests.get(own, np.inf)
-            # Noise of its own makes a trial's data another problem than those of its neighbours.
-            known = [draws.get((own, trial.repetition), best) for trial in trials]
-            yield cells[number], trials, np.array(known)
+    for cell, trials in store.raced():
+        best = bests.get(cell.problem.id, np.inf)
+        # Noise of its own makes a trial's data another problem than those of its neighbours.
+        known = [draws.get((cell.problem.id, trial.repetition), best) for trial in trials]
+        yield cell, trials, np.array(known)
 
 
 def reference_of(problem: ProblemRow, trial: TrialRow) -> float:
@@ -409,11 +408,9 @@ def choices(races: Sequence[ProblemRace], scale: JudgingScale) -> list[Optimiser
 
 def choose(race: ProblemRace, mark: int, scale: JudgingScale) -> OptimiserChoice:
     """The choice for one problem at one mark."""
-    from scipy.stats import rankdata
-
     budget, reached = scale.marks[mark], quality(race, mark, scale.target)
     # By ranks, not means: a single failed trial has an infinite excess, which would decide alone.
-    ranks = rankdata(reached, axis=None).reshape(reached.shape).mean(axis=1)
+    ranks = pooled_ranks(reached).mean(axis=1)
     # As if the race had ended at this budget: what was reached later did not happen yet.
     hits = np.where(race.hits <= budget, race.hits, np.inf)
     times = np.array(
@@ -591,7 +588,7 @@ def rank(scope: str, races: Sequence[ProblemRace], mark: int, scale: JudgingScal
     reached = [quality(race, mark, scale.target) for race in races]
     labels = races[0].labels
     pairs = pairs_of(len(labels))
-    among = [rankdata(r, axis=None).reshape(r.shape) for r in reached]
+    among = [pooled_ranks(each) for each in reached]
     if len(races) > 1:
         unit = PROBLEMS
         blocks = np.stack([ranks.mean(axis=1) for ranks in among])
@@ -603,10 +600,8 @@ def rank(scope: str, races: Sequence[ProblemRace], mark: int, scale: JudgingScal
         # A trial's place among one trial of each: in the order of the choice, which ranks all of
         # them at once.
         within = (among[0].T - 0.5) / len(blocks) + 0.5
-        p, least = (
-            mann_whitney_holm(reached[0]),
-            2 * least_mann_whitney(len(blocks), len(blocks)) * pairs,
-        )
+        p = mann_whitney_holm(reached[0])
+        least = 2 * least_mann_whitney(len(blocks), len(blocks)) * pairs
     statistic = p_all = np.nan
     # Friedman's test takes three or more.
     if len(labels) > 2 and len(blocks) > 1:
@@ -616,8 +611,7 @@ def rank(scope: str, races: Sequence[ProblemRace], mark: int, scale: JudgingScal
     ranks = mean_interval(within, rng)
     if least > LEVEL:
         # A bootstrap of a few problems is too sure of them.
-        ends = zip(within.mean(axis=0), within.min(axis=0), within.max(axis=0), strict=True)
-        ranks = [Interval(*map(float, each)) for each in ends]
+        ranks = mean_range(within)
     return MeanRanks(
         scope,
         scale.marks[mark],

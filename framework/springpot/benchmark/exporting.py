@@ -18,12 +18,11 @@ its third column.
 
 from __future__ import annotations
 
-import csv
 import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from io import StringIO
+from itertools import chain
 from math import inf, isfinite
 from pathlib import Path
 from typing import Any
@@ -33,11 +32,11 @@ from numpy.typing import NDArray
 
 from springpot.errors import OutputError, StudyError
 from springpot.files import write_text, write_with
-from springpot.measurement.csv_safe import guarded
+from springpot.measurement.csv_safe import csv_text
 from springpot.rheology.points import Real
 
 from .coco_suite import NAMES, SUITE
-from .columns import TABLES, Columns, required
+from .columns import TABLES, required
 from .store import Store
 from .study import Study
 from .summary import CellRow, ProblemRow, TrialRow, median_of, store_path
@@ -287,28 +286,25 @@ def created(folder: Path) -> Path:
 
 def blocks(store: Store) -> Iterator[Block]:
     """Every cell of a study that has a trial with a value, one at a time."""
-    cells = {cell.id: cell for cell in store.cells()}
+    cells = store.cells()
     # From 1 on in the order of the study, as other tools number functions; the store's own numbers
     # have gaps.
-    numbers = {
-        number: i for i, number in enumerate(dict.fromkeys(c.problem.id for c in cells.values()), 1)
-    }
-    folders = _folders([cell.label for cell in cells.values()])
+    numbers = {n: i for i, n in enumerate(dict.fromkeys(cell.problem.id for cell in cells), 1)}
+    folders = _folders([cell.label for cell in cells])
     bests = store.bests()
-    for number, rows in store.trials():
+    for cell, rows in store.raced():
         # What failed has no value, for which these formats have no word: it is counted by
         # `left_out`.
         sound = tuple(row for row in rows if row.trace)
-        if number in cells and sound:
-            cell, dimension = cells[number], len(sound[0].theta)
+        if sound:
             folder, problem = folders[cell.label], cell.problem.id
+            dimension = len(sound[0].theta)
             yield Block(cell, folder, numbers[problem], dimension, bests[problem], sound)
 
 
 def left_out(store: Store) -> int:
     """Trials without a value, which other tools have no way to tell of."""
-    shown = {cell.id for cell in store.cells()}
-    return sum(not row.trace for number, rows in store.trials() if number in shown for row in rows)
+    return sum(not row.trace for _, rows in store.raced() for row in rows)
 
 
 def function_name(problem: ProblemRow) -> str:
@@ -485,28 +481,17 @@ def export(
 
 def write_csv(store: Store, folder: Path) -> Export:
     """One CSV file of trials and one of their traces; numbers in full."""
-    files = [write_text(folder / f"{name}.csv", _csv(read(store))) for name, read in TABLES.items()]
+    files = []
+    for name, read in TABLES.items():
+        columns = read(store)
+        rows = chain([columns], zip(*columns.values(), strict=True))
+        files.append(write_text(folder / f"{name}.csv", csv_text(rows)))
     return _whole(
         store,
         folder,
         files,
         "one row for each trial in trials.csv, one for each point in traces.csv",
     )
-
-
-def _csv(columns: Columns) -> str:
-    stream = StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    # A spreadsheet would take a name that begins with = for a formula.
-    writer.writerow(map(guarded, columns))
-    writer.writerows([_cell(value) for value in row] for row in zip(*columns.values(), strict=True))
-    return stream.getvalue()
-
-
-def _cell(value: Any) -> Any:
-    if isinstance(value, str):
-        return guarded(value)
-    return value
 
 
 def write_parquet(store: Store, folder: Path) -> Export:
@@ -525,23 +510,12 @@ def write_parquet(store: Store, folder: Path) -> Export:
 
 
 def _whole(store: Store, folder: Path, files: list[Path], hint: str) -> Export:
-    return Export(folder, tuple(files), sum(len(rows) for _, rows in store.trials()), 0, hint)
-
-
-# These two are imported only when they are asked for: every run of a study would pay for them.
-def _ioh(store: Store, folder: Path) -> Export:
-
-    return write_ioh(store, folder)
-
-
-def _coco(store: Store, folder: Path) -> Export:
-
-    return write_coco(store, folder)
+    return Export(folder, tuple(files), sum(len(rows) for _, rows in store.raced()), 0, hint)
 
 
 WRITERS: dict[str, Callable[[Store, Path], Export]] = {
-    "ioh": _ioh,
-    "coco": _coco,
+    "ioh": write_ioh,
+    "coco": write_coco,
     "csv": write_csv,
     "parquet": write_parquet,
 }

@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from springpot.errors import StudyError
+from springpot.report.tables import FORMATS, Entry, Table, save_table
 
-from .bayes import ROPE
 from .beside import opened
 from .comparison import (
     OVER_ALL,
@@ -32,9 +32,8 @@ from .comparison import (
     reference_of,
     score_cell,
 )
-from .noise_table import noise_table
-from .robustness import anytime_table, sensitivity_table
-from .statistics import Interval, hitting_time
+from .robustness import anytime_table, noise_table, sensitivity_table
+from .statistics import ROPE, hitting_time, intervals
 from .store import Store
 from .study import Study
 from .summary import (
@@ -47,7 +46,6 @@ from .summary import (
     summary_table,
     timing_table,
 )
-from .tables import FORMATS, Entry, Table, save_table
 
 SIMPLEX = (10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0, 10_000.0)
 RATIOS = (1.0, 2.0, 5.0, 10.0, 30.0, 100.0)
@@ -202,7 +200,7 @@ def progress_table(name: str, scores: Sequence[CellScores], scale: JudgingScale)
     for s in scores:
         problem = s.cell.problem
         low, middle, high = s.curve[:, places]
-        excess = [Interval(*map(float, each)) for each in zip(middle, low, high, strict=True)]
+        excess = intervals(middle, low, high)
         reached = map(float, s.attained[places])
         rows.append(
             (problem.dataset, problem.model, problem.objective, s.cell.label, *excess, *reached)
@@ -367,6 +365,11 @@ def study_tables(store: Store, names: Sequence[str] | None = None) -> Iterator[t
     if names is None:
         names = table_names(store)
     findings = Findings.of(store, scored=any(name in COMPARING for name in names))
+    yield from tables_of(findings, names)
+
+
+def tables_of(findings: Findings, names: Sequence[str]) -> Iterator[tuple[str, Table]]:
+    """File stem and table of what is wanted of a study that is read."""
     for name in names:
         yield name, (PLAIN | COMPARING)[name](findings)
 

@@ -1,6 +1,10 @@
 """Statistics of an optimiser comparison: pure functions of arrays read from the store.
 
 A trial that failed or missed its target has an infinite running time; it is never given a number.
+
+How probable it is that one optimiser is better in practice, beside whether it can be told.
+
+The Bayesian signed-rank test of Benavoli and others (2014, ICML; 2017, JMLR 18:1-36).
 """
 
 from __future__ import annotations
@@ -13,6 +17,8 @@ from numpy.typing import NDArray
 
 from springpot.report.tables import Interval as Interval
 from springpot.rheology.points import Real
+
+from .plan import stream_of
 
 Z95 = 1.959963984540054
 """Two-sided 95 % quantile of the normal distribution."""
@@ -176,15 +182,23 @@ def mean_ranks(scores: Real) -> Real:
     return ranks
 
 
+def pooled_ranks(values: Real) -> Real:
+    """Rank of each value among all of them, in their shape; infinite ones rank last."""
+    from scipy.stats import rankdata
+
+    return np.asarray(rankdata(values, axis=None).reshape(values.shape))
+
+
 def friedman(scores: Real) -> tuple[float, float]:
     """Friedman's statistic and p-value of `scores` (blocks, treatments); infinite scores rank last.
 
     Where every block is one tie nothing differs, which SciPy calls 0/0. By the approximation of chi
     squared, but never below the chance that so few blocks agree in the order of all.
     """
-    from scipy.stats import friedmanchisquare
+    from scipy.stats import friedmanchisquare, rankdata
 
-    ranks = _finite_order(scores)
+    # The same order without infinities.
+    ranks = rankdata(scores, axis=1)
     if not np.ptp(ranks):
         return 0.0, 1.0
     statistic, p = friedmanchisquare(*ranks.T)
@@ -347,10 +361,17 @@ def mean_interval(values: Real, rng: np.random.Generator, draws: int = 1000) -> 
     n = len(values)
     # How often each block is drawn is all that a mean asks: no table of draws is made.
     counts = rng.multinomial(n, np.full(n, 1.0 / n), size=draws)
-    low, high = np.quantile(counts @ values / n, [0.025, 0.975], axis=0)
-    return [
-        Interval(*map(float, each)) for each in zip(values.mean(axis=0), low, high, strict=True)
-    ]
+    return intervals(values.mean(axis=0), *np.quantile(counts @ values / n, [0.025, 0.975], axis=0))
+
+
+def mean_range(values: Real) -> list[Interval]:
+    """Mean of each column of `values` (blocks, k) with the range of its blocks."""
+    return intervals(values.mean(axis=0), values.min(axis=0), values.max(axis=0))
+
+
+def intervals(values: Real, low: Real, high: Real) -> list[Interval]:
+    """An interval of each value (k,) and its ends."""
+    return [Interval(*map(float, each)) for each in zip(values, low, high, strict=True)]
 
 
 def a12(a: Real, b: Real) -> float:
@@ -377,9 +398,45 @@ def a12_table(values: Real) -> Real:
     return table
 
 
-def _finite_order(scores: Real) -> Real:
-    """Ranks within blocks: the same order without infinities."""
-    from scipy.stats import rankdata
+ROPE = 0.06
+"""A12 within 0.5 plus and minus this is practical equivalence: below what Vargha and Delaney (2000)
+call a small effect."""
+PRIOR = 0.5
+"""Weight of the prior's one observation, of no difference, as in the source."""
+AT_ONCE = 1 << 21
+"""Numbers that are in memory at once: 16 MiB."""
+DRAWS = 4000
+"""Of the posterior: probabilities are known to 0.008."""
 
-    ranks: Real = rankdata(scores, axis=1)
-    return ranks
+
+def signed_rank_posterior(gaps: Real, rope: float = ROPE) -> Real:
+    """Probabilities (m, 3) that each row is below, within and above the region of equivalence.
+
+    Of a difference over further such problems: the share of draws from the posterior in which most
+    of the mean of two differences lies there.
+
+    Parameters
+    ----------
+    gaps : ndarray, shape (m, n)
+        Differences on n problems, a row for each pair.
+    rope : float
+        Half of the region's width.
+    """
+    n = gaps.shape[1]
+    # The same weights for all pairs, and from the number of problems only: no table hangs on
+    # another.
+    rng = np.random.default_rng(stream_of(0, "signed rank", n))
+    weights = rng.dirichlet([PRIOR, *[1.0] * n], DRAWS)
+    gaps = np.column_stack([np.zeros(len(gaps)), gaps])
+    # Each mean of two once; that of a and b is that of b and a.
+    first, second = np.triu_indices(n + 1)
+    means = 0.5 * (gaps[:, first] + gaps[:, second])
+    times = np.where(first == second, 1.0, 2.0)
+    sides = np.concatenate([times * (means < -rope), times * (means > rope)]).T
+    counts = np.zeros((3, len(gaps)))
+    for own in np.array_split(weights, 1 + len(weights) * len(first) // AT_ONCE):
+        below, above = np.split(own[:, first] * own[:, second] @ sides, 2, axis=1)
+        most = np.stack([below, 1.0 - below - above, above]).argmax(axis=0)
+        counts += np.stack([(most == region).sum(axis=0) for region in range(3)])
+    found: Real = counts.T / DRAWS
+    return found

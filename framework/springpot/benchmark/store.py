@@ -524,6 +524,11 @@ class Store:
                 if kept and cell in known:
                     yield cell, kept
 
+    def raced(self) -> Iterator[tuple[CellRow, list[TrialRow]]]:
+        """The cells of the study as it was last run with their trials, one at a time in memory."""
+        cells = {cell.id: cell for cell in self.cells()}
+        return ((cells[number], rows) for number, rows in self.trials() if number in cells)
+
     def _trial(self, row: sqlite3.Row, where: str) -> TrialRow | None:
         """A trial; a damaged one has no numbers, and one whose own number is damaged is none."""
         if sound(row):

@@ -23,12 +23,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import SpringpotError, StudyError
+from springpot.report.tables import Entry, Table
 from springpot.rheology.points import Real
 
 from .plan import stream_of
 from .statistics import Interval, median, running_time_interval, wilson
 from .study import Study
-from .tables import Entry, Table
 from .trial import TrialResult, unpack, unpack_values
 
 

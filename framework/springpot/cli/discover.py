@@ -86,7 +86,10 @@ ACCEPT = (
     help="Write the whole story as one self-contained page.",
 )
 @click.option(
-    "--figure", type=FILE, metavar="FILE", help="Draw the falling error (.png, .svg or .pdf)."
+    "--figure",
+    type=FILE,
+    metavar="FILE",
+    help="Draw the falling error (.png, .svg, .pdf, or .gif to play it).",
 )
 @known_options
 @library_options
@@ -217,13 +220,13 @@ def _tell_written(*paths: Path | None) -> None:
 
 def _check_paths(report: Path | None, figure: Path | None) -> None:
     """Tell of a path that cannot be written before minutes are spent on what goes there."""
-    from springpot.report.canvas import check_figure_path
+    from springpot.report.canvas import MOVING, check_figure_path
     from springpot.report.html import check_report_path
 
     if report is not None:
         check_report_path(report)
     if figure is not None:
-        check_figure_path(figure)
+        check_figure_path(figure, MOVING)
 
 
 def _require_one_choice(auto: bool, accept: tuple[str, ...]) -> None:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from io import StringIO
 from typing import Any, Literal
 
 import numpy as np
 
 from springpot.identification.value import Value
+from springpot.measurement.csv_safe import csv_text
 from springpot.measurement.units import (
     AMPLITUDE_UNITS,
     LENGTH_UNITS,
@@ -129,17 +128,15 @@ class Quantities:
 
     def to_csv(self) -> str:
         """A table with a row for each quantity."""
-        stream = StringIO()
-        write = csv.writer(stream, lineterminator="\n").writerow
         unit = self.units.amplitude
         at = ["frequency [Hz]", "temperature [degC]", f"amplitude [{unit}]"]
-        write(["quantity", "value", "low", "high", "unit", "source", *at, "outside_measured"])
+        rows = [["quantity", "value", "low", "high", "unit", "source", *at, "outside_measured"]]
         for row in self.rows:
             value = row.value
             cells = [row.name, repr(value.value), repr(value.low), repr(value.high), value.unit]
             cells += [row.source, *(repr(row.at[n]) if n in row.at else "" for n in AT)]
-            write([*cells, str(row.outside).lower()])
-        return stream.getvalue()
+            rows.append([*cells, str(row.outside).lower()])
+        return csv_text(rows)
 
     def __repr__(self) -> str:
         return f"<Quantities of {self.name}: {', '.join(row.name for row in self.rows)}>"

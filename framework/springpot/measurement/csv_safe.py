@@ -6,7 +6,10 @@ spreadsheet; that is what the Open Worldwide Application Security Project advise
 
 from __future__ import annotations
 
+import csv
 import re
+from collections.abc import Iterable
+from io import StringIO
 
 _SIGNS = r"[=+\-@\t\r＝＋－＠]"
 _FORMULA = re.compile(rf"['\"]*{_SIGNS}")
@@ -15,6 +18,21 @@ _GUARDED = re.compile(rf"'['\"]*{_SIGNS}")
 _ALONE = frozenset("=+-@")
 """What is no formula as long as it is the whole cell, such as a dash for nothing."""
 _PARTED = re.compile(r"[^,;\t]+")
+
+
+def csv_text(rows: Iterable[Iterable[object]]) -> str:
+    r"""Rows as the text of a CSV file, in which no cell of words is a formula.
+
+    Examples
+    --------
+    >>> csv_text([["name", "value"], ["=1+1", -2.5]])
+    "name,value\n'=1+1,-2.5\n"
+    """
+    stream = StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    for row in rows:
+        writer.writerow([guarded(cell) if isinstance(cell, str) else cell for cell in row])
+    return stream.getvalue()
 
 
 def guarded(cell: str) -> str:

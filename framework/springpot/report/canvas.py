@@ -7,20 +7,20 @@ A figure that shows itself at the end of a notebook's cell, without pyplot's glo
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
 from io import BytesIO
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
-
-from matplotlib.figure import Figure
 
 from springpot.errors import OutputError
 from springpot.files import require_writable, write_with
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 SCREEN = 110
@@ -28,16 +28,24 @@ SCREEN = 110
 """
 
 
-class Picture(Figure):
-    """A figure of its own; notebooks ask it for its PNG."""
+@cache
+def picture() -> type[Figure]:
+    """The class of a figure of its own; notebooks ask it for its PNG."""
+    # Only who draws waits for the library, which takes as long as all else that a worker imports.
+    from matplotlib.figure import Figure
 
-    def _repr_png_(self) -> bytes:
-        stream = BytesIO()
-        self.savefig(stream, format="png", dpi=SCREEN)
-        return stream.getvalue()
+    class Picture(Figure):
+        def _repr_png_(self) -> bytes:
+            stream = BytesIO()
+            self.savefig(stream, format="png", dpi=SCREEN)
+            return stream.getvalue()
+
+    return Picture
 
 
 SUFFIXES = (".png", ".svg", ".pdf")
+MOVING = (*SUFFIXES, ".gif")
+"""Of what comes about in steps."""
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Told apart by the colour-blind; doi:10.1038/nmeth.1618."""
@@ -83,10 +91,17 @@ STYLE: dict[Any, Any] = {
 }
 
 
-def check_figure_path(path: str | Path) -> Path:
+def check_figure_path(path: str | Path, suffixes: Sequence[str] = SUFFIXES) -> Path:
     """`path`, after a check that a figure can be written there.
 
     Called before long work, not after it.
+
+    Parameters
+    ----------
+    path : str or Path
+        Of the figure.
+    suffixes : sequence of str
+        The ends of its name that there are.
 
     Raises
     ------
@@ -95,8 +110,8 @@ def check_figure_path(path: str | Path) -> Path:
     """
     path = Path(path)
     # The name first: whoever mistypes it need not install anything to be told.
-    if path.suffix.lower() not in SUFFIXES:
-        raise OutputError(f"cannot draw {path}: a figure's name must end in {', '.join(SUFFIXES)}")
+    if path.suffix.lower() not in suffixes:
+        raise OutputError(f"cannot draw {path}: a figure's name must end in {', '.join(suffixes)}")
     require_matplotlib()
     return require_writable(path)
 
@@ -123,7 +138,7 @@ def blank(width: float = 7.2, height: float = 5.4) -> Iterator[Figure]:
 
     # Only while it is drawn: the style of a user's own figures stays as it is.
     with rc_context(STYLE):
-        yield Picture(figsize=(width, height), layout="constrained")
+        yield picture()(figsize=(width, height), layout="constrained")
 
 
 def logarithmic(axes: Axes, direction: Literal["x", "y"]) -> None:

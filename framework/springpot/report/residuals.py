@@ -101,14 +101,14 @@ def draw_plane(axes: Axes, scene: Scene, plane: type[Composition]) -> None:
     draw_bands(axes, scene, np.max(bands, axis=0))
     middle = float(np.median(np.max(bands, axis=0)[shown]))
     if middle > 0 and largest > WIDE * middle:
-        _symmetric(axes, middle, largest)
+        symmetric(axes, middle, largest)
     if scene.axis.logarithmic:
         logarithmic(axes, "x")
     label = f"{plane.plane} residual\n{plane.label(data.units.stiffness)}"
     axes.set(xlabel=scene.axis.label, ylabel=label)
 
 
-def _symmetric(axes: Axes, within: float, largest: float) -> None:
+def symmetric(axes: Axes, within: float, largest: float) -> None:
     """Linear within the noise, by decades beyond, with at most three numbers on each side."""
     axes.set_yscale("symlog", linthresh=within, linscale=0.5)
     first, last = int(np.ceil(np.log10(within))), int(np.floor(np.log10(largest)))

@@ -39,6 +39,7 @@ from .figures import (
 from .invention import draw_fits, figure_invention
 from .ladder_text import ROOM, beside_mark, broken, draw_ladder, entitled, figure_ladder
 from .mastercurve import figure_mastercurve
+from .replay import SUFFIX, write_replay
 from .residuals import figure_compared, fits_of
 from .text import percent
 from .timetests import figure_prediction, figure_tests, fits_in_time
@@ -204,6 +205,8 @@ def _diagnosed_onto(result: Diagnosis, axes: Any) -> None:
 
 @whole.register
 def _found(result: Ladder, path: Any) -> Any:
+    if path is not None and Path(path).suffix.lower() == SUFFIX:
+        return write_replay(result, path)
     # The last ones, if there are more than one picture shows.
     fits = fits_in_time(step.examined for step in reversed(result.steps))[::-1]
     if fits:

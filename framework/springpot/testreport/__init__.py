@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .certificate import certify as certify
+    from .certifying import certify as certify
     from .record import LoopRecord as LoopRecord
     from .report import cycles as cycles
 
 __getattr__, __dir__ = offered(
     __name__,
     {
-        "certificate": "certify",
+        "certifying": "certify",
         "record": "LoopRecord",
         "report": "cycles",
     },

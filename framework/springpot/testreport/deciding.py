@@ -361,3 +361,22 @@ def limits_of(code: TestCode, factors: Sequence[FoundFactor]) -> list[DecidedRow
             )
         )
     return rows
+
+
+SURE = 1e-4
+"""A chance below it is not told by its size: the tails of a distribution are not known so far."""
+
+
+def chance(value: float) -> str:
+    """A chance in per cent.
+
+    Examples
+    --------
+    >>> chance(0.0234), chance(1e-9), chance(1.0)
+    ('2.3 %', '< 0.01 %', '> 99.99 %')
+    """
+    if value < SURE:
+        return "< 0.01 %"
+    if value > 1.0 - SURE:
+        return "> 99.99 %"
+    return f"{100.0 * value:.2g} %"

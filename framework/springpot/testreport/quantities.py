@@ -16,7 +16,6 @@ from springpot.distributions import normal_quantile, student
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL, SIGNALS
 
-from .finding import Found
 from .local import (
     EIGHTH,
     Channel,
@@ -28,7 +27,7 @@ from .local import (
     turning_point,
     value_at,
 )
-from .record import LoopRecord
+from .record import Found, LoopRecord
 
 
 class LoopQuantity(NamedTuple):

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from io import StringIO
+from itertools import chain
 from math import isfinite
 from pathlib import Path
 from typing import IO
 
 from springpot.errors import OutputError
 from springpot.files import require_writable, write_text, write_with
-from springpot.measurement.csv_safe import guarded
+from springpot.measurement.csv_safe import csv_text
 
 SUFFIXES = (".xlsx", ".csv")
 _FORBIDDEN = re.compile(r"[\[\]:*?/\\\x00-\x1f]")
@@ -75,20 +74,14 @@ def write_sheets(sheets: Sequence[Sheet], path: str | Path) -> Path:
     """
     path = check_sheets_path(path)
     if path.suffix.lower() == ".csv":
-        return write_text(path, _csv(sheets))
+        blocks = [[[], [sheet.name], *_lines(sheet)] for sheet in sheets]
+        # All below each other, an empty line between them.
+        return write_text(path, csv_text(list(chain(*blocks))[1:]))
     return write_with(path, lambda stream: _workbook(sheets, stream))
 
 
-def _csv(sheets: Sequence[Sheet]) -> str:
-    text = StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    for i, sheet in enumerate(sheets):
-        if i:
-            writer.writerow([])
-        for row in ([sheet.name], sheet.header, *sheet.rows, *([note] for note in sheet.notes)):
-            # A cell that a spreadsheet would run is shown as text.
-            writer.writerow([guarded(cell) if isinstance(cell, str) else cell for cell in row])
-    return text.getvalue()
+def _lines(sheet: Sheet) -> list[Sequence[float | str]]:
+    return [sheet.header, *sheet.rows, *([note] for note in sheet.notes)]
 
 
 def _workbook(sheets: Sequence[Sheet], stream: IO[bytes]) -> None:
@@ -100,8 +93,7 @@ def _workbook(sheets: Sequence[Sheet], stream: IO[bytes]) -> None:
     taken: set[str] = set()
     for sheet in sheets:
         page = book.create_sheet(_title(sheet.name, taken))
-        lines = [sheet.header, *sheet.rows, *([note] for note in sheet.notes)]
-        for number, row in enumerate(lines, 1):
+        for number, row in enumerate(_lines(sheet), 1):
             for column, value in enumerate(row, 1):
                 cell = page.cell(number, column)
                 if isinstance(value, str):

@@ -16,10 +16,9 @@ from springpot.measurement.steady import TOLERANCE
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
-from .finding import Found, find_cycles
 from .local import EIGHTH, Estimate
 from .quantities import BY_NAME, QUANTITIES, Cycle, cycles_of, energy_of
-from .record import LoopRecord
+from .record import Found, LoopRecord, find_cycles
 
 FEWEST = 3
 """Cycles from which their scatter says anything."""

@@ -5,7 +5,7 @@ With relative paths, units in every header.
 
 from __future__ import annotations
 
-import csv
+import base64
 import io
 import shlex
 from collections.abc import Sequence
@@ -16,15 +16,15 @@ import numpy as np
 
 from springpot.diagnosis.ladder import Ladder
 from springpot.errors import DataError
-from springpot.measurement.csv_safe import guarded
+from springpot.measurement.csv_safe import csv_text
 from springpot.measurement.measurement import Measurement
 from springpot.report.interactive.hypotheses import grown_by_each
 from springpot.report.interactive.scene import PageScene, proposed_points
 from springpot.rheology.points import KELVIN
 from springpot.terminal_safe import plain
 
-from .files import safe_name
 from .sessions import State
+from .specimen import safe_name
 
 MOST_RANGES = 20
 """Ranges of rows that are said on a command line; more are left out in a file of their own."""
@@ -166,6 +166,16 @@ def report(ladder: Ladder, tests: Any, command: list[str]) -> str:
     return report_html(ladder, tests, command)
 
 
+def replay(ladder: Ladder) -> str:
+    """The moving picture of a ladder in base64."""
+    # Drawing needs a library that nothing else here does.
+    from springpot.report.replay import frames_of, written_as_gif
+
+    stream = io.BytesIO()
+    written_as_gif(frames_of(ladder), stream)
+    return base64.b64encode(stream.getvalue()).decode()
+
+
 def curves_csv(ladder: Ladder, measurement: Measurement) -> str:
     """K of data, model and every candidate, at the measured points and on the smooth curves.
 
@@ -217,7 +227,7 @@ def curves_csv(ladder: Ladder, measurement: Measurement) -> str:
                         *_flat(values),
                     ]
                 )
-    return csv_of(table)
+    return csv_text(table)
 
 
 def plan_csv(ladder: Ladder, measurement: Measurement) -> str:
@@ -248,7 +258,7 @@ def plan_csv(ladder: Ladder, measurement: Measurement) -> str:
         table.append([*settings, "", ""])
     # The proposal is to stay one line of comment, whatever it says.
     reason = " ".join(proposed.says.split())
-    return f"# {reason}\n" + csv_of(table)
+    return f"# {reason}\n" + csv_text(table)
 
 
 def _frequencies(omega: float) -> list[float]:
@@ -260,20 +270,3 @@ def _flat(values: Sequence[complex]) -> list[float]:
     for value in values:
         parts += [float(value.real), float(value.imag)]
     return parts
-
-
-def csv_of(rows: Sequence[Sequence[Any]]) -> str:
-    """Rows as a table, in which no text is a formula."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    for row in rows:
-        # Text comes from files and plugins, and a table program would run what looks like a
-        # formula.
-        writer.writerow(map(_guarded, row))
-    return stream.getvalue()
-
-
-def _guarded(cell: Any) -> Any:
-    if isinstance(cell, str):
-        return guarded(cell)
-    return cell

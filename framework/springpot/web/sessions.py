@@ -30,8 +30,7 @@ from springpot.measurement.reader import Part
 from springpot.registry import open_measurement, open_tests, parts_of, plugins
 from springpot.rheology.typed import is_law
 
-from .files import as_file, safe_name
-from .specimen import Opened, Specimen, is_specimen, specimen_of
+from .specimen import Opened, Specimen, as_file, is_specimen, safe_name, specimen_of
 
 Kept = TypeVar("Kept", bound=Opened)
 

@@ -8,16 +8,21 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from springpot.benchmark.report.study import study_html
-from springpot.benchmark.standings import Findings, study_tables
+from springpot.benchmark.report.study_plots import attained
+from springpot.benchmark.standings import Findings, tables_of
 from springpot.benchmark.store import Store
-from springpot.benchmark.tables import Table
 from springpot.errors import DataError, SpringpotError
+from springpot.report.tables import Table
 from springpot.suggestions import suggested
 
 RESULTS = Path("results")
 SHOWN = ("choice", "summary", "ranks", "failures")
 """Tables of a report that fit a screen."""
+DIGITS = 4
+"""Of a share that is drawn."""
 
 
 def _stores() -> dict[str, Path]:
@@ -38,7 +43,7 @@ def _progress(name: str, path: Path) -> dict[str, Any]:
         with Store(path) as store:
             cells = store.cells()
             ended = []
-            for _, trials in store.trials():
+            for _, trials in store.raced():
                 ended += [trial.status for trial in trials]
             facts = store.facts()
     # One store that cannot be read must not hide the others.
@@ -57,7 +62,7 @@ def _progress(name: str, path: Path) -> dict[str, Any]:
 
 
 def study(name: str) -> dict[str, Any]:
-    """Tables of one study.
+    """Tables of one study, and how far each optimiser is at each number of evaluations.
 
     Raises
     ------
@@ -66,8 +71,20 @@ def study(name: str) -> dict[str, Any]:
     """
     path = _store_of(name)
     with Store(path) as store:
-        tables = dict(study_tables(store, SHOWN))
-    return {**_progress(name, path), "tables": [_plain(table) for table in tables.values()]}
+        findings = Findings.of(store)
+    tables = [_plain(table) for _, table in tables_of(findings, SHOWN)]
+    return {**_progress(name, path), "tables": tables, "attained": _attained(findings)}
+
+
+def _attained(findings: Findings) -> dict[str, Any]:
+    """Share of trials and targets that each optimiser has reached, the best one first."""
+    if not findings.races:
+        return {"evaluations": [], "shares": {}}
+    shares = attained(findings, findings.races)
+    return {
+        "evaluations": findings.scale.grid.tolist(),
+        "shares": {name: np.round(share, DIGITS).tolist() for name, share in shares},
+    }
 
 
 def report_of(name: str) -> dict[str, str]:
@@ -103,4 +120,6 @@ def _cell(entry: Any) -> str:
         return f"{entry.value:.4g} [{entry.low:.4g}, {entry.high:.4g}]"
     if isinstance(entry, float):
         return f"{entry:.4g}"
+    if entry is None:
+        return "-"
     return str(entry)

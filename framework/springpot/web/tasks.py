@@ -45,9 +45,6 @@ from springpot.timetests.residuals_of_tests import units_of
 from springpot.timetests.specimen import reference_of
 
 from . import leaving
-from .files import safe_name
-from .first import first_look
-from .held import hand_of, theta_of
 from .sessions import (
     State,
     data_of,
@@ -60,10 +57,10 @@ from .sessions import (
     session_of,
     text_of,
 )
-from .specimen import Opened, Specimen, given
+from .specimen import Opened, Specimen, given, safe_name
 from .studies import report_of, studies, study
 from .testing import leave_in_time, understood_in_time
-from .trying import invented, tried, with_law
+from .trying import first_look, hand_of, invented, theta_of, tried, with_law
 from .watching import watched
 
 SCHEMA = "springpot.workbench/1"
@@ -387,7 +384,7 @@ def answered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
 
 
 def first(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
-    """See `springpot.web.first.first_look`."""
+    """See `springpot.web.trying.first_look`."""
     return first_look(State.of(state), _measured(text))
 
 
@@ -481,7 +478,7 @@ def mastered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
 def leave(
     told: Told, kind: str, state: Mapping[str, Any], text: str, source: str, joined: bool
 ) -> dict[str, Any]:
-    """One of the things that a user leaves with: its text and the name of its file."""
+    """One of the things that a user leaves with: its name, and its text or its bytes."""
     asked, data = State.of(state), _opened(text)
     if isinstance(data, Specimen):
         return leave_in_time(kind, asked, data, lambda: _ladder(asked, text, told))
@@ -501,6 +498,8 @@ def leave(
         return {"name": f"{stem}-plan.csv", "text": leaving.plan_csv(ladder, measurement)}
     if kind == "report":
         return {"name": f"{stem}-report.html", "text": _report(ladder, measurement, asked, shown)}
+    if kind == "replay":
+        return {"name": f"{stem}-replay.gif", "base64": leaving.replay(ladder)}
     raise DataError(f"there is nothing called '{kind[:40]}' to leave with")
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from springpot.diagnosis.ladder import Ladder
 from springpot.errors import DataError
+from springpot.measurement.csv_safe import csv_text
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test
 from springpot.measurement.other_test import OtherTest
@@ -23,6 +24,7 @@ from .specimen import Specimen
 
 LACKS = {
     "data": "tests in time leave as the files that were opened, which the session holds too",
+    "replay": "a moving picture is drawn of sweeps; plots of tests in time leave one by one",
     "plan": "no further measurement is proposed of tests in time",
 }
 """Why something that leaves with sweeps does not leave with tests in time."""
@@ -112,4 +114,4 @@ def _curves(ladder: Ladder, data: Specimen) -> str:
             [part.test.name, float(at), float(measured), float(computed), unit]
             for at, measured, computed in zip(part.at, part.measured, model, strict=True)
         ]
-    return leaving.csv_of(table)
+    return csv_text(table)

@@ -1,25 +1,69 @@
-"""What a state of the page would be, before it is asked for: one fit, drawn like a preview.
+"""What a state of the page would be, before it is asked for: a first look, or one fit, drawn.
 
-A law that is typed, another model, points left out; and laws that are found.
+A first look comes some tenths of a second after data were dropped: how far the model lies from
+them, what noise and any material would leave, and where it fails. Then a law that is typed, another
+model, points left out, parameters set, fixed or bounded by hand; and laws that are found.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
-from springpot.errors import DataError
+import numpy as np
+
+from springpot.comparison.comparing import compare
+from springpot.errors import DataError, ModelError
 from springpot.identification.result import Identification
 from springpot.invention.result import Invention
 from springpot.measurement.measurement import Measurement
-from springpot.report.interactive.answers import preview
+from springpot.measurement.units import Units
+from springpot.registry import parse_model
+from springpot.report.interactive.answers import drawn_at_once, preview
 from springpot.report.interactive.hypotheses import Preview
 from springpot.report.interactive.in_time import TimeScene
 from springpot.report.interactive.scene import PageScene
 from springpot.rheology.effect import Effect
+from springpot.rheology.model import Model
+from springpot.rheology.points import Real
+from springpot.rheology.tied import allowed
 from springpot.rheology.typed import law
 
 from .sessions import LONGEST_NAME, State, kept
 from .specimen import Opened, Specimen
+
+FEW = 100
+"""Rows that are looked at, evenly many of all: more would take longer than a first look may."""
+SAYS = "what may be missing is being sought"
+
+
+def first_look(state: State, measurement: Measurement) -> dict[str, Any]:
+    """An answer as `springpot.web.tasks.answer`, without a single cause."""
+    used = kept(measurement, state.excluded)
+    if len(used) > FEW:
+        rows = np.zeros(len(used), dtype=bool)
+        rows[np.linspace(0, len(used) - 1, FEW).round().astype(int)] = True
+        used = used.subset(rows)
+    model = parse_model(state.expression)
+    [judged] = compare(used, [model], np.random.default_rng(state.seed)).judgements
+    error = judged.error.to_dict()
+    rung = {"model": model.name, "accepted": None, "class": [], **error}
+    diagnosis = {
+        "model": model.name,
+        "verdict": "sought",
+        "says": SAYS,
+        "error": error,
+        "where": [place.to_dict() for place in judged.where],
+        "candidates": [],
+        "leading": [],
+        "next_experiment": None,
+    }
+    return {
+        "state": state.to_dict(),
+        "discovery": {"steps": [rung], "verdict": "sought", "diagnosis": diagnosis},
+        **drawn_at_once(judged.refit, measurement),
+    }
 
 
 def with_law(state: State, typed: object) -> tuple[State, Effect | None]:
@@ -101,3 +145,84 @@ def invented(state: State, measurement: Measurement, found: Invention) -> dict[s
         for text, fit in zip(texts, fits, strict=False)
     }
     return {"invention": found.to_dict(), "laws": texts, "previews": previews}
+
+
+@dataclass(frozen=True)
+class Hand:
+    """What a user set, in printed units.
+
+    Parameters
+    ----------
+    values : dict of str to float
+        Where each parameter stands.
+    fix : dict of str to float
+        Those that stay.
+    bounds : dict of str to (float, float)
+        Ends, of those that have any by hand.
+    """
+
+    values: dict[str, float]
+    fix: dict[str, float] = field(default_factory=dict)
+    bounds: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+
+def hand_of(model: Model, given: object) -> Hand:
+    """What a page sent, which may be anything.
+
+    Raises
+    ------
+    ModelError
+        If a parameter is missing or stands outside its ends.
+    """
+    hand = Hand({})
+    entries: Mapping[str, object] = {}
+    if isinstance(given, Mapping):
+        entries = given
+    for name in model.names:
+        # By the model's names, never by those of the page: what it sends beside them is dropped.
+        entry = entries.get(name)
+        if not isinstance(entry, Mapping):
+            raise ModelError(f"{model.name}: the parameter {name} has no value")
+        value = _number(entry.get("value"), np.nan)
+        ends = _number(entry.get("lower"), -np.inf), _number(entry.get("upper"), np.inf)
+        if ends[0] > ends[1]:
+            raise ModelError(
+                f"{name}: the lower end {ends[0]:.4g} lies above the upper end {ends[1]:.4g};"
+                " swap them"
+            )
+        # Written this way round, a value that is no number is refused too.
+        if not ends[0] <= value <= ends[1]:
+            raise ModelError(
+                f"{name} = {value:.4g} is not within {ends[0]:.4g} to {ends[1]:.4g}; move one of"
+                " them"
+            )
+        hand.values[name] = value
+        # A parameter that stays needs no ends.
+        if entry.get("fixed"):
+            hand.fix[name] = value
+        elif np.isfinite(ends).any():
+            hand.bounds[name] = ends
+    return hand
+
+
+def theta_of(model: Model, units: Units, hand: Hand) -> Real:
+    """The parameters (p,) in the model's own units.
+
+    Raises
+    ------
+    ModelError
+        If one is outside what the model allows.
+    """
+    own = []
+    for parameter in model.parameters:
+        factor, _ = units.of(parameter.unit)
+        own.append(hand.values[parameter.name] / factor)
+    # A hand may set wider ends than there is a model for.
+    return np.array(list(map(allowed, model.parameters, own)))
+
+
+def _number(value: object, otherwise: float) -> float:
+    # True is an int to Python.
+    if isinstance(value, int | float) and not isinstance(value, bool) and np.isfinite(value):
+        return float(value)
+    return otherwise

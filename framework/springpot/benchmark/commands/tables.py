@@ -1,23 +1,25 @@
-"""``springpot tables``: tables of a study that has been run, to stdout or beside its results."""
+"""``springpot tables``: tables of a study that has been run, to stdout or beside its results.
+
+A table as a paper wants it: some columns, some rows, fewer digits, a caption and a label.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from springpot.cli.common import DATA, INPUT, emit, json_option, results_option
-
-if TYPE_CHECKING:
-    from springpot.benchmark.tables import Table
-
-FORMATS = ("md", "csv", "latex", "html")
+from springpot.errors import StudyError
+from springpot.report.tables import FORMATS, Entry, Interval, Table, escaped_latex, text
 
 
 @click.command("tables", epilog="Example: springpot tables race --format latex --table summary")
 @click.argument("study", type=DATA, metavar="STUDY")
-@click.option("--format", "kind", type=click.Choice(FORMATS), default="md", show_default=True)
+@click.option("--format", "kind", type=click.Choice(list(FORMATS)), default="md", show_default=True)
 @click.option(
     "--table", "wanted", metavar="NAME", help="Only this table, such as summary; all by default."
 )
@@ -74,9 +76,6 @@ def command(
     For a paper: springpot tables race --table summary --format latex --column optimiser --column
     success --digits 3 --row model=fractional-zener --caption "The race" --label tab:race
     """
-    from springpot.benchmark.tables import FORMATS as WRITERS
-    from springpot.benchmark.tables import captioned, for_paper
-
     # Files are whole tables: columns and rows are chosen for what is printed into a paper.
     if write or report:
         paths = _written(study, out, [kind] if write else [], report, beside)
@@ -98,7 +97,7 @@ def command(
         "study": study,
         "tables": [_plain(*entry) for entry in tables.items()],
     }
-    to_text = WRITERS[kind][1]
+    to_text = FORMATS[kind][1]
     texts = [captioned(to_text(table), caption, label) for table in tables.values()]
     emit(result, as_json, lambda: print("\n".join(texts), end=""))
 
@@ -146,3 +145,73 @@ def _cell(entry: Any) -> Any:
     if hasattr(entry, "low"):
         return {"value": entry.value, "low": entry.low, "high": entry.high}
     return entry
+
+
+def for_paper(
+    table: Table, columns: Sequence[str] = (), rows: Sequence[str] = (), digits: int | None = None
+) -> Table:
+    """Part of a table, with its numbers rounded.
+
+    Parameters
+    ----------
+    table : Table
+        The whole.
+    columns : sequence of str
+        Headings to keep, in this order; all by default.
+    rows : sequence of str
+        ``HEADING=VALUE``: rows that have one of the values given for each heading.
+    digits : int, optional
+        Significant digits, 1 to 4.
+
+    Raises
+    ------
+    StudyError
+        If there is no such column, with those that there are, or no row is left.
+    """
+    wanted: dict[int, set[str]] = {}
+    for choice in rows:
+        heading, equals, value = (part.strip() for part in choice.partition("="))
+        if not (heading and equals and value):
+            raise StudyError(f"'{choice}': choose rows as HEADING=VALUE, such as optimiser=cma-es")
+        # Several values of one heading are alternatives, several headings are all required.
+        wanted.setdefault(_place(table, heading), set()).add(value)
+    kept = [
+        row for row in table.rows if all(text(row[i]) in values for i, values in wanted.items())
+    ]
+    if rows and not kept:
+        raise StudyError(f"the table '{table.title}' has no row with {' and '.join(rows)}")
+    places = [_place(table, heading) for heading in columns] or list(range(len(table.columns)))
+    cells = [tuple(_rounded(row[i], digits) for i in places) for row in kept]
+    return replace(table, columns=tuple(table.columns[i] for i in places), rows=cells)
+
+
+def captioned(latex: str, caption: str | None, label: str | None) -> str:
+    """A LaTeX tabular as a floating table, where there is a caption or a label for it."""
+    if caption is None and label is None:
+        return latex
+    lines = [r"\begin{table}", r"\centering"]
+    if caption is not None:
+        lines.append(rf"\caption{{{escaped_latex(caption)}}}")
+    if label is not None:
+        lines.append(rf"\label{{{label}}}")
+    return "\n".join([*lines, latex.rstrip("\n"), r"\end{table}"]) + "\n"
+
+
+def _place(table: Table, heading: str) -> int:
+    if heading not in table.columns:
+        raise StudyError(
+            f"the table '{table.title}' has no column '{heading}': it has"
+            f" {', '.join(table.columns)}"
+        )
+    return table.columns.index(heading)
+
+
+def _rounded(entry: Entry, digits: int | None) -> Entry:
+    # Whole numbers are counts, of which no digit is doubtful.
+    if digits is None or entry is None or isinstance(entry, str | int):
+        return entry
+    if isinstance(entry, Interval):
+        return Interval(
+            *(float(f"{end:.{digits}g}") for end in (entry.value, entry.low, entry.high))
+        )
+    return float(f"{entry:.{digits}g}")

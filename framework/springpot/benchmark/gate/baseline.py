@@ -10,7 +10,7 @@ Successes are counted and compared by Boschloo's exact test.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from math import exp, inf, isfinite, log, sqrt
@@ -414,7 +414,7 @@ def baseline_of(store: Store, script: str = "") -> Baseline:
     right = _right_parameters(store)
     goals: dict[str, Goal] = {}
     samples: dict[str, Sample] = {}
-    for cell, rows in cells_of(store):
+    for cell, rows in store.raced():
         problem = cell.problem
         # Where the truth is known it is the measure: what the study's other optimisers find then
         # does not matter.
@@ -438,22 +438,11 @@ def baseline_of(store: Store, script: str = "") -> Baseline:
     return Baseline(facts["name"], script, settings, goals, samples)
 
 
-def cells_of(store: Store) -> Iterator[tuple[CellRow, list[TrialRow]]]:
-    """Cells of a store's study with their trials.
-
-    It may hold those of others that the study no longer has.
-    """
-    cells = {cell.id: cell for cell in store.cells()}
-    for number, rows in store.trials():
-        if number in cells:
-            yield cells[number], rows
-
-
 def _right_parameters(store: Store) -> dict[int, Mapping[str, float]]:
     """True parameters by number of the problem, or the best trial's where no truth is known."""
     right: dict[int, Mapping[str, float]] = {}
     least: dict[int, float] = {}
-    for cell, rows in cells_of(store):
+    for cell, rows in store.raced():
         problem = cell.problem
         if problem.known is not None:
             right[problem.id] = dict(problem.truth)
@@ -475,7 +464,7 @@ def samples_like(store: Store, baseline: Baseline) -> dict[str, Sample]:
         If a problem is no longer the one that the baseline is about.
     """
     samples: dict[str, Sample] = {}
-    for cell, rows in cells_of(store):
+    for cell, rows in store.raced():
         problem, key = cell.problem, cell_key(cell)
         if key not in baseline.samples:
             continue

@@ -36,7 +36,6 @@ from .baseline import (
     Successes,
     baseline_of,
     cell_key,
-    cells_of,
     drop,
     problem_key,
     reached,
@@ -60,7 +59,7 @@ def broken(store: Store, baseline: Baseline) -> Iterator[tuple[str, str]]:
         What is right: targets, and parameters where no truth is known.
     """
     required: dict[str, float] = json.loads(store.facts().get("requirements", "{}"))
-    for cell, rows in cells_of(store):
+    for cell, rows in store.raced():
         goal = baseline.goals.get(problem_key(cell.problem))
         # A problem that is new has nothing yet that is right.
         if goal is None:

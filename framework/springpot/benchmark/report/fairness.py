@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping, Sequence
 
-from springpot.benchmark.noise_table import noise_levels
+from springpot.benchmark.robustness import noise_levels
 from springpot.benchmark.summary import CellSummary
 from springpot.markup import Html, tag
 

@@ -13,11 +13,11 @@ from springpot.benchmark.comparison import OVER_ALL, MeanRanks, OptimiserChoice,
 from springpot.benchmark.standings import CHOICE_NOTE, COMPARING, NOISY, PLAIN, Findings
 from springpot.benchmark.statistics import Interval
 from springpot.benchmark.summary import CellSummary, ProblemRow, store_path
-from springpot.benchmark.tables import Table, text
 from springpot.files import write_text
 from springpot.format_numbers import counted, number
 from springpot.markup import Html, joined, table, tag
 from springpot.report.style import page
+from springpot.report.tables import Table, text
 from springpot.report.text import seconds
 
 from ...format_numbers import NAMED

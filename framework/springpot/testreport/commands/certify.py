@@ -39,7 +39,8 @@ def command(
     decided with it as a guard band. Where a test fails, its record is diagnosed: play, lag,
     friction and whatever else is hidden. Exit code 1: not conforming.
     """
-    from springpot.testreport.certificate import certify, check_certificate_path
+    from springpot.testreport.certificate import check_certificate_path
+    from springpot.testreport.certifying import certify
     from springpot.testreport.deciding import FAILING
 
     if output is not None:
@@ -56,7 +57,7 @@ def _show(certificate: Certificate, output: Path | None) -> None:
 
     from springpot.format_numbers import number
     from springpot.report.text import TextTable, with_interval
-    from springpot.testreport.words import chance
+    from springpot.testreport.deciding import chance
 
     print(f"{certificate.code.name}: {certificate.says}")
     print(f"{certificate.standing}\n")

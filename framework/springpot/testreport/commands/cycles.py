@@ -10,8 +10,13 @@ import click
 from springpot.cli.common import DATA, FILE, emit, json_option, of_each
 
 if TYPE_CHECKING:
+    from springpot.report.text import TextTable
     from springpot.testreport.report import CycleReport
     from springpot.testreport.summary import EvaluatedTest
+    from springpot.testreport.velocity import VelocityLaw
+
+SHOWN = 12
+"""Cycles that a table shows beside their mean; all are in files and in JSON."""
 
 
 @click.command(
@@ -75,7 +80,6 @@ def command(
 
 def _show(report: CycleReport, output: Path | None, figure: Path | None) -> None:
     from springpot.report.text import with_interval
-    from springpot.testreport.words import law_text, table_of
 
     for test in report.tests:
         table_of(test).show()
@@ -90,3 +94,49 @@ def _show(report: CycleReport, output: Path | None, figure: Path | None) -> None
     for path in (output, figure):
         if path is not None:
             print(f"written: {path}")
+
+
+def table_of(test: EvaluatedTest) -> TextTable:
+    """Quantities down, the mean and the cycles across: as many numbers as can be read."""
+    from springpot.format_numbers import counted
+    from springpot.report.text import TextTable, with_interval
+    from springpot.testreport.quantities import BY_NAME
+
+    numbers = [cycle.number for cycle in test.cycles]
+    headers = [
+        f"{test.name}: {counted(len(numbers), 'cycle')}",
+        f"mean {test.first}..{test.last}",
+        "95 % interval",
+        "unit",
+        "from",
+        *(f"{number}" for number in numbers[:SHOWN]),
+    ]
+    rows = []
+    if test.record.timed:
+        value, interval = with_interval(*test.frequency[:3])
+        rows.append(["frequency", value, interval, "Hz", test.frequency.source])
+        rows[0] += [""] * len(headers[5:])
+    for name in test.names():
+        mean = test.means[name]
+        value, interval = with_interval(*mean[:3])
+        each = [
+            with_interval(*row[name][:3])[0] if name in row else "-" for row in test.each[:SHOWN]
+        ]
+        rows.append([name, value, interval, test.unit(name), mean.source, *each])
+    spare = [f"{number}" for number in reversed(numbers[1:SHOWN])]
+    legend = {headers[0]: "; ".join(f"{name}: {BY_NAME[name].means}" for name in test.names())}
+    return TextTable(headers, rows, frozenset(headers[1:2] + headers[5:]), spare, legend)
+
+
+def law_text(law: VelocityLaw) -> str:
+    """One line of the law of several speeds."""
+    from springpot.report.text import with_interval
+
+    told = law.to_dict()
+    parts = []
+    for name in ("C", "alpha"):
+        value, interval = with_interval(*(told[name][key] for key in ("value", "low", "high")))
+        unit = "" if told[name]["unit"] == "-" else f" {told[name]['unit']}"
+        parts.append(f"{name} = {value} {interval}{unit}")
+    origin = {"noise": "the noise of the tests", "tests": "the scatter of the tests"}[law.source]
+    return f"F0 = C |v|^alpha with {' and '.join(parts)}, from {origin}"

@@ -5,6 +5,7 @@ import { asPng, standalone } from "./plot.js";
 
 const FILES = [
   ["report", "Report (HTML)", "this page for a colleague: every rung with its previews, without a server", "text/html"],
+  ["replay", "Replay (GIF)", "the error falling, for a talk or a message", "image/gif"],
   ["json", "Answer (JSON)", "schema springpot.discovery/2", "application/json"],
   ["curves", "Curves (CSV)", "data, model and every candidate, units in the header", "text/csv"],
   ["data", "Data as used (CSV)", "without what was left out", "text/csv"],

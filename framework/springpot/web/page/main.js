@@ -429,8 +429,9 @@ class App {
 
   // The file's name, and a link where the browser wants one more click.
   async leaveWith(kind, type = "text/csv") {
-    const { name, text } = await this.fileOf(kind);
-    return { name, link: download(name, text, type) };
+    const { name, text, base64 } = await this.fileOf(kind);
+    const content = base64 ? bytesOf(base64) : text;
+    return { name, link: download(name, new Blob([content], { type })) };
   }
 
   async fileOf(kind) {
@@ -493,12 +494,13 @@ class App {
       const found = given.data?.result || {};
       if (!found.question) return found;
       const { name, content } = found.question;
-      const bytes = Uint8Array.from(atob(content), (letter) => letter.charCodeAt(0));
-      return { question: { ...found.question, file: new File([bytes], name), said: [], join: false } };
+      return { question: { ...found.question, file: new File([bytesOf(content)], name), said: [], join: false } };
     });
     this.watch.begin({});
   }
 }
+
+const bytesOf = (base64) => Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
 
 function listen(app) {
   const on = (id, action) => byId(id).addEventListener("click", (event) => { if (usable(event.currentTarget)) action(); });

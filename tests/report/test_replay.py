@@ -1,0 +1,61 @@
+"""A discovery as a moving picture."""
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.errors import OutputError
+from springpot.measurement import Measurement, TimeTest
+from springpot.registry import parse_model
+from springpot.report import replay
+
+images = pytest.importorskip("PIL.Image")
+pytest.importorskip("matplotlib")
+
+MODEL = parse_model("kelvin + inertia")
+
+
+@pytest.fixture(scope="module")
+def ladder():
+    omega = 2.0 * np.pi * np.geomspace(0.5, 30.0, 12)
+    exact = MODEL.stiffness(MODEL.theta(**{"k": 300.0, "c": 5.0, "inertia.m": 0.01}), omega)
+    noise = np.random.default_rng(3).normal(size=(2, 12)) * 0.005
+    data = Measurement(omega, exact * (1.0 + noise[0] + 1j * noise[1]), name="pad")
+    return springpot.discover(data, "kelvin", accept=["inertia"])
+
+
+def test_each_step_stands_still_and_the_way_between_is_short(ladder, tmp_path, monkeypatch):
+    """Two steps and the frames between them, played for ever."""
+    monkeypatch.setattr(replay, "FRAMES", 2)
+    monkeypatch.setattr(replay, "DOTS", 30)
+    played = images.open(ladder.plot(tmp_path / "replay.gif"))
+    assert played.n_frames == replay.FRAMES + 1
+    lasting = []
+    for frame in range(played.n_frames):
+        played.seek(frame)
+        lasting.append(played.info["duration"])
+    assert (lasting[0], lasting[-1]) == (replay.HOLD, replay.HOLD)
+    assert set(lasting[1:-1]) == {replay.BETWEEN}
+    assert played.info["loop"] == 0
+
+
+def test_a_passage_goes_from_one_curve_to_the_next(ladder):
+    """Where it begins it is the fit before, where it ends the fit itself."""
+    stage = replay.Replay(ladder)
+    before, after = stage.fits
+    points = stage.data.points
+    for share, expected in ((0.0, before), (1.0, after)):
+        way = replay.OnTheWay(after.model, after.theta, "", before, share)
+        np.testing.assert_allclose(way.at(points), expected.at(points), rtol=1e-12)
+    half = replay.OnTheWay(after.model, after.theta, "", before, 0.5)
+    middle = 0.5 * (before.at(points) + after.at(points))
+    np.testing.assert_allclose(half.at(points), middle, rtol=1e-12)
+
+
+def test_tests_in_time_are_refused_in_one_line(tmp_path):
+    """What a still picture can be named instead."""
+    time = np.geomspace(0.05, 5.0, 8)
+    test = TimeTest.of_relaxation(time, 2.0 * np.exp(-time) + 1.0, name="relaxation")
+    found = springpot.discover(test, "maxwell", accept=[])
+    with pytest.raises(OutputError, match="of sweeps"):
+        found.plot(tmp_path / "replay.gif")

@@ -1,0 +1,216 @@
+"""Chances, candidates and facts of a diagnosis in time, with values by hand."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.diagnosis.evidence import unknown_odds
+from springpot.diagnosis.in_practice import Misfit
+from springpot.thresholds import EVIDENCE, VERDICT
+from springpot.timetests import verdict
+from springpot.timetests.residuals_of_tests import parts_of_specimen
+
+
+def tried(name="friction", evidence=0.0, delta=0.0, helps=False, prior=1.0, fit=None, left=None):
+    effect = SimpleNamespace(name=name, prior=prior, summary="what it is")
+    return SimpleNamespace(
+        effect=effect, evidence=evidence, delta=delta, helps=helps, fit=fit, left=left
+    )
+
+
+def promised(*priors):
+    return {
+        str(i): [SimpleNamespace(effect=SimpleNamespace(prior=prior))]
+        for i, prior in enumerate(priors)
+    }
+
+
+def test_chances_are_priors_times_what_the_evidence_is_worth():
+    each = [tried(evidence=6.0), tried(evidence=-2.0)]
+    slip = 3.0
+    nothing, first, second, unnamed = verdict._weights(each, promised(1.0, 2.0, 1.0), slip)
+    assert nothing + first + second + unnamed == pytest.approx(1.0)
+    something = 1.0 - EVIDENCE.prior_nothing
+    assert first / nothing == pytest.approx(np.exp(3.0) * something / 4.0 / EVIDENCE.prior_nothing)
+    assert first / second == pytest.approx(np.exp(4.0))
+    assert unnamed / nothing == pytest.approx(
+        np.exp(1.5) * something * EVIDENCE.outside / EVIDENCE.prior_nothing
+    )
+
+
+def test_what_is_unexplained_is_as_unknown_as_its_chance_of_noise_says():
+    weights, chance = [0.3, 0.5, 0.2], 1e-4
+    odds = unknown_odds(chance)
+    assert odds / (1.0 + odds) > 0.2
+    nothing, first, unknown = verdict._agreeing(weights, "unexplained", chance)
+    assert unknown == pytest.approx(odds / (1.0 + odds))
+    assert first / nothing == pytest.approx(5.0 / 3.0)
+    assert nothing + first + unknown == pytest.approx(1.0)
+    # Already as unknown as that, or not at all unexplained: as the evidence has it.
+    assert verdict._agreeing([0.0, 1e-9, 1.0 - 1e-9], "unexplained", 0.9)[-1] > 0.99
+    assert verdict._agreeing(weights, "cannot-tell", chance) == pytest.approx(weights)
+
+
+def error(relative_rms=0.02, over_floor=1.5):
+    return SimpleNamespace(relative_rms=relative_rms, over_floor=over_floor)
+
+
+def test_one_effect_alone_is_missing_for_certain():
+    pair = [tried("friction"), tried("inertia")]
+    for says, alike, first in (
+        ("effect-missing", ["friction"], "missing"),
+        ("effect-missing", ["friction", "inertia"], "cannot-tell"),
+        ("cannot-tell", ["friction"], "cannot-tell"),
+    ):
+        rows = verdict._candidates(pair, [0.7, 0.2], alike, [error(), error()], says)
+        assert rows[0].verdict == first
+        assert [row.probability for row in rows] == [0.7, 0.2]
+    assert rows[1].verdict == "absent"
+    assert rows[0].alike == ("friction",)
+
+
+@pytest.mark.parametrize(
+    ("delta", "told"), [(VERDICT.clear_evidence, "absent"), (50.0, "cannot-tell")]
+)
+def test_an_effect_for_which_something_speaks_is_not_absent(delta, told):
+    assert verdict._open(tried("inertia", delta=delta), ["friction"]) == told
+
+
+def test_what_was_fitted_has_parameters_and_its_error_and_else_it_is_foretold():
+    values = {"k": 1.0, "friction.F": 2.0, "friction#2.F": 3.0, "inertia.m": 4.0}
+    fit = SimpleNamespace(parameters=values)
+    found = verdict._candidate(tried(fit=fit, delta=9.0), 0.4, ["friction"], error())
+    assert found.parameters == {"F": 3.0}
+    assert (found.error_after, found.over_floor, found.delta_bic) == (0.02, 1.5, 9.0)
+    assert np.isnan(found.predicted_error)
+    foretold = verdict._candidate(tried(), 0.4, ["friction", "inertia"], error())
+    assert (foretold.predicted_error, foretold.parameters) == (0.02, {})
+    assert np.isnan(foretold.error_after)
+    assert foretold.alike == ("friction", "inertia")
+
+
+def test_facts_are_the_gain_of_the_best_and_what_is_beyond_doubt():
+    before = SimpleNamespace(misfit=True, doubtful=False)
+    none = verdict.facts_of(before, [], False)
+    assert (none.gain, none.something, none.ruled_out, none.by_battery) == (0.0, False, False, True)
+    for missed in (True, False):
+        left = SimpleNamespace(misfit=missed)
+        best = tried(delta=VERDICT.clear_evidence + 1.0, helps=True, left=left)
+        told = verdict.facts_of(before, [best, tried(delta=99.0)], False)
+        assert told.gain == best.delta
+        assert (told.something, told.ruled_out, told.named, told.left) == (True, True, True, missed)
+    unknown = verdict.facts_of(before, [tried()], True)
+    assert (unknown.ruled_out, unknown.named, unknown.left) == (True, False, False)
+
+
+BY_ITSELF = "nothing is missing that these tests could show"
+UNKNOWN = "no known effect explains it: something is missing that is not in the library"
+
+
+def candidate(delta=50.0, alike=("friction",), over_floor=1.1, lowers=True):
+    return SimpleNamespace(
+        effect=alike[0],
+        delta_bic=delta,
+        alike=alike,
+        over_floor=over_floor,
+        lowers=lambda _: lowers,
+    )
+
+
+@pytest.mark.parametrize(
+    ("says", "candidates", "more", "told"),
+    [
+        ("adequate", [candidate()], {}, f": {BY_ITSELF}"),
+        ("inconclusive", [], {}, ": what is left is hardly noise alone, which may be chance;"
+         " measure longer or repeat it"),
+        ("inconclusive", [candidate(1.0)], {}, ": what is left is hardly noise alone, which may be"
+         " chance; measure longer or repeat it"),
+        ("inconclusive", [candidate()], {}, ": friction would help a little, which may be chance;"
+         " measure longer or repeat it"),
+        ("unexplained", [], {}, f", and {UNKNOWN}"),
+        ("unexplained", [candidate(1.0)], {}, f", and {UNKNOWN}"),
+        ("effect-missing", [candidate(1.0)], {}, f", and {UNKNOWN}"),
+        ("unexplained", [candidate(lowers=False)], {}, f", and {UNKNOWN}"),
+        ("unexplained", [], {"apart": "apart"}, "; apart"),
+        ("unexplained", [candidate()], {}, ", and no single known effect explains it:"
+         " friction helps (1.1 x with it) but is not all"),
+        ("unexplained", [candidate()], {"apart": "apart"},
+         "; apart; friction helps (1.1 x with it) but is not all"),
+        ("effect-missing", [candidate(lowers=False, alike=("friction", "inertia"))],
+         {"rival": ", rival"}, "; missing is friction or inertia: 1.1 x with it, rival"),
+        ("effect-missing", [candidate()], {"jump": "a jump"},
+         "; missing is friction, or it is a jump"),
+        ("effect-missing", [candidate(1.0)], {"jump": "a jump"},
+         "; a jump, explains more than any known effect"),
+    ],
+)  # fmt: skip
+def test_a_verdict_in_one_sentence(says, candidates, more, told):
+    size = "the error is 1.5 x the noise"
+    assert verdict.sentence(error(), says, candidates, (), **more) == size + told
+    where = (SimpleNamespace(says="at the end"),)
+    place = "" if says == "adequate" else "; at the end"
+    assert verdict.sentence(error(), says, candidates, where, **more) == size + told + place
+
+
+def left(squares):
+    return SimpleNamespace(squares=lambda noise: squares, misfit=False)
+
+
+def test_alike_are_those_that_fit_as_well_and_those_that_add_the_same():
+    shapes = {"friction": [1.0, 0.0], "play": [1.0, 0.0], "creep": [0.0, 1.0], "slip": [-1.0, 0.0]}
+    promises = {
+        name: [SimpleNamespace(direction=np.array(shape))] for name, shape in shapes.items()
+    }
+    near, far = EVIDENCE.rivals - 0.5, EVIDENCE.rivals + 0.5
+    first = tried("friction", delta=99.0, helps=True, left=left(10.0))
+    as_well = tried("inertia", delta=99.0 - near, left=left(99.0))
+    dearer = tried("filter", delta=99.0 - far, helps=True, left=left(10.0 + near))
+    worse = tried("clock", delta=99.0 - far, helps=True, left=left(10.0 + far))
+    unsure = tried("offset", delta=99.0 - far, left=left(10.0))
+    each = [first, as_well, dearer, worse, unsure]
+    found = verdict._class(each, promises, [])
+    assert found == ["friction", "inertia", "filter", "play", "slip"]
+    assert verdict._class([tried(delta=99.0)], promises, []) == []
+    # By odds another may come first: it is of its own class, however far it is off.
+    assert verdict._class([worse, first], promises, [])[:2] == ["clock", "friction"]
+    assert verdict._twins("unknown", promises) == []
+    classes = verdict._classes(promises, [first, tried("creep"), tried("play")], ["friction"])
+    assert classes == (("play", "slip"),)
+    assert verdict._classes(promises, [first], ["friction", "play"]) == (("friction", "play"),)
+
+
+def test_the_test_that_is_missed_most_is_what_an_error_is_of():
+    tests = [SimpleNamespace(over_floor=1.0, relative_rms=0.1, noise_floor=0.1),
+             SimpleNamespace(over_floor=3.0, relative_rms=0.03, noise_floor=0.01)]  # fmt: skip
+    noise = [SimpleNamespace(size=size, memory=0.2) for size in (1.0, 2.0)]
+    found = verdict.error_of(tests, noise, SimpleNamespace(errors=(0.5, 0.02)))
+    assert (found.relative_rms, found.over_floor) == (0.03, pytest.approx(3.0))
+    assert found.noise_source == "residual"
+    assert found.material_floor == 0.02
+    alone = verdict.error_of(tests[:1], noise)
+    assert alone.noise_source == "signal"
+    assert np.isnan(alone.material_floor)
+
+
+def test_an_effect_of_the_rig_is_as_much_commoner_as_the_rigs_are():
+    effect = SimpleNamespace(prior=0.5, of_apparatus=False)
+    rig = SimpleNamespace(prior=0.5, of_apparatus=True)
+    assert verdict.weight_of(effect) == 0.5
+    assert verdict.weight_of(rig) == 0.5 * EVIDENCE.apparatus
+    each = verdict.Tried(rig, None, np.zeros(0), None, 12.0)
+    assert each.evidence == pytest.approx(12.0 + 2.0 * np.log(0.5 * EVIDENCE.apparatus))
+
+
+def test_a_sweep_is_missed_by_what_the_model_lies_beside_it():
+    model, omega = springpot.parse_model("kelvin"), np.array([1.0, 4.0])
+    data = springpot.Measurement(omega, np.array([3.0 + 1.0j, 2.0 + 5.0j]))
+    [part] = parts_of_specimen([data])
+    theta = model.theta(k=2.0, c=1.5)
+    found = verdict._misfit(part, SimpleNamespace(model=model, theta=theta, reference=20.0))
+    exact = Misfit.of_stiffness(model.stiffness(theta, omega), data.stiffness)
+    assert found.modulus == pytest.approx(exact.modulus)
+    assert found.phase == pytest.approx(exact.phase)
