@@ -6,11 +6,8 @@ annotations, docstrings, assertions that two lists are of one length, guards aga
 zero (`x or 1.0`, or next to nothing), and settings: numbers with a name of their own, of which
 studies say what is best. A setting of none, or of yes or no, is a rule.
 
-Of a room's tests those run that enter the changed function, the shortest of them before all others,
-then those that start processes, as what another process enters is not seen. Which enter what is
-noted once for each file of tests, and kept as long as that is the same. The others could notice
-only what an earlier test left behind, and what has changed since may enter more: what is noticed is
-at least as many.
+The files of tests that name what was changed run first, then those with whole answers, which are
+short and see much.
 """
 
 from __future__ import annotations
@@ -18,17 +15,17 @@ from __future__ import annotations
 import ast
 import json
 import os
+import re
+import resource
 import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
-from functools import cache, partial
-from hashlib import sha256
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -39,12 +36,12 @@ SMALLEST = 1e-100
 LEFT_OUT = shutil.ignore_patterns(
     ".git", ".venv", "*_cache", "__pycache__", ".hypothesis", "build", "*.sqlite*"
 )
-KEPT = ROOT / "build" / "mutants"
-"""Where what tests enter stays for the next seed."""
-PATIENCE = 3.0
-"""A change that lets tests run that many times as long as without it is noticed too."""
-START = 60.0
-"""Seconds that an interpreter may need beside them on a busy machine."""
+MOST, PATIENCE = 300, 6.0
+"""Seconds of processor time within which the tests of any room end, and by the clock as many times.
+
+A change that lets them run longer is noticed too.
+"""
+AMISS = "the tests do not begin, or do not end"
 
 TURNED: dict[type, type] = {
     ast.Lt: ast.LtE,
@@ -208,98 +205,54 @@ def _textual(node: ast.BinOp) -> bool:
     )
 
 
-@dataclass(frozen=True)
-class Room:
-    """What the tests of a room do without any change."""
+def in_order(files: list[str], mutant: Mutant) -> list[str]:
+    """Files of tests, those first that are likely to notice a change, and the shorter ones."""
+    words = [mutant.path.stem, _function(mutant)]
 
-    entered: dict[str, Any]
-    failed: list[str] = field(default_factory=list)
+    def place(file: str) -> tuple[int, bool, int]:
+        text = (ROOT / file).read_text(encoding="utf-8")
+        named = sum(bool(word and re.search(rf"\b{word}\b", text)) for word in words)
+        return -named, "whole" not in file, len(text)
 
-    def asked(self, mutant: Mutant) -> list[str]:
-        """The tests that may notice: those that enter the changed function or start processes.
-
-        Of both the shortest first. Of what runs as a module is loaded any test of the room may.
-        """
-        file = str(mutant.path)
-        function = _function(mutant)
-
-        def place(name: str) -> tuple[bool, float]:
-            each = self.entered[name]
-            enters = any(
-                path == file and function in (None, told) for path, told in each["entered"]
-            )
-            return not enters, each["seconds"]
-
-        places = {name: place(name) for name in self.entered}
-        chosen = [
-            name
-            for name, each in self.entered.items()
-            if function is None or not places[name][0] or each["started"]
-        ]
-        return sorted(set(chosen) - set(self.failed), key=lambda name: places[name])
+    return sorted(files, key=place)
 
 
-def _function(mutant: Mutant) -> str | None:
-    """Qualified name of the innermost function with the change.
-
-    None for what runs as the module is loaded.
-    """
-    line, name, found = mutant.change.line, "", None
-    # Level by level: of those around one line the outermost comes first.
+def _function(mutant: Mutant) -> str:
+    """Name of the innermost function with the change, or nothing."""
+    line, found = mutant.change.line, ""
+    # Level by level: of those around one line the innermost comes last.
     for part in ast.walk(ast.parse((ROOT / mutant.path).read_text(encoding="utf-8"))):
-        if not isinstance(part, ast.FunctionDef | ast.ClassDef):
-            continue
-        if part.body[0].lineno <= line <= (part.end_lineno or 0):
-            name += part.name
-            found = name if isinstance(part, ast.FunctionDef) else None
-            name += ".<locals>." if found else "."
+        if isinstance(part, ast.FunctionDef) and part.lineno <= line <= (part.end_lineno or 0):
+            found = part.name
     return found
 
 
-def state_of(root: Path, file: str) -> str:
-    """A digest of a file of tests, and of what it shares with others."""
-    digest, own = sha256(), root / file
-    beside = {*(root / "tests").glob("*.py"), *own.parent.glob("*.py")}
-    for path in sorted(beside):
-        if path == own or not path.name.startswith("test_"):
-            digest.update(path.read_bytes())
-    return digest.hexdigest()
-
-
-def kept(path: Path, state: str, make: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-    """What is kept of this very state; else what is made now, and kept."""
-    if path.exists():
-        found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        if found.pop("state") == state:
-            return found
-    made = make()
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps({"state": state, **made}), encoding="utf-8")
-    return made
-
-
 class Copy:
-    """A copy of the repository in which files are changed and tests run."""
+    """A copy of the repository in which files are changed and tests run.
+
+    Attributes
+    ----------
+    failing : set of str
+        Tests that fail on this machine without any change: they would notice whatever is done.
+    """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder / "copy"
-        self._order, self._notes = folder / "order.json", folder / "notes.json"
-        self._rooms: dict[str, Room] = {}
+        self.failing: set[str] = set()
         self._changes = 0
         shutil.copytree(ROOT, self.folder, ignore=LEFT_OUT)
 
     def notices(self, mutant: Mutant) -> str:
         """The test of the room that fails with the change; empty where all pass."""
-        name = room_of(mutant.path)
-        left = self.room(name).asked(mutant)
-        with self._made(mutant):
-            while left:
-                failed = self._failing(name, left)
-                # What passes when it is asked again failed by chance, as on a busy machine.
-                if failed not in left or self._failing(name, [failed]):
-                    return failed
-                left = left[left.index(failed) + 1 :]
-        return ""
+        files = in_order(own_tests(room_of(mutant.path)), mutant)
+        while True:
+            with self._made(mutant):
+                failed = self._run("-x", "--cache-clear", *files)
+            if not failed or failed == AMISS:
+                return failed
+            if not self._run("--last-failed", *files):
+                return failed
+            self.failing.add(failed)
 
     @contextmanager
     def _made(self, mutant: Mutant) -> Iterator[None]:
@@ -316,75 +269,35 @@ class Copy:
             path.write_text(text, encoding="utf-8")
             os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
 
-    def _failing(self, name: str, asked: list[str]) -> str:
-        """The first of some tests of a room that fails, or how they ended otherwise; or nothing."""
-        self._order.write_text(json.dumps(asked), encoding="utf-8")
-        files = sorted({each.partition("::")[0] for each in asked})
-        usual = sum(self.room(name).entered[each]["seconds"] for each in asked)
-        try:
-            self._run(files, PATIENCE * usual + START, "-x", SPRINGPOT_ORDER=str(self._order))
-        except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as fault:
-            return next(iter(self._noted()["failed"]), str(fault))
-        return ""
-
-    def room(self, name: str) -> Room:
-        """The room as it is.
-
-        A test that fails on this machine would notice whatever is done: it is left out.
-        """
-        if name not in self._rooms:
-            entered: dict[str, Any] = {}
-            failed: list[str] = []
-            for file in own_tests(name):
-                path = KEPT / Path(file).with_suffix(".json")
-                noted = kept(path, state_of(ROOT, file), partial(self._measured, file))
-                entered |= noted["tests"]
-                failed += noted["failed"]
-            self._rooms[name] = Room(entered, failed)
-        return self._rooms[name]
-
-    def _measured(self, file: str) -> dict[str, Any]:
-        with suppress(subprocess.CalledProcessError):
-            self._run([file], None)
-        return self._noted()
-
-    def _noted(self) -> dict[str, Any]:
-        """What the tests left in writing; nothing where they ended before their time."""
-        if not self._notes.exists():
-            return {"tests": {}, "failed": []}
-        noted: dict[str, Any] = json.loads(self._notes.read_text(encoding="utf-8"))
-        return noted
-
-    def _run(self, files: list[str], patience: float | None, *options: str, **told: str) -> None:
-        """Run files of tests; what they started ends with them."""
-        self._notes.unlink(missing_ok=True)
-        own = os.pathsep.join(
-            str(self.folder / name) for name in ("framework", "plugins", "tests/reliability")
-        )
-        environment = {**os.environ, "PYTHONPATH": own, **told}
+    def _run(self, *options: str) -> str:
+        """The first test that fails, or `AMISS`; nothing where all pass."""
+        own = os.pathsep.join(str(self.folder / name) for name in ("framework", "plugins"))
+        left_out = [f"--deselect={name}" for name in sorted(self.failing)]
         running = subprocess.Popen(
-            [
-                sys.executable,
-                "-m",
-                "pytest",
-                "-q",
-                "-p",
-                "no:cacheprovider",
-                "-p",
-                "entered",
-                *options,
-                *files,
-            ],
+            [sys.executable, "-m", "pytest", "-q", *left_out, *options],
             cwd=self.folder,
-            env={**environment, "SPRINGPOT_NOTES": str(self._notes)},
+            env={**os.environ, "PYTHONPATH": own},
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             start_new_session=True,
+            preexec_fn=_limit,
         )
         try:
-            if code := running.wait(patience):
-                raise subprocess.CalledProcessError(code, "pytest")
+            ended = running.wait(PATIENCE * MOST)
+        except subprocess.TimeoutExpired:
+            ended = -signal.SIGKILL
         finally:
+            # What the tests started ends with them.
             with suppress(ProcessLookupError):
                 os.killpg(running.pid, signal.SIGKILL)
             running.wait()
+        if ended == 0:
+            return ""
+        known = self.folder / ".pytest_cache" / "v" / "cache" / "lastfailed"
+        if ended < 0 or not known.exists():
+            return AMISS
+        return str(next(iter(json.loads(known.read_text(encoding="utf-8")))))
+
+
+def _limit() -> None:
+    resource.setrlimit(resource.RLIMIT_CPU, (MOST, MOST))

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from mutation import PACKAGE, Copy, drawn, room_of
+from mutation import PACKAGE, Copy, drawn
 from soak import Row
 
 COUNT = 100
@@ -23,7 +23,7 @@ LEFT_ALONE = "texts, annotations, guards against a division by zero, numbers tha
 def rows(rng: np.random.Generator, scale: float) -> Iterator[Row]:
     """One promise: enough of the changes are noticed; those that were not are named."""
     count = max(1, round(scale * COUNT))
-    unnoticed, failing = [], set()
+    unnoticed = []
     with tempfile.TemporaryDirectory() as folder:
         copy = Copy(Path(folder))
         for number, mutant in enumerate(drawn(rng, count), 1):
@@ -34,12 +34,11 @@ def rows(rng: np.random.Generator, scale: float) -> Iterator[Row]:
             print(f"{number} of {count}: {told}: {by or 'NOT NOTICED'}", flush=True)
             if not by:
                 unnoticed.append(told)
-            failing |= set(copy.room(room_of(mutant.path)).failed)
     noticed = count - len(unnoticed)
     told = f"{noticed} of {count}, of all but {LEFT_ALONE}"
     told += f"; not noticed: {'; '.join(unnoticed) or 'none'}"
-    if failing:
-        told += f"; left out, as they fail without any change: {', '.join(sorted(failing))}"
+    if copy.failing:
+        told += f"; left out, as they fail without any change: {', '.join(sorted(copy.failing))}"
     kept = noticed >= LEAST * count
     what = f"{100 * LEAST:.0f} % of single-line changes are noticed by the tests of their room"
     yield Row(what, 1, int(kept), told.replace("|", "\\|"))

@@ -2,20 +2,21 @@
 
 import ast
 
+import mutation
 import numpy as np
 import pytest
 from mutation import (
+    AMISS,
     PACKAGE,
     ROOT,
     Change,
+    Copy,
     Mutant,
-    Room,
     changes_of,
     drawn,
-    kept,
+    in_order,
     own_tests,
     room_of,
-    state_of,
 )
 
 
@@ -88,49 +89,59 @@ def test_every_room_has_tests_of_its_own():
     assert [room for room in sorted(rooms) if not own_tests(room)] == []
 
 
-def test_tests_that_enter_the_changed_function_or_start_a_process_run_the_shortest_first():
-    path = PACKAGE / "rheology" / "points.py"
-    tree = ast.parse((ROOT / path).read_text())
-    holder = next(node for node in tree.body if isinstance(node, ast.ClassDef))
-    function = next(node for node in holder.body if isinstance(node, ast.FunctionDef))
-    here, beside = [str(path), f"{holder.name}.{function.name}"], [str(path), "other"]
-    entered = {
-        "long": {"seconds": 2.0, "entered": [beside, here], "started": False},
-        "beside": {"seconds": 0.1, "entered": [beside], "started": False},
-        "short": {"seconds": 1.0, "entered": [here], "started": True},
-        "outside": {"seconds": 0.2, "entered": [], "started": True},
-    }
-    entered["fails anyway"] = entered["short"]
-    entered["neither"] = {"seconds": 0.3, "entered": [beside], "started": False}
-    room = Room(entered, ["fails anyway"])
-    inside = Mutant(path, Change(function.body[-1].lineno, 0, 0, "", ""))
-    assert room.asked(inside) == ["short", "long", "outside"]
-    # What a module sets as it is loaded may be of use anywhere; where it is entered comes first.
-    of_module = room.asked(Mutant(path, Change(1, 0, 0, "", "")))
-    assert of_module == ["beside", "neither", "short", "long", "outside"]
+def test_files_of_tests_that_name_what_was_changed_run_first():
+    path = PACKAGE / "structure" / "frame.py"
+    lines = (ROOT / path).read_text().splitlines()
+    within = next(i for i, line in enumerate(lines, 1) if "def modes_of(" in line) + 20
+    found = in_order(own_tests("structure"), Mutant(path, Change(within, 0, 0, "", "")))
+    assert sorted(found) == own_tests("structure")
+    names = ["modes_of" in (ROOT / file).read_text() for file in found]
+    assert any(names)
+    assert names == sorted(names, reverse=True)
 
 
-def test_what_a_file_of_tests_enters_stays_known_until_it_or_what_it_shares_is_changed(tmp_path):
-    own, other, shared = (tmp_path / "tests" / "room" / f"{name}.py" for name in
-                          ("test_it", "test_other", "known"))  # fmt: skip
-    own.parent.mkdir(parents=True)
-    for path in (own, other, shared):
-        path.write_text("1\n")
-    made = []
+@pytest.fixture
+def copy(tmp_path, monkeypatch):
+    """A room with one test that sees a function, and one that always fails."""
+    package, tests = tmp_path / PACKAGE / "room", tmp_path / "tests" / "room"
+    for folder in (package, tests):
+        folder.mkdir(parents=True)
+    (package.parent / "__init__.py").write_text("")
+    (package / "sums.py").write_text("def twice(x):\n    return x + x\n")
+    head = "from springpot.room.sums import twice\n\n\ndef test_it():\n    assert "
+    (tests / "test_a.py").write_text(f"{head}0\n")
+    (tests / "test_b.py").write_text(f"{head}twice(2) == 4\n")
+    monkeypatch.setattr(mutation, "ROOT", tmp_path)
+    return Copy(tmp_path / "folder")
 
-    def room(seconds):
-        def make():
-            made.append(seconds)
-            return {"seconds": seconds}
 
-        state = state_of(tmp_path, "tests/room/test_it.py")
-        return kept(tmp_path / "kept" / "test_it.json", state, make)["seconds"]
+SUMS = PACKAGE / "room" / "sums.py"
+TURNED = Mutant(SUMS, Change(2, 11, 16, "x + x", "x - x"))
+FIRST, SECOND = (f"tests/room/test_{name}.py::test_it" for name in "ab")
 
-    assert room(1.0) == 1.0
-    other.write_text("2\n")
-    assert room(2.0) == 1.0
-    own.write_text("2\n")
-    assert room(3.0) == 3.0
-    shared.write_text("2\n")
-    assert room(4.0) == 4.0
-    assert made == [1.0, 3.0, 4.0]
+
+def test_the_first_failing_test_is_told_of_those_that_can_pass(copy):
+    copy.failing.add(FIRST)
+    assert copy._run(*own_tests("room")) == ""
+    with copy._made(TURNED):
+        assert copy._run(*own_tests("room")) == SECOND
+    assert (copy.folder / SUMS).read_text() == (mutation.ROOT / SUMS).read_text()
+
+
+@pytest.mark.parametrize(
+    ("runs", "by", "failing"),
+    [
+        ([""], "", set()),
+        ([SECOND, ""], SECOND, set()),
+        # It fails without the change, too: the others are asked anew.
+        ([FIRST, FIRST, SECOND, ""], SECOND, {FIRST}),
+        ([FIRST, FIRST, ""], "", {FIRST}),
+        ([AMISS], AMISS, set()),
+    ],
+)
+def test_a_change_is_noticed_by_a_test_that_fails_with_it_alone(
+    copy, monkeypatch, runs, by, failing
+):
+    monkeypatch.setattr(copy, "_run", lambda *options: runs.pop(0))
+    assert copy.notices(TURNED) == by
+    assert (copy.failing, runs) == (failing, [])

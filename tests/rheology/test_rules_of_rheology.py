@@ -6,7 +6,7 @@ from math import factorial
 import numpy as np
 import pytest
 
-from springpot.rheology import nodes, parameters
+from springpot.rheology import named, nodes, parameters
 from springpot.rheology.parameters import Dimension, Parameter
 
 
@@ -75,3 +75,15 @@ def test_an_order_is_a_pure_number_from_0_to_1():
     assert (moved.name, moved.unit.time) == ("mount.c", "mount.n")
     assert parameters.quasi_property("c", "n").renamed("d").unit.time == "n"
     assert parameters.viscosity().renamed("mount.c").unit == Dimension(1, 1)
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper"),
+    [(0.0, 1.0), (0.0, 0.5), (2.0, 40.0), (1.0, np.inf), (-3.0, np.inf), (-np.inf, 2.0)],
+)
+def test_two_sizes_of_an_effect_lie_apart_within_its_bounds(lower, upper):
+    each = Parameter("k", "k", Dimension(), lower, upper, "linear")
+    first, second = (named._inside(each, share) for share in (0.3, 0.6))
+    assert lower < first < upper
+    assert lower < second < upper
+    assert abs(first - second) > 0.1

@@ -377,3 +377,20 @@ def test_a_law_without_vertical_factors_is_told_where_it_is_another(value, verti
         shown = [number(each, 4) for each in (value, value - 0.5, value + 0.5)]
         assert "has Ea {} [{}, {}] kJ/mol".format(*shown) in said[0]
     assert curve._without_vertical([], None) == []
+
+
+def test_a_level_exceeds_by_squares_of_its_own_scatter_and_where_that_is_unknown_by_none():
+    """Three levels: of one degree of freedom, of half a one, and one with too few points."""
+    rows = SimpleNamespace(
+        level_of_row=np.array([0, 0, 1, 1, 2, 2]),
+        residual=np.array([3.0, 1.0, 2.0, 2.0, 9.0, 9.0]),
+        scale=np.array([1.0, 1.0, 1.0, 1.0, 2.0, 4.0]),
+    )
+    alone = SimpleNamespace(
+        cost=np.array([4.0, 1.0, 9.0]),
+        dof=np.array([2.0, 0.5, 0.0]),
+        judged=np.array([True, True, False]),
+    )
+    # Without a scatter of its own it is the common one; of less than one degree it counts as one.
+    np.testing.assert_allclose(simplicity._variance(alone, rows), [2.0, 1.0, 10.0])
+    np.testing.assert_allclose(simplicity._excess(alone, rows), [10.0 / 2.0 - 2.0, 8.0 - 0.5, 0.0])

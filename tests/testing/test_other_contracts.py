@@ -27,6 +27,7 @@ from springpot.testing import (
     networks,
 )
 from springpot.testing.networks import kept_random_state
+from springpot.testing.optimisers import _batch
 
 pytest_plugins = ["pytester"]
 
@@ -176,6 +177,10 @@ def test_a_slip_in_an_optimiser_is_one_sentence(optimiser: type[Optimiser], stay
     found = check_optimiser(optimiser)
     assert says(found, OPTIMISERS[optimiser]), found
     stays(found)
+
+
+def test_runs_of_a_batch_that_disturb_each_other_are_told():
+    assert [complaint[:5] for complaint in _batch(Carrying())] == ["run 1", "run 2", "run 3"]
 
 
 def test_an_option_without_a_word_of_explanation():

@@ -81,6 +81,18 @@ def test_a_dead_zone_has_its_energy_and_no_force_in_its_middle():
     assert abs(test.means["F0"].value) < 1e-3 * force.max()
 
 
+@pytest.mark.parametrize("stop", [8.0, 9.0, 9.5])
+def test_a_stop_shortly_before_the_end_of_the_stroke_is_seen_there(stop, rng):
+    """A force that bends near its turning point is looked at in a smaller window."""
+    t, x, _, _ = loop("linear", cycles=4)
+    top = 0.8 * STROKE + 40.0 * (STROKE - stop)
+    force = 0.8 * x + 40.0 * np.sign(x) * np.maximum(np.abs(x) - stop, 0.0)
+    force = force + 1e-3 * top * rng.standard_normal(len(t))
+    test = evaluate(LoopRecord(t, x, force, "mm", "kN", "stop"))
+    assert test.means["F+"].value == pytest.approx(top, rel=2e-3)
+    assert test.means["F-"].value == pytest.approx(-top, rel=2e-3)
+
+
 @pytest.mark.parametrize("channel", ["force", "displacement"])
 def test_a_clipped_channel_is_named(channel, rng):
     record, _ = noisy("linear", rng, 1e-3)

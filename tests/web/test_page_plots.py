@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 from browsing import IN_A_BROWSER, Open, Page
 
 pytestmark = IN_A_BROWSER
@@ -100,6 +102,26 @@ def test_an_entry_of_the_legend_hides_what_it_names(page: Open, damper: bytes):
     assert here.page.locator("#plot-view .mark.storage").count() == 14
     here.page.click("#key button:has(.loss)")
     assert here.page.locator("#plot-view .mark.loss").count() == 14
+
+
+def test_residuals_are_drawn_along_the_rows_of_the_file(page: Open, damper: bytes):
+    here = page()
+    here.drop("damper.csv", damper)
+    here.shows("material")
+    along = """() => [...document.querySelectorAll("#plot-residual circle.mark")]
+        .map((mark) => Number(mark.getAttribute("cx")))"""
+    before = steps(here.page.evaluate(along))
+    assert max(before) > 2.0 * min(before), "by the logarithm of the frequency"
+    here.page.select_option("#column", "row")
+    even = steps(here.page.evaluate(along))
+    assert len(even) == 13
+    assert max(even) < 1.01 * min(even)
+    assert "row of the file" in here.page.locator("#plot-residual .label").first.text_content()
+
+
+def steps(places: list[float]) -> list[float]:
+    """Between neighbours."""
+    return [after - before for before, after in pairwise(places)]
 
 
 def test_what_is_negative_is_drawn(page: Open, damper: bytes):

@@ -468,6 +468,8 @@ def _between_effects(evidence: Evidence) -> NextExperiment | None:
     if _openness(evidence.partners) > _openness(chances):
         chances = evidence.partners
         fits = {name: grown.refit for name, grown in evidence.grown_beside(chances).items()}
+        # What was only fitted beside a rival of the leader has no curve to compare.
+        chances = {name: chance for name, chance in chances.items() if name in fits}
     if _openness(chances) < EXPERIMENT.rival:
         return None
     if sorted(chances.values())[-2] < EXPERIMENT.believed:
