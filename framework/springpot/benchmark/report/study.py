@@ -96,7 +96,7 @@ def study_html(findings: Findings) -> Html:
     body = [*_head(findings), *_failures(findings)]
     if findings.races:
         # By what they reach: the best get the lines that are told apart most easily.
-        pens = Pens([label for label, _ in attained(findings, findings.races)])
+        pens = Pens([label for label, _ in attained(findings.races)])
         body = [
             *_head(findings),
             *_choices(findings),
