@@ -86,11 +86,11 @@ def test_ranges_of_parameters_of_every_kind(stays):
         "upwards": Parameter("p", "p", Dimension(), -2.0, np.inf, "linear"),
     }
     found = {
-        name: [starts.settings((each,), window, 9), space.shown(each, window)]
+        name: [starts.settings((each,), window, 9), starts.shown(each, window)]
         for name, each in kinds.items()
     }
     by_order = (Parameter("c", "c", Dimension(1, "a")), kinds["order"].renamed("a"))
-    found["by an order"] = [starts.settings(by_order, window, 5), space.shown(by_order[0], window)]
+    found["by an order"] = [starts.settings(by_order, window, 5), starts.shown(by_order[0], window)]
     stays(found)
 
 
