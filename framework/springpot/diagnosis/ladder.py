@@ -13,9 +13,8 @@ import numpy as np
 
 from springpot.drawing import draw, html_of, text_of
 from springpot.errors import SpringpotError
-from springpot.identification.part_result import PartResult, in_floors, parts_of
 from springpot.identification.space import require_conditions
-from springpot.identification.value import Value, values_of
+from springpot.identification.value import PartResult, Value, in_floors, parts_of, values_of
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.refit import prediction_gain
 from springpot.misfit.words import over_floor
