@@ -16,7 +16,7 @@ LEAST = 0.85
 
 Some change nothing that anybody could see.
 """
-LEFT_ALONE = "texts, annotations, guards against a division by zero, numbers that have a name"
+LEFT_ALONE = "texts, annotations, guards, tolerances and numbers that have a name"
 """What is never changed; `mutation` says why."""
 
 

@@ -14,6 +14,7 @@ from mutation import (
     Mutant,
     changes_of,
     drawn,
+    examples,
     in_order,
     own_tests,
     room_of,
@@ -55,8 +56,17 @@ def test_texts_annotations_and_settings_are_left_alone(text):
     assert changes_of(text + "\n") == []
 
 
-def test_the_number_that_stands_in_for_nothing_is_a_guard():
-    assert [change.after for change in changes_of("x or 1.0\n")] == ["(x and 1.0)"]
+@pytest.mark.parametrize(
+    ("line", "after"), [("x or 1.0", "(x and 1.0)"), ("x < 1e-6", "x <= 1e-06")]
+)
+def test_a_guard_and_a_tolerance_keep_their_numbers(line, after):
+    assert [change.after for change in changes_of(line + "\n")] == [after]
+
+
+def test_examples_in_a_file_are_tests_of_its_room():
+    [named] = examples(PACKAGE / "rheology" / "points.py")
+    assert named == "tests/test_docstrings.py::test_examples_run[springpot.rheology.points]"
+    assert examples(PACKAGE / "__main__.py") == []
 
 
 @pytest.fixture(scope="module")
