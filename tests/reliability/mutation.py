@@ -3,8 +3,8 @@
 A change is one that a tired hand could make: a comparison turned, an operator exchanged, a number
 doubled, a condition negated. Left alone is what no test should hang on: text for people,
 annotations, docstrings, assertions that two lists are of one length, guards against a division by
-zero (`x or 1.0`, or next to nothing), tolerances, and settings: numbers with a name of their own, of
-which studies say what is best. A setting of none, or of yes or no, is a rule.
+zero (`x or 1.0`, or next to nothing), tolerances, and settings: numbers with a name of their own,
+of which studies say what is best. A setting of none, or of yes or no, is a rule.
 
 The examples in the changed file run first, then the files of tests that name what was changed, then
 those with whole answers, which are short and see much.
