@@ -5,6 +5,7 @@ import ast
 import mutation
 import numpy as np
 import pytest
+import soak_mutants
 from mutation import (
     AMISS,
     PACKAGE,
@@ -155,3 +156,20 @@ def test_a_change_is_noticed_by_a_test_that_fails_with_it_alone(
     monkeypatch.setattr(copy, "_run", lambda *options: runs.pop(0))
     assert copy.notices(TURNED) == by
     assert (copy.failing, runs) == (failing, [])
+
+
+def test_changes_that_change_nothing_are_told_of_and_not_counted(monkeypatch, copy):
+    monkeypatch.setattr(soak_mutants, "ROOT", mutation.ROOT)
+    lost = [TURNED] * 3
+    row = soak_mutants.counted(20, lost, {FIRST})
+    assert row.held == 1
+    assert row.measured.startswith("17 of 20, of all but ")
+    assert row.measured.count("room/sums.py:2 `x + x` to `x - x`") == 3
+    assert FIRST in row.measured
+    assert soak_mutants.counted(20, [TURNED] * 4, ()).held == 0
+    known = {("room/sums.py", "return x + x", "x - x"): "no sum matters"}
+    monkeypatch.setattr(soak_mutants, "HARMLESS", known)
+    row = soak_mutants.counted(20, [TURNED] * 4, ())
+    assert row.held == 1
+    assert "not noticed: none; not noticed either" in row.measured
+    assert "`x - x` (no sum matters)" in row.measured
