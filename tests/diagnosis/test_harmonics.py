@@ -5,7 +5,8 @@ import pytest
 
 import springpot
 from springpot.diagnosis import notes
-from springpot.diagnosis.marginal import _price_of_a_bound
+from springpot.diagnosis.marginal import _open_harmonic, _price_of_a_bound
+from springpot.misfit.floor import fitted_to_floor
 from springpot.registry import parse_model
 from springpot.thresholds import EVIDENCE
 
@@ -60,6 +61,15 @@ def test_friction_and_a_hysteretic_loss_are_told_apart_at_one_amplitude(third, e
     assert diagnosis.verdict == "effect-missing"
     assert diagnosis.best.effect == effect
     assert other not in diagnosis.best.alike
+
+
+@pytest.mark.parametrize(("effect", "open_to"), [("friction", 0.01), ("elasto-sliding", 0.1)])
+def test_what_a_sweep_leaves_open_of_a_law_is_open_in_its_harmonic(effect, open_to):
+    """How stiff a slider is no single amplitude tells; a friction is known to 2 %."""
+    fitted = fitted_to_floor(parse_model(f"kelvin + {effect}"), measured(0.0))
+    third = fitted.model.third_harmonic(fitted.theta, fitted.data.mean.points)
+    room = _open_harmonic(fitted, third).max()
+    assert 0.1 * open_to < room < open_to
 
 
 @pytest.mark.soak

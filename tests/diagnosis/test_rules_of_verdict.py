@@ -75,9 +75,9 @@ def test_chances_of_neighbouring_pairs_are_counted(n, m, pairs, chance):
     [([10, 11, 12], True), ([10, 20, 30], False), ([], False), ([10, 12, 14], False)],
 )
 def test_neighbours_that_stand_out_are_more_than_chance(monkeypatch, outside, together):
-    inside = np.ones(40, dtype=bool)
-    inside[outside] = False
-    monkeypatch.setattr(verdict, "undragged", lambda base: (None, inside))
+    stands_out = np.zeros(40, dtype=bool)
+    stands_out[outside] = True
+    monkeypatch.setattr(verdict, "_standing_out", lambda base: stands_out)
     sweep = SimpleNamespace(rows=np.arange(40))
     monkeypatch.setattr(verdict, "sweeps_of", lambda data: [sweep])
     assert verdict._stand_out_together(SimpleNamespace(data=SimpleNamespace(mean=None))) == together

@@ -96,14 +96,16 @@ def test_a_single_rung_is_what_the_diagnosis_says():
     assert likeliest_set([], ["inertia"], LIBRARY) is None
 
 
-def test_sets_that_differ_in_two_places_are_told_place_by_place():
+def test_sets_that_differ_in_two_places_are_told_place_by_place(monkeypatch):
     def told(chance, *names):
         return SimpleNamespace(names=names, probability=chance)
 
     sets = [told(0.4, "a", "b"), told(0.3, "c", "d"), told(0.2, "c", "b"), told(0.1, "a", "b", "e")]
     effects = tuple(SimpleNamespace(name=name) for name in "ba")
-    found = EffectSet(effects, None, SimpleNamespace(explanations=sets))
-    assert found.places() == {"b": ("b", "d"), "a": ("c", "a")}
+    found = EffectSet(effects, None, Evidence(None, 0.0, 0.0, tuple(sets)))
+    # Beside what is likely, what has the same curve, however unlikely.
+    monkeypatch.setattr(Evidence, "same_curve", lambda self, names: [["d", "f"], []])
+    assert found.places() == {"b": ("b", "d", "f"), "a": ("c", "a")}
 
 
 def test_the_best_set_is_minimal(three):

@@ -27,6 +27,7 @@ SEEN = {"by_battery": True, "certain": True}
         ({"gain": CLEAR}, "adequate"),
         ({"unknown": True}, "inconclusive"),
         ({"material": True}, "unexplained"),
+        ({"material": True, "gain": CLEAR, "something": True}, "unexplained"),
         ({"repeats": True}, "unexplained"),
         ({"exceeds": True}, "inconclusive"),
         ({"exceeds": True, "together": True}, "unexplained"),
@@ -93,9 +94,9 @@ def test_every_rule_is_needed_and_none_names_an_effect_without_an_alarm():
 @pytest.mark.parametrize(("first", "together"), [(slice(0, 300), True), (slice(0, 1500, 5), False)])
 def test_many_points_that_stand_out_are_counted_exactly(monkeypatch, first, together):
     """Of 1,500 points 300 can stand out in 10^324 ways, more than a floating-point number holds."""
-    inside = np.ones(1500, dtype=bool)
-    inside[first] = False
-    monkeypatch.setattr("springpot.diagnosis.verdict.undragged", lambda base: (base, inside))
+    outside = np.zeros(1500, dtype=bool)
+    outside[first] = True
+    monkeypatch.setattr("springpot.diagnosis.verdict._standing_out", lambda base: outside)
     mean = springpot.Measurement(np.arange(1.0, 1501.0), np.full(1500, 1.0 + 1.0j))
     base = SimpleNamespace(data=SimpleNamespace(mean=mean))
     assert _stand_out_together(base) is together

@@ -5,6 +5,7 @@ import pytest
 from scipy import stats
 from scipy.linalg import toeplitz
 
+from springpot.timetests.lines import periodogram
 from springpot.timetests.scatter import (
     FEWEST,
     LEVEL,
@@ -21,7 +22,7 @@ from springpot.timetests.scatter import (
     _scattered,
     _spectrum,
     likeliest_jump,
-    periodogram,
+    powers,
     rougher,
     scatter_of_sweep,
     times_noise,
@@ -55,20 +56,31 @@ def test_the_spectrum_of_an_autoregression_sums_to_its_covariances():
         assert np.mean(spectrum * np.cos(lag * omega)) == pytest.approx(9.0 * 0.6**lag)
 
 
-def test_the_periodogram_of_white_noise_is_its_variance(rng):
-    powers = [periodogram(2.0 * rng.normal(size=64) + 5.0)[0] for _ in range(2000)]
+def test_the_powers_of_white_noise_are_its_variance_and_hold_all_samples(rng):
+    drawn = [2.0 * rng.normal(size=64) for _ in range(2000)]
+    found = [powers(each)[0] for each in drawn]
+    np.testing.assert_allclose(powers(np.zeros(64))[1], np.pi * np.arange(64) / 64)
+    # Of each frequency the scatter of the mean is 4 sqrt(2 / 2000).
+    np.testing.assert_allclose(np.mean(found, axis=0), 4.0, rtol=0.15)
+    # Nothing is faded: as many squares as the samples have, wherever they are.
+    for power, each in zip(found[:9], drawn, strict=False):
+        assert power.sum() == pytest.approx(each @ each)
+
+
+def test_a_periodogram_has_the_variance_of_white_noise_whatever_its_mean(rng):
+    found = [periodogram(2.0 * rng.normal(size=64) + 5.0)[0] for _ in range(2000)]
     omega = periodogram(np.zeros(64))[1]
     np.testing.assert_allclose(omega, 2.0 * np.pi * np.arange(1, 33) / 64)
     # Of each frequency but the last, which is real, the scatter of the mean is 4 / sqrt(2000).
-    np.testing.assert_allclose(np.mean(powers, axis=0)[2:], 4.0, rtol=0.15)
+    np.testing.assert_allclose(np.mean(found, axis=0)[2:], 4.0, rtol=0.15)
 
 
 def test_size_and_memory_are_read_from_a_spectrum(rng):
     residual = noise(rng, 4000, 0.4, size=3.0)
-    size, memory = _fitted(*periodogram(residual))
+    size, memory = _fitted(*powers(residual))
     assert (size, memory) == (pytest.approx(3.0, rel=0.05), pytest.approx(0.4, abs=0.05))
     # The likelihood is largest there.
-    power, omega = periodogram(residual)
+    power, omega = powers(residual)
     best = _log_likelihood(power, _spectrum(omega, size, memory))
     for other in ((1.02 * size, memory), (0.98 * size, memory), (size, memory + 0.04)):
         assert _log_likelihood(power, _spectrum(omega, *other)) < best

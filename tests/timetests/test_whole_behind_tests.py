@@ -195,7 +195,7 @@ def test_scatter_of_a_residual(name, stays):
                 for known in (True, False)
             ],
             "size": [scatter.times_noise(residual, 1.0), where.rms(residual)],
-            "power": scatter.periodogram(residual),
+            "power": scatter.powers(residual),
             "rounded": digits.digit_of(np.round(residual, 2)),
         },
         within=1e-3,

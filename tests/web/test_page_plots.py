@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 from browsing import IN_A_BROWSER, Open, Page
 
 pytestmark = IN_A_BROWSER
@@ -74,8 +76,7 @@ def by_button(here: Page) -> None:
 
 def test_a_picture_comes_closer_and_goes_back(page: Open, damper: bytes):
     here = page()
-    here.drop("damper.csv", damper)
-    here.shows("material")
+    here.open("damper.csv", damper, MODEL)
     whole = places_of(here)
     for way in (by_wheel, by_key, by_button):
         way(here)
@@ -94,14 +95,33 @@ def test_a_picture_comes_closer_and_goes_back(page: Open, damper: bytes):
 
 def test_an_entry_of_the_legend_hides_what_it_names(page: Open, damper: bytes):
     here = page()
-    here.drop("damper.csv", damper)
-    here.shows("material")
+    here.open("damper.csv", damper, MODEL)
     assert here.page.locator("#plot-view .mark.loss").count() == 14
     here.page.click("#key button:has(.loss)")
     assert here.page.locator("#plot-view .mark.loss").count() == 0
     assert here.page.locator("#plot-view .mark.storage").count() == 14
     here.page.click("#key button:has(.loss)")
     assert here.page.locator("#plot-view .mark.loss").count() == 14
+
+
+def test_residuals_are_drawn_along_the_rows_of_the_file(page: Open, damper: bytes):
+    here = page()
+    here.drop("damper.csv", damper)
+    here.shows("material")
+    along = """() => [...document.querySelectorAll("#plot-residual circle.mark")]
+        .map((mark) => Number(mark.getAttribute("cx")))"""
+    before = steps(here.page.evaluate(along))
+    assert max(before) > 2.0 * min(before), "by the logarithm of the frequency"
+    here.page.select_option("#column", "row")
+    even = steps(here.page.evaluate(along))
+    assert len(even) == 13
+    assert max(even) < 1.01 * min(even)
+    assert "row of the file" in here.page.locator("#plot-residual .label").first.text_content()
+
+
+def steps(places: list[float]) -> list[float]:
+    """Between neighbours."""
+    return [after - before for before, after in pairwise(places)]
 
 
 def test_what_is_negative_is_drawn(page: Open, damper: bytes):
@@ -126,8 +146,7 @@ def test_an_example_is_an_answered_page_by_one_click(page: Open):
 
 def test_a_finger_reads_a_point_and_stays_to_leave_it_out(page: Open, damper: bytes):
     here = page(390, 844, has_touch=True, is_mobile=True)
-    here.drop("damper.csv", damper)
-    here.shows("material")
+    here.open("damper.csv", damper, MODEL)
     mark = here.page.locator("#plot-view .mark.storage").nth(5)
     box = mark.bounding_box()
     here.page.touchscreen.tap(box["x"] + 3, box["y"] + 3)

@@ -11,8 +11,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from springpot.identification.part_result import PartResult, in_floors
-from springpot.identification.value import Value
+from springpot.identification.value import PartResult, Value, in_floors
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.sign import turned
 from springpot.misfit.drift_search import Course, change_in_order, course_behind
@@ -468,6 +467,8 @@ def _between_effects(evidence: Evidence) -> NextExperiment | None:
     if _openness(evidence.partners) > _openness(chances):
         chances = evidence.partners
         fits = {name: grown.refit for name, grown in evidence.grown_beside(chances).items()}
+        # What was only fitted beside a rival of the leader has no curve to compare.
+        chances = {name: chance for name, chance in chances.items() if name in fits}
     if _openness(chances) < EXPERIMENT.rival:
         return None
     if sorted(chances.values())[-2] < EXPERIMENT.believed:

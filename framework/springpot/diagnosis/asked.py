@@ -60,8 +60,10 @@ def beside(present: Sequence[Effect], model: Model, effects: Sequence[Effect]) -
     ]
 
 
-def one_more(present: tuple[Effect, ...], scores: Sequence[Score]) -> list[AskedSet]:
-    """The best of the effects that were scanned beside others, with these."""
+def one_more(
+    present: tuple[Effect, ...], scores: Sequence[Score], most: int = SEARCH.seconds
+) -> list[AskedSet]:
+    """The best so many of the effects that were scanned beside others, with these."""
     # Beside another effect the scan's own starts are near enough; those read off the data know of
     # neither.
     return [
@@ -72,7 +74,7 @@ def one_more(present: tuple[Effect, ...], scores: Sequence[Score]) -> list[Asked
             0,
             score.predicted,
         )
-        for score in scores[: SEARCH.seconds]
+        for score in scores[:most]
     ]
 
 

@@ -5,22 +5,25 @@ How likely each explanation is, and which effects the data cannot tell apart.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from springpot.identification.passive import is_passive
+from springpot.identification.held_material import is_passive
 from springpot.measurement.independence import at_one_frequency
 from springpot.misfit.frame import NoiseFrame
-from springpot.misfit.refit import Refit
+from springpot.misfit.refit import Refit, refit
 from springpot.rheology.effect import Effect
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE
 
 from .grown import Grown, Search, SweepDrift, drift_in_place
-from .marginal import harmonic_evidence, marginal, unknown_marginal
+from .marginal import harmonic_evidence, is_a_limit, marginal, unknown_marginal
+
+ONE_CASE = 1e-4
+"""Chi-square a point, beside exact curves, below which one law is a case of another."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -254,20 +257,14 @@ class Evidence:
     def rivals(self) -> dict[str, float]:
         """Effects that could stand in the leading one's place, with their chances.
 
-        Where the best explanation holds a second effect, that one stays while rivals of the leader
-        are counted.
+        Of sets of as many effects, whatever stands in the other places; and of fewer, one alone.
         """
-        best = next(one for one in self.explanations if self.leader in one.names)
-        partners = list(best.names)
-        partners.remove(self.leader)
-        chances: dict[str, float] = {}
+        best = self.explanations[0].names
+        place = best.index(self.leader)
+        partners = [*best[:place], *best[place + 1 :]]
+        chances = dict(self.stand_ins(best)[place])
         for one in self.explanations:
-            # An explanation with another partner is another answer, not a rival for the leader's
-            # place.
-            others = without(one.names, partners)
-            if len(one.names) == len(best.names) and len(others) == 1:
-                chances[others[0]] = chances.get(others[0], 0.0) + one.probability
-            elif len(one.names) < len(best.names):
+            if len(one.names) < len(best):
                 alone = one.names[0]
                 chances.setdefault(alone, 0.0)
                 # A partner stays whoever leads: alone it is no rival of the leader.
@@ -291,25 +288,73 @@ class Evidence:
         enough = EVIDENCE.beside * sum(one.probability for one in with_leader)
         if sum(chances.values()) <= enough:
             return {}
+        best = self.explanations[0].names
+        if len(best) == 2:
+            # Beside whatever stands in the leader's place, as that may be another.
+            return self.stand_ins(best)[1 - best.index(self.leader)]
         return chances
+
+    def stand_ins(self, names: Sequence[str]) -> list[dict[str, float]]:
+        """For each effect of a set, what may stand in its place, with their chances."""
+        chances: list[dict[str, float]] = [{} for _ in names]
+        sets = [one for one in self.explanations if len(one.names) == len(names)]
+        # Those first that differ in one place: they tell whose place it is where two differ.
+        for one in sorted(sets, key=lambda one: len(without(one.names, names))):
+            for place, other in _paired(names, one.names, chances):
+                chances[place][other] = chances[place].get(other, 0.0) + one.probability
+        return chances
+
+    def same_curve(self, names: Sequence[str]) -> list[list[str]]:
+        """For each effect of a set, others whose curve in its place is the same for these data.
+
+        However much dearer their parameters are, as long as they are what they are called: a law at
+        its limit, or one that contains the other, is the simpler one by another name.
+        """
+        key = tuple(sorted(names))
+        best = next((one.grown.refit for one in self.explanations if one.names == key), None)
+        alike: list[list[str]] = [[] for _ in names]
+        for one in self.explanations:
+            new = without(one.names, names)
+            if best is None or len(one.names) != len(names) or len(new) != 1:
+                continue
+            other = one.grown.refit
+            near = distance(self.search.frame, other, best) < EVIDENCE.one_curve
+            near = near and _as_good(other, best)
+            known = one.grown.beyond_physics or is_a_limit(self.search, one.grown)
+            if near and not known and not _contains(other, best):
+                (old,) = without(names, one.names)
+                alike[list(names).index(old)] += new
+        return alike
 
     @property
     def beside(self) -> list[str]:
-        """The fewest partners that hold nearly all of their probability, the likeliest first."""
-        return credible(self.partners)
+        """The fewest partners that hold nearly all of their probability, the likeliest first.
+
+        Then those whose curve is the same.
+        """
+        partners = credible(self.partners)
+        best = self.explanations[0].names
+        if partners and len(best) == 2:
+            alike = self.same_curve(best)[1 - best.index(self.leader)]
+            partners += [name for name in alike if name not in partners]
+        return partners
 
     @cached_property
     def classes(self) -> list[list[str]]:
         """Effects that these data cannot tell apart, the likeliest class first.
 
-        The first class is the smallest set of rivals that holds nearly all of their probability;
-        the rest are grouped by their curves.
+        The first class is the smallest set of rivals that holds nearly all of their probability,
+        the next that of what is missing beside them; the rest are grouped by their curves.
         """
         if not self.explanations:
             return []
-        first = credible(self.rivals)
+        first, best = credible(self.rivals), self.explanations[0].names
+        alike = self.same_curve(best)[best.index(self.leader)]
+        first += [name for name in alike if name not in first]
+        second = [name for name in self.beside if name not in first]
         ranked = sorted(best_with(self.search), key=lambda name: -self.effects.get(name, 0.0))
-        return [first, *_grouped(self.search, [name for name in ranked if name not in first])]
+        others = [name for name in ranked if name not in {*first, *second}]
+        return [first, *([second] if second else []), *_grouped(self.search, others)]
 
     def likeliest_with(self) -> dict[str, Refit]:
         """For each effect, the likeliest of the fitted models that have it."""
@@ -328,6 +373,24 @@ class Evidence:
             if partner is not None:
                 chosen.setdefault(partner, grown)
         return chosen
+
+
+def _contains(wider: Refit, fitted: Refit) -> bool:
+    """Whether a model of more parameters makes the very curve of another: that is a case of it."""
+    if len(wider.own) <= len(fitted.own):
+        return False
+    exact = replace(fitted.data.mean, stiffness=fitted.stiffness)
+    data = replace(fitted.data, raw=exact, mean=exact)
+    start = wider.seed_from(fitted)
+    again = refit(wider.model, data, fitted.noise, [start, wider.theta], starts=2)
+    # By much less than any data could show.
+    return again.rss < ONE_CASE * len(exact)
+
+
+def _as_good(fitted: Refit, best: Refit) -> bool:
+    """Whether a fit explains data and harmonics nearly as well as another."""
+    of_both = (one.log_likelihood + harmonic_evidence(one) for one in (fitted, best))
+    return next(of_both) > next(of_both) - EVIDENCE.as_good
 
 
 def _log_weights(search: Search, tried: Sequence[Grown]) -> Real:
@@ -453,6 +516,26 @@ def one_for_each_set(grown: Sequence[Grown]) -> list[Grown]:
         ):
             best[key] = each
     return list(best.values())
+
+
+def _paired(
+    names: Sequence[str], others: Sequence[str], known: Sequence[Mapping[str, float]]
+) -> Iterator[tuple[int, str]]:
+    """Each place of a set with the effect of another set that stands in it."""
+    new, free = list(others), []
+    for place, name in enumerate(names):
+        if name in new:
+            new.remove(name)
+            yield place, name
+        else:
+            free.append(place)
+    while free:
+        # Where it is likeliest by itself.
+        pairs = [(place, other) for place in free for other in new]
+        place, other = max(pairs, key=lambda pair: known[pair[0]].get(pair[1], 0.0))
+        free.remove(place)
+        new.remove(other)
+        yield place, other
 
 
 def credible(chances: dict[str, float]) -> list[str]:

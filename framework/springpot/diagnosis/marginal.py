@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from springpot.identification.ranges import Window, shown
+from springpot.identification.starts import Window, shown
 from springpot.identification.uncertainty import Uncertainty, held_costs
 from springpot.measurement.independence import distinct_log_omega, telling
 from springpot.measurement.measurement import CONDITIONS
@@ -41,6 +41,8 @@ Slower ones are a straight line.
 """
 MOST_STEPS = 200
 """Places at which a step is sought at most, evenly over the measured frequencies."""
+TWO_SIDED = 1.96
+"""Standard deviations to either end of an interval of 95 %."""
 PLACES = 9
 """Places in its range at which an open parameter is held in turn."""
 
@@ -68,6 +70,9 @@ def harmonic_evidence(refit: Refit) -> float:
     noise: Real = np.hypot(refit.noise.sd.real, refit.noise.sd.imag) / data.magnitude
     sd = noise[rows] + EVIDENCE.least_harmonic
     distance = np.abs(measured[rows] - predicted[rows])
+    # What only the third harmonic tells of a law, the first leaves open: it may be anything there.
+    if np.any(distance > radius[rows] + sd):
+        radius = radius + _open_harmonic(refit, predicted)
     # Within the range that a model allows nothing is missed: it is a bound, not a prediction.
     off = np.maximum(distance - radius[rows], 0.0)
     size = np.maximum(np.abs(measured[rows]), np.abs(predicted[rows]))
@@ -76,6 +81,30 @@ def harmonic_evidence(refit: Refit) -> float:
     rows_that_count = min(float(len(rows)), EVIDENCE.most_harmonic_rows)
     missed = 0.5 * float(np.mean((off / known) ** 2)) * rows_that_count
     return -missed - _price_of_a_bound(distance / known, radius[rows] / known)
+
+
+def _open_harmonic(refit: Refit, predicted: Complex) -> Real:
+    """How far (n,) the third harmonic may lie from the prediction, as far as parameters are open.
+
+    Along each principal direction of what the data tell of them, to the end of their interval.
+    """
+    fit, points = refit.fit, refit.data.mean.points
+    low = np.array([parameter.lower for parameter in refit.model.parameters])
+    high = np.array([parameter.upper for parameter in refit.model.parameters])
+    _, sharpness, directions = np.linalg.svd(fit.jacobian_u, full_matrices=False)
+    # Nobody knows less of a parameter than was known beforehand.
+    least = 1.0 / np.sqrt(EVIDENCE.vague)
+    squares = np.zeros(len(predicted))
+    for sharp, direction in zip(np.maximum(sharpness, least), directions, strict=True):
+        ends = [
+            np.clip(fit.from_u(fit.u + sign * TWO_SIDED / sharp * direction), low, high)
+            for sign in (-1.0, 1.0)
+        ]
+        moved = [
+            np.abs(refit.model.third_harmonic_range(end, points)[0] - predicted) for end in ends
+        ]
+        squares += np.maximum(*moved) ** 2
+    return np.asarray(np.sqrt(squares))
 
 
 def _price_of_a_bound(distance: Real, radius: Real) -> float:
@@ -360,6 +389,18 @@ def _seen(refit: Refit, i: int, left_open: bool) -> float:
     if share <= EVIDENCE.least_share:
         return 0.0
     return share
+
+
+def is_a_limit(search: Search, grown: Grown) -> bool:
+    """Whether an effect of a fitted model has become a simpler one.
+
+    One of its parameters has gone beyond what the data show, as the stiffness of a slider that is
+    friction alone.
+    """
+    refit = grown.refit
+    at_bound = Uncertainty(refit.fit, absolute=True).at_bound
+    extras = [i for rows in _extras(search, grown) for i in rows]
+    return any(at_bound[i] != 0 or _seen(refit, i, False) == 0.0 for i in extras)
 
 
 def likeliest_unknown(search: Search) -> Unknown:

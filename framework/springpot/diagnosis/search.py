@@ -11,10 +11,10 @@ from math import inf
 
 import numpy as np
 
+from springpot.identification.held_material import within_material
 from springpot.identification.material import is_material
 from springpot.identification.native import Effort
-from springpot.identification.passive import within_material
-from springpot.identification.ranges import EDGE
+from springpot.identification.starts import EDGE
 from springpot.measurement.independence import at_one_frequency, moved_along, telling
 from springpot.measurement.measurement import CONDITIONS
 from springpot.misfit.floor import beyond_floor
@@ -25,6 +25,7 @@ from springpot.rheology.points import Complex
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from .asked import AskedSet, beside, once, one_more, two_more
+from .exchange import in_each_place
 from .grown import Grown, Search
 from .scan import Score, applicable, enough_for, scan_effects, shifted_twice
 
@@ -292,13 +293,29 @@ def sort_by_evidence(search: Search) -> None:
 
 def _seek_pairs(search: Search, effects: Sequence[Effect], rng: np.random.Generator) -> None:
     """Seek a second effect beside several first ones, and pairs that only work together."""
-    base, effort = search.base, effort_of(search)
-    asked = once([*_together(search), *_one_by_one(search, effects)])
-    enough = [each for each in asked if each.is_judged_by(base)]
-    search.grown += clear(search, [each.fitted(base, effort) for each in enough])
+    fit_new(search, [*_together(search), *_one_by_one(search, effects)])
     sort_by_evidence(search)
+    _exchange(search, effects)
     _add_singles(search)
     search.left = battery(search.best.frame(), rng)
+
+
+def fit_new(search: Search, asked: Sequence[AskedSet]) -> None:
+    """Fit those of some sets that the data can judge and that were not fitted yet."""
+    known = {grown.key for grown in search.grown}
+    new = [each for each in once(asked) if each.key not in known]
+    effort = effort_of(search)
+    judged = [each.fitted(search.base, effort) for each in new if each.is_judged_by(search.base)]
+    search.grown += clear(search, judged)
+
+
+def _exchange(search: Search, effects: Sequence[Effect]) -> None:
+    """Fit whatever may stand in a place of the best pair, until none is better."""
+    exchanged: set[tuple[str, ...]] = set()
+    while (best := search.grown[0]).key not in exchanged and len(best.effects) > 1:
+        exchanged.add(best.key)
+        fit_new(search, list(in_each_place(search, best, effects)))
+        sort_by_evidence(search)
 
 
 def _together(search: Search) -> list[AskedSet]:

@@ -6,7 +6,7 @@ has neighbours: one effect more, one less, another one or two in the place of on
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -20,18 +20,18 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import SEARCH, VERDICT
 
-from .asked import AskedSet, beside, once, one_more, two_more
+from .asked import AskedSet, one_more
 from .evidence import (
     Evidence,
     credible,
     log_prior,
     one_for_each_set,
     size_of_scanned,
-    without,
 )
+from .exchange import in_each_place, one_or_two_for_one, scanned_beside
 from .grown import Grown, Search
-from .scan import Score, applicable, scan_effects
-from .search import clear, effort_of, sort_by_evidence
+from .scan import applicable, scan_effects
+from .search import fit_new, sort_by_evidence
 
 if TYPE_CHECKING:
     from .examination import Case
@@ -49,22 +49,28 @@ def searched_sets(search: Search, effects: Sequence[Effect]) -> Search:
     """
     found = replace(search, grown=list(search.grown), confounded=[])
     opened: set[tuple[str, ...]] = set()
-    while True:
-        near = _likeliest(found)[: SEARCH.beam]
-        if not near or near[0].key in opened:
-            break
+    exchanged: set[tuple[str, ...]] = set()
+    while near := _likeliest(found)[: SEARCH.beam]:
         asked: list[AskedSet] = []
-        for grown in near:
-            if grown.key not in opened:
-                opened.add(grown.key)
-                asked += _neighbours(found, grown, effects)
-        known = {grown.key for grown in found.grown}
-        new = [each for each in once(asked) if each.key not in known]
-        new = [each for each in new if each.is_judged_by(found.base)]
-        effort = effort_of(found)
-        found.grown += clear(found, [each.fitted(found.base, effort) for each in new])
+        if near[0].key not in opened:
+            for grown in near:
+                if grown.key not in opened:
+                    opened.add(grown.key)
+                    asked += _neighbours(found, grown, effects)
+        elif near[0].key not in exchanged:
+            exchanged.add(near[0].key)
+            asked += in_each_place(found, near[0], effects)
+        else:
+            break
+        fit_new(found, asked)
     sort_by_evidence(found)
     return found
+
+
+def _neighbours(search: Search, grown: Grown, effects: Sequence[Effect]) -> Iterator[AskedSet]:
+    """Sets that differ from one by an effect, or by two in the place of one."""
+    yield from one_more(grown.effects, scanned_beside(grown.effects, grown.refit, effects))
+    yield from one_or_two_for_one(search, grown, effects)
 
 
 def _likeliest(search: Search) -> list[Grown]:
@@ -72,50 +78,6 @@ def _likeliest(search: Search) -> list[Grown]:
     library = size_of_scanned(search)
     sets = one_for_each_set(search.grown)
     return sorted(sets, key=lambda one: -one.refit.log_evidence - log_prior(one, library))
-
-
-def _neighbours(search: Search, grown: Grown, effects: Sequence[Effect]) -> Iterator[AskedSet]:
-    """Sets that differ from one by an effect, or by two in the place of one."""
-    scores = _scanned(grown.effects, grown.refit, effects)
-    yield from one_more(grown.effects, scores)
-    for i in range(len(grown.effects)):
-        rest = (*grown.effects[:i], *grown.effects[i + 1 :])
-        fitted = _without(search, grown, i)
-        others = [effect for effect in effects if effect.name != grown.names[i]]
-        scores = _scanned(rest, fitted, others)
-        for each in [*one_more(rest, scores), *two_more(rest, fitted, fitted.frame(), scores)]:
-            # What stays may be where the whole set has put it, too.
-            yield replace(each, starts=[*each.starts, *_beside_known(each, grown)])
-
-
-def _scanned(present: Sequence[Effect], fitted: Refit, effects: Sequence[Effect]) -> list[Score]:
-    others = beside(present, fitted.model, effects)
-    return scan_effects(fitted, fitted.frame(), others).scores
-
-
-def _beside_known(each: AskedSet, grown: Grown) -> list[Real]:
-    """The first start of a set with the values that it shares with another, fitted one."""
-    known = dict(zip(grown.refit.model.names, grown.refit.theta.tolist(), strict=True))
-    own = zip(each.model.names, each.starts[0].tolist(), strict=True)
-    return [np.array([known.get(name, value) for name, value in own])]
-
-
-def _without(search: Search, grown: Grown, i: int) -> Refit:
-    """The fit of a set without one of its effects, which joins the search."""
-    rest = (*grown.effects[:i], *grown.effects[i + 1 :])
-    if not rest:
-        return search.base
-    key = tuple(sorted(effect.name for effect in rest))
-    # As found so far: the best of several fits, where it was grown in several ways.
-    known = [one.refit for one in search.grown if one.key == key]
-    if known:
-        return max(known, key=lambda one: one.log_evidence)
-    model = grown.refit.model - grown.effects[i].name
-    values = dict(zip(grown.refit.model.names, grown.refit.theta, strict=True))
-    start = np.array([values[name] for name in model.names])
-    fitted = refit(model, search.base.data, search.base.noise, [start], starts=2)
-    search.grown.append(Grown(rest, fitted, fitted.rss))
-    return fitted
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,29 +110,11 @@ class EffectSet:
     def places(self) -> dict[str | None, tuple[str, ...]]:
         """For each effect of the set, what may stand in its place."""
         names = [effect.name for effect in self.effects]
-        chances: dict[str | None, dict[str, float]] = {name: {} for name in names}
-        sets = [one for one in self.evidence.explanations if len(one.names) == len(names)]
-        # Those first that differ in one place: they tell whose place it is where two differ.
-        for one in sorted(sets, key=lambda one: len(without(one.names, names))):
-            for name, other in _paired(names, one.names, chances):
-                chances[name][other] = chances[name].get(other, 0.0) + one.probability
-        return {name: tuple(credible(chances[name])) for name in names}
-
-
-def _paired(
-    names: Sequence[str], others: Sequence[str], known: Mapping[str | None, Container[str]]
-) -> Iterator[tuple[str, str]]:
-    """Each name of a set with the one of another set that stands in its place."""
-    free, new = without(names, others), without(others, names)
-    yield from ((name, name) for name in without(names, free))
-    while free:
-        place, other = next(
-            ((place, other) for place in free for other in new if other in known[place]),
-            (free[0], new[0]),
-        )
-        free.remove(place)
-        new.remove(other)
-        yield place, other
+        chances, alike = self.evidence.stand_ins(names), self.evidence.same_curve(names)
+        return {
+            name: tuple(dict.fromkeys([*credible(own), *others]))
+            for name, own, others in zip(names, chances, alike, strict=True)
+        }
 
 
 def complete_set(case: Case, rng: np.random.Generator) -> EffectSet | None:

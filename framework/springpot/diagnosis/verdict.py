@@ -8,7 +8,10 @@ from math import comb
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from springpot.distributions import f_quantile
+from springpot.identification.problem import weighted
 from springpot.measurement.independence import moved_along
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.misfit.floor import beyond_floor, is_arithmetic, is_hardly_known, undragged
@@ -17,12 +20,16 @@ from springpot.misfit.refit import Refit
 from springpot.misfit.residual_battery import NEIGHBOURS, sets_apart
 from springpot.misfit.residual_causes import Column, EqualRows
 from springpot.misfit.words import percent, times
+from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from .evidence import Evidence
 from .grown import Grown, Search
 from .marginal import likeliest_unknown
 from .result import Verdict
+
+MEDIAN_OF_TWO = 2.0 * float(np.log(2.0))
+"""Median of chi-square with two degrees of freedom."""
 
 
 @dataclass(frozen=True)
@@ -131,17 +138,18 @@ RULES = (
         lambda f: not f.alarm and f.exceeds and f.unknown,
         "unexplained",
     ),
+    # Before effects beside the free spectrum: whether one of them would help there is open, not
+    # that the model fails.
+    VerdictRule(
+        "a material follows, but no effect mends the model",
+        lambda f: not f.alarm and f.material,
+        "unexplained",
+    ),
     # Never "effect-missing" without an alarm: of all that was tried, something helps by chance.
     VerdictRule(
         "an effect would help, or it is noise",
         lambda f: not f.alarm and f.clear and f.something,
         "inconclusive",
-    ),
-    # After effects beside the free spectrum: one that helps clearly leaves open what is missing.
-    VerdictRule(
-        "a material follows, but no effect mends the model",
-        lambda f: not f.alarm and f.material,
-        "unexplained",
     ),
     # Only where no test is alarmed: drift raises the floor, and what shows above it is real.
     VerdictRule(
@@ -250,13 +258,30 @@ def _below_noise(base: Refit) -> bool:
 
 def _stand_out_together(base: Refit) -> bool:
     """Whether more of the points that stand out are neighbours than chance would put there."""
-    _, inside = undragged(base)
-    n, m = len(inside), int(np.sum(~inside))
+    stands_out = _standing_out(base)
     pairs = 0
     for sweep in sweeps_of(base.data.mean):
-        outside = ~inside[sweep.rows]
+        outside = stands_out[sweep.rows]
         pairs += int(np.sum(outside[1:] & outside[:-1]))
+    n, m = len(stands_out), int(np.sum(stands_out))
     return pairs > 0 and _chance_of_pairs(n, m, pairs) < VERDICT.neighbours
+
+
+def _standing_out(base: Refit) -> NDArray[np.bool_]:
+    """Which points (n,) stand out from the curve that is free of those furthest off."""
+    free, inside = undragged(base)
+    n = len(inside)
+    if inside.all():
+        return ~inside
+    # Without the slow curves of the scatter: they follow all but the furthest point of a notch.
+    at_all = free.model.stiffness(free.theta, base.fit.measurement.points)
+    off = weighted(base.data.mean.stiffness - at_all, base.noise.weights)
+    squares: Real = off[:n] ** 2 + off[n:] ** 2
+    # Further off than one of so many would be by chance; all of a curve that is a little off itself
+    # do not stand out.
+    usual = max(1.0, float(np.median(squares)) / MEDIAN_OF_TWO)
+    stands_out = squares > 2.0 * usual * f_quantile(1.0 - 1.0 / n, 2.0, base.noise.dof)
+    return np.asarray(stands_out)
 
 
 def _chance_of_pairs(n: int, m: int, pairs: int) -> float:

@@ -11,6 +11,7 @@ each two of its own poles (N. W. Tschoegl, 1989, doi:10.1007/978-3-642-73602-5).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -65,6 +66,7 @@ class ConvexSpectrum(NamedTuple):
         return found
 
 
+@lru_cache(maxsize=256)
 def lines_of(part: TestPart) -> ConvexSpectrum:
     """The material that a test shows when nothing but a material has made it."""
     low, high = part.test.seen

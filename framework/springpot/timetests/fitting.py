@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from time import perf_counter
 
 import numpy as np
@@ -29,10 +30,12 @@ from springpot.measurement.opening import together
 from springpot.misfit.where import Where
 from springpot.misfit.words import times
 from springpot.registry import parse_model
+from springpot.rheology.continuum import Continuum
 from springpot.rheology.history import sorted_out
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
+from .convex import lines_of
 from .exponentials import quick_parts
 from .floor import TimeFloor, coordinates_around, effects_of, material_floors
 from .intervals import with_intervals
@@ -47,6 +50,7 @@ from .residuals_of_tests import (
 from .scatter import ResidualScatter
 from .score import TimeScan
 from .specimen import at_rigs, reference_of, require_tests, rig_of_sweeps
+from .together import is_material_alone
 from .verdict import error_of, where_missed
 
 FASTEST = 10.0
@@ -430,6 +434,11 @@ def _of_material(
         return search, search.coordinates.u(found.theta, search.size)
 
     def alone_in(part: TestPart) -> tuple[TimeSearch, Real, int]:
+        if part.convex:
+            # What it has of the model is some other material, or no more is needed to follow it.
+            search, u = _by_lines(part, reference)
+            if is_material_alone(model, part) or search.scale(part, u) == 1.0:
+                return search, u, 0
         found = spectral(model, [part], reference, coordinates, own)
         return *fitted(found), found.evaluations
 
@@ -446,6 +455,16 @@ def _of_material(
     if found.untold:
         raise UntoldError(found)
     return search, Minimum(u, parts, alone, evaluations, True)
+
+
+@lru_cache(maxsize=256)
+def _by_lines(part: TestPart, reference: float) -> tuple[TimeSearch, Real]:
+    """A test as any material alone follows it, whatever else other tests have."""
+    lines = lines_of(part)
+    alone = Model("material", Continuum(tuple(lines.rates.tolist())))
+    search = TimeSearch(alone, [part], reference, thorough=False)
+    theta = np.concatenate([[lines.equilibrium, lines.viscosity], lines.weights])
+    return search, search.coordinates.u(theta, search.size)
 
 
 MORE = "what is left is more than noise"
@@ -544,7 +563,7 @@ def judgement_of(
     if noise is None:
         noise = left.noise
     tests = left.rows(parts, noise, fit.tests)
-    error = error_of(tests, noise, floor)
+    error, left = error_of(tests, noise, floor), left.beside(noise)
     where: tuple[Where, ...] = ()
     says = ONLY_NOISE
     if left.misfit:

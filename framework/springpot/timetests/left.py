@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from springpot.identification.part_result import PartResult
+from springpot.identification.value import PartResult
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
@@ -80,6 +80,16 @@ class Left:
     def doubtful(self) -> bool:
         """Whether some test may well be missed by more than noise."""
         return any(scatter.doubtful for scatter in self.scatters)
+
+    def beside(self, noise: Sequence[ResidualScatter]) -> Left:
+        """The same, judged over that noise too: the one that its error is told in."""
+        told = [
+            replace(
+                own, local=min(own.local, other.chance_of(value, max(own.memory, other.memory)))
+            )
+            for value, own, other in zip(self.residuals, self.scatters, noise, strict=True)
+        ]
+        return replace(self, scatters=tuple(told))
 
     def rows(
         self,

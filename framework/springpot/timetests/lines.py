@@ -16,9 +16,11 @@ from springpot.misfit.words import plain
 from springpot.rheology.points import Real
 
 from .residuals_of_tests import InTimePart, TestPart
-from .scatter import UPPER, periodogram
+from .scatter import UPPER
 from .where import rms
 
+TAPER = 0.1
+"""Share of the record at both ends that is faded, so that a slow misfit does not leak."""
 EVEN = 0.01
 """Relative spread of the steps of time below which samples are evenly spaced."""
 FEWEST = 200
@@ -69,3 +71,18 @@ def lines_in(part: TestPart, residual: Real) -> Iterator[str]:
         f"what is left of {part.test.name} holds a line at {plain(float(hertz[top]), 3)} Hz,"
         f" {plain(float(size), 2)} {part.unit} in amplitude: {whose}, no part of the specimen"
     )
+
+
+def periodogram(residual: Real) -> tuple[Real, Real]:
+    """Power of a residual (n,) at each of its frequencies, in radians a sample; its mean left out.
+
+    Of white noise the power is its variance at each of them.
+    """
+    n = len(residual)
+    fade = max(1, int(TAPER * n))
+    window = np.ones(n)
+    window[:fade] = 0.5 - 0.5 * np.cos(np.pi * (np.arange(fade) + 0.5) / fade)
+    window[-fade:] = window[:fade][::-1]
+    turned = np.fft.rfft((residual - residual.mean()) * window)
+    power = np.abs(turned) ** 2 / np.sum(window**2)
+    return power[1:], 2.0 * np.pi * np.arange(1, len(power)) / n

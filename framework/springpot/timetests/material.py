@@ -29,6 +29,7 @@ from .convex import CLOSER, ConvexSpectrum, lattice, lines_of
 from .residuals_of_tests import InTimePart, TestPart
 from .specimen import Scales, tries_of
 from .temperatures import is_law, lawful, seen_by
+from .together import Together
 from .where import rms
 
 STILL = 1e-7
@@ -284,6 +285,7 @@ class _Search:
         else:
             self.rates, self.weights = lines.among(self.rates)
         self.model = with_rates(model, self.rates.tolist())
+        self.together = Together(self.model, self.parts, reference)
         self.count = 2 + len(self.rates)
         self.evaluations = 0
         self.last: tuple[Real, tuple[Real, Real]] | None = None
@@ -354,6 +356,7 @@ class _Search:
         before = np.concatenate([place.weights[2:], np.zeros(near.size)])
         search.rates, search.count = np.exp(rates), 2 + len(rates)
         search.model = with_rates(self.model, search.rates.tolist())
+        search.together = Together(search.model, self.parts, self.reference)
         weights = np.concatenate([place.weights[:2], before[first]])
         return search, search.descended(place._replace(weights=weights), MOST_STEPS)
 
@@ -368,6 +371,7 @@ class _Search:
         def again(parts: Sequence[TestPart]) -> FoundLines:
             search = copy(self)
             search.parts, search.evaluations, search.last = list(parts), 0, None
+            search.together = Together(self.model, search.parts, self.reference)
             start = place._replace(cost=search.cost(weights, u))
             end = search.descended(start, MOST_STEPS)
             return search.found(end, search.evaluations)
@@ -412,9 +416,7 @@ class _Search:
         if self.last is not None and np.array_equal(self.last[0], theta):
             return self.last[1]
         self.evaluations += 1
-        residuals = [part.residual(self.model, theta, self.reference) for part in self.parts]
-        value = np.concatenate([each.value for each in residuals])
-        self.last = theta, (value, np.concatenate([each.by_theta for each in residuals]))
+        self.last = theta, self.together.residuals(theta)
         return self.last[1]
 
     def slopes(self, weights: Real, u: Real) -> tuple[Real, Real, Real]:

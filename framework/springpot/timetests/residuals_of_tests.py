@@ -10,7 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import ClassVar, NamedTuple, Self
 
 import numpy as np
@@ -591,12 +591,20 @@ def reach_of(parts: Sequence[TestPart]) -> float:
 def part_of(test: Test, noise: Real | None = None) -> TestPart:
     """A test as an engine sees it, with the noise of each sample (n,) where it is known."""
     if isinstance(test, TimeTest):
+        if noise is None:
+            return _told_by_itself(test)
         return InTimePart(test, noise=noise)
     if isinstance(test, OtherTest):
         return OtherPart(test, noise=noise)
     if noise is not None:
         return SweepPart(test).with_sd(noise)
     return SweepPart(test)
+
+
+@lru_cache(maxsize=256)
+def _told_by_itself(test: TimeTest) -> InTimePart:
+    """One part for all fits of a test: its noise and its lines are worked out once."""
+    return InTimePart(test)
 
 
 def _complex(both: Real) -> Complex:

@@ -5,8 +5,8 @@ White or with a memory of a few samples, and what is too slow to be either.
 A model that lacks something leaves a misfit that is smooth over many samples. Noise of a filtered
 transducer has a memory too, of a few samples. So the noise is read from the upper part of the
 residual's spectrum alone, as an autoregression of first order, and what lies above its continuation
-at low frequencies is misfit. Fitted by Whittle's likelihood (Whittle 1953, doi:10.1007/BF02590998):
-periodogram ordinates are exponential around the spectrum.
+at low frequencies is misfit. Fitted by Whittle's likelihood (Whittle 1953, doi:10.1007/BF02590998)
+of the cosine transform, which fades no sample: what is missed at an end counts as all else does.
 """
 
 from __future__ import annotations
@@ -34,11 +34,6 @@ UPPER = 0.25
 """Share of the highest frequency above which there is noise alone.
 
 A misfit spans eight samples or more.
-"""
-TAPER = 0.1
-"""Share of the record at both ends that is faded.
-
-So that a slow misfit does not leak into the upper part.
 """
 MEMORIES = np.linspace(0.0, 0.7, 36)
 """Correlations of neighbours that are tried.
@@ -112,6 +107,14 @@ class ResidualScatter:
         """Whether there may well be more than noise."""
         return self.chance < HARDLY
 
+    def chance_of(self, residual: Real, memory: float) -> float:
+        """That noise of this size, with such a memory, leaves as much as a residual (n,).
+
+        The size is hardly known better than from a record as long as this one.
+        """
+        count = len(residual) * (1.0 - memory**2) / (1.0 + memory**2)
+        return _chance(times_noise(residual, self.size) ** 2, count, min(self.worth, count))
+
     def surprise(self, residual: Real) -> float:
         """Minus twice the logarithm of the likelihood of a residual (n,), but for a constant.
 
@@ -153,27 +156,13 @@ def scatter_of(residual: Real, usual: float = 0.0) -> ResidualScatter:
     if n < FEWEST:
         worth = 0.5 * CLIP * n
         return ResidualScatter(1.0, 0.0, 0.0, _chance(float(np.mean(residual**2)), n, worth), worth)
-    power, omega = periodogram(residual)
-    # Three stories: noise alone at all frequencies, noise above and something smooth below, or
-    # noise and one jump.
-    alone = _fitted(power, omega)
-    # The likeliest one is believed; the second has a size for each octave and must earn them.
+    power, omega = powers(residual)
     upper = omega > UPPER * np.pi
-    above = _fitted(power[upper], omega[upper])
-    noise = _spectrum(omega, *above)
-    edges = UPPER * np.pi * 0.5 ** np.arange(GROUPS, -1.0, -1.0)
-    edges[0] = 0.0
-    likely = _log_likelihood(power[upper], noise[upper])
-    for low, high in pairwise(edges):
-        band = (omega > low) & (omega <= high)
-        if band.any():
-            # Less than noise there is by chance alone.
-            factor = max(1.0, float(np.mean(power[band] / noise[band])))
-            likely += _log_likelihood(power[band], factor * noise[band])
-    smooth = likely - _log_likelihood(power, _spectrum(omega, *alone))
-    excess = 2.0 * max(smooth, _of_a_jump(residual))
-    local = _local(residual, above[1])
-    found = ResidualScatter(*alone, float(excess) - usual, local)
+    alone, above = _fitted(power, omega), _fitted(power[upper], omega[upper])
+    # Three stories: noise alone at all frequencies, noise above and something smooth below, or
+    # noise and one jump. The likeliest one is believed.
+    excess = 2.0 * max(_of_what_is_smooth(residual), _of_a_jump(residual))
+    found = ResidualScatter(*alone, excess - usual, _local(residual, above[1]))
     if found.misfit:
         return replace(found, size=above[0], memory=above[1])
     return found
@@ -248,27 +237,46 @@ def _scattered(residual: Real) -> NDArray[np.bool_]:
     return new
 
 
-def periodogram(residual: Real) -> tuple[Real, Real]:
-    """Power of a residual (n,) at each of its frequencies, in radians a sample; its mean left out.
+def powers(residual: Real) -> tuple[Real, Real]:
+    """Squares of the cosine transform of a residual (n,), and its frequencies in radians a sample.
 
-    Of white noise the power is its variance at each of them.
+    Of white noise each is its variance in the mean. The record goes on as its own mirror image: no
+    jump between its ends leaks into all frequencies, and nothing has to be faded. To a first-order
+    autoregression it is nearly the transform to independent numbers (Ahmed, Natarajan & Rao 1974,
+    doi:10.1109/T-C.1974.223784).
     """
+    from scipy.fft import dct
+
     n = len(residual)
-    fade = max(1, int(TAPER * n))
-    # Without a taper the ends of a slow misfit would look like noise at all frequencies.
-    window = np.ones(n)
-    window[:fade] = 0.5 - 0.5 * np.cos(np.pi * (np.arange(fade) + 0.5) / fade)
-    window[-fade:] = window[:fade][::-1]
-    # A mean is no noise, and would leak into the lowest frequencies.
-    turned = np.fft.rfft((residual - residual.mean()) * window)
-    power = np.abs(turned) ** 2 / np.sum(window**2)
-    return power[1:], 2.0 * np.pi * np.arange(1, len(power)) / n
+    return dct(residual, norm="ortho") ** 2, np.pi * np.arange(n) / n
 
 
 def _spectrum(omega: Real, size: float, memory: float) -> Real:
     """Of an autoregression whose samples have the standard deviation `size`."""
     spectrum: Real = size**2 * (1.0 - memory**2) / (1.0 + memory**2 - 2.0 * memory * np.cos(omega))
     return spectrum
+
+
+def _of_what_is_smooth(residual: Real) -> float:
+    """By how much something smooth beside the noise is likelier than noise alone.
+
+    It has a size for each octave below the upper part, and must earn them.
+    """
+    # Where the noise is plainly larger its slow part is too.
+    power, omega = powers(residual / rougher(residual))
+    upper = omega > UPPER * np.pi
+    noise = _spectrum(omega, *_fitted(power[upper], omega[upper]))
+    edges = UPPER * np.pi * 0.5 ** np.arange(GROUPS, -1.0, -1.0)
+    # A mean that is missed belongs to the lowest.
+    edges[0] = -1.0
+    likely = _log_likelihood(power[upper], noise[upper])
+    for low, high in pairwise(edges):
+        band = (omega > low) & (omega <= high)
+        if band.any():
+            # Less than noise there is by chance alone.
+            factor = max(1.0, float(np.mean(power[band] / noise[band])))
+            likely += _log_likelihood(power[band], factor * noise[band])
+    return likely - _log_likelihood(power, _spectrum(omega, *_fitted(power, omega)))
 
 
 def _of_a_jump(residual: Real) -> float:
@@ -281,9 +289,10 @@ def _of_a_jump(residual: Real) -> float:
     """
     even, n = _evened(residual), len(residual)
     sums = np.concatenate([[0.0], np.cumsum(even)])
-    taken, plainest = even, 0.0
+    taken, plainest, edge = even, 0.0, _edge(n)
     for width in LEVEL * 2 ** np.arange(int(np.log2(n / LEVEL))):
-        middle = np.arange(width, n - width + 1)
+        first = max(int(width), edge)
+        middle = np.arange(first, n - first + 1)
         jumps = sums[middle + width] - 2.0 * sums[middle] + sums[middle - width]
         best = int(np.argmax(np.abs(jumps)))
         if jumps[best] ** 2 / width > plainest:
@@ -293,7 +302,7 @@ def _of_a_jump(residual: Real) -> float:
             taken[best + width : best + 2 * width] -= height
     likely = []
     for story in (even, taken):
-        power, omega = periodogram(story)
+        power, omega = powers(story)
         likely.append(_log_likelihood(power, _spectrum(omega, *_fitted(power, omega))))
     return likely[1] - likely[0] - float(np.log(n))
 
@@ -386,14 +395,21 @@ def _jumps(
     alone = at**2 + np.append(np.cumsum((after**2)[::-1])[::-1][1:], 0.0)
     left = alone - np.sum(taken**2, axis=1)
     drops = np.where(left > ALIKE * alone, fall**2 / np.maximum(left, 1e-300), 0.0)
-    # What comes in its first or last part is how a test began and ended, which has other causes.
-    edge = max(LEVEL, len(drops) // PARTS)
+    edge = _edge(len(drops))
     drops[:edge] = drops[len(drops) - edge + 1 :] = 0.0
 
     def column(k: int) -> Real:
         return np.concatenate([np.zeros(k), at[k : k + 1], after[k + 1 :]])
 
     return drops, column
+
+
+def _edge(n: int) -> int:
+    """Samples at either end of n in which no jump is looked for.
+
+    How a test began and ended has other causes.
+    """
+    return max(LEVEL, n // PARTS)
 
 
 def _from_each(at: Real, after: Real, columns: Real) -> Real:
@@ -431,7 +447,7 @@ def _evened(residual: Real) -> Real:
 
 
 def _fitted(power: Real, omega: Real) -> tuple[float, float]:
-    """Size and memory that make the periodogram likeliest at these frequencies."""
+    """Size and memory that make the powers likeliest at these frequencies."""
     # Of each memory the best size is known in closed form, so that a grid of one number is enough.
     shapes = np.stack([_spectrum(omega, 1.0, memory) for memory in MEMORIES])
     squares = np.mean(power / shapes, axis=1)
@@ -441,7 +457,8 @@ def _fitted(power: Real, omega: Real) -> tuple[float, float]:
 
 
 def _log_likelihood(power: Real, spectrum: Real) -> float:
-    return -float(np.sum(np.log(spectrum) + power / spectrum))
+    """Of squares of normal numbers with these variances, but for a constant."""
+    return -0.5 * float(np.sum(np.log(spectrum) + power / spectrum))
 
 
 def _local(residual: Real, memory: float) -> float:

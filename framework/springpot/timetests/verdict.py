@@ -16,9 +16,8 @@ from springpot.diagnosis.evidence import chances_of, log_prior_of_one, size_of_l
 from springpot.diagnosis.in_practice import Misfit
 from springpot.diagnosis.result import Candidate, Diagnosis, EffectVerdict, Verdict
 from springpot.diagnosis.verdict import Facts, rule_for
-from springpot.identification.part_result import AGREE, PartResult
 from springpot.identification.result import Identification
-from springpot.identification.value import Value
+from springpot.identification.value import AGREE, PartResult, Value
 from springpot.measurement.sign import said_of_sign, turned
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.error import Error
@@ -212,10 +211,13 @@ def answer_of(
 ) -> TimeCase:
     """The answer of a diagnosis from the effects that were tried, best first."""
     of_slip = slip.delta(before, noise)
+    # What no story is likelier than is noise itself, however little a story would leave.
+    if not before.misfit and max([of_slip, *(each.delta for each in tried)]) <= 0.0:
+        noise = before.noise
     weights = _weights(tried, promises, of_slip)
     # A class holds nearly all of the probability: what is in no library may be one of it.
     slipped = of_slip > SEARCH.decisive and weights[-1] > 1.0 - EVIDENCE.credible
-    verdict = rule_for(facts_of(before, tried, slipped)).verdict
+    verdict = rule_for(facts_of(before.beside(noise), tried, slipped)).verdict
     best = next((each.left for each in tried), before)
     nothing, *chances, unknown = _agreeing(weights, verdict, best.chance)
     alike = _class(tried, promises, noise)

@@ -3,7 +3,7 @@
 import { h, put } from "./dom.js";
 import { number, percent, pretty } from "./numbers.js";
 import { Plot, range } from "./plot.js";
-import { planeLines, planeOf, planeSpec, viewLines, viewOf, viewSpec, viewsOf } from "./views.js";
+import { othersOf, planeLines, planeOf, planeSpec, viewLines, viewOf, viewSpec, viewsOf } from "./views.js";
 import { DESK, Zoom } from "./zoom.js";
 
 const STEPS = [
@@ -47,6 +47,7 @@ export class Compare {
     this.zoom = new Zoom(this.main, () => this.render());
     this.view = h("select", { id: "view", "aria-label": "View", onchange: () => { this.zoom.ends = null; app.look({ view: this.view.value }); } });
     this.plane = h("select", { id: "plane", "aria-label": "Residual plane", onchange: () => app.look({ plane: this.plane.value }) });
+    this.column = h("select", { id: "column", "aria-label": "Residual along", title: "what the residual is drawn along", onchange: () => app.look({ column: this.column.value }) });
     this.scales = ["x", "y"].map((axis) => h("button", { type: "button", id: `log-${axis}`, class: "small", title: `logarithmic ${axis} axis`, onclick: () => this.bend(axis) }, `log ${axis}`));
     this.sigmas = h("button", { type: "button", id: "sigmas", class: "small", title: "residual in standard deviations of the noise, or in the plane's own unit", onclick: () => app.look({ sigmas: app.looks.sigmas ? 0 : 1 }) }, "σ");
     this.closer = [["+", "closer (or the wheel)", 1.5], ["−", "farther", 1 / 1.5]].map(([sign, title, factor]) =>
@@ -58,7 +59,7 @@ export class Compare {
     this.exclude = h("button", { type: "button", id: "exclude", hidden: true, onclick: () => this.toggle([...this.chosen]),
       onpointerenter: () => app.attempt(`${this.chosen.size} points ${this.exclude.textContent.startsWith("Take") ? "taken back" : "left out"}`, { ...app.state, excluded: this.toggled([...this.chosen]) }), onpointerleave: () => app.leaveAttempt() });
     this.frames = h("div", { class: "plots" }, this.main.svg, this.residual.svg);
-    this.bar = h("div", { class: "bar" }, this.view, this.plane, this.sigmas, this.scales, this.closer, this.whole, this.exclude);
+    this.bar = h("div", { class: "bar" }, this.view, this.plane, this.column, this.sigmas, this.scales, this.closer, this.whole, this.exclude);
     this.intro = h("ol", { class: "intro" }, ...STEPS.map((step) => h("li", {}, step)));
     put(parent, this.intro, this.bar, this.key, this.frames, this.readout);
     put(failing, this.places);
@@ -95,11 +96,14 @@ export class Compare {
       put(this.plane,
         Object.keys(scene.planes).map((name) => h("option", { value: name }, titleOf(name))),
         h("option", { value: "none" }, "No residuals"));
+      put(this.column, [["", scene.axis.column], ...othersOf(scene)].map(([name, text]) => h("option", { value: name }, text)));
+      this.column.hidden = Boolean(scene.views);
     }
     this.drawn = scene;
     const excluded = new Set(state.excluded);
     const plane = planeOf(scene, looks.plane);
     this.plane.value = plane;
+    this.column.value = othersOf(scene).some(([name]) => name === looks.column) ? looks.column : "";
     this.plane.title = scene.planes[plane]?.shows || "";
     const phone = this.width < NARROW;
     const [tall, low] = phone ? HEIGHTS.phone : [this.tall || HEIGHTS.desk[0], HEIGHTS.desk[1]];
@@ -123,9 +127,9 @@ export class Compare {
     if (residual) {
       this.residual.title = `${titleOf(plane)}, residual of ${shown.discovery.diagnosis.model}`;
       const { first, before } = this.app;
-      const below = planeSpec(plane, scene, excluded, shown, viewsOf(scene)[view], { sigmas: Boolean(looks.sigmas), first: first || shown, before });
+      const below = planeSpec(plane, scene, excluded, shown, viewsOf(scene)[view], { sigmas: Boolean(looks.sigmas), first: first || shown, before, column: this.column.value });
       this.without(below);
-      if (spec.upright) below.x = { ...spec.x };
+      if (spec.upright && !this.column.value) below.x = { ...spec.x };
       // What the sign means: along the short axis it would be cut, in a corner it would lie over points.
       below.x.label = `${below.x.label}; Δ = data − model`;
       this.residual.draw(below, this.width, low);
@@ -299,8 +303,10 @@ export class Compare {
   leftBy(k, role) {
     const { scene, answer, looks } = this.app;
     const plane = planeOf(scene, looks.plane);
-    if (!k || !answer || plane === "none") return [];
-    return planeLines(plane, scene, k, viewsOf(scene)[viewOf(scene, looks.view)], looks.sigmas ? answer.model.planes[plane].width : null, role);
+    // Along a column a line through the points would go up and down at each of its levels.
+    if (!k || !answer || plane === "none" || !["", "row"].includes(this.column.value)) return [];
+    const widths = looks.sigmas ? answer.model.planes[plane].width : null;
+    return planeLines(plane, scene, k, viewsOf(scene)[viewOf(scene, looks.view)], { widths, role, column: this.column.value });
   }
 
   listen(plot) {

@@ -70,6 +70,19 @@ export function colourOf(scene, sweep, kind) {
   return `var(--sweep-${Math.round((8 * sweep) / (count - 1))})`;
 }
 
+// What residuals can be drawn along besides the axis of the data: the order in which these stand, or a column of theirs.
+export function othersOf(scene) {
+  if (scene.views) return [];
+  return [["row", "row of the file"], ...Object.keys(scene.conditions || {}).filter((name) => name !== scene.axis.column).map((name) => [name, name])];
+}
+
+function placedAlong(scene, view, column) {
+  const [, label] = othersOf(scene).find(([name]) => name === column) || [];
+  if (!label) return { axis: view.along ? { label: view.along.label, log: view.along.log } : along(scene), places: scene.x };
+  const places = column === "row" ? scene.rows.map((row) => row + 1) : scene.conditions[column];
+  return { axis: { label, log: false }, places };
+}
+
 // Points of the data and lines of the model in one view.
 export function viewSpec(name, scene, excluded, model, plain = "") {
   const view = viewsOf(scene)[name];
@@ -136,13 +149,13 @@ export function viewLines(name, scene, k, role) {
 // Data less model in a plane, as the server tells it: real part filled, imaginary part open, with bands of one and three
 // standard deviations. `sigmas`: in units of these, between ends that the first rung fixes, so that what falls is seen to
 // fall; `before`: the answer of the rung before, whose residual stays as a shadow.
-export function planeSpec(name, scene, excluded, answer, view, { sigmas = false, first = answer, before = null } = {}) {
-  const pointsOf = (...what) => residuals(scene, view, excluded, ...what);
+export function planeSpec(name, scene, excluded, answer, view, { sigmas = false, first = answer, before = null, column = "" } = {}) {
+  const { axis: x, places } = placedAlong(scene, view, column);
+  const pointsOf = (...what) => residuals(scene, view, places, excluded, ...what);
   const residual = measuredBy(answer.model.planes[name], sigmas);
   const points = before ? pointsOf(measuredBy(before.model.planes[name], sigmas), "ghost") : [];
   points.push(...pointsOf(residual));
-  const widths = residual.width.map((w, i) => ({ x: scene.x[i], w: w ?? 0, sweep: scene.sweep[i] })).filter(({ sweep }) => shows(view, sweep));
-  const x = view.along ? { label: view.along.label, log: view.along.log } : along(scene);
+  const widths = residual.width.map((w, i) => ({ x: places[i], w: w ?? 0, sweep: scene.sweep[i] })).filter(({ sweep }) => shows(view, sweep));
   [x.min, x.max] = range(widths.map((one) => one.x), x.log, 0.03);
   const widest = widths.map(({ w }) => 3 * w).sort((a, b) => a - b)[Math.floor(widths.length / 2)] || 0;
   const fixed = sigmas ? pointsOf(measuredBy(first.model.planes[name], true)) : points;
@@ -156,7 +169,7 @@ export function planeSpec(name, scene, excluded, answer, view, { sigmas = false,
   y.min = -y.max;
   const here = scene.views ? ({ plane, condition }) => plane === name && condition === scene.sweeps[view.test].label : () => scene.axis.column === "frequency";
   const shades = answer.discovery.diagnosis.where
-    .filter((place) => here(place) && place.from <= place.to)
+    .filter((place) => places === scene.x && here(place) && place.from <= place.to)
     .slice(0, 3)
     .map((place) => ({ from: place.from * scene.axis.per_hertz, to: place.to * scene.axis.per_hertz, says: place.says }));
   const bands = [3, 1].map((times) => band(widths, times));
@@ -170,9 +183,9 @@ function measuredBy({ storage, loss, width }, sigmas) {
   return { storage: over(storage), loss: over(loss), width: width.map(() => 1) };
 }
 
-function residuals(scene, view, excluded, residual, shadow = "") {
+function residuals(scene, view, places, excluded, residual, shadow = "") {
   return scene.rows.flatMap((row, i) => (!shows(view, scene.sweep[i]) ? [] : ["storage", "loss"]).map((kind) => ({
-    x: scene.x[i], y: residual[kind][i] ?? NaN, kind: shadow ? `${kind} ${shadow}` : kind, part: kind,
+    x: places[i], y: residual[kind][i] ?? NaN, kind: shadow ? `${kind} ${shadow}` : kind, part: kind,
     row: shadow ? null : row, colour: colourOf(scene, scene.sweep[i], kind), sweep: scene.sweep[i], out: !shadow && excluded.has(row),
   })));
 }
@@ -188,7 +201,8 @@ function band(widths, sigmas) {
 }
 
 // What a candidate would leave of the residual, as lines through points of each sweep; over `widths` where those are given.
-export function planeLines(name, scene, k, view, widths = null, role = "preview") {
+export function planeLines(name, scene, k, view, { widths = null, role = "preview", column = "" } = {}) {
+  const { places } = placedAlong(scene, view, column);
   const lines = scene.sweeps.flatMap(() => ["storage", "loss"].map((kind) => ({ xs: [], ys: [], kind: `residual ${role} ${kind}`, colour: `var(--${role})` })));
   scene.thin.forEach((i, at) => {
     const both = [k.planes[name].storage[at], k.planes[name].loss[at]];
@@ -196,14 +210,14 @@ export function planeLines(name, scene, k, view, widths = null, role = "preview"
     both.forEach((y, part) => {
       if (y === null) return;
       const line = lines[2 * scene.sweep[i] + part];
-      line.xs.push(scene.x[i]);
+      line.xs.push(places[i]);
       line.ys.push(widths ? y / widths[i] : y);
     });
   });
   return lines.filter((line) => line.xs.length);
 }
 
-const PLAIN = { view: "storage-loss", plane: "", plan: 0, sigmas: 1, linear: "" };
+const PLAIN = { view: "storage-loss", plane: "", plan: 0, sigmas: 1, linear: "", column: "" };
 
 // What is looked at, as a session or an earlier page left it: what is not known here, perhaps of a later version, is
 // as at the beginning. Which views and planes there are the data say.
@@ -212,7 +226,8 @@ export function looksOf(given = {}) {
   const plane = typeof given.plane === "string" ? given.plane : PLAIN.plane;
   const linear = ["x", "y", "xy"].includes(given.linear) ? given.linear : PLAIN.linear;
   const sigmas = given.sigmas === undefined ? PLAIN.sigmas : Number(Boolean(given.sigmas));
-  return { view, plane, plan: given.plan ? 1 : 0, sigmas, linear };
+  const column = typeof given.column === "string" ? given.column : PLAIN.column;
+  return { view, plane, plan: given.plan ? 1 : 0, sigmas, linear, column };
 }
 
 // The plane to show: the one that is asked for, if there is such a one, else the first.
