@@ -102,6 +102,7 @@ def test_two_in_the_place_of_one_are_named_and_none_is_accepted_unasked(
     monkeypatch, second, instead
 ):
     monkeypatch.setattr(Evidence, "classes", [["a", "d"]])
+    monkeypatch.setattr(Evidence, "other_shape", 0.0)
     found = told(("a", 0.6), ("d", 0.3), second)
     assert found.instead == instead
     diagnosis = SimpleNamespace(verdict="effect-missing", candidates=[1], leading=[])
