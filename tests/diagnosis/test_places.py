@@ -110,7 +110,7 @@ def test_two_in_the_place_of_one_are_named_and_none_is_accepted_unasked(
         diagnosis=diagnosis,
         course=None,
         evidence=found,
-        naming=SimpleNamespace(alarm=0.0, gain=np.inf),
+        naming=SimpleNamespace(alarm=0.0, gain=np.inf, confounded=[]),
     )
     if instead:
         diagnosis.candidates = [SimpleNamespace(effect="a", error_after=0.0)]
