@@ -19,7 +19,7 @@ from springpot.errors import DataError
 SHARED = Path(__file__).resolve().parents[3] / "shared" / "data"
 
 
-COMPLETE = ("adequate", "small in practice")
+COMPLETE = ("adequate", "small in practice", "it is little")
 """What is said where a linear material is all that there is."""
 SHIFTED = ("wlf-shift", "arrhenius-shift", "free-shift", "vertical-shift")
 RUBBER = ("payne", "strain-softening")
