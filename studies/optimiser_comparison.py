@@ -72,13 +72,10 @@ def trials_of(path: Path) -> dict[str, list[Finish]]:
     race: dict[str, list[Finish]] = {}
     with Store(path) as store:
         target, bests = float(store.facts()["target"]), store.bests()
-        cells = {cell.id: cell for cell in store.cells()}
-        for number, rows in store.trials():
-            if number not in cells:
-                continue
-            problem = cells[number].problem
+        for cell, rows in store.raced():
+            problem = cell.problem
             goal = target_value(bests.get(problem.id, np.inf), problem.reference, target)
-            kept = race.setdefault(cells[number].label, [])
+            kept = race.setdefault(cell.label, [])
             # Of those flown together some were run alone as well: an evaluation of the others costs
             # as much.
             each = median(

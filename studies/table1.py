@@ -9,16 +9,18 @@ row, all twenty groups of five show what five runs can be expected to give.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
 from paper.draw import COLOURS, INK, can_draw, legend_above, logarithmic, sheet
 from paper.published import MODELS, TABLE_1, as_printed, in_columns, largest_error
-from paper.results import Results, Trial, best_of
+from paper.results import Results, best_of
 from springpot import plugins
 from springpot.benchmark import Interval, Study, Table, save_table
 from springpot.benchmark.statistics import wilson
+from springpot.benchmark.summary import TrialRow
 from springpot.report.tables import Entry
 
 GROUP = 5
@@ -35,14 +37,14 @@ def finish(path: Path, folder: Path) -> None:
         figure(results, groups, folder)
 
 
-def groups_of(results: Results, model: str) -> list[Trial]:
+def groups_of(results: Results, model: str) -> list[TrialRow]:
     """The best trial, by its objective, of each full group of five swarms."""
     trials = results.of_cell(f"artificial-{model}", model, SWARM)
     full = [trials[i : i + GROUP] for i in range(0, len(trials), GROUP)]
     return [best for group in full if len(group) == GROUP and (best := best_of(group))]
 
 
-def table(results: Results, groups: dict[str, list[Trial]]) -> Table:
+def table(results: Results, groups: dict[str, list[TrialRow]]) -> Table:
     """The paper's table with its own row, ours, and how often we are as good as the paper."""
     rows: list[tuple[Entry, ...]] = []
     for model, name in MODELS.items():
@@ -77,12 +79,12 @@ def table(results: Results, groups: dict[str, list[Trial]]) -> Table:
     return Table("Table 1: artificial data without noise", heads, rows, note)
 
 
-def numbers(model: str, theta: dict[str, float]) -> tuple[Entry, ...]:
+def numbers(model: str, theta: Mapping[str, float]) -> tuple[Entry, ...]:
     """Parameters in the paper's columns, and the largest error of them."""
     return *in_columns(theta), largest_error(theta, TRUTH[model]) if theta else None
 
 
-def as_good(model: str, trials: list[Trial]) -> Interval | None:
+def as_good(model: str, trials: list[TrialRow]) -> Interval | None:
     """How often trials are within the paper's error, both rounded as printed."""
     if model not in TABLE_1:
         return None
@@ -93,7 +95,7 @@ def as_good(model: str, trials: list[Trial]) -> Interval | None:
     )
 
 
-def figure(results: Results, groups: dict[str, list[Trial]], folder: Path) -> None:
+def figure(results: Results, groups: dict[str, list[TrialRow]], folder: Path) -> None:
     """Largest error of each group of five, of the native solver and of the paper."""
     with sheet(folder, "table1", 7.2, 3.9) as page:
         axes = page.subplots()

@@ -11,7 +11,7 @@ own three-parameter Maxwell fit.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -78,7 +78,7 @@ def fitted(results: Results, name: str) -> Iterator[tuple[Entry, ...]]:
             yield TITLES[name], title, *columns, *errors(model, best.theta, data), who
 
 
-def errors(model: str, theta: dict[str, float], data: Measurement) -> tuple[float, float]:
+def errors(model: str, theta: Mapping[str, float], data: Measurement) -> tuple[float, float]:
     """Error relative to each |K_m|, and relative to the whole."""
     return relative_rms(model, theta, data), absolute_rms(model, theta, data)
 

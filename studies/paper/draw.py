@@ -6,7 +6,7 @@ The house style, saved as PNG and SVG, left out where matplotlib is missing.
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -95,7 +95,7 @@ class Curve:
 
     label: str
     model: str
-    theta: dict[str, float]
+    theta: Mapping[str, float]
     style: dict[str, Any] = field(default_factory=dict)
 
     def at(self, omega: Real) -> Complex:

@@ -5,6 +5,8 @@ Tables 3 to 6 are in the package, where the reconstructions are computed from th
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 MODELS = {
     "springpot": "springpot",
     "fractional-kelvin": "Kelvin, three parameters",
@@ -41,17 +43,17 @@ DIGITS = {"k": 1, "k1": 1, "k2": 1, "c": 1, "alpha": 4}
 """Decimals that Tables 1 and 2 print."""
 
 
-def as_printed(theta: dict[str, float]) -> dict[str, float]:
+def as_printed(theta: Mapping[str, float]) -> dict[str, float]:
     """Parameters rounded as Tables 1 and 2 print them."""
     return {name: round(value, DIGITS[name]) for name, value in theta.items()}
 
 
-def largest_error(theta: dict[str, float], truth: dict[str, float]) -> float:
+def largest_error(theta: Mapping[str, float], truth: Mapping[str, float]) -> float:
     """The largest relative error of a parameter."""
     return max(abs(theta[name] / truth[name] - 1.0) for name in truth)
 
 
-def in_columns(theta: dict[str, float]) -> tuple[float | None, ...]:
+def in_columns(theta: Mapping[str, float]) -> tuple[float | None, ...]:
     """Values under the paper's headings k1, k2 or k, c, alpha."""
     return theta.get("k1"), theta.get("k2", theta.get("k")), theta.get("c"), theta.get("alpha")
 
@@ -67,7 +69,7 @@ FLUIDS = {
 """Models of fluids and what section 5.3 calls them."""
 
 
-def in_fluid_columns(model: str, theta: dict[str, float]) -> tuple[float | None, ...]:
+def in_fluid_columns(model: str, theta: Mapping[str, float]) -> tuple[float | None, ...]:
     """Values under the headings E or E1, eta or eta2, E2, alpha of Tables 4 to 6."""
     if model == "fractional-maxwell-ab":
         return theta["k"], theta["k"] * theta["tau"] ** theta["beta"], None, theta["beta"]

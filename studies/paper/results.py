@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,26 +10,9 @@ import numpy as np
 
 from springpot import Measurement, Model, open_measurement, parse_model
 from springpot.benchmark import Store
+from springpot.benchmark.summary import TrialRow
 from springpot.errors import SpringpotError
-
-
-@dataclass(frozen=True)
-class Trial:
-    """One trial that came to something.
-
-    Parameters
-    ----------
-    repetition : int
-        Its number.
-    objective : float
-        Smallest value found.
-    theta : dict of str to float
-        Parameters there.
-    """
-
-    repetition: int
-    objective: float
-    theta: dict[str, float]
+from springpot.rheology.points import Complex
 
 
 @dataclass(frozen=True)
@@ -42,30 +25,25 @@ class Results:
         From (data set, model, optimiser) to the trials in order, without the failed ones.
     """
 
-    trials: dict[tuple[str, str, str], list[Trial]]
+    trials: dict[tuple[str, str, str], list[TrialRow]]
 
     @classmethod
     def of(cls, path: Path) -> Results:
         """The trials kept in the store at `path`."""
         with Store(path) as store:
-            cells = {cell.id: cell for cell in store.cells()}
-            found = {}
-            for number, rows in store.trials():
-                if number in cells:
-                    problem = cells[number].problem
-                    kept = [
-                        Trial(r.repetition, r.best, dict(r.theta))
-                        for r in rows
-                        if r.best is not None
-                    ]
-                    found[problem.dataset, problem.model, cells[number].label] = kept
+            found = {
+                (cell.problem.dataset, cell.problem.model, cell.label): [
+                    row for row in rows if row.best is not None
+                ]
+                for cell, rows in store.raced()
+            }
         return cls(found)
 
-    def of_cell(self, dataset: str, model: str, optimiser: str) -> list[Trial]:
+    def of_cell(self, dataset: str, model: str, optimiser: str) -> list[TrialRow]:
         """The trials of one cell in the order of their numbers."""
         return self.trials.get((dataset, model, optimiser), [])
 
-    def best(self, dataset: str, model: str, optimiser: str | None = None) -> Trial | None:
+    def best(self, dataset: str, model: str, optimiser: str | None = None) -> TrialRow | None:
         """The trial with the smallest objective, of one optimiser or of all."""
         cells = [
             group
@@ -75,34 +53,37 @@ class Results:
         return best_of([trial for group in cells for trial in group])
 
 
-def best_of(trials: Sequence[Trial]) -> Trial | None:
+def best_of(trials: Sequence[TrialRow]) -> TrialRow | None:
     """The trial with the smallest objective."""
-    return min(trials, key=lambda trial: trial.objective, default=None)
+    return min(trials, key=lambda trial: trial.best or 0.0, default=None)
 
 
-def relative_rms(model: str | Model, theta: dict[str, float], data: Measurement) -> float:
+def relative_rms(model: str | Model, theta: Mapping[str, float], data: Measurement) -> float:
     """Root mean square of |K - K_m| / |K_m|."""
-    found = parse_model(model) if isinstance(model, str) else model
-    gap = np.abs(found.stiffness(found.vector(theta), data.points) - data.stiffness)
-    return float(np.sqrt(np.mean((gap / data.magnitude) ** 2)))
+    return float(np.sqrt(np.mean(np.abs(gap(model, theta, data) / data.magnitude) ** 2)))
 
 
-def absolute_rms(model: str | Model, theta: dict[str, float], data: Measurement) -> float:
+def absolute_rms(model: str | Model, theta: Mapping[str, float], data: Measurement) -> float:
     """Root of the paper's objective, eq.
 
     (44), over that of K = 0: what the paper minimises, as a relative number.
     """
-    found = parse_model(model) if isinstance(model, str) else model
-    gap = np.abs(found.stiffness(found.vector(theta), data.points) - data.stiffness)
-    return float(np.sqrt(np.sum(gap**2) / np.sum(data.magnitude**2)))
+    squares = np.sum(np.abs(gap(model, theta, data)) ** 2)
+    return float(np.sqrt(squares / np.sum(data.magnitude**2)))
 
 
-def sd_rms(model: str | Model, theta: dict[str, float], data: Measurement) -> float:
+def sd_rms(model: str | Model, theta: Mapping[str, float], data: Measurement) -> float:
     """Root mean square of the differences of K' and K'' over their given standard deviations."""
     assert data.sd is not None
+    apart = gap(model, theta, data)
+    parts = [(apart.real / data.sd.real) ** 2, (apart.imag / data.sd.imag) ** 2]
+    return float(np.sqrt(np.mean(parts)))
+
+
+def gap(model: str | Model, theta: Mapping[str, float], data: Measurement) -> Complex:
+    """K less the measured one, (n,)."""
     found = parse_model(model) if isinstance(model, str) else model
-    gap = found.stiffness(found.vector(theta), data.points) - data.stiffness
-    return float(np.sqrt(np.mean([(gap.real / data.sd.real) ** 2, (gap.imag / data.sd.imag) ** 2])))
+    return np.asarray(found.stiffness(found.vector(dict(theta)), data.points) - data.stiffness)
 
 
 def percent(error: float) -> str:

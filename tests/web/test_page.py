@@ -51,10 +51,8 @@ COST_OF_A_PREVIEW = """() => {
 
 def test_the_readme_story_by_mouse(page: Open, damper: bytes, tmp_path: Path):
     here = page()
-    here.drop("damper.csv", damper)
-    here.shows("material")
+    here.open("damper.csv", damper, MODEL)
     assert here.reads("#facts") == "14 points, 1 sweep"
-    here.judge(MODEL)
     before = here.error()
 
     # Preview: a dashed curve and an error, from what is in the page, without a trace.

@@ -76,8 +76,7 @@ def by_button(here: Page) -> None:
 
 def test_a_picture_comes_closer_and_goes_back(page: Open, damper: bytes):
     here = page()
-    here.drop("damper.csv", damper)
-    here.shows("material")
+    here.open("damper.csv", damper, MODEL)
     whole = places_of(here)
     for way in (by_wheel, by_key, by_button):
         way(here)
@@ -96,8 +95,7 @@ def test_a_picture_comes_closer_and_goes_back(page: Open, damper: bytes):
 
 def test_an_entry_of_the_legend_hides_what_it_names(page: Open, damper: bytes):
     here = page()
-    here.drop("damper.csv", damper)
-    here.shows("material")
+    here.open("damper.csv", damper, MODEL)
     assert here.page.locator("#plot-view .mark.loss").count() == 14
     here.page.click("#key button:has(.loss)")
     assert here.page.locator("#plot-view .mark.loss").count() == 0
@@ -148,8 +146,7 @@ def test_an_example_is_an_answered_page_by_one_click(page: Open):
 
 def test_a_finger_reads_a_point_and_stays_to_leave_it_out(page: Open, damper: bytes):
     here = page(390, 844, has_touch=True, is_mobile=True)
-    here.drop("damper.csv", damper)
-    here.shows("material")
+    here.open("damper.csv", damper, MODEL)
     mark = here.page.locator("#plot-view .mark.storage").nth(5)
     box = mark.bounding_box()
     here.page.touchscreen.tap(box["x"] + 3, box["y"] + 3)

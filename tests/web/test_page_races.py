@@ -87,12 +87,13 @@ def test_a_first_look_is_there_while_causes_are_sought(page: Open, damper: bytes
 
 def test_what_is_typed_stays_while_an_answer_arrives(page: Open, damper: bytes):
     here = page()
+    here.name(MODEL)
     with here.held("answer"):
         here.drop("damper.csv", damper)
         here.page.locator("#facts").wait_for()
         here.page.fill("#expression", "zen")
         here.page.locator("#undo").focus()
-    here.shows("material")
+    here.shows(MODEL)
     assert here.page.input_value("#expression") == "zen"
 
 
@@ -168,9 +169,10 @@ def test_the_file_that_was_dropped_last_is_open_however_slowly_the_first_was_rea
                 return read.call(this);
             };
         }""")
+    here.name(MODEL)
     here.drop("slow.csv", damper.replace(b"73.2", b"73.9"))
     here.drop("damper.csv", damper)
-    here.shows("material")
+    here.shows(MODEL)
     here.page.evaluate("() => window.go()")
     here.done()
     assert here.reads("#data-name") == "damper"
@@ -207,6 +209,7 @@ def test_a_state_without_an_answer_says_why_even_after_another_message(page: Ope
 
 def test_a_first_answer_that_was_cancelled_is_begun_again(page: Open, damper: bytes):
     here = page()
+    here.name(MODEL)
     with here.held("answer"):
         here.drop("damper.csv", damper)
         here.page.locator("#facts").wait_for()
@@ -214,7 +217,7 @@ def test_a_first_answer_that_was_cancelled_is_begun_again(page: Open, damper: by
     here.done()
     assert "'Judge this model' begins it again" in here.reads("#refused")
     here.page.click("#judge")
-    here.shows("material")
+    here.shows(MODEL)
 
 
 @pytest.mark.soak

@@ -153,10 +153,10 @@ def write_archive(store: Store, path: Path) -> int:
     OutputError
         If it cannot be written.
     """
-    cells = [cell for cell in store.cells() if cell.digest]
+    cells = store.cells()
     numbers = {cell.id: i for i, cell in enumerate(cells)}
     # In the order of the store; each cell by its place in the description.
-    trials = [(numbers[cell.id], rows) for cell, rows in store.raced() if cell.id in numbers]
+    trials = [(numbers[cell.id], rows) for cell, rows in store.raced()]
     write_with(path, partial(_fill, _description(store, cells), trials))
     return sum(len(rows) for _, rows in trials)
 
@@ -167,7 +167,11 @@ def _description(store: Store, cells: Sequence[CellRow]) -> str:
     told = {
         "schema": SCHEMA,
         "facts": {key: value for key, value in store.facts().items() if key not in LEFT_OUT},
-        "problems": [_without(asdict(problem), "id") for problem in problems],
+        # Each by its place, and not by the number that this store has for it.
+        "problems": [
+            {key: value for key, value in asdict(problem).items() if key != "id"}
+            for problem in problems
+        ],
         "cells": [
             asdict(
                 ArchivedCell(
@@ -178,10 +182,6 @@ def _description(store: Store, cells: Sequence[CellRow]) -> str:
         ],
     }
     return json.dumps(told, indent=1, sort_keys=True) + "\n"
-
-
-def _without(values: dict[str, Any], name: str) -> dict[str, Any]:
-    return {key: value for key, value in values.items() if key != name}
 
 
 def _fill(

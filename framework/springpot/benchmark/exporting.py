@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain
 from math import inf, isfinite
@@ -86,37 +86,22 @@ def write_coco(store: Store, folder: Path) -> Export:
     # Once through all trials beforehand: what is best of a problem is known only when all have been
     # seen.
     scales = _scales(store)
-    files: list[Path] = []
+    # cocopp shows numbers only: the names are kept beside them, for whoever reads its report.
     names: dict[int, str] = {}
-    count = 0
-    for block in blocks(store):
-        where = created(folder / block.folder)
+
+    def files_of(block: Block) -> Iterator[tuple[str, str]]:
         scale = scales[block.cell.problem.id]
-        data = (
-            created(where / f"data_f{block.function}")
-            / f"bbobexp_f{block.function}_DIM{block.dimension}.dat"
-        )
-        files.append(
-            write_text(data, "".join(_text(row, scale, grid=False) for row in block.trials))
-        )
-        timed = data.with_suffix(".tdat")
-        files.append(
-            write_text(timed, "".join(_text(row, scale, grid=True) for row in block.trials))
-        )
-        index = _info_file(block, scale, data.relative_to(where).as_posix())
-        files.append(write_text(where / f"bbobexp_f{block.function}.info", index))
-        # cocopp shows numbers only: the names are kept beside them, for whoever reads its report.
+        data = f"data_f{block.function}/bbobexp_f{block.function}_DIM{block.dimension}"
+        for suffix, grid in (("dat", False), ("tdat", True)):
+            yield f"{data}.{suffix}", "".join(_text(row, scale, grid) for row in block.trials)
+        yield f"bbobexp_f{block.function}.info", _info_file(block, scale, f"{data}.dat")
         names[block.function] = block.name
-        count += len(block.trials)
+
+    hint = f"python -m springpot.benchmark.coco_suite {folder}"
+    whole = _written(store, folder, files_of, hint)
     lines = [f"{number} {name}\n" for number, name in sorted(names.items())]
-    files.append(write_text(folder / NAMES, "".join(lines)))
-    return Export(
-        folder,
-        tuple(files),
-        count,
-        left_out(store),
-        f"python -m springpot.benchmark.coco_suite {folder}",
-    )
+    listed = write_text(folder / NAMES, "".join(lines))
+    return replace(whole, files=(*whole.files, listed))
 
 
 def _scales(store: Store) -> dict[int, PrecisionScale]:
@@ -302,6 +287,21 @@ def blocks(store: Store) -> Iterator[Block]:
             yield Block(cell, folder, numbers[problem], dimension, bests[problem], sound)
 
 
+def _written(
+    store: Store, folder: Path, files_of: Callable[[Block], Iterator[tuple[str, str]]], hint: str
+) -> Export:
+    """The files of every block, by their names within the folder of its optimiser."""
+    files: list[Path] = []
+    count = 0
+    for block in blocks(store):
+        for name, content in files_of(block):
+            path = folder / block.folder / name
+            created(path.parent)
+            files.append(write_text(path, content))
+        count += len(block.trials)
+    return Export(folder, tuple(files), count, left_out(store), hint)
+
+
 def left_out(store: Store) -> int:
     """Trials without a value, which other tools have no way to tell of."""
     return sum(not row.trace for _, rows in store.raced() for row in rows)
@@ -343,25 +343,18 @@ def write_ioh(store: Store, folder: Path) -> Export:
     Each problem is a function, each repetition an instance of it.
     """
     name = store.facts()["name"]
-    files: list[Path] = []
-    count = 0
-    for block in blocks(store):
-        where = created(folder / block.folder)
+
+    def files_of(block: Block) -> Iterator[tuple[str, str]]:
         stem = f"f{block.function}_{block.name}"
-        data = (
-            created(where / f"data_{stem}")
-            / f"IOHprofiler_f{block.function}_DIM{block.dimension}.dat"
-        )
-        files.append(write_text(data, "".join(_lines(block))))
-        index = _iohprofiler_index(block, name, str(data.relative_to(where).as_posix()))
-        files.append(
-            write_text(where / f"IOHprofiler_{stem}.json", json.dumps(index, indent=1) + "\n")
-        )
-        count += len(block.trials)
+        data = f"data_{stem}/IOHprofiler_f{block.function}_DIM{block.dimension}.dat"
+        yield data, "".join(_lines(block))
+        index = _iohprofiler_index(block, name, data)
+        yield f"IOHprofiler_{stem}.json", json.dumps(index, indent=1) + "\n"
+
     hint = (
         "upload a zip of a folder to IOHanalyzer, or iohinspector: DataManager().add_folder(FOLDER)"
     )
-    return Export(folder, tuple(files), count, left_out(store), hint)
+    return _written(store, folder, files_of, hint)
 
 
 def _oracles(block: Block) -> bool:
@@ -427,13 +420,13 @@ def _iohprofiler_index(block: Block, study: str, data: str) -> dict[str, Any]:
             {
                 "dimension": block.dimension,
                 "path": data,
-                "runs": [_run(block, row) for row in block.trials],
+                "runs": [_run(row) for row in block.trials],
             }
         ],
     }
 
 
-def _run(block: Block, row: TrialRow) -> dict[str, Any]:
+def _run(row: TrialRow) -> dict[str, Any]:
     evaluations, values = row.improvements()
     best = {"evals": int(evaluations[-1]), "y": float(values[-1]), "x": list(row.theta.values())}
     return {

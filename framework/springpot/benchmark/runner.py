@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from time import monotonic
-from typing import Any, Protocol, TextIO
+from typing import Any, TextIO
 
 from springpot.terminal_safe import below, plain
 from springpot.versions import versions
@@ -31,29 +31,17 @@ from .study import Study
 from .summary import load_study, store_path
 
 
-class Progress(Protocol):
-    """Told how far a run is."""
+class Progress:
+    """Told how far a run is; says nothing."""
 
     def update(self, done: int, failed: int) -> None:
         """So many trials are kept, of which so many failed."""
-        ...
 
     def close(self) -> None:
         """The run has ended."""
-        ...
 
 
-class Silent:
-    """Says nothing."""
-
-    def update(self, done: int, failed: int) -> None:
-        """Nothing."""
-
-    def close(self) -> None:
-        """Nothing."""
-
-
-class ProgressLines:
+class ProgressLines(Progress):
     """A line at every tenth of the way, or every ten seconds, whichever is rarer.
 
     Parameters
@@ -95,7 +83,7 @@ class ProgressLines:
         print(line, file=self._stream, flush=True)
 
 
-class Bar:
+class Bar(Progress):
     """A bar that is drawn in place.
 
     Parameters
@@ -268,7 +256,7 @@ def _work(
     kept = 0
     for number in numbers.values():
         kept += sum(repetition < plan.repetitions for repetition in store.finished(number))
-    progress: Progress = Silent()
+    progress = Progress()
     if not quiet:
         progress = make_progress(plan.name, plan.size)
     progress.update(kept, 0)

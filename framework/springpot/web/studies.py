@@ -80,7 +80,7 @@ def _attained(findings: Findings) -> dict[str, Any]:
     """Share of trials and targets that each optimiser has reached, the best one first."""
     if not findings.races:
         return {"evaluations": [], "shares": {}}
-    shares = attained(findings, findings.races)
+    shares = attained(findings.races)
     return {
         "evaluations": findings.scale.grid.tolist(),
         "shares": {name: np.round(share, DIGITS).tolist() for name, share in shares},

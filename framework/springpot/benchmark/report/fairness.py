@@ -25,7 +25,7 @@ OF_ITS_OWN = {
 def fairness(facts: Mapping[str, str], summaries: Sequence[CellSummary]) -> Iterator[Html]:
     """The section of the report."""
     yield tag("h2", "What is fair about it")
-    lines = [*_common(facts), *_different(facts, summaries)]
+    lines = [*_common(facts), *_different(summaries)]
     yield tag("ul", *(tag("li", line) for line in lines))
 
 
@@ -59,7 +59,7 @@ def _common(facts: Mapping[str, str]) -> Iterator[str]:
         )
 
 
-def _different(facts: Mapping[str, str], summaries: Sequence[CellSummary]) -> Iterator[str]:
+def _different(summaries: Sequence[CellSummary]) -> Iterator[str]:
     labels = dict.fromkeys(summary.cell.label for summary in summaries)
     graded = [
         label

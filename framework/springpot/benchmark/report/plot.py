@@ -160,16 +160,12 @@ def plot(lines: Sequence[StepLine], x: PlotAxis, y: PlotAxis, title: str) -> Htm
     drawn: list[Html] = []
     for line in reversed(lines):
         drawn += _line(line, x, y)
-    return tag(
-        "svg",
-        tag("title", title),
-        *_frame(x, y),
-        *bands,
-        *drawn,
-        viewBox=f"0 0 {WIDTH:g} {HEIGHT:g}",
-        role="img",
-        class_="plot",
-    )
+    return _picture(title, [*_frame(x, y), *bands, *drawn])
+
+
+def _picture(title: str, parts: Sequence[Html], height: float = HEIGHT) -> Html:
+    box = f"0 0 {WIDTH:g} {height:g}"
+    return tag("svg", tag("title", title), *parts, viewBox=box, role="img", class_="plot")
 
 
 def scatter(dots: Sequence[Dot], x: PlotAxis, y: PlotAxis, title: str) -> Html:
@@ -188,9 +184,7 @@ def scatter(dots: Sequence[Dot], x: PlotAxis, y: PlotAxis, title: str) -> Html:
     # `sorted` is stable: within one size the order of the caller stays.
     for dot in sorted(dots, key=lambda dot: dot.large):
         drawn += _dot(dot, x, y)
-    frame = _frame(x, y)
-    box = f"0 0 {WIDTH:g} {HEIGHT:g}"
-    return tag("svg", tag("title", title), *frame, *drawn, viewBox=box, role="img", class_="plot")
+    return _picture(title, [*_frame(x, y), *drawn])
 
 
 def _dot(dot: Dot, x: PlotAxis, y: PlotAxis) -> Iterator[Html]:
@@ -387,16 +381,8 @@ def critical_differences(
         parts.append(_text(row.label, NAMES - 10, level + 4, "end", weight=weight))
         parts.append(_rule(low, level, high, level, QUIET))
         words = f"{row.label}: mean rank {row.rank:.2f} [{row.low:.2f}, {row.high:.2f}]"
-        parts.append(
-            tag(
-                "circle",
-                tag("title", words),
-                cx=f"{at:.1f}",
-                cy=f"{level:.1f}",
-                r="4",
-                fill=COLOURS[0],
-            )
-        )
+        place = {"cx": f"{at:.1f}", "cy": f"{level:.1f}"}
+        parts.append(tag("circle", tag("title", words), **place, r="4", fill=COLOURS[0]))
     for i, (first, last) in enumerate(cliques):
         place = WIDTH - bars + 7.0 * i
         top, bottom = 4.0 + ROW * (first + 0.2), 4.0 + ROW * (last + 0.8)
@@ -405,11 +391,4 @@ def critical_differences(
         bar = tag("line", **shown, stroke=INK, stroke_width="3", stroke_linecap="round")
         parts.append(bar)
     parts.append(_text(axis.label, NAMES + 0.5 * inner, height - 3, "middle"))
-    return tag(
-        "svg",
-        tag("title", title),
-        *parts,
-        viewBox=f"0 0 {WIDTH:g} {height:g}",
-        role="img",
-        class_="plot",
-    )
+    return _picture(title, parts, height)

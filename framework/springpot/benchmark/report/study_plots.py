@@ -52,7 +52,7 @@ def diagram(ranking: MeanRanks) -> Html:
     )
 
 
-def attained(findings: Findings, races: Sequence[ProblemRace]) -> list[tuple[str, Real]]:
+def attained(races: Sequence[ProblemRace]) -> list[tuple[str, Real]]:
     """Share of trials and targets reached along the grid, over some races, by optimiser.
 
     Best first.
@@ -87,14 +87,16 @@ def distribution(
     findings: Findings, races: Sequence[ProblemRace], pens: Pens, caption: str
 ) -> Html:
     """Share of trials and targets reached against evaluations."""
+    x, grid = _evaluations(findings)
+    lines = [StepLine(label, grid, share, pens[label]) for label, share in attained(races)]
+    y = PlotAxis("share of trials and targets", 0.0, 1.0)
+    return figure(plot(lines, x, y, caption), caption)
+
+
+def _evaluations(findings: Findings) -> tuple[PlotAxis, Real]:
+    """The axis of all pictures along a race, and where they have values."""
     x = PlotAxis("evaluations", 1.0, float(findings.scale.budget), logarithmic=True)
-    grid = findings.scale.grid.astype(float)
-    lines = [
-        StepLine(label, grid, share, pens[label]) for label, share in attained(findings, races)
-    ]
-    return figure(
-        plot(lines, x, PlotAxis("share of trials and targets", 0.0, 1.0), caption), caption
-    )
+    return x, findings.scale.grid.astype(float)
 
 
 def profile_figures(findings: Findings, pens: Pens) -> Iterator[Html]:
@@ -106,32 +108,30 @@ def profile_figures(findings: Findings, pens: Pens) -> Iterator[Html]:
     ratios = np.geomspace(1.0, 1000.0, 160)
     profile = profiles(races, budgets, ratios)
     order = np.argsort(-profile.data.mean(axis=1), kind="stable")
-    target = f"{findings.scale.target:g}"
-    yield figure(
-        plot(
-            [
-                StepLine(profile.labels[i], budgets, profile.data[i], pens[profile.labels[i]])
-                for i in order
-            ],
-            PlotAxis("evaluations / (d + 1)", 1.0, float(budgets[-1]), logarithmic=True),
-            SHARE,
+    for name, label, along, shares, says in (
+        (
             "data profile",
+            "evaluations / (d + 1)",
+            budgets,
+            profile.data,
+            f"share of trials that reached the target {findings.scale.target:g}, d parameters",
         ),
-        f"Data profile: share of trials that reached the target {target}, d parameters",
-    )
-    yield figure(
-        plot(
-            [
-                StepLine(profile.labels[i], ratios, profile.performance[i], pens[profile.labels[i]])
-                for i in order
-            ],
-            PlotAxis("evaluations / those of the best", 1.0, 1000.0, logarithmic=True),
-            SHARE,
+        (
             "performance profile",
+            "evaluations / those of the best",
+            ratios,
+            profile.performance,
+            "share of trials at the target within this multiple of the best optimiser's"
+            " evaluations",
         ),
-        "Performance profile: share of trials at the target within this multiple of the best"
-        " optimiser's evaluations",
-    )
+    ):
+        labels = [profile.labels[i] for i in order]
+        lines = [
+            StepLine(own, along, share, pens[own])
+            for own, share in zip(labels, shares[order], strict=True)
+        ]
+        x = PlotAxis(label, 1.0, float(along[-1]), logarithmic=True)
+        yield figure(plot(lines, x, SHARE, name), f"{name.capitalize()}: {says}")
 
 
 def progress(findings: Findings, race: ProblemRace, pens: Pens) -> Iterator[Html]:
@@ -176,8 +176,7 @@ def _curves(
     y: PlotAxis,
     caption: str,
 ) -> Html:
-    x = PlotAxis("evaluations", 1.0, float(findings.scale.budget), logarithmic=True)
-    grid = findings.scale.grid.astype(float)
+    x, grid = _evaluations(findings)
     best = sorted(range(len(curves)), key=lambda i: _area(race.cells[i], findings.scale.target))
     lines = []
     for n, i in enumerate(best):

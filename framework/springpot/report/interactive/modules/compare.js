@@ -47,7 +47,7 @@ export class Compare {
     this.zoom = new Zoom(this.main, () => this.render());
     this.view = h("select", { id: "view", "aria-label": "View", onchange: () => { this.zoom.ends = null; app.look({ view: this.view.value }); } });
     this.plane = h("select", { id: "plane", "aria-label": "Residual plane", onchange: () => app.look({ plane: this.plane.value }) });
-    this.column = h("select", { id: "column", "aria-label": "Residual along", onchange: () => app.look({ column: this.column.value }) });
+    this.column = h("select", { id: "column", "aria-label": "Residual along", title: "what the residual is drawn along", onchange: () => app.look({ column: this.column.value }) });
     this.scales = ["x", "y"].map((axis) => h("button", { type: "button", id: `log-${axis}`, class: "small", title: `logarithmic ${axis} axis`, onclick: () => this.bend(axis) }, `log ${axis}`));
     this.sigmas = h("button", { type: "button", id: "sigmas", class: "small", title: "residual in standard deviations of the noise, or in the plane's own unit", onclick: () => app.look({ sigmas: app.looks.sigmas ? 0 : 1 }) }, "σ");
     this.closer = [["+", "closer (or the wheel)", 1.5], ["−", "farther", 1 / 1.5]].map(([sign, title, factor]) =>
@@ -96,7 +96,7 @@ export class Compare {
       put(this.plane,
         Object.keys(scene.planes).map((name) => h("option", { value: name }, titleOf(name))),
         h("option", { value: "none" }, "No residuals"));
-      put(this.column, [["", scene.axis.column], ...othersOf(scene)].map(([name, text]) => h("option", { value: name }, `along ${text}`)));
+      put(this.column, [["", scene.axis.column], ...othersOf(scene)].map(([name, text]) => h("option", { value: name }, text)));
       this.column.hidden = Boolean(scene.views);
     }
     this.drawn = scene;
