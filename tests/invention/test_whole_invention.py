@@ -7,11 +7,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from lawful_data import AMPLITUDE, OMEGA, lossy, swept
-from springpot.invention.shorter import shorter
 
 import springpot
 from springpot.errors import OptionError
 from springpot.invention import grammar, inventing, result, search
+from springpot.invention.search import shorter
 from springpot.rheology import Points
 from springpot.thresholds import EVIDENCE, INVENTION, SEARCH, VERDICT
 
