@@ -48,7 +48,7 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.superposition.curve import MasterCurve
 from springpot.superposition.curve import mastercurve as mastercurve_of
-from springpot.superposition.words import level_of
+from springpot.superposition.laws import level_of
 from springpot.timetests.diagnosis import diagnose as diagnose_in_time
 from springpot.timetests.discovery import discover as discover_in_time
 from springpot.timetests.fitting import compare as compare_in_time

@@ -16,9 +16,9 @@ from springpot.identification.result import Identification
 from springpot.loading import load
 from springpot.measurement.units import MODULUS_UNITS, Units, known_unit
 from springpot.registry import parse_model
-from springpot.rheology.holding import allowed
 from springpot.rheology.parameters import Dimension
 from springpot.rheology.points import ROOM
+from springpot.rheology.tied import allowed
 from springpot.suggestions import suggested
 
 

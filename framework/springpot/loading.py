@@ -17,7 +17,7 @@ from springpot.diagnosis.ladder import Ladder
 from springpot.diagnosis.result import Diagnosis
 from springpot.errors import DataError, ModelError
 from springpot.files import keep_input
-from springpot.identification.level_weights import usual_objective
+from springpot.identification.levels_alone import usual_objective
 from springpot.identification.problem import Objective, default_objective
 from springpot.identification.result import Identification
 from springpot.inputs import json_of, text_in

@@ -27,14 +27,13 @@ from springpot.identification.runs import Optimiser
 from springpot.measurement.from_signals import OneTest
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test
+from springpot.measurement.opening import open_in_time as in_time_by
 from springpot.measurement.other_test import OtherTest
 from springpot.measurement.reader import OpenQuestion, Part
 from springpot.measurement.steady import Signals
-from springpot.measurement.timereader import open_in_time as in_time_by
 from springpot.measurement.timetest import TimeTest
 from springpot.owners import use_owners
-from springpot.rheology.effect import Effect
-from springpot.rheology.lookup import use_finder
+from springpot.rheology.effect import Effect, use_finder
 from springpot.rheology.model import Family, Model
 from springpot.rheology.typed import expression_parts, is_law, law, model_of
 from springpot.suggestions import suggested

@@ -13,7 +13,7 @@ from springpot.measurement import Measurement
 from springpot.report import views
 from springpot.report.canvas import blank, save
 from springpot.report.figures import headed
-from springpot.report.ladder import draw_ladder
+from springpot.report.ladder_text import draw_ladder
 from springpot.report.views import DrawnFit, Scene
 
 

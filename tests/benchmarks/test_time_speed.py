@@ -14,7 +14,7 @@ from patience import patient
 from springpot.measurement import TimeTest
 from springpot.registry import parse_model
 from springpot.rheology.rational import Rational
-from springpot.rheology.recursion import driven
+from springpot.rheology.terms import driven
 from springpot.timetests import identify
 
 SAMPLES = 100_000

@@ -44,7 +44,7 @@ def folder(tmp_path_factory):
     """A fit of a sweep and one of a test in time, and what they were fitted to."""
     from springpot import identify, open_in_time
     from springpot.registry import parse_model
-    from springpot.report.jsontext import to_json
+    from springpot.report.text import to_json
     from springpot.timetests import identify as identify_in_time
 
     folder = tmp_path_factory.mktemp("documents")

@@ -15,8 +15,7 @@ import springpot as library
 from springpot.cli.common import of_each
 from springpot.identification import Value
 from springpot.measurement import joined
-from springpot.report.text import TextTable, width, wrapped
-from springpot.report.values import shown
+from springpot.report.text import TextTable, shown, width, wrapped
 
 pytestmark = pytest.mark.usefixtures("asked_once")
 

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from springpot.diagnosis.result import Candidate, Diagnosis
-from springpot.identification.part_result import PartResult
-from springpot.identification.value import Value
+from springpot.identification.value import PartResult, Value
 from springpot.misfit.error import Error
 from springpot.misfit.where import Where
 from springpot.registry import parse_model, plugins

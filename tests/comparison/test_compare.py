@@ -6,7 +6,7 @@ import pytest
 import springpot
 from springpot.errors import DataError, ModelError, OptionError
 from springpot.measurement import Measurement, Units
-from springpot.report.jsontext import jsonable
+from springpot.report.text import jsonable
 
 OMEGA = 2.0 * np.pi * np.geomspace(0.5, 100.0, 40)
 MAXWELL = springpot.parse_model("fractional-maxwell")

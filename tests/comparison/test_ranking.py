@@ -12,7 +12,7 @@ from springpot.comparison.ranking import chance_beside, grouped, spends_most
 from springpot.errors import DataError
 from springpot.measurement import Measurement, Units
 from springpot.misfit.floor import beyond_floor
-from springpot.report.jsontext import jsonable
+from springpot.report.text import jsonable
 from springpot.report.told import told
 from springpot.thresholds import COMPARISON, SEARCH
 

@@ -9,7 +9,7 @@ import springpot
 from springpot.diagnosis.actions import leaving_out, splitting, turning
 from springpot.measurement.sign import sign_note, turned
 from springpot.registry import of_each
-from springpot.report.numbers import percent
+from springpot.report.text import percent
 
 pytestmark = pytest.mark.usefixtures("asked_once")
 

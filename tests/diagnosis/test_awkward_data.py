@@ -14,7 +14,7 @@ from hidden_data import KELVIN, SWEEP, design, exact, measured
 import springpot
 from springpot.diagnosis.search import _forget_narrow, _spread
 from springpot.errors import DataError, ModelError, SpringpotError
-from springpot.report.jsontext import jsonable
+from springpot.report.text import jsonable
 
 
 def quiet(diagnosis):

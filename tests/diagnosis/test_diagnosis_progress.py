@@ -13,7 +13,7 @@ from springpot.cli.group import run
 from springpot.diagnosis import diagnose
 from springpot.measurement import Measurement, Units
 from springpot.registry import plugins
-from springpot.report.jsontext import jsonable
+from springpot.report.text import jsonable
 
 MODEL = "fractional-maxwell"
 EFFECTS = ("inertia", "time-delay")

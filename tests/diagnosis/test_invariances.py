@@ -13,7 +13,7 @@ from hidden_data import AMPLITUDES, KELVIN, SWEEP, Design, design, exact, hidden
 import springpot
 from soaked import soaked
 from springpot.measurement.replicates import MOST_POINTS
-from springpot.report.jsontext import jsonable
+from springpot.report.text import jsonable
 
 CASES = {"inertia": SWEEP, "friction": AMPLITUDES}
 ONE = ["friction", soaked("inertia")]

@@ -12,7 +12,7 @@ import pytest
 import springpot
 from springpot.errors import ModelError, OutputError
 from springpot.registry import plugins
-from springpot.report.jsontext import jsonable, to_json
+from springpot.report.text import jsonable, to_json
 
 DATA, MODEL = "artificial-hidden", "fractional-maxwell"
 

@@ -10,7 +10,7 @@ import pytest
 import springpot
 from springpot.identification import fit
 from springpot.registry import parse_model
-from springpot.report.jsontext import to_json
+from springpot.report.text import to_json
 
 pytestmark = pytest.mark.usefixtures("asked_once")
 

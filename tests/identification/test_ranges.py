@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from springpot.identification.ranges import BEYOND, DECADES, EDGE, Window, settings, shown
+from springpot.identification.starts import BEYOND, DECADES, EDGE, Window, settings, shown
 from springpot.measurement import Measurement
 from springpot.rheology import PURE, STIFFNESS, Parameter, relaxation_time, springpot
 

@@ -13,8 +13,7 @@ import springpot
 from springpot.errors import DataError, ModelError, OptionError, OutputError, SpringpotError
 from springpot.identification import Identification
 from springpot.registry import plugins
-from springpot.report.jsontext import to_json
-from springpot.report.numbers import percent
+from springpot.report.text import percent, to_json
 from springpot.rheology.model import Family
 
 pytestmark = pytest.mark.usefixtures("asked_once")

@@ -13,13 +13,11 @@ from springpot.identification import (
     allowed_shifts,
     coordinates,
     free_factors,
+    held_material,
     kept,
     known_factors,
-    level_weights,
     levels_alone,
     notes,
-    passive,
-    ranges,
     regularisation,
     runs,
     space,
@@ -49,7 +47,7 @@ def effects():
 
 @pytest.mark.parametrize("data", [STRAINED, HEATED, SLOW], ids=lambda data: data.name)
 def test_boxes_and_ranges_of_all_effects(data, stays):
-    window = ranges.Window.of(data)
+    window = starts.Window.of(data)
     found = {"window": window}
     for effect in effects():
         if effect.of_test or effect.by_levels or effect.needs - set(data.conditions):
@@ -58,10 +56,10 @@ def test_boxes_and_ranges_of_all_effects(data, stays):
         parameters = effect.element.parameters
         found[effect.name] = [
             [box.lower, box.upper, box.theta(0.5 * (box.lower + box.upper))],
-            ranges.settings(parameters, window, 3),
-            [ranges.shown(parameter, window) for parameter in parameters],
-            passive.is_passive(effect),
-            passive.within_material(parse_model("material"), effect),
+            starts.settings(parameters, window, 3),
+            [starts.shown(parameter, window) for parameter in parameters],
+            held_material.is_passive(effect),
+            held_material.within_material(parse_model("material"), effect),
         ]
     stays(found)
 
@@ -76,7 +74,7 @@ def test_sizes_are_rounded_up_to_1_2_or_5(value, up):
 
 
 def test_ranges_of_parameters_of_every_kind(stays):
-    window = ranges.Window(2.0, 0.1, 5.0, 3.0, 1.5)
+    window = starts.Window(2.0, 0.1, 5.0, 3.0, 1.5)
     kinds = {
         "stiffness": Parameter("p", "p", Dimension(1)),
         "time": Parameter("p", "p", Dimension(time=1)),
@@ -88,11 +86,11 @@ def test_ranges_of_parameters_of_every_kind(stays):
         "upwards": Parameter("p", "p", Dimension(), -2.0, np.inf, "linear"),
     }
     found = {
-        name: [ranges.settings((each,), window, 9), ranges.shown(each, window)]
+        name: [starts.settings((each,), window, 9), starts.shown(each, window)]
         for name, each in kinds.items()
     }
     by_order = (Parameter("c", "c", Dimension(1, "a")), kinds["order"].renamed("a"))
-    found["by an order"] = [ranges.settings(by_order, window, 5), ranges.shown(by_order[0], window)]
+    found["by an order"] = [starts.settings(by_order, window, 5), starts.shown(by_order[0], window)]
     stays(found)
 
 
@@ -172,7 +170,7 @@ def test_factors_of_each_level(stays):
     fitted = fit(parse_model("material + free-shift"), HEATED)
     rows = free_factors.FactorRows.of(fitted)
     own = levels_alone.each_alone(
-        HEATED, rows.number, level_weights.usual_objective(fitted.model, HEATED)
+        HEATED, rows.number, levels_alone.usual_objective(fitted.model, HEATED)
     )
     found = free_factors.factors_of(rows)
     known = known_factors.known_factors(rows, found, found, own)
@@ -314,7 +312,7 @@ def test_a_part_counts_by_its_own_size_where_its_neighbours_tell_it(
         SimpleNamespace(share=1.0, scatter=1e9, dof=9.0),
         SimpleNamespace(share=0.01, scatter=scatter, dof=9.0),
     )
-    monkeypatch.setattr(level_weights, "parts_of", lambda sweep: parts)
+    monkeypatch.setattr(levels_alone, "parts_of", lambda sweep: parts)
     own = SimpleNamespace(
         error=np.array([error, error]),
         judged=np.array([judged, False]),
@@ -323,6 +321,6 @@ def test_a_part_counts_by_its_own_size_where_its_neighbours_tell_it(
     )
     unfitted = SimpleNamespace(columns=("omega", "storage", "loss"))
     data = HEATED.subset(np.arange(28))
-    found = level_weights._by_own_size(data, np.repeat([0, 1], 14), own, unfitted)
+    found = levels_alone._by_own_size(data, np.repeat([0, 1], 14), own, unfitted)
     assert found.real.tolist() == [1.0, 1.0]
     assert found.imag.tolist() == [pytest.approx(100.0) if weighed else 1.0, 1.0]

@@ -7,7 +7,7 @@ import pytest
 from lawful_data import AMPLITUDE, OMEGA, lossy, swept
 
 import springpot
-from springpot.invention.conditions import conditions_of
+from springpot.invention.inventing import conditions_of
 
 LEVELS = np.repeat([0.5, 1.0, 1.5, 2.0, 2.5, 3.0], 8)
 

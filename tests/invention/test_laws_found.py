@@ -11,7 +11,7 @@ from lawful_data import AMPLITUDE, OMEGA, lossy, material, swept
 import springpot
 from springpot import Invention, Measurement, Units
 from springpot.errors import ModelError, OptionError
-from springpot.invention import conditions, grammar
+from springpot.invention import grammar, inventing
 
 
 @pytest.fixture(scope="module")
@@ -116,7 +116,7 @@ def grammar_notes(data: Measurement) -> list[str]:
 def test_parameters_are_not_called_as_columns_are():
     column = {"k": AMPLITUDE, "too-long a name": AMPLITUDE}
     data = swept(lambda k, x: k, conditions=column)
-    assert conditions.conditions_of(data) == ["k"]
+    assert inventing.conditions_of(data) == ["k"]
     texts = [grammar.text_of(law) for law in grammar.candidates(data, ["k"])]
     assert "parallel: k2*k^n" in texts
     assert "parallel: i*k2/(1 + (k/Xc)^n)" in texts

@@ -10,7 +10,7 @@ from lawful_data import AMPLITUDE, OMEGA, lossy, swept
 
 import springpot
 from springpot.errors import OptionError
-from springpot.invention import conditions, grammar, inventing, search, weighing
+from springpot.invention import grammar, inventing, result, search
 from springpot.thresholds import EVIDENCE, INVENTION, SEARCH, VERDICT
 
 
@@ -42,9 +42,9 @@ def test_a_law_is_tried_once_and_what_never_vanishes_is_none():
 
 def test_a_law_may_go_with_what_was_varied():
     data = swept(lossy, conditions={"amplitude": AMPLITUDE, "current": 1.0 + AMPLITUDE[::-1]})
-    both = conditions.varied(data)
+    both = inventing.varied(data)
     assert both == ["amplitude", "current"]
-    assert inventing._conditions(data, None) == conditions.conditions_of(data)
+    assert inventing._conditions(data, None) == inventing.conditions_of(data)
     assert inventing._conditions(data, both[::-1]) == both
     assert inventing._conditions(data, both[:1]) == both[:1]
     assert inventing._conditions(data, []) == []
@@ -135,7 +135,7 @@ def grown(likelihood, name="one", **more):
 
 def told(*weights, **more):
     return [
-        weighing.Weighed(grown(weight, str(i), **more), weight, 0.5)
+        result.Weighed(grown(weight, str(i), **more), weight, 0.5)
         for i, weight in enumerate(weights)
     ]
 
@@ -143,9 +143,9 @@ def told(*weights, **more):
 @pytest.fixture
 def apart(monkeypatch):
     """Laws that are all unlike, nothing being as likely as 0."""
-    monkeypatch.setattr(weighing, "_is_same", lambda law, other: False)
-    monkeypatch.setattr(weighing, "nothing", lambda found: 0.0)
-    monkeypatch.setattr(weighing, "is_arithmetic", lambda fitted: fitted.exact)
+    monkeypatch.setattr(result, "_is_same", lambda law, other: False)
+    monkeypatch.setattr(result, "nothing", lambda found: 0.0)
+    monkeypatch.setattr(result, "is_arithmetic", lambda fitted: fitted.exact)
 
 
 CLEAR = EVIDENCE.as_good + 1.0
@@ -172,43 +172,41 @@ def test_a_law_is_found_where_noise_goes_not_as_far_and_nothing_is_left(
     weights, alarm, left, exact, verdict
 ):
     found = SimpleNamespace(alarm=alarm, left=SimpleNamespace(p_value=left))
-    assert weighing.verdict_of(found, told(*weights, exact=exact)) == verdict
+    assert result.verdict_of(found, told(*weights, exact=exact)) == verdict
 
 
 def test_the_class_holds_each_curve_once(monkeypatch):
     laws = told(5.0, 4.0, 3.0, 5.0 - EVIDENCE.rivals)
-    monkeypatch.setattr(
-        weighing, "_is_same", lambda law, other: law is laws[2] and other is laws[1]
-    )
-    assert weighing.rivals_of(laws) == laws[:2]
+    monkeypatch.setattr(result, "_is_same", lambda law, other: law is laws[2] and other is laws[1])
+    assert result.rivals_of(laws) == laws[:2]
     frames = SimpleNamespace(frame=lambda: "frame")
     for apart, same in ((0.9, True), (1.0, False), (1.1, False)):
         monkeypatch.undo()
-        monkeypatch.setattr(weighing, "distance", lambda *given, far=apart: far * INVENTION.same)
+        monkeypatch.setattr(result, "distance", lambda *given, far=apart: far * INVENTION.same)
         laws = told(1.0, 0.9)
         object.__setattr__(laws[0].grown, "refit", frames)
-        assert weighing._is_same(laws[1], laws[0]) == same
+        assert result._is_same(laws[1], laws[0]) == same
 
 
 def test_only_a_law_near_the_data_is_weighed():
     found = SimpleNamespace(best=SimpleNamespace(log_likelihood=10.0))
     edge = 10.0 - INVENTION.hopeless
-    assert not weighing._is_rival(found, grown(edge))
-    assert weighing._is_rival(found, grown(edge + 1e-6))
+    assert not result._is_rival(found, grown(edge))
+    assert result._is_rival(found, grown(edge + 1e-6))
 
 
 def test_laws_are_weighed_by_their_evidence_and_their_length(monkeypatch):
-    monkeypatch.setattr(weighing, "symbols", lambda effect: {"a": 3, "b": 5}[effect.name])
-    monkeypatch.setattr(weighing, "marginal", lambda found, each: each.refit.log_likelihood)
-    monkeypatch.setattr(weighing, "log_prior_of_one", lambda share: np.log(share) - 7.0)
-    monkeypatch.setattr(weighing, "is_arithmetic", lambda fitted: fitted.exact)
+    monkeypatch.setattr(result, "symbols", lambda effect: {"a": 3, "b": 5}[effect.name])
+    monkeypatch.setattr(result, "marginal", lambda found, each: each.refit.log_likelihood)
+    monkeypatch.setattr(result, "log_prior_of_one", lambda share: np.log(share) - 7.0)
+    monkeypatch.setattr(result, "is_arithmetic", lambda fitted: fitted.exact)
     best = SimpleNamespace(log_likelihood=4.0)
     rows = [
         grown(4.0, "b", exact=False),
         grown(4.0, "a", exact=False),
         grown(3.9, "a", exact=False),
     ]
-    first, second = weighing.weighed(SimpleNamespace(best=best, grown=rows))
+    first, second = result.weighed(SimpleNamespace(best=best, grown=rows))
     assert [first.effect.name, second.effect.name] == ["a", "b"]
     price = INVENTION.symbol
     assert first.log_weight == pytest.approx(4.0 - 7.0 - 3 * price)
@@ -216,29 +214,29 @@ def test_laws_are_weighed_by_their_evidence_and_their_length(monkeypatch):
     assert second.probability == pytest.approx(1.0 - first.probability)
     # Where one is exact, only exact ones count, whatever their likelihood.
     rows = [grown(1.0, "b", exact=True), grown(4.0, "a", exact=False)]
-    [only] = weighing.weighed(SimpleNamespace(best=best, grown=rows))
+    [only] = result.weighed(SimpleNamespace(best=best, grown=rows))
     assert (only.effect.name, only.probability) == ("b", 1.0)
     assert only.log_weight == pytest.approx(4.0 - 7.0 - 5 * price)
-    assert weighing.weighed(SimpleNamespace(best=best, grown=[])) == []
+    assert result.weighed(SimpleNamespace(best=best, grown=[])) == []
 
 
 def test_named_effects_are_alike_that_come_as_near(monkeypatch):
     level = 10.0 - EVIDENCE.rivals
     likelihoods = [level, level + 0.1, 11.0, level - 1.0]
     scores = SimpleNamespace(scores=likelihoods)
-    monkeypatch.setattr(weighing, "possible", lambda base, library: library)
-    monkeypatch.setattr(weighing, "scan_effects", lambda *given: scores)
-    monkeypatch.setattr(weighing, "grown_with", lambda found, score: grown(score))
-    monkeypatch.setattr(weighing, "applicable", lambda library, measurement: library)
+    monkeypatch.setattr(result, "possible", lambda base, library: library)
+    monkeypatch.setattr(result, "scan_effects", lambda *given: scores)
+    monkeypatch.setattr(result, "grown_with", lambda found, score: grown(score))
+    monkeypatch.setattr(result, "applicable", lambda library, measurement: library)
     base = SimpleNamespace(fit=SimpleNamespace(measurement=None))
-    found = weighing.known_alike(SimpleNamespace(base=base, frame=0), told(10.0)[0], [])
+    found = result.known_alike(SimpleNamespace(base=base, frame=0), told(10.0)[0], [])
     assert [each.refit.log_likelihood for each in found] == [11.0, level + 0.1]
 
 
 def test_nothing_is_as_likely_as_its_prior(monkeypatch):
-    monkeypatch.setattr(weighing, "harmonic_evidence", lambda base: 2.0)
+    monkeypatch.setattr(result, "harmonic_evidence", lambda base: 2.0)
     found = SimpleNamespace(base=SimpleNamespace(log_likelihood=3.0))
-    assert weighing.nothing(found) == pytest.approx(5.0 + np.log(EVIDENCE.prior_nothing))
+    assert result.nothing(found) == pytest.approx(5.0 + np.log(EVIDENCE.prior_nothing))
 
 
 def row(text="parallel: k", error=0.01, alike=3):

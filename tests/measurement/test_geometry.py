@@ -19,8 +19,8 @@ from springpot.measurement.geometry import (
     ParallelPlates,
     ShearPads,
     TorsionBar,
+    words_of,
 )
-from springpot.measurement.geometry_text import words_of
 
 EXAMPLES = (
     ShearPads(0.02, 0.01, 2),

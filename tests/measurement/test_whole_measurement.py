@@ -8,7 +8,7 @@ from springpot.measurement import (
     Measurement,
     TimeTest,
     Units,
-    geometry_text,
+    geometry,
     harmonics_of,
     independence,
     mixed_tests,
@@ -22,8 +22,8 @@ from springpot.measurement.exchange import exchange_note, material_misfit
 from springpot.measurement.followed import Record
 from springpot.measurement.interface import through
 from springpot.measurement.opening import select, without
+from springpot.measurement.replicates import again_note, stands_again
 from springpot.measurement.sign import sign_note
-from springpot.measurement.unnumbered_repeats import again_note, stands_again
 
 
 def answer(ask):
@@ -139,7 +139,7 @@ def test_what_a_test_in_time_is(case, stays):
             "record": answer(lambda: Record.of(test)),
             "in N/mm": answer(lambda: test.in_units(Units("N/mm", "mm")).response),
             "seen through": [
-                answer(lambda name=name: through(test, geometry_text.parse_geometry(name)).response)
+                answer(lambda name=name: through(test, geometry.parse_geometry(name)).response)
                 for name in GEOMETRIES[:2]
             ],
         }
@@ -214,23 +214,23 @@ def test_geometries_and_what_is_seen_through_them(stays):
     torque = Measurement(omega, stiff.stiffness, units=Units("N m/rad", "rad"), name="torque")
     found = {}
     for text in GEOMETRIES:
-        geometry = answer(lambda text=text: geometry_text.parse_geometry(text))
-        found[text] = geometry
-        if isinstance(geometry, str):
+        specimen = answer(lambda text=text: geometry.parse_geometry(text))
+        found[text] = specimen
+        if isinstance(specimen, str):
             continue
         rows = []
         for data in (stiff, torque):
-            seen = answer(lambda data=data, geometry=geometry: data.as_modulus(geometry, "kPa"))
+            seen = answer(lambda data=data, specimen=specimen: data.as_modulus(specimen, "kPa"))
             back = seen
             if not isinstance(seen, str):
-                back = seen.as_stiffness(geometry).stiffness
+                back = seen.as_stiffness(specimen).stiffness
             rows.append([seen, back])
-        both = geometry.stress_and_strain(np.array([2.0]), np.array([3.0]))
+        both = specimen.stress_and_strain(np.array([2.0]), np.array([3.0]))
         found[text] = {
-            "words": geometry_text.words_of(geometry),
-            "factors": [geometry.stress_factor, geometry.strain_factor, geometry.shape],
+            "words": geometry.words_of(specimen),
+            "factors": [specimen.stress_factor, specimen.strain_factor, specimen.shape],
             "there": both,
-            "back": geometry.force_and_displacement(*both),
+            "back": specimen.force_and_displacement(*both),
             "seen": [
                 [part if isinstance(part, str) else _told(part) for part in row] for row in rows
             ],

@@ -19,7 +19,7 @@ from springpot.cli.faults import exit_code
 from springpot.cli.group import run
 from springpot.errors import DataError
 from springpot.measurement import Measurement
-from springpot.report.jsontext import to_json
+from springpot.report.text import to_json
 from springpot.terminal_safe import PlainStream, below, plain, plain_json, plain_streams
 
 EVIL = "\x1b]0;owned\x07\x1b[2J\x9b31m\u202eevil\x7f"

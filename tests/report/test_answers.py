@@ -11,8 +11,8 @@ from springpot.measurement import Measurement, Units
 from springpot.report.answers import beside_floor, reference_note, worth_showing
 from springpot.report.html import report_html
 from springpot.report.ladder_text import change, changes_text
-from springpot.report.numbers import percent
 from springpot.report.residuals import set_aside
+from springpot.report.text import percent
 from springpot.report.told import told as text_of
 
 pytest.importorskip("matplotlib")

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from springpot.report.jsontext import to_json
+from springpot.report.text import to_json
 
 
 def _refuse(constant):

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from springpot.format_numbers import number
-from springpot.report.numbers import percent, seconds, with_interval
+from springpot.report.text import percent, seconds, with_interval
 
 
 @pytest.mark.parametrize(

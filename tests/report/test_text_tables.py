@@ -2,8 +2,7 @@
 
 from dataclasses import replace
 
-from springpot.report.document import Listing, Prose, as_html, as_text
-from springpot.report.text import TextTable, cut, indented, width
+from springpot.report.text import Listing, Prose, TextTable, as_html, as_text, cut, indented, width
 
 
 def test_columns_line_up():

@@ -11,7 +11,7 @@ import pytest
 import springpot
 from springpot.errors import DataError, OutputError
 from springpot.identification import Value
-from springpot.report.value_table import write_parameters, write_values
+from springpot.report.tables import write_parameters, write_values
 
 ROWS = [
     (("k",), Value(399.4123, 391.0, 407.8, "kN/m")),

@@ -22,11 +22,11 @@ from springpot.rheology import (
     dashpot,
     mass,
     parallel,
-    recursion,
     series,
     shift,
     spring,
     springpot,
+    terms,
 )
 from springpot.rheology.model import Family
 
@@ -586,8 +586,8 @@ def test_even_samples_are_driven_as_uneven_ones(rng: np.random.Generator, turned
     # One sample that comes late by little more than scatter: the same history, the other way.
     late = even.copy()
     late[-1] *= 1.0 + 1e-8
-    found = recursion.driven(rates, even, changes, mix, rate_mix)
-    expected = recursion.driven(rates, late, changes, mix, rate_mix)
+    found = terms.driven(rates, even, changes, mix, rate_mix)
+    expected = terms.driven(rates, late, changes, mix, rate_mix)
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-8 * np.abs(expected).max())
     earlier = slice(None, -1)
     np.testing.assert_allclose(

@@ -10,7 +10,7 @@ import pytest
 from derivatives import check_derivatives
 from springpot.errors import ModelError
 from springpot.registry import parse_model
-from springpot.rheology.own import owned
+from springpot.rheology.levels import owned
 from springpot.rheology.points import Points
 from springpot.rheology.tied import followers, part_of, started, ties_in, ties_of, untied
 

@@ -16,10 +16,9 @@ from springpot.registry import parse_model
 from springpot.rheology import Effect, Points
 from springpot.rheology.grammar import parsed
 from springpot.rheology.nodes import FULL
-from springpot.rheology.physical import told
 from springpot.rheology.terms import LOG_OMEGA, Dual
 from springpot.rheology.thermal import LARGEST_SHIFT
-from springpot.rheology.written import examples, written
+from springpot.rheology.written import examples, told, written
 from springpot.testing import check_effect
 
 LAWS = [

@@ -11,7 +11,7 @@ import springpot
 from springpot import TimeTest
 from springpot.rheology import Points
 from springpot.rheology.continuum import Compliance, Relaxation
-from springpot.superposition.after_steps import after_steps
+from springpot.superposition.laws import after_steps
 
 MODEL = springpot.parse_model("fractional-zener")
 THETA = np.array([1.0, 1000.0, 300.0, 0.5])

@@ -14,8 +14,8 @@ from springpot.measurement import Measurement
 from springpot.measurement.imposed import Loading
 from springpot.measurement.timetest import TimeTest
 from springpot.rheology.levels import HELD
-from springpot.superposition import after_steps as steps
 from springpot.superposition import curve, laws, simplicity
+from springpot.superposition import laws as steps
 from springpot.thresholds import SUPERPOSITION
 
 DECADE = np.log(10.0)

@@ -14,7 +14,7 @@ from springpot.measurement import Measurement, TimeTest
 from springpot.registry import parse_model, plugins
 from springpot.report.told import told
 from springpot.rheology import Effect, Points, chain
-from springpot.rheology.formula import Formula
+from springpot.rheology.grammar import Formula
 from springpot.timetests import diagnose, discover, identify
 
 NOISE = 0.006

@@ -159,7 +159,7 @@ def test_a_fit_of_tests_in_time_comes_back(tmp_path):
     import json
 
     import springpot
-    from springpot.report.jsontext import jsonable
+    from springpot.report.text import jsonable
     from springpot.rheology import Points
     from springpot.timetests import identify, predict_test
 

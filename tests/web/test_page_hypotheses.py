@@ -18,7 +18,7 @@ import springpot
 from springpot.diagnosis.examination import silent
 from springpot.errors import SpringpotError
 from springpot.measurement import Measurement
-from springpot.report.jsontext import to_json
+from springpot.report.text import to_json
 from springpot.web import leaving
 from springpot.web.sessions import State, digest_of, measured_in, text_of
 from springpot.web.tasks import _ladder, again, answered, ladder_of, trial

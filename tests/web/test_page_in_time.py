@@ -14,7 +14,7 @@ from browsing import IN_A_BROWSER, Open
 import springpot
 from springpot.diagnosis.examination import silent
 from springpot.errors import DataError
-from springpot.report.jsontext import to_json
+from springpot.report.text import to_json
 from springpot.web.sessions import data_of, joined, measured_in, session_of, text_of
 from springpot.web.specimen import SCHEMA, Specimen, specimen_of
 from springpot.web.tasks import answered, curve, held, perform, trial, understand

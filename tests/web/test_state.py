@@ -29,7 +29,7 @@ from springpot.report.interactive.scene import (
     relative_error,
     rounded,
 )
-from springpot.report.jsontext import to_json
+from springpot.report.text import to_json
 from springpot.rheology.nodes import PLANES, Parallel
 from springpot.web import leaving, tasks
 from springpot.web.sessions import (

@@ -14,7 +14,7 @@ from springpot.identification.native import fit, minima_in_box
 from springpot.identification.problem import Objective, Problem
 from springpot.identification.space import rounded_up
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.noise import with_noise
+from springpot.measurement.scatter import with_noise
 from springpot.numerics import ALIKE
 from springpot.registry import parse_model
 

@@ -122,7 +122,7 @@ def _json_alone(context: click.Context, parameter: click.Parameter, wanted: bool
 
 def print_json(result: Any, indent: int | None = 2) -> None:
     """Print `result` as JSON, at once: what is there stays, even where the rest is interrupted."""
-    from springpot.report.jsontext import to_json
+    from springpot.report.text import to_json
 
     print(
         to_json(result, indent),
@@ -194,7 +194,7 @@ def seen_through(test: T, geometry: str | None) -> T:
 
     if isinstance(test, OtherTest):
         raise OptionError(f"{test.name}: a geometry is for stiffness, not for {test.kind}")
-    from springpot.measurement.geometry_text import parse_geometry
+    from springpot.measurement.geometry import parse_geometry
     from springpot.measurement.interface import through
 
     return through(test, parse_geometry(geometry))

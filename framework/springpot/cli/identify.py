@@ -119,7 +119,7 @@ def command(
     from springpot.constraints import values_of
     from springpot.measurement.joining import joined
     from springpot.registry import parse_model
-    from springpot.report.value_table import write_parameters
+    from springpot.report.tables import write_parameters
 
     _check_paths(figure, table)
     if as_csv and as_json:
@@ -157,7 +157,7 @@ def command(
 def _check_paths(figure: Path | None, table: Path | None) -> None:
     """A path that cannot be written is told before time is spent on the fit."""
     from springpot.report.canvas import check_figure_path
-    from springpot.report.value_table import require_ending
+    from springpot.report.tables import require_ending
 
     if figure is not None:
         check_figure_path(figure)
@@ -201,7 +201,7 @@ def _each(
     What is there is printed even where the rest is interrupted.
     """
     from springpot.report.fit_text import many_csv, many_text
-    from springpot.report.value_table import write_parameters
+    from springpot.report.tables import write_parameters
 
     fits: list[Identification] = []
 

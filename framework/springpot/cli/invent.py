@@ -69,7 +69,7 @@ def command(
     from springpot.files import require_writable, write_text
     from springpot.registry import parse_model
     from springpot.report.canvas import check_figure_path
-    from springpot.report.jsontext import to_json
+    from springpot.report.text import to_json
     from springpot.report.told import told
 
     if figure is not None:

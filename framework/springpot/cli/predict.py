@@ -156,8 +156,7 @@ def numbers(text: str) -> list[float]:
 def show(predicted: Prediction) -> None:
     """Print the prediction for people."""
     from springpot.format_numbers import number
-    from springpot.report.numbers import with_interval
-    from springpot.report.text import TextTable
+    from springpot.report.text import TextTable, with_interval
 
     unit, given = predicted.units.stiffness, predicted.conditions
     units = {"temperature": "degC", "amplitude": predicted.units.amplitude}

@@ -89,7 +89,7 @@ def identify(
     if figure is not None:
         fit.plot(figure)
     if table is not None:
-        from springpot.report.value_table import write_parameters
+        from springpot.report.tables import write_parameters
 
         write_parameters(table, [fit])
     if as_csv:

@@ -16,9 +16,8 @@ from springpot.drawing import draw, html_of, text_of
 from springpot.errors import DataError, OptionError
 from springpot.format_numbers import NAMED
 from springpot.identification.material import is_material
-from springpot.identification.part_result import PartResult, parts_of
 from springpot.identification.space import require_conditions
-from springpot.identification.value import Value, values_of
+from springpot.identification.value import PartResult, Value, parts_of, values_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.replicates import thinned
 from springpot.misfit.error import Error

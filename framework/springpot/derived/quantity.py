@@ -18,8 +18,7 @@ from springpot.measurement.units import (
     Units,
 )
 from springpot.plain_data import jsonable
-from springpot.report.text import TextTable
-from springpot.report.values import shown
+from springpot.report.text import TextTable, shown
 
 SCHEMA = "springpot.quantities/1"
 Source = Literal["data", "model"]

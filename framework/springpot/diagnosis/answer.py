@@ -11,8 +11,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from springpot.identification.part_result import PartResult, in_floors
-from springpot.identification.value import Value
+from springpot.identification.value import PartResult, Value, in_floors
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.sign import turned
 from springpot.misfit.drift_search import Course, change_in_order, course_behind

@@ -13,9 +13,8 @@ import numpy as np
 
 from springpot.drawing import draw, html_of, text_of
 from springpot.errors import SpringpotError
-from springpot.identification.part_result import PartResult, in_floors, parts_of
 from springpot.identification.space import require_conditions
-from springpot.identification.value import Value, values_of
+from springpot.identification.value import PartResult, Value, in_floors, parts_of, values_of
 from springpot.measurement.measurement import Measurement
 from springpot.misfit.refit import prediction_gain
 from springpot.misfit.words import over_floor
@@ -532,6 +531,9 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
     if case.naming.alarm > VERDICT.accepted or case.naming.gain < SEARCH.decisive:
         return None
     first = _first_named(case.diagnosis)
+    # Of a class that the data cannot tell apart only what is likelier than all the others goes in.
+    if len(first.alike) > 1 and first.probability < VERDICT.likely:
+        return None
     # Where the evidence prefers what has no name, an effect goes in unasked only if it takes most
     # of the error.
     little = not first.error_after <= VERDICT.takes_most * case.diagnosis.error.relative_rms

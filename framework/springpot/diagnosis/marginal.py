@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from springpot.identification.ranges import Window, shown
+from springpot.identification.starts import Window, shown
 from springpot.identification.uncertainty import Uncertainty, held_costs
 from springpot.measurement.independence import distinct_log_omega, telling
 from springpot.measurement.measurement import CONDITIONS

@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from springpot.drawing import draw, html_of, text_of
-from springpot.identification.part_result import PartResult, parts_of
-from springpot.identification.value import Value, values_of
+from springpot.identification.value import PartResult, Value, parts_of, values_of
 from springpot.misfit.error import Error
 from springpot.misfit.where import Where
 from springpot.plain_data import jsonable, number

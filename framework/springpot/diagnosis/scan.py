@@ -17,7 +17,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.identification.ranges import Window, settings
+from springpot.identification.starts import Window, settings
 from springpot.measurement.independence import telling
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.scatter import LEAST_RELATIVE

@@ -11,10 +11,10 @@ from math import inf
 
 import numpy as np
 
+from springpot.identification.held_material import within_material
 from springpot.identification.material import is_material
 from springpot.identification.native import Effort
-from springpot.identification.passive import within_material
-from springpot.identification.ranges import EDGE
+from springpot.identification.starts import EDGE
 from springpot.measurement.independence import at_one_frequency, moved_along, telling
 from springpot.measurement.measurement import CONDITIONS
 from springpot.misfit.floor import beyond_floor

@@ -10,6 +10,8 @@ if TYPE_CHECKING:
     from .batch import fit_batch as fit_batch
     from .fitting import identify as identify
     from .held_material import intervals_beside_material as intervals_beside_material
+    from .held_material import is_passive as is_passive
+    from .held_material import within_material as within_material
     from .leastsquares import levenberg_marquardt as levenberg_marquardt
     from .material_fit import least_error as least_error
     from .native import (
@@ -30,8 +32,6 @@ if TYPE_CHECKING:
     from .native import (
         scanned_starts as scanned_starts,
     )
-    from .passive import is_passive as is_passive
-    from .passive import within_material as within_material
     from .prediction import Prediction as Prediction
     from .problem import (
         Objective as Objective,
@@ -44,15 +44,6 @@ if TYPE_CHECKING:
     )
     from .problem import (
         weighted as weighted,
-    )
-    from .ranges import (
-        Window as Window,
-    )
-    from .ranges import (
-        settings as settings,
-    )
-    from .ranges import (
-        shown as shown,
     )
     from .recorder import (
         BudgetSpent as BudgetSpent,
@@ -88,6 +79,9 @@ if TYPE_CHECKING:
     )
     from .simulated import bootstrap as bootstrap
     from .space import SearchSpace as SearchSpace
+    from .starts import Window as Window
+    from .starts import settings as settings
+    from .starts import shown as shown
     from .uncertainty import (
         Uncertainty as Uncertainty,
     )
@@ -104,20 +98,19 @@ __getattr__, __dir__ = offered(
     {
         "batch": "fit_batch",
         "fitting": "identify",
-        "held_material": "intervals_beside_material",
+        "held_material": "intervals_beside_material is_passive within_material",
         "leastsquares": "levenberg_marquardt",
         "material_fit": "least_error",
         "native": "BoundedDescent Effort Fit fit minima_in_box scanned_starts",
-        "passive": "is_passive within_material",
         "prediction": "Prediction",
         "problem": "default_objective Objective Problem weighted",
-        "ranges": "settings shown Window",
         "recorder": "all_points BudgetSpent Recorder RecorderGroup",
         "regularisation": "regularised",
         "result": "Identification",
         "runs": "BatchedOptimiser Card Optimiser OptimiserFamily run run_batch",
         "simulated": "bootstrap",
         "space": "SearchSpace",
+        "starts": "settings shown Window",
         "uncertainty": "held_costs profile Uncertainty",
         "value": "Value",
     },

@@ -22,8 +22,9 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
 from ..numerics import NEGLIGIBLE
+from .free_factors import superposed_fit
 from .held_material import intervals_beside_material
-from .level_weights import shifted_by, usual_objective
+from .levels_alone import shifted_by, usual_objective
 from .material import is_material
 from .native import Fit, fit, require_enough
 from .notes import notes_on
@@ -33,7 +34,6 @@ from .robust import TUNED, robust_fit
 from .runs import Optimiser, Run, contradiction, run
 from .simulated import bootstrap, over_specimens
 from .space import require_conditions, require_size
-from .superposed_fit import superposed_fit
 from .uncertainty import Uncertainty, profile
 
 DEADLINE = 300.0

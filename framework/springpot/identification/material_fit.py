@@ -30,8 +30,7 @@ from springpot.rheology.thermal import arrhenius, wlf
 from ..numerics import DECADE
 from .material import ITERATIONS, STILL, Spectral, SpectrumSearch
 from .problem import Objective, relative_objective
-from .ranges import Window, settings
-from .starts import thinned
+from .starts import Window, settings, thinned
 from .trials import Trial
 
 NEAR = 0.02

@@ -22,8 +22,8 @@ from springpot.measurement.opening import Test, together
 from springpot.measurement.units import Units
 from springpot.plain_data import as_declared, jsonable, number
 from springpot.rheology.continuum import EQUILIBRIUM, VISCOSITY
-from springpot.rheology.forms import SearchForm
 from springpot.rheology.model import Model
+from springpot.rheology.parameters import SearchForm
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import INTERVAL
 
@@ -39,15 +39,13 @@ from .kept import (
 )
 from .material import is_material
 from .native import Fit
-from .part_result import PartResult, parts_of, spare
 from .population import Population, populations, specimens_of
 from .prediction import Known
 from .problem import Objective, sizes
 from .regularisation import SmoothSpectrum, regularised
 from .robust import kept_of, objective_again
-from .tied_values import tied_values
-from .uncertainty import Uncertainty, ends, lost_and_known, spread_of
-from .value import Value, all_parameters, printed
+from .uncertainty import Uncertainty, ends, lost_and_known, spread_of, tied_values
+from .value import PartResult, Value, all_parameters, parts_of, printed, spare
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

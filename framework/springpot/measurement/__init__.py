@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     )
     from .followed import Record as Record
     from .from_signals import measurement_from_signals as measurement_from_signals
-    from .geometry_text import parse_geometry as parse_geometry
+    from .geometry import parse_geometry as parse_geometry
     from .imposed import Loading as Loading
     from .independence import (
         independent as independent,
@@ -82,13 +82,13 @@ if TYPE_CHECKING:
     from .mixed_tests import (
         tests_together as tests_together,
     )
-    from .noise import with_noise as with_noise
     from .opening import (
         PROMISED as PROMISED,
     )
     from .opening import (
         DataSet as DataSet,
     )
+    from .opening import TimeReader as TimeReader
     from .opening import (
         open_measurement as open_measurement,
     )
@@ -126,10 +126,10 @@ if TYPE_CHECKING:
     from .replicates import average_repeats as average_repeats
     from .replicates import thinned as thinned
     from .scatter import at_least_rounding as at_least_rounding
+    from .scatter import with_noise as with_noise
     from .signals import Signals as Signals
     from .signals import harmonics_of as harmonics_of
     from .timenoise import noise_of as noise_of
-    from .timereader import TimeReader as TimeReader
     from .timetest import TimeTest as TimeTest
     from .units import (
         AMPLITUDE_UNITS as AMPLITUDE_UNITS,
@@ -190,24 +190,23 @@ __getattr__, __dir__ = offered(
         "csv_safe": "guarded guarded_line unguarded unguarded_line",
         "followed": "Record",
         "from_signals": "measurement_from_signals",
-        "geometry": "geometry",
-        "geometry_text": "parse_geometry",
+        "geometry": "geometry parse_geometry",
         "imposed": "Loading",
         "independence": "independent spread_of steadied",
         "interface": "as_modulus as_stiffness through",
         "joining": "joined",
         "measurement": "Measurement misspelt",
         "mixed_tests": "settings_of sweeps_of tests_together",
-        "noise": "with_noise",
-        "opening": "DataSet open_measurement parts_of pick_reader PROMISED select without",
+        "opening": (
+            "DataSet open_measurement parts_of pick_reader PROMISED select TimeReader without"
+        ),
         "other_test": "OtherTest",
         "reader": "Choice OpenQuestion Part parts_as_opened Question Reader",
         "replicates": "average_repeats thinned",
-        "scatter": "at_least_rounding",
+        "scatter": "at_least_rounding with_noise",
         "signals": "harmonics_of Signals",
         "springpot.inputs": "bytes_of json_of toml_of",
         "timenoise": "noise_of",
-        "timereader": "TimeReader",
         "timetest": "TimeTest",
         "units": (
             "AMPLITUDE_UNITS ANGLE_UNITS FORCE_UNITS FREQUENCY_UNITS known_unit LENGTH_UNITS "

@@ -21,8 +21,7 @@ from springpot.rheology.points import KELVIN, ROOM, Complex, Points, Real
 from springpot.terminal_safe import plain
 
 from ..numerics import NEGLIGIBLE
-from .geometry import Conversion, Geometry, to_modulus, to_stiffness
-from .geometry_text import html_of, words_of
+from .geometry import Conversion, Geometry, html_of, to_modulus, to_stiffness, words_of
 from .rows import Rows, rows_without
 from .units import Units
 

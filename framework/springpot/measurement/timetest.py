@@ -16,8 +16,7 @@ from springpot.rheology.points import KELVIN, Real
 from springpot.terminal_safe import plain
 
 from .from_signals import stiffness_unit
-from .geometry import Conversion, Geometry, to_modulus, to_stiffness
-from .geometry_text import words_of
+from .geometry import Conversion, Geometry, to_modulus, to_stiffness, words_of
 from .imposed import SHORT, STEADY, Loading, controlled, from_rest, is_released
 from .units import (
     AMPLITUDE_UNITS,

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from springpot.identification.part_result import in_floors
+from springpot.identification.value import in_floors
 from springpot.plain_data import jsonable, number
 from springpot.thresholds import SCATTER
 

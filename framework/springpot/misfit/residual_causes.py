@@ -28,7 +28,7 @@ from springpot.measurement.mixed_tests import (
     temperatures_differ,
     tests_together,
 )
-from springpot.measurement.unnumbered_repeats import ADVICE, stands_again
+from springpot.measurement.replicates import ADVICE, stands_again
 from springpot.rheology.nodes import Shift
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import VERDICT

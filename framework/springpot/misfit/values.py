@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from springpot.identification.held_material import intervals_beside_material
-from springpot.identification.level_weights import shifted_by
+from springpot.identification.levels_alone import shifted_by
 from springpot.identification.uncertainty import Uncertainty, uses_sd
 from springpot.identification.value import Value
 from springpot.thresholds import VERDICT

@@ -21,15 +21,12 @@ from springpot.measurement.units import Units
 from springpot.misfit.error import Error
 from springpot.misfit.residual_battery import Finding
 from springpot.misfit.words import over_floor, plain
-from springpot.rheology.lookup import find_effect
+from springpot.rheology.effect import find_effect
 from springpot.rheology.nodes import Node
 from springpot.rheology.points import KELVIN, Points, Real
 
 from ..format_numbers import LISTED, NAMED
-from .document import Listing, Passage, Prose
-from .numbers import percent
-from .text import TextTable
-from .values import OPEN, shown
+from .text import OPEN, Listing, Passage, Prose, TextTable, percent, shown
 
 PROBES = (290.0, 330.0)
 """Kelvin; what refers to a temperature changes if the reference moves from one to the other."""

@@ -24,8 +24,7 @@ from springpot.rheology.points import Real
 from ..format_numbers import NAMED
 from . import views
 from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic, save
-from .numbers import percent
-from .text import cut
+from .text import cut, percent
 from .views import WIDE_RANGE, DrawnFit, Scene
 
 if TYPE_CHECKING:

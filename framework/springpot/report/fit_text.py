@@ -16,11 +16,19 @@ from springpot.rheology.drawing import drawing_of
 
 from ..numerics import NEGLIGIBLE
 from .answers import reference_note
-from .document import Listing, Passage, Preformatted, Prose
 from .figures import beside_floors, in_words
-from .numbers import percent, seconds, told_range
-from .text import TextTable
-from .values import OPEN, shown
+from .text import (
+    OPEN,
+    Listing,
+    Passage,
+    Preformatted,
+    Prose,
+    TextTable,
+    percent,
+    seconds,
+    shown,
+    told_range,
+)
 
 FAR = log(1e6)
 """Log of the ratio to the data's natural size from which a parameter's size leaves no trace."""

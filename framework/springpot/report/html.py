@@ -37,10 +37,8 @@ from .fit_text import parameters_table
 from .interactive.answers import rungs
 from .interactive.bench import PageParts, bench_of
 from .interactive.scene import PageScene
-from .ladder import draw_ladder
-from .ladder_text import accepted_name, remarks, steps_table
+from .ladder_text import accepted_name, draw_ladder, remarks, steps_table
 from .network import network_svg
-from .numbers import percent, told_range
 from .residuals import (
     data_and_model,
     framed,
@@ -52,6 +50,7 @@ from .residuals import (
     with_noise_of,
 )
 from .style import page
+from .text import percent, told_range
 from .timetests import figure_tests, fits_in_time
 from .views import DrawnFit, Scene
 

@@ -20,8 +20,7 @@ from springpot.measurement.units import Units
 from springpot.numerics import NEGLIGIBLE
 from springpot.suggestions import suggested
 
-from .numbers import percent
-from .text import TextTable, cut, wrapped
+from .text import TextTable, cut, percent, wrapped
 
 LONG = 24
 """Sweeps that are printed: a screen of them; JSON has all."""

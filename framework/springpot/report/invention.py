@@ -16,10 +16,8 @@ from springpot.rheology.points import Complex, Real
 
 from .answers import probability
 from .canvas import COLOURS, blank, finished, logarithmic
-from .document import Listing, Passage, Prose
 from .figures import marks_of
-from .numbers import percent
-from .text import TextTable
+from .text import Listing, Passage, Prose, TextTable, percent
 from .views import DrawnFit, Scene, storage_and_loss
 
 if TYPE_CHECKING:

@@ -15,9 +15,7 @@ from springpot.superposition.laws import LawFit
 
 from ..format_numbers import LISTED
 from .canvas import COLOURS, INK, QUIET, SMOOTH, TENFOLD, blank, finished, logarithmic
-from .document import Listing, Passage, Prose
-from .numbers import percent, seconds, with_interval
-from .text import TextTable
+from .text import Listing, Passage, Prose, TextTable, percent, seconds, with_interval
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

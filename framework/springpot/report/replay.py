@@ -21,7 +21,7 @@ from springpot.rheology.points import Complex, Points
 
 from . import views
 from .canvas import blank, check_figure_path
-from .ladder import ROOM, draw_ladder, entitled
+from .ladder_text import ROOM, draw_ladder, entitled
 from .residuals import symmetric, with_noise_of
 from .views import DrawnFit, Scene
 

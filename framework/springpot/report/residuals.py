@@ -29,8 +29,7 @@ from springpot.rheology.points import Complex, Real
 from . import views
 from .canvas import COLOURS, QUIET, blank, finished, logarithmic
 from .figures import DASHES, headed, literal
-from .numbers import percent
-from .text import cut
+from .text import cut, percent
 from .views import DrawnFit, Scene, draw_bands, sweep_colours
 
 if TYPE_CHECKING:

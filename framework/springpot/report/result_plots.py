@@ -37,11 +37,11 @@ from .figures import (
     sweep_marks,
 )
 from .invention import draw_fits, figure_invention
-from .ladder import ROOM, beside_mark, broken, draw_ladder, entitled, figure_ladder
+from .ladder_text import ROOM, beside_mark, broken, draw_ladder, entitled, figure_ladder
 from .mastercurve import figure_mastercurve
-from .numbers import percent
 from .replay import SUFFIX, write_replay
 from .residuals import figure_compared, fits_of
+from .text import percent
 from .timetests import figure_prediction, figure_tests, fits_in_time
 from .views import DrawnFit, Scene
 

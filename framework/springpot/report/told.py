@@ -14,11 +14,11 @@ from springpot.invention.result import Invention
 from springpot.superposition.curve import MasterCurve
 
 from .answers import comparison_document, diagnosis_document
-from .document import Passage, Prose, as_html, as_text
 from .fit_text import fit_document
 from .invention import invention_document
 from .ladder_text import ladder_document, ranking_document
 from .mastercurve import mastercurve_document
+from .text import Passage, Prose, as_html, as_text
 
 USUAL = 120
 """Columns of a window, where none is known."""

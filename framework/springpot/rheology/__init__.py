@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from .continuum import Continuum as Continuum
     from .drawing import draw as draw
     from .drawing import drawing_of as drawing_of
+    from .effect import Answered as Answered
     from .effect import (
         AppliesTo as AppliesTo,
     )
@@ -22,14 +23,36 @@ if TYPE_CHECKING:
     from .effect import (
         Layer as Layer,
     )
+    from .effect import StageLaw as StageLaw
+    from .effect import on_clock as on_clock
+    from .effect import on_loading as on_loading
+    from .effect import on_response as on_response
     from .elements import (
         FixedPower as FixedPower,
+    )
+    from .elements import (
+        basset as basset,
     )
     from .elements import (
         dashpot as dashpot,
     )
     from .elements import (
+        diffusion as diffusion,
+    )
+    from .elements import (
+        hysteretic as hysteretic,
+    )
+    from .elements import (
         mass as mass,
+    )
+    from .elements import (
+        relaxation_mode as relaxation_mode,
+    )
+    from .elements import (
+        resonant_frame as resonant_frame,
+    )
+    from .elements import (
+        retardation_mode as retardation_mode,
     )
     from .elements import (
         spring as spring,
@@ -37,29 +60,9 @@ if TYPE_CHECKING:
     from .elements import (
         springpot as springpot,
     )
-    from .forms import (
-        KELVIN_FORM as KELVIN_FORM,
-    )
-    from .forms import (
-        MAXWELL_FORM as MAXWELL_FORM,
-    )
-    from .forms import (
-        TIME_FORM as TIME_FORM,
-    )
-    from .forms import (
-        SearchForm as SearchForm,
-    )
-    from .forms import (
-        columns as columns,
-    )
-    from .forms import (
-        limits_form as limits_form,
-    )
-    from .forms import (
-        rows as rows,
-    )
-    from .formula import Formula as Formula
+    from .grammar import Formula as Formula
     from .hysteresis import smooth_hysteresis as smooth_hysteresis
+    from .hysteresis import yielding_spring as yielding_spring
     from .intime import Traced as Traced
     from .levels import (
         HELD as HELD,
@@ -67,6 +70,7 @@ if TYPE_CHECKING:
     from .levels import (
         Levels as Levels,
     )
+    from .levels import Own as Own
     from .levels import (
         free_factors as free_factors,
     )
@@ -75,24 +79,6 @@ if TYPE_CHECKING:
     )
     from .levels import (
         levels_of as levels_of,
-    )
-    from .linear import (
-        basset as basset,
-    )
-    from .linear import (
-        diffusion as diffusion,
-    )
-    from .linear import (
-        hysteretic as hysteretic,
-    )
-    from .linear import (
-        relaxation_mode as relaxation_mode,
-    )
-    from .linear import (
-        resonant_frame as resonant_frame,
-    )
-    from .linear import (
-        retardation_mode as retardation_mode,
     )
     from .model import Model as Model
     from .nodes import (
@@ -176,13 +162,14 @@ if TYPE_CHECKING:
     from .nonlinear import (
         thinning as thinning,
     )
-    from .own import Own as Own
     from .parameters import (
         AMPLITUDE as AMPLITUDE,
     )
     from .parameters import (
         FORCE as FORCE,
     )
+    from .parameters import KELVIN_FORM as KELVIN_FORM
+    from .parameters import MAXWELL_FORM as MAXWELL_FORM
     from .parameters import (
         PURE as PURE,
     )
@@ -195,6 +182,7 @@ if TYPE_CHECKING:
     from .parameters import (
         STIFFNESS as STIFFNESS,
     )
+    from .parameters import TIME_FORM as TIME_FORM
     from .parameters import (
         VISCOSITY as VISCOSITY,
     )
@@ -204,6 +192,9 @@ if TYPE_CHECKING:
     from .parameters import (
         Parameter as Parameter,
     )
+    from .parameters import SearchForm as SearchForm
+    from .parameters import columns as columns
+    from .parameters import limits_form as limits_form
     from .parameters import (
         order as order,
     )
@@ -213,6 +204,7 @@ if TYPE_CHECKING:
     from .parameters import (
         relaxation_time as relaxation_time,
     )
+    from .parameters import rows as rows
     from .parameters import (
         stiffness as stiffness,
     )
@@ -253,21 +245,6 @@ if TYPE_CHECKING:
         phase as phase,
     )
     from .spectrum import Spectrum as Spectrum
-    from .stages import (
-        Answered as Answered,
-    )
-    from .stages import (
-        StageLaw as StageLaw,
-    )
-    from .stages import (
-        on_clock as on_clock,
-    )
-    from .stages import (
-        on_loading as on_loading,
-    )
-    from .stages import (
-        on_response as on_response,
-    )
     from .thermal import (
         arrhenius as arrhenius,
     )
@@ -293,21 +270,24 @@ if TYPE_CHECKING:
         wlf as wlf,
     )
     from .typed import law as law
-    from .yielding import yielding_spring as yielding_spring
 
 __getattr__, __dir__ = offered(
     __name__,
     {
         "continuum": "Continuum",
         "drawing": "draw drawing_of",
-        "effect": "AppliesTo Effect InstrumentConstant Layer",
-        "elements": "dashpot FixedPower mass spring springpot",
-        "forms": "columns KELVIN_FORM limits_form MAXWELL_FORM rows SearchForm TIME_FORM",
-        "formula": "Formula",
-        "hysteresis": "smooth_hysteresis",
+        "effect": (
+            "Answered AppliesTo Effect InstrumentConstant Layer on_clock on_loading on_response "
+            "StageLaw"
+        ),
+        "elements": (
+            "basset dashpot diffusion FixedPower hysteretic mass relaxation_mode resonant_frame "
+            "retardation_mode spring springpot"
+        ),
+        "grammar": "Formula",
+        "hysteresis": "smooth_hysteresis yielding_spring",
         "intime": "Traced",
-        "levels": "free_factors free_vertical_factors HELD Levels levels_of",
-        "linear": "basset diffusion hysteretic relaxation_mode resonant_frame retardation_mode",
+        "levels": "free_factors free_vertical_factors HELD Levels levels_of Own",
         "model": "Model",
         "nodes": (
             "chain fixed_side_wave FULL GRADIENT Mapped moving_side_wave Node parallel Response "
@@ -318,20 +298,18 @@ __getattr__, __dir__ = offered(
             "cubic_spring damping_function elasto_sliding gapped_spring hardening_spring "
             "payne_softening play power_law_damper slip_film thinning"
         ),
-        "own": "Own",
         "parameters": (
-            "AMPLITUDE Dimension FORCE order Parameter PURE quasi_property RADIAN_PER_SECOND "
-            "relaxation_time SECOND STIFFNESS stiffness VISCOSITY viscosity"
+            "AMPLITUDE columns Dimension FORCE KELVIN_FORM limits_form MAXWELL_FORM order "
+            "Parameter PURE quasi_property RADIAN_PER_SECOND relaxation_time rows SearchForm "
+            "SECOND STIFFNESS stiffness TIME_FORM VISCOSITY viscosity"
         ),
         "points": "Complex KELVIN Points power_of_s Real",
         "signal": "clock delay filter_mismatch force_resonance gain phase",
         "spectrum": "Spectrum",
-        "stages": "Answered on_clock on_loading on_response StageLaw",
         "thermal": (
             "arrhenius entropic_spring heated heating steady_dashpot temperature_power "
             "thermal_dashpot wlf"
         ),
         "typed": "law",
-        "yielding": "yielding_spring",
     },
 )

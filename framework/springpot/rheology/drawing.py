@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from .continuum import Continuum
+from .effect import Stage
+from .levels import Own
 from .named import NamedNetwork
 from .nodes import Chain, Composition, Mapped, Node, Parallel, Renamed, Series, Shift
-from .own import Own
-from .stages import Stage
 
 SYMBOLS = {"spring": "╱╲╱╲╱", "dashpot": "━[┣━", "springpot": "◇", "mass": "█"}
 """Middle of the wire for each kind of element; any other kind is written out in a box."""

@@ -421,7 +421,7 @@ def network_of(model: NamedNetwork, inside: list[Placed]) -> tuple[Node, list[in
 
 def _reduced_time(t: Real, log_shift: Any) -> Any:
     """Integral of dt / a_T, ln a_T being linear between samples."""
-    from .recursion import mean_of_exponential
+    from .terms import mean_of_exponential
 
     # In closed form: the trapezoidal rule errs where a_T changes by decades within a step.
     pace = mean_of_exponential(-log_shift[:-1], -log_shift[1:])

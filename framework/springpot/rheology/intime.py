@@ -19,8 +19,8 @@ from ..numerics import ALIKE
 from .nodes import FULL, Node
 from .points import HALF_PI, Points, Real
 from .rational import inside, settled
-from .recursion import Modes, driven
 from .spectrum import Slopes, Spectrum, Sum, summed
+from .terms import Modes, driven
 
 FAR = 300.0
 """Logarithm of a frequency at which a stiffness has come to its limit: 130 decades from one."""

@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from .points import Real
-from .recursion import driven
+from .terms import driven
 
 Law: TypeAlias = tuple[Any, tuple[Any, ...]]
 

@@ -298,3 +298,6 @@ class Family:
         if number is None:
             return None
         return self.build(number)
+
+
+# The maps are functions of the module, so that a fit of a model that has one can be pickled.

@@ -19,17 +19,26 @@ from numpy.typing import NDArray
 from springpot.errors import ModelError
 
 from ..numerics import ALIKE
-from .effect import Effect, Layer, Test
+from .effect import Effect, Layer, Test, find_effect
 from .elements import KnownMass
-from .forms import SearchForm
-from .holding import Bounds, Fixed, Held, hold
-from .levels import Levels
-from .lookup import find_effect
+from .levels import Levels, Own, own_of, owned
 from .nodes import FULL, GRADIENT, VALUE, Node, Response, Scaled, parallel
-from .own import Own, own_of, owned
-from .parameters import HasParameters, Parameter
+from .parameters import HasParameters, Parameter, SearchForm
 from .points import HALF_PI, ROOM, Complex, Points, Real
-from .tied import Follower, Tied, followers, part_of, started, tied, ties_in, untied
+from .tied import (
+    Bounds,
+    Fixed,
+    Follower,
+    Held,
+    Tied,
+    followers,
+    hold,
+    part_of,
+    started,
+    tied,
+    ties_in,
+    untied,
+)
 
 _GRID = np.meshgrid(np.log(np.geomspace(0.1, 10.0, 5)), [0.5, 2.0], [280.0, 300.0], indexing="ij")
 _POINTS = Points(_GRID[0].ravel(), _GRID[1].ravel(), _GRID[2].ravel(), ROOM)

@@ -23,7 +23,8 @@ from typing import Any
 import numpy as np
 
 from ..numerics import ALIKE, MOST_STEPS
-from .formula import Formula
+from .elements import RADIAN
+from .grammar import Formula
 from .laws import cubic_dashpot as cubic_dashpot_law
 from .laws import cubic_spring as cubic_spring_law
 from .laws import dead_zone as dead_zone_law
@@ -31,7 +32,6 @@ from .laws import friction as friction_law
 from .laws import jenkins as jenkins_law
 from .laws import jenkins_step
 from .laws import power_law as power_law_law
-from .linear import RADIAN
 from .nodes import GRADIENT, VALUE, Composing, Composition, Response, Series
 from .parameters import AMPLITUDE, FORCE, PURE, Dimension, Parameter, stiffness
 from .points import Complex, Points, Real

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from .continuum import Continuum
 from .elements import FixedPower
-from .formula import Formula
+from .grammar import Formula
 from .nodes import GRADIENT, Chain, Mapped, Node, Parallel, Renamed, Scaled, Series, Shift
 from .points import Points, Real
 

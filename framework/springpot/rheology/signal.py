@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from .formula import Formula
+from .elements import DAMPING_RATIO, RADIAN, delay_time, resonance
+from .grammar import Formula
 from .laws import delay as delay_law
 from .laws import gain as gain_law
 from .laws import one_filter as one_filter_law
-from .linear import DAMPING_RATIO, RADIAN, delay_time, resonance
 from .parameters import PURE, Parameter
 from .points import Points
 

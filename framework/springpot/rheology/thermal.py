@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..numerics import DECADE
-from .formula import Formula
+from .grammar import Formula
 from .nodes import FULL, GRADIENT, VALUE, Composing, Composition, Response, Shift
 from .parameters import PURE, Dimension, Parameter, stiffness, viscosity
 from .points import GAS_CONSTANT, LARGEST_SHIFT, Points, Real

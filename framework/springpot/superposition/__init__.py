@@ -8,12 +8,12 @@ from springpot.lazy import offered
 
 if TYPE_CHECKING:
     from .curve import MasterCurve as MasterCurve
-    from .words import level_of as level_of
+    from .laws import level_of as level_of
 
 __getattr__, __dir__ = offered(
     __name__,
     {
         "curve": "MasterCurve",
-        "words": "level_of",
+        "laws": "level_of",
     },
 )

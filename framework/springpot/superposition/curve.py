@@ -15,13 +15,17 @@ from springpot.drawing import draw, html_of, text_of
 from springpot.errors import DataError
 from springpot.format_numbers import number
 from springpot.identification.allowed_shifts import Allowed, allowed_shifts
-from springpot.identification.free_factors import FactorRows, Factors, factors_of, told_by_data
+from springpot.identification.free_factors import (
+    FactorRows,
+    Factors,
+    factors_of,
+    superposed_fit,
+    told_by_data,
+)
 from springpot.identification.known_factors import KnownFactors, interval_of, known_factors
-from springpot.identification.level_weights import weighing_of
-from springpot.identification.levels_alone import Alone
+from springpot.identification.levels_alone import Alone, weighing_of
 from springpot.identification.native import Fit
 from springpot.identification.problem import Objective, default_objective
-from springpot.identification.superposed_fit import superposed_fit
 from springpot.measurement.independence import at_one_frequency
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.timetest import TimeTest
@@ -32,11 +36,8 @@ from springpot.rheology.model import Model
 from springpot.rheology.nodes import chain, shift
 from springpot.rheology.points import KELVIN, Complex, Real
 
-from .after_steps import after_steps, by_one_number
-from .direct import Direct
-from .laws import LawFit, judged_laws, slower_when_hot
+from .laws import Direct, LawFit, after_steps, by_one_number, judged_laws, slower_when_hot, unit_of
 from .simplicity import Simplicity, simplicity
-from .words import unit_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

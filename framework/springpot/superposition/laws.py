@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import inf
 from typing import Any, Literal, NamedTuple, TypeAlias
@@ -12,11 +13,22 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from springpot.distributions import chi2_sf, normal_sf, student
+from springpot.errors import DataError, OptionError
 from springpot.identification.allowed_shifts import Allowed
-from springpot.identification.free_factors import Factors
-from springpot.rheology.formula import Formula
+from springpot.identification.free_factors import Factors, superposed_fit
+from springpot.identification.held_material import intervals_beside_material
+from springpot.identification.problem import Objective
+from springpot.identification.uncertainty import Uncertainty
+from springpot.measurement.measurement import Measurement
+from springpot.measurement.timetest import TimeTest
+from springpot.measurement.units import TEMPERATURE_UNITS, normal_unit, temperature_in_celsius
+from springpot.rheology.continuum import Compliance, Continuum, Relaxation
+from springpot.rheology.effect import Effect, Layer
+from springpot.rheology.grammar import Formula
+from springpot.rheology.model import Model
+from springpot.rheology.nodes import shift
 from springpot.rheology.parameters import Parameter
-from springpot.rheology.points import KELVIN, Points, Real
+from springpot.rheology.points import KELVIN, Complex, Points, Real
 from springpot.rheology.thermal import arrhenius, temperature_power, vogel, wlf
 from springpot.thresholds import INTERVAL, SUPERPOSITION
 
@@ -398,3 +410,176 @@ def _starts(low: Real, high: Real) -> list[Real]:
     # By factors: nobody knows in which decade of its range the parameter lies.
     near = np.geomspace(0.02, 0.9, TRIES // 3)
     return [np.array([first, low[1] + share * (high[1] - low[1])]) for share in near]
+
+
+@dataclass(frozen=True, eq=False)
+class Direct:
+    """The data to which laws are fitted, and what stands beside them.
+
+    Attributes
+    ----------
+    measurement : Measurement
+        All sweeps, with the temperature of reference.
+    weighing : Objective
+        How points weigh.
+    unfitted : Continuum
+        Any material, as these data show it.
+    upwards : Effect, optional
+        Free vertical factors.
+    unit : float, optional
+        Variance of a weighted residual, by which vertical factors are weighed against what is
+        expected of them.
+    """
+
+    measurement: Measurement
+    weighing: Objective
+    unfitted: Continuum
+    upwards: Effect | None = None
+    unit: float | None = None
+
+    def __call__(self, element: Formula) -> tuple[Real, Real, Real]:
+        """A law's parameters (k,), and the ends of their 95 % intervals."""
+        law = Effect("law", shift, element, "a law", Layer.TEMPERATURE)
+        model = Model("material", self.unfitted, effects=(law,))
+        if self.upwards is not None:
+            model = model + self.upwards
+        best = superposed_fit(model, self.measurement, self.weighing, unit=self.unit)
+        low, high = intervals_beside_material(Uncertainty.of(best))
+        first = len(best.model.material.parameters)
+        own = slice(first, first + len(element.parameters))
+        return best.theta[own], low[own], high[own]
+
+
+SHOWN = {"relaxation": Relaxation(), "creep": Compliance()}
+"""Any material, as tests of each kind show it."""
+PER_DECADE = 20
+"""Points of a decade of time: a spectrum changes little from one to the next (a factor of 1.12)."""
+
+
+class AfterSteps(NamedTuple):
+    """Tests as one set of points.
+
+    Attributes
+    ----------
+    unfitted : Continuum
+        Any material, as these tests show it.
+    points : Measurement
+        Moduli or compliances at 1 / t, with the temperature of each.
+    """
+
+    unfitted: Continuum
+    points: Measurement
+
+
+def after_steps(tests: Sequence[TimeTest]) -> AfterSteps:
+    """What all tests show at 1 / t, with the temperature of each sample.
+
+    The time counts from the middle of the step, as after a ramp the answer is that of a sudden step
+    there (L. J. Zapas and J. C. Phillips, 1971, J. Res. NBS 75A, 33). Of samples that lie closer
+    than twenty to a decade the mean is taken.
+
+    Parameters
+    ----------
+    tests : sequence of TimeTest
+        Relaxations or creep, each at one temperature.
+
+    Raises
+    ------
+    DataError
+        If a test is of another kind than these or than the first, its temperature is not known, or
+        what it shows is not positive.
+    """
+    kind = tests[0].kind
+    columns = [_shown(test.in_units(tests[0].units), kind) for test in tests]
+    rates, values, celsius = (np.concatenate(column) for column in zip(*columns, strict=True))
+    points = Measurement(
+        rates,
+        values.astype(np.complex128),
+        conditions={"temperature": celsius},
+        units=tests[0].units,
+        name=" + ".join(dict.fromkeys(test.name.partition("#")[0] for test in tests)),
+        provenance=tests[0].provenance,
+    )
+    return AfterSteps(SHOWN[kind], points)
+
+
+def _shown(test: TimeTest, kind: str) -> tuple[Real, Real, Real]:
+    """One over time, what was read after the step, and the temperature (n,)."""
+    if test.kind not in SHOWN or test.kind != kind:
+        raise DataError(
+            f"{test.name}: a master curve is made of sweeps, of relaxations or of creep, all alike,"
+            f" and this is a test of {test.kind}"
+        )
+    if test.temperature is None:
+        raise DataError(
+            f"{test.name}: a master curve needs the temperature: add a column, or open it as"
+            f" '{test.name}?temperature=25[degC]'"
+        )
+    clock = test.time - test.start
+    seen = clock > test.rise
+    values = test.response[seen] / test.loading.value[-1]
+    if not len(values) or np.any(values <= 0.0):
+        raise DataError(
+            f"{test.name}: what it shows is not positive after the step: leave such samples out"
+        )
+    log_rates = -np.log(clock[seen] - 0.5 * test.rise)
+    bins = np.unique(np.floor(log_rates * PER_DECADE / np.log(10.0)), return_inverse=True)[1]
+    count = np.bincount(bins)
+    rates = np.exp(np.bincount(bins, log_rates) / count)
+    return rates, np.bincount(bins, values) / count, np.full(len(count), test.temperature)
+
+
+def by_one_number(objective: Objective) -> Objective:
+    """An objective for data that are one number at each point, and have no loss."""
+
+    def weights(measurement: Measurement) -> Complex:
+        return np.asarray(objective.weighing(measurement).real, dtype=np.complex128)
+
+    return Objective(objective.name, objective.summary, weights, objective.logarithmic)
+
+
+_LEVEL = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
+
+
+def unit_of(column: str) -> str:
+    """Unit in which levels of a column are told; the data do not say that of others."""
+    # Of other columns the data tell no unit.
+    if column != "temperature":
+        return ""
+    return "degC"
+
+
+def level_of(text: str, column: str = "temperature") -> float:
+    """The level that a text such as ``25degC``, ``298.15K`` or ``0.5`` names; temperatures in degC.
+
+    Raises
+    ------
+    OptionError
+        If it is no number, or has a unit that the column does not have.
+
+    Examples
+    --------
+    >>> from springpot.superposition import level_of
+    >>> level_of("298.15K"), level_of("0.5", "humidity")
+    (25.0, 0.5)
+    """
+    parts = _LEVEL.fullmatch(text)
+    if parts is None:
+        raise OptionError(
+            f"reference '{text}' is no number: write a level such as {_example(column)}"
+        )
+    value, unit = float(parts[1]), parts[2]
+    if not unit:
+        return value
+    if column != "temperature":
+        raise OptionError(f"reference '{text}': {column} has no unit here; write the number only")
+    known = normal_unit(unit)
+    if known not in TEMPERATURE_UNITS:
+        raise OptionError(f"reference '{text}': unknown unit '{unit}'; write degC, K or degF")
+    return temperature_in_celsius(value, known)
+
+
+def _example(column: str) -> str:
+    if column == "temperature":
+        return "25degC"
+    return "0.5"

@@ -24,10 +24,9 @@ from springpot.measurement.units import Units
 from springpot.processes import Ended, can_copy, elsewhere
 from springpot.rheology.continuum import Continuum
 from springpot.rheology.elements import spring, springpot
-from springpot.rheology.forms import MAXWELL_FORM
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import FULL, parallel, series
-from springpot.rheology.parameters import Parameter
+from springpot.rheology.parameters import MAXWELL_FORM, Parameter
 from springpot.rheology.points import Points, Real, power_of_s
 
 DEADLINE = 120.0

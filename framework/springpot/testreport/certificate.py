@@ -13,9 +13,9 @@ from springpot.errors import OutputError
 from springpot.files import write_text
 from springpot.format_numbers import number
 from springpot.markup import Html, table, tag
-from springpot.report.numbers import with_interval
 from springpot.report.residuals import framed
 from springpot.report.style import page
+from springpot.report.text import with_interval
 from springpot.versions import versions
 
 from .code import TestCode

@@ -17,8 +17,8 @@ import numpy as np
 from springpot.diagnosis.in_practice import Accuracy, in_practice
 from springpot.diagnosis.result import Diagnosis
 from springpot.errors import SpringpotError
+from springpot.identification.held_material import within_material
 from springpot.identification.material import is_material
-from springpot.identification.passive import within_material
 from springpot.identification.result import Identification
 from springpot.measurement.timenoise import noise_of
 from springpot.measurement.timetest import TimeTest

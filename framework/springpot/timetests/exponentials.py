@@ -21,13 +21,13 @@ from numpy.typing import NDArray
 from springpot.errors import ModelError
 from springpot.measurement.followed import Record
 from springpot.measurement.imposed import Loading
+from springpot.rheology.effect import on_clock, on_loading
 from springpot.rheology.history import network_of, sorted_out, with_laws
 from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model
 from springpot.rheology.named import Placed
 from springpot.rheology.nodes import GRADIENT, Response
 from springpot.rheology.points import Complex, Points, Real
-from springpot.rheology.stages import on_clock, on_loading
 
 from ..numerics import ALIKE
 from .recording import Clock, at_stage, indices, reached, shown, spread

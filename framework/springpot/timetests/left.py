@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from springpot.identification.part_result import PartResult
+from springpot.identification.value import PartResult
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 

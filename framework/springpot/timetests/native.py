@@ -16,9 +16,9 @@ from springpot.identification.coordinates import Coordinates
 from springpot.identification.fitting import NATIVE
 from springpot.identification.leastsquares import Rows, Solution, levenberg_marquardt
 from springpot.identification.material import is_material
-from springpot.identification.part_result import PartResult, spare
 from springpot.identification.result import Identification
 from springpot.identification.uncertainty import ends, spread_of
+from springpot.identification.value import PartResult, spare
 from springpot.measurement.covered import Covered
 from springpot.measurement.units import Units, one_modulus
 from springpot.rheology.model import Model

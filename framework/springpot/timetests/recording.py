@@ -18,13 +18,13 @@ from springpot.errors import ModelError
 from springpot.measurement.followed import Record
 from springpot.measurement.imposed import Loading
 from springpot.measurement.timetest import TimeTest
+from springpot.rheology.effect import acting, on_clock, on_loading, on_response
 from springpot.rheology.history import InTime
 from springpot.rheology.intime import Traced
 from springpot.rheology.model import Model
 from springpot.rheology.named import Placed
 from springpot.rheology.nodes import Composing, Node
 from springpot.rheology.points import KELVIN, ROOM, Real
-from springpot.rheology.stages import acting, on_clock, on_loading, on_response
 
 from ..numerics import NEGLIGIBLE, ROUNDING
 

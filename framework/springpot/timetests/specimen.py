@@ -16,11 +16,10 @@ from springpot.identification.space import require_columns, require_effects
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test
 from springpot.measurement.timetest import TimeTest
-from springpot.rheology.effect import ALL, SWEEPS, Effect, Layer
+from springpot.rheology.effect import ALL, SWEEPS, Effect, Layer, StageLaw
 from springpot.rheology.model import Model
 from springpot.rheology.parameters import Parameter
 from springpot.rheology.points import KELVIN, ROOM, Real
-from springpot.rheology.stages import StageLaw
 
 from .residuals_of_tests import TestPart, part_of, reach_of
 

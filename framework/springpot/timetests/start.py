@@ -18,7 +18,7 @@ from springpot.rheology.effect import ALL
 from springpot.rheology.intime import acceleration
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
-from springpot.rheology.recursion import Modes, driven
+from springpot.rheology.terms import Modes, driven
 
 PER_DECADE = 2
 """Exponentials a decade: half a per cent of a springpot, enough for a start."""

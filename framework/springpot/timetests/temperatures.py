@@ -20,7 +20,7 @@ from springpot.measurement.timetest import TimeTest
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import KELVIN, Points, Real
-from springpot.superposition.after_steps import SHOWN, after_steps, by_one_number
+from springpot.superposition.laws import SHOWN, after_steps, by_one_number
 
 from .residuals_of_tests import TestPart
 

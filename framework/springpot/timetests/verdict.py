@@ -16,9 +16,8 @@ from springpot.diagnosis.evidence import chances_of, log_prior_of_one, size_of_l
 from springpot.diagnosis.in_practice import Misfit
 from springpot.diagnosis.result import Candidate, Diagnosis, EffectVerdict, Verdict
 from springpot.diagnosis.verdict import Facts, rule_for
-from springpot.identification.part_result import AGREE, PartResult
 from springpot.identification.result import Identification
-from springpot.identification.value import Value
+from springpot.identification.value import AGREE, PartResult, Value
 from springpot.measurement.sign import said_of_sign, turned
 from springpot.measurement.timetest import TimeTest
 from springpot.misfit.error import Error

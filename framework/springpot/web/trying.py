@@ -25,9 +25,9 @@ from springpot.report.interactive.hypotheses import Preview
 from springpot.report.interactive.in_time import TimeScene
 from springpot.report.interactive.scene import PageScene
 from springpot.rheology.effect import Effect
-from springpot.rheology.holding import allowed
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
+from springpot.rheology.tied import allowed
 from springpot.rheology.typed import law
 
 from .sessions import LONGEST_NAME, State, kept

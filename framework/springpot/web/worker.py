@@ -23,7 +23,7 @@ def main() -> None:
 
     from springpot.limits import own_process
     from springpot.registry import plugins
-    from springpot.report.jsontext import to_json
+    from springpot.report.text import to_json
 
     from .tasks import perform
 

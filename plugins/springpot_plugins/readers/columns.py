@@ -29,9 +29,9 @@ from springpot.measurement import (
 from springpot.measurement.exchange import NOTE as EXCHANGED
 from springpot.measurement.exchange import exchange_note
 from springpot.measurement.mixed_tests import runs_together
+from springpot.measurement.replicates import NOTE as AGAIN
+from springpot.measurement.replicates import again_note
 from springpot.measurement.sign import NOTE as SIGN
-from springpot.measurement.unnumbered_repeats import NOTE as AGAIN
-from springpot.measurement.unnumbered_repeats import again_note
 from springpot.rheology import Complex, Real
 
 from .moduli import letter_of

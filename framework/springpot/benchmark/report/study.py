@@ -16,9 +16,9 @@ from springpot.benchmark.summary import CellSummary, ProblemRow, store_path
 from springpot.files import write_text
 from springpot.format_numbers import counted, number
 from springpot.markup import Html, joined, table, tag
-from springpot.report.numbers import seconds
 from springpot.report.style import page
 from springpot.report.tables import Table, text
+from springpot.report.text import seconds
 
 from ...format_numbers import NAMED
 from .fairness import fairness

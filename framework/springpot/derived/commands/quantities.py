@@ -58,7 +58,7 @@ def command(
     from springpot.derived import quantities
     from springpot.derived.quantity import told
     from springpot.files import require_writable, write_text
-    from springpot.report.value_table import require_ending, write_values
+    from springpot.report.tables import require_ending, write_values
 
     if as_csv and as_json:
         raise click.UsageError("give --csv or --json, not both", click.get_current_context())

@@ -17,7 +17,7 @@ from typing import Any
 
 from springpot.markup import Html, tag
 
-from ..jsontext import to_json
+from ..text import to_json
 
 
 def assets_in(package: str, folder: str) -> dict[str, bytes]:

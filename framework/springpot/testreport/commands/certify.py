@@ -56,8 +56,7 @@ def _show(certificate: Certificate, output: Path | None) -> None:
     import numpy as np
 
     from springpot.format_numbers import number
-    from springpot.report.numbers import with_interval
-    from springpot.report.text import TextTable
+    from springpot.report.text import TextTable, with_interval
     from springpot.testreport.deciding import chance
 
     print(f"{certificate.code.name}: {certificate.says}")

@@ -79,7 +79,7 @@ def command(
 
 
 def _show(report: CycleReport, output: Path | None, figure: Path | None) -> None:
-    from springpot.report.numbers import with_interval
+    from springpot.report.text import with_interval
 
     for test in report.tests:
         table_of(test).show()
@@ -99,8 +99,7 @@ def _show(report: CycleReport, output: Path | None, figure: Path | None) -> None
 def table_of(test: EvaluatedTest) -> TextTable:
     """Quantities down, the mean and the cycles across: as many numbers as can be read."""
     from springpot.format_numbers import counted
-    from springpot.report.numbers import with_interval
-    from springpot.report.text import TextTable
+    from springpot.report.text import TextTable, with_interval
     from springpot.testreport.quantities import BY_NAME
 
     numbers = [cycle.number for cycle in test.cycles]
@@ -131,7 +130,7 @@ def table_of(test: EvaluatedTest) -> TextTable:
 
 def law_text(law: VelocityLaw) -> str:
     """One line of the law of several speeds."""
-    from springpot.report.numbers import with_interval
+    from springpot.report.text import with_interval
 
     told = law.to_dict()
     parts = []
