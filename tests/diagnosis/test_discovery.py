@@ -1,5 +1,6 @@
 """Effects found one after the other: two that hide each other, what to drop again, when to stop."""
 
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise, permutations
 
@@ -204,3 +205,16 @@ def test_steps_tell_parameters_with_intervals():
     assert mass["low"] < mass["value"] < mass["high"]
     assert mass["value"] == pytest.approx(0.22, rel=0.2)
     assert np.isfinite([mass["low"], mass["high"]]).all()
+
+
+def test_the_first_of_a_class_goes_in_only_if_it_is_likelier_than_all_the_others():
+    """A delay has two rarer rivals at low frequencies, and here one that is as common as it."""
+    at, model = np.geomspace(0.1, 100.0, 30), springpot.parse_model("fractional-kelvin")
+    scatter = np.random.default_rng(2).normal(size=(2, 30))
+    stiffness = model.stiffness([10.0, 5.0, 0.4], at) * np.exp(6e-4j * at)
+    data = springpot.Measurement(at, stiffness * (1.0 + 0.005 * (scatter[0] + 1j * scatter[1])))
+    assert accepted(springpot.discover(data, model)) == ["time-delay"]
+    again = replace(springpot.plugins().effect("time-delay"), name="late-channel")
+    ladder = springpot.discover(data, model, effects=[again])
+    assert {"time-delay", "late-channel"} <= set(ladder.diagnosis.leading)
+    assert (accepted(ladder), ladder.verdict) == ([], "effect-missing")

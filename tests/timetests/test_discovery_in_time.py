@@ -41,6 +41,19 @@ def test_a_record_with_a_mass_and_friction_names_both():
     )
 
 
+def test_of_effects_that_a_record_cannot_tell_apart_none_goes_in():
+    model, t = parse_model("zener + relaxation-mode"), np.geomspace(0.01, 100.0, 60)
+    sizes = {"relaxation-mode.k": 10.0, "relaxation-mode.tau": 20.0}
+    exact = model.relaxation(model.theta(k1=10.0, k2=20.0, c=20.0, **sizes), t)
+    noise = 0.1 * np.random.default_rng(1).normal(size=60)
+    test = TimeTest.of_relaxation(t, exact + noise, "kPa")
+    twins = [plugins().effect(name) for name in ("relaxation-mode", "retardation-mode")]
+    both, one = discover([test], "zener", twins), discover([test], "zener", twins[:1])
+    assert [step.accepted for step in both.steps] == [None]
+    assert set(both.diagnosis.leading) == {"relaxation-mode", "retardation-mode"}
+    assert [step.accepted for step in one.steps] == [None, "relaxation-mode"]
+
+
 @pytest.fixture(scope="module")
 def drifting():
     """A relaxation on a transducer whose zero drifts."""

@@ -5,8 +5,8 @@ import pytest
 
 from springpot.measurement import TimeTest
 from springpot.registry import parse_model, plugins
-from springpot.timetests import identify
-from springpot.timetests.material import with_rates
+from springpot.timetests import fitting, identify
+from springpot.timetests.material import spectral, with_rates
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 from springpot.timetests.together import Together, is_material_alone
 
@@ -58,3 +58,12 @@ def test_a_test_at_one_temperature_is_missed_alone_as_by_any_material():
     for test, row in zip(tests, fit.tests, strict=True):
         alone = identify(test, parse_model("material")).tests[0]
         assert row.over_floor_alone == pytest.approx(alone.over_floor_alone, rel=0.05)
+
+
+def test_what_any_material_follows_to_its_noise_is_not_searched_once_more(monkeypatch):
+    searched = []
+    monkeypatch.setattr(fitting, "spectral", lambda *a: searched.append(a[1]) or spectral(*a))
+    tests = relaxations()
+    fit = identify(tests, parse_model("material + wlf-shift + force-drift"))
+    assert [len(parts) for parts in searched] == [3]
+    assert all(row.over_floor_alone < 1.5 for row in fit.tests)

@@ -523,6 +523,10 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
     # What changes with time is mended by no effect, however much of it one takes.
     if case.course is not None:
         return None
+    # Where several others may be missing together in its place, or a cause that goes with what was
+    # not varied by itself, nobody could decide.
+    if case.evidence.instead or case.naming.confounded:
+        return None
     # Factors without a law do better than what heads the table: whether they are physics only a
     # user knows.
     named = [candidate.effect for candidate in candidates]
@@ -531,6 +535,9 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
     if case.naming.alarm > VERDICT.accepted or case.naming.gain < SEARCH.decisive:
         return None
     first = _first_named(case.diagnosis)
+    # Of a class that the data cannot tell apart only what is likelier than all the others goes in.
+    if len(first.alike) > 1 and first.probability < VERDICT.likely:
+        return None
     # Where the evidence prefers what has no name, an effect goes in unasked only if it takes most
     # of the error.
     little = not first.error_after <= VERDICT.takes_most * case.diagnosis.error.relative_rms

@@ -85,16 +85,16 @@ class TimeRungs:
         return examine(self.tests, model, self.effects, accuracy=self.accuracy)
 
     def wanted(self, steps: Sequence[Step], refused: Container[str]) -> Effect | None:
-        """The first of the class that the evidence asks for; the others would fit as well.
+        """The effect that the evidence asks for, if it is the only one that does what it does.
 
-        Also where the verdict is unexplained: an effect that helps beyond doubt may be one of
-        several.
+        Of a class whose members the tests cannot tell apart the first is not proved: a user or
+        another test decides. Also where the verdict is unexplained: an effect that helps beyond
+        doubt may be one of several.
         """
-        named = [name for name in steps[-1].diagnosis.leading if name not in refused]
-        known = {effect.name: effect for effect in self.effects}
-        if not named:
+        leading = steps[-1].diagnosis.leading
+        if len(leading) != 1 or leading[0] in refused:
             return None
-        return known[named[0]]
+        return next(effect for effect in self.effects if effect.name == leading[0])
 
     def settled(self, steps: list[Step], progress: Progress) -> list[Step]:
         """All of them."""

@@ -434,9 +434,11 @@ def _of_material(
         return search, search.coordinates.u(found.theta, search.size)
 
     def alone_in(part: TestPart) -> tuple[TimeSearch, Real, int]:
-        # What it has of the model is some other material: its convex form is the answer.
-        if part.convex and is_material_alone(model, part):
-            return *_by_lines(part, reference), 0
+        if part.convex:
+            # What it has of the model is some other material, or no more is needed to follow it.
+            search, u = _by_lines(part, reference)
+            if is_material_alone(model, part) or search.scale(part, u) == 1.0:
+                return search, u, 0
         found = spectral(model, [part], reference, coordinates, own)
         return *fitted(found), found.evaluations
 
