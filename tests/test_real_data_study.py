@@ -98,8 +98,26 @@ def test_without_a_model_a_set_is_settled_near_the_floor_or_with_a_named_cause()
     assert found == [True, False, True, True, False]
     assert without_model.cause(effect) == "inertia or basset"
     goal = without_model.table([near, far, effect, chain]).rows[-1]
-    assert goal[-1] == "3 of 4: not met"
-    assert without_model.table([near] * 12).rows[-1][-1] == "12 of 12: met"
+    assert goal[-3] == "3 of 4: not met"
+    assert without_model.table([near] * 12).rows[-1][-3] == "12 of 12: met"
+
+
+@pytest.mark.parametrize(
+    ("verdict", "accepted", "missing", "notes", "word"),
+    [
+        ("unexplained", ["payne"], [], [], "right"),
+        ("effect-missing", [], ["friction", "payne"], [], "right"),
+        ("effect-missing", ["payne"], ["inertia"], [], "confidently wrong"),
+        ("unexplained", ["friction"], [], [], "confidently wrong"),
+        ("adequate", [], [], [], "confidently wrong"),
+        ("unexplained", [], [], ["payne would explain the data as well"], "defensible"),
+        ("unexplained", [], [], [], "hedged"),
+    ],
+)
+def test_a_set_is_judged_by_what_is_true_of_it(verdict, accepted, missing, notes, word):
+    one = told(verdict, 0.05, missing, notes) | {"set": "elastomer"}
+    one["steps"] += [one["steps"][0] | {"accepted": name, "class": [name]} for name in accepted]
+    assert without_model.judged(one) == word
 
 
 def test_absent_sets_are_one_line_each(nowhere, capsys, tmp_path):

@@ -19,6 +19,14 @@ from springpot.errors import DataError
 SHARED = Path(__file__).resolve().parents[3] / "shared" / "data"
 
 
+COMPLETE = ("adequate", "small in practice", "it is little")
+"""What is said where a linear material is all that there is."""
+SHIFTED = ("wlf-shift", "arrhenius-shift", "free-shift", "vertical-shift")
+RUBBER = ("payne", "strain-softening")
+YIELDING = ("friction", "elasto-sliding", "smooth-hysteresis", "yielding", "power-law-damper")
+INSTRUMENT = ("phase-error", "time-delay", "filter-mismatch", "series-spring")
+
+
 @dataclass(frozen=True)
 class RealSet:
     """One set and one question to it.
@@ -39,6 +47,8 @@ class RealSet:
         A label and how it begins in the rows that are meant, where several values of it are.
     accept : tuple of str
         Effects that the last model is also given in this order, where the literature names them.
+    true : tuple of str
+        Effects, or words of a headline, that an expert would name where no model is given.
     drawn : bool
         Whether there is a picture; against frequency two strain sweeps are only clouds.
     """
@@ -50,6 +60,7 @@ class RealSet:
     question: str
     rows: tuple[str, str] | None = None
     accept: tuple[str, ...] = ()
+    true: tuple[str, ...] = ()
     drawn: bool = True
 
     @property
@@ -67,6 +78,7 @@ SETS = (
         " vertical shift",
         "is the shift missed, and is it NIST's?",
         accept=("wlf-shift", "vertical-shift"),
+        true=SHIFTED,
     ),
     RealSet(
         "bitumen-58",
@@ -74,6 +86,7 @@ SETS = (
         ("fractional-maxwell", "fractional-maxwell-ab"),
         "bitumen, three specimens; fractional models are the customary ones",
         "is the fractional Maxwell model adequate?",
+        true=COMPLETE,
     ),
     RealSet(
         "bitumen-82",
@@ -81,6 +94,7 @@ SETS = (
         ("fractional-maxwell", "fractional-maxwell-ab"),
         "bitumen, three specimens; fractional models are the customary ones",
         "is the fractional Maxwell model adequate?",
+        true=COMPLETE,
     ),
     RealSet(
         "bitumen-all",
@@ -89,6 +103,7 @@ SETS = (
         "seven temperatures, shifted in practice by WLF",
         "is the temperature found, and is anything left?",
         accept=("wlf-shift",),
+        true=SHIFTED,
     ),
     RealSet(
         "elastomer",
@@ -98,6 +113,7 @@ SETS = (
         "is the amplitude found?",
         rows=("run", "sd_"),
         drawn=False,
+        true=RUBBER,
     ),
     RealSet(
         "elastomer-10hz",
@@ -105,6 +121,7 @@ SETS = (
         ("springpot",),
         "Payne effect of a filled rubber",
         "can it be named from one frequency?",
+        true=RUBBER,
     ),
     RealSet(
         "polyisoprene",
@@ -113,6 +130,7 @@ SETS = (
         "melt with WLF constants C1 = 8.772 (log10), C2 = 79.03 K at -35 degC and a small vertical"
         " shift",
         "is the temperature found, and is it the published WLF?",
+        true=SHIFTED,
     ),
     RealSet(
         "tape-cold",
@@ -120,6 +138,7 @@ SETS = (
         ("fractional-kelvin", "fractional-zener"),
         "compliance or phase error of the instrument: the loss turns negative above 60 rad/s",
         "is the artefact found and named?",
+        true=INSTRUMENT,
     ),
     RealSet(
         "tape-warm",
@@ -127,6 +146,7 @@ SETS = (
         ("fractional-kelvin", "fractional-zener"),
         "the same tape far from the instrument's limit",
         "is nothing of the kind found here?",
+        true=COMPLETE,
     ),
     RealSet(
         "tape-all",
@@ -135,6 +155,7 @@ SETS = (
         "thermorheologically simple to first order; compliance at the cold end",
         "are shift and compliance told apart?",
         accept=("wlf-shift",),
+        true=SHIFTED,
     ),
     RealSet(
         "friction-damper",
@@ -142,6 +163,7 @@ SETS = (
         ("kelvin",),
         "Coulomb friction with backlash",
         "from time signals to friction: is it found, and how large is the force?",
+        true=YIELDING,
     ),
     *(
         RealSet(
@@ -150,6 +172,7 @@ SETS = (
             ("kelvin",),
             "a yield force that grows with the current, beside seal friction and shear thinning",
             "is the yield force found, and does it grow?",
+            true=(*YIELDING, "shear-thinning", "power-law-slip"),
         )
         for current in ("0", "0.5", "1")
     ),
@@ -159,6 +182,7 @@ SETS = (
         ("fractional-maxwell", "maxwell-2", "maxwell"),
         "nearly one Maxwell element, with a small departure at high frequency",
         "is anything invented?",
+        true=COMPLETE,
     ),
     RealSet(
         "soft-solid",
@@ -166,6 +190,7 @@ SETS = (
         ("fractional-kelvin",),
         "inertia of the instrument: the loss is negative at 628 rad/s",
         "is the artefact found and named?",
+        true=("inertia", "specimen-inertia"),
     ),
 )
 

@@ -17,6 +17,9 @@ from springpot.errors import SpringpotError
 from springpot.files import write_text
 from springpot.report.tables import Entry
 
+from .sets import COMPLETE
+from .without_model import counted
+
 UNSEEN = Path(__file__).resolve().parents[3] / "shared" / "unseen"
 ANSWERS = Path("answers") / "unseen.json"
 COLUMNS = (
@@ -25,7 +28,8 @@ COLUMNS = (
 )
 NOTE = (
     "Judged by a rule: right, where the first name is one of those that are true of the file, or"
-    " the verdict says so; defensible, where such a one explains or helps; confidently wrong, where"
+    " the verdict says so; defensible, where such a one explains or helps, or a note says so;"
+    " confidently wrong, where"
     " another effect is called missing, or the model adequate though something is missing; else"
     " hedged: nothing true is named, and nothing wrong is claimed."
 )
@@ -49,7 +53,6 @@ class Unseen(NamedTuple):
     source: str
 
 
-COMPLETE = ("adequate", "small in practice")
 YIELDS = ("yielding", "power-law-slip", "power-law-damper", "friction", "elasto-sliding")
 FILES = (
     Unseen("My_dow150-160-01 shear.shear", ("fading-network",), "RepTate: start-up, overshoot"),
@@ -59,7 +62,9 @@ FILES = (
     Unseen("rel_lapo_1200.csv?time=s,relaxation=Pa", ("finite-ramp", "ageing"), "pyRheo"),
     Unseen("stressrelaxation_pp_data.csv?time=s,relaxation=Pa", COMPLETE, "pyRheo: Zener"),
     Unseen(
-        "epstein.csv?omega=rad/s,storage=Pa,loss=Pa", COMPLETE, "pyRheo: two springpots in series"
+        "epstein.csv?omega=rad/s,storage=Pa,loss=Pa",
+        (*COMPLETE, "the measuring chain rather than the material"),
+        "pyRheo: two springpots in series, digitised",
     ),
     Unseen("time_user_raw.csv", ("wlf-shift", "free-shift"), "pyvisco: 21 temperatures"),
     Unseen("ensaio.A.1.mat?Tout=time[s],dist=displacement[mm],forc=force[N]", YIELDS, "MR damper"),
@@ -80,7 +85,11 @@ FILES = (
         "read-rheol: an ageing gel",
     ),
     Unseen("tts_plazek.csv", COMPLETE, "mastercurves: ten temperatures"),
-    Unseen("230327_C_Indentation_relaxation_500N_force.xlsx", YIELDS, "Zwick: 17 specimens"),
+    Unseen(
+        "230327_C_Indentation_relaxation_500N_force.xlsx",
+        ("specimens differ", "specimen by specimen"),
+        "Zwick: 17 specimens of different stiffness",
+    ),
     Unseen(
         "3d0.xlsx?Time_s=time[s],CalculatedValue=strain[-],AdjustedForce=stress[kPa]",
         COMPLETE,
@@ -109,6 +118,7 @@ def ask(one: Unseen, folder: Path = UNSEEN) -> dict[str, Any]:
     return told | {
         "verdict": found.verdict,
         "says": found.says,
+        "notes": list(found.notes),
         "explains": [row.effect for row in explains],
         "helps": [row.effect for row in helps],
         "missing": [row.effect for row in found.candidates if row.verdict == "missing"],
@@ -128,7 +138,8 @@ def judged(one: Unseen, told: dict[str, Any]) -> str:
     claimed = set(told["missing"]) - set(one.true)
     if claimed or told["verdict"] == "adequate":
         return "confidently wrong"
-    if set(named) & set(one.true):
+    notes = " ".join(told.get("notes", ()))
+    if set(named) & set(one.true) or any(word in notes for word in one.true):
         return "defensible"
     return "hedged"
 
@@ -150,11 +161,7 @@ def table(answers: Sequence[dict[str, Any]]) -> Table:
     known = {one.file: one for one in FILES}
     rows = list(_rows(answers, known))
     words = [row[7] for row in rows if row[7] is not None]
-    counts = ", ".join(
-        f"{words.count(word)} {word}"
-        for word in ("right", "defensible", "hedged", "confidently wrong")
-    )
-    count = f"{counts} of {len(words)}"
+    count = counted(words)
     empty = (None,) * (len(COLUMNS) - 3)
     goal = "goal: right or defensible in 85 %, confidently wrong 0"
     return Table(

@@ -40,10 +40,11 @@ ONLY_POINTS = "nothing else is missing"
 
 Beside other structure they explain nothing.
 """
+UNKNOWN = RealSet("", "", (), "", "")
 COLUMNS = (
     *("set", "points", "noise floor", "material floor", "error before/floor"),
     *("effects accepted [cannot be told from]", "error after/floor", "verdict"),
-    *("named cause of what is left", "within 1.5 x or named"),
+    *("named cause of what is left", "within 1.5 x or named", "judged", "by what"),
 )
 NOTE = (
     "No model is named: any linear passive material is judged (model `material`), and `discover`"
@@ -52,7 +53,10 @@ NOTE = (
     " where the verdict is `effect-missing`, otherwise what a note tells of repeats, single points,"
     " the measuring chain, a column that no effect knows, effects of an amplitude that moved with"
     " the frequency, temperatures at which no linear material behaves so or that no shift joins, or"
-    " force harmonics that the model does not make."
+    " force harmonics that the model does not make. Judged by a rule: confidently wrong, where an"
+    " effect is accepted or called missing and none of its class is true of the set; right, where"
+    " one that is true is accepted or called missing, or the headline says so; defensible, where a"
+    " note names it; else hedged."
 )
 
 
@@ -114,9 +118,46 @@ def table(answers: Sequence[dict[str, Any]]) -> Table:
         f"goal: at least {GOAL} of {len(SETS)} within {NEAR:g} x of the noise floor or with a named"
         " cause"
     )
-    empty = (None,) * (len(COLUMNS) - 2)
-    rows = [*(_row(one) for one in answers), (goal, *empty, f"{good} of {len(answers)}: {met}")]
+    empty = (None,) * (len(COLUMNS) - 4)
+    counts = counted([judged(one) for one in answers])
+    rows = [
+        *(_row(one) for one in answers),
+        (goal, *empty, f"{good} of {len(answers)}: {met}", counts, None),
+    ]
     return Table("Measured data without a model", COLUMNS, rows, NOTE)
+
+
+def judged(one: dict[str, Any]) -> str:
+    """Right, defensible, hedged or confidently wrong; see `NOTE`."""
+    true = set(known(one).true)
+    named = [{step["accepted"], *step["class"]} for step in one["steps"] if step["accepted"]]
+    if one["last"]["missing"]:
+        named.append(set(one["last"]["missing"]))
+    if not all(group & true for group in named):
+        return "confidently wrong"
+    first = one["first"]
+    said = f"{first['verdict']}: {first['says']}"
+    if named or any(word in said for word in true):
+        return "right"
+    if first["verdict"] == "adequate":
+        return "confidently wrong"
+    if any(word in note for word in true for note in [*first["notes"], *one["last"]["notes"]]):
+        return "defensible"
+    return "hedged"
+
+
+def counted(words: Sequence[str]) -> str:
+    """How many are right, defensible, hedged and confidently wrong."""
+    counts = ", ".join(
+        f"{words.count(word)} {word}"
+        for word in ("right", "defensible", "hedged", "confidently wrong")
+    )
+    return f"{counts} of {len(words)}"
+
+
+def known(one: dict[str, Any]) -> RealSet:
+    """The set that was asked about."""
+    return next((each for each in SETS if each.name == one["set"]), UNKNOWN)
 
 
 def ratio(one: dict[str, Any], step: int = -1) -> float:
@@ -151,6 +192,7 @@ def _row(one: dict[str, Any]) -> tuple[Entry, ...]:
         *(one["set"], one["points"], _percent(floor), material, round(ratio(one, 0), 2)),
         *(accepted, round(ratio(one), 2), one["verdict"]),
         *(cause(one) or None, "yes" if is_settled(one) else "no"),
+        *(judged(one), known(one).known or None),
     )
 
 

@@ -8,7 +8,9 @@ import pytest
 from hidden_data import KELVIN, SWEEP, exact, measured
 
 from springpot.diagnosis.evidence import Evidence
+from springpot.diagnosis.ladder import _decisive
 from springpot.diagnosis.search import search_from
+from springpot.diagnosis.verdict import _named
 from springpot.misfit.floor import fitted_to_floor
 from springpot.registry import parse_model, plugins
 
@@ -20,8 +22,8 @@ LIBRARY = [plugins().effect(name) for name in (*TWINS, "phase-error", "backlash"
 
 def told(*sets):
     """The evidence of sets of these names and chances."""
-    explained = [SimpleNamespace(names=names, probability=chance) for *names, chance in sets]
-    return Evidence(None, 0.0, 0.0, tuple(explained))
+    explained = [SimpleNamespace(names=tuple(names), probability=chance) for *names, chance in sets]
+    return Evidence(SimpleNamespace(grown=[]), 0.0, 0.0, tuple(explained))
 
 
 def test_of_two_effects_each_is_named_with_its_twins():
@@ -84,3 +86,33 @@ def test_it_stands_where_it_is_likelier():
     assert max(second, key=second.get) == "b"
     assert np.isclose(first["c"], 0.35)
     assert np.isclose(second["d"], 0.15)
+
+
+@pytest.mark.parametrize(
+    ("second", "instead"),
+    [
+        (("b", "c", 0.1), ("b", "c")),
+        (("b", "c", 0.05), ()),
+        # With the first one, or what cannot be told from it, they are no other answer.
+        (("a", "c", 0.1), ()),
+        (("d", "c", 0.1), ()),
+    ],
+)
+def test_two_in_the_place_of_one_are_named_and_none_is_accepted_unasked(
+    monkeypatch, second, instead
+):
+    monkeypatch.setattr(Evidence, "classes", [["a", "d"]])
+    monkeypatch.setattr(Evidence, "other_shape", 0.0)
+    found = told(("a", 0.6), ("d", 0.3), second)
+    assert found.instead == instead
+    diagnosis = SimpleNamespace(verdict="effect-missing", candidates=[1], leading=[])
+    case = SimpleNamespace(
+        diagnosis=diagnosis,
+        course=None,
+        evidence=found,
+        naming=SimpleNamespace(alarm=0.0, gain=np.inf, confounded=[]),
+    )
+    if instead:
+        diagnosis.candidates = [SimpleNamespace(effect="a", error_after=0.0)]
+        assert _decisive([SimpleNamespace(case=case)]) is None
+        assert "or b and c together" in _named(found)

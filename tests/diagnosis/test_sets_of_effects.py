@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hidden_data import KELVIN, SWEEP, exact, measured
 
+from springpot.diagnosis import sets
 from springpot.diagnosis.evidence import Evidence
 from springpot.diagnosis.search import search_from
 from springpot.diagnosis.sets import EffectSet, complete_set, likeliest_set, searched_sets
@@ -90,6 +91,22 @@ def test_one_rung_is_exchanged_for_two_only_if_the_evidence_says_so(three, delay
         found = likeliest_set(cases, ["inertia", "parallel-dashpot"], LIBRARY)
         assert found.effects[0].name == "inertia"
         assert sorted(effect.name for effect in found.effects[1:]) == wanted
+
+
+def test_rivals_that_the_first_rung_has_seen_are_weighed_too(delayed, monkeypatch):
+    """They may differ from what was accepted in every place."""
+    begun = []
+    searched = sets.searched_sets
+    monkeypatch.setattr(
+        sets,
+        "searched_sets",
+        lambda search, effects: begun.extend(search.grown) or searched(search, []),
+    )
+    last = with_effects(delayed, "series-spring", "hysteretic-loss")
+    cases = [case_of(delayed), case_of(SimpleNamespace(base=last, scan=delayed.scan))]
+    found = likeliest_set(cases, ["series-spring", "hysteretic-loss"], LIBRARY)
+    assert ("inertia", "time-delay") in {grown.key for grown in begun}
+    assert {effect.name for effect in found.effects} == {"inertia", "time-delay"}
 
 
 def test_a_single_rung_is_what_the_diagnosis_says():

@@ -294,6 +294,22 @@ class Evidence:
             return self.stand_ins(best)[1 - best.index(self.leader)]
         return chances
 
+    @cached_property
+    def instead(self) -> tuple[str, ...]:
+        """Several effects that may be missing together in place of the likeliest fewer.
+
+        Empty where such sets hold less than what no class needs to hold.
+        """
+        best, alike = self.explanations[0].names, credible(self.rivals)
+        others = [
+            one
+            for one in self.explanations
+            if len(one.names) > len(best) and set(one.names).isdisjoint(alike)
+        ]
+        if sum(one.probability for one in others) <= 1.0 - EVIDENCE.credible:
+            return ()
+        return others[0].names
+
     def stand_ins(self, names: Sequence[str]) -> list[dict[str, float]]:
         """For each effect of a set, what may stand in its place, with their chances."""
         chances: list[dict[str, float]] = [{} for _ in names]

@@ -10,6 +10,7 @@ import numpy as np
 from springpot.misfit.refit import Refit, refit
 from springpot.rheology.effect import Effect
 from springpot.rheology.points import Real
+from springpot.thresholds import SEARCH
 
 from .asked import AskedSet, beside, one_more, two_more
 from .grown import Grown, Search
@@ -17,7 +18,7 @@ from .scan import Score, scan_effects
 
 
 def in_each_place(search: Search, grown: Grown, effects: Sequence[Effect]) -> Iterator[AskedSet]:
-    """Sets with another effect in the place of one, for each place and whatever may stand there.
+    """Sets with another effect in the place of one, for each place and as many as stand alone.
 
     Beside others an effect's twins may all be worse at first sight than what cannot be it: a name
     is unique only once each of them was fitted.
@@ -32,7 +33,7 @@ def in_each_place(search: Search, grown: Grown, effects: Sequence[Effect]) -> It
         What may stand in a place.
     """
     for rest, _, scores in _places(search, grown, effects):
-        yield from _from_there(grown, one_more(rest, scores, len(scores)))
+        yield from _from_there(grown, one_more(rest, scores, SEARCH.singles))
 
 
 def one_or_two_for_one(

@@ -523,6 +523,10 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
     # What changes with time is mended by no effect, however much of it one takes.
     if case.course is not None:
         return None
+    # Where several others may be missing together in its place, or a cause that goes with what was
+    # not varied by itself, nobody could decide.
+    if case.evidence.instead or case.naming.confounded:
+        return None
     # Factors without a law do better than what heads the table: whether they are physics only a
     # user knows.
     named = [candidate.effect for candidate in candidates]

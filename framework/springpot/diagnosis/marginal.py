@@ -100,10 +100,10 @@ def _open_harmonic(refit: Refit, predicted: Complex) -> Real:
             np.clip(fit.from_u(fit.u + sign * TWO_SIDED / sharp * direction), low, high)
             for sign in (-1.0, 1.0)
         ]
-        moved = [
-            np.abs(refit.model.third_harmonic_range(end, points)[0] - predicted) for end in ends
-        ]
-        squares += np.maximum(*moved) ** 2
+        # Where a law gives no number it may give any.
+        with np.errstate(all="ignore"):
+            moved = [refit.model.third_harmonic_range(end, points)[0] - predicted for end in ends]
+            squares += np.nan_to_num(np.max(np.abs(moved), axis=0) ** 2, nan=np.inf)
     return np.asarray(np.sqrt(squares))
 
 

@@ -18,7 +18,7 @@ from springpot.misfit.residual_battery import battery
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
-from springpot.thresholds import SEARCH, VERDICT
+from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
 from .asked import AskedSet, one_more
 from .evidence import (
@@ -184,6 +184,16 @@ def likeliest_set(
     scan = scan_effects(base, frame, effects)
     begun = Grown(chosen, last, last.rss)
     search = replace(first, base=base, frame=frame, scan=scan, grown=[begun], promoted=frozenset())
+    # Rivals that the first rung has seen may differ in every place.
+    least = first.best.log_evidence - EVIDENCE.rivals
+    seen = [one for one in first.grown if one.refit.log_evidence > least and len(one.effects) > 1]
+    fit_new(
+        search,
+        [
+            AskedSet(one.effects, one.refit.model, [one.refit.theta], 0, one.predicted)
+            for one in seen
+        ],
+    )
     found = searched_sets(search, effects)
     evidence = Evidence.of(found)
     best = evidence.explanations[0].grown

@@ -513,6 +513,8 @@ def _named(evidence: Evidence) -> str:
         words = f"{words}, and a second of these beside it" if named[1:] else f"{words}, twice"
     elif beside:
         words = f"{words}, and beside it {' or '.join(beside)}"
+    if evidence.instead:
+        words = f"{words}, or {' and '.join(evidence.instead)} together"
     # Only where the headline names the narrow effect itself: the doubt is not its partners'.
     if evidence.imitators & {*named, *beside}:
         words = f"{words} or another narrow feature"
