@@ -212,7 +212,7 @@ def answer_of(
     """The answer of a diagnosis from the effects that were tried, best first."""
     of_slip = slip.delta(before, noise)
     # What no story is likelier than is noise itself, however little a story would leave.
-    if not before.misfit and max([of_slip, *(each.delta for each in tried)]) <= 0.0:
+    if not before.doubtful and max([of_slip, *(each.delta for each in tried)]) <= 0.0:
         noise = before.noise
     weights = _weights(tried, promises, of_slip)
     # A class holds nearly all of the probability: what is in no library may be one of it.
