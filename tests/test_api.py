@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import springpot
 from springpot import api
+from springpot.diagnosis.in_practice import Accuracy
 from springpot.errors import SpringpotError
-from springpot.measurement import TimeTest
+from springpot.measurement import PROMISED, TimeTest
 
 pytestmark = pytest.mark.usefixtures("asked_once")
 
@@ -165,3 +168,21 @@ def test_against_a_test_in_time_the_named_models_are_compared_or_all_that_have_a
     assert named.name == MODEL
     assert MODEL in [model.name for model in every]
     assert len(every) > 20
+
+
+@pytest.mark.parametrize(
+    ("given", "told", "promised"),
+    [
+        (None, ["2%,5mrad"], Accuracy(0.02, 0.005)),
+        (None, ["2%,5mrad", "2%,5mrad"], Accuracy(0.02, 0.005)),
+        # Of several instruments none speaks for the others.
+        (None, ["2%,5mrad", "1%"], None),
+        (None, ["2%,5mrad", ""], None),
+        (None, [""], None),
+        ("1%,3mrad", ["2%,5mrad"], Accuracy(0.01, 0.003)),
+        (Accuracy(0.01, 0.003), ["2%,5mrad"], Accuracy(0.01, 0.003)),
+    ],
+)
+def test_an_instrument_promises_what_the_user_says_or_else_all_of_the_data(given, told, promised):
+    tests = [SimpleNamespace(provenance={PROMISED: each} if each else {}) for each in told]
+    assert api._promised(given, tests) == promised

@@ -330,7 +330,7 @@ def test_a_measurement_needs_few_files():
     done = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, check=True
     )
-    assert int(done.stdout) <= 22
+    assert int(done.stdout) <= 17
 
 
 def test_no_more_names_of_classes_stand_for_two_things():

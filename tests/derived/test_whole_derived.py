@@ -7,6 +7,7 @@ import pytest
 
 import springpot
 from springpot.derived import quantities
+from springpot.derived.from_data import curves
 from springpot.errors import SpringpotError
 from springpot.measurement import TimeTest
 
@@ -116,3 +117,17 @@ def test_what_says_nothing_by_itself_is_named():
 )
 def test_where_there_is_no_linear_limit_it_says_on_which_side_it_lies(fall, says):
     assert any(f"storage falls {says}" in note for note in quantities(strained(fall)).notes)
+
+
+def test_each_set_of_conditions_is_a_curve_of_its_own_however_few_points_it_has():
+    """Five temperatures and two ages, five points each; a column that goes on parts nothing."""
+    kelvins, ages = np.repeat(np.arange(5.0), 10), np.tile(np.repeat([1.0, 7.0], 5), 5)
+    held = {"temperature": 20.0 + kelvins, "age": ages, "clock": np.arange(50.0)}
+    omega = np.tile(np.geomspace(1.0, 16.0, 5), 10)
+    data = springpot.Measurement(omega, (1.0 + 1.0j) * omega, conditions=held)
+    found = list(curves(data, "frequency"))
+    assert len(found) == 10
+    assert [len(each.x) for each in found] == [5] * 10
+    told = {(each.at["temperature"], each.at["age"]) for each in found}
+    assert len(told) == 10
+    assert all("clock" not in each.at for each in found)

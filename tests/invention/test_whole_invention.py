@@ -11,6 +11,8 @@ from lawful_data import AMPLITUDE, OMEGA, lossy, swept
 import springpot
 from springpot.errors import OptionError
 from springpot.invention import grammar, inventing, result, search
+from springpot.invention.search import shorter
+from springpot.rheology import Points
 from springpot.thresholds import EVIDENCE, INVENTION, SEARCH, VERDICT
 
 
@@ -355,3 +357,27 @@ def test_a_kind_of_law_is_tried_once_whatever_the_form_of_its_condition():
     found = search._of_each_kind(SimpleNamespace(grown=rows))
     kept = [row for i, row in enumerate(rows) if i not in (1, 6)]
     assert found == kept[: INVENTION.extended]
+
+
+@pytest.mark.parametrize("sign", ["+", "-"])
+@pytest.mark.parametrize("size", ["", "-"])
+@pytest.mark.parametrize("place", [0, 1])
+def test_a_term_with_a_loss_is_what_it_is_without_and_the_loss_alone(sign, size, place):
+    whole = f"{size}{{}}*(1 {sign} i*h)*X^n"
+    text = f"parallel: {whole.format('k')}"
+    if place:
+        text = f"parallel: i*k*X^2 {size or '+'} k*r*(1 {sign} i*h)*X^n"
+    values = {"k": 3.0, "h": 0.4, "n": 0.7} | ({"r": 2.0} if place else {})
+    at = Points.at(np.ones(3), amplitude=np.array([0.5, 1.0, 2.0]))
+
+    def response(text, values):
+        element = springpot.law(text).element
+        theta = np.array([values[each.name] for each in element.parameters])
+        return element.respond(theta, at).value
+
+    bare, alone = (response(*each) for each in shorter(springpot.law(text), values))
+    twice = response("parallel: i*k*X^2", values) if place else 0.0
+    assert bare + alone - twice == pytest.approx(response(text, values))
+    # The one without a loss, the other with nothing else.
+    assert (bare - twice).imag == pytest.approx(0.0)
+    assert (alone - twice).real == pytest.approx(0.0)

@@ -3,11 +3,11 @@
 A change is one that a tired hand could make: a comparison turned, an operator exchanged, a number
 doubled, a condition negated. Left alone is what no test should hang on: text for people,
 annotations, docstrings, assertions that two lists are of one length, guards against a division by
-zero (`x or 1.0`, or next to nothing), and settings: numbers with a name of their own, of which
-studies say what is best. A setting of none, or of yes or no, is a rule.
+zero (`x or 1.0`, or next to nothing), tolerances, and settings: numbers with a name of their own,
+of which studies say what is best. A setting of none, or of yes or no, is a rule.
 
-The files of tests that name what was changed run first, then those with whole answers, which are
-short and see much.
+The examples in the changed file run first, then the files of tests that name what was changed, then
+those with whole answers, which are short and see much.
 """
 
 from __future__ import annotations
@@ -31,8 +31,9 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = Path("framework/springpot")
-SMALLEST = 1e-100
-"""No quantity is that small: it stands where nothing must be divided by zero."""
+SMALLEST, TOLERANCE = 1e-100, 1e-4
+"""No quantity is as small as the first: it stands where nothing must be divided by zero. What is
+compared with less than the second is compared with a tolerance."""
 LEFT_OUT = shutil.ignore_patterns(
     ".git", ".venv", "*_cache", "__pycache__", ".hypothesis", "build", "*.sqlite*"
 )
@@ -171,6 +172,8 @@ def _is_setting(parent: ast.AST, node: ast.expr) -> bool:
         return False
     if isinstance(parent, ast.BoolOp) and isinstance(parent.op, ast.Or):
         return node is parent.values[-1]
+    if isinstance(parent, ast.Compare) and abs(node.value) < TOLERANCE:
+        return True
     if isinstance(parent, ast.Assign):
         first = parent.targets[0]
         named = isinstance(first, ast.Name) and first.id.isupper()
@@ -203,6 +206,14 @@ def _textual(node: ast.BinOp) -> bool:
     return any(isinstance(part, ast.JoinedStr | ast.List | ast.Tuple) for part in parts) or any(
         isinstance(part, ast.Constant) and isinstance(part.value, str | None) for part in parts
     )
+
+
+def examples(path: Path) -> list[str]:
+    """The test of the examples in a file of the framework, which are the room's own as well."""
+    if ">>> " not in (ROOT / path).read_text(encoding="utf-8"):
+        return []
+    module = ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts)
+    return [f"tests/test_docstrings.py::test_examples_run[{module.removesuffix('.__init__')}]"]
 
 
 def in_order(files: list[str], mutant: Mutant) -> list[str]:
@@ -244,7 +255,7 @@ class Copy:
 
     def notices(self, mutant: Mutant) -> str:
         """The test of the room that fails with the change; empty where all pass."""
-        files = in_order(own_tests(room_of(mutant.path)), mutant)
+        files = [*examples(mutant.path), *in_order(own_tests(room_of(mutant.path)), mutant)]
         while True:
             with self._made(mutant):
                 failed = self._run("-x", "--cache-clear", *files)

@@ -5,6 +5,7 @@ import ast
 import mutation
 import numpy as np
 import pytest
+import soak_mutants
 from mutation import (
     AMISS,
     PACKAGE,
@@ -14,6 +15,7 @@ from mutation import (
     Mutant,
     changes_of,
     drawn,
+    examples,
     in_order,
     own_tests,
     room_of,
@@ -55,8 +57,17 @@ def test_texts_annotations_and_settings_are_left_alone(text):
     assert changes_of(text + "\n") == []
 
 
-def test_the_number_that_stands_in_for_nothing_is_a_guard():
-    assert [change.after for change in changes_of("x or 1.0\n")] == ["(x and 1.0)"]
+@pytest.mark.parametrize(
+    ("line", "after"), [("x or 1.0", "(x and 1.0)"), ("x < 1e-6", "x <= 1e-06")]
+)
+def test_a_guard_and_a_tolerance_keep_their_numbers(line, after):
+    assert [change.after for change in changes_of(line + "\n")] == [after]
+
+
+def test_examples_in_a_file_are_tests_of_its_room():
+    [named] = examples(PACKAGE / "rheology" / "points.py")
+    assert named == "tests/test_docstrings.py::test_examples_run[springpot.rheology.points]"
+    assert examples(PACKAGE / "__main__.py") == []
 
 
 @pytest.fixture(scope="module")
@@ -145,3 +156,20 @@ def test_a_change_is_noticed_by_a_test_that_fails_with_it_alone(
     monkeypatch.setattr(copy, "_run", lambda *options: runs.pop(0))
     assert copy.notices(TURNED) == by
     assert (copy.failing, runs) == (failing, [])
+
+
+def test_changes_that_change_nothing_are_told_of_and_not_counted(monkeypatch, copy):
+    monkeypatch.setattr(soak_mutants, "ROOT", mutation.ROOT)
+    lost = [TURNED] * 3
+    row = soak_mutants.counted(20, lost, {FIRST})
+    assert row.held == 1
+    assert row.measured.startswith("17 of 20, of all but ")
+    assert row.measured.count("room/sums.py:2 `x + x` to `x - x`") == 3
+    assert FIRST in row.measured
+    assert soak_mutants.counted(20, [TURNED] * 4, ()).held == 0
+    known = {("room/sums.py", "return x + x", "x - x"): "no sum matters"}
+    monkeypatch.setattr(soak_mutants, "HARMLESS", known)
+    row = soak_mutants.counted(20, [TURNED] * 4, ())
+    assert row.held == 1
+    assert "not noticed: none; not noticed either" in row.measured
+    assert "`x - x` (no sum matters)" in row.measured

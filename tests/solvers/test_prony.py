@@ -6,6 +6,7 @@ Within the tolerance, never negative, as few as published, exact where they can 
 from __future__ import annotations
 
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from hypothesis import strategies as st
 
 from springpot.errors import ModelError
 from springpot.registry import parse_model
-from springpot.solvers import prony_of
+from springpot.solvers import prony, prony_of
 
 
 def spectrum_of(name: str, theta: list[float], decades: float = 2.0):
@@ -75,6 +76,24 @@ def test_classical_models_are_their_own_series():
     assert found.error < 1e-12
     kelvin = prony_of(spectrum_of("kelvin", [1.0, 2.0]), dashpot=True)
     assert (kelvin.equilibrium, kelvin.viscosity, len(kelvin.times)) == (1.0, 2.0, 0)
+
+
+def test_terms_that_win_nothing_are_given_up_unless_more_of_them_are_exact(monkeypatch):
+    asked = []
+
+    def fitted(grid, target, count, dashpot, band):
+        asked.append(count)
+        return SimpleNamespace(error=0.1)
+
+    monkeypatch.setattr(prony, "_fitted", fitted)
+    times = [part for i in range(9) for part in (1.0, 2.0**i)]
+    exact = spectrum_of("prony-9", [1.0, *times])
+    assert len(prony_of(exact, tolerance=0.01).times) == 9
+    assert asked == list(range(1, 9))
+    asked.clear()
+    with pytest.raises(ModelError, match="10 %"):
+        prony_of(spectrum_of("springpot", [1.0, 0.5]), tolerance=0.01)
+    assert asked == list(range(1, 2 + prony.IN_VAIN))
 
 
 def test_a_solver_carries_no_term_without_weight():

@@ -9,7 +9,7 @@ import pytest
 
 from springpot.errors import DataError, ModelError
 from springpot.registry import parse_model
-from springpot.structure import Damper, Frame, GroundMotion, motion, motion_of, reading
+from springpot.structure import Damper, Frame, GroundMotion, beside, motion, motion_of, reading
 
 
 @pytest.mark.parametrize(
@@ -236,3 +236,16 @@ def test_the_pull_of_the_earth_is_the_same_in_every_unit(tmp_path, unit, earth):
     path.write_text(f"time [s],acceleration [{unit}]\n0,0\n0.1,{earth}\n0.2,0\n")
     record = reading.read_record(str(path), np.random.default_rng(0))
     assert record.acceleration == pytest.approx([0.0, 9.80665, 0.0])
+
+
+@pytest.mark.parametrize("most", [100.0, 1.5, 0.5])
+def test_sliders_that_hold_each_other_up_come_to_rest_or_slide_at_their_limit(most):
+    """Two that push each other: each is at rest, or at the end that holds it back."""
+    speed, by_force = np.array([2.0, -1.0]), np.array([[-1.0, 0.6], [0.6, -1.0]])
+    low, high = np.full(2, -most), np.full(2, most)
+    force = beside._at_rest_if_it_can(speed, by_force, low, high, np.zeros(2))
+    left = speed + by_force @ force
+    for moves, holds in zip(left, force, strict=True):
+        assert abs(moves) < 1e-6 or holds == np.sign(moves) * most
+    if most > 10.0:
+        assert force == pytest.approx(np.linalg.solve(by_force, -speed))

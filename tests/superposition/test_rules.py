@@ -394,3 +394,38 @@ def test_a_level_exceeds_by_squares_of_its_own_scatter_and_where_that_is_unknown
     # Without a scatter of its own it is the common one; of less than one degree it counts as one.
     np.testing.assert_allclose(simplicity._variance(alone, rows), [2.0, 1.0, 10.0])
     np.testing.assert_allclose(simplicity._excess(alone, rows), [10.0 / 2.0 - 2.0, 8.0 - 0.5, 0.0])
+
+
+NEARLY, ADDED, ALARM = SUPERPOSITION.nearly, SUPERPOSITION.added, SUPERPOSITION.alarm
+
+
+@pytest.mark.parametrize(
+    ("chance", "missed", "shared", "own", "verdict"),
+    [
+        (ALARM, [], 0.5, 0.1, "simple"),
+        # A part that is missed leaves it nearly simple at best.
+        (ALARM, ["loss"], 0.5, 0.1, "not-simple"),
+        (0.5 * ALARM, [], 0.99 * NEARLY * 0.1, 0.1, "nearly-simple"),
+        (0.5 * ALARM, [], 1.01 * NEARLY * 0.1, 0.1, "not-simple"),
+        (0.5 * ALARM, [], 0.9 * ADDED, 1e-6, "nearly-simple"),
+        (0.5 * ALARM, [], 1.1 * ADDED, 1e-6, "not-simple"),
+    ],
+)
+def test_one_curve_is_simple_nearly_or_not(monkeypatch, chance, missed, shared, own, verdict):
+    """By chance, or by a loss that is small beside the noise or by itself."""
+    judged, error, alone_error = np.ones(2, dtype=bool), np.zeros(2), np.ones(2)
+    for name in ("_levels", "_storage_and_loss", "_branches", "_no_material"):
+        monkeypatch.setattr(simplicity, name, lambda *_: [])
+    monkeypatch.setattr(simplicity, "_missed_parts", lambda *_: missed)
+    monkeypatch.setattr(simplicity, "_chance", lambda *_: chance)
+    monkeypatch.setattr(simplicity, "_relative", lambda *_: np.full(3, 0.2))
+    monkeypatch.setattr(simplicity, "_level_errors", lambda *_: error)
+    monkeypatch.setattr(
+        simplicity, "_mean", lambda rows, values, which: shared if values is error else own
+    )
+    alone = SimpleNamespace(judged=judged, error=alone_error)
+    rows = SimpleNamespace(elements=[SimpleNamespace(shown=np.array([20.0, 40.0]))])
+    found = simplicity.simplicity(rows, alone)
+    assert (found.verdict, found.error, found.alone) == (verdict, pytest.approx(0.2), own)
+    assert found.added == pytest.approx(np.sqrt(shared**2 - own**2))
+    assert list(found.failures) == missed

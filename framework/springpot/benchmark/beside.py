@@ -10,6 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from springpot.errors import StudyError
+from springpot.numerics import ALIKE
 
 from .archive import Archive, ArchivedCell
 from .store import Store
@@ -18,8 +19,6 @@ from .summary import CellRow, ProblemRow
 
 AS_ONE = 500
 """Trials that are entered at once."""
-SAME = 1e-9
-"""Relative difference up to which two references are one: those of two machines' rounding."""
 MATCHING = {
     "budget": "evaluations a trial",
     "seed": "seed",
@@ -101,7 +100,7 @@ def _other_problem(cells: Sequence[CellRow], archived: Sequence[ProblemRow]) -> 
         # Neither the weights of an objective nor a model's law are in the digest, but they show
         # here.
         reference = known[problem.digest].reference
-        if abs(reference - problem.reference) > SAME * abs(problem.reference):
+        if abs(reference - problem.reference) > ALIKE * abs(problem.reference):
             return f"the objective of {told} is another one there"
     return ""
 

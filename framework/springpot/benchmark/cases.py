@@ -15,6 +15,7 @@ from springpot.identification.problem import Objective, Problem
 from springpot.identification.space import rounded_up
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.scatter import with_noise
+from springpot.numerics import ALIKE
 from springpot.registry import parse_model
 
 from .plan import DrawnNoise, Plan, RaceCase, Source, stream_of
@@ -55,7 +56,7 @@ def with_noise_axis(
 
 def noisy(source: Source, clean: Measurement) -> bool:
     """Whether data differ from those without noise by more than rounding."""
-    return not np.allclose(clean.stiffness, source.measurement.stiffness, rtol=1e-9, atol=0.0)
+    return not np.allclose(clean.stiffness, source.measurement.stiffness, rtol=ALIKE, atol=0.0)
 
 
 def drawn(plan: Plan, case: RaceCase, repetition: int) -> RaceCase:

@@ -15,22 +15,22 @@ from math import comb, factorial, inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.distributions import normal_quantile
 from springpot.report.tables import Interval as Interval
 from springpot.rheology.points import Real
+from springpot.thresholds import INTERVAL
 
 from .plan import stream_of
-
-Z95 = 1.959963984540054
-"""Two-sided 95 % quantile of the normal distribution."""
 
 EXACT = 50
 """Blocks up to which the signed-rank test is exact."""
 
 
-def wilson(successes: int, trials: int, z: float = Z95) -> Interval | None:
+def wilson(successes: int, trials: int) -> Interval | None:
     """Success rate with Wilson's score interval (1927, doi:10.1080/01621459.1927.10502953)."""
     if trials == 0:
         return None
+    z = float(normal_quantile(0.5 + 0.5 * INTERVAL))
     rate = successes / trials
     scale = 1.0 + z * z / trials
     # Wilson's interval and not rate plus and minus: this one has a width even where all trials

@@ -23,6 +23,8 @@ FEWEST = 5
 """Points of a curve from which anything is read."""
 FALL = 0.05
 """Share by which storage has fallen at the linear limit (ISO 6721-10, ASTM D7175: 5 or 10 %)."""
+ENDS = 3
+"""Points at an end of a sweep whose median tells what storage is there."""
 FITTED = 4.0
 """Falls up to so many times that are fitted: what comes later is another story."""
 
@@ -224,7 +226,7 @@ def of_amplitude(data: Measurement, notes: list[str]) -> Iterator[Quantity]:
 
 def _no_limit(sweep: OneSweep, unit: str) -> str:
     """Why a sweep shows no linear limit: it lies above all amplitudes, or below."""
-    first, last = (float(np.median(part)) for part in (sweep.storage[:3], sweep.storage[-3:]))
+    first, last = (float(np.median(part)) for part in (sweep.storage[:ENDS], sweep.storage[-ENDS:]))
     if last - first > np.log1p(-FALL):
         largest = f"{float(np.exp(sweep.x[-1])):.3g} {unit}".removesuffix(" -")
         return f"storage falls by less than {100 * FALL:g} % up to {largest}: no limit"
@@ -269,7 +271,7 @@ def linear_limit(x: Real, storage: Real) -> tuple[float, float, int] | None:
         None where it falls by less.
     """
     depth = -float(np.log1p(-FALL))
-    level = float(np.median(storage[:3]))
+    level = float(np.median(storage[:ENDS]))
     for _ in range(6):
         deep = np.flatnonzero(level - storage > FITTED * depth)
         used = max(int(deep[0]) if len(deep) else len(x), FEWEST)

@@ -11,6 +11,7 @@ import numpy as np
 from springpot.distributions import student
 from springpot.identification.prediction import Known
 from springpot.measurement.measurement import points_at
+from springpot.numerics import ALIKE
 from springpot.rheology.nodes import FULL
 from springpot.rheology.parameters import STIFFNESS, VISCOSITY
 from springpot.rheology.points import Real
@@ -32,8 +33,6 @@ RISEN = 1e-4
 
 More would bend it, and less would lose digits.
 """
-ROUNDING = 1e-9
-"""Slope, or change of it, that rounding alone may make."""
 STEP = 1e-3
 """Of differences of exact slopes along ln omega."""
 
@@ -165,7 +164,7 @@ class OfModel:
         for x in self._roots(self.logs(grid).damping[0], grid):
             logs = self.logs(np.array([x]))
             _, slope, by_theta = logs.damping
-            if abs(slope[0]) < ROUNDING:
+            if abs(slope[0]) < ALIKE:
                 continue
             moved = -by_theta[:, 0] / slope[0]
             clock = 1.0 if units.clock == "rad/s" else 0.5 / np.pi
@@ -187,7 +186,7 @@ class OfModel:
                 continue
             bend = after[1][0] - before[1][0]
             # What is flat but for rounding has no place where it is least.
-            if bend < ROUNDING:
+            if bend < ALIKE:
                 continue
             moved = -(after[2][:, 0] - before[2][:, 0]) / bend
             size = here.storage_t[:, 0] + here.storage_x[0] * moved

@@ -59,7 +59,7 @@ class Tabulated(Node):
 
     def respond(self, theta: Real, at: Points, depth: int = 0) -> Response:
         """K, linear in all parameters."""
-        value = np.matmul(theta[..., None, :], self.basis)[..., 0, :]
+        value = theta @ self.basis
         by_theta = np.broadcast_to(self.basis, (*value.shape[:-1], *self.basis.shape))
         return Response(value, by_theta)
 

@@ -243,12 +243,12 @@ def times_floor(value: float, floor: float) -> str:
     return number(ratio, 2)
 
 
-def beside_floor(value: float | None, floor: float, digits: int = 3, sign: str = "x") -> str:
+def beside_floor(value: float | None, floor: float, digits: int = 3) -> str:
     """An error beside the floor, compactly: ``0.46 % (1.0 x)``."""
     shown = percent(value, digits)
     if value is None or shown == "-" or not floor > 0.0:
         return shown
-    return f"{shown} ({times_floor(value, floor)} {sign})"
+    return f"{shown} ({times_floor(value, floor)} x)"
 
 
 def places_failed(diagnosis: Diagnosis, most: int | None = None) -> Passage:

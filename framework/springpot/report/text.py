@@ -188,9 +188,9 @@ def cut(text: str, most: int) -> str:
     return f"{text[: most - 1]}…"
 
 
-def indented(text: str, by: str = "  ") -> str:
-    """Every line of `text` behind `by`."""
-    return "\n".join((by + line).rstrip() for line in text.splitlines())
+def indented(text: str) -> str:
+    """Every line of `text` behind two blanks."""
+    return "\n".join(f"  {line}".rstrip() for line in text.splitlines())
 
 
 def wrapped(text: str, columns: int, by: str = "  ") -> str:

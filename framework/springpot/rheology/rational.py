@@ -121,18 +121,22 @@ class Rational:
         zeros = self._zeros()
         ends, end_slopes = self._inverse_ends()
         away = 1.0 / (self.rates - zeros[:, None])
-        pull = self.weights * self.rates * away**2
+        squares = away * away
+        pull = self.weights * self.rates * squares
         steep = self.ends[1] + pull.sum(axis=1)
         bend = -2.0 * (pull * away).sum(axis=1)
         # Derivatives by theta of K and of dK/ds at s = -zeros.
         by_theta = self.end_slopes[0] - zeros[:, None] * self.end_slopes[1]
         by_theta = by_theta - (zeros[:, None] * away) @ self.weight_slopes
-        by_theta = by_theta + (self.weights * zeros[:, None] * away**2) @ self.rate_slopes
-        steep_slopes = self.end_slopes[1] + (self.rates * away**2) @ self.weight_slopes
-        steep_slopes = (
-            steep_slopes
-            - (self.weights * (zeros[:, None] + self.rates) * away**3) @ self.rate_slopes
-        )
+        steep_slopes = self.end_slopes[1] + (self.rates * squares) @ self.weight_slopes
+        # Given rates move with no parameter, shifted ones with those of the law alone.
+        moving = self.rate_slopes.any(axis=0)
+        rate_slopes = self.rate_slopes[:, moving]
+        by_theta[:, moving] += (self.weights * zeros[:, None] * squares) @ rate_slopes
+        cubes = squares * away
+        steep_slopes[:, moving] -= (
+            self.weights * (zeros[:, None] + self.rates) * cubes
+        ) @ rate_slopes
         # How a zero moves, along which K stays zero.
         moved = by_theta / steep[:, None]
         residue = 1.0 / steep

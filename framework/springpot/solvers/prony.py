@@ -24,7 +24,7 @@ from springpot.measurement.units import MODULUS_WORDS
 from springpot.nonnegative import non_negative
 from springpot.rheology.points import Complex, Real
 
-from ..numerics import HALVINGS
+from ..numerics import HALVINGS, SMALLEST
 
 if TYPE_CHECKING:
     from springpot.rheology.spectrum import Spectrum
@@ -221,7 +221,7 @@ def _fitted(
             best = Prony(float(amounts[0]), viscosity, weights, np.exp(-u[order]), band, largest)
         # Lawson: weights grow where the error is largest, so that least squares tend to the least
         # largest error.
-        lawson = lawson * error / max(error.mean(), 1e-300)
+        lawson = lawson * error / max(error.mean(), SMALLEST)
         # No point is let go altogether, or its error would grow unseen.
         lawson = np.maximum(lawson / lawson.mean(), 1e-3)
     assert best is not None

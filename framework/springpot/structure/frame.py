@@ -496,8 +496,8 @@ class SteadyState:
         return self.drift[:, [damper.storey - 1 for damper in self.frame.dampers]]
 
 
-def steady_of(frame: Frame, omega: Real, acceleration: float = 1.0) -> SteadyState:
-    """The steady state of a frame; see `steady_state`.
+def steady_of(frame: Frame, omega: Real) -> SteadyState:
+    """The steady state of a frame, of one unit of acceleration; see `steady_state`.
 
     Raises
     ------
@@ -521,7 +521,7 @@ def steady_of(frame: Frame, omega: Real, acceleration: float = 1.0) -> SteadySta
                 " it out"
             )
     omega = np.atleast_1d(np.asarray(omega, dtype=float))
-    return SteadyState(frame, omega, steady_state(frame, omega, acceleration))
+    return SteadyState(frame, omega, steady_state(frame, omega))
 
 
 def steady_state(frame: Frame, omega: Real, acceleration: float = 1.0) -> Complex:

@@ -14,6 +14,7 @@ from springpot.errors import DataError, SpringpotError
 from springpot.measurement.from_signals import measurement_from_signals
 from springpot.measurement.steady import Signals
 from springpot.measurement.timetest import TimeTest
+from springpot.numerics import SMALLEST
 from springpot.thresholds import INTERVAL
 
 from .certificate import Certificate, Reason
@@ -133,7 +134,7 @@ def _files(given: str | Path) -> list[str | Path]:
 def _excess(row: DecidedRow) -> float:
     """By how many uncertainties a result lies outside."""
     beyond = max(row.low - row.budget.value, row.budget.value - row.high)
-    return float(beyond / max(row.budget.standard, 1e-300))
+    return float(beyond / max(row.budget.standard, SMALLEST))
 
 
 def _reason(row: DecidedRow, test: EvaluatedTest, code: TestCode) -> Reason:

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.distributions import chi2_sf, normal_quantile
+from springpot.numerics import SMALLEST
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL, SIGNALS
 
@@ -156,7 +157,9 @@ def crossing(
         step = (level - solution[0]) / solution[1]
         moment += float(np.clip(step, -0.5 * width, 0.5 * width))
     slope = Estimate(float(solution[1]), float(np.sqrt(covariance[1, 1])))
-    return Estimate(moment, float(np.sqrt(covariance[0, 0]) / max(abs(slope.value), 1e-300))), slope
+    return Estimate(
+        moment, float(np.sqrt(covariance[0, 0]) / max(abs(slope.value), SMALLEST))
+    ), slope
 
 
 def turning_point(channel: Channel, guess: float, width: float, sign: float) -> Turning:
@@ -168,7 +171,7 @@ def turning_point(channel: Channel, guess: float, width: float, sign: float) -> 
         if sign * bend >= 0.0:
             break
         moment += float(np.clip(-solution[1] / bend, -0.5 * width, 0.5 * width))
-    sharp = max(abs(2.0 * solution[2]), 1e-300)
+    sharp = max(abs(2.0 * solution[2]), SMALLEST)
     step = float(np.clip(moment - guess, -width, width))
     way = Estimate(float(solution[0]), float(np.sqrt(covariance[0, 0])))
     return Turning(guess + step, float(np.sqrt(covariance[1, 1]) / sharp), way)
@@ -301,7 +304,7 @@ def _mixed(values: Sequence[Estimate], weights: Real) -> Estimate:
 def _shapes(away: Real, power: float) -> Iterator[_Shape]:
     """The shapes; times in units of the window, 0 at the turning point."""
     side = np.where(away < 0.0, 1.0, -1.0)
-    size = np.maximum(np.abs(away), 1e-300)
+    size = np.maximum(np.abs(away), SMALLEST)
     one, two, four = np.ones_like(away), away**2, away**4
     yield _Shape(np.stack([one, away, two, away**3, four], axis=1), np.eye(5)[0])
     jump = np.array([1.0, 0.0, 0.0, 1.0, 0.0, 0.0])

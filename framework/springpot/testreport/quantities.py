@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.distributions import normal_quantile, student
+from springpot.numerics import SMALLEST
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL, SIGNALS
 
@@ -245,7 +246,7 @@ def _values(loop: _Loop, top: Estimate, bottom: Estimate, timed: bool) -> dict[s
 
 def _joined(speeds: tuple[Estimate, ...]) -> Estimate:
     """Mean speed, of which the surer one counts more: at the ends of a record slopes are unsure."""
-    weights = np.array([1.0 / max(each.sd, 1e-300) ** 2 for each in speeds])
+    weights = np.array([1.0 / max(each.sd, SMALLEST) ** 2 for each in speeds])
     sizes = np.array([abs(each.value) for each in speeds])
     return Estimate(float(weights @ sizes / weights.sum()), float(weights.sum() ** -0.5))
 

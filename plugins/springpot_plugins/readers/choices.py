@@ -30,7 +30,6 @@ from .titles import (
     Heading,
     Vocabulary,
     apart_from_sign,
-    heading,
     is_unit,
     require_word,
 )
@@ -431,8 +430,3 @@ def ask_each(columns: Mapping[int, str], usual: Sequence[str] = ()) -> list[Ques
 def numbered(count: int) -> tuple[Heading, ...]:
     """Headings of columns without names."""
     return tuple(Heading(str(i), str(i), None, None) for i in range(1, count + 1))
-
-
-def constant_heading(title: str) -> Heading:
-    """What a constant is."""
-    return heading(title)
