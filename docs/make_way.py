@@ -58,7 +58,7 @@ ROOMS = [
     Room(
         "report",
         "words, tables, pictures, pages and JSON of a result",
-        "report/text.py  views.py  jsontext.py",
+        "report/text.py  views.py  answers.py",
     ),
     Room("Command line, Python", "what was asked is answered", "cli/group.py  api.py"),
 ]

@@ -263,6 +263,7 @@ def told(**changed):
             confounded=[],
             best=SimpleNamespace(log_evidence=0.0),
         ),
+        "instead": (),
     }  # fmt: skip
     return SimpleNamespace(**plain | changed)
 
