@@ -37,6 +37,12 @@ APART = 0.2
 
 The exact response tells those apart that differ by more than a twentieth.
 """
+SHARES = (1.0, 0.3, 0.1, 0.03)
+"""Of a step that are tried until one leaves less."""
+SETTLING = 5
+"""Steps by which lines come to rest where they leave least."""
+MOVED = 1e-4
+"""Distance in ln tau by which a line is moved for its slope."""
 MOST = 2000
 """Samples that the lines are read off: more take longer and show no more."""
 
@@ -81,7 +87,7 @@ def lines_of(part: TestPart) -> ConvexSpectrum:
         logs = logs[(logs > ends[0] - share * step) & (logs < ends[1] + share * step)]
         amounts = _amounts(part, logs)
     logs = _apart(logs[amounts[2:] > 0.0], amounts[2:][amounts[2:] > 0.0])
-    amounts = _amounts(part, logs)
+    logs, amounts = _settled(part, logs, ends)
     kept = amounts[2:] > 0.0
     times, weights = np.exp(logs[kept]), amounts[2:][kept]
     if isinstance(part, InTimePart) and part.test.control == "force":
@@ -131,25 +137,61 @@ def relaxation_of(glass: float, fluidity: float, times: Real, weights: Real) -> 
     return ConvexSpectrum(equilibrium, viscosity, rates, 1.0 / (rates * slopes))
 
 
+def _settled(part: TestPart, logs: Real, ends: tuple[float, float]) -> tuple[Real, Real]:
+    """Lines at places of their own, and their amounts: two that became one stand a little off."""
+    amounts, left = _nearest(part, logs)
+    for _ in range(SETTLING):
+        kept = amounts[2:] > 0.0
+        logs = logs[kept]
+        amounts = np.concatenate([amounts[:2], amounts[2:][kept]])
+        # Variable projection: the slopes by the places, less what the amounts could do instead.
+        columns, target = _columns(part, logs)
+        ahead, behind = (_columns(part, logs + by)[0][:, 2:] for by in (MOVED, -MOVED))
+        slopes = (ahead - behind) / (2.0 * MOVED) * amounts[2:]
+        basis = np.linalg.qr(columns)[0]
+        move = np.linalg.lstsq(
+            slopes - basis @ (basis.T @ slopes), target - columns @ amounts, rcond=1e-8
+        )[0]
+        for share in SHARES:
+            moved = np.clip(logs + share * move, *ends)
+            if np.all(np.diff(moved) >= APART):
+                others, less = _nearest(part, moved)
+                if less < left:
+                    break
+        else:
+            break
+        logs, amounts, left = moved, others, less
+    return logs, amounts
+
+
 def _amounts(part: TestPart, logs: Real) -> Real:
     """Amounts (2 + m,) of spring, dashpot and exponentials of these times nearest to a test."""
+    return _nearest(part, logs)[0]
+
+
+def _nearest(part: TestPart, logs: Real) -> tuple[Real, float]:
+    return non_negative(*_columns(part, logs))
+
+
+def _columns(part: TestPart, logs: Real) -> tuple[Real, Real]:
+    """What each amount does to a test (n, 2 + m), and the test (n,), in standard deviations."""
     if not isinstance(part, InTimePart):
-        return _amounts_of_sweep(part, logs)
+        return _columns_of_sweep(part, logs)
     test = part.test
     rows = np.unique(np.linspace(0, len(test) - 1, min(len(test), MOST)).astype(int))
     rows = rows[~np.isin(test.time[rows], test.loading.jumps[0])]
     answers = answers_of(test.loading, test.control, np.exp(logs), test.time[rows])
     # Without the mass, which is no part of such a sum.
     columns = np.delete(answers, 2, axis=1) / part.sd[rows, None]
-    return non_negative(columns, test.response[rows] / part.sd[rows])[0]
+    return columns, test.response[rows] / part.sd[rows]
 
 
-def _amounts_of_sweep(part: TestPart, logs: Real) -> Real:
+def _columns_of_sweep(part: TestPart, logs: Real) -> tuple[Real, Real]:
     s = 1j * np.split(part.rate, 2)[0][:, None]
     turned = s * np.exp(logs)
     shown = np.hstack([np.ones_like(s), s, turned / (1.0 + turned)])
     columns = np.concatenate([shown.real, shown.imag]) / part.sd[:, None]
-    return non_negative(columns, part.measured / part.sd)[0]
+    return columns, part.measured / part.sd
 
 
 def _apart(logs: Real, amounts: Real) -> Real:
