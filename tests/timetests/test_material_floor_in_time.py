@@ -26,6 +26,8 @@ MATERIAL = parse_model("material")
 NETWORKS = (
     "maxwell",
     "jeffreys",
+    "jeffreys-kelvin",
+    "kelvin",
     "burgers",
     "zener",
     "maxwell-3",
@@ -79,6 +81,18 @@ def test_no_network_is_nearer_to_its_own_test_than_any_material(kind, name, seed
     tests = measured_in(kind, model, theta, share, rng)
     found = identify(tests, MATERIAL)
     assert squares(tests, found.model, found.theta) <= 1.02 * squares(tests, model, theta)
+
+
+@pytest.mark.parametrize("share", [0.0, 1e-3])
+def test_a_fluid_that_does_not_jump_is_a_material(share):
+    # Its creep begins with the dashpot of 8 Pa s: J_g is none, or what noise makes of none, and
+    # then one line weighs a million times the others.
+    t = np.geomspace(0.02, 50.0, 40)
+    exact = t / 8.0 + 4.0 * (1.0 - np.exp(-t / 18.0))
+    test = TimeTest.of_compliance(
+        t, exact * (1.0 + share * np.random.default_rng(0).normal(size=40))
+    )
+    assert identify(test, MATERIAL).relative_rms < max(share, 2e-5)
 
 
 def test_nor_to_a_creep_and_a_sweep_together():

@@ -284,9 +284,14 @@ class _Search:
             self.weights: Real = np.full(count, stiffness / count)
         else:
             self.rates, self.weights = lines.among(self.rates)
-        self.model = with_rates(model, self.rates.tolist())
-        self.together = Together(self.model, self.parts, reference)
+        self._lined(model)
+
+    def _lined(self, model: Model) -> None:
+        """Begin anew with the lines at `rates`."""
         self.count = 2 + len(self.rates)
+        self.model = with_rates(model, self.rates.tolist())
+        self.together = Together(self.model, self.parts, self.reference)
+        self.shown = Continuum(tuple(self.rates)).basis(np.log(self.rates), False)[0]
         self.evaluations = 0
         self.last: tuple[Real, tuple[Real, Real]] | None = None
 
@@ -350,13 +355,11 @@ class _Search:
         step = share * np.log(10.0) / PER_DECADE
         near = np.log(self.rates[place.weights[2:] > 0.0])[:, None] + step * np.arange(-4.0, 5.0)
         search = copy(self)
-        search.evaluations, search.last = 0, None
         logs = np.concatenate([np.log(self.rates), near.ravel()])
         rates, first = np.unique(np.round(logs, 9), return_index=True)
         before = np.concatenate([place.weights[2:], np.zeros(near.size)])
-        search.rates, search.count = np.exp(rates), 2 + len(rates)
-        search.model = with_rates(self.model, search.rates.tolist())
-        search.together = Together(search.model, self.parts, self.reference)
+        search.rates = np.exp(rates)
+        search._lined(self.model)
         weights = np.concatenate([place.weights[:2], before[first]])
         return search, search.descended(place._replace(weights=weights), MOST_STEPS)
 
@@ -370,8 +373,8 @@ class _Search:
 
         def again(parts: Sequence[TestPart]) -> FoundLines:
             search = copy(self)
-            search.parts, search.evaluations, search.last = list(parts), 0, None
-            search.together = Together(self.model, search.parts, self.reference)
+            search.parts = list(parts)
+            search._lined(self.model)
             start = place._replace(cost=search.cost(weights, u))
             end = search.descended(start, MOST_STEPS)
             return search.found(end, search.evaluations)
@@ -409,8 +412,9 @@ class _Search:
 
     def _residual(self, weights: Real, u: Real) -> tuple[Real, Real]:
         # A line of no weight at all has no place among the times of the creep, and so no slope
-        # there.
-        least = ALIKE * weights.sum()
+        # there. What is nothing beside K at each rate: one far beyond them may weigh a million
+        # times what the tests show of it.
+        least = ALIKE * np.min(np.abs(weights @ self.shown) / np.abs(self.shown[2:]), axis=1)
         theta = np.concatenate([weights[:2], np.maximum(weights[2:], least), self.own(u)])
         # A step that is taken asks for the slopes of where its cost was asked for.
         if self.last is not None and np.array_equal(self.last[0], theta):
