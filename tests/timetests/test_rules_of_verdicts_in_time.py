@@ -184,16 +184,39 @@ def test_alike_are_those_that_fit_as_well_and_those_that_add_the_same():
 
 
 def test_the_test_that_is_missed_most_is_what_an_error_is_of():
-    tests = [SimpleNamespace(over_floor=1.0, relative_rms=0.1, noise_floor=0.1),
-             SimpleNamespace(over_floor=3.0, relative_rms=0.03, noise_floor=0.01)]  # fmt: skip
+    tests = [
+        SimpleNamespace(name="a", over_floor=1.0, relative_rms=0.1, noise_floor=0.1),
+        SimpleNamespace(name="b", over_floor=3.0, relative_rms=0.03, noise_floor=0.01),
+    ]
     noise = [SimpleNamespace(size=size, memory=0.2) for size in (1.0, 2.0)]
     found = verdict.error_of(tests, noise, SimpleNamespace(errors=(0.5, 0.02)))
-    assert (found.relative_rms, found.over_floor) == (0.03, pytest.approx(3.0))
+    assert (found.test, found.relative_rms, found.over_floor) == ("b", 0.03, pytest.approx(3.0))
     assert found.noise_source == "residual"
     assert found.material_floor == 0.02
     alone = verdict.error_of(tests[:1], noise)
-    assert alone.noise_source == "signal"
+    assert (alone.test, alone.noise_source) == ("", "signal")
     assert np.isnan(alone.material_floor)
+    other = verdict.error_of(tests, noise, at=0)
+    assert (other.test, other.relative_rms, other.noise_floor) == ("a", 0.1, 0.1)
+
+
+def test_another_test_that_the_best_effect_leaves_missed_most_is_told():
+    def left(*ratios: float, misfit: bool = True) -> SimpleNamespace:
+        rows = [
+            SimpleNamespace(name=name, over_floor=ratio, relative_rms=0.1 * ratio, noise_floor=0.1)
+            for name, ratio in zip("ab", ratios, strict=True)
+        ]
+        return SimpleNamespace(misfit=misfit, rows=lambda *_: rows)
+
+    noise = [SimpleNamespace(size=2.0, memory=0.0)] * 2
+    before = left(20.0, 6.0).rows()
+    for one, says in (
+        (left(1.0, 5.0), ", b still 5 x"),
+        (left(1.0, 1.2, misfit=False), ""),
+        (left(4.0, 1.0), ""),
+    ):
+        [after], beside = verdict._after([SimpleNamespace(left=one)], [], noise, before)
+        assert (after.test, beside) == ("a", says)
 
 
 def test_an_effect_of_the_rig_is_as_much_commoner_as_the_rigs_are():

@@ -80,6 +80,8 @@ class Step:
         Effects that the data could not tell from the accepted one, itself included.
     examined : Examined, optional
         The examination of this rung's model; a file does not hold it.
+    test : str, optional
+        The test of which errors and floors are told, the one missed most, where there are several.
     """
 
     model: Model
@@ -94,6 +96,7 @@ class Step:
     tests: tuple[PartResult, ...]
     alike: tuple[str, ...] = ()
     examined: Examined | None = None
+    test: str = ""
 
     @property
     def over_floor(self) -> float:
@@ -133,6 +136,8 @@ class Step:
             "changed": self.changed,
             "tests": self.tests,
         }
+        if self.test:
+            row["test"] = self.test
         return dict(jsonable(row))
 
     @classmethod
@@ -150,6 +155,7 @@ class Step:
             parameters=values_of(row["parameters"]),
             changed=row["changed"],
             tests=parts_of(row["tests"]),
+            test=row.get("test", ""),
         )
 
 
@@ -356,8 +362,8 @@ def rung_of(case: Examined, before: Step | None = None, accepted: str | None = N
         for candidate in before.diagnosis.candidates:
             if candidate.effect == accepted:
                 alike = candidate.alike
-                # Where nothing was foretold.
-                if isfinite(candidate.predicted_error):
+                # Not where nothing was foretold, or of another test.
+                if isfinite(candidate.predicted_error) and before.test == error.test:
                     predicted = candidate.predicted_error
     return Step(
         model=told.model,
@@ -372,6 +378,7 @@ def rung_of(case: Examined, before: Step | None = None, accepted: str | None = N
         tests=told.tests,
         alike=alike,
         examined=case,
+        test=error.test,
     )
 
 

@@ -60,7 +60,8 @@ class Candidate:
     bound : float
         Relative change of K above which the effect would have been seen.
     over_floor : float
-        The error with it over the noise.
+        The error with it over the noise; of several tests in time before and after, and this, are
+        of the one that the model misses most.
     parameters : dict of str to Value
         Its own parameters.
     says : str

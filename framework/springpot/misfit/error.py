@@ -35,6 +35,8 @@ class Error:
         looked for.
     noise_memory : float, optional
         Of tests in time: correlation of neighbouring samples of the noise.
+    test : str, optional
+        The test of which all of this is told, where there are several.
     """
 
     relative_rms: float
@@ -44,6 +46,7 @@ class Error:
     material_floor: float = 0.0
     material_chance: float = 1.0
     noise_memory: float | None = None
+    test: str = ""
 
     @property
     def is_hardly_noise(self) -> bool:
@@ -65,6 +68,8 @@ class Error:
         row = {**vars(self), "over_floor": self.over_floor}
         if self.noise_memory is None:
             del row["noise_memory"]
+        if not self.test:
+            del row["test"]
         return dict(jsonable(row))
 
     @classmethod
@@ -78,6 +83,7 @@ class Error:
             material_floor=number(row["material_floor"]),
             material_chance=number(row["material_chance"]),
             noise_memory=row.get("noise_memory"),
+            test=row.get("test", ""),
         )
 
     @property

@@ -206,9 +206,14 @@ def _more(diagnosis: Diagnosis, verbose: bool, notes: int) -> str:
 
 
 def error_line(diagnosis: Diagnosis) -> str:
-    """``error 8.3 % -> 1.1 % with inertia, 1.1 x floor``, and the two floors."""
+    """``error 8.3 % -> 1.1 % with inertia, 1.1 x floor``, and the two floors.
+
+    Of several tests in time all of it is of one, which is named.
+    """
     error, best = diagnosis.error, diagnosis.best
     before = f"error {percent(error.relative_rms)}"
+    if error.test:
+        before = f"error of {error.test} {percent(error.relative_rms)}"
     if best is None:
         return f"{before}, {times(error.relative_rms, error)}; {floors(error)}"
     after = f"{percent(best.after)} with {best.effect}, {times(best.after, error)}"

@@ -50,13 +50,9 @@ Their own uncertainty is about as large.
 
 def ladder_document(ladder: Ladder, verbose: bool = False) -> list[Passage]:
     """Each step with its error, forecast and what it changed, then the last diagnosis."""
-    first, last = ladder.steps[0], ladder.steps[-1]
-    line = f"error {percent(first.relative_rms)} -> {percent(last.relative_rms)}"
-    if len(ladder.steps) == 1:
-        line += ", nothing accepted"
-    against = times(last.relative_rms, ladder.diagnosis.error)
+    last = ladder.steps[-1]
     return [
-        Prose(f"{first.model.name} of {ladder.data}: {line}, {against}"),
+        Prose(f"{ladder.steps[0].model.name} of {ladder.data}: {_fall(ladder)}"),
         steps_table(ladder),
         Prose(floor_moved(ladder)),
         parameters_table("parameter", last.parameters),
@@ -69,6 +65,25 @@ def ladder_document(ladder: Ladder, verbose: bool = False) -> list[Passage]:
     ]
 
 
+def _fall(ladder: Ladder) -> str:
+    """``error 8.3 % -> 1.1 %, 1.1 x floor``; of several tests in time of the first missed most.
+
+    Then of the one that is missed most in the end, where it is another.
+    """
+    first, last = ladder.steps[0], ladder.steps[-1]
+    nothing = ", nothing accepted" if len(ladder.steps) == 1 else ""
+    reached = f"{percent(last.relative_rms)}{nothing}"
+    against = f"{reached}, {times(last.relative_rms, ladder.diagnosis.error)}"
+    if not first.test:
+        return f"error {percent(first.relative_rms)} -> {against}"
+    before = f"error of {first.test} {percent(first.relative_rms)}"
+    if last.test == first.test:
+        return f"{before} -> {against}"
+    same = next(test for test in last.tests if test.name == first.test)
+    ratio = over_floor(same.relative_rms, same.noise_floor, 2)
+    return f"{before} -> {percent(same.relative_rms)}, {ratio} x floor; of {last.test} {against}"
+
+
 def steps_table(ladder: Ladder) -> TextTable:
     """A row for each step; a narrow window names what was accepted in place of the whole model."""
     # Each model is the one above it and what was accepted.
@@ -77,7 +92,7 @@ def steps_table(ladder: Ladder) -> TextTable:
 
 def _steps(ladder: Ladder, brief: bool = False) -> TextTable:
     """All columns; `brief` names what was accepted in place of the whole model."""
-    headers = ("step", "model", "predicted", "error", "x floor", "noise floor", "material floor")
+    numbers = ("predicted", "error", "x floor", "noise floor", "material floor")
     rows = []
     for i, step in enumerate(ladder.steps):
         name = step.model.name
@@ -92,9 +107,11 @@ def _steps(ladder: Ladder, brief: bool = False) -> TextTable:
             over_floor(step.relative_rms, floor, 2),
             percent(floor, 2),
             percent(step.material_floor, 2),
+            step.test,
         )
         rows.append(row)
-    return TextTable(headers, rows, frozenset(headers[2:]))
+    # Of one test alone the last column is empty, and left out.
+    return TextTable(("step", "model", *numbers, "missed most"), rows, frozenset(numbers))
 
 
 def remarks(ladder: Ladder) -> Listing:

@@ -14,6 +14,7 @@ from springpot.superposition.curve import MasterCurve
 from springpot.superposition.laws import LawFit
 
 from ..format_numbers import LISTED
+from ..thresholds import SUPERPOSITION
 from .canvas import COLOURS, INK, QUIET, SMOOTH, TENFOLD, blank, finished, logarithmic
 from .text import Listing, Passage, Prose, TextTable, percent, seconds, with_interval
 
@@ -25,6 +26,10 @@ WORDS = {
     "simple": "one curve holds: nothing is left but noise",
     "nearly-simple": (
         "one curve nearly holds: it adds {added} to the error, which is little but no noise"
+    ),
+    "beside": (
+        "one curve nearly holds: it adds {added} to the error, which is no noise, beside {alone}"
+        " that the levels leave by themselves"
     ),
     "not-simple": "one curve does not hold: it adds {added} to the error",
     "not-judged": "no level has points enough to judge whether one curve holds",
@@ -48,6 +53,11 @@ def mastercurve_document(master: MasterCurve) -> list[Passage]:
     laws: Passage = Prose()
     if master.laws:
         laws = _laws(master)
+    words = WORDS[rest.verdict]
+    # Little is said of an error itself, not of what it is beside a larger one.
+    if rest.verdict == "nearly-simple" and rest.added > SUPERPOSITION.added:
+        words = WORDS["beside"]
+    holds = words.format(added=percent(rest.added, 2), alone=percent(rest.alone, 2))
     return [
         Prose(
             f"master curve of {master.data.name} at {reference}, {len(master.data)} points,"
@@ -59,7 +69,7 @@ def mastercurve_document(master: MasterCurve) -> list[Passage]:
         laws,
         Listing(
             places,
-            f"superposition   {WORDS[rest.verdict].format(added=percent(rest.added, 2))}",
+            f"superposition   {holds}",
             "  - ",
         ),
         Listing(master.notes, mark="note: "),

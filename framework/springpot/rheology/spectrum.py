@@ -303,6 +303,8 @@ def summed(
         best = min(
             best, whole.summed(low, high, wanted, finder, signed), key=lambda each: each.error
         )
+    if np.isnan(best.error):
+        raise _NoSpectrumError("has no stiffness: one of its parameters is zero or too large")
     if not best.error < REFUSED:
         raise _NoSpectrumError(f"is no sum of relaxations: they miss K by {100 * best.error:.2g} %")
     return best

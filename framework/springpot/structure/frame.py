@@ -100,6 +100,16 @@ class Damper:
                     f"without = ['{effect.name}']"
                 )
 
+        # A part in series with one that gives no force is no number, nor is what is too large.
+        with np.errstate(all="ignore"):
+            stiffness, _ = self.stiffness(np.array([1j]))
+            numbers = np.concatenate([stiffness, self.theta**2])
+        if not np.all(np.isfinite(numbers)):
+            values = zip(self.model.names, self.theta.tolist(), strict=True)
+            given = ", ".join(f"{name} = {value:g}" for name, value in values)
+            raise ModelError(
+                f"a damper of {self.model.name} with {given} has no stiffness that is a number"
+            )
         for effect, _ in self.beside:
             if getattr(effect.element, "flows", False):
                 raise ModelError(

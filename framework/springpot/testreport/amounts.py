@@ -90,8 +90,11 @@ def amount(value: object, wanted: str) -> float:
     """
     if isinstance(value, int | float) and not isinstance(value, bool):
         if wanted in {"-", "1"}:
-            return float(value)
-        raise DataError(f"{value} has no unit: write '{value} {wanted}'")
+            try:
+                return float(value)
+            except OverflowError:
+                raise DataError("a number is too large") from None
+        raise DataError(f"{value!s:.40} has no unit: write '{value} {wanted}'")
     match = _AMOUNT.fullmatch(str(value)[:80]) if isinstance(value, str) else None
     if match is None:
         raise DataError(f"'{value!s:.40}' is no number with a unit, such as '1 {wanted}'")

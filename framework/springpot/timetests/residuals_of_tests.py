@@ -40,7 +40,7 @@ from .digits import digit_of, roundings
 from .recording import recorded, spread
 from .scatter import ResidualScatter, scatter_of, scatter_of_sweep
 from .start import apparent
-from .where import places, rms
+from .where import places, places_in_sweep, rms
 
 COARSE = 60
 """Samples of a test with which the search begins; all of them end it."""
@@ -486,6 +486,10 @@ class SweepPart(TestPart):
     def neighbours(self, residual: Real) -> Real:
         """K' comes first and then K'': its neighbours are told by K' alone."""
         return residual[: len(self.test)]
+
+    def places(self, residual: Real) -> list[Where]:
+        """Between which frequencies."""
+        return places_in_sweep(self.test, residual)
 
 
 @dataclass(frozen=True, eq=False)

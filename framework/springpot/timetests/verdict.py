@@ -34,7 +34,7 @@ from .lines import lines_in
 from .one_ramp import beside_one_ramp
 from .promises import TWINS, Promise
 from .residuals_of_tests import SweepPart, TestPart
-from .scatter import ResidualScatter
+from .scatter import ResidualScatter, times_noise
 from .slip import Slip
 from .where import worst_first
 
@@ -47,13 +47,17 @@ def worst_of(tests: Sequence[PartResult]) -> int:
 
 
 def error_of(
-    tests: Sequence[PartResult], noise: Sequence[ResidualScatter], floor: TimeFloor | None = None
+    tests: Sequence[PartResult],
+    noise: Sequence[ResidualScatter],
+    floor: TimeFloor | None = None,
+    at: int | None = None,
 ) -> Error:
-    """The error of a model beside the noise, of the test that it misses most.
+    """The error of a model beside the noise, of one test: by default the one that it misses most.
 
     Beside the least of any material in that test, where one was looked for.
     """
-    at = worst_of(tests)
+    if at is None:
+        at = worst_of(tests)
     worst, scatter = tests[at], noise[at]
     # Of few samples the presumed noise is believed as it is: its size is one, to the last bit.
     source = "residual"
@@ -70,6 +74,7 @@ def error_of(
         lowest,
         NAN,
         noise_memory=scatter.memory,
+        test=worst.name if len(tests) > 1 else "",
     )
 
 
@@ -92,10 +97,12 @@ def sentence(
     jump: str = "",
     apart: str = "",
     rival: str = "",
+    beside: str = "",
 ) -> str:
     """The verdict in one sentence; `jump` and `rival` tell of what explains the tests as well.
 
-    `apart` tells of tests that are followed one by one and not together.
+    `apart` tells of tests that are followed one by one and not together, `beside` of another test
+    that the best effect leaves missed.
     """
     size = f"the error is {error.over_floor:.2g} x the noise"
     # Where it fails is the best advice there is, as long as nobody knows what is missing.
@@ -121,7 +128,7 @@ def sentence(
             f"{size}, and no known effect explains it:"
             f" something is missing that is not in the library{place}"
         )
-    after = f"{candidates[0].over_floor:.2g} x with it"
+    after = f"{candidates[0].over_floor:.2g} x with it{beside}"
     if verdict == "unexplained":
         helps = f"{names} helps ({after}) but is not all"
         if apart:
@@ -221,9 +228,9 @@ def answer_of(
     best = next((each.left for each in tried), before)
     nothing, *chances, unknown = _agreeing(weights, verdict, best.chance)
     alike = _class(tried, promises, noise)
-    after = [error_of(each.left.rows(parts, noise, base.tests), noise) for each in tried]
-    candidates = _candidates(tried, chances, alike, after, verdict)
     tests = before.rows(parts, noise, base.tests)
+    after, beside = _after(tried, parts, noise, tests)
+    candidates = _candidates(tried, chances, alike, after, verdict)
     named = [] if slipped and weights[-1] > VERDICT.likely else candidates
     # What noise leaves of an adequate model stands out somewhere too.
     where = () if verdict == "adequate" else where_missed(parts, before, noise)
@@ -234,7 +241,7 @@ def answer_of(
         model=base.model,
         error=error,
         verdict=verdict,
-        says=sentence(error, verdict, named, where, jump, apart, rival),
+        says=sentence(error, verdict, named, where, jump, apart, rival, beside),
         split="",
         where=where,
         candidates=tuple(candidates),
@@ -257,6 +264,25 @@ def _going_on_from(
     """The best fit that there is: from it the next round of a discovery goes on."""
     fits = (each.fit for each in tried if each.effect.name in best and each.fit is not None)
     return next(fits, base)
+
+
+def _after(
+    tried: Sequence[Tried],
+    parts: Sequence[TestPart],
+    noise: Sequence[ResidualScatter],
+    tests: Sequence[PartResult],
+) -> tuple[list[Error], str]:
+    """The error with each effect, and in words another test that the best one leaves missed most.
+
+    Before and after are of one test, the one that the model misses most: errors of two tests, and
+    what noise leaves of them, do not compare.
+    """
+    rows, at = [each.left.rows(parts, noise, tests) for each in tried], worst_of(tests)
+    after = [error_of(each, noise, at=at) for each in rows]
+    if not tried or not tried[0].left.misfit or worst_of(rows[0]) == at:
+        return after, ""
+    worst = rows[0][worst_of(rows[0])]
+    return after, f", {worst.name} still {times(worst.over_floor)}"
 
 
 def _said_apart(parts: Sequence[TestPart], tests: Sequence[PartResult]) -> str:
@@ -340,11 +366,13 @@ def facts_of(before: Left, tried: Sequence[Tried], unknown: bool) -> Facts:
 def where_missed(
     parts: Sequence[TestPart], before: Left, noise: Sequence[ResidualScatter]
 ) -> tuple[Where, ...]:
-    """Where the model fails in all tests in time, the worst first."""
-    located: list[Where] = []
+    """Where the model fails: first in the test that it misses most, the worst place first."""
+    located: list[tuple[float, Sequence[Where]]] = []
     for part, residual, scatter in zip(parts, before.residuals, noise, strict=True):
-        located += part.places(residual / scatter.size)
-    return worst_first(located)
+        places = worst_first(part.places(residual / scatter.size))
+        located.append((times_noise(residual, scatter.size), places))
+    located.sort(key=lambda one: -one[0])
+    return tuple(place for _, places in located for place in places)
 
 
 def _class(

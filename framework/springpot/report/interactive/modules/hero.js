@@ -54,7 +54,7 @@ export class Hero {
     const ratio = error.noise_floor > 0 ? error.relative_rms / error.noise_floor : NaN;
     const told = Number.isFinite(ratio) ? [`${number(ratio, 2)} ×`, "the noise floor"] : [percent(error.relative_rms, 2), ""];
     put(this.big, h("span", { class: "big" }, told[0]), h("span", {}, told[1]),
-      h("span", { class: "quiet" }, `${percent(error.relative_rms)} of ${of}`));
+      h("span", { class: "quiet" }, `${percent(error.relative_rms)} of ${error.test || of}`));
   }
 }
 

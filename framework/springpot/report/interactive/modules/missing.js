@@ -99,7 +99,7 @@ export class Missing {
       onclick: (event) => this.clicked(event, candidate.effect),
     },
     h("span", { class: "name", title: candidate.effect }, candidate.label || candidate.effect),
-    h("span", { class: "fall", title: after === null ? "not fitted by itself" : `error with it: ${percent(after)} of ${this.app.answer.of}, ${times(after, floor)}` }, `→ ${percent(after, 2)}`),
+    h("span", { class: "fall", title: after === null ? "not fitted by itself" : `error with it: ${percent(after)} of ${this.app.answer.discovery.diagnosis.error.test || this.app.answer.of}, ${times(after, floor)}` }, `→ ${percent(after, 2)}`),
     h("span", { class: "size", title: candidate.says }, candidate.shown || size[0] || "not fitted"),
     candidate.probability === undefined ? null : h("span", { class: `word ${candidate.verdict}`, title: "probability that it is among what is missing" }, `chance ${probability(candidate.probability)}`));
   }
