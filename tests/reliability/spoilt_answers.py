@@ -46,8 +46,8 @@ def places(document: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...
         yield from places(value, (*path, key))
 
 
-def spoilt(document: Any, place: tuple[Any, ...], by: Any) -> str:
-    """The text of a document with something else in one place."""
+def changed(document: Any, place: tuple[Any, ...], by: Any) -> Any:
+    """A copy of a document with something else, or nothing, in one place."""
     document = deepcopy(document)
     inner = document
     for key in place[:-1]:
@@ -56,7 +56,12 @@ def spoilt(document: Any, place: tuple[Any, ...], by: Any) -> str:
         del inner[place[-1]]
     else:
         inner[place[-1]] = by
-    return json.dumps(document).replace(f'"{DEEP}"', "[" * 100_000)
+    return document
+
+
+def spoilt(document: Any, place: tuple[Any, ...], by: Any) -> str:
+    """The text of a document with something else in one place."""
+    return json.dumps(changed(document, place, by)).replace(f'"{DEEP}"', "[" * 100_000)
 
 
 def fault(path: Path) -> str:

@@ -7,12 +7,11 @@ import io
 import json
 import tomllib
 from collections.abc import Callable
-from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
 import pytest
-from spoilt_answers import DEEP, GONE, SPOILT, places, spoilt
+from spoilt_answers import DEEP, SPOILT, changed, places, spoilt
 
 from springpot.cli.faults import exit_code
 from springpot.cli.group import run
@@ -61,15 +60,8 @@ def written(value: Any) -> str:
 
 def as_toml(document: Any, place: tuple[Any, ...], by: Any) -> str:
     """The text of a TOML document with something else in one place."""
-    whole = deepcopy(document)
-    inner = whole
-    for key in place[:-1]:
-        inner = inner[key]
-    if by is GONE:
-        del inner[place[-1]]
-    else:
-        # TOML has no null.
-        inner[place[-1]] = "" if by is None else by
+    # TOML has no null.
+    whole = changed(document, place, "" if by is None else by)
     return "\n".join(f"{key} = {written(value)}" for key, value in whole.items())
 
 

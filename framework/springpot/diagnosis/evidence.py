@@ -405,8 +405,8 @@ def _contains(wider: Refit, fitted: Refit) -> bool:
 
 def _as_good(fitted: Refit, best: Refit) -> bool:
     """Whether a fit explains data and harmonics nearly as well as another."""
-    of_both = (one.log_likelihood + harmonic_evidence(one) for one in (fitted, best))
-    return next(of_both) > next(of_both) - EVIDENCE.as_good
+    here, there = (one.log_likelihood + harmonic_evidence(one) for one in (fitted, best))
+    return here > there - EVIDENCE.as_good
 
 
 def _log_weights(search: Search, tried: Sequence[Grown]) -> Real:

@@ -132,6 +132,10 @@ class Replay:
             float(np.max(np.abs(self.data.stiffness - fit.at(self.data.points)) / size))
             for fit in self.fits
         )
+        with blank() as figure:
+            whole = figure.subplots()
+            draw_ladder(whole, ladder)
+            self.ends = whole.get_xlim(), whole.get_ylim()
         self.noise = 2.0 * float(np.median(np.abs(bases[-1].noise.sd) / size))
 
     def at(self, step: int, share: float) -> Image:
@@ -173,8 +177,5 @@ class Replay:
         axes.set_ylim(-100.0 * ROOM * self.largest, 100.0 * ROOM * self.largest)
 
     def _ladder(self, axes: Axes, reached: int) -> None:
-        draw_ladder(axes, self.ladder)
-        ends = axes.get_xlim(), axes.get_ylim()
-        axes.clear()
         draw_ladder(axes, replace(self.ladder, steps=self.ladder.steps[:reached]))
-        axes.set(xlim=ends[0], ylim=ends[1])
+        axes.set(xlim=self.ends[0], ylim=self.ends[1])

@@ -61,15 +61,38 @@ class Inserted:
 
 
 @dataclass(frozen=True)
-class Held(Mapped):
-    """A node some of whose parameters are held or bounded; see `hold`."""
-
-    forward: Inserted
+class Lessened(Mapped):
+    """A node with fewer free parameters than the one within it."""
 
     @property
     def released(self) -> Node:
         """The inner node with all its parameters free."""
         return self.node.released
+
+    @property
+    def held(self) -> dict[str, float]:
+        """As the inner node says."""
+        return self.node.held
+
+    @property
+    def absent_at(self) -> float | None:
+        """As the inner node says."""
+        return self.node.absent_at
+
+    def third_harmonic(self, theta: Real, at: Points) -> Complex | None:
+        """That of the inner node, where it knows one."""
+        predict = getattr(self.node, "third_harmonic", None)
+        if predict is None:
+            return None
+        harmonic: Complex | None = predict(self.forward(theta), at)
+        return harmonic
+
+
+@dataclass(frozen=True)
+class Held(Lessened):
+    """A node some of whose parameters are held or bounded; see `hold`."""
+
+    forward: Inserted
 
     @property
     def held(self) -> dict[str, float]:
@@ -82,11 +105,6 @@ class Held(Mapped):
         pairs = zip(self.node.parameters, self.forward.values, strict=True)
         return {parameter.name: value for parameter, value in pairs if value is not None}
 
-    @property
-    def absent_at(self) -> float | None:
-        """As the inner node says."""
-        return self.node.absent_at
-
     def bound_to(self, at: Points) -> Node:
         """The inner node bound, and held as before."""
         bound = self.node.bound_to(at)
@@ -94,14 +112,6 @@ class Held(Mapped):
             return self
         bounds = {each.name: (each.lower, each.upper) for each in self.parameters}
         return hold(bound, self.here, bounds)
-
-    def third_harmonic(self, theta: Real, at: Points) -> Complex | None:
-        """That of the inner node, where it knows one."""
-        predict = getattr(self.node, "third_harmonic", None)
-        if predict is None:
-            return None
-        harmonic: Complex | None = predict(self.forward(theta), at)
-        return harmonic
 
 
 @dataclass(frozen=True, eq=False)
@@ -438,25 +448,10 @@ class Following:
 
 
 @dataclass(frozen=True)
-class Tied(Mapped):
+class Tied(Lessened):
     """A node some of whose parameters follow from others; see `tied`."""
 
     forward: Following
-
-    @property
-    def released(self) -> Node:
-        """The inner node with all its parameters free."""
-        return self.node.released
-
-    @property
-    def held(self) -> dict[str, float]:
-        """As the inner node says."""
-        return self.node.held
-
-    @property
-    def absent_at(self) -> float | None:
-        """As the inner node says."""
-        return self.node.absent_at
 
     def bound_to(self, at: Points) -> Node:
         """The inner node bound, and tied as before."""
