@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.comparison import Ranking, rank
-from springpot.comparison import ranking
+from springpot.comparison import Ranking, rank, ranking
 from springpot.comparison.ranking import chance_beside, grouped, spends_most
 from springpot.errors import DataError
 from springpot.measurement import Measurement, Units

@@ -1,5 +1,7 @@
 """A discovery as a moving picture."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -68,6 +70,6 @@ def test_each_way_begins_after_one_fit_and_ends_on_the_next():
     for step in (1, 2):
         shares = [share for at, share, _ in moments if at == step]
         assert shares[-1] == 1.0
-        assert all(0.0 < one < after <= 1.0 for one, after in zip(shares, shares[1:], strict=False))
+        assert all(0.0 < one < after <= 1.0 for one, after in itertools.pairwise(shares))
         assert shares[0] + shares[-2] == pytest.approx(1.0)
         assert shares[0] < 1.0 / replay.FRAMES
