@@ -27,6 +27,11 @@ HARMLESS = {
         "1",
     ): "which of the fits, sorted later, are made first",
     (
+        "comparison/ranking.py",
+        "judged = Judgement(floor, error_of(floor, lowest), 0.0, rng)",
+        "1.0",
+    ): "evidence that nobody asks of any material",
+    (
         "derived/from_data.py",
         "while size > 1e-6 and not (0.2 < theta[2] + size * step[2] < 8.0):",
         "2e-06",
@@ -41,6 +46,21 @@ HARMLESS = {
         "first, width, iterations = first + width, width + (first > 0), 2 * iterations",
         "1",
     ): "how many starts are tried at once",
+    (
+        "invention/inventing.py",
+        "scaled = 2.0 * (log_omega - log_omega.min()) / (float(np.ptp(log_omega)) or 1.0) - 1.0",
+        "(float(np.ptp(log_omega)) and 1.0)",
+    ): "polynomials of any scale of their variable are the same together",
+    (
+        "misfit/material.py",
+        "for each in range(int(number.max()) + 1):",
+        "2",
+    ): "a level more, which has no points",
+    (
+        "structure/beside.py",
+        "now, here, fast = np.zeros(1), np.array([way]), np.array([speed])",
+        "2",
+    ): "a moment that is asked twice",
     (
         "structure/beside.py",
         "self._pointwise(0.0, 1.0) - self._pointwise(0.0, -1.0)",
