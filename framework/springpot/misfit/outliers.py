@@ -117,7 +117,8 @@ def left_by(followed: Real, values: Real, rows: NDArray[np.bool_]) -> Real:
     """What curves that are fitted to some rows alone leave of values in all of them.
 
     A row that is left out is one with a parameter of its own, whose value is its residual over
-    the share of the row that the curves do not follow (Cook 1977, doi:10.1080/00401706.1977.10489493).
+    the share of the row that the curves do not follow (Cook 1977,
+    doi:10.1080/00401706.1977.10489493).
 
     Parameters
     ----------
