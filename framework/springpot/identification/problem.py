@@ -17,6 +17,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -519,21 +520,25 @@ class Problem(Searched):
         return residual, by_x
 
 
-class _Watched(Problem):
-    """A problem that hands every point to a watcher before it is evaluated."""
+class _Watching:
+    """Hands every point to a watcher before a problem evaluates it."""
 
-    def evaluate(self, x: Real) -> Real:
+    def evaluate(self, x: Real) -> Any:
         self.__dict__["watcher"](x.reshape(-1, x.shape[-1]))
-        return super().evaluate(x)
+        return super().evaluate(x)  # type: ignore[misc]
 
-    def residuals_and_jacobian(self, x: Real) -> tuple[Real, Real]:
+    def residuals_and_jacobian(self, x: Real) -> Any:
         self.__dict__["watcher"](x.reshape(-1, x.shape[-1]))
-        return super().residuals_and_jacobian(x)
+        return super().residuals_and_jacobian(x)  # type: ignore[misc]
 
 
-def watched(problem: Problem, watcher: Callable[[Real], None]) -> Problem:
+S = TypeVar("S", bound=Searched)
+
+
+def watched(problem: S, watcher: Callable[[Real], None]) -> S:
     """The same problem, which shows `watcher` the points (m, d) before each evaluation."""
-    copy = _Watched(problem.model, problem.measurement, problem.objective, problem.space)
-    # A problem is frozen, and its watcher is no part of it.
-    copy.__dict__["watcher"] = watcher
-    return copy
+    kind = type(problem)
+    watching: S = object.__new__(type(kind.__name__, (_Watching, kind), {}))
+    # A problem may be frozen, and its watcher is no part of it; what it evaluates it counts anew.
+    watching.__dict__.update(problem.__dict__ | {"watcher": watcher, "tally": Tally()})
+    return watching
