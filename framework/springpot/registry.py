@@ -478,6 +478,12 @@ def open_in_time(spec: str | Path) -> tuple[TimeTest | OtherTest, ...]:
     >>> springpot.open_in_time("pad.csv")
     (<TimeTest pad: relaxation, 18 samples, 0.1 to 98.5 s>,)
     """
+    problem = plugins().problem(str(spec))
+    if problem is not None:
+        tests = problem.tests()
+        in_time = tuple(test for test in tests if not isinstance(test, Measurement))
+        # Of a sweep among them only who opens all tests can make something.
+        return in_time if len(in_time) == len(tests) else ()
     return in_time_by(spec, plugins().items("time reader"))
 
 

@@ -40,8 +40,7 @@ def test_every_repetition_has_a_draw_that_levels_and_models_share():
     plan = noisy_study(models=["own", "springpot"]).plan()
     assert [case.source.name for case in plan.cases[::2]] == ["kelvin", "kelvin+1%", "kelvin+3%"]
     exact, one, three = (
-        [drawn(plan, case, r).source.sweep.stiffness for r in range(3)]
-        for case in plan.cases[::2]
+        [drawn(plan, case, r).source.sweep.stiffness for r in range(3)] for case in plan.cases[::2]
     )
     assert all(np.array_equal(data, exact[0]) for data in exact)
     assert len({data.tobytes() for data in one}) == 3

@@ -6,26 +6,21 @@ Its reference, its optimum where that is known beforehand, and the noise that a 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from copy import copy
 from dataclasses import replace
 
 import numpy as np
 
 from springpot.identification.native import fit, minima_in_box
-from springpot.identification.problem import Objective, Problem
+from springpot.identification.problem import Objective, Problem, SpecimenProblem
 from springpot.identification.space import rounded_up
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test
 from springpot.measurement.scatter import with_noise
+from springpot.measurement.timetest import TimeTest
 from springpot.numerics import ALIKE
 from springpot.registry import parse_model
 from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
-from springpot.timetests.fitting import FASTEST, InTimeProblem
-from springpot.timetests.residuals_of_tests import part_of, parts_of_specimen, reach_of
-from springpot.timetests.specimen import answered
-from springpot.timetests.specimen import reference_of as reference_of_tests
-from springpot.timetests.where import rms
 
 from .plan import DrawnNoise, Plan, RaceCase, Source, stream_of
 
@@ -78,7 +73,8 @@ def noisy(source: Source, clean: Sequence[Test]) -> bool:
 def _numbers(test: Test) -> Real | Complex:
     if isinstance(test, Measurement):
         return test.stiffness
-    return part_of(test).measured
+    assert isinstance(test, TimeTest)
+    return test.response
 
 
 def drawn(plan: Plan, case: RaceCase, repetition: int) -> RaceCase:
@@ -132,41 +128,17 @@ def case_of(
     return RaceCase(source, model.name, objective, reference, known, optimum)
 
 
-def problem_of(source: Source, model: Model, objective: Objective) -> Problem | InTimeProblem:
-    """A model on the data of a source: of a sweep, or of all tests of a specimen together.
+def problem_of(source: Source, model: Model, objective: Objective) -> SpecimenProblem:
+    """A model on the data of a source: of a sweep, or of all tests of a specimen together."""
+    from springpot.timetests.fitting import InTimeProblem
 
-    Tests in time weigh as the objective has it within each; beside each other each of their numbers
-    weighs as one of the test's own root mean square.
-    """
-    sweep, scale = source.sweep, source.stiffness_scale
+    sweep = source.sweep
     if sweep is not None:
-        return Problem.of(model, sweep, objective, scale)
-    parts = []
-    for part in parts_of_specimen(source.tests):
-        even = part.with_sd(np.full(len(part.measured), rms(part.measured)))
-        parts.append(even.weighed_by(objective))
-    size = max(part.stiffness for part in parts)
-    if scale is not None:
-        size = scale / FASTEST
-    return InTimeProblem(model, parts, reference_of_tests(source.tests), size, reach_of(parts))
+        return Problem.of(model, sweep, objective, source.stiffness_scale)
+    return InTimeProblem.alike(model, source.tests, objective, source.stiffness_scale)
 
 
-def with_data(problem: Problem | InTimeProblem, tests: Sequence[Test]) -> Problem | InTimeProblem:
-    """The same problem, weights and box and all, of other data of the same tests."""
-    if isinstance(problem, Problem):
-        (sweep,) = tests
-        assert isinstance(sweep, Measurement)
-        return replace(problem, measurement=sweep)
-    parts = [
-        replace(part, test=test).with_sd(part.sd)
-        for part, test in zip(problem.parts, tests, strict=True)
-    ]
-    twin = copy(problem)
-    twin.parts = parts
-    return twin
-
-
-def reference_of(problem: Problem | InTimeProblem) -> float:
+def reference_of(problem: SpecimenProblem) -> float:
     """Objective from which progress is measured.
 
     At the centre of the box, or of no answer at all if that is less.
@@ -176,12 +148,7 @@ def reference_of(problem: Problem | InTimeProblem) -> float:
     """
     with np.errstate(all="ignore"):
         centre = problem.evaluate(0.5 * (problem.lower + problem.upper))
-        if isinstance(problem, Problem):
-            nothing = problem.objective.value(
-                np.zeros_like(problem.measurement.stiffness), problem.measurement, problem.weights
-            )
-        else:
-            nothing = np.sum([np.sum(part.signal**2) for part in problem.parts])
+        nothing = problem.nothing
     # No answer has no logarithm.
     return float(np.fmin(centre, nothing))
 
@@ -229,6 +196,8 @@ def noise_free(source: Source) -> tuple[Test, ...] | None:
     """The data as they would be without noise, where the truth is known."""
     if not source.truth:
         return None
+    from springpot.timetests import answered
+
     model = source.model_of(source.model)
     return answered(model, _truth(source, model), source.tests)
 

@@ -8,20 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import TypeAlias
 
 import numpy as np
 
 from springpot.identification.native import BoundedDescent
-from springpot.identification.problem import Problem
+from springpot.identification.problem import SpecimenProblem
 from springpot.identification.recorder import Recorder
 from springpot.rheology.points import Real
-from springpot.timetests.fitting import InTimeProblem
 
 from .plan import stream_of
 from .statistics import pooled_ranks
 
-AnyProblem: TypeAlias = Problem | InTimeProblem
 STARTS, SAMPLES = 64, 1000
 """Descents from uniform points of the box, and points at which the objective is looked at."""
 NEAR = 1e-3
@@ -64,24 +61,24 @@ class Features:
         return {each.name: float(getattr(self, each.name)) for each in fields(self)}
 
 
-def descents(problem: AnyProblem, points: Real) -> tuple[Real, Real]:
+def descents(problem: SpecimenProblem, points: Real) -> tuple[Real, Real]:
     """Where descents within the box end (s, d), from points (s, d), and their objectives (s,)."""
     with np.errstate(all="ignore"):
         return BoundedDescent(Recorder(problem, 10**9)).from_points(points)
 
 
-def uniform(problem: AnyProblem, count: int, seed: int = 0) -> Real:
+def uniform(problem: SpecimenProblem, count: int, seed: int = 0) -> Real:
     """Points (count, d) of the box, always the same."""
     rng = np.random.default_rng(stream_of(seed, "features", problem.dimension))
     return problem.lower + rng.random((count, problem.dimension)) * (problem.upper - problem.lower)
 
 
-def features_of(problem: AnyProblem, optimum: Real, best: float, target: float) -> Features:
+def features_of(problem: SpecimenProblem, optimum: Real, best: float, target: float) -> Features:
     """Measure a problem.
 
     Parameters
     ----------
-    problem : Problem or InTimeProblem
+    problem : SpecimenProblem
         With its box.
     optimum : ndarray, shape (d,)
         Where it is best.

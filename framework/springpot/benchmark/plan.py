@@ -20,7 +20,6 @@ from springpot.measurement.opening import Test, sweep_of
 from springpot.registry import parse_model
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
-from springpot.timetests.specimen import as_had_by
 
 SCHEME = 1
 """Version of what a trial is; a change to it makes every stored trial count as another one."""
@@ -85,6 +84,8 @@ class Source:
 
     def model_of(self, expression: str) -> Model:
         """A model as these data can have it, with a parameter for each level of a column."""
+        from springpot.timetests import as_had_by
+
         return as_had_by(parse_model(expression), self.tests)
 
 

@@ -500,7 +500,7 @@ class BoundedDescent:
         )
 
     def from_scan(self, rng: np.random.Generator, starts: int) -> tuple[Real, Real]:
-        """Ends (starts, d) and objectives (starts,) of descents from the best of one scan of shapes.
+        """Ends (starts, d) of descents from the best of one scan of shapes, and their objectives.
 
         Parameters
         ----------

@@ -28,6 +28,7 @@ from springpot.rheology import Real
 from springpot.timetests import Test, answered, as_had_by
 
 CONDITIONS = ("amplitude", "temperature", "specimen")
+NAMES = dict(zip(CONDITIONS, ("amplitudes", "temperatures", "specimens"), strict=True))
 UNIT, LENGTH, FORCE = "kN/m", "mm", "N"
 OBJECTIVE = "relative"
 
@@ -86,10 +87,25 @@ def _problem(
         citation="computed here",
         truth=truth,
         model=told["model"],
-        test=" and ".join(told["tests"])
-        + (f", noise of {100 * noise:g} %" if noise else ", exact"),
+        test=f"{' and '.join(_words(each) for each in tests)}; "
+        + (f"noise of {100 * noise:g} %" if noise else "no noise"),
         **common,
     )
+
+
+def _words(protocol: Mapping[str, Any]) -> str:
+    kind = protocol["kind"]
+    if kind == "record":
+        return "record of {samples} samples in {seconds:g} s, up to {amplitude:g} mm".format(
+            **protocol
+        )
+    low, high, count = protocol["hertz"] if kind == "sweep" else protocol["seconds"]
+    told = f"{kind} at {count} {'frequencies' if kind == 'sweep' else 'times'}"
+    told += f" from {low:g} to {high:g} {'Hz' if kind == 'sweep' else 's'}"
+    for name in CONDITIONS:
+        if name in protocol:
+            told += f" and {len(protocol[name])} {NAMES[name]}"
+    return told
 
 
 def _of_known(name: str, told: Mapping[str, Any], common: Mapping[str, Any]) -> DataSet:
