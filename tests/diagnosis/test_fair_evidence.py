@@ -13,6 +13,7 @@ from springpot.diagnosis import examine
 from springpot.diagnosis.evidence import Evidence, Explanation
 from springpot.diagnosis.experiment import Clash, actions
 from springpot.diagnosis.grown import Grown
+from springpot.diagnosis.marginal import _refund
 from springpot.identification import Window, shown
 from springpot.misfit.frame import orthonormal
 from springpot.registry import plugins
@@ -171,3 +172,8 @@ def test_a_matrix_on_which_the_usual_algorithm_gives_up_has_a_basis_all_the_same
     monkeypatch.setattr(np.linalg, "svd", gives_up)
     again = orthonormal(columns)
     np.testing.assert_allclose(again @ again.T, usual @ usual.T, atol=1e-12)
+
+
+def test_where_slopes_have_no_value_the_full_price_stands():
+    refit = SimpleNamespace(fit=SimpleNamespace(jacobian_u=np.array([[1.0, np.nan]])))
+    assert _refund(SimpleNamespace(), SimpleNamespace(refit=refit)) == 0.0
