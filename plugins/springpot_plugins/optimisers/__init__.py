@@ -9,6 +9,7 @@ from springpot.identification import Optimiser, OptimiserFamily
 
 from . import (
     annealing,
+    auto,
     dfo,
     evolution,
     hopping,
@@ -51,6 +52,7 @@ def springpot_optimisers() -> Iterable[type[Optimiser]]:
         hopping.Shgo,
         leastsquares.LeastSquares,
         native.Native,
+        auto.Auto,
         sampling.RandomSearch,
     )
 

@@ -46,49 +46,54 @@ class LeastSquares(Optimiser):
 
     def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
         """Descend from one uniform start after another."""
+        misfit = Misfit(problem, self.logarithmic)
+
+        def descend() -> None:
+            width = problem.upper - problem.lower
+            start = problem.first(problem.lower + rng.random(problem.dimension) * width)
+            self.descend(misfit, start)
+
+        keep_on(problem, descend)
+
+    def descend(self, misfit: Misfit, start: Real) -> None:
+        """Descend from one point (d,) of the box until no step leads further."""
         from scipy.optimize import least_squares
 
-        scales = [
-            self.logarithmic and p.scale == "log" and p.lower >= 0
-            for p in problem.problem.space.parameters
-        ]
-        misfit = _Misfit(problem, np.array(scales))
+        problem = misfit.problem
         lower, upper = misfit.inner(problem.lower), misfit.inner(problem.upper)
         bounds: tuple[Real | float, Real | float] = (lower, upper)
         scale: Real | float = upper - lower
         if self.method == "lm":
             # MINPACK knows no box.
             bounds, scale = (-np.inf, np.inf), 1.0
-
-        def descend() -> None:
-            width = problem.upper - problem.lower
-            start = problem.first(problem.lower + rng.random(problem.dimension) * width)
-            least_squares(
-                misfit.residuals,
-                np.clip(misfit.inner(start), lower, upper),
-                jac=misfit.jacobian,
-                bounds=bounds,
-                method=self.method,
-                ftol=self.tolerance,
-                xtol=self.tolerance,
-                gtol=self.tolerance,
-                x_scale=scale,
-                # Never reached: the recorder ends the run when the budget is spent.
-                max_nfev=budget,
-            )
-
-        keep_on(problem, descend)
+        least_squares(
+            misfit.residuals,
+            np.clip(misfit.inner(start), lower, upper),
+            jac=misfit.jacobian,
+            bounds=bounds,
+            method=self.method,
+            ftol=self.tolerance,
+            xtol=self.tolerance,
+            gtol=self.tolerance,
+            x_scale=scale,
+            # Never reached: the recorder ends the run when the budget is spent.
+            max_nfev=problem.budget,
+        )
 
 
-class _Misfit:
+class Misfit:
     """Residuals and Jacobian by inner coordinates.
 
-    Logarithms where asked for, search parameters elsewhere.
+    Logarithms of positive parameters without an upper limit where asked for, search parameters
+    elsewhere.
     """
 
-    def __init__(self, problem: Recorder, logarithmic: NDArray[np.bool_]) -> None:
+    def __init__(self, problem: Recorder, logarithmic: bool = True) -> None:
         self.problem = problem
-        self.logarithmic = logarithmic
+        parameters = problem.problem.space.parameters
+        self.logarithmic: NDArray[np.bool_] = np.array(
+            [logarithmic and p.scale == "log" and p.lower >= 0 for p in parameters]
+        )
         self._at: Real = np.empty(0)
         self._found: tuple[Real, Real] = self._at, self._at
 
@@ -102,13 +107,14 @@ class _Misfit:
 
     def residuals(self, y: Real) -> Real:
         """Residuals (2n,); the Jacobian that comes with them is kept."""
-        return self._both(y)[0]
+        return self.both(y)[0]
 
     def jacobian(self, y: Real) -> Real:
         """Jacobian (2n, d) by inner coordinates, usually without a further evaluation."""
-        return self._both(y)[1]
+        return self.both(y)[1]
 
-    def _both(self, y: Real) -> tuple[Real, Real]:
+    def both(self, y: Real) -> tuple[Real, Real]:
+        """Both, evaluated once for each point."""
         if not np.array_equal(y, self._at):
             x = self._outer(y)
             residual, jacobian = self.problem.residuals(x)
