@@ -84,8 +84,8 @@ study = Study(
         "Which optimiser, told nothing of how a model is built, identifies viscoelastic models, and"
         " does that hang on what the problem is like?",
         "Share of trials within a millionth of the way to the best known value by 8,000"
-        " evaluations, and the expected running time to it; mean ranks with problems as blocks; on the easy and"
-        " the hard half of the suite, which measured features tell apart.",
+        " evaluations, and the expected running time to it; mean ranks with problems as blocks; on"
+        " the easy and the hard half of the suite, which measured features tell apart.",
         "One optimiser ahead on both halves, told from all others by Holm's test over problems."
         " If the halves have different winners, the answer is a choice by features. If anybody"
         " exceeds 95 % on the hard half, the suite is too easy to answer it.",
