@@ -43,6 +43,7 @@ FAILED = 10.0
 """Budgets that an optimiser is taken to need which never arrives."""
 RANKED = 4
 """Optimisers of a leaf, of which the first that is installed is chosen."""
+EXTRAS = ("dfo-", "minion-", "minuit-", "pymoo-")
 
 Trials = Mapping[str, Mapping[str, tuple[Real, Real]]]
 
@@ -108,8 +109,10 @@ def learnt(trials: Trials, seen: Mapping[str, list[Seen]], budget: int) -> dict[
 def _grown(
     rows: Real, costs: Real, owner: Real, keys: list[str], names: list[str], depth: int
 ) -> dict[str, Any]:
-    order = np.argsort(costs.mean(axis=0), kind="stable")[:RANKED]
-    leaf: dict[str, Any] = {"optimisers": [names[i] for i in order]}
+    order = [names[i] for i in np.argsort(costs.mean(axis=0), kind="stable")]
+    # Where no extra is installed, there is one that comes with springpot.
+    own = next(name for name in order if not name.startswith(EXTRAS))
+    leaf: dict[str, Any] = {"optimisers": list(dict.fromkeys([*order[:RANKED], own]))}
     # The quickest of all problems here is what a question must improve upon.
     best = (float(costs.mean(axis=0).min()) * len(rows) - 1e-9, 0, 0.0)
     for k in range(len(keys) if depth else 0):

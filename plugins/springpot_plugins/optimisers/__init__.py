@@ -19,6 +19,7 @@ from . import (
     minuit,
     native,
     nloptlib,
+    pymoo_library,
     sampling,
     spso,
     swarm,
@@ -60,4 +61,4 @@ def springpot_optimisers() -> Iterable[type[Optimiser]]:
 @hookimpl
 def springpot_optimiser_families() -> Iterable[OptimiserFamily]:
     """Libraries of many."""
-    return (unified.FAMILY, minion.FAMILY, dfo.FAMILY, minuit.FAMILY)
+    return (unified.FAMILY, minion.FAMILY, dfo.FAMILY, minuit.FAMILY, pymoo_library.FAMILY)
