@@ -34,7 +34,7 @@ ROOT = Path(__file__).parents[1]
 RESULTS = ROOT / "results"
 ARCHIVE = RESULTS / "suite_race" / "suite_race.zip"
 RULES = ROOT / "plugins" / "springpot_plugins" / "optimisers" / "auto.toml"
-FIRST = "least-squares"
+FIRST = "least-squares-alternating"
 DRAWS = 5
 """Looks at each problem, from different points."""
 DEEPEST, FEWEST = 2, 4

@@ -11,7 +11,7 @@ from springpot.identification.problem import Problem
 from springpot.identification.runs import run
 from springpot.registry import plugins
 from springpot_plugins.optimisers import auto
-from springpot_plugins.optimisers.leastsquares import LeastSquares
+from springpot_plugins.optimisers.leastsquares import AlternatingLeastSquares
 
 BUDGET = 600
 SEEN = auto.Seen(5, 4, 1.0, 0.0, 3.0, 2.0, 0.0)
@@ -33,7 +33,7 @@ def test_what_it_looks_at_is_the_beginning_of_least_squares():
     limit = int(auto.Auto().share * BUDGET)
     traces = [
         run(kind(), problem("mass-and-delay"), BUDGET, np.random.default_rng(3)).trace
-        for kind in (auto.Auto, LeastSquares)
+        for kind in (auto.Auto, AlternatingLeastSquares)
     ]
     early = [[step for step in trace if step[0] <= limit] for trace in traces]
     assert early[0] == early[1]

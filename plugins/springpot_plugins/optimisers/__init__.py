@@ -52,6 +52,7 @@ def springpot_optimisers() -> Iterable[type[Optimiser]]:
         hopping.Cobyqa,
         hopping.Shgo,
         leastsquares.LeastSquares,
+        leastsquares.AlternatingLeastSquares,
         native.Native,
         auto.Auto,
         sampling.RandomSearch,

@@ -1,8 +1,9 @@
 """Least squares first, and then the optimiser that suits what they have shown of the problem.
 
-Descents are what most problems need, and what they leave behind tells the others apart: how many of
-them agree, how far they fell, how the valley is shaped. The rules are a small tree, learnt from
-half of the problems of springpot-60 by ``studies/suite_choice.py`` and kept in ``auto.toml``.
+Short descents, by logarithms and by the parameters themselves in turn, are what most problems need,
+and what they leave behind tells the others apart: how many of them agree, how far they fell, how
+the valley is shaped. The rules are a small tree, learnt from half of the problems of springpot-60
+by ``studies/suite_choice.py`` and kept in ``auto.toml``.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cache
 from importlib.resources import files
+from itertools import cycle
 from typing import Any, ClassVar
 
 import numpy as np
@@ -21,7 +23,7 @@ from springpot.errors import ModelError
 from springpot.identification import Card, Optimiser, Recorder
 from springpot.rheology import Real
 
-from .leastsquares import LeastSquares, Misfit
+from .leastsquares import AlternatingLeastSquares, LeastSquares, Misfit
 
 ALIKE = 1e-3
 """Share of an objective within which two descents have ended in the same valley."""
@@ -94,8 +96,9 @@ class Auto(Optimiser):
         self._require("share", 0.0 < self.share < 1.0, "in (0, 1)")
 
     def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
-        """Look, choose, and go on with what was chosen."""
+        """Look, make the best exact, choose, and go on with what was chosen."""
         seen = looked(problem, max(1, int(self.share * budget)), rng)
+        LeastSquares().descend(Misfit(problem), problem.best_x)
         name, why = chosen(seen)
         problem.remark(f"{name} was chosen: {why}")
         plugins().find("optimiser", name)().minimise(problem, problem.left, rng)
@@ -103,13 +106,11 @@ class Auto(Optimiser):
 
 def looked(problem: Recorder, limit: int, rng: np.random.Generator) -> Seen:
     """Descend from uniform points until so many evaluations are made, and say what was seen."""
-    starts, ends = list[float](), list[float]()
+    starts, ends, ways = list[float](), list[float](), cycle((True, False))
     while problem.evaluations < limit:
-        misfit = _Watched(problem, limit)
-        width = problem.upper - problem.lower
-        start = problem.first(problem.lower + rng.random(problem.dimension) * width)
+        misfit = _Watched(problem, limit, next(ways))
         try:
-            LeastSquares().descend(misfit, start)
+            AlternatingLeastSquares().descend(misfit, rng)
         except _LookedEnoughError:
             # One that was cut short has ended nowhere; without it there may be none.
             if ends:
@@ -122,8 +123,8 @@ def looked(problem: Recorder, limit: int, rng: np.random.Generator) -> Seen:
 class _Watched(Misfit):
     """Residuals that remember the first and the least objective, and end a descent in time."""
 
-    def __init__(self, problem: Recorder, limit: int) -> None:
-        super().__init__(problem)
+    def __init__(self, problem: Recorder, limit: int, logarithmic: bool) -> None:
+        super().__init__(problem, logarithmic)
         self.limit, self.first, self.least = limit, np.inf, np.inf
 
     def both(self, y: Real) -> tuple[Real, Real]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import cycle
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -79,6 +80,45 @@ class LeastSquares(Optimiser):
             # Never reached: the recorder ends the run when the budget is spent.
             max_nfev=problem.budget,
         )
+
+
+@dataclass(frozen=True)
+class AlternatingLeastSquares(Optimiser):
+    """Short descents from random starts, by logarithms and by the parameters themselves in turn.
+
+    By logarithms a parameter that is too small by orders comes back, and one that is drawn to
+    nothing never does; by themselves it is the other way round.
+
+    Parameters
+    ----------
+    tolerance : float
+        Relative change of objective, point and gradient that ends a descent.
+    """
+
+    tolerance: float = 1e-6
+
+    name: ClassVar[str] = "least-squares-alternating"
+    card: ClassVar[Card] = Card(
+        "multi-start nonlinear least squares, by logarithms and by parameters in turn (SciPy)",
+        "Branch et al. 1999, doi:10.1137/S1064827595289108",
+        gradient=True,
+        started=True,
+    )
+
+    def __post_init__(self) -> None:
+        self._require("tolerance", 2.3e-16 < self.tolerance < 1, "in (2.3e-16, 1)")
+
+    def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
+        """Descend from one uniform start after another."""
+        ways = cycle(Misfit(problem, logarithmic) for logarithmic in (True, False))
+        keep_on(problem, lambda: self.descend(next(ways), rng))
+
+    def descend(self, misfit: Misfit, rng: np.random.Generator) -> None:
+        """Descend from a uniform start."""
+        problem = misfit.problem
+        width = problem.upper - problem.lower
+        start = problem.first(problem.lower + rng.random(problem.dimension) * width)
+        LeastSquares(tolerance=self.tolerance).descend(misfit, start)
 
 
 class Misfit:
