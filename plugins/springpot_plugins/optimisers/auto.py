@@ -18,7 +18,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from springpot import plugins
+import springpot
 from springpot.errors import ModelError
 from springpot.identification import Card, Optimiser, Recorder
 from springpot.rheology import Real
@@ -101,7 +101,7 @@ class Auto(Optimiser):
         LeastSquares().descend(Misfit(problem), problem.best_x)
         name, why = chosen(seen)
         problem.remark(f"{name} was chosen: {why}")
-        plugins().find("optimiser", name)().minimise(problem, problem.left, rng)
+        springpot.plugins().find("optimiser", name)().minimise(problem, problem.left, rng)
 
 
 def looked(problem: Recorder, limit: int, rng: np.random.Generator) -> Seen:
@@ -200,7 +200,7 @@ _SIDES = {"below": "below", "above": "not below"}
 
 def _installed(name: str) -> bool:
     try:
-        plugins().find("optimiser", name)
+        springpot.plugins().find("optimiser", name)
     except ModelError:
         return False
     return True
