@@ -185,24 +185,12 @@ class Study:
             )
             # A store that seals 6 gets 6.0 back from a column of real numbers.
             object.__setattr__(self, key, float(getattr(self, key)))
-        for key in REQUIREMENTS:
-            value = getattr(self, key)
-            self._require(
-                key, value is None or (_is_number(value) and value > 0), "a positive number"
-            )
-        self._require(
-            "min_success", self.min_success is None or self.min_success <= 1, "a share of at most 1"
-        )
+        self._require_requirements()
         self._require("x0", self.x0 in (OWN, COMMON), f"'{OWN}' or '{COMMON}'")
         self._require(
             "noise", _is_levels(self.noise), "a list of different levels from 0 to below 1"
         )
         object.__setattr__(self, "noise", tuple(sorted(float(level) for level in self.noise)))
-        self._require(
-            "asks",
-            not isinstance(self.asks, str) and len(self.asks) in (0, len(ASKED)),
-            f"{len(ASKED)} sentences: {', '.join(ASKED)}",
-        )
         self._require("seed", _is_whole(self.seed), "a whole number")
         # As a plain one: the digests of trials are made of JSON, which knows no other.
         object.__setattr__(self, "seed", int(self.seed))
@@ -212,6 +200,21 @@ class Study:
         object.__setattr__(self, "stop_at_target", bool(self.stop_at_target))
         self._require(
             "finish", self.finish is None or callable(self.finish), "a function of two paths"
+        )
+        self._require(
+            "asks",
+            not isinstance(self.asks, str) and len(self.asks) in (0, len(ASKED)),
+            f"{len(ASKED)} sentences: {', '.join(ASKED)}",
+        )
+
+    def _require_requirements(self) -> None:
+        for key in REQUIREMENTS:
+            value = getattr(self, key)
+            self._require(
+                key, value is None or (_is_number(value) and value > 0), "a positive number"
+            )
+        self._require(
+            "min_success", self.min_success is None or self.min_success <= 1, "a share of at most 1"
         )
 
     def _whole(self, key: str) -> int:
