@@ -27,6 +27,9 @@ SCHEME = 1
 COMMON = "common"
 """All optimisers of a repetition are given the same first point."""
 
+ASKED = ("question", "measure", "what would answer it")
+"""What a study says before its tables, where it does."""
+
 BLOCK = 50
 """Repetitions that a batched optimiser runs at once.
 
@@ -206,6 +209,7 @@ class Plan:
     requirements: Mapping[str, float]
     x0: str = "own"
     noise: tuple[float, ...] = ()
+    asks: tuple[str, ...] = ()
 
     @property
     def size(self) -> int:

@@ -26,7 +26,7 @@ from springpot.measurement.other_test import OtherTest
 from springpot.registry import open_measurement, parse_model, plugins
 
 from .cases import case_of, with_noise_axis
-from .plan import COMMON, Cell, Entrant, Plan, RaceCase, Source, cell_digest, digest_of
+from .plan import ASKED, COMMON, Cell, Entrant, Plan, RaceCase, Source, cell_digest, digest_of
 
 
 def main(study: object, arguments: Sequence[str] | None = None) -> None:
@@ -104,6 +104,9 @@ class Study:
     x0 : {"own", "common"}
         Whether optimisers begin where they like, or all of a repetition get the same first point:
         it is the first evaluation of each, and those that begin at a point begin there.
+    asks : sequence of str
+        The question, the measure and what would answer it, a sentence or two each: the report says
+        them before its tables. Written before the study is run, they cannot follow its result.
     stop_at_target : bool
         End a trial at the target instead of using up the budget, where the optimum in the search
         box is known beforehand, from the native solver or from descents that agree.
@@ -156,6 +159,7 @@ class Study:
     finish: Callable[[Path, Path], None] | None = None
     noise: Sequence[float] = ()
     x0: str = OWN
+    asks: Sequence[str] = ()
 
     def __post_init__(self) -> None:
         # A name is a folder on any system: no slash, no blank, and no dot in front that hides it.
@@ -181,14 +185,7 @@ class Study:
             )
             # A store that seals 6 gets 6.0 back from a column of real numbers.
             object.__setattr__(self, key, float(getattr(self, key)))
-        for key in REQUIREMENTS:
-            value = getattr(self, key)
-            self._require(
-                key, value is None or (_is_number(value) and value > 0), "a positive number"
-            )
-        self._require(
-            "min_success", self.min_success is None or self.min_success <= 1, "a share of at most 1"
-        )
+        self._require_requirements()
         self._require("x0", self.x0 in (OWN, COMMON), f"'{OWN}' or '{COMMON}'")
         self._require(
             "noise", _is_levels(self.noise), "a list of different levels from 0 to below 1"
@@ -203,6 +200,21 @@ class Study:
         object.__setattr__(self, "stop_at_target", bool(self.stop_at_target))
         self._require(
             "finish", self.finish is None or callable(self.finish), "a function of two paths"
+        )
+        self._require(
+            "asks",
+            not isinstance(self.asks, str) and len(self.asks) in (0, len(ASKED)),
+            f"{len(ASKED)} sentences: {', '.join(ASKED)}",
+        )
+
+    def _require_requirements(self) -> None:
+        for key in REQUIREMENTS:
+            value = getattr(self, key)
+            self._require(
+                key, value is None or (_is_number(value) and value > 0), "a positive number"
+            )
+        self._require(
+            "min_success", self.min_success is None or self.min_success <= 1, "a share of at most 1"
         )
 
     def _whole(self, key: str) -> int:
@@ -260,6 +272,7 @@ class Study:
             self._requirements(),
             self.x0,
             tuple(self.noise),
+            tuple(self.asks),
         )
         pairs = product(range(len(cases)), range(len(entrants)))
         return replace(plan, cells=tuple(_cell(plan, i, c, e) for i, (c, e) in enumerate(pairs)))
