@@ -92,6 +92,11 @@ HARMLESS = {
         "2",
     ): "a tolerance",
     (
+        "rheology/written.py",
+        "values = [value * by for value, by in zip(usual, (*share, 1.0, 1.0), strict=False)]",
+        "2.0",
+    ): "at which sizes of a fifth parameter a law is tried",
+    (
         "structure/beside.py",
         "now, here, fast = np.zeros(1), np.array([way]), np.array([speed])",
         "2",
@@ -101,6 +106,11 @@ HARMLESS = {
         "self._pointwise(0.0, 1.0) - self._pointwise(0.0, -1.0)",
         "1.0",
     ): "where the slope is taken beside which a jump is negligible",
+    (
+        "superposition/laws.py",
+        "block = np.ix_(used + offset, used + offset)",
+        "(used - offset)",
+    ): "the second half, counted from its end",
 }
 """Changes, by file, line and what stands there instead, that change nothing anybody could see.
 
