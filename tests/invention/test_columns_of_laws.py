@@ -57,3 +57,13 @@ def test_a_column_that_goes_with_the_frequency_of_a_long_sweep_is_no_condition()
     assert conditions_of(springpot.Measurement(omega, material(omega), conditions=known)) == [
         "amplitude"
     ]
+
+
+@pytest.mark.parametrize(("frequencies", "told"), [(16, []), (17, ["extra"])])
+def test_steps_at_each_frequency_need_three_rows_of_each(frequencies, told):
+    """Fewer would let any column go with the frequency."""
+    rng = np.random.default_rng(5)
+    omega = np.resize(np.geomspace(0.1, 100.0, frequencies), 48)
+    by_frequency = np.resize(rng.uniform(1.0, 2.0, frequencies), 48)
+    known = {"extra": by_frequency}
+    assert conditions_of(springpot.Measurement(omega, material(omega), conditions=known)) == told
