@@ -1,7 +1,8 @@
 """The choice of an optimiser: rules learnt from half of springpot-60 and tried on the other half.
 
-    python studies/suite_choice.py learn     writes the rules (plugins/.../optimisers/auto.toml)
-    springpot run results/suite_race/suite_race.zip --optimiser auto     races what was learnt
+    springpot run studies/suite_race.py      races all, `auto` by the rules that there are
+    python studies/suite_choice.py learn     learns them anew (plugins/.../optimisers/auto.toml)
+    springpot run studies/suite_race.py      races `auto` again, if its rules are others
     python studies/suite_choice.py           says how near it came to the virtual best
 
 Question: does a choice by features that cost at most 5 % of the budget come near the best optimiser
@@ -21,8 +22,7 @@ from typing import Any
 import numpy as np
 
 from springpot import plugins
-from springpot.benchmark import Findings, Table, save_table, store_path
-from springpot.benchmark.beside import opened
+from springpot.benchmark import Findings, Store, Table, save_table, store_path
 from springpot.benchmark.cases import problem_of
 from springpot.benchmark.statistics import expected_running_time
 from springpot.identification.recorder import Recorder
@@ -32,9 +32,8 @@ from suite import SUITE, plan
 
 ROOT = Path(__file__).parents[1]
 RESULTS = ROOT / "results"
-ARCHIVE = RESULTS / "suite_race" / "suite_race.zip"
 RULES = ROOT / "plugins" / "springpot_plugins" / "optimisers" / "auto.toml"
-FIRST = "least-squares-alternating"
+OWN, FIRST = Auto.name, "least-squares-alternating"
 DRAWS = 5
 """Looks at each problem, from different points."""
 DEEPEST, FEWEST = 2, 4
@@ -95,7 +94,8 @@ def cost(trials: Trials, problem: str, name: str, budget: int) -> float:
 
 def learnt(trials: Trials, seen: Mapping[str, list[Seen]], budget: int) -> dict[str, Any]:
     """The tree."""
-    training, names = halves()[0], list(next(iter(trials.values())))
+    training = halves()[0]
+    names = [name for name in next(iter(trials.values())) if name != OWN]
     costs = np.log10([[cost(trials, p, name, budget) for name in names] for p in training])
     rows = np.array(
         [[list(each.to_dict().values()) for each in seen[problem]] for problem in training]
@@ -150,7 +150,7 @@ def ratios(trials: Trials, label: str, problems: list[str], budget: int) -> dict
     found = {}
     for problem in problems:
         times = {name: expected_running_time(*each) for name, each in trials[problem].items()}
-        best = min(time for name, time in times.items() if name != "auto")
+        best = min(time for name, time in times.items() if name != OWN)
         if np.isfinite(best):
             found[problem] = min(times[label], FAILED * budget) / best
     return found
@@ -184,11 +184,9 @@ def told(findings: Findings, folder: Path) -> None:
 
 def main() -> None:
     """Learn, or say how well what was learnt chooses."""
-    learning = "learn" in sys.argv
-    path = store_path("suite_race" if learning else "suite_race-beside", RESULTS)
-    with opened(path, None if learning else ARCHIVE) as store:
+    with Store(store_path("suite_race", RESULTS)) as store:
         findings = Findings.of(store)
-    if not learning:
+    if "learn" not in sys.argv:
         told(findings, RESULTS / "suite_race")
         return
     budget = findings.scale.budget

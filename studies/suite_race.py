@@ -1,4 +1,4 @@
-"""Twenty-five optimisers on the sixty problems of springpot-60.
+"""Twenty-five optimisers, and the choice among them, on the sixty problems of springpot-60.
 
 `native` is not among them: it knows how a model is built, which no other is told. Left out for what
 they cost, 5 to 70 s a trial, are COBYQA, Py-BOBYQA and SHGO. A trial ends at the target, beyond
@@ -23,7 +23,7 @@ RIVALS = (
     *("nlopt-mlsl", "nlopt-bobyqa", "nlopt-nelder-mead", "nlopt-sbplx", "dual-annealing"),
     *("cma-es", "bipop-cma-es", "differential-evolution", "l-shade", "minion-jso", "minion-arrde"),
     *("pso-paper", "spso-2011", "nlopt-crs", "nlopt-isres", "nlopt-esch"),
-    *("nlopt-direct-l", "scipy-direct", "random-search"),
+    *("nlopt-direct-l", "scipy-direct", "random-search", "auto"),
 )
 PARTS = {
     "easy half": ("easy",),

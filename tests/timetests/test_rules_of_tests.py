@@ -25,11 +25,11 @@ def scatter(size=1.0, memory=0.0):
     )
 
 
-def of(*residuals, rounded=None, felt=0.0):
+def of(*residuals, rounded=None, felt=0.0, lines=0):
     residuals = [np.array(each, dtype=float) for each in residuals]
     none = [np.zeros((0, len(each))) for each in residuals]
     known = {"rounded": none if rounded is None else [np.array(rounded, dtype=float)]}
-    fitted = SimpleNamespace(residuals=residuals, **known)
+    fitted = SimpleNamespace(residuals=residuals, lines=lines, **known)
     fitted.squares = lambda noise: left.Left.squares(fitted, noise)
     fitted.squares_felt = lambda noise: felt
     return fitted
@@ -68,6 +68,9 @@ def test_a_criterion_falls_by_squares_less_the_price_of_parameters():
     assert left.delta_bic(felt, other, [scatter()], 2) == pytest.approx(fall - 5.0)
     more = of([1.0, 1.0, 0.0], felt=5.0)
     assert left.delta_bic(base, more, [scatter()], 2) == pytest.approx(fall)
+    # A line of a free spectrum takes one from the sum of squares, where nothing is.
+    lined = of([1.0, 1.0, 0.0], lines=3)
+    assert left.delta_bic(base, lined, [scatter()], 2) == pytest.approx(fall - 3.0)
 
 
 def even(n, control="displacement"):
