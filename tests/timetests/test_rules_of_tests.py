@@ -10,9 +10,9 @@ import pytest
 from scipy.optimize import nnls
 
 from springpot.errors import ModelError
-from springpot.measurement import Loading, TimeTest
+from springpot.measurement import Loading, Measurement, TimeTest
 from springpot.registry import parse_model
-from springpot.timetests import floor, left, material
+from springpot.timetests import floor, left, material, specimen
 from springpot.timetests.residuals_of_tests import COARSE, part_of
 
 
@@ -171,3 +171,14 @@ def test_a_fit_that_leaves_nothing_says_nothing_of_the_noise(missed, monkeypatch
         "over_floor": ratio,
         "over_floor_alone": pytest.approx(2.5 * ratio),
     }
+
+
+def test_the_reference_is_the_measured_temperature_in_the_middle():
+    time = np.array([1.0, 2.0])
+    steps = [
+        TimeTest.of_relaxation(time, time, temperature=celsius) for celsius in (90.0, None, 20.0)
+    ]
+    hot = {"temperature": np.array([50.0, 50.0])}
+    sweeps = [Measurement(time, time + 1j, conditions=each) for each in (hot, {})]
+    assert specimen.reference_of([*steps, *sweeps]) == pytest.approx(50.0 + 273.15)
+    assert specimen.reference_of([steps[1], sweeps[1]]) == specimen.ROOM
