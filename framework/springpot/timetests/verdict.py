@@ -33,7 +33,7 @@ from .left import Left
 from .lines import lines_in
 from .one_ramp import beside_one_ramp
 from .promises import TWINS, Promise
-from .residuals_of_tests import SweepPart, TestPart
+from .residuals_of_tests import SweepPart, Test, TestPart
 from .scatter import ResidualScatter, times_noise
 from .slip import Slip
 from .where import worst_first
@@ -182,6 +182,28 @@ def weight_of(effect: Effect) -> float:
     return effect.prior
 
 
+class Asked(NamedTuple):
+    """Tests as they are fitted, and what may be missing from a model of them.
+
+    Attributes
+    ----------
+    tests : sequence of TimeTest or Measurement
+        As they were given.
+    parts, quick : sequence of TestPart
+        Exact, and by fixed exponentials.
+    known : sequence of ndarray or None, or None
+        The noise of each test, where a model has told another than its signal.
+    effects : sequence of Effect
+        Those of the library that the model does not have.
+    """
+
+    tests: Sequence[Test]
+    parts: Sequence[TestPart]
+    quick: Sequence[TestPart]
+    known: Sequence[Real | None] | None
+    effects: Sequence[Effect]
+
+
 class TimeCase(NamedTuple):
     """A diagnosis of tests in time with the fits behind it.
 
@@ -197,6 +219,8 @@ class TimeCase(NamedTuple):
         How far the base lies beside each test.
     tried : tuple of Tried
         The model grown by each effect that was fitted.
+    asked : Asked or None
+        The tests and effects behind it.
     """
 
     diagnosis: Diagnosis
@@ -204,6 +228,7 @@ class TimeCase(NamedTuple):
     best_fit: Identification
     misfits: tuple[Misfit, ...]
     tried: tuple[Tried, ...] = ()
+    asked: Asked | None = None
 
 
 def answer_of(
