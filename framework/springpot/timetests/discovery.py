@@ -71,7 +71,9 @@ class TimeRungs:
     sets : list of FoundSet
         Sets that were found to explain the tests together.
     plan : list of Effect
-        Those of the last such set that are still to be accepted.
+        Those of the first such set that are still to be accepted.
+    sought : list of str
+        The model of which a set was looked for.
     """
 
     tests: Sequence[Test]
@@ -79,6 +81,7 @@ class TimeRungs:
     accuracy: Accuracy | None = None
     sets: list[FoundSet] = field(default_factory=list)
     plan: list[Effect] = field(default_factory=list)
+    sought: list[str] = field(default_factory=list)
 
     def examined(
         self, model: Model, progress: Progress, before: Step | None, effect: Effect | None
@@ -103,8 +106,12 @@ class TimeRungs:
         come first, or one that helps beyond doubt.
         """
         last = steps[-1]
-        if not self.plan and last.diagnosis.verdict == "unexplained":
-            self._find(complete_set(self._case(last)))
+        # Once: what no set explains from there on, none does from a rung that it led to.
+        if not self.sought and last.diagnosis.verdict == "unexplained":
+            self.sought.append(last.model.name)
+            if found := complete_set(self._case(last)):
+                self.plan.extend(found.effects)
+                self.sets.append(found)
         if self.plan:
             return self.plan.pop(0)
         leading = last.diagnosis.leading
@@ -130,11 +137,6 @@ class TimeRungs:
         if kept is steps:
             return steps
         return _with_rivals(kept, likeliest)
-
-    def _find(self, found: FoundSet | None) -> None:
-        if found is not None:
-            self.plan.extend(found.effects)
-            self.sets.append(found)
 
     def _case(self, step: Step) -> TimeCase:
         return alive(step.examined, TimeCase, f"the step {step.model.name}")
