@@ -119,17 +119,22 @@ def colour_of(residual: Real, memories: Real) -> Colour | None:
 def _continuum(residual: Real) -> tuple[Real, Real]:
     """Frequencies (m,), in radians a sample, and the variance of what is no line at each of them.
 
-    The median over the stretches of a record and over neighbouring frequencies: what happens once
-    is in one stretch alone.
+    The smaller of two medians over neighbouring frequencies: that of the stretches of a record, as
+    what happens once is in one of them alone, and that of the whole, in which a loop that comes by
+    again is lines.
     """
     from scipy.fft import dct
 
     count = len(residual) // STRETCHES
-    power = dct(residual[: STRETCHES * count].reshape(STRETCHES, count), norm="ortho") ** 2
-    padded = np.pad(power, ((0, 0), (AROUND // 2, AROUND // 2)), mode="reflect")
-    near = np.lib.stride_tricks.sliding_window_view(padded, AROUND, axis=1)
-    level = np.median(near, axis=(0, 2)) / OF_MEDIAN
-    return np.pi * np.arange(count) / count, np.asarray(level, dtype=np.float64)
+    kept = residual[: STRETCHES * count]
+    stretches = dct(kept.reshape(STRETCHES, count), norm="ortho") ** 2
+    whole = (dct(kept, norm="ortho") ** 2).reshape(count, STRETCHES).T
+    levels = []
+    for power in (stretches, whole):
+        padded = np.pad(power, ((0, 0), (AROUND // 2, AROUND // 2)), mode="reflect")
+        near = np.lib.stride_tricks.sliding_window_view(padded, AROUND, axis=1)
+        levels.append(np.median(near, axis=(0, 2)) / OF_MEDIAN)
+    return np.pi * np.arange(count) / count, np.minimum(*levels)
 
 
 def _rise(omega: Real, corner: float) -> Real:

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from springpot.rheology.points import Real
 
 from ..numerics import ALIKE, NORMAL
-from .colour import Colour, colour_of
+from .colour import SLOWEST, Colour, colour_of
 
 FEWEST = 40
 """Samples below which a spectrum tells nothing.
@@ -189,13 +189,17 @@ def scatter_of(residual: Real, usual: float = 0.0) -> ResidualScatter:
     power, omega = powers(residual)
     upper = omega > UPPER * np.pi
     alone, above = _fitted(power, omega), _fitted(power[upper], omega[upper])
-    colour = _colour_beside(residual, power, _spectrum(omega, *above))
-    if colour is not None:
-        return _coloured(residual, colour, above[1], usual)
     # Three stories: noise alone at all frequencies, noise above and something smooth below, or
     # noise and one jump. The likeliest one is believed.
     excess = 2.0 * max(_of_what_is_smooth(residual), _of_a_jump(residual))
     found = ResidualScatter(*alone, excess - usual, _local(residual, above[1]))
+    if found.doubtful:
+        colour = _colour_beside(residual, power, _spectrum(omega, *above))
+        # Another colour may excuse what a memory does not, and accuses of nothing.
+        if colour is not None:
+            coloured = _coloured(residual, colour, found, usual)
+            if coloured.chance > found.chance:
+                return coloured
     if found.misfit:
         return replace(found, size=above[0], memory=above[1])
     return found
@@ -207,6 +211,8 @@ def _colour_beside(residual: Real, power: Real, memory: Real) -> Colour | None:
     It must go on where the misfit may be, at least as well as the spectrum (n,) of a memory with
     whatever is beyond it there.
     """
+    from scipy.special import chdtr
+
     colour = colour_of(residual, MEMORIES)
     if colour is None:
         return None
@@ -214,6 +220,10 @@ def _colour_beside(residual: Real, power: Real, memory: Real) -> Colour | None:
     upper = omega > UPPER * np.pi
     spectrum = colour.spectrum(omega)
     scale = float(np.mean(power[upper] / spectrum[upper]))
+    # Where it is said to go on there is no less: but for the slowest, which a model has followed.
+    below = power[SLOWEST // 4 : 2 * SLOWEST] / (scale * spectrum[SLOWEST // 4 : 2 * SLOWEST])
+    if chdtr(len(below), float(below.sum())) < HARDLY:
+        return None
     coloured, plain = (
         _log_likelihood(power, noise) + _beyond(power / noise)
         for noise in (scale * spectrum, memory)
@@ -224,21 +234,21 @@ def _colour_beside(residual: Real, power: Real, memory: Real) -> Colour | None:
     return replace(colour, variance=scale * colour.variance)
 
 
-def _coloured(residual: Real, colour: Colour, memory: float, usual: float) -> ResidualScatter:
+def _coloured(
+    residual: Real, colour: Colour, plain: ResidualScatter, usual: float
+) -> ResidualScatter:
     """The same where noise has another spectrum than that of a first-order memory."""
     spectrum = colour.spectrum(_frequencies(len(residual)))
     # White in time as in frequency: with no delay, a misfit stays where it is.
     white = _transformed(_transformed(residual) / np.sqrt(spectrum), back=True)
     power, omega = powers(residual)
-    plain = _log_likelihood(power, _spectrum(omega, *_fitted(power, omega)))
+    first = _log_likelihood(power, _spectrum(omega, *_fitted(power, omega)))
     # Where a first-order memory makes all of it likelier, that is the story without a misfit.
-    alone = max(plain - _log_likelihood(power, spectrum), 0.0)
+    alone = max(first - _log_likelihood(power, spectrum), 0.0)
     smooth = _beyond(_transformed(residual / rougher(residual)) ** 2 / spectrum)
     excess = 2.0 * (max(smooth, _of_a_jump(white)) - alone) - usual
-    found = ResidualScatter(1.0, memory, excess, 1.0, colour=colour)
-    alike = found.independent_squares(len(residual)) / len(residual)
-    local = 2.0 * min(_worst(white, 0.0, 1.0), _worst(residual, memory, alike))
-    found = replace(found, local=min(1.0, local))
+    # What is missed in one part of a record is no noise of all of it.
+    found = replace(plain, excess=excess, colour=colour)
     if not found.misfit:
         # All that is left is noise.
         scale = float(np.mean(_transformed(residual) ** 2 / spectrum))
