@@ -73,7 +73,9 @@ FLOORS = {
 GUESTS = {"benchmark", "derived", "solvers", "structure", "testreport", "web"}
 """Each brings commands by the entry-point group and could move out by moving one folder."""
 
-FOR_PLUGINS = {"errors", "hooks", "rheology", "measurement", "identification", "solvers"}
+FOR_PLUGINS = {
+    *("errors", "hooks", "rheology", "measurement", "identification", "timetests", "solvers"),
+}
 
 
 class Facts(NamedTuple):

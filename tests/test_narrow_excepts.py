@@ -193,7 +193,7 @@ BOUNDARIES = {
     "framework/springpot/inputs.py:bytes_of": STRANGER,
     "framework/springpot/inputs.py:toml_in": STRANGER,
     "framework/springpot/limits.py:address_space": "a system without these counters",
-    "framework/springpot/measurement/opening.py:open": PLUGIN,
+    "framework/springpot/measurement/opening.py:tests": PLUGIN,
     "plugins/springpot_plugins/datasets/manifest.py:read_manifest": STRANGER,
 }
 """Every place that may catch a programming error, and why; a new one needs a reason as good."""

@@ -383,3 +383,15 @@ def test_outputs_and_inputs_of_a_run_are_kept_apart(tmp_path):
 def test_errors_are_told_by_kind():
     for kind in (DataError, ModelError, OptionError, OutputError):
         assert issubclass(kind, SpringpotError)
+
+
+def test_a_row_is_named_by_labels_and_conditions_alike():
+    table = Measurement(
+        np.array([1.0, 2.0]),
+        np.array([1.0 + 1j, 2.0 + 1j]),
+        conditions={"batch": np.array([2.0, 3.0])},
+        labels={"specimen": np.array(["a", "b"])},
+    )
+    assert constraints._words(table, "batch, specimen") == ["2/a", "3/b"]
+    with pytest.raises(DataError, match=r"no column 'lot' \(there are: batch, specimen\)"):
+        constraints._words(table, "lot")

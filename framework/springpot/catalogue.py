@@ -16,6 +16,7 @@ from springpot.identification.problem import Objective
 from springpot.identification.runs import Optimiser, OptimiserFamily
 from springpot.measurement.opening import DataSet, TimeReader
 from springpot.measurement.reader import Reader
+from springpot.measurement.suite import Suite
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Family, Model
 
@@ -225,6 +226,7 @@ KINDS: dict[str, Kind[Any]] = {
         ),
         Kind[Any]("objective", "springpot_objectives", lambda x: isinstance(x, Objective)),
         Kind[Any]("data set", "springpot_datasets", lambda x: isinstance(x, DataSet)),
+        Kind[Any]("suite", "springpot_suites", lambda x: isinstance(x, Suite)),
         Kind[Any]("reader", "springpot_readers", lambda x: isinstance(x, Reader)),
         Kind[Any]("time reader", "springpot_time_readers", lambda x: isinstance(x, TimeReader)),
         Kind[Any]("writer", "springpot_writers", lambda x: isinstance(x, SolverFormat)),

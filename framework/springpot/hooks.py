@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from springpot.identification.runs import Optimiser, OptimiserFamily
     from springpot.measurement.opening import DataSet, TimeReader
     from springpot.measurement.reader import Reader
+    from springpot.measurement.suite import Suite
     from springpot.rheology.effect import Effect
     from springpot.rheology.model import Family, Model
 
@@ -116,6 +117,11 @@ def springpot_objectives() -> Iterable[Objective]:  # type: ignore[empty-body]
 @hookspec
 def springpot_datasets() -> Iterable[DataSet]:  # type: ignore[empty-body]
     """Registered data sets, loaded only when used."""
+
+
+@hookspec
+def springpot_suites() -> Iterable[Suite]:  # type: ignore[empty-body]
+    """Collections of problems on which optimisers are raced, loaded only when used."""
 
 
 @hookspec

@@ -26,11 +26,12 @@ from springpot.files import write_text
 from springpot.identification.runs import Optimiser
 from springpot.measurement.from_signals import OneTest
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.opening import Test
+from springpot.measurement.opening import DataSet, Test
 from springpot.measurement.opening import open_in_time as in_time_by
 from springpot.measurement.other_test import OtherTest
 from springpot.measurement.reader import OpenQuestion, Part
 from springpot.measurement.steady import Signals
+from springpot.measurement.suite import Suite
 from springpot.measurement.timetest import TimeTest
 from springpot.owners import use_owners
 from springpot.rheology.effect import Effect, use_finder
@@ -207,6 +208,14 @@ class Registry:
             hint = _proposal(name, members, f"optimisers {family.name}")
             raise ModelError(f"unknown optimiser '{name}': {hint}")
         return None
+
+    def problem(self, name: str) -> DataSet | None:
+        """The problem of a suite, ``SUITE/NAME``; None where that is no such name."""
+        of, stroke, _ = name.partition("/")
+        suite: Suite | None = self.shelves["suite"].find(of) if stroke else None
+        if suite is None:
+            return None
+        return suite.problem(name)
 
     def owner_of(self, word: str, name: str) -> str:
         """The plugin that offers a thing of that kind and name; empty for springpot's own."""
@@ -444,6 +453,9 @@ def open_measurement(spec: str | Path) -> Measurement:
     <Measurement artificial-hidden@frequency=1..10: 17 points, 1.13 to 9.93 Hz>
     """
     registry = plugins()
+    problem = registry.problem(str(spec))
+    if problem is not None:
+        return problem.open()
     return opening.open_measurement(spec, registry.items("data set"), registry.items("reader"))
 
 
@@ -466,6 +478,12 @@ def open_in_time(spec: str | Path) -> tuple[TimeTest | OtherTest, ...]:
     >>> springpot.open_in_time("pad.csv")
     (<TimeTest pad: relaxation, 18 samples, 0.1 to 98.5 s>,)
     """
+    problem = plugins().problem(str(spec))
+    if problem is not None:
+        tests = problem.tests()
+        in_time = tuple(test for test in tests if not isinstance(test, Measurement))
+        # Of a sweep among them only who opens all tests can make something.
+        return in_time if len(in_time) == len(tests) else ()
     return in_time_by(spec, plugins().items("time reader"))
 
 
@@ -477,6 +495,9 @@ def open_tests(spec: str | Path) -> tuple[Test, ...]:
     DataError
         If there is no such thing or it cannot be read.
     """
+    problem = plugins().problem(str(spec))
+    if problem is not None:
+        return problem.tests()
     try:
         return open_in_time(spec) or (open_measurement(spec),)
     except DataError as error:

@@ -50,11 +50,17 @@ def can_draw(folder: Path) -> bool:
 
 
 @contextmanager
-def sheet(folder: Path, stem: str, width: float = 7.2, height: float = 4.4) -> Iterator[Figure]:
+def sheet(
+    folder: Path,
+    stem: str,
+    width: float = 7.2,
+    height: float = 4.4,
+    suffixes: Sequence[str] = (".png", ".svg"),
+) -> Iterator[Figure]:
     """An empty figure that is written to ``stem.png`` and ``stem.svg`` at the end."""
     with blank(width, height) as figure:
         yield figure
-        for suffix in (".png", ".svg"):
+        for suffix in suffixes:
             save(figure, folder / f"{stem}{suffix}")
 
 

@@ -6,10 +6,11 @@ import json
 import zipfile
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from benchmark_fakes import Moody, Walk, artificial, measurement, small_study
 
-from springpot.benchmark import Store, run_study
+from springpot.benchmark import Findings, Store, run_study
 from springpot.benchmark.archive import Archive, write_archive
 from springpot.benchmark.beside import opened, study_of
 from springpot.benchmark.standings import study_tables
@@ -184,3 +185,21 @@ def test_an_optimiser_enters_an_archived_study_by_one_command(springpot, tmp_pat
         assert table.count(f",{label},") == 2
     report = (tmp_path / "results/published-beside/report.html").read_text(encoding="utf-8")
     assert "published.zip, study published" in report
+
+
+def test_a_thin_archive_has_fewer_improvements_and_the_same_hits_and_curves(tmp_path):
+    changes = {"budget": 900, "repetitions": 1, "noise": []}
+    path = run_in(tmp_path, a_study([Walk(shrink=0.97), "native"], **changes))
+    with Store(path) as store:
+        write_archive(store, tmp_path / "whole.zip")
+        write_archive(store, tmp_path / "thin.zip", thin=True)
+    run_in(tmp_path / "other", a_study(["random-search"], **changes))
+    found = []
+    for name in ("whole.zip", "thin.zip"):
+        with opened(store_in(tmp_path, "other"), tmp_path / name) as store:
+            found.append(Findings.of(store).scores)
+    for whole, thin in zip(*found, strict=True):
+        assert np.array_equal(whole.hits, thin.hits)
+        assert np.array_equal(whole.curve, thin.curve)
+    sizes = [(tmp_path / name).stat().st_size for name in ("thin.zip", "whole.zip")]
+    assert sizes[0] < 0.8 * sizes[1]

@@ -40,18 +40,17 @@ def test_every_repetition_has_a_draw_that_levels_and_models_share():
     plan = noisy_study(models=["own", "springpot"]).plan()
     assert [case.source.name for case in plan.cases[::2]] == ["kelvin", "kelvin+1%", "kelvin+3%"]
     exact, one, three = (
-        [drawn(plan, case, r).source.measurement.stiffness for r in range(3)]
-        for case in plan.cases[::2]
+        [drawn(plan, case, r).source.sweep.stiffness for r in range(3)] for case in plan.cases[::2]
     )
     assert all(np.array_equal(data, exact[0]) for data in exact)
     assert len({data.tobytes() for data in one}) == 3
     # Eq. (53) is nearly linear in its level: three times the noise is three times the same draw.
     for small, large in zip(one, three, strict=True):
         np.testing.assert_allclose((large - exact[0]) / (small - exact[0]), 3.0, rtol=0.1)
-    other_model = drawn(plan, plan.cases[3], 1).source.measurement.stiffness
+    other_model = drawn(plan, plan.cases[3], 1).source.sweep.stiffness
     assert np.array_equal(other_model, one[1])
     other_seed = replace(noisy_study(), seed=2).plan()
-    again = drawn(other_seed, other_seed.cases[1], 1).source.measurement.stiffness
+    again = drawn(other_seed, other_seed.cases[1], 1).source.sweep.stiffness
     assert not np.array_equal(again, one[1])
 
 

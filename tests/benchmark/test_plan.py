@@ -188,6 +188,8 @@ def test_labels_show_the_options_that_differ():
         ({"optimisers": [Walk(shrink=len)]}, "option walk.shrink is a builtin_function_or_method"),
         ({"models": {"kelvim": ["springpot"]}}, "models are given for 'kelvim'"),
         ({"optimisers": [3]}, "3 is no optimiser"),
+        ({"asks": ["who is first?"]}, "asks must be 3 sentences: question, measure, what would"),
+        ({"objectives": ["own"]}, "kelvin has no objective of its own: name one"),
     ],
 )
 def test_a_study_that_cannot_be_is_one_line(changes, message):

@@ -141,6 +141,14 @@ def test_the_same_store_gives_the_same_report(tmp_path):
     assert path.read_text(encoding="utf-8") == first
 
 
+def test_what_a_study_asks_stands_before_what_it_found(tmp_path):
+    asks = ("Who is first?", "Share of trials.", "One ahead of all.")
+    words = " ".join(read(report_of(tmp_path, [Walk(), Lazy()], asks=asks)).words)
+    places = [words.index(sentence) for sentence in asks]
+    assert places == sorted(places)
+    assert places[-1] < words.index("Which optimiser should I use?")
+
+
 def numbers(path: str) -> list[float]:
     return [float(value) for value in re.findall(r"-?\d+\.?\d*", path)]
 

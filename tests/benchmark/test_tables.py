@@ -255,9 +255,9 @@ def test_progress_is_measured_from_a_scale_of_the_data_however_large_the_box():
         .plan()
         .cases[0]
     )
-    problem = Problem.of(parse_model(case.model), case.source.measurement, case.objective)
+    problem = Problem.of(parse_model(case.model), case.source.sweep, case.objective)
     centre = problem.evaluate(0.5 * (problem.lower + problem.upper))
-    nothing = float(np.sum(case.source.measurement.magnitude**2))
+    nothing = float(np.sum(case.source.sweep.magnitude**2))
     assert centre > 10 * nothing
     assert case.reference == pytest.approx(nothing)
     logarithmic = small_study(models=["own"], objectives=["log"]).plan().cases[0]

@@ -16,6 +16,7 @@ KEY_NAMES = {
         "name kind points licence where summary citation doi origin test columns model fit truth "
         "physics aliases unavailable"
     ),
+    "suites": "name problems summary",
     "readers": "name summary holds signals writes",
     "objectives": "name summary citation",
     "writers": "name summary suffix",
@@ -96,3 +97,12 @@ def test_readers_say_what_their_files_hold(springpot):
     for name in plugins().names("time reader"):
         assert name in springpot("list", "readers").out
         assert "holds: tests in time" in springpot("list", "readers", name).out
+
+
+def test_a_suite_lists_its_problems_and_a_problem_is_shown_whole(springpot):
+    items = springpot("list", "suites", "springpot-60", "--json").json["items"]
+    assert len(items) == 60
+    assert {item["part"] for item in items} == {"easy", "hard", "deceptive"}
+    shown = springpot("list", "suites", "springpot-60/shear-wave").out
+    assert "specimen-inertia" in shown
+    assert "part: deceptive" in shown

@@ -9,7 +9,7 @@ import click
 import pytest
 
 from springpot import api
-from springpot.cli import common, timetests, waiting
+from springpot.cli import CtrlC, common, compare, timetests, waiting
 
 
 class Shown:
@@ -78,3 +78,27 @@ def test_an_answer_is_written_at_once():
         assert (stream.getvalue(), stream.flushed) == ('{\n  "a": 1\n}\n', 1)
         common.print_json({"a": 1}, None)
     assert stream.getvalue().splitlines()[3].replace(" ", "") == '{"a":1}'
+
+
+@pytest.mark.parametrize(
+    ("adequate", "near", "verb"),
+    [
+        (["best"], [], "identify swept --model kelvin"),
+        ([], ["best"], "diagnose swept"),
+        ([], [], "diagnose swept --model kelvin"),
+    ],
+)
+def test_of_an_adequate_model_the_parameters_are_next_of_another_what_it_lacks(
+    monkeypatch, adequate, near, verb
+):
+    monkeypatch.setattr("springpot.comparison.ranking.Ranking", SimpleNamespace)
+    best = SimpleNamespace(fails=False, unclear=False, model=SimpleNamespace(name="kelvin"))
+    ranked = SimpleNamespace(one_test="", best=best, adequate=adequate, near=near)
+    assert compare._next_command(ranked, "swept", []) == f"springpot {verb}"
+
+
+def test_whoever_pressed_ctrl_c_is_remembered():
+    pressed = CtrlC()
+    with pytest.raises(KeyboardInterrupt):
+        pressed(2, None)
+    assert pressed.pressed

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.comparison import Ranking, rank
+from springpot.comparison import Ranking, rank, ranking
 from springpot.comparison.ranking import chance_beside, grouped, spends_most
 from springpot.errors import DataError
 from springpot.measurement import Measurement, Units
@@ -257,6 +257,14 @@ def test_rows_of_several_tests_are_compared_one_by_one(mixed):
     )
     assert alone.one_test == ""
     assert not alone.best.fails
+
+
+def test_why_one_test_is_chosen_is_said_where_no_column_is_to_blame(monkeypatch):
+    """The ladder has told only how."""
+    monkeypatch.setattr(ranking, "column_behind", lambda frame: None)
+    found = ranked(switched(), SMALL[:1], ())
+    why = "rows of several tests stand together, told apart by current"
+    assert any(note.startswith(why) for note in found.notes)
 
 
 GEL = """

@@ -242,3 +242,11 @@ def test_the_interval_of_a_plateau_holds_the_error_of_its_place():
         reach.append(np.log(found.value.high / found.value.value))
     spread = np.sqrt(np.mean(np.square(reach))) / student(0.95, AROUND - 3)
     assert 0.8 < np.std(logs) / spread < 1.25
+
+
+def test_what_never_rises_as_the_square_has_no_mean_relaxation_time():
+    """Storage of a dashpot held by a springpot rises as omega^1.5: its times have no mean."""
+    data = sweep("fractional-solid", {"k": 10.0, "c1": 30.0, "c2": 90.0, "alpha": 0.5})
+    names = {each.name for each in quantities(springpot.identify(data, "fractional-solid"))}
+    assert "equilibrium modulus" in names
+    assert "mean relaxation time" not in names

@@ -13,6 +13,7 @@ from springpot.diagnosis import examine
 from springpot.diagnosis.evidence import Evidence, Explanation
 from springpot.diagnosis.experiment import Clash, actions
 from springpot.diagnosis.grown import Grown
+from springpot.diagnosis.marginal import _refund
 from springpot.identification import Window, shown
 from springpot.misfit.frame import orthonormal
 from springpot.registry import plugins
@@ -114,6 +115,13 @@ def test_the_doubt_about_a_narrow_effect_is_not_its_partners():
     assert chances.narrow == pytest.approx(0.3)
 
 
+def test_what_the_unknown_leaves_goes_to_nothing_and_to_all_else_alike():
+    one = Explanation(SimpleNamespace(names=("a",), effects=[]), 0.5)
+    chances = Evidence(None, 0.3, 0.2, (one,)).without_unknown()
+    assert (chances.nothing, chances.unknown) == (pytest.approx(0.375), 0.0)
+    assert chances.explanations[0].probability == pytest.approx(0.625)
+
+
 @pytest.mark.soak
 def test_a_mass_beside_a_resonance_is_as_sure_as_without():
     truth = resonant(NARROW) - 0.02 * NARROW.omega**2
@@ -171,3 +179,8 @@ def test_a_matrix_on_which_the_usual_algorithm_gives_up_has_a_basis_all_the_same
     monkeypatch.setattr(np.linalg, "svd", gives_up)
     again = orthonormal(columns)
     np.testing.assert_allclose(again @ again.T, usual @ usual.T, atol=1e-12)
+
+
+def test_where_slopes_have_no_value_the_full_price_stands():
+    refit = SimpleNamespace(fit=SimpleNamespace(jacobian_u=np.array([[1.0, np.nan]])))
+    assert _refund(SimpleNamespace(), SimpleNamespace(refit=refit)) == 0.0

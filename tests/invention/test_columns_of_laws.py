@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from lawful_data import AMPLITUDE, OMEGA, lossy, swept
+from lawful_data import AMPLITUDE, OMEGA, lossy, material, swept
 
 import springpot
 from springpot.invention.inventing import conditions_of
@@ -46,3 +46,24 @@ def test_what_was_set_is_one_even_where_the_stiffness_tells_it():
 
 def test_tables_beside_a_measurement_are_not_taken_for_conditions():
     assert conditions_of(springpot.read("nist-srm2491")) == ["temperature"]
+
+
+def test_a_column_that_goes_with_the_frequency_of_a_long_sweep_is_no_condition():
+    """Where no frequency returns there is no step at each: a smooth course tells what follows."""
+    omega = np.geomspace(0.1, 100.0, 48)
+    course = np.exp(0.3 * np.log(omega) ** 2)
+    set_by_hand = np.random.default_rng(4).uniform(1.0, 2.0, 48)
+    known = {"amplitude": set_by_hand, "extra": course}
+    assert conditions_of(springpot.Measurement(omega, material(omega), conditions=known)) == [
+        "amplitude"
+    ]
+
+
+@pytest.mark.parametrize(("frequencies", "told"), [(16, []), (17, ["extra"])])
+def test_steps_at_each_frequency_need_three_rows_of_each(frequencies, told):
+    """Fewer would let any column go with the frequency."""
+    rng = np.random.default_rng(5)
+    omega = np.resize(np.geomspace(0.1, 100.0, frequencies), 48)
+    by_frequency = np.resize(rng.uniform(1.0, 2.0, frequencies), 48)
+    known = {"extra": by_frequency}
+    assert conditions_of(springpot.Measurement(omega, material(omega), conditions=known)) == told

@@ -34,3 +34,8 @@ def test_a_mapped_record_needs_no_more_memory_than_a_few_blocks(tmp_path, monkey
         peak = max(peak, mapped_memory() - before)
     assert total == 3 * rows * (rows - 1) / 2
     assert peak < 0.3 * 3 * 8 * rows
+
+
+def test_a_record_lasts_from_its_first_sample_to_its_last():
+    time, still = np.array([1.0, 2.0, 4.5]), np.zeros(3)
+    assert MendedSignals(time, still, still, name="short").span == 3.5

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from springpot import Measurement
-from springpot.measurement import at_least_rounding
+from springpot.measurement import at_least_rounding, scatter
 
 
 def measured(storage, loss):
@@ -27,3 +27,13 @@ def test_full_digits_leave_the_noise_as_it_is():
 def test_a_loss_of_zero_has_no_last_digit():
     sd = at_least_rounding(np.full(3, 1e-3 + 1e-3j), measured([1.0, 2.0, 3.0], [0.0, 0.0, 0.0]))
     assert sd.imag == pytest.approx(1e-3)
+
+
+def test_noise_rises_to_the_upper_end_the_lower_end_or_both():
+    rises = np.array(list(scatter._rises(np.linspace(-1.0, 3.0, 9))))
+    slope = np.diff(rises, axis=1)
+    up, down = np.all(slope > 0.0, axis=1), np.all(slope < 0.0, axis=1)
+    both = np.all(slope[:, :4] < 0.0, axis=1) & np.all(slope[:, 4:] > 0.0, axis=1)
+    assert up.sum() == down.sum() == both.sum() == len(rises) / 3
+    np.testing.assert_allclose(rises.min(axis=1), 1.0)
+    assert not list(scatter._rises(np.zeros(9)))

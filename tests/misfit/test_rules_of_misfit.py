@@ -225,3 +225,20 @@ def test_a_row_pulls_that_carries_most_of_what_a_fit_leaves():
     # Of several fits that counts in which a row carries most.
     assert outliers.pulling([framed(free, rest), framed(followed, rest)]).tolist() == [5]
     assert outliers.pulling([framed(followed[:, :0], 0.0 * rest)]).tolist() == []
+
+
+@pytest.mark.parametrize(("lines", "told"), [(6, False), (7, True)])
+def test_a_ripple_needs_lines_beyond_those_that_the_parameters_follow(monkeypatch, lines, told):
+    """One parameter follows the four slowest, and a period spreads over two of its neighbours."""
+    power = np.zeros(lines)
+    power[5] = 1e4
+    monkeypatch.setattr(where, "scales", lambda dof: np.ones(8))
+    monkeypatch.setattr(where, "spectrum", lambda data, rows: np.ones((len(rows), lines)) * 1e-3)
+    frame = SimpleNamespace(
+        measurement=None, rest=np.zeros(9), absorbed=np.zeros((9, 1)), scale_dof=9, size=9
+    )
+    assert where._period(frame, np.random.default_rng(0)) == (0.0, 0.0)
+    monkeypatch.setattr(
+        where, "spectrum", lambda data, rows: power[None] if len(rows) == 1 else power[None] * 1e-4
+    )
+    assert (where._period(frame, np.random.default_rng(0))[0] > 0.0) is told

@@ -17,6 +17,11 @@ LEFT_ALONE = "texts, annotations, guards, tolerances and numbers that have a nam
 """What is never changed; `mutation` says why."""
 HARMLESS = {
     (
+        "benchmark/trial.py",
+        "case: RaceCase, plan: Plan | None = None, repetition: int = 0",
+        "1",
+    ): "without a plan no repetition is asked for",
+    (
         "benchmark/fork_server.py",
         "signal.set_wakeup_fd(self._ring, warn_on_full_buffer=False)",
         "True",
@@ -27,10 +32,20 @@ HARMLESS = {
         "1",
     ): "which of the fits, sorted later, are made first",
     (
+        "comparison/ranking.py",
+        "judged = Judgement(floor, error_of(floor, lowest), 0.0, rng)",
+        "1.0",
+    ): "evidence that nobody asks of any material",
+    (
         "derived/from_data.py",
         "while size > 1e-6 and not (0.2 < theta[2] + size * step[2] < 8.0):",
         "2e-06",
     ): "a tolerance",
+    (
+        "derived/from_model.py",
+        "x = self.band[1] - 0.1 * DECADE * np.arange(10.0 * FARTHEST)",
+        "0.2",
+    ): "how finely a place is looked for",
     (
         "diagnosis/sets.py",
         "if not search.grown or search.alarm > VERDICT.accepted:",
@@ -42,10 +57,80 @@ HARMLESS = {
         "1",
     ): "how many starts are tried at once",
     (
+        "identification/uncertainty.py",
+        "if self.at_bound[i] < 0:",
+        "1",
+    ): "on a bound it is never nothing",
+    (
+        "identification/levels_alone.py",
+        "return np.sqrt(np.where(spare > 0.5, summed / np.maximum(spare, 0.5), 0.0))",
+        "spare >= 0.5",
+    ): "what is a whole number to rounding is no half",
+    (
+        "identification/robust.py",
+        "spare, counts = max(begun.dof, 1), np.ones(len(begun.residual))",
+        "2",
+    ): "of one number to spare none is far off",
+    (
+        "invention/inventing.py",
+        "scaled = 2.0 * (log_omega - log_omega.min()) / (float(np.ptp(log_omega)) or 1.0) - 1.0",
+        "(float(np.ptp(log_omega)) and 1.0)",
+    ): "polynomials of any scale of their variable are the same together",
+    (
+        "invention/inventing.py",
+        "return bool(spread < INVENTION.repeated * np.std(column))",
+        "spread <= INVENTION.repeated * np.std(column)",
+    ): "only of one value are both nothing, and such a column is none that was varied",
+    (
+        "measurement/imposed.py",
+        "up = value * np.sign(value[np.argmax(np.abs(value))])",
+        "(value / np.sign(value[np.argmax(np.abs(value))]))",
+    ): "a sign is its own inverse",
+    (
+        "misfit/material.py",
+        "for each in range(int(number.max()) + 1):",
+        "2",
+    ): "a level more, which has no points",
+    (
+        "misfit/residual_causes.py",
+        "kept = power > 1e-10 * max(float(power[-1]), 1e-300)",
+        "2",
+    ): "a tolerance",
+    (
+        "processes.py",
+        "part = os.read(fd, 1 << 16)",
+        "32",
+    ): "how much is read at once",
+    (
+        "rheology/written.py",
+        "values = [value * by for value, by in zip(usual, (*share, 1.0, 1.0), strict=False)]",
+        "2.0",
+    ): "at which sizes of a fifth parameter a law is tried",
+    (
+        "solvers/prony.py",
+        "if best is None or largest < best.error:",
+        "largest <= best.error",
+    ): "errors that are equal to the last bit",
+    (
+        "structure/beside.py",
+        "now, here, fast = np.zeros(1), np.array([way]), np.array([speed])",
+        "2",
+    ): "a moment that is asked twice",
+    (
         "structure/beside.py",
         "self._pointwise(0.0, 1.0) - self._pointwise(0.0, -1.0)",
         "1.0",
     ): "where the slope is taken beside which a jump is negligible",
+    (
+        "testing/contract.py",
+        "objective.value(computed, data, weights), np.sum(residual**2), rtol=1e-12",
+        "2e-12",
+    ): "a tolerance",
+    (
+        "superposition/laws.py",
+        "block = np.ix_(used + offset, used + offset)",
+        "(used - offset)",
+    ): "the second half, counted from its end",
 }
 """Changes, by file, line and what stands there instead, that change nothing anybody could see.
 

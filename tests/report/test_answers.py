@@ -251,3 +251,12 @@ def test_a_notebook_shows_exact_data_without_a_ratio_to_no_floor():
     floorless = replace(first, error=replace(first.error, noise_floor=0.0))
     page = replace(comparison, judgements=(floorless, *comparison.judgements[1:]))._repr_html_()
     assert 'data-label="x floor">-</td>' in page
+
+
+def test_two_notes_are_told_and_how_many_more_there_are():
+    found = springpot.diagnose(damper(), "fractional-maxwell", only=["inertia"])
+    told = text_of(replace(found, notes=("one", "two", "three", "four")))
+    assert [f"note: {word}" in told for word in ("one", "two", "three", "four")] == [
+        True, True, False, False,
+    ]  # fmt: skip
+    assert "2 notes more" in told

@@ -1,5 +1,7 @@
 """A discovery as a moving picture."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -59,3 +61,15 @@ def test_tests_in_time_are_refused_in_one_line(tmp_path):
     found = springpot.discover(test, "maxwell", accept=[])
     with pytest.raises(OutputError, match="of sweeps"):
         found.plot(tmp_path / "replay.gif")
+
+
+def test_each_way_begins_after_one_fit_and_ends_on_the_next():
+    """Never beyond it, slowly at both ends."""
+    moments = list(replay._moments(3))
+    assert moments[0] == (0, 1.0, replay.HOLD)
+    for step in (1, 2):
+        shares = [share for at, share, _ in moments if at == step]
+        assert shares[-1] == 1.0
+        assert all(0.0 < one < after <= 1.0 for one, after in itertools.pairwise(shares))
+        assert shares[0] + shares[-2] == pytest.approx(1.0)
+        assert shares[0] < 1.0 / replay.FRAMES

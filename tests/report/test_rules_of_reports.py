@@ -75,3 +75,12 @@ def test_a_law_is_told_as_the_physics_that_it_is(causal, passive, kind):
 )
 def test_a_change_beyond_half_and_double_is_a_factor(ratio, words):
     assert ladder_text.change(ratio) == words
+
+
+def test_shares_of_an_uncertainty_have_two_digits_and_rounding_is_none():
+    fitted = SimpleNamespace(
+        budget={"k": {"scatter": 1.0 / 3.0, "gain": 4.0 / 7.0, "phase": 1e-14}},
+        parameters={"k": SimpleNamespace(value=-100.0)},
+    )
+    table = fit_text._budget(fitted)
+    assert table.rows == [["k", "0.33 %", "0.57 %", "0 %", "0.66 %"]]

@@ -338,3 +338,10 @@ def test_a_model_with_diffusion_relaxes():
         1.0 + 2.0 * np.exp(-t / 0.25) + np.sum(2.0 * 3.0 / a**2 * np.exp(-(a**2) * t / 0.2), axis=0)
     )
     assert np.allclose(model.relaxation(theta, t), slow, rtol=1e-6)
+
+
+def test_a_springpot_of_no_size_relaxes_nothing():
+    """The fractional Kelvin element without its springpot is a spring."""
+    lines = parse_model("fractional-kelvin").spectrum(np.array([7.0, 0.0, 0.5]))
+    assert not len(lines.rates)
+    assert np.allclose(lines.stiffness(np.array([0.1, 10.0])), 7.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -216,6 +217,27 @@ def test_what_is_no_fit_is_refused(springpot, write):
 
 
 @pytest.mark.soak
+def test_a_file_is_a_file_whatever_its_name_and_a_device_is_none(springpot, fitted, tmp_path):
+    """It read: '/dev/zero', sign 1: this is no formula."""
+    path = Path(fitted("G' [MPa],G'' [MPa]"))
+    other = tmp_path / "kept"
+    other.write_bytes(path.read_bytes())
+    cards = [
+        springpot("export-model", each, "--to", "csv", "--band", BAND) for each in (path, other)
+    ]
+    assert cards[0].code == cards[1].code == 0
+    assert cards[0].out == cards[1].out
+    springpot("export-model", "/dev/zero", "--to", "csv", "--band", BAND).is_one_line("device")
+
+
+@pytest.mark.parametrize("given", [("--set", "k=1"), ("--unit", "kPa")])
+def test_a_fit_has_parameters_and_units_of_its_own(springpot, fitted, given):
+    """They were ignored: a card in MPa for whoever had asked for kPa."""
+    path = fitted("G' [MPa],G'' [MPa]")
+    refused = springpot("export-model", path, "--to", "csv", "--band", BAND, *given)
+    refused.is_one_line(f"leave out {given[0]}")
+
+
 def test_a_fit_is_handed_over_at_its_own_reference_temperature(springpot, tmp_path):
     """Where shifts are one is where the data were, not 20 degC.
 
@@ -237,5 +259,5 @@ def test_a_fit_is_handed_over_at_its_own_reference_temperature(springpot, tmp_pa
     tau = fit["parameters"]["c"]["value"] / fit["parameters"]["k"]["value"]
     assert term["time_s"] == pytest.approx(tau, rel=1e-6)
     assert handed("--temperature", "50") != handed()
-    assert "outside" not in handed("--temperature", "20")
+    assert "outside of what was measured" not in handed("--temperature", "20")
     assert "the temperature of 120 degC" in handed("--temperature", "120")

@@ -18,6 +18,7 @@ from springpot.rheology import (
     Formula,
     Model,
     Parameter,
+    SearchForm,
     chain,
     dashpot,
     mass,
@@ -192,6 +193,24 @@ def says(found: list[str], sentence: str) -> bool:
 
 def test_a_good_model_is_given_no_complaint():
     assert check_model(GOOD, passive=True) == []
+
+
+def test_a_form_is_undone_from_points_in_its_order():
+    """Two springs in parallel are searched as the softer and the stiffer: no others come back."""
+    two = parallel(spring("k1"), spring("k2"))
+
+    def same(x):
+        return np.array(x) * 1.0
+
+    form = SearchForm(
+        (stiffness("soft"), stiffness("stiff")),
+        same,
+        lambda x: np.broadcast_to(np.eye(2), (*np.shape(x), 2)),
+        lambda theta: np.sort(theta, axis=-1),
+        ordered=(0, 1),
+    )
+    found = check_model(replace(GOOD, material=two, search=form))
+    assert [each for each in found if each.startswith("search")] == []
 
 
 @pytest.mark.parametrize("unit", ["stiffness", "time", "amplitude"])

@@ -95,12 +95,18 @@ def test_a_fluid_that_does_not_jump_is_a_material(share):
     assert identify(test, MATERIAL).relative_rms < max(share, 1e-7)
 
 
-def test_nor_to_a_creep_and_a_sweep_together():
-    for name in ("burgers", "fractional-zener"):
-        model, theta, rng = made(name, 3)
-        tests = measured_in("both", model, theta, 0.01, rng)
-        found = identify(tests, MATERIAL)
-        assert squares(tests, found.model, found.theta) <= 1.05 * squares(tests, model, theta)
+@pytest.mark.parametrize(
+    ("name", "seed", "share"),
+    [("burgers", 3, 0.01), ("jeffreys-kelvin", 139266, 1e-3), ("maxwell", 235821, 1e-3)],
+)
+def test_nor_to_a_creep_and_a_sweep_together(name, seed, share):
+    """It began at forms of the creep alone: 3.3 and 1.6 x the error of the fluid itself."""
+    model, theta, rng = made(name, seed)
+    tests = measured_in("both", model, theta, share, rng)
+    own, found = identify(tests, model), identify(tests, MATERIAL)
+    pairs = zip(found.parts, own.parts, strict=True)
+    ratios = [one.relative_rms / other.relative_rms for one, other in pairs]
+    assert np.sqrt(np.mean(np.square(ratios))) < 1.005
 
 
 @pytest.mark.parametrize(("glass", "fluidity"), [(0.5, 0.0), (0.5, 0.1), (0.0, 0.1), (0.0, 0.0)])
@@ -145,6 +151,25 @@ def test_the_floor_of_a_poor_model_lies_below_every_network(kind, name, seed, sh
         tests = measured_in(kind, model, theta, share, rng)
     [floor] = material_floor(identify(tests, parse_model("maxwell"))).errors
     assert 0.0 < floor <= 1.001 * errors(tests, model, theta)[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "seed", "share"), [("jeffreys-kelvin", 267398, 1e-3), ("jeffreys", 465594, 1e-2)]
+)
+def test_the_floor_of_two_tests_lies_below_every_network_of_both(name, seed, share):
+    """In units of what a material leaves of each alone; it was 3.0 and 1.2 x the truth's error.
+
+    One of the tests may be followed more closely at the cost of the other, both may not.
+    """
+    model, theta, rng = made(name, seed)
+    [crept, _] = measured_in("both", model, theta, share, rng)
+    relaxed = TimeTest.of_relaxation(T, noisy(model.relaxation(theta, T), share, rng), "Pa")
+    poor = parse_model("maxwell")
+    alone = [material_floor(identify(each, poor)).errors[0] for each in (relaxed, crept)]
+    floor = np.array(material_floor(identify([relaxed, crept], poor)).errors) / alone
+    truth = errors([relaxed, crept], model, theta) / alone
+    assert np.all(floor >= 0.999)
+    assert np.mean(floor**2) <= np.mean(truth**2)
 
 
 def test_of_several_tests_the_floor_lies_below_the_errors_of_each_material():

@@ -15,7 +15,7 @@ from client import ask, head, raw, token_of
 
 from springpot.web import Workbench
 from springpot.web.sessions import State
-from springpot.web.tasks import perform
+from springpot.web.tasks import TASKS, perform
 
 PATIENCE = 300.0
 
@@ -101,6 +101,14 @@ def test_a_fault_is_told_as_one():
     found = perform("race", {"nothing": 1}, print)
     assert found["fault"]
     assert "not in your input" in found["error"]
+
+
+def test_a_fault_of_many_words_is_told_in_four_hundred_signs(monkeypatch: pytest.MonkeyPatch):
+    def failing(told: object) -> None:
+        raise ValueError("no end " * 1000)
+
+    monkeypatch.setitem(TASKS, "race", failing)
+    assert len(perform("race", {}, print)["error"]) == 400
 
 
 def test_messages_are_those_of_the_command_line(bench: Workbench, data: dict[str, Any]):

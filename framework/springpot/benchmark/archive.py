@@ -13,7 +13,7 @@ import zipfile
 import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from io import StringIO, TextIOWrapper
 from itertools import groupby
@@ -21,11 +21,13 @@ from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.errors import StudyError
 from springpot.files import write_with
 from springpot.identification.runs import miscounted, mistraced
 
+from .comparison import JudgingScale, goal_of, judged, reference_of
 from .store import Store
 from .summary import CellRow, ProblemRow, TrialRow
 from .trial import Status, TrialResult, pack, pack_values, unpack
@@ -140,8 +142,19 @@ class Archive:
                 raise ValueError("it has traces of no trial")
 
 
-def write_archive(store: Store, path: Path) -> int:
+def write_archive(store: Store, path: Path, thin: bool = False) -> int:
     """Write a store's study into one file.
+
+    Parameters
+    ----------
+    store : Store
+        The study's.
+    path : Path
+        The file.
+    thin : bool
+        Leave out improvements that no curve shows: those kept are the ones that stand at twenty
+        evaluation numbers a decade, the one that reached the target, and the last. Hits and
+        curves stay as they are, areas and first hits of other targets do not.
 
     Returns
     -------
@@ -157,8 +170,41 @@ def write_archive(store: Store, path: Path) -> int:
     numbers = {cell.id: i for i, cell in enumerate(cells)}
     # In the order of the store; each cell by its place in the description.
     trials = [(numbers[cell.id], rows) for cell, rows in store.raced()]
+    if thin:
+        scale = JudgingScale.of(store)
+        trials = [
+            (
+                numbers[cell.id],
+                [_thinned(*each, cell, scale) for each in zip(rows, bests, strict=True)],
+            )
+            for cell, rows, bests in judged(store)
+        ]
     write_with(path, partial(_fill, _description(store, cells), trials))
     return sum(len(rows) for _, rows in trials)
+
+
+def _thinned(row: TrialRow, best: float, cell: CellRow, scale: JudgingScale) -> TrialRow:
+    """A trial with the improvements that a curve over the grid shows."""
+    if row.best is None or not row.trace:
+        return row
+    numbers, values = row.improvements()
+    # As the tables judge it.
+    goal = goal_of(reference_of(cell.problem, row), best, scale.target)
+    shown = np.searchsorted(numbers, scale.grid, side="right") - 1
+    hit = np.flatnonzero(values <= goal)[:1]
+    kept = np.unique(np.concatenate([shown[shown >= 0], hit, [len(numbers) - 1]]))
+    told: dict[str, Any] = {"trace": pack(_pairs(numbers[kept], values[kept]))}
+    if row.recommended and (known := row.recommendations()) is not None:
+        told["recommended"] = pack_values(known[1][kept])
+    if row.seen and (known := row.oracle_trace()) is not None:
+        last = np.searchsorted(known[0], scale.grid, side="right") - 1
+        rows = np.unique(np.concatenate([last[last >= 0], [len(known[0]) - 1]]))
+        told["seen"] = pack(_pairs(known[0][rows], known[1][rows]))
+    return replace(row, **told)
+
+
+def _pairs(numbers: NDArray[np.int64], values: NDArray[np.float64]) -> list[tuple[int, float]]:
+    return list(zip(numbers.tolist(), values.tolist(), strict=True))
 
 
 def _description(store: Store, cells: Sequence[CellRow]) -> str:

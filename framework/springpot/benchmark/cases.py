@@ -11,12 +11,16 @@ from dataclasses import replace
 import numpy as np
 
 from springpot.identification.native import fit, minima_in_box
-from springpot.identification.problem import Objective, Problem
+from springpot.identification.problem import Objective, Problem, SpecimenProblem
 from springpot.identification.space import rounded_up
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.opening import Test
 from springpot.measurement.scatter import with_noise
+from springpot.measurement.timetest import TimeTest
 from springpot.numerics import ALIKE
 from springpot.registry import parse_model
+from springpot.rheology.model import Model
+from springpot.rheology.points import Complex, Real
 
 from .plan import DrawnNoise, Plan, RaceCase, Source, stream_of
 
@@ -27,22 +31,26 @@ AGREEING = 5
 def with_noise_axis(
     source: Source, levels: Sequence[float], seed: int
 ) -> list[tuple[Source, DrawnNoise | None]]:
-    """The data at each level of noise; those whose truth is unknown stay as they are.
+    """The data at each level of noise; those in time or of unknown truth stay as they are.
 
     At level zero they have no noise. Above it they hold the noise-free data too, to which every
     repetition adds its own noise.
     """
     clean = noise_free(source)
-    if not levels or clean is None:
+    # Eq. (53) is of sweeps.
+    if not levels or clean is None or source.sweep is None:
         return [(source, None)]
     if not noisy(source, clean):
         # To the last bit what the data set holds, so that its trials are those of other studies.
-        clean = source.measurement
+        clean = source.tests
+    (sweep,) = clean
+    assert isinstance(sweep, Measurement)
     scale = source.stiffness_scale
     if scale is None:
         # Read off what has no noise: all repetitions search the same box.
-        scale = rounded_up(float(np.max(clean.magnitude)))
-    exact = replace(source, measurement=clean, digest=clean.digest())
+        scale = rounded_up(float(np.max(sweep.magnitude)))
+    # What is the best of the data with their own noise says nothing of other draws.
+    exact = replace(source, tests=clean, digest=sweep.digest(), best=None)
     found: list[tuple[Source, DrawnNoise | None]] = []
     for level in levels:
         if level == 0.0:
@@ -54,9 +62,19 @@ def with_noise_axis(
     return found
 
 
-def noisy(source: Source, clean: Measurement) -> bool:
+def noisy(source: Source, clean: Sequence[Test]) -> bool:
     """Whether data differ from those without noise by more than rounding."""
-    return not np.allclose(clean.stiffness, source.measurement.stiffness, rtol=ALIKE, atol=0.0)
+    return not all(
+        np.allclose(_numbers(exact), _numbers(test), rtol=ALIKE, atol=0.0)
+        for exact, test in zip(clean, source.tests, strict=True)
+    )
+
+
+def _numbers(test: Test) -> Real | Complex:
+    if isinstance(test, Measurement):
+        return test.stiffness
+    assert isinstance(test, TimeTest)
+    return test.response
 
 
 def drawn(plan: Plan, case: RaceCase, repetition: int) -> RaceCase:
@@ -67,8 +85,10 @@ def drawn(plan: Plan, case: RaceCase, repetition: int) -> RaceCase:
     # From the names of the data and the repetition only: models, objectives, optimisers and levels
     # share a draw, whatever process asks for it.
     rng = np.random.default_rng(stream_of(noise.seed, "noise", noise.of, repetition))
-    data = with_noise(case.source.measurement, noise.level, rng, symmetric=True)
-    source = replace(case.source, measurement=data, digest="")
+    sweep = case.source.sweep
+    assert sweep is not None
+    data = with_noise(sweep, noise.level, rng, symmetric=True)
+    source = replace(case.source, tests=(data,), digest="")
     wanted = None
     if plan.stop_at_target:
         wanted = plan.target
@@ -91,22 +111,34 @@ def case_of(
     target : float or None
         Fraction at which trials will end, if they will: the optimum is looked for only then.
     """
-    model = parse_model(expression)
+    model = source.model_of(expression)
     # Here already: a model that does not fit its data is told before the first trial.
-    problem = Problem.of(model, source.measurement, objective, source.stiffness_scale)
+    problem = problem_of(source, model, objective)
     reference = reference_of(problem)
     known = None
-    if truth_fits(source, model.name, model.names):
-        stiffness = model.stiffness(model.vector(dict(source.truth)), source.measurement.points)
-        residual = objective.residual(stiffness, source.measurement, problem.weights)
-        known = float(np.sum(residual * residual))
+    if truth_fits(source, model):
+        with np.errstate(all="ignore"):
+            known = float(problem.evaluate(problem.space.from_theta(_truth(source, model))))
     optimum = None
-    if target is not None:
+    if target is not None and source.best is not None and objective.name == source.objective:
+        if parse_model(source.model).name == model.name:
+            optimum = source.best
+    elif target is not None and isinstance(problem, Problem):
         optimum = _optimum(problem, reference, known, target)
     return RaceCase(source, model.name, objective, reference, known, optimum)
 
 
-def reference_of(problem: Problem) -> float:
+def problem_of(source: Source, model: Model, objective: Objective) -> SpecimenProblem:
+    """A model on the data of a source: of a sweep, or of all tests of a specimen together."""
+    from springpot.timetests.fitting import InTimeProblem
+
+    sweep = source.sweep
+    if sweep is not None:
+        return Problem.of(model, sweep, objective, source.stiffness_scale)
+    return InTimeProblem.alike(model, source.tests, objective, source.stiffness_scale)
+
+
+def reference_of(problem: SpecimenProblem) -> float:
     """Objective from which progress is measured.
 
     At the centre of the box, or of no answer at all if that is less.
@@ -116,9 +148,7 @@ def reference_of(problem: Problem) -> float:
     """
     with np.errstate(all="ignore"):
         centre = problem.evaluate(0.5 * (problem.lower + problem.upper))
-        nothing = problem.objective.value(
-            np.zeros_like(problem.measurement.stiffness), problem.measurement, problem.weights
-        )
+        nothing = problem.nothing
     # No answer has no logarithm.
     return float(np.fmin(centre, nothing))
 
@@ -153,19 +183,24 @@ def _optimum(
     return least
 
 
-def truth_fits(source: Source, model: str, names: tuple[str, ...]) -> bool:
+def truth_fits(source: Source, model: Model) -> bool:
     """Whether the true parameters are those of this model."""
     return (
         bool(source.truth)
-        and parse_model(source.model).name == model
-        and set(source.truth) == set(names)
+        and parse_model(source.model).name == model.name
+        and set(source.truth) == set(model.names)
     )
 
 
-def noise_free(source: Source) -> Measurement | None:
+def noise_free(source: Source) -> tuple[Test, ...] | None:
     """The data as they would be without noise, where the truth is known."""
     if not source.truth:
         return None
-    model = parse_model(source.model)
-    stiffness = model.stiffness(model.vector(dict(source.truth)), source.measurement.points)
-    return replace(source.measurement, stiffness=stiffness)
+    from springpot.timetests import answered
+
+    model = source.model_of(source.model)
+    return answered(model, _truth(source, model), source.tests)
+
+
+def _truth(source: Source, model: Model) -> Real:
+    return model.vector(dict(source.truth))

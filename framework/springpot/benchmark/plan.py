@@ -16,7 +16,9 @@ import numpy as np
 from springpot.identification.problem import Objective
 from springpot.identification.runs import BatchedOptimiser, Optimiser, options_of
 from springpot.measurement.measurement import Measurement
+from springpot.measurement.opening import Test, sweep_of
 from springpot.registry import parse_model
+from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
 SCHEME = 1
@@ -24,6 +26,9 @@ SCHEME = 1
 
 COMMON = "common"
 """All optimisers of a repetition are given the same first point."""
+
+ASKED = ("question", "measure", "what would answer it")
+"""What a study says before its tables, where it does."""
 
 BLOCK = 50
 """Repetitions that a batched optimiser runs at once.
@@ -41,14 +46,14 @@ def digest_of(*parts: object) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """A measurement and what is known of its truth.
+    """What was measured on a specimen, and what is known of its truth.
 
     Parameters
     ----------
     name : str
         The data set's name.
-    measurement : Measurement
-        The data.
+    tests : tuple of Test
+        The data: a sweep, or tests in time and sweeps of one specimen.
     digest : str
         Of the data's content.
     kind : str
@@ -59,15 +64,32 @@ class Source:
         Its element parameters, empty if unknown.
     stiffness_scale : float or None
         k-bar of the search box, where it is given.
+    objective : str
+        By which it is raced where a study says ``"own"``, empty if nobody says.
+    best : float or None
+        Least objective known in the box, of its own model by its own objective.
     """
 
     name: str
-    measurement: Measurement
+    tests: tuple[Test, ...]
     digest: str
     kind: str
     model: str
     truth: Mapping[str, float]
     stiffness_scale: float | None
+    objective: str = ""
+    best: float | None = None
+
+    @property
+    def sweep(self) -> Measurement | None:
+        """The sweep that stands alone; None where there are tests in time."""
+        return sweep_of(self.tests)
+
+    def model_of(self, expression: str) -> Model:
+        """A model as these data can have it, with a parameter for each level of a column."""
+        from springpot.timetests import as_had_by
+
+        return as_had_by(parse_model(expression), self.tests)
 
 
 @dataclass(frozen=True)
@@ -187,6 +209,7 @@ class Plan:
     requirements: Mapping[str, float]
     x0: str = "own"
     noise: tuple[float, ...] = ()
+    asks: tuple[str, ...] = ()
 
     @property
     def size(self) -> int:
@@ -208,7 +231,7 @@ class Plan:
         if case.noise is not None:
             data = case.noise.of
         rng = np.random.default_rng(stream_of(self.seed, "x0", data, case.model, repetition))
-        return rng.random(len(parse_model(case.model).names))
+        return rng.random(len(case.source.model_of(case.model).names))
 
     def each_its_own(self, cell: Cell) -> bool:
         """Whether repetitions differ by more than an optimiser's random numbers."""

@@ -34,7 +34,7 @@ from .database import (
     require_tables,
     transaction,
 )
-from .plan import COMMON, Plan
+from .plan import ASKED, COMMON, Plan
 from .schema import (
     ALL_TRIALS,
     CELLS,
@@ -276,6 +276,7 @@ class Store:
             described["requirements"] = json.dumps(dict(plan.requirements))
         if plan.stop_at_target:
             described["stop at target"] = "True"
+        described |= dict(zip(ASKED, plan.asks, strict=False))
         if plan.noise:
             described["noise"] = json.dumps(noise_of(plan))
         if plan.x0 == COMMON:

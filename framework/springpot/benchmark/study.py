@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from itertools import product
 from math import isfinite
@@ -21,11 +21,12 @@ from springpot.errors import StudyError
 from springpot.identification.problem import Objective
 from springpot.identification.runs import Optimiser, options_of
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.opening import DataSet, open_measurement
-from springpot.registry import parse_model, plugins
+from springpot.measurement.opening import DataSet, Test
+from springpot.measurement.other_test import OtherTest
+from springpot.registry import open_measurement, parse_model, plugins
 
 from .cases import case_of, with_noise_axis
-from .plan import COMMON, Cell, Entrant, Plan, RaceCase, Source, cell_digest
+from .plan import ASKED, COMMON, Cell, Entrant, Plan, RaceCase, Source, cell_digest, digest_of
 
 
 def main(study: object, arguments: Sequence[str] | None = None) -> None:
@@ -54,7 +55,7 @@ def main(study: object, arguments: Sequence[str] | None = None) -> None:
 
 
 OWN = "own"
-"""Stands for a data set's own model where a model is named."""
+"""Stands for a data set's own model or objective where one is named."""
 
 REQUIREMENTS = ("min_success", "max_parameter_error", "max_seconds")
 """Fields of a study that the accuracy gate holds every cell to."""
@@ -73,13 +74,14 @@ class Study:
     name : str
         Names the folder under results/.
     datasets : sequence
-        Names of registered data sets or files (``name@temperature=20`` chooses rows), or `DataSet`
-        or `Measurement` objects.
+        Names of registered data sets or files (``name@temperature=20`` chooses rows), of suites of
+        problems or one of them (``springpot-60``, ``springpot-60/prony-5``), or `DataSet` or
+        `Measurement` objects.
     models : sequence of str, or mapping of str to sequence of str
         Model expressions; ``"own"`` is the data set's own model. A mapping pairs data sets (by
         name) with models; data sets that it does not name get their own.
     objectives : sequence
-        Names or `Objective` objects.
+        Names or `Objective` objects; ``"own"`` is that of a suite's problem.
     optimisers : sequence
         Names, classes or instances with options; ``(label, optimiser)`` names an option set.
     repetitions : int
@@ -102,6 +104,9 @@ class Study:
     x0 : {"own", "common"}
         Whether optimisers begin where they like, or all of a repetition get the same first point:
         it is the first evaluation of each, and those that begin at a point begin there.
+    asks : sequence of str
+        The question, the measure and what would answer it, a sentence or two each: the report says
+        them before its tables. Written before the study is run, they cannot follow its result.
     stop_at_target : bool
         End a trial at the target instead of using up the budget, where the optimum in the search
         box is known beforehand, from the native solver or from descents that agree.
@@ -154,6 +159,7 @@ class Study:
     finish: Callable[[Path, Path], None] | None = None
     noise: Sequence[float] = ()
     x0: str = OWN
+    asks: Sequence[str] = ()
 
     def __post_init__(self) -> None:
         # A name is a folder on any system: no slash, no blank, and no dot in front that hides it.
@@ -179,14 +185,7 @@ class Study:
             )
             # A store that seals 6 gets 6.0 back from a column of real numbers.
             object.__setattr__(self, key, float(getattr(self, key)))
-        for key in REQUIREMENTS:
-            value = getattr(self, key)
-            self._require(
-                key, value is None or (_is_number(value) and value > 0), "a positive number"
-            )
-        self._require(
-            "min_success", self.min_success is None or self.min_success <= 1, "a share of at most 1"
-        )
+        self._require_requirements()
         self._require("x0", self.x0 in (OWN, COMMON), f"'{OWN}' or '{COMMON}'")
         self._require(
             "noise", _is_levels(self.noise), "a list of different levels from 0 to below 1"
@@ -201,6 +200,21 @@ class Study:
         object.__setattr__(self, "stop_at_target", bool(self.stop_at_target))
         self._require(
             "finish", self.finish is None or callable(self.finish), "a function of two paths"
+        )
+        self._require(
+            "asks",
+            not isinstance(self.asks, str) and len(self.asks) in (0, len(ASKED)),
+            f"{len(ASKED)} sentences: {', '.join(ASKED)}",
+        )
+
+    def _require_requirements(self) -> None:
+        for key in REQUIREMENTS:
+            value = getattr(self, key)
+            self._require(
+                key, value is None or (_is_number(value) and value > 0), "a positive number"
+            )
+        self._require(
+            "min_success", self.min_success is None or self.min_success <= 1, "a share of at most 1"
         )
 
     def _whole(self, key: str) -> int:
@@ -231,7 +245,7 @@ class Study:
         SpringpotError
             If a name is unknown, a data set cannot be loaded or two entries share a name.
         """
-        sources = tuple(_source(given) for given in self.datasets)
+        sources = tuple(_source(given) for given in _each(self.datasets))
         _unique("data set", [source.name for source in sources], self.name)
         self._require_known([source.name for source in sources])
         entrants = tuple(_entrant(given) for given in self.optimisers)
@@ -258,6 +272,7 @@ class Study:
             self._requirements(),
             self.x0,
             tuple(self.noise),
+            tuple(self.asks),
         )
         pairs = product(range(len(cases)), range(len(entrants)))
         return replace(plan, cells=tuple(_cell(plan, i, c, e) for i, (c, e) in enumerate(pairs)))
@@ -268,7 +283,6 @@ class Study:
         return {key: float(value) for key, value in given.items() if value is not None}
 
     def _cases(self, sources: tuple[Source, ...]) -> tuple[RaceCase, ...]:
-        objectives = [_objective(given) for given in self.objectives]
         # The optimum is looked for only where trials end by it: many descents are made for that.
         wanted = None
         if self.stop_at_target:
@@ -277,12 +291,22 @@ class Study:
         for source in sources:
             # Two expressions may name the same model, such as its name and its alias.
             models = dict.fromkeys(self._models_of(source))
+            objectives = [self._objective_of(source, given) for given in self.objectives]
             for data, noise in with_noise_axis(source, self.noise, self.seed):
                 for model, objective in product(models, objectives):
                     # Of data whose noise is yet to be drawn there is no optimum to find.
                     found = case_of(data, model, objective, None if noise else wanted)
                     cases.append(replace(found, noise=noise))
         return tuple(cases)
+
+    def _objective_of(self, source: Source, given: str | Objective) -> Objective:
+        if given != OWN:
+            return _objective(given)
+        if not source.objective:
+            raise StudyError(
+                f"study {self.name}: {source.name} has no objective of its own: name one"
+            )
+        return _objective(source.objective)
 
     def _require_known(self, names: list[str]) -> None:
         if not isinstance(self.models, Mapping):
@@ -333,32 +357,49 @@ def _is_whole(value: object) -> TypeGuard[float]:
     return _is_number(value) and value == int(value)
 
 
+def _each(given: Sequence[AnyData]) -> Iterator[AnyData]:
+    """The data sets, each suite as all of its problems."""
+    for data in given:
+        suite = plugins().shelves["suite"].find(data) if isinstance(data, str) else None
+        if suite is None:
+            yield data
+        else:
+            yield from (problem.name for problem in suite.problems)
+
+
 def _source(given: AnyData) -> Source:
     if isinstance(given, Measurement):
-        return Source(given.name, given, given.digest(), "measured", "", {}, None)
+        return Source(given.name, (given,), given.digest(), "measured", "", {}, None)
     if isinstance(given, DataSet):
-        return _source_of(given.name, given.open(), given)
-    registry = plugins()
-    measurement = open_measurement(given, registry.items("data set"), registry.items("reader"))
-    registered = registry.shelves["data set"].find(given.partition("@")[0])
+        return _source_of(given.name, given.tests(), given)
+    problem = plugins().problem(given)
+    if problem is not None:
+        return _source_of(given, problem.tests(), problem)
+    measurement = open_measurement(given)
+    registered = plugins().shelves["data set"].find(given.partition("@")[0])
     name = measurement.name
     if registered:
         # As the study writes it: its mapping of models names the data in the same words.
         name = given
-    return _source_of(name, measurement, registered)
+    return _source_of(name, (measurement,), registered)
 
 
-def _source_of(name: str, measurement: Measurement, card: DataSet | None) -> Source:
-    digest = measurement.digest()
+def _source_of(name: str, tests: tuple[Test, ...], card: DataSet | None) -> Source:
+    if any(isinstance(test, OtherTest) for test in tests):
+        raise StudyError(f"{name}: optimisers are raced on sweeps and tests in time only")
+    digests = [test.digest() for test in tests if not isinstance(test, OtherTest)]
+    # Of one test its own, as it was before there were several.
+    digest = digests[0] if len(digests) == 1 else digest_of(*digests)
     if card is None:
-        return Source(name, measurement, digest, "measured", "", {}, None)
+        return Source(name, tests, digest, "measured", "", {}, None)
     # As plain numbers of one kind: digests are made of JSON, in which 1000 and 1000.0 are two
     # things.
     truth = {key: float(value) for key, value in card.truth.items()}
     scale = card.stiffness_scale
     if scale is not None:
         scale = float(scale)
-    return Source(name, measurement, digest, card.kind, card.model, truth, scale)
+    told = (card.kind, card.model, truth, scale, card.objective, card.best)
+    return Source(name, tests, digest, *told)
 
 
 def _objective(given: str | Objective) -> Objective:

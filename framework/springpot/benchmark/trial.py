@@ -28,14 +28,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import student
-from springpot.identification.problem import Problem, watched
+from springpot.identification.problem import SpecimenProblem, watched
 from springpot.identification.recorder import Recorder, all_points
 from springpot.identification.runs import Card, Optimiser, Run, run, run_batch
-from springpot.registry import parse_model
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
-from .cases import drawn, noise_free, noisy, truth_fits
+from .cases import drawn, noise_free, noisy, problem_of, truth_fits
 from .plan import Cell, Plan, RaceCase, WorkOrder
 
 BUDGET = 4
@@ -61,7 +60,7 @@ class Canary(Optimiser):
         problem.gradient(x[2])
 
 
-def outcome(problem: Problem) -> str:
+def outcome(problem: SpecimenProblem) -> str:
     """What the canary finds, to the last bit."""
     # With a diary: an array that was changed shows in the points that are seen even where the best
     # stays.
@@ -74,15 +73,15 @@ def outcome(problem: Problem) -> str:
     return seen.hexdigest()
 
 
-def digest_of_objective(problem: Problem) -> str:
+def digest_of_objective(problem: SpecimenProblem) -> str:
     """SHA-256 of the data, the weights, the box, and the objective at three points of it."""
     low, high = problem.lower, problem.upper
     # Three places: what was changed may have no part in the value at one of them.
     x: Real = low + np.array([[0.2], [0.5], [0.8]]) * (high - low)
     with np.errstate(all="ignore"):
         value = problem.evaluate(x)
-    seen = sha256(problem.measurement.digest().encode())
-    for array in (low, high, problem.space.lowest, problem.space.highest, problem.weights, value):
+    seen = sha256()
+    for array in (low, high, problem.space.lowest, problem.space.highest, *problem.fixed, value):
         seen.update(np.ascontiguousarray(array).tobytes())
     return seen.hexdigest()
 
@@ -101,11 +100,11 @@ class Witness:
     canary: str
 
     @classmethod
-    def of(cls, problem: Problem) -> Witness:
+    def of(cls, problem: SpecimenProblem) -> Witness:
         """The witness of a problem as it is now."""
         return cls(digest_of_objective(problem), outcome(problem))
 
-    def complaint(self, problem: Problem) -> str:
+    def complaint(self, problem: SpecimenProblem) -> str:
         """What has changed since, in one line; nothing if all is as it was."""
         try:
             now = Witness.of(problem)
@@ -467,16 +466,16 @@ class TwinProblem:
 
     def __init__(self, case: RaceCase) -> None:
         self.case, source = case, case.source
-        model = parse_model(case.model)
-        self.problem = Problem.of(model, source.measurement, case.objective, source.stiffness_scale)
+        model = source.model_of(case.model)
+        self.problem = problem_of(source, model, case.objective)
         clean = noise_free(source)
-        self.clean: Problem | None = None
+        self.clean: SpecimenProblem | None = None
         if clean is not None:
-            self.clean = replace(self.problem, measurement=clean)
+            self.clean = self.problem.with_tests(clean)
         # Exact data differ from computed ones by rounding only; their objective is its own oracle.
         self.noisy = clean is not None and noisy(source, clean)
         self.truth: Real | None = None
-        if truth_fits(source, model.name, model.names):
+        if truth_fits(source, model):
             self.truth = model.vector(dict(source.truth))
 
     @cached_property

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from .common import emit, json_option
+
+if TYPE_CHECKING:
+    from springpot.measurement.suite import Suite
+    from springpot.registry import Registry
 
 KINDS = (
     "models",
     "optimisers",
     "effects",
     "datasets",
+    "suites",
     "readers",
     "objectives",
     "writers",
@@ -30,9 +35,10 @@ KINDS = (
 def command(kind: str, names: Sequence[str], verbose: bool, as_json: bool) -> None:
     """List what is installed of one KIND; with a NAME, show all that is known about it.
 
-    Of a library of optimisers, such as optimagic-NAME, its name lists what it has.
+    Of a library of optimisers, such as optimagic-NAME, its name lists what it has, and that of a
+    suite its problems.
 
-    KIND is models, optimisers, effects, datasets, readers, objectives or writers.
+    KIND is models, optimisers, effects, datasets, suites, readers, objectives or writers.
     Plugins that could not be loaded are listed with their distribution and the reason.
     """
     from springpot.registry import plugins
@@ -47,9 +53,14 @@ def command(kind: str, names: Sequence[str], verbose: bool, as_json: bool) -> No
     # The name of a library stands for all that it has, and only here is it imported.
     if len(names) == 1 and names[0] in families:
         items = list(families[names[0]].members().values())
-    elif names:
+    elif names and kind != "suites":
         items, whole = [kind_of.find(installed, name) for name in names], True
-    described = [kind_of.describe(item) for item in items]
+    columns = kind_of.columns
+    if kind == "suites" and names:
+        described, whole = _problems(installed, names), any("/" in name for name in names)
+        columns = cards.PROBLEM_COLUMNS
+    else:
+        described = [kind_of.describe(item) for item in items]
     result: dict[str, Any] = {
         "schema": "springpot.list/1",
         "kind": kind,
@@ -59,22 +70,33 @@ def command(kind: str, names: Sequence[str], verbose: bool, as_json: bool) -> No
             for fault in installed.faults
         ],
     }
-    emit(result, as_json, lambda: _show(kind, result, whole))
+    emit(result, as_json, lambda: _show(columns, result, whole))
 
 
-def _show(kind: str, result: dict[str, Any], whole: bool) -> None:
+def _problems(installed: Registry, names: Sequence[str]) -> list[dict[str, Any]]:
+    """The problems of suites, or single ones that are named ``SUITE/PROBLEM``."""
+    from springpot.report import plugin_cards as cards
+
+    described = []
+    for name in names:
+        suite: Suite = installed.find("suite", name.partition("/")[0])
+        problems = (suite.problem(name),) if "/" in name else suite.problems
+        described += [cards.problem(each, suite.measured.get(each.name)) for each in problems]
+    return described
+
+
+def _show(columns: Sequence[str], result: dict[str, Any], whole: bool) -> None:
     from springpot.report import plugin_cards as cards
     from springpot.report.text import TextTable
 
     if whole:
         print("\n\n".join(cards.card(item) for item in result["items"]))
     elif result["items"]:
-        columns = cards.KINDS[kind].columns
         headers = [column.replace("_", " ") for column in columns]
         rows = [[cards.cell(item[column]) for column in columns] for item in result["items"]]
         TextTable(headers, rows, frozenset({"size", "points"})).show()
     else:
-        print(f"no {kind} are installed")
+        print(f"no {result['kind']} are installed")
     # Below every list: what somebody misses there may be what could not be loaded.
     for fault in result["unavailable"]:
         print(

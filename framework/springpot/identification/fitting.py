@@ -123,9 +123,13 @@ def _told(optimiser: Optimiser, problem: Searched, told: dict[str, Any]) -> Run:
         point=point,
         factor=float(told["factor"]),
         processor=float(told["processor"]),
+        # One line each, whatever a library has put into it.
+        remarks=tuple(" ".join(str(text).split())[:LONGEST_REMARK] for text in told["remarks"]),
     )
 
 
+LONGEST_REMARK = 300
+"""Signs of what an optimiser says of its run."""
 NATIVE = "native"
 BUDGET = 8000
 """Evaluations of a restart: 20 particles and 400 time instances, as in section 5.1 of the paper."""
@@ -500,9 +504,9 @@ def best_run(
         raise OptionError(
             f"the optimiser {optimiser.name} found nothing: {failed[0]}; try another one"
         )
-    notes = []
+    notes = list(best.remarks)
     if failed:
-        notes = [f"{len(failed)} of {len(rngs)} restarts failed, the first: {failed[0]}"]
+        notes.append(f"{len(failed)} of {len(rngs)} restarts failed, the first: {failed[0]}")
     evaluations, seconds = sum(one.evaluations for one in runs), sum(one.seconds for one in runs)
     return replace(best, evaluations=evaluations, seconds=seconds), notes
 

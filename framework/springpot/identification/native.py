@@ -499,8 +499,8 @@ class BoundedDescent:
             [p.scale == "log" and p.lower >= 0 for p in recorder.problem.space.parameters]
         )
 
-    def from_scan(self, rng: np.random.Generator, starts: int) -> Real:
-        """Objectives (starts,) at the ends of descents from the best of one scan of shapes.
+    def from_scan(self, rng: np.random.Generator, starts: int) -> tuple[Real, Real]:
+        """Ends (starts, d) of descents from the best of one scan of shapes, and their objectives.
 
         Parameters
         ----------
@@ -523,8 +523,13 @@ class BoundedDescent:
         scanned = rng.permutation(self._admitted(scanned_starts(problem, rng)))
         best = scanned[np.argsort(self.recorder.batch(scanned))[:starts]]
         # In the box of the study, so that this descent searches where all others do.
+        return self.from_points(best)
+
+    def from_points(self, x: Real) -> tuple[Real, Real]:
+        """Where descents from points (s, d) of the box end (s, d), and their objectives (s,)."""
         low, high = self._inner(self.recorder.lower), self._inner(self.recorder.upper)
-        return levenberg_marquardt(self._evaluate, self._inner(best), low, high).cost
+        end = levenberg_marquardt(self._evaluate, self._inner(x), low, high)
+        return np.exp(end.u, out=np.array(end.u), where=self._log), end.cost
 
     def _admitted(self, x: Real) -> Real:
         """The points that are finite, moved into the box."""
@@ -554,4 +559,4 @@ def minima_in_box(problem: Problem, scans: int = 4, starts: int = 8) -> Real:
     """
     descent, rng = BoundedDescent(Recorder(problem, 10**9)), np.random.default_rng(0)
     with np.errstate(all="ignore"):
-        return np.sort(np.concatenate([descent.from_scan(rng, starts) for _ in range(scans)]))
+        return np.sort(np.concatenate([descent.from_scan(rng, starts)[1] for _ in range(scans)]))

@@ -14,9 +14,10 @@ all.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +31,9 @@ from springpot.rheology.points import Complex, Points, Real
 
 from ..numerics import ALIKE
 from .space import SearchSpace, paper_box
+
+if TYPE_CHECKING:
+    from springpot.measurement.opening import Test
 
 STEPS = (1e-3, 1e-4, 1e-5)
 """Of the central difference, relative to each parameter.
@@ -409,8 +413,34 @@ class Searched(ABC):
         return np.sum(residual * residual, axis=-1), slope
 
 
+class SpecimenProblem(Searched):
+    """A model on the tests of a specimen, which may have been others.
+
+    Attributes
+    ----------
+    model : Model
+        What is fitted.
+    """
+
+    model: Model
+
+    @property
+    @abstractmethod
+    def nothing(self) -> float:
+        """Objective of no response at all; no number where that has none."""
+
+    @property
+    @abstractmethod
+    def fixed(self) -> Iterator[Real | Complex]:
+        """All that the objective hangs on beside the box: measured numbers, and how they weigh."""
+
+    @abstractmethod
+    def with_tests(self, tests: Sequence[Test]) -> Self:
+        """The same, weights and box and all, on other numbers of the same tests."""
+
+
 @dataclass(frozen=True, eq=False)
-class Problem(Searched):
+class Problem(SpecimenProblem):
     """Minimise the objective over the box; eq. (44) to (47) of the paper in general form.
 
     Parameters
@@ -473,6 +503,25 @@ class Problem(Searched):
         """The objective's weights for these data."""
         return self.objective.weighing(self.measurement)
 
+    @property
+    def nothing(self) -> float:
+        """Objective of no stiffness, which has no logarithm."""
+        none = np.zeros_like(self.measurement.stiffness)
+        return float(self.objective.value(none, self.measurement, self.weights))
+
+    @property
+    def fixed(self) -> Iterator[Real | Complex]:
+        """The measurement's columns, and the weights."""
+        data = self.measurement
+        yield from (data.omega, data.stiffness, self.weights)
+        yield from (data.conditions[name] for name in sorted(data.conditions))
+
+    def with_tests(self, tests: Sequence[Test]) -> Problem:
+        """The same on the numbers of one other sweep; its weights are made of these."""
+        (sweep,) = tests
+        assert isinstance(sweep, Measurement)
+        return replace(self, measurement=sweep)
+
     def residuals(self, x: Real) -> Real:
         """Weighted residuals (..., 2n) at search points (..., d)."""
         stiffness = self._stiffness(self.space.theta(x))
@@ -519,21 +568,25 @@ class Problem(Searched):
         return residual, by_x
 
 
-class _Watched(Problem):
-    """A problem that hands every point to a watcher before it is evaluated."""
+class _Watching:
+    """Hands every point to a watcher before a problem evaluates it."""
 
-    def evaluate(self, x: Real) -> Real:
+    def evaluate(self, x: Real) -> Any:
         self.__dict__["watcher"](x.reshape(-1, x.shape[-1]))
-        return super().evaluate(x)
+        return super().evaluate(x)  # type: ignore[misc]
 
-    def residuals_and_jacobian(self, x: Real) -> tuple[Real, Real]:
+    def residuals_and_jacobian(self, x: Real) -> Any:
         self.__dict__["watcher"](x.reshape(-1, x.shape[-1]))
-        return super().residuals_and_jacobian(x)
+        return super().residuals_and_jacobian(x)  # type: ignore[misc]
 
 
-def watched(problem: Problem, watcher: Callable[[Real], None]) -> Problem:
+S = TypeVar("S", bound=Searched)
+
+
+def watched(problem: S, watcher: Callable[[Real], None]) -> S:
     """The same problem, which shows `watcher` the points (m, d) before each evaluation."""
-    copy = _Watched(problem.model, problem.measurement, problem.objective, problem.space)
-    # A problem is frozen, and its watcher is no part of it.
-    copy.__dict__["watcher"] = watcher
-    return copy
+    kind = type(problem)
+    watching: S = object.__new__(type(kind.__name__, (_Watching, kind), {}))
+    # A problem may be frozen, and its watcher is no part of it; what it evaluates it counts anew.
+    watching.__dict__.update(problem.__dict__ | {"watcher": watcher, "tally": Tally()})
+    return watching

@@ -48,6 +48,8 @@ class Ledger:
         Penalty that is in it.
     trace : list of (int, float)
         Evaluation number and objective at every improvement.
+    remarks : list of str
+        What the optimiser has to say of its run.
     start : ndarray, shape (d,), or None
         The race's common first point.
     """
@@ -63,6 +65,7 @@ class Ledger:
     best_x: Real = field(default_factory=lambda: np.empty(0), init=False)
     best_factor: float = field(default=1.0, init=False)
     trace: list[tuple[int, float]] = field(default_factory=list, init=False)
+    remarks: list[str] = field(default_factory=list, init=False)
     start: Real | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
@@ -355,6 +358,7 @@ class Recorder:
         "_gradient",
         "_misfit",
         "_problem",
+        "_remark",
         "_residual_batch",
         "_residuals",
         "_told",
@@ -367,6 +371,7 @@ class Recorder:
     _residuals: Callable[[Real], tuple[Real, Real]]
     _misfit: Callable[[Real], Real]
     _residual_batch: Callable[[Real], tuple[Real, Real]]
+    _remark: Callable[[str], None]
     _told: Callable[[str], Any]
 
     def __init__(
@@ -391,6 +396,7 @@ class Recorder:
             _door(ledger.residual_batch),
         )
         self._batch = lambda x, factor: ledger.batch(x, factor)
+        self._remark = lambda text: ledger.remarks.append(str(text))
         self._told = lambda what: getattr(ledger, what)
 
     @property
@@ -489,6 +495,10 @@ class Recorder:
     def left(self) -> int:
         """Evaluations still allowed."""
         return int(self._told("left"))
+
+    def remark(self, text: str) -> None:
+        """Say something of the run in one line, such as why it goes on as it does."""
+        self._remark(text)
 
     def __call__(self, x: Real) -> float:
         """Objective at one point, shape (d,).

@@ -217,6 +217,8 @@ class Run:
         Where it was best, as it was evaluated; empty if no value was finite.
     factor : float
         Penalty in the value there.
+    remarks : tuple of str
+        What the optimiser said of it.
     """
 
     optimiser: str
@@ -233,6 +235,7 @@ class Run:
     point: Real = field(default_factory=lambda: np.empty(0))
     factor: float = 1.0
     processor: float = 0.0
+    remarks: tuple[str, ...] = ()
 
     @property
     def failed(self) -> bool:
@@ -387,6 +390,7 @@ def _outcome(name: str, ledger: Ledger, spent: Spent, fault: BaseException | Non
         ledger.best_x,
         ledger.best_factor,
         spent.processor,
+        tuple(ledger.remarks),
     )
 
 

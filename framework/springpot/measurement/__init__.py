@@ -129,6 +129,8 @@ if TYPE_CHECKING:
     from .scatter import with_noise as with_noise
     from .signals import Signals as Signals
     from .signals import harmonics_of as harmonics_of
+    from .suite import Measured as Measured
+    from .suite import Suite as Suite
     from .timenoise import noise_of as noise_of
     from .timetest import TimeTest as TimeTest
     from .units import (
@@ -205,6 +207,7 @@ __getattr__, __dir__ = offered(
         "replicates": "average_repeats thinned",
         "scatter": "at_least_rounding with_noise",
         "signals": "harmonics_of Signals",
+        "suite": "Measured Suite",
         "springpot.inputs": "bytes_of json_of toml_of",
         "timenoise": "noise_of",
         "timetest": "TimeTest",

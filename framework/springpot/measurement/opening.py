@@ -258,7 +258,8 @@ class DataSet:
     summary : str
         One sentence on what was measured, or that nothing was.
     load : callable
-        Gives the measurement; called only when the set is used.
+        Gives the measurement, or a tuple of tests of one specimen (`TimeTest` and `Measurement`);
+        called only when the set is used.
     kind : str
         ``measured``, ``artificial`` or ``reconstruction`` (computed from published parameters,
         never measured).
@@ -282,6 +283,10 @@ class DataSet:
         What is given, with units: ``omega [rad/s]``.
     stiffness_scale : float or None
         The paper's k-bar for these data.
+    objective : str
+        By which they are raced, where that is part of the problem.
+    best : float or None
+        Least objective known of the model behind them, in the box, by that objective.
     physics : tuple of str
         What is known to be in the data: friction, a shift with temperature, an artefact of the
         instrument.
@@ -305,7 +310,7 @@ class DataSet:
 
     name: str
     summary: str
-    load: Callable[[], Measurement]
+    load: Callable[[], Measurement | tuple[Test, ...]]
     kind: str = "measured"
     licence: str = ""
     citation: str = ""
@@ -318,6 +323,8 @@ class DataSet:
     test: str = ""
     columns: tuple[str, ...] = ()
     stiffness_scale: float | None = None
+    objective: str = ""
+    best: float | None = None
     physics: tuple[str, ...] = ()
     aliases: tuple[str, ...] = ()
     remote: str = ""
@@ -338,6 +345,19 @@ class DataSet:
         Raises
         ------
         DataError
+            If the set is unavailable here, its plugin fails, or it holds tests in time.
+        """
+        sweep = sweep_of(self.tests())
+        if sweep is None:
+            raise DataError(f"data set '{self.name}' holds tests in time: it is no single sweep")
+        return sweep
+
+    def tests(self) -> tuple[Test, ...]:
+        """What was measured: a sweep, or all tests of one specimen.
+
+        Raises
+        ------
+        DataError
             If the set is unavailable here, or its plugin fails.
         """
         if self.unavailable:
@@ -352,7 +372,9 @@ class DataSet:
             raise DataError(
                 f"{owned('data set', self.name)} cannot be loaded: {described(error)}"
             ) from error
-        if not isinstance(loaded, Measurement):
+        if isinstance(loaded, Measurement):
+            return (loaded,)
+        if not (loaded and isinstance(loaded, tuple) and all(isinstance(t, Test) for t in loaded)):
             raise DataError(
                 f"{owned('data set', self.name)} gives {loaded!r:.80}, which is no measurement"
             )

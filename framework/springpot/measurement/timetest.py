@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
+from hashlib import sha256
 from types import MappingProxyType
 from typing import Any
 
@@ -336,6 +337,23 @@ class TimeTest:
 
     def __len__(self) -> int:
         return len(self.time)
+
+    def __reduce__(self) -> tuple[object, tuple[object, ...]]:
+        # Mapping proxies cannot cross to a worker process; plain dictionaries can.
+        given = {each.name: getattr(self, each.name) for each in fields(self)}
+        return TimeTest, tuple((given | {"provenance": dict(self.provenance)}).values())
+
+    def digest(self) -> str:
+        """SHA-256 of everything in it that a fit can see, whatever its name."""
+        columns = [self.time, self.response, self.loading.time, self.loading.value]
+        if self.warmth is not None:
+            columns.append(self.warmth)
+        told = (self.control, self.displacement_unit, self.force_unit, self.temperature)
+        seen = sha256(repr(told).encode())
+        for column in columns:
+            seen.update(f"{column.shape}\n".encode())
+            seen.update(np.ascontiguousarray(column).tobytes())
+        return seen.hexdigest()
 
     def __repr__(self) -> str:
         reach = f"{self.time[0]:.3g} to {self.time[-1]:.3g} s"

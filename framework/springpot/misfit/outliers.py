@@ -29,7 +29,7 @@ from springpot.measurement.mixed_tests import sweeps_of
 from springpot.rheology.points import Real
 from springpot.thresholds import OUTLIERS, SCATTER
 
-from ..numerics import ALIKE
+from ..numerics import ALIKE, ROUNDING
 from .frame import LEAST_SEEN, NoiseFrame, drift_shapes, orthonormal, spectrum, waves
 from .mains_hum import HARMONICS, near_mains
 from .refit import Refit
@@ -102,24 +102,56 @@ def trimmed(frame: NoiseFrame, kept: NDArray[np.bool_] | None = None) -> Trimmed
     # too low.
     drift = frame.relative(drift_shapes(len(frame.measurement)))
     if found.dof >= FEWEST_FREE and _explains(drift, followed, found):
-        followed = np.concatenate([followed, drift], axis=1)
+        followed = _beside(followed, drift)
         found = trimmed_residual(frame.residual, followed, omega)
     for _ in range(MOST_RIPPLES):
-        if found.dof < FEWEST_FREE or (period := _ripple(frame, found)) == 0.0:
+        if found.dof < FEWEST_FREE or (period := _ripple(frame, followed, found)) == 0.0:
             break
         ripple = frame.relative(waves(frame.measurement, period))
-        followed = np.concatenate([followed, ripple], axis=1)
+        followed = _beside(followed, ripple)
         found = trimmed_residual(frame.residual, followed, omega)
     return found
+
+
+def left_by(followed: Real, values: Real, rows: NDArray[np.bool_]) -> Real:
+    """What curves that are fitted to some rows alone leave of values in all of them.
+
+    A row that is left out is one with a parameter of its own, whose value is its residual over
+    the share of the row that the curves do not follow (Cook 1977,
+    doi:10.1080/00401706.1977.10489493).
+
+    Parameters
+    ----------
+    followed : ndarray, shape (2n, q)
+        Orthonormal basis of the curves.
+    values : ndarray, shape (2n,) or (2n, m)
+        What is fitted.
+    rows : ndarray of bool, shape (2n,)
+        To which rows.
+    """
+    left = values - followed @ (followed.T @ values)
+    out = followed[~rows]
+    if not len(out):
+        return np.asarray(left, dtype=np.float64)
+    share, ways = np.linalg.eigh(np.eye(len(out)) - out @ out.T)
+    # A curve that the other rows do not show has no size, and leaves all that is there.
+    own = ways.T @ values[~rows]
+    shown = share > ROUNDING
+    own[shown] = ((ways.T @ left[~rows])[shown].T / share[shown]).T
+    return np.asarray(left + followed @ (out.T @ (ways @ own)), dtype=np.float64)
+
+
+def _beside(followed: Real, columns: Real) -> Real:
+    """An orthonormal basis (2n, q) with further columns (2n, m)."""
+    left = columns - followed @ (followed.T @ columns)
+    seen = np.linalg.norm(left, axis=0) > LEAST_SEEN * np.linalg.norm(columns, axis=0)
+    return np.concatenate([followed, orthonormal(left[:, seen])], axis=1)
 
 
 def _explains(columns: Real, followed: Real, scatter: Trimmed) -> bool:
     """Whether columns explain more of a scatter than noise would, by the ratio of variances."""
     rows = scatter.kept
-    inner = (
-        columns[rows]
-        - followed[rows] @ np.linalg.lstsq(followed[rows], columns[rows], rcond=None)[0]
-    )
+    inner = left_by(followed, columns, rows)[rows]
     kept = np.linalg.norm(inner, axis=0) > LEAST_SEEN * np.linalg.norm(columns[rows], axis=0)
     basis = orthonormal(inner[:, kept])
     # In one sweep of even steps drift is slow structure already: nothing of it is left to explain.
@@ -132,14 +164,15 @@ def _explains(columns: Real, followed: Real, scatter: Trimmed) -> bool:
     return bool(f_sf(ratio, spent, scatter.dof - spent) < SCATTER.ripple_alarm)
 
 
-def _ripple(frame: NoiseFrame, scatter: Trimmed) -> float:
+def _ripple(frame: NoiseFrame, followed: Real, scatter: Trimmed) -> float:
     """Period, in points, of a ripple that the scatter holds.
 
     Zero where the strongest one may be chance.
 
     Of white noise the power at each of n independent frequencies is a sum of exponentials, one for
-    each part of each sweep; a periodic error of the analysis or of a resonance of the chain is not
-    (Fisher 1929, doi:10.1098/rspa.1929.0151).
+    each part of each sweep, but for what the curves have taken there: slow ones leave only what is
+    fast. A periodic error of the analysis or of a resonance of the chain is no such sum (Fisher
+    1929, doi:10.1098/rspa.1929.0151).
     """
     left = np.where(scatter.kept, scatter.left, 0.0)
     power = spectrum(frame.measurement, left[None])[0]
@@ -150,11 +183,12 @@ def _ripple(frame: NoiseFrame, scatter: Trimmed) -> float:
     first = min(int(np.ceil(2.0 * longest / SLOWEST_RIPPLE)), 2 * SLOW_WAVES)
     if first + 1 >= len(power):
         return 0.0
-    peak = first + int(np.argmax(power[first:]))
-    mean = float(np.sum(left**2)) / len(frame.measurement)
+    taken = np.sum(spectrum(frame.measurement, followed.T), axis=0)
+    pairs = np.maximum(lines - 0.5 * taken, 0.5)
+    chances = gamma_sf(power / (2.0 * scatter.variance), pairs)
+    peak = first + int(np.argmin(chances[first:]))
     # The strongest of so many periods is told: each of them might have been it (Bonferroni).
-    chance = longest * float(gamma_sf(power[peak] / mean, lines))
-    if chance > SCATTER.ripple_alarm:
+    if longest * float(chances[peak]) > SCATTER.ripple_alarm:
         return 0.0
     # A ripple hardly ever has a period of the coarse grid, and one that is off leaves much of it at
     # the ends.
@@ -222,7 +256,7 @@ def trimmed_residual(
         kept[group[: len(omega)][~first]] = False
     for turn in range(MOST_TURNS):
         rows = kept[group]
-        left = residual - followed @ np.linalg.lstsq(followed[rows], residual[rows], rcond=None)[0]
+        left = left_by(followed, residual, rows)
         found = Trimmed(left, rows, max(float(np.sum(rows)) - followed.shape[1], 1.0))
         # Curves take their share from every frequency alike.
         squares = np.bincount(group, left**2) * float(np.sum(rows)) / found.dof

@@ -119,9 +119,14 @@ def parameters_table(
     return TextTable((heading, "value", "95 % interval", "unit"), rows, frozenset({"value"}))
 
 
+def _few(identified: Identification) -> bool:
+    """Whether the specimens are so few that each is told by itself."""
+    return len(specimens_of(identified.populations)) <= FEW_SPECIMENS
+
+
 def _listed(identified: Identification, verbose: bool) -> Mapping[str, Value]:
     """The parameters that are told one by one: of many specimens those that they share."""
-    if verbose or len(specimens_of(identified.populations)) <= FEW_SPECIMENS:
+    if verbose or _few(identified):
         return identified.parameters
     pairs = zip(identified.model.names, identified.model.origins, strict=True)
     theirs = {name for name, origin in pairs if origin in identified.populations}
@@ -217,7 +222,12 @@ def _lines(identified: Identification, verbose: bool) -> list[str]:
         *_of_floor(identified),
         *_of_intervals(identified),
     )
-    return lines + [f"note        {note}" for note in notes]
+    numbered: set[str] = set()
+    # Which number a specimen has, where no parameter is told by its number.
+    if identified.sweep is not None and not verbose and not _few(identified):
+        known = identified.sweep.provenance
+        numbered = {known.get(f"note {column}", "") for column in identified.model.own.values()}
+    return lines + [f"note        {note}" for note in notes if note not in numbered]
 
 
 def _reason(identified: Identification) -> str:

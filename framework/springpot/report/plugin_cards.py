@@ -11,6 +11,7 @@ from springpot.identification.problem import Objective
 from springpot.identification.runs import Optimiser, OptimiserFamily
 from springpot.measurement.opening import DataSet, TimeReader
 from springpot.measurement.reader import Reader
+from springpot.measurement.suite import Measured, Suite
 from springpot.measurement.units import Units
 from springpot.registry import Registry
 from springpot.rheology.drawing import drawing_of
@@ -160,6 +161,22 @@ def dataset(item: DataSet) -> dict[str, Any]:
     }
 
 
+def suite(item: Suite) -> dict[str, Any]:
+    """Describe a suite; its problems are not computed for that."""
+    return {"name": item.name, "problems": len(item.problems), "summary": item.summary}
+
+
+def problem(item: DataSet, measured: Measured | None) -> dict[str, Any]:
+    """Describe a problem of a suite, with what was measured of it."""
+    told = {"part": "", "features": {}}
+    if measured is not None:
+        told = {"part": measured.part, "features": dict(measured.features)}
+    kept = ("name", "summary", "model", "truth", "test", "kind", "licence", "citation")
+    described = dataset(item)
+    known = {key: described[key] for key in kept}
+    return known | told | {"objective": item.objective, "best": item.best}
+
+
 def reader(item: Reader | TimeReader) -> dict[str, Any]:
     """Describe a reader of sweeps, signals that become points of a sweep, or tests in time."""
     signals = writes = False
@@ -226,10 +243,15 @@ KINDS = {
     "datasets": KindOfCard(
         "data set", ("name", "kind", "points", "licence", "where", "summary"), dataset
     ),
+    "suites": KindOfCard("suite", ("name", "problems", "summary"), suite),
     "readers": KindOfCard("reader", ("name", "holds", "writes", "summary"), reader),
     "objectives": KindOfCard("objective", ("name", "summary"), objective),
     "writers": KindOfCard("writer", ("name", "suffix", "summary"), writer),
 }
+
+
+PROBLEM_COLUMNS = ("name", "part", "model", "test", "summary")
+"""Of the problems of a suite, which its name lists."""
 
 
 def cell(value: Any) -> str:

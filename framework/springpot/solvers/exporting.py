@@ -8,11 +8,12 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from os.path import exists
 from typing import Any
 
 import numpy as np
 
-from springpot.errors import DataError, ModelError
+from springpot.errors import DataError, ModelError, SpringpotError
 from springpot.identification.prediction import Known, require_known
 from springpot.identified import fitted, stated
 from springpot.measurement.covered import RATE
@@ -22,7 +23,7 @@ from springpot.measurement.units import (
     known_unit,
     one_modulus,
 )
-from springpot.registry import plugins
+from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Layer
 from springpot.rheology.model import Model
 from springpot.rheology.points import KELVIN, Points, Real
@@ -152,7 +153,7 @@ def exported(
     prony = prony_of(spectrum, tolerance=_share(tolerance), terms=terms, dashpot=dashpot)
     # Numbers given for a model expression have a unit only if the user says which.
     shown_unit = ""
-    if source.endswith(".json") or unit is not None:
+    if _is_file(source) or unit is not None:
         shown_unit = known.units.stiffness
     outside = _outside(known, edges, temperature)
     handoff = _handoff(known, prony, shown_unit, kelvin, outside)
@@ -244,10 +245,27 @@ def _handoff(known: Known, prony: Prony, unit: str, kelvin: float | None, outsid
     )
 
 
+def _is_file(source: str) -> bool:
+    """Whether a source is a file: what its name says, or what is there and is no model."""
+    if source.endswith(".json"):
+        return True
+    try:
+        parse_model(source)
+    except SpringpotError:
+        return exists(source)
+    return False
+
+
 def _known(source: str, values: Sequence[str], unit: str | None) -> Known:
     """The fit in a JSON file, or a model with its parameters."""
-    if source.endswith(".json"):
-        return fitted(source)
+    if _is_file(source):
+        known = fitted(source)
+        if values or unit is not None:
+            raise ModelError(
+                f"{source} has parameters and units of its own: leave out"
+                f" --{'set' if values else 'unit'}, which is for a model by its name"
+            )
+        return known
     numbers: dict[str, float] = {}
     for text in values:
         name, _, value = text.partition("=")

@@ -42,8 +42,6 @@ class LoopQuantity(NamedTuple):
         Which of a record's units it has.
     means : str
         In words.
-    timed : bool
-        Whether it takes a clock.
     force, way, turn : float
         Powers by which it goes with the scale of force and displacement; `turn` is 1 where an error
         of the phase moves it too.
@@ -52,7 +50,6 @@ class LoopQuantity(NamedTuple):
     name: str
     dimension: str
     means: str
-    timed: bool = False
     force: float = 0.0
     way: float = 0.0
     turn: float = 0.0
@@ -65,15 +62,15 @@ QUANTITIES = (
     LoopQuantity("F-", "force", "force at the least displacement", force=1.0, turn=1.0),
     LoopQuantity("F0", "force", "half the height of the loop at its middle", force=1.0, turn=1.0),
     LoopQuantity("K_eff", "stiffness", "(F+ - F-) / (D+ - D-)", force=1.0, way=-1.0, turn=1.0),
-    LoopQuantity("C_eff", "damping", "W_d / (pi omega D^2)", True, 1.0, -1.0, 1.0),
+    LoopQuantity("C_eff", "damping", "W_d / (pi omega D^2)", 1.0, -1.0, 1.0),
     LoopQuantity("xi_eff", "ratio", "W_d / (2 pi |K_eff| D^2)", turn=1.0),
     LoopQuantity("W_d", "energy", "area of the loop", force=1.0, way=1.0, turn=1.0),
-    LoopQuantity("K'", "stiffness", "force in phase over displacement", True, 1.0, -1.0, 1.0),
+    LoopQuantity("K'", "stiffness", "force in phase over displacement", 1.0, -1.0, 1.0),
     LoopQuantity("K''", "stiffness", "W_d / (pi D^2)", force=1.0, way=-1.0, turn=1.0),
-    LoopQuantity("eta", "ratio", "K'' / K'", True, turn=1.0),
+    LoopQuantity("eta", "ratio", "K'' / K'", turn=1.0),
     LoopQuantity("F_peak", "force", "greatest force, of either sign", force=1.0),
-    LoopQuantity("v_peak", "velocity", "speed at the middle of the loop", True, way=1.0),
-    LoopQuantity("T", "temperature", "mean temperature", True),
+    LoopQuantity("v_peak", "velocity", "speed at the middle of the loop", way=1.0),
+    LoopQuantity("T", "temperature", "mean temperature"),
 )
 """D is half of D+ - D-, omega that of the cycle."""
 MOST = 200

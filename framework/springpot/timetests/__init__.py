@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from .recording import predicted as predicted
     from .recording import recorded as recorded
     from .residuals_of_tests import Test as Test
+    from .specimen import answered as answered
+    from .specimen import as_had_by as as_had_by
     from .where import TestPrediction as TestPrediction
 
 __getattr__, __dir__ = offered(
@@ -27,6 +29,7 @@ __getattr__, __dir__ = offered(
         "prediction": "predict_test",
         "recording": "predicted recorded",
         "residuals_of_tests": "Test",
+        "specimen": "answered as_had_by",
         "where": "TestPrediction",
     },
 )

@@ -274,7 +274,7 @@ def _over_misses(parts: Sequence[TestPart], before: Left, each: Tried, unit: Lef
 
     Samples that are missed alike count once.
     """
-    gain, count = 0.0, 0.0
+    gain, count = float(before.lines - each.left.lines), 0.0
     for part, old, new, missed in zip(
         parts, before.residuals, each.left.residuals, unit.residuals, strict=True
     ):

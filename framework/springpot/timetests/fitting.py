@@ -11,7 +11,8 @@ The same sum of squares that the native solver minimises.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 from functools import lru_cache
 from time import perf_counter
@@ -22,7 +23,7 @@ from springpot.comparison.comparing import ONLY_NOISE, Comparison, Judgement
 from springpot.errors import DataError, ModelError, SpringpotError
 from springpot.identification.fitting import NATIVE, best_run, refuse_search, start_at
 from springpot.identification.material import is_material
-from springpot.identification.problem import Objective, Searched
+from springpot.identification.problem import Objective, SpecimenProblem
 from springpot.identification.result import Identification
 from springpot.identification.runs import Optimiser
 from springpot.identification.space import box_of
@@ -46,12 +47,14 @@ from .residuals_of_tests import (
     Test,
     TestPart,
     parts_of_specimen,
+    reach_of,
 )
 from .scatter import ResidualScatter
 from .score import TimeScan
 from .specimen import at_rigs, reference_of, require_tests, rig_of_sweeps
 from .together import is_material_alone
 from .verdict import error_of, where_missed
+from .where import rms
 
 FASTEST = 10.0
 """By how much the stiffness of the shortest time may exceed what was measured.
@@ -60,7 +63,7 @@ Glass lies beyond it.
 """
 
 
-class InTimeProblem(Searched):
+class InTimeProblem(SpecimenProblem):
     """Minimise the residuals of tests over their noise.
 
     Parameters
@@ -81,6 +84,41 @@ class InTimeProblem(Searched):
         self.model, self.parts, self.reference = model, list(parts), reference
         slowest = min(part.test.seen[0] for part in parts)
         self.space = box_of(model, FASTEST * size, max(1.0, 1.0 / slowest), reach)
+
+    @classmethod
+    def alike(
+        cls, model: Model, tests: Sequence[Test], objective: Objective, scale: float | None
+    ) -> InTimeProblem:
+        """Tests whose noise nobody knows, side by side.
+
+        Within a test samples weigh as the objective has it; beside others each of its numbers
+        weighs as one of the size of their root mean square. `scale` is the largest stiffness of the
+        box, where it is given.
+        """
+        parts = []
+        for part in parts_of_specimen(tests):
+            even = part.with_sd(np.full(len(part.measured), rms(part.measured)))
+            parts.append(even.weighed_by(objective))
+        size = max(part.stiffness for part in parts) if scale is None else scale / FASTEST
+        return cls(model, parts, reference_of(tests), size, reach_of(parts))
+
+    @property
+    def nothing(self) -> float:
+        """Objective of no response."""
+        return float(np.sum([np.sum(part.signal**2) for part in self.parts]))
+
+    @property
+    def fixed(self) -> Iterator[Real]:
+        """Where each number was measured, the number and its weight."""
+        for part in self.parts:
+            yield from (part.at, part.measured, part.sd)
+
+    def with_tests(self, tests: Sequence[Test]) -> InTimeProblem:
+        """The same on other numbers of the same tests."""
+        pairs = zip(self.parts, tests, strict=True)
+        twin = copy(self)
+        twin.parts = [replace(part, test=test).with_sd(part.sd) for part, test in pairs]
+        return twin
 
     def evaluate(self, x: Real) -> Real:
         """Sum of squares (...) at search points (..., d).

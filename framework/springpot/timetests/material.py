@@ -141,9 +141,9 @@ def spectral(
     ends = [(each, each.descended(start, MOST_STEPS)) for each, start in begun]
     # From all lines alike a creep may end anywhere: its own convex form, which knows no effect,
     # tells where it lies. Of many tests those do that all of them are nearest to.
-    convex = []
-    for lines in [lines_of(part) for part in parts if isinstance(part, InTimePart)]:
-        other = _Search(model, parts, reference, coordinates, lines)
+    known, convex = [lines_of(part) for part in parts if part.convex], []
+    for lines in known:
+        other = _Search(model, parts, reference, coordinates, lines.beside(known))
         convex.append((other, other.start()))
     for each, start in sorted(convex, key=lambda pair: pair[1].cost)[:KEPT]:
         ends.append((each, each.descended(each.placed(start), MOST_STEPS)))
@@ -188,8 +188,10 @@ def descended_from(
         starts += [(search, start) for start in search.seeded([around.own])]
     if not starts:
         raise ModelError(f"{model.name} cannot be followed in these tests")
-    search, start = min(starts, key=lambda each: each[1].cost)
-    return _best([(search, search.descended(start, MOST_STEPS, NEARLY_STILL))], parts, spared=False)
+    # Where a search ends is not told by where it begins; of many tests the nearest will do.
+    nearest = sorted(starts, key=lambda each: each[1].cost)[: KEPT + 1]
+    ends = [(each, each.descended(start, MOST_STEPS, NEARLY_STILL)) for each, start in nearest]
+    return _best(ends, parts, spared=False)
 
 
 def _left_by(found: FoundLines, part: TestPart, reference: float) -> float:
@@ -213,15 +215,14 @@ def _best(
     """
     evaluations = sum(each.evaluations for each in dict.fromkeys(each for each, _ in ends))
     search, place = min(ends, key=lambda end: end[1].cost)
-    linear = all(
-        part.test.control == "displacement" for part in parts if isinstance(part, InTimePart)
-    )
-    if len(place.u) and linear:
-        # The convex form knows no effect: beside one, the lattice is as coarse as at the start.
-        # A creep, which is not linear in the weights, would take too long.
+    # The convex form knows one test and no effect: beside others the lattice is as coarse as at the
+    # start. A creep, which is not linear in the weights, would take a fit with effects too long.
+    known = len(parts) == 1 and not len(place.u)
+    quick = search.linear or not spared or not len(place.u)
+    if not known and quick and np.any(place.weights[2:]):
         samples = sum(len(part.signal) for part in parts)
         for share in CLOSER:
-            closer, there = search.closer(place, share)
+            closer, there = search.closer(place, share, spared)
             evaluations += closer.evaluations
             if _pays(place, there, samples) or (not spared and there.cost < place.cost):
                 search, place = closer, there
@@ -269,6 +270,10 @@ class _Search:
         own: Real | None = None,
     ) -> None:
         self.parts, self.reference = list(parts), reference
+        # A creep is not linear in the weights.
+        self.linear = all(
+            part.test.control == "displacement" for part in parts if isinstance(part, InTimePart)
+        )
         self.coordinates, self.size = coordinates, coordinates.size[0]
         self.bounds = coordinates.bounds()
         if own is None:
@@ -282,6 +287,8 @@ class _Search:
             stiffness = float(np.exp(np.mean([np.log(part.stiffness) for part in parts])))
             count = 2 + len(self.rates)
             self.weights: Real = np.full(count, stiffness / count)
+            # No line is stiffer than its weight, a dashpot is where all is fast.
+            self.weights[1] /= float(np.max(self.rates))
         else:
             self.rates, self.weights = lines.among(self.rates)
         self._lined(model)
@@ -350,18 +357,25 @@ class _Search:
             start = min(reached, key=lambda each: each.cost)
         return start
 
-    def closer(self, place: MaterialPoint, share: float) -> tuple[_Search, MaterialPoint]:
-        """A lattice closer by this share about the lines that carry, and the best place in it."""
+    def closer(
+        self, place: MaterialPoint, share: float, spared: bool
+    ) -> tuple[_Search, MaterialPoint]:
+        """A lattice closer by this share about the lines that carry, and the best place in it.
+
+        Lines that carry nothing stay where effects are still on their way.
+        """
         step = share * np.log(10.0) / PER_DECADE
-        near = np.log(self.rates[place.weights[2:] > 0.0])[:, None] + step * np.arange(-4.0, 5.0)
+        carry = place.weights[2:] > 0.0
+        near = np.log(self.rates[carry])[:, None] + step * np.arange(-4.0, 5.0)
+        kept = carry | (spared and len(place.u) > 0)
         search = copy(self)
-        logs = np.concatenate([np.log(self.rates), near.ravel()])
+        logs = np.concatenate([np.log(self.rates[kept]), near.ravel()])
         rates, first = np.unique(np.round(logs, 9), return_index=True)
-        before = np.concatenate([place.weights[2:], np.zeros(near.size)])
+        before = np.concatenate([place.weights[2:][kept], np.zeros(near.size)])
         search.rates = np.exp(rates)
         search._lined(self.model)
-        weights = np.concatenate([place.weights[:2], before[first]])
-        return search, search.descended(place._replace(weights=weights), MOST_STEPS)
+        begun = place._replace(weights=np.concatenate([place.weights[:2], before[first]]))
+        return search, search.descended(begun, MOST_STEPS, STILL if spared else NEARLY_STILL)
 
     def found(self, place: MaterialPoint, evaluations: int) -> FoundLines:
         """What is known of this place."""
@@ -427,11 +441,16 @@ class _Search:
         """Residuals (m,), and their derivatives by the weights (m, w) and by u (m, q)."""
         value, by_theta = self._residual(weights, u)
         by_own = np.ascontiguousarray(by_theta[:, self.count :].T)
-        return (
-            value,
-            by_theta[:, : self.count],
-            self.coordinates.carry(by_own, self.own(u), self.size).T,
-        )
+        by_weights = by_theta[:, : self.count]
+        if self.linear:
+            # A line that has faded before the first sample would weigh as much as it likes there,
+            # and be all that a little later or colder test shows.
+            size = np.linalg.norm(by_weights, axis=0)
+            shown = size > NEGLIGIBLE * size[0]
+            # A dashpot has another unit than lines.
+            shown[1] = True
+            by_weights = np.where(shown, by_weights, 0.0)
+        return value, by_weights, self.coordinates.carry(by_own, self.own(u), self.size).T
 
     def untold(self, weights: Real, u: Real) -> str:
         """Why other lines could have done what an effect of the tests did; empty if none could.

@@ -253,13 +253,13 @@ def delta_of(
     before: Left, each: Tried, noise: Sequence[ResidualScatter], base: Identification
 ) -> float:
     """By how much the Bayesian information criterion falls with an effect, over a noise."""
-    return delta_bic(before, each.left, noise, len(each.theta) - len(base.theta))
+    return delta_bic(before, each.left, noise, each.left.count - before.count)
 
 
 def plain_bic(left: Left) -> float:
     """Of a fit by itself: the size of its noise is read from what it leaves."""
     points = sum(len(value) for value in left.residuals)
-    variance = max(power_of(left), 1e-300) / points
+    variance = max(power_of(left), 1e-300) / max(points - left.lines, 1)
     return float(points * np.log(variance) + left.count * np.log(points))
 
 

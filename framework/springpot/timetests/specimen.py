@@ -14,7 +14,7 @@ import numpy as np
 from springpot.errors import DataError
 from springpot.identification.space import require_columns, require_effects
 from springpot.measurement.measurement import Measurement
-from springpot.measurement.opening import Test
+from springpot.measurement.opening import Test, sweep_of
 from springpot.measurement.timetest import TimeTest
 from springpot.rheology.effect import ALL, SWEEPS, Effect, Layer, StageLaw
 from springpot.rheology.model import Model
@@ -67,6 +67,50 @@ def at_tests(effect: Effect, tests: Sequence[Test]) -> list[Effect]:
 def at_rigs(model: Model, tests: Sequence[Test]) -> Model:
     """A model of tests of one specimen, each of its effects where `at_rig` puts it."""
     return _with_effects(model, [at_rig(effect, tests) for effect in model.effects])
+
+
+def as_had_by(model: Model, tests: Sequence[Test]) -> Model:
+    """A model as these tests can have it.
+
+    Of a sweep alone with a parameter for each level of a column, else with each effect at its rig.
+    """
+    sweep = sweep_of(tests)
+    if sweep is not None:
+        return model.bound_to(sweep.points)
+    return at_rigs(model, tests)
+
+
+def answered(model: Model, theta: Real, tests: Sequence[Test]) -> tuple[Test, ...]:
+    """The tests of a specimen as a model says them, without noise.
+
+    Parameters
+    ----------
+    model : Model
+        As `as_had_by` gives it.
+    theta : ndarray, shape (p,)
+        Its parameters.
+    tests : sequence of Test
+        What was imposed, and when it is read.
+
+    Raises
+    ------
+    DataError
+        If one is of a further kind, whose numbers are no answer to a loading.
+    """
+    sweep, reference = sweep_of(tests), reference_of(tests)
+    if sweep is not None:
+        return (replace(sweep, stiffness=model.stiffness(theta, sweep.points)),)
+    return tuple(_answered(model, theta, test, reference) for test in tests)
+
+
+def _answered(model: Model, theta: Real, test: Test, reference: float) -> Test:
+    part = part_of(test)
+    value = part.answer(model, theta, reference, np.arange(len(part.measured))).value
+    if isinstance(test, Measurement):
+        return replace(test, stiffness=value[: len(test)] + 1j * value[len(test) :])
+    if isinstance(test, TimeTest):
+        return replace(test, response=value)
+    raise DataError(f"{test.name}: a test of the kind '{test.kind}' cannot be computed")
 
 
 def rig_of_sweeps(model: Model, tests: Sequence[Test]) -> Model | None:

@@ -9,6 +9,7 @@ from springpot.identification import Optimiser, OptimiserFamily
 
 from . import (
     annealing,
+    auto,
     dfo,
     evolution,
     hopping,
@@ -18,6 +19,7 @@ from . import (
     minuit,
     native,
     nloptlib,
+    pymoo_library,
     sampling,
     spso,
     swarm,
@@ -50,7 +52,9 @@ def springpot_optimisers() -> Iterable[type[Optimiser]]:
         hopping.Cobyqa,
         hopping.Shgo,
         leastsquares.LeastSquares,
+        leastsquares.AlternatingLeastSquares,
         native.Native,
+        auto.Auto,
         sampling.RandomSearch,
     )
 
@@ -58,4 +62,4 @@ def springpot_optimisers() -> Iterable[type[Optimiser]]:
 @hookimpl
 def springpot_optimiser_families() -> Iterable[OptimiserFamily]:
     """Libraries of many."""
-    return (unified.FAMILY, minion.FAMILY, dfo.FAMILY, minuit.FAMILY)
+    return (unified.FAMILY, minion.FAMILY, dfo.FAMILY, minuit.FAMILY, pymoo_library.FAMILY)

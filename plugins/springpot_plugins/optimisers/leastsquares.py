@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import cycle
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -46,49 +47,93 @@ class LeastSquares(Optimiser):
 
     def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
         """Descend from one uniform start after another."""
+        misfit = Misfit(problem, self.logarithmic)
+
+        def descend() -> None:
+            width = problem.upper - problem.lower
+            start = problem.first(problem.lower + rng.random(problem.dimension) * width)
+            self.descend(misfit, start)
+
+        keep_on(problem, descend)
+
+    def descend(self, misfit: Misfit, start: Real) -> None:
+        """Descend from one point (d,) of the box until no step leads further."""
         from scipy.optimize import least_squares
 
-        scales = [
-            self.logarithmic and p.scale == "log" and p.lower >= 0
-            for p in problem.problem.space.parameters
-        ]
-        misfit = _Misfit(problem, np.array(scales))
+        problem = misfit.problem
         lower, upper = misfit.inner(problem.lower), misfit.inner(problem.upper)
         bounds: tuple[Real | float, Real | float] = (lower, upper)
         scale: Real | float = upper - lower
         if self.method == "lm":
             # MINPACK knows no box.
             bounds, scale = (-np.inf, np.inf), 1.0
-
-        def descend() -> None:
-            width = problem.upper - problem.lower
-            start = problem.first(problem.lower + rng.random(problem.dimension) * width)
-            least_squares(
-                misfit.residuals,
-                np.clip(misfit.inner(start), lower, upper),
-                jac=misfit.jacobian,
-                bounds=bounds,
-                method=self.method,
-                ftol=self.tolerance,
-                xtol=self.tolerance,
-                gtol=self.tolerance,
-                x_scale=scale,
-                # Never reached: the recorder ends the run when the budget is spent.
-                max_nfev=budget,
-            )
-
-        keep_on(problem, descend)
+        least_squares(
+            misfit.residuals,
+            np.clip(misfit.inner(start), lower, upper),
+            jac=misfit.jacobian,
+            bounds=bounds,
+            method=self.method,
+            ftol=self.tolerance,
+            xtol=self.tolerance,
+            gtol=self.tolerance,
+            x_scale=scale,
+            # Never reached: the recorder ends the run when the budget is spent.
+            max_nfev=problem.budget,
+        )
 
 
-class _Misfit:
-    """Residuals and Jacobian by inner coordinates.
+@dataclass(frozen=True)
+class AlternatingLeastSquares(Optimiser):
+    """Short descents from random starts, by logarithms and by the parameters themselves in turn.
 
-    Logarithms where asked for, search parameters elsewhere.
+    By logarithms a parameter that is too small by orders comes back, and one that is drawn to
+    nothing never does; by themselves it is the other way round.
+
+    Parameters
+    ----------
+    tolerance : float
+        Relative change of objective, point and gradient that ends a descent.
     """
 
-    def __init__(self, problem: Recorder, logarithmic: NDArray[np.bool_]) -> None:
+    tolerance: float = 1e-6
+
+    name: ClassVar[str] = "least-squares-alternating"
+    card: ClassVar[Card] = Card(
+        "multi-start nonlinear least squares, by logarithms and by parameters in turn (SciPy)",
+        "Branch et al. 1999, doi:10.1137/S1064827595289108",
+        gradient=True,
+        started=True,
+    )
+
+    def __post_init__(self) -> None:
+        self._require("tolerance", 2.3e-16 < self.tolerance < 1, "in (2.3e-16, 1)")
+
+    def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
+        """Descend from one uniform start after another."""
+        ways = cycle(Misfit(problem, logarithmic) for logarithmic in (True, False))
+        keep_on(problem, lambda: self.descend(next(ways), rng))
+
+    def descend(self, misfit: Misfit, rng: np.random.Generator) -> None:
+        """Descend from a uniform start."""
+        problem = misfit.problem
+        width = problem.upper - problem.lower
+        start = problem.first(problem.lower + rng.random(problem.dimension) * width)
+        LeastSquares(tolerance=self.tolerance).descend(misfit, start)
+
+
+class Misfit:
+    """Residuals and Jacobian by inner coordinates.
+
+    Logarithms of positive parameters without an upper limit where asked for, search parameters
+    elsewhere.
+    """
+
+    def __init__(self, problem: Recorder, logarithmic: bool = True) -> None:
         self.problem = problem
-        self.logarithmic = logarithmic
+        parameters = problem.problem.space.parameters
+        self.logarithmic: NDArray[np.bool_] = np.array(
+            [logarithmic and p.scale == "log" and p.lower >= 0 for p in parameters]
+        )
         self._at: Real = np.empty(0)
         self._found: tuple[Real, Real] = self._at, self._at
 
@@ -102,13 +147,14 @@ class _Misfit:
 
     def residuals(self, y: Real) -> Real:
         """Residuals (2n,); the Jacobian that comes with them is kept."""
-        return self._both(y)[0]
+        return self.both(y)[0]
 
     def jacobian(self, y: Real) -> Real:
         """Jacobian (2n, d) by inner coordinates, usually without a further evaluation."""
-        return self._both(y)[1]
+        return self.both(y)[1]
 
-    def _both(self, y: Real) -> tuple[Real, Real]:
+    def both(self, y: Real) -> tuple[Real, Real]:
+        """Both, evaluated once for each point."""
         if not np.array_equal(y, self._at):
             x = self._outer(y)
             residual, jacobian = self.problem.residuals(x)

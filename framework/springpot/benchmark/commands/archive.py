@@ -20,9 +20,10 @@ from springpot.cli.common import DATA, FILE, emit, json_option, results_option
     metavar="FILE",
     help="By default NAME.zip beside the results.",
 )
+@click.option("--thin", is_flag=True, help="Leave out improvements that no curve shows.")
 @results_option("Where results are.")
 @json_option
-def command(study: str, path: Path | None, out: Path, as_json: bool) -> None:
+def command(study: str, path: Path | None, thin: bool, out: Path, as_json: bool) -> None:
     """Write trials, versions, machine and seeds of STUDY into one file.
 
     Others compare with it without running it: springpot tables MINE --beside FILE, or springpot run
@@ -36,6 +37,6 @@ def command(study: str, path: Path | None, out: Path, as_json: bool) -> None:
     if path is None:
         path = store.with_suffix(".zip")
     with Store(store) as found:
-        trials = write_archive(found, path)
+        trials = write_archive(found, path, thin)
     result: dict[str, Any] = {"schema": "springpot.archived/1", "file": path, "trials": trials}
     emit(result, as_json, lambda: print(f"{trials} trials in {path}"))

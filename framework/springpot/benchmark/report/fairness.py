@@ -14,6 +14,10 @@ OF_ITS_OWN = {
         "native knows how the model is built: it reads its starts off the data by variable"
         " projection, which no other optimiser could do with what it is given."
     ),
+    "auto": (
+        "auto chooses by rules that were learnt from half of the problems of springpot-60: on these"
+        " it is no newcomer."
+    ),
     "pso-paper": (
         "pso-paper is born where the paper has it, in (0, k-bar) of a box that reaches twice as"
         " far, and may leave the box."

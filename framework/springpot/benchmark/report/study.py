@@ -10,6 +10,7 @@ import numpy as np
 
 from springpot.benchmark.beside import opened
 from springpot.benchmark.comparison import OVER_ALL, MeanRanks, OptimiserChoice, scopes
+from springpot.benchmark.plan import ASKED
 from springpot.benchmark.standings import CHOICE_NOTE, COMPARING, NOISY, PLAIN, Findings
 from springpot.benchmark.statistics import Interval
 from springpot.benchmark.summary import CellSummary, ProblemRow, store_path
@@ -138,6 +139,10 @@ def _head(findings: Findings) -> Iterator[Html]:
         f"{', '.join(counts)}. Run on {findings.facts.get('started', '')[:10]}.",
         class_="quiet",
     )
+    if ASKED[0] in findings.facts:
+        told = [(key, findings.facts[key]) for key in ASKED if key in findings.facts]
+        lines = (tag("li", tag("b", key.capitalize()), f": {text}") for key, text in told)
+        yield tag("ul", *lines)
     by_budget = pools(findings)
     if by_budget:
         # The last is that of the whole budget.
@@ -450,7 +455,7 @@ def _repeat(findings: Findings) -> Iterator[Html]:
     yield tag("h2", "To repeat this")
     yield tag("pre", facts.pop("command", ""))
     # The list of cells is for programs, and the name stands above.
-    left_out = {"cells", "name", "common start", NOISY}
+    left_out = {"cells", "name", "common start", NOISY, *ASKED}
     rows = [(key, value) for key, value in sorted(facts.items()) if key not in left_out]
     yield tag("div", table(("what", "value"), rows), class_="scroll")
     yield tag(

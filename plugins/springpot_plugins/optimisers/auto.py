@@ -1,0 +1,206 @@
+"""Least squares first, and then the optimiser that suits what they have shown of the problem.
+
+Short descents, by logarithms and by the parameters themselves in turn, are what most problems need,
+and what they leave behind tells the others apart: how many of them agree, how far they fell, how
+the valley is shaped. The rules are a small tree, learnt from half of the problems of springpot-60
+by ``studies/suite_choice.py`` and kept in ``auto.toml``.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from functools import cache
+from importlib.resources import files
+from itertools import cycle
+from typing import Any, ClassVar
+
+import numpy as np
+
+import springpot
+from springpot.errors import ModelError
+from springpot.identification import Card, Optimiser, Recorder
+from springpot.rheology import Real
+
+from .leastsquares import AlternatingLeastSquares, LeastSquares, Misfit
+
+ALIKE = 1e-3
+"""Share of an objective within which two descents have ended in the same valley."""
+EDGE = 1e-6
+"""Share of the box within which a parameter lies at an edge of it."""
+LARGEST = 16.0
+"""Decades beyond which nothing but rounding is told."""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What some descents by least squares have shown of a problem.
+
+    Parameters
+    ----------
+    parameters : int
+        That are searched.
+    descents : int
+        That ended, each at a minimum or where it could not go on.
+    agreement : float
+        Share of them that ended as low as the best.
+    spread : float
+        Decades between the best end and the middle one.
+    fall : float
+        Decades from the middle start to the best end.
+    conditioning : float
+        Decades between the longest and the shortest axis of the valley where it is best.
+    edges : float
+        Share of the parameters that lie at an edge of the box there.
+    """
+
+    parameters: int
+    descents: int
+    agreement: float
+    spread: float
+    fall: float
+    conditioning: float
+    edges: float
+
+    def to_dict(self) -> dict[str, float]:
+        """By name."""
+        return {each.name: float(getattr(self, each.name)) for each in fields(self)}
+
+
+class _LookedEnoughError(Exception):
+    """Ends a descent where the share of the budget for looking is spent."""
+
+
+@dataclass(frozen=True)
+class Auto(Optimiser):
+    """Look at a problem by descents, then hand it to the optimiser that suits it.
+
+    Parameters
+    ----------
+    share : float
+        Of the budget, for looking; what is found then counts like all else.
+    """
+
+    share: float = 0.05
+
+    name: ClassVar[str] = "auto"
+    card: ClassVar[Card] = Card(
+        "least squares first, then the optimiser that suits what they have shown",
+        "Rice 1976, doi:10.1016/S0065-2458(08)60520-3; Xu et al. 2008, doi:10.1613/jair.2490",
+        gradient=True,
+        started=True,
+    )
+
+    def __post_init__(self) -> None:
+        self._require("share", 0.0 < self.share < 1.0, "in (0, 1)")
+
+    def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
+        """Look, make the best exact, choose, and go on with what was chosen."""
+        seen = looked(problem, max(1, int(self.share * budget)), rng)
+        LeastSquares().descend(Misfit(problem), problem.best_x)
+        name, why = chosen(seen)
+        problem.remark(f"{name} was chosen: {why}")
+        springpot.plugins().find("optimiser", name)().minimise(problem, problem.left, rng)
+
+
+def looked(problem: Recorder, limit: int, rng: np.random.Generator) -> Seen:
+    """Descend from uniform points until so many evaluations are made, and say what was seen."""
+    starts, ends, ways = list[float](), list[float](), cycle((True, False))
+    while problem.evaluations < limit:
+        misfit = _Watched(problem, limit, next(ways))
+        try:
+            AlternatingLeastSquares().descend(misfit, rng)
+        except _LookedEnoughError:
+            # One that was cut short has ended nowhere; without it there may be none.
+            if ends:
+                break
+        starts.append(misfit.first)
+        ends.append(misfit.least)
+    return _told(problem, np.array(starts), np.array(ends))
+
+
+class _Watched(Misfit):
+    """Residuals that remember the first and the least objective, and end a descent in time."""
+
+    def __init__(self, problem: Recorder, limit: int, logarithmic: bool) -> None:
+        super().__init__(problem, logarithmic)
+        self.limit, self.first, self.least = limit, np.inf, np.inf
+
+    def both(self, y: Real) -> tuple[Real, Real]:
+        """Both, unless enough has been looked."""
+        before = self.problem.evaluations
+        if before >= self.limit:
+            raise _LookedEnoughError
+        residual, jacobian = super().both(y)
+        if self.problem.evaluations > before:
+            value = float(residual @ residual)
+            if not np.isfinite(self.first):
+                self.first = value
+            self.least = min(self.least, value)
+        return residual, jacobian
+
+
+def _told(problem: Recorder, starts: Real, ends: Real) -> Seen:
+    best = float(np.min(ends))
+    least = max(best, np.finfo(float).tiny)
+    # At the best point: the evaluation is one of the search, and counted.
+    width, x = problem.upper - problem.lower, problem.best_x
+    conditioning = LARGEST
+    if problem.left > 0 and x.size:
+        stretch = np.linalg.svd(problem.residuals(x)[1] * width, compute_uv=False)
+        conditioning = _decades(float(stretch[0]), float(stretch[-1]))
+    share = (x - problem.lower) / width
+    return Seen(
+        problem.dimension,
+        len(ends),
+        float(np.mean(ends <= best * (1.0 + ALIKE))),
+        _decades(float(np.median(ends)), least),
+        _decades(float(np.median(starts)), least),
+        conditioning,
+        float(np.mean((share < EDGE) | (share > 1.0 - EDGE))),
+    )
+
+
+def _decades(large: float, small: float) -> float:
+    if not large < np.inf or small <= 0.0:
+        return LARGEST
+    return float(np.clip(np.log10(max(large, small) / small), 0.0, LARGEST))
+
+
+@cache
+def rules() -> Mapping[str, Any]:
+    """The tree, as it was learnt."""
+    return tomllib.loads(files(__package__).joinpath("auto.toml").read_text(encoding="utf-8"))
+
+
+def chosen(seen: Seen) -> tuple[str, str]:
+    """The optimiser for a problem, and why in one line.
+
+    Raises
+    ------
+    ModelError
+        If none of those that were learnt is installed.
+    """
+    told, node, reasons = seen.to_dict(), rules()["tree"], list[str]()
+    while "feature" in node:
+        value, limit = told[node["feature"]], node["limit"]
+        side = "below" if value < limit else "above"
+        reasons.append(f"{node['feature']} {value:.3g} is {_SIDES[side]} {limit:.3g}")
+        node = node[side]
+    for name in node["optimisers"]:
+        if _installed(name):
+            why = " and ".join(reasons) or "it is the best of all"
+            return name, f"{why} after {seen.descents} descents by least squares"
+    raise ModelError(f"none of {', '.join(node['optimisers'])} is installed")
+
+
+_SIDES = {"below": "below", "above": "not below"}
+
+
+def _installed(name: str) -> bool:
+    try:
+        springpot.plugins().find("optimiser", name)
+    except ModelError:
+        return False
+    return True

@@ -1,0 +1,168 @@
+"""The problems of springpot-60 measured: their best known values, features and parts.
+
+    python studies/suite.py            measures them all, which takes some minutes
+    python studies/suite.py --page     writes docs/suite.md and its map from what was measured
+
+What it writes beside the suite's description (``springpot-60.csv``) is what
+``springpot list suites springpot-60`` shows.
+"""
+
+from __future__ import annotations
+
+import csv
+import sys
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+
+from paper.draw import COLOURS, INK, MARKERS, can_draw, legend_above, sheet
+from springpot import plugins
+from springpot.benchmark import Study
+from springpot.benchmark.cases import problem_of, reference_of
+from springpot.benchmark.features import (
+    Features,
+    descents,
+    features_of,
+    parts_of,
+    uniform,
+)
+from springpot.benchmark.plan import Plan, RaceCase
+from springpot.identification.native import BoundedDescent
+from springpot.identification.problem import Problem, SpecimenProblem
+from springpot.identification.recorder import Recorder
+from springpot.measurement import DataSet, Measured
+from springpot.rheology import Real
+
+SUITE, TARGET = "springpot-60", 1e-6
+ROUNDING = 1e-12
+STARTS = 200
+"""Descents among which the least objective is looked for, half of them from even orders of size."""
+ROOT = Path(__file__).parents[1]
+TABLE = ROOT / "plugins/springpot_plugins/suites" / f"{SUITE}.csv"
+PAGE, IMAGES = ROOT / "docs" / "suite.md", ROOT / "docs" / "images"
+PARTS = ("easy", "hard", "deceptive")
+
+
+def plan() -> Plan:
+    """All problems, each with its own model and objective."""
+    return Study("suite", [SUITE], ["own"], ["own"], ["random-search"]).plan()
+
+
+def best_known(problem: SpecimenProblem, truth: Real | None) -> tuple[Real, float]:
+    """The least objective that any of many descents in the box ends at, and where (d,)."""
+    low, high = problem.lower, problem.upper
+    starts = [uniform(problem, STARTS // 2, 2)]
+    # As many from all orders of size alike, in which small parameters are found.
+    share = (uniform(problem, STARTS // 2, 3) - low) / (high - low)
+    positive = low > 0.0
+    starts.append(np.where(positive, np.abs(low) ** (1.0 - share) * high**share, starts[0]))
+    if truth is not None:
+        starts.append(np.clip(truth, low, high)[None])
+    points, ends = descents(problem, np.concatenate(starts))
+    if isinstance(problem, Problem):
+        with np.errstate(all="ignore"):
+            descent = BoundedDescent(Recorder(problem, 10**9))
+            more = descent.from_scan(np.random.default_rng(0), 16)
+        points, ends = np.concatenate([points, more[0]]), np.concatenate([ends, more[1]])
+    first = int(np.nanargmin(ends))
+    return points[first], float(ends[first])
+
+
+def measured(case: RaceCase) -> tuple[float, Features]:
+    """Best known objective of a problem, and its features."""
+    source = case.source
+    model = source.model_of(case.model)
+    problem = problem_of(source, model, case.objective)
+    truth = None
+    if set(source.truth) == set(model.names):
+        truth = problem.space.from_theta(model.vector(dict(source.truth)))
+    optimum, best = best_known(problem, truth)
+    target = best + TARGET * (reference_of(problem) - best)
+    return best, features_of(problem, optimum, best, target)
+
+
+def main() -> None:
+    """Measure all, and write the table."""
+    found = {case.source.name: measured(case) for case in plan().cases}
+    parts = parts_of({name: features for name, (_, features) in found.items()})
+    with TABLE.open("w", newline="", encoding="utf-8") as stream:
+        table = csv.writer(stream, lineterminator="\n")
+        table.writerow(["problem", "best", "part", *(each.name for each in fields(Features))])
+        for name, (best, features) in found.items():
+            numbers = (f"{value:.4g}" for value in features.to_dict().values())
+            table.writerow([name, repr(best), parts[name], *numbers])
+
+
+MADE = "\n## The parts\n"
+"""From here on docs/suite.md is made; what stands above is written by hand."""
+
+
+def page() -> str:
+    """docs/suite.md."""
+    suite = plugins().find("suite", SUITE)
+    text = PAGE.read_text(encoding="utf-8").partition(MADE)[0] + MADE
+    for part in PARTS:
+        names = [p.name for p in suite.problems if suite.measured[p.name].part == part]
+        links = ", ".join(f"[{_short(name)}](#{_short(name)})" for name in names)
+        text += f"\n**{part.capitalize()}** ({len(names)}): {links}\n"
+    text += "\n## The problems\n"
+    for problem in suite.problems:
+        text += _section(problem, suite.measured[problem.name])
+    return text
+
+
+def _short(name: str) -> str:
+    return name.partition("/")[2]
+
+
+def _section(problem: DataSet, told: Measured) -> str:
+    features = dict(told.features)
+    count = int(features.pop("parameters"))
+    truth = ", ".join(f"{key} = {value:g}" for key, value in problem.truth.items())
+    assert problem.best is not None
+    # Of exact data nothing but rounding is left.
+    best = f"{problem.best:.6g}" if problem.best > ROUNDING else "0"
+    numbers = ", ".join(f"{key} {value:g}" for key, value in features.items())
+    return (
+        f"\n### {_short(problem.name)}\n\n{problem.summary}\n\n"
+        f"- Model: `{problem.model}`, {count} parameters; objective `{problem.objective}`\n"
+        f"- Data: {problem.test} ({problem.kind})\n"
+        f"- Truth: {truth or 'not known'}; best known objective {best}\n"
+        f"- Features: {told.part}; {numbers}\n"
+    )
+
+
+def draw_map(folder: Path) -> None:
+    """The problems in the plane of the first two principal components of their features."""
+    measured = plugins().find("suite", SUITE).measured
+    keys = [each.name for each in fields(Features)]
+    table = np.array([[each.features[key] for key in keys] for each in measured.values()])
+    scores = (table - table.mean(axis=0)) / table.std(axis=0)
+    _, _, axes = np.linalg.svd(scores, full_matrices=False)
+    # Which way an axis points is nobody's choice: hard is right, and up what has many parameters.
+    signs = np.sign(axes[[0, 1], [keys.index("modality"), keys.index("parameters")]])
+    plane = axes[:2] * signs[:, None]
+    places = scores @ plane.T
+    with sheet(folder, SUITE, 9.2, 6.4, (".png",)) as figure:
+        ax = figure.subplots()
+        for part, colour, marker in zip(PARTS, COLOURS, MARKERS, strict=False):
+            here = [i for i, each in enumerate(measured.values()) if each.part == part]
+            ax.scatter(*places[here].T, color=colour, marker=marker, label=part, s=34)
+        for name, place in zip(measured, places, strict=True):
+            ax.annotate(
+                _short(name), place, (4, 3), textcoords="offset points", fontsize=6, color=INK
+            )
+        for key, arrow in zip(keys, 2.5 * plane.T, strict=True):
+            ax.annotate("", arrow, (0.0, 0.0), arrowprops={"arrowstyle": "->", "color": "0.6"})
+            ax.text(*(1.12 * arrow), key, color="0.45", fontsize=8, ha="center")
+        ax.set(xlabel="first principal component", ylabel="second principal component")
+        legend_above(figure, ax, "The sixty problems by their measured features")
+
+
+if __name__ == "__main__":
+    if "--page" not in sys.argv:
+        main()
+    PAGE.write_text(page(), encoding="utf-8")
+    if can_draw(IMAGES):
+        draw_map(IMAGES)
