@@ -54,7 +54,8 @@ from .sieve import (
 )
 from .slip import slip_beside
 from .specimen import at_rigs, at_tests
-from .verdict import Asked, TimeCase, Tried, answer_of, worst_of
+from .tried import Tried
+from .verdict import AskedTests, TimeCase, answer_of, worst_of
 
 UNEVEN = 1.5
 """Ratio of the largest to the smallest noise of a record from which its shape matters."""
@@ -225,7 +226,7 @@ def _judged(
     for each in ranked:
         left_out.pop(each.effect.name, None)
     case = answer_of(parts, base, before, ranked, noise, promises, left_out, slip)
-    return case._replace(asked=Asked(given, parts, quick, known, beside))
+    return case._replace(asked=AskedTests(given, parts, quick, known, beside))
 
 
 def _no_worse(each: Tried, before: Left) -> Tried:

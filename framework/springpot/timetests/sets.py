@@ -21,7 +21,8 @@ from .left import Left
 from .scatter import ResidualScatter
 from .score import TimeScan
 from .sieve import MARGIN, leading_of_scan, nearly_fitted, noise_of_both, plain_bic
-from .verdict import Asked, TimeCase, weight_of
+from .tried import weight_of
+from .verdict import AskedTests, TimeCase
 
 MOST = 3
 """Effects of a set at most."""
@@ -60,7 +61,7 @@ class TimeSets:
 
     Attributes
     ----------
-    asked : Asked
+    asked : AskedTests
         The tests, and the effects of which sets are made.
     base : Identification
         The fit of the model.
@@ -70,7 +71,7 @@ class TimeSets:
         Sets that cannot be fitted exactly.
     """
 
-    asked: Asked
+    asked: AskedTests
     base: Identification
     fitted: dict[tuple[str, ...], TimeSet] = field(default_factory=dict)
     given_up: set[tuple[str, ...]] = field(default_factory=set)

@@ -16,7 +16,6 @@ from springpot.rheology.effect import Effect
 from springpot.rheology.points import Real
 
 from .exponentials import UnfollowedError
-from .fitting import identify
 from .left import Left, delta_bic, independent
 from .material import UntoldError
 from .native import TimeSearch
@@ -25,7 +24,7 @@ from .residuals_of_tests import Test, TestPart
 from .scatter import ResidualScatter
 from .score import TimeScan
 from .temperatures import is_law
-from .verdict import Tried
+from .tried import Tried
 
 LEADING = 14
 """Effects that are fitted, nearly: the others fell behind by a linear step already."""
@@ -101,6 +100,8 @@ def of_material(
     left_out: dict[str, str],
 ) -> list[Tried]:
     """The leading effects beside any material, whose spectrum is found anew with each."""
+    from .fitting import identify
+
     tried = []
     for promises in leading:
         effect = promises[0].effect
@@ -205,6 +206,8 @@ def exactly_fitted(
     left_out: dict[str, str],
 ) -> list[Tried]:
     """The best of them fitted exactly, and the others as they are."""
+    from .fitting import identify
+
     # The noise is read where the least is left, and the effects are then rated by that one noise.
     least = min((each.left for each in nearly), key=plain_bic, default=before)
     noise = noise_of_both(before, least)

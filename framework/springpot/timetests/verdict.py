@@ -6,7 +6,7 @@ What a diagnosis of tests in time says: its error, its sentence, and which effec
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +24,6 @@ from springpot.misfit.error import Error
 from springpot.misfit.where import Where
 from springpot.misfit.words import times
 from springpot.rheology.effect import Effect
-from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
@@ -36,6 +35,7 @@ from .promises import TWINS, Promise
 from .residuals_of_tests import SweepPart, Test, TestPart
 from .scatter import ResidualScatter, times_noise
 from .slip import Slip
+from .tried import Tried
 from .where import worst_first
 
 NAN = float("nan")
@@ -137,52 +137,7 @@ def sentence(
     return f"{size}; missing is {names}: {after}{rival}{place}"
 
 
-@dataclass(frozen=True, eq=False)
-class Tried:
-    """An effect, what is left with it, and how much likelier it makes the tests.
-
-    Attributes
-    ----------
-    effect : Effect
-        The effect.
-    model : Model
-        The model with it.
-    theta : ndarray, shape (p,)
-        Its parameters.
-    left : Left
-        What is left of the tests.
-    delta : float
-        By how much the Bayesian information criterion falls.
-    fit : Identification or None
-        The exact fit, where there is one.
-    """
-
-    effect: Effect
-    model: Model
-    theta: Real
-    left: Left
-    delta: float
-    fit: Identification | None = None
-
-    @property
-    def helps(self) -> bool:
-        """Whether it explains what the model alone does not, beyond doubt."""
-        return self.delta > SEARCH.decisive
-
-    @property
-    def evidence(self) -> float:
-        """The same with how common the effect is: twice the logarithm of its odds."""
-        return self.delta + 2.0 * float(np.log(weight_of(self.effect)))
-
-
-def weight_of(effect: Effect) -> float:
-    """How common an effect is in tests in time, before any data are seen."""
-    if effect.of_apparatus:
-        return effect.prior * EVIDENCE.apparatus
-    return effect.prior
-
-
-class Asked(NamedTuple):
+class AskedTests(NamedTuple):
     """Tests as they are fitted, and what may be missing from a model of them.
 
     Attributes
@@ -219,7 +174,7 @@ class TimeCase(NamedTuple):
         How far the base lies beside each test.
     tried : tuple of Tried
         The model grown by each effect that was fitted.
-    asked : Asked or None
+    asked : AskedTests or None
         The tests and effects behind it.
     """
 
@@ -228,7 +183,7 @@ class TimeCase(NamedTuple):
     best_fit: Identification
     misfits: tuple[Misfit, ...]
     tried: tuple[Tried, ...] = ()
-    asked: Asked | None = None
+    asked: AskedTests | None = None
 
 
 def answer_of(
