@@ -25,8 +25,8 @@ from springpot.rheology import Real
 
 from .leastsquares import AlternatingLeastSquares, LeastSquares, Misfit
 
-ALIKE = 1e-3
-"""Share of an objective within which two descents have ended in the same valley."""
+ALIKE = 1e-6
+"""Share of the way from the middle start to the best end that is as good as nothing."""
 EDGE = 1e-6
 """Share of the box within which a parameter lies at an edge of it."""
 LARGEST = 16.0
@@ -44,11 +44,11 @@ class Seen:
     descents : int
         That ended, each at a minimum or where it could not go on.
     agreement : float
-        Share of them that ended as low as the best.
+        Share of them that ended as low as the best, but for a millionth of the way.
     spread : float
-        Decades between the best end and the middle one.
+        Decades between the best end and the middle one, of what is more than that.
     fall : float
-        Decades from the middle start to the best end.
+        Decades from the middle start to the best end, likewise.
     conditioning : float
         Decades between the longest and the shortest axis of the valley where it is best.
     edges : float
@@ -142,8 +142,9 @@ class _Watched(Misfit):
 
 
 def _told(problem: Recorder, starts: Real, ends: Real) -> Seen:
-    best = float(np.min(ends))
-    least = max(best, np.finfo(float).tiny)
+    best, middle = float(np.min(ends)), float(np.median(starts))
+    # Of exact data the best is rounding, which says nothing of a problem.
+    nothing = ALIKE * max(middle - best, np.finfo(float).tiny)
     # At the best point: the evaluation is one of the search, and counted.
     width, x = problem.upper - problem.lower, problem.best_x
     conditioning = LARGEST
@@ -154,9 +155,9 @@ def _told(problem: Recorder, starts: Real, ends: Real) -> Seen:
     return Seen(
         problem.dimension,
         len(ends),
-        float(np.mean(ends <= best * (1.0 + ALIKE))),
-        _decades(float(np.median(ends)), least),
-        _decades(float(np.median(starts)), least),
+        float(np.mean(ends <= best + nothing)),
+        _decades(float(np.median(ends)) + nothing, best + nothing),
+        _decades(middle + nothing, best + nothing),
         conditioning,
         float(np.mean((share < EDGE) | (share > 1.0 - EDGE))),
     )
