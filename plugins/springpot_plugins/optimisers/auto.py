@@ -20,13 +20,13 @@ import numpy as np
 
 import springpot
 from springpot.errors import ModelError
-from springpot.identification import Card, Optimiser, Recorder
+from springpot.identification import Card, Optimiser, Recorder, SpecimenProblem
 from springpot.rheology import Real
 
 from .leastsquares import AlternatingLeastSquares, LeastSquares, Misfit
 
 ALIKE = 1e-6
-"""Share of the way from the middle start to the best end that is as good as nothing."""
+"""Share of the way from no response at all to the best end that is as good as nothing."""
 EDGE = 1e-6
 """Share of the box within which a parameter lies at an edge of it."""
 LARGEST = 16.0
@@ -144,7 +144,8 @@ class _Watched(Misfit):
 def _told(problem: Recorder, starts: Real, ends: Real) -> Seen:
     best, middle = float(np.min(ends)), float(np.median(starts))
     # Of exact data the best is rounding, which says nothing of a problem.
-    nothing = ALIKE * max(middle - best, np.finfo(float).tiny)
+    way = min(middle, _nothing(problem)) - best
+    nothing = ALIKE * max(way, np.finfo(float).tiny)
     # At the best point: the evaluation is one of the search, and counted.
     width, x = problem.upper - problem.lower, problem.best_x
     conditioning = LARGEST
@@ -161,6 +162,14 @@ def _told(problem: Recorder, starts: Real, ends: Real) -> Seen:
         conditioning,
         float(np.mean((share < EDGE) | (share > 1.0 - EDGE))),
     )
+
+
+def _nothing(problem: Recorder) -> float:
+    """Objective of no response: where a start is absurd, it says nothing of the data."""
+    of = problem.problem
+    if isinstance(of, SpecimenProblem) and np.isfinite(of.nothing):
+        return of.nothing
+    return np.inf
 
 
 def _decades(large: float, small: float) -> float:
