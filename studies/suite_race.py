@@ -1,4 +1,4 @@
-"""Twenty-five optimisers, and the choice among them, on the sixty problems of springpot-60.
+"""Eighteen optimisers, and the choice among them, on the sixty problems of springpot-60.
 
 `native` is not among them: it knows how a model is built, which no other is told. Left out for what
 they cost, 5 to 70 s a trial, are COBYQA, Py-BOBYQA and SHGO. A trial ends at the target, beyond
@@ -21,7 +21,7 @@ RIVALS = (
     *("least-squares", "dfo-ls", "nlopt-lbfgs", "basin-hopping", "minuit-migrad"),
     *("nlopt-mlsl", "nlopt-bobyqa", "nlopt-nelder-mead", "nlopt-sbplx", "dual-annealing"),
     *("cma-es", "bipop-cma-es", "differential-evolution", "l-shade", "minion-jso", "minion-arrde"),
-    *("pso-paper", "least-squares-alternating"),
+    *("pso-paper", "least-squares-alternating", "auto"),
 )
 PARTS = {
     "easy half": ("easy",),
