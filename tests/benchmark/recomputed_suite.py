@@ -48,11 +48,8 @@ class Race:
         traces = {}
         for cell, repetition, at, value, _ in rows_of(archive, "traces.csv"):
             traces.setdefault((cell, repetition), []).append((int(at), float(value)))
+        # Known before the race: what the paper's swarm finds outside the box moves nobody's target.
         best = {i: float(self.suite[p["dataset"]]["best"]) for i, p in enumerate(problems)}
-        for row in trials:
-            number = self.cells[int(row["cell"])]["problem"]
-            if row["best"]:
-                best[number] = min(best[number], float(row["best"]))
         self.trials = {}
         for row in trials:
             cell = self.cells[int(row["cell"])]
