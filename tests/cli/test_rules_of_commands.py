@@ -9,7 +9,7 @@ import click
 import pytest
 
 from springpot import api
-from springpot.cli import common, compare, timetests, waiting
+from springpot.cli import CtrlC, common, compare, timetests, waiting
 
 
 class Shown:
@@ -95,3 +95,10 @@ def test_of_an_adequate_model_the_parameters_are_next_of_another_what_it_lacks(
     best = SimpleNamespace(fails=False, unclear=False, model=SimpleNamespace(name="kelvin"))
     ranked = SimpleNamespace(one_test="", best=best, adequate=adequate, near=near)
     assert compare._next_command(ranked, "swept", []) == f"springpot {verb}"
+
+
+def test_whoever_pressed_ctrl_c_is_remembered():
+    pressed = CtrlC()
+    with pytest.raises(KeyboardInterrupt):
+        pressed(2, None)
+    assert pressed.pressed

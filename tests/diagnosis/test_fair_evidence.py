@@ -115,6 +115,13 @@ def test_the_doubt_about_a_narrow_effect_is_not_its_partners():
     assert chances.narrow == pytest.approx(0.3)
 
 
+def test_what_the_unknown_leaves_goes_to_nothing_and_to_all_else_alike():
+    one = Explanation(SimpleNamespace(names=("a",), effects=[]), 0.5)
+    chances = Evidence(None, 0.3, 0.2, (one,)).without_unknown()
+    assert (chances.nothing, chances.unknown) == (pytest.approx(0.375), 0.0)
+    assert chances.explanations[0].probability == pytest.approx(0.625)
+
+
 @pytest.mark.soak
 def test_a_mass_beside_a_resonance_is_as_sure_as_without():
     truth = resonant(NARROW) - 0.02 * NARROW.omega**2

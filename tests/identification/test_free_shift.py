@@ -7,6 +7,7 @@ import pytest
 
 import springpot
 from springpot.identification import fit
+from springpot.identification.allowed_shifts import Allowed
 from springpot.identification.material_fit import aligned
 from springpot.registry import parse_model
 
@@ -108,3 +109,12 @@ def test_an_optimiser_takes_the_levels_too():
         superposable(0.01), "fractional-zener + free-shift", optimiser="least-squares", budget=50
     )
     assert sum(name.startswith("free-shift") for name in found.model.names) == 4
+
+
+def test_how_far_a_shift_sets_two_sweeps_apart_is_told_in_decades():
+    """Their shifts lie on one side of the reference: the difference counts, not the sum."""
+    decades = np.log(10.0) * np.array([0.0, 2.0, 5.0])
+    ends = np.zeros(3), np.full(3, np.log(100.0))
+    levels = np.array([20.0, 10.0, 0.0])
+    known = Allowed("temperature", levels, *ends, np.ones((3, 3), dtype=bool))
+    assert "10 degC and 0 degC apart by 3 decades" in known.broken_by(decades)

@@ -57,6 +57,11 @@ HARMLESS = {
         "1",
     ): "how many starts are tried at once",
     (
+        "identification/uncertainty.py",
+        "if self.at_bound[i] < 0:",
+        "1",
+    ): "on a bound it is never nothing",
+    (
         "identification/levels_alone.py",
         "return np.sqrt(np.where(spare > 0.5, summed / np.maximum(spare, 0.5), 0.0))",
         "spare >= 0.5",
@@ -92,10 +97,20 @@ HARMLESS = {
         "2",
     ): "a tolerance",
     (
+        "processes.py",
+        "part = os.read(fd, 1 << 16)",
+        "32",
+    ): "how much is read at once",
+    (
         "rheology/written.py",
         "values = [value * by for value, by in zip(usual, (*share, 1.0, 1.0), strict=False)]",
         "2.0",
     ): "at which sizes of a fifth parameter a law is tried",
+    (
+        "solvers/prony.py",
+        "if best is None or largest < best.error:",
+        "largest <= best.error",
+    ): "errors that are equal to the last bit",
     (
         "structure/beside.py",
         "now, here, fast = np.zeros(1), np.array([way]), np.array([speed])",
@@ -106,6 +121,11 @@ HARMLESS = {
         "self._pointwise(0.0, 1.0) - self._pointwise(0.0, -1.0)",
         "1.0",
     ): "where the slope is taken beside which a jump is negligible",
+    (
+        "testing/contract.py",
+        "objective.value(computed, data, weights), np.sum(residual**2), rtol=1e-12",
+        "2e-12",
+    ): "a tolerance",
     (
         "superposition/laws.py",
         "block = np.ix_(used + offset, used + offset)",

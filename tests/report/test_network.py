@@ -7,6 +7,7 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from springpot.registry import plugins
+from springpot.report import network
 from springpot.report.network import LETTER, Label, marks, network_svg, size
 from springpot.rheology import Node, chain, dashpot, mass, parallel, series, spring, springpot
 from springpot.rheology.drawing import sketch
@@ -54,3 +55,16 @@ def test_names_are_escaped():
     svg = network_svg(spring("<k&1>"))
     assert "&lt;k&amp;1&gt;" in svg
     assert [text.text for text in ElementTree.fromstring(svg).iter(f"{SVG}text")] == ["<k&1>"]
+
+
+@pytest.mark.parametrize("kind", network.SYMBOLS)
+def test_a_symbol_reaches_as_far_to_either_side_and_its_lines_join_it(kind):
+    marks = [mark for mark in network.SYMBOLS[kind](100.0, 50.0) if hasattr(mark, "points")]
+    across = [x for mark in marks for x, _ in mark.points]
+    assert (min(across), max(across)) == (78.0, 122.0)
+    body = [mark for mark in marks if getattr(mark, "closed", False)]
+    for block in body:
+        sides = [x for x, _ in block.points]
+        assert min(sides) + max(sides) == 200.0
+        ends = {x for mark in marks if mark is not block for x, _ in mark.points}
+        assert {min(sides), max(sides)} <= ends

@@ -260,6 +260,4 @@ def test_a_fit_is_handed_over_at_its_own_reference_temperature(springpot, tmp_pa
     assert term["time_s"] == pytest.approx(tau, rel=1e-6)
     assert handed("--temperature", "50") != handed()
     assert "outside of what was measured" not in handed("--temperature", "20")
-    assert "outside of what was measured (0 to 50 degC): the temperature of 120 degC" in handed(
-        "--temperature", "120"
-    )
+    assert "the temperature of 120 degC" in handed("--temperature", "120")

@@ -54,8 +54,18 @@ def test_a_law_of_temperature_is_identified_from_any_material_alone():
 
 
 def test_tests_that_are_followed_one_by_one_alone_are_not_of_one_state():
-    untold = [replace(test, temperature=None) for test in relaxations(0.01, 3)]
+    untold = [replace(test, temperature=None) for test in relaxations(0.01, 4)]
     answer = springpot.diagnose(untold)
     assert answer.verdict == "unexplained"
     assert "each test by itself is followed to" in answer.says
     assert "temperature=25[degC]" in answer.says
+
+
+@pytest.mark.parametrize("seed", [2, 5])
+def test_the_truth_leaves_no_more_than_noise_and_nothing_is_missing_from_it(seed):
+    few = ["vertical-shift", "inertia"]
+    answer = springpot.diagnose(relaxations(0.01, seed), "material + wlf-shift", only=few)
+    assert answer.verdict == "adequate"
+    # Noise is 1 % of each sample, and told of a test over its root mean square.
+    assert max(test.relative_rms for test in answer.tests) < 0.015
+    assert max(test.over_floor for test in answer.tests) < 1.5

@@ -10,9 +10,9 @@ import pytest
 from scipy.optimize import nnls
 
 from springpot.errors import ModelError
-from springpot.measurement import Loading, TimeTest
+from springpot.measurement import Loading, Measurement, TimeTest
 from springpot.registry import parse_model
-from springpot.timetests import floor, left, material
+from springpot.timetests import floor, left, material, specimen
 from springpot.timetests.residuals_of_tests import COARSE, part_of
 
 
@@ -25,11 +25,11 @@ def scatter(size=1.0, memory=0.0):
     )
 
 
-def of(*residuals, rounded=None, felt=0.0):
+def of(*residuals, rounded=None, felt=0.0, lines=0):
     residuals = [np.array(each, dtype=float) for each in residuals]
     none = [np.zeros((0, len(each))) for each in residuals]
     known = {"rounded": none if rounded is None else [np.array(rounded, dtype=float)]}
-    fitted = SimpleNamespace(residuals=residuals, **known)
+    fitted = SimpleNamespace(residuals=residuals, lines=lines, **known)
     fitted.squares = lambda noise: left.Left.squares(fitted, noise)
     fitted.squares_felt = lambda noise: felt
     return fitted
@@ -68,6 +68,9 @@ def test_a_criterion_falls_by_squares_less_the_price_of_parameters():
     assert left.delta_bic(felt, other, [scatter()], 2) == pytest.approx(fall - 5.0)
     more = of([1.0, 1.0, 0.0], felt=5.0)
     assert left.delta_bic(base, more, [scatter()], 2) == pytest.approx(fall)
+    # A line of a free spectrum takes one from the sum of squares, where nothing is.
+    lined = of([1.0, 1.0, 0.0], lines=3)
+    assert left.delta_bic(base, lined, [scatter()], 2) == pytest.approx(fall - 3.0)
 
 
 def even(n, control="displacement"):
@@ -168,3 +171,14 @@ def test_a_fit_that_leaves_nothing_says_nothing_of_the_noise(missed, monkeypatch
         "over_floor": ratio,
         "over_floor_alone": pytest.approx(2.5 * ratio),
     }
+
+
+def test_the_reference_is_the_measured_temperature_in_the_middle():
+    time = np.array([1.0, 2.0])
+    steps = [
+        TimeTest.of_relaxation(time, time, temperature=celsius) for celsius in (90.0, None, 20.0)
+    ]
+    hot = {"temperature": np.array([50.0, 50.0])}
+    sweeps = [Measurement(time, time + 1j, conditions=each) for each in (hot, {})]
+    assert specimen.reference_of([*steps, *sweeps]) == pytest.approx(50.0 + 273.15)
+    assert specimen.reference_of([steps[1], sweeps[1]]) == specimen.ROOM

@@ -9,6 +9,7 @@ what it is found to be at each size of the signal.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 from springpot.nonnegative import non_negative
 from springpot.rheology.points import Real
 
-from ..numerics import ALIKE, NEGLIGIBLE, NORMAL, ROUNDING
+from ..numerics import ALIKE, NEGLIGIBLE, NORMAL, ROUNDING, SMALLEST
 from .measurement import Measurement
 from .timetest import TimeTest
 
@@ -45,6 +46,8 @@ Their variances are 1/0.37 and 1/0.38 of the best one's: neighbouring difference
 """
 PLAINLY = 4.0
 """By which two parts must be likelier than one (twice the logarithm): a chance of 5 %."""
+DOUBTED = 0.05
+"""Chance of noises as unlike as several tests', below which they are not held to be one."""
 RULED_OUT = 1e-3
 """Chance of levels that either kind of noise, or both, show by themselves: below it neither does.
 """
@@ -63,12 +66,15 @@ class SignalNoise:
         come to it.
     estimated : bool
         Whether the signal told it; otherwise one per cent is assumed.
+    worth : float
+        Independent numbers that tell its size.
     """
 
     sd: Real
     absolute: float
     relative: float
     estimated: bool
+    worth: float = 0.0
 
     @property
     def floor(self) -> float:
@@ -104,12 +110,74 @@ def noise_of(test: TimeTest, misfit: Real | None = None, *, all_noise: bool = Fa
     >>> round(noise_of(TimeTest.of_relaxation(t, t**-0.3 * (1 + 0.02 * scatter))).relative, 3)
     0.02
     """
-    level = size = _smooth(np.abs(test.response))
-    largest = float(np.abs(test.response).max())
+    size = _smooth(np.abs(test.response))
     if len(test) < FEWEST:
         # A tenth beside the share, or there would be no noise where the signal crosses zero.
-        absolute = 0.1 * ASSUMED * largest
-        return SignalNoise(np.hypot(ASSUMED * level, absolute), absolute, ASSUMED, False)
+        absolute = 0.1 * ASSUMED * float(np.abs(test.response).max())
+        return SignalNoise(np.hypot(ASSUMED * size, absolute), absolute, ASSUMED, False)
+    if misfit is not None and all_noise:
+        return _noise(test, _parts(misfit, size, EFFICIENCY))
+    return _noise(test, _parts(*_told_by(test, misfit), EFFICIENCY * OF_DIFFERENCES))
+
+
+def noise_of_alike(tests: Sequence[TimeTest]) -> list[SignalNoise]:
+    """The noise of each of several tests of one kind, which they tell together.
+
+    A dozen samples know their noise to a factor of two. One instrument that does one thing again
+    has one noise, unless the scatters are plainly unlike one another (Bartlett 1937,
+    doi:10.1098/rspa.1937.0109): the test that is the most so then stands by itself.
+
+    Parameters
+    ----------
+    tests : sequence of TimeTest
+        Of one kind, their responses in one unit.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.measurement import TimeTest
+    >>> from springpot.measurement.timenoise import noise_of_alike
+    >>> draw, t = np.random.default_rng(1), np.geomspace(0.1, 100.0, 16)
+    >>> signals = t**-0.3 * (1.0 + 0.02 * draw.normal(size=(20, 16)))
+    >>> tests = [TimeTest.of_relaxation(t, signal) for signal in signals]
+    >>> round(noise_of_alike(tests)[0].relative, 3)
+    0.018
+    """
+    noises = [noise_of(test) for test in tests]
+    alike = [i for i, noise in enumerate(noises) if noise.estimated]
+    told = {i: _told_by(tests[i], None) for i in alike}
+    while len(alike) > 1:
+        scatter, level = (np.concatenate([told[i][k] for i in alike]) for k in (0, 1))
+        together = _parts(scatter, level, EFFICIENCY * OF_DIFFERENCES)
+        sizes = [np.median(np.abs(told[i][0]) / together.at(told[i][1])) for i in alike]
+        unlike = _unlike(NORMAL * np.array(sizes), np.array([noises[i].worth for i in alike]))
+        if unlike is None:
+            for i in alike:
+                noises[i] = _noise(tests[i], together)
+            break
+        alike.pop(unlike)
+    return noises
+
+
+def _unlike(sizes: Real, worth: Real) -> int | None:
+    """Which of several standard deviations (k,) is the least like the others, if any is."""
+    from scipy.special import chdtrc
+
+    power, count = sizes**2, float(worth.sum())
+    if not np.all(power > 0.0):
+        return int(np.argmin(power))
+    ratio = power * count / float(worth @ power)
+    apart = worth * (ratio - 1.0 - np.log(ratio))
+    more = len(power) - 1
+    correction = 1.0 + (float(np.sum(1.0 / worth)) - 1.0 / count) / (3.0 * more)
+    if chdtrc(more, float(apart.sum()) / correction) > DOUBTED:
+        return None
+    return int(np.argmax(apart))
+
+
+def _told_by(test: TimeTest, misfit: Real | None) -> tuple[Real, Real]:
+    """Scatter of a test's signal, or of what a model leaves, and the size of the signal there."""
+    level = _smooth(np.abs(test.response))
     clock = test.time - test.start
     # The answer to a step is smooth against the logarithm of time.
     if test.after_step and clock[0] > 0.0:
@@ -117,8 +185,6 @@ def noise_of(test: TimeTest, misfit: Real | None = None, *, all_noise: bool = Fa
     signal = test.response
     if misfit is not None:
         signal = misfit
-    if all_noise:
-        return _noise(test, size, *_two_parts(signal, level, EFFICIENCY))
     scatter = _scatter(clock, signal)
     level = level[ORDER // 2 : len(level) - ORDER // 2]
     telling = _moving(test)
@@ -127,7 +193,7 @@ def noise_of(test: TimeTest, misfit: Real | None = None, *, all_noise: bool = Fa
         telling &= _without_jumps(test)
     if np.count_nonzero(telling) >= FEWEST:
         scatter, level = scatter[telling], level[telling]
-    return _noise(test, size, *_two_parts(scatter, level, EFFICIENCY * OF_DIFFERENCES))
+    return scatter, level
 
 
 class _Levels(NamedTuple):
@@ -156,19 +222,33 @@ class _Levels(NamedTuple):
             return np.asarray(np.exp(np.interp(np.log(size), np.log(known), sd)))
 
 
-def _noise(
-    test: TimeTest, size: Real, absolute: float, relative: float, levels: _Levels | None
-) -> SignalNoise:
-    """Noise of these two parts, or as these levels show it, for a signal of that size (n,)."""
-    absolute = max(absolute, ALIKE * float(np.abs(test.response).max()))
-    sd = np.hypot(relative * size, absolute)
+class _Parts(NamedTuple):
+    """A constant and a proportional part of noise, the levels that rule both out, and its worth."""
+
+    absolute: float
+    relative: float
+    levels: _Levels | None
+    worth: float
+
+    def at(self, size: Real) -> Real:
+        """Standard deviation of signals of these sizes (n,)."""
+        if self.levels is not None:
+            return self.levels.at(size)
+        return np.maximum(np.hypot(self.relative * size, self.absolute), SMALLEST)
+
+
+def _noise(test: TimeTest, parts: _Parts) -> SignalNoise:
+    """Noise of these parts for a test's signal."""
+    size, least = _smooth(np.abs(test.response)), ALIKE * float(np.abs(test.response).max())
+    absolute = max(parts.absolute, least)
+    sd = np.hypot(parts.relative * size, absolute)
     if test.kind == "history" and test.response.min() < 0.0 < test.response.max():
         # Where a loop crosses zero the rig is no quieter than elsewhere, and these few samples must
         # not outvote it.
         sd = np.full(len(test), float(np.sqrt(np.mean(sd**2))))
-    elif levels is not None:
-        sd = np.maximum(levels.at(size), ALIKE * float(np.abs(test.response).max()))
-    return SignalNoise(sd, absolute, relative, True)
+    elif parts.levels is not None:
+        sd = np.maximum(parts.levels.at(size), least)
+    return SignalNoise(sd, absolute, parts.relative, True, parts.worth)
 
 
 def _without_jumps(test: TimeTest) -> NDArray[np.bool_]:
@@ -210,12 +290,18 @@ def _scatter(clock: Real, signal: Real) -> Real:
     return scatter
 
 
+def _parts(scatter: Real, level: Real, efficiency: float) -> _Parts:
+    """Parts of the noise from its robust size at each level of the signal.
+
+    A sample of the scatter is worth `efficiency`.
+    """
+    return _Parts(*_two_parts(scatter, level, efficiency), efficiency * len(scatter))
+
+
 def _two_parts(
     scatter: Real, level: Real, efficiency: float
 ) -> tuple[float, float, _Levels | None]:
     """Constant and proportional part of the noise; its levels, where these rule both out.
-
-    From its robust size at each level of the signal, a sample of the scatter worth `efficiency`.
 
     Both are fitted only where one alone explains the levels plainly worse: a small part that is not
     there would otherwise be found by chance, and make the noise too large where the signal is

@@ -472,7 +472,7 @@ def _near(
 def _delta(
     before: Left, each: Tried, noise: Sequence[ResidualScatter], base: Identification
 ) -> float:
-    return delta_bic(before, each.left, noise, len(each.theta) - len(base.theta))
+    return delta_bic(before, each.left, noise, each.left.count - before.count)
 
 
 def _of_what_helps(parts: Sequence[TestPart], before: Left, each: Tried) -> Tried:
@@ -493,7 +493,7 @@ def _over_misses(parts: Sequence[TestPart], before: Left, each: Tried, unit: Lef
 
     Samples that are missed alike count once.
     """
-    gain, count = 0.0, 0.0
+    gain, count = float(before.lines - each.left.lines), 0.0
     for part, old, new, missed in zip(
         parts, before.residuals, each.left.residuals, unit.residuals, strict=True
     ):
@@ -506,7 +506,7 @@ def _over_misses(parts: Sequence[TestPart], before: Left, each: Tried, unit: Lef
 def _plain_bic(left: Left) -> float:
     """Of a fit by itself: the size of its noise is read from what it leaves."""
     points = sum(len(value) for value in left.residuals)
-    variance = max(_power(left), 1e-300) / points
+    variance = max(_power(left), 1e-300) / max(points - left.lines, 1)
     return float(points * np.log(variance) + left.count * np.log(points))
 
 

@@ -242,8 +242,9 @@ class QuickPart(InTimePart):
         # roughly.
         made = part.apparent
         if made is None:
-            return cls(part.test, part.scale, part.noise)
-        return cls(part.test, part.scale, part.noise, (made.omega, made.magnitude))
+            return cls(part.test, part.scale, part.noise, part.worth)
+        by = (made.omega, made.magnitude)
+        return cls(part.test, part.scale, part.noise, part.worth, by)
 
     def with_scale(self, scale: float) -> QuickPart:
         """The same with larger noise; what is known already is kept."""

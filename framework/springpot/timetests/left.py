@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from springpot.identification.material import is_material, own_parameters
 from springpot.identification.value import PartResult
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
@@ -27,7 +28,7 @@ class Left:
     Attributes
     ----------
     count : int
-        Parameters of the model.
+        Parameters of the model that it answers for: all but the lines of a free spectrum.
     residuals : tuple of ndarray
         Of each test over the noise of its signal.
     scatters : tuple of ResidualScatter
@@ -37,6 +38,10 @@ class Left:
         residual (k, m); no rows where they are fine.
     felt : tuple of ndarray
         Of each test what the fit answers to noise of the imposed channel, likewise (m,).
+    lines : int
+        Weights of a free spectrum that are above zero. How many there are is chance, and that all
+        models with one share it no reason to prefer one of them: each costs what it follows of the
+        noise, and no more (Meyer and Woodroofe 2000, doi:10.1214/aos/1015956708).
     """
 
     count: int
@@ -44,6 +49,7 @@ class Left:
     scatters: tuple[ResidualScatter, ...]
     rounded: tuple[Real, ...]
     felt: tuple[Real, ...]
+    lines: int = 0
 
     @classmethod
     def by(cls, model: Model, theta: Real, reference: float, parts: Sequence[TestPart]) -> Left:
@@ -54,7 +60,12 @@ class Left:
         scatters = [part.scatter(value) for part, value in zip(parts, residuals, strict=True)]
         rounded = [part.rounded(value) for part, value in zip(plain, residuals, strict=True)]
         heard = [felt(part, model, theta, reference) for part in plain]
-        return cls(len(theta), tuple(residuals), tuple(scatters), tuple(rounded), tuple(heard))
+        lines = 0
+        if is_material(model):
+            lines = int(np.count_nonzero(theta[: len(model.material.parameters)]))
+            theta = theta[own_parameters(model)]
+        told = tuple(residuals), tuple(scatters), tuple(rounded), tuple(heard)
+        return cls(len(theta), *told, lines)
 
     @property
     def noise(self) -> list[ResidualScatter]:
@@ -172,4 +183,5 @@ def delta_bic(base: Left, other: Left, noise: Sequence[ResidualScatter], more: i
     # To answer less to what the specimen never felt is no evidence.
     spared = max(base.squares_felt(noise) - other.squares_felt(noise), 0.0)
     gain = (base.squares(noise) - other.squares(noise) - spared) / _alike(base, other, noise)
+    gain += base.lines - other.lines
     return float(gain - more * np.log(independent(base.residuals, noise)))

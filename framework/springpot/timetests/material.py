@@ -215,13 +215,11 @@ def _best(
     """
     evaluations = sum(each.evaluations for each in dict.fromkeys(each for each, _ in ends))
     search, place = min(ends, key=lambda end: end[1].cost)
-    linear = all(
-        part.test.control == "displacement" for part in parts if isinstance(part, InTimePart)
-    )
     # The convex form knows one test and no effect: beside others the lattice is as coarse as at the
     # start. A creep, which is not linear in the weights, would take a fit with effects too long.
     known = len(parts) == 1 and not len(place.u)
-    if not known and (linear or not spared or not len(place.u)) and np.any(place.weights[2:]):
+    quick = search.linear or not spared or not len(place.u)
+    if not known and quick and np.any(place.weights[2:]):
         samples = sum(len(part.signal) for part in parts)
         for share in CLOSER:
             closer, there = search.closer(place, share, spared)
@@ -272,6 +270,10 @@ class _Search:
         own: Real | None = None,
     ) -> None:
         self.parts, self.reference = list(parts), reference
+        # A creep is not linear in the weights.
+        self.linear = all(
+            part.test.control == "displacement" for part in parts if isinstance(part, InTimePart)
+        )
         self.coordinates, self.size = coordinates, coordinates.size[0]
         self.bounds = coordinates.bounds()
         if own is None:
@@ -285,6 +287,8 @@ class _Search:
             stiffness = float(np.exp(np.mean([np.log(part.stiffness) for part in parts])))
             count = 2 + len(self.rates)
             self.weights: Real = np.full(count, stiffness / count)
+            # No line is stiffer than its weight, a dashpot is where all is fast.
+            self.weights[1] /= float(np.max(self.rates))
         else:
             self.rates, self.weights = lines.among(self.rates)
         self._lined(model)
@@ -437,11 +441,16 @@ class _Search:
         """Residuals (m,), and their derivatives by the weights (m, w) and by u (m, q)."""
         value, by_theta = self._residual(weights, u)
         by_own = np.ascontiguousarray(by_theta[:, self.count :].T)
-        return (
-            value,
-            by_theta[:, : self.count],
-            self.coordinates.carry(by_own, self.own(u), self.size).T,
-        )
+        by_weights = by_theta[:, : self.count]
+        if self.linear:
+            # A line that has faded before the first sample would weigh as much as it likes there,
+            # and be all that a little later or colder test shows.
+            size = np.linalg.norm(by_weights, axis=0)
+            shown = size > NEGLIGIBLE * size[0]
+            # A dashpot has another unit than lines.
+            shown[1] = True
+            by_weights = np.where(shown, by_weights, 0.0)
+        return value, by_weights, self.coordinates.carry(by_own, self.own(u), self.size).T
 
     def untold(self, weights: Real, u: Real) -> str:
         """Why other lines could have done what an effect of the tests did; empty if none could.

@@ -21,7 +21,7 @@ from springpot.identification.problem import Objective
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.opening import Test as Test
 from springpot.measurement.other_test import OtherTest
-from springpot.measurement.timenoise import noise_of, relative_scatter
+from springpot.measurement.timenoise import noise_of, noise_of_alike, relative_scatter
 from springpot.measurement.timetest import TimeTest
 from springpot.measurement.units import (
     AMPLITUDE_UNITS,
@@ -38,7 +38,7 @@ from springpot.rheology.points import Complex, Real
 from ..numerics import NEGLIGIBLE, SMALLEST
 from .digits import digit_of, roundings
 from .recording import recorded, spread
-from .scatter import ResidualScatter, scatter_of, scatter_of_sweep
+from .scatter import FEWEST, ResidualScatter, scatter_of, scatter_of_sweep
 from .start import apparent
 from .where import places, places_in_sweep, rms
 
@@ -271,10 +271,13 @@ class InTimePart(TestPart):
     ----------
     noise : ndarray, shape (n,), optional
         Standard deviation of each sample, where it is known better than the signal itself tells.
+    worth : float
+        Independent numbers of other tests too that tell it; 0 where this one alone does.
     """
 
     test: TimeTest
     noise: Real | None = None
+    worth: float = 0.0
 
     @property
     def at(self) -> Real:
@@ -365,12 +368,12 @@ class InTimePart(TestPart):
         """From the spectrum of the residual."""
         errors, power = self.rounded(residual), float(np.mean(residual**2))
         if len(errors) == 0 or power == 0.0:
-            return scatter_of(residual)
+            return scatter_of(residual, worth=self.worth)
         # What rounding leaves of a motion that repeats itself has lines too; beside noise they are
         # as much weaker as its share of the variance.
         share = min(float(np.mean(errors**2)) / power, 1.0)
         lines = float(np.mean([scatter_of(row).excess for row in errors]))
-        return scatter_of(residual, share**2 * max(lines, 0.0))
+        return scatter_of(residual, share**2 * max(lines, 0.0), self.worth)
 
     def rounded(self, residual: Real) -> Real:
         """Of a channel with few values."""
@@ -581,10 +584,26 @@ def parts_of_specimen(
     if noise is None:
         noise = [None] * len(tests)
     units = units_of(tests)
+    alike = [_in_units(test, units) for test in tests]
+    unknown = [test for test, own in zip(alike, noise, strict=True) if own is None]
+    together = _told_together(tuple(test for test in unknown if isinstance(test, TimeTest)))
     return [
-        part_of(_in_units(test, units), own_noise)
-        for test, own_noise in zip(tests, noise, strict=True)
+        (own is None and together.get(test)) or part_of(test, own)
+        for test, own in zip(alike, noise, strict=True)
     ]
+
+
+@lru_cache(maxsize=64)
+def _told_together(tests: tuple[TimeTest, ...]) -> dict[Test, TestPart]:
+    """Parts of answers to a step that are too short to tell their noise alone, by their tests."""
+    parts: dict[Test, TestPart] = {}
+    short = [test for test in tests if test.after_step and len(test) < FEWEST]
+    for kind in {(test.kind, test.response_unit) for test in short}:
+        alike = [test for test in short if (test.kind, test.response_unit) == kind]
+        if len(alike) > 1:
+            for test, told in zip(alike, noise_of_alike(alike), strict=True):
+                parts[test] = InTimePart(test, noise=told.sd, worth=told.worth)
+    return parts
 
 
 def reach_of(parts: Sequence[TestPart]) -> float:

@@ -136,7 +136,7 @@ class ResidualScatter:
         return np.asarray(white, dtype=float)
 
 
-def scatter_of(residual: Real, usual: float = 0.0) -> ResidualScatter:
+def scatter_of(residual: Real, usual: float = 0.0, worth: float = 0.0) -> ResidualScatter:
     """The noise in a residual over its presumed noise.
 
     Parameters
@@ -145,6 +145,8 @@ def scatter_of(residual: Real, usual: float = 0.0) -> ResidualScatter:
         Of one test, sample after sample.
     usual : float
         Excess that is no misfit, as of rounding that repeats itself.
+    worth : float
+        Independent numbers that tell the presumed noise, if others than these do.
 
     Returns
     -------
@@ -154,7 +156,7 @@ def scatter_of(residual: Real, usual: float = 0.0) -> ResidualScatter:
     residual = residual[_scattered(residual)]
     n = len(residual)
     if n < FEWEST:
-        worth = 0.5 * CLIP * n
+        worth = max(0.5 * CLIP * n, worth)
         return ResidualScatter(1.0, 0.0, 0.0, _chance(float(np.mean(residual**2)), n, worth), worth)
     power, omega = powers(residual)
     upper = omega > UPPER * np.pi

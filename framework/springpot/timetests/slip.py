@@ -91,5 +91,10 @@ def slip_beside(parts: Sequence[TestPart], base: Identification, before: Left) -
     part = plain[jump.number]
     says = f"a jump in {part.test.name} at {part.at[jump.row]:.3g} s, as of what slips or lets go"
     # Its size is one number, and the choice of its place costs as much as two.
-    left = Left(before.count + 3, tuple(jump.left), tuple(scatters), before.rounded, before.felt)
+    left = replace(
+        before,
+        count=before.count + 3,
+        residuals=tuple(jump.left),
+        scatters=tuple(scatters),
+    )
     return Slip(says, left, jump.places)
