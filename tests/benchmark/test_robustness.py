@@ -8,7 +8,7 @@ from synthetic import synthetic_store
 
 from springpot.benchmark import Findings, Store
 from springpot.benchmark.comparison import JudgingScale, area_over_curve, races_of
-from springpot.benchmark.robustness import WithoutSome, without_each
+from springpot.benchmark.robustness import WithoutSome, _moved, without_each
 from springpot.benchmark.statistics import ROPE, signed_rank_posterior
 
 SCALE = JudgingScale(1e-4, 100)
@@ -105,3 +105,8 @@ def test_tables_hold_the_measures(findings):
     np.testing.assert_allclose(probable.sum(axis=1), 1.0)
     sensitivity = COMPARING["sensitivity"](findings)
     assert all(row[3] <= row[2] <= row[4] for row in sensitivity.rows)
+
+
+def test_where_no_place_moves_no_problem_is_named():
+    assert _moved(np.array([2, 2]), 2, ["a", "b"]) == (2, 2, None)
+    assert _moved(np.array([2, 4]), 2, ["a", "b"]) == (2, 4, "b")

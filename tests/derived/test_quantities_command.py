@@ -37,3 +37,11 @@ def test_without_one_the_data_answer(springpot, sweep, tmp_path):
 def test_what_is_no_fit_and_no_data_is_one_line(springpot, tmp_path, sweep):
     springpot("quantities", tmp_path / "none.csv").is_one_line("none.csv")
     springpot("quantities", sweep, "-m", "maxwell", "--without", "inertia").is_one_line("inertia")
+
+
+def test_what_would_be_ignored_is_refused(springpot, sweep, write):
+    """A fit has a model, and data alone know of no temperature: both were passed over."""
+    fit = write(springpot("identify", sweep, "--model", "maxwell", "--json").out, "fit.json")
+    springpot("quantities", fit, "--model", "zener").is_one_line("leave out --model")
+    asked = springpot("quantities", sweep, "--temperature", "50", "--without", "inertia")
+    asked.is_one_line("--temperature, --without: data alone")

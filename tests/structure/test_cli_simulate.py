@@ -157,6 +157,10 @@ def test_stated_parameters_have_no_band_and_need_no_quotes(springpot, write):
         (("storey = 1", "storey = 7"), "storey 7 of a frame of 2"),
         (('fit = "fit.json"', 'fit = "none.json"'), "none.json"),
         (('fit = "fit.json"', ""), "has a fit"),
+        (
+            ('fit = "fit.json"', 'fit = "fit.json"\nparameters = {k = 2}\nunit = "kN/m"'),
+            "leave out parameters and unit",
+        ),
         (("[structure]", "[structure"), "is no toml"),
         (("mass = 1e5", 'mass = "heavy"'), "no number"),
         (("mass = 1e5", "mass = 1e-300"), "above 1e-15"),

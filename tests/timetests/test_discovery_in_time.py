@@ -142,3 +142,19 @@ def test_a_rung_in_time_has_the_error_and_the_floor_of_its_diagnosis(drifting):
     for step in ladder.steps:
         error = step.examined.diagnosis.error
         assert (step.relative_rms, step.noise_floor) == (error.relative_rms, error.noise_floor)
+
+
+def test_what_one_test_alone_has_is_accepted_under_its_name():
+    # Of three relaxations the second is 6 % too large, as of a gap that is wrong.
+    draw, time = np.random.default_rng(3), np.geomspace(0.01, 100.0, 30)
+    relaxed = 2.0 + 6.0 * np.exp(-time)
+    tests = [
+        TimeTest.of_relaxation(
+            time, gain * relaxed * (1.0 + 0.005 * draw.normal(size=30)), "kPa", name=f"{i}"
+        )
+        for i, gain in enumerate((1.0, 1.06, 1.0))
+    ]
+    library = [plugins().effect(name) for name in ("test-gain", "force-drift")]
+    found = discover(tests, parse_model("zener"), library)
+    assert [step.accepted for step in found.steps] == [None, "test-gain:1"]
+    assert found.verdict == "adequate"

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 import springpot
+from springpot.diagnosis.actions import leaving_out_the_beginning
 from springpot.diagnosis.evidence import unknown_odds
 from springpot.diagnosis.in_practice import Misfit
+from springpot.measurement import TimeTest
 from springpot.thresholds import EVIDENCE, VERDICT
 from springpot.timetests import tried as trying
 from springpot.timetests import verdict
@@ -238,3 +240,12 @@ def test_a_sweep_is_missed_by_what_the_model_lies_beside_it():
     exact = Misfit.of_stiffness(model.stiffness(theta, omega), data.stiffness)
     assert found.modulus == pytest.approx(exact.modulus)
     assert found.phase == pytest.approx(exact.phase)
+
+
+@pytest.mark.parametrize(("low", "told"), [(1.0, True), (2.0, False)])
+def test_the_beginning_of_a_step_is_left_out_where_it_fails_from_the_first_sample(low, told):
+    time = np.array([1.0, 2.0, 4.0, 8.0])
+    part = SimpleNamespace(test=TimeTest.of_relaxation(time, 1.0 / time))
+    place = SimpleNamespace(low=low, high=2.0)
+    steps = list(verdict._steps([part], "unexplained", [place]))
+    assert steps == ([leaving_out_the_beginning(3.0)] if told else [])

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from springpot.api import Data, identify, read
-from springpot.errors import DataError
+from springpot.errors import DataError, ModelError
 from springpot.identification.material import is_material
 from springpot.identification.prediction import Known
 from springpot.identification.result import Identification
@@ -79,6 +79,8 @@ def quantities(
     given = {"temperature": temperature, "amplitude": amplitude, **columns}
     asked = {name: value for name, value in given.items() if value is not None}
     fit = data if isinstance(data, Identification) else _kept(data)
+    if fit is not None and model is not None:
+        raise ModelError(f"{fit.name} is fitted by {fit.model.name} already: leave out --model")
     if fit is None and model is not None:
         fit = identify(data, model)  # type: ignore[arg-type]
     notes: list[str] = []
@@ -87,6 +89,9 @@ def quantities(
         rows = list(_of_fit(fit, fit.of_specimen.without(left), frequency, asked, notes))
         return Quantities(fit.name, fit.model.name, fit.units, tuple(rows), tuple(notes))
     sweep = _sweep(data)
+    if asked or without:
+        given = ", ".join(f"--{name}" for name in [*asked, *(["without"] if without else [])])
+        raise ModelError(f"{given}: data alone know none of it; name a model with --model")
     middle = frequency or _usual(sweep.seen, sweep.units.clock)
     rows = [*of_frequency(sweep, middle), *of_amplitude(sweep, notes)]
     return Quantities(sweep.name, "", sweep.units, tuple(rows), (*notes, ALONE))

@@ -117,6 +117,11 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
         raise DataError(
             f"{path}: {where} has a fit = 'FIT.json', or a model with parameters and unit"
         )
+    if "fit" in entry and (own := {"parameters", "unit"} & entry.keys()):
+        raise DataError(
+            f"{path}: {where} has a fit, which has parameters and a unit of its own: leave out"
+            f" {' and '.join(sorted(own))}"
+        )
     known = _known(entry, path, where).without(_without(entry, where))
     if known.units.stiffness not in STIFFNESS_UNITS:
         raise ModelError(

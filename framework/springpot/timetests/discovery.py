@@ -16,6 +16,7 @@ from springpot.rheology.model import Model
 from .diagnosis import examine
 from .residuals_of_tests import Test
 from .sets import FoundSet, complete_set, likeliest_set
+from .specimen import at_tests
 from .verdict import TimeCase
 
 
@@ -117,7 +118,9 @@ class TimeRungs:
         leading = last.diagnosis.leading
         if len(leading) != 1 or leading[0] in refused:
             return None
-        return next(effect for effect in self.effects if effect.name == leading[0])
+        # What one test alone has is named with it.
+        there = (each for effect in self.effects for each in at_tests(effect, list(self.tests)))
+        return next(effect for effect in there if effect.name == leading[0])
 
     def settled(self, steps: list[Step], progress: Progress) -> list[Step]:
         """The rungs, each effect the likeliest beside all others."""
