@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot import plugins
 from springpot.benchmark import Findings, Store, Table, save_table, store_path
@@ -27,7 +28,7 @@ from springpot.benchmark.cases import problem_of
 from springpot.benchmark.statistics import expected_running_time
 from springpot.identification.recorder import Recorder
 from springpot.rheology import Real
-from springpot_plugins.optimisers.auto import Auto, Seen, looked
+from springpot_plugins.optimisers.auto import TURN, Auto, Seen, looked
 from suite import SUITE, plan
 
 ROOT = Path(__file__).parents[1]
@@ -80,22 +81,26 @@ def looks(budget: int) -> dict[str, list[Seen]]:
 
 
 def cost(trials: Trials, problem: str, name: str, budget: int) -> float:
-    """Expected running time of descents for a share of the budget, and then an optimiser."""
-    limit = int(Auto().share * budget)
-    early, spent = trials[problem][FIRST]
+    """Expected running time of descents for a share of the budget, then in turns with another."""
+    limit, turn = Auto().share * budget, TURN * budget
+    first, spent = trials[problem][FIRST]
     if name == FIRST:
-        time = expected_running_time(early, spent)
-    else:
-        later = limit + trials[problem][name][0]
-        hits = np.where(early <= limit, early, np.where(later <= budget, later, np.inf))
-        time = expected_running_time(hits, np.full(len(hits), budget))
-    return min(time, FAILED * budget)
+        return min(expected_running_time(first, spent), FAILED * budget)
+    own = trials[problem][name][0]
+    with np.errstate(invalid="ignore"):
+        # Before either arrives, the other has had as many turns.
+        late = limit + (np.ceil(own / turn) - 1.0) * turn + own
+        more = first + np.ceil((first - limit) / turn) * turn
+    hits = np.where(first <= limit, first, np.fmin(late, more))
+    hits = np.where(hits <= budget, hits, np.inf)
+    return min(expected_running_time(hits, np.full(len(hits), budget)), FAILED * budget)
 
 
 def learnt(trials: Trials, seen: Mapping[str, list[Seen]], budget: int) -> dict[str, Any]:
     """The tree."""
     training = halves()[0]
-    names = [name for name in next(iter(trials.values())) if name != OWN]
+    # Descents go on in any case: the rules say who takes turns with them.
+    names = [name for name in next(iter(trials.values())) if name not in (OWN, FIRST)]
     costs = np.log10([[cost(trials, p, name, budget) for name in names] for p in training])
     rows = np.array(
         [[list(each.to_dict().values()) for each in seen[problem]] for problem in training]
@@ -103,7 +108,29 @@ def learnt(trials: Trials, seen: Mapping[str, list[Seen]], budget: int) -> dict[
     keys = [each.name for each in fields(Seen)]
     # Each look at a problem is a row; all of a problem have its costs.
     owner = np.repeat(np.arange(len(training)), DRAWS)
-    return _grown(rows.reshape(-1, len(keys)), costs[owner], owner, keys, names, DEEPEST)
+    rows = rows.reshape(-1, len(keys))
+
+    def grown(which: NDArray[np.bool_], depth: int) -> dict[str, Any]:
+        return _grown(rows[which], costs[owner][which], owner[which], keys, names, depth)
+
+    def left_out(depth: int) -> float:
+        """Mean cost of each problem by the rules that are learnt without it."""
+        total = 0.0
+        for problem in range(len(training)):
+            tree, mine = grown(owner != problem, depth), rows[owner == problem]
+            picks = [_leaf(tree, dict(zip(keys, row, strict=True)))[0] for row in mine]
+            total += float(np.mean([costs[problem, names.index(pick)] for pick in picks]))
+        return total
+
+    # As many questions as pay on problems that were left out.
+    depth = min(range(DEEPEST + 1), key=left_out)
+    return grown(np.ones(len(rows), dtype=bool), depth)
+
+
+def _leaf(tree: Mapping[str, Any], told: Mapping[str, float]) -> list[str]:
+    while "feature" in tree:
+        tree = tree["below" if told[tree["feature"]] < tree["limit"] else "above"]
+    return list(tree["optimisers"])
 
 
 def _grown(

@@ -380,9 +380,10 @@ def test_recorders_put_together_by_hand_are_a_group_too():
     problem = artificial("fractional-kelvin4")
     x = points(problem, 60).reshape(3, 20, -1)
     factor = np.random.default_rng(1).choice([1.0, 1e5], (3, 20))
-    by_hand = RecorderGroup([Recorder(problem, 30) for _ in range(3)])
-    stacked = RecorderGroup.of([Ledger(problem, 30) for _ in range(3)])
-    for _ in range(2):
+    by_hand = RecorderGroup([Recorder(problem, 41) for _ in range(3)])
+    stacked = RecorderGroup.of([Ledger(problem, 41) for _ in range(3)])
+    # The last of the three has one evaluation left, and spends it.
+    for _ in range(3):
         np.testing.assert_array_equal(by_hand.batch(x, factor), stacked.batch(x, factor))
     with pytest.raises(BudgetSpent):
         by_hand.batch(x)

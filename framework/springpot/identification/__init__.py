@@ -40,6 +40,12 @@ if TYPE_CHECKING:
         Problem as Problem,
     )
     from .problem import (
+        Searched as Searched,
+    )
+    from .problem import (
+        SpecimenProblem as SpecimenProblem,
+    )
+    from .problem import (
         default_objective as default_objective,
     )
     from .problem import (
@@ -103,7 +109,7 @@ __getattr__, __dir__ = offered(
         "material_fit": "least_error",
         "native": "BoundedDescent Effort Fit fit minima_in_box scanned_starts",
         "prediction": "Prediction",
-        "problem": "default_objective Objective Problem weighted",
+        "problem": "default_objective Objective Problem Searched SpecimenProblem weighted",
         "recorder": "all_points BudgetSpent Recorder RecorderGroup",
         "regularisation": "regularised",
         "result": "Identification",

@@ -20,15 +20,25 @@ import numpy as np
 
 import springpot
 from springpot.errors import ModelError
-from springpot.identification import Card, Optimiser, Recorder
+from springpot.identification import (
+    BudgetSpent,
+    Card,
+    Optimiser,
+    Recorder,
+    Searched,
+    SpecimenProblem,
+)
 from springpot.rheology import Real
 
+from .cube import keep_on
 from .leastsquares import AlternatingLeastSquares, LeastSquares, Misfit
 
-ALIKE = 1e-3
-"""Share of an objective within which two descents have ended in the same valley."""
+ALIKE = 1e-6
+"""Share of the way from no response at all to the best end that is as good as nothing."""
 EDGE = 1e-6
 """Share of the box within which a parameter lies at an edge of it."""
+TURN = 0.1
+"""Share of the budget after which descents and the chosen optimiser take turns."""
 LARGEST = 16.0
 """Decades beyond which nothing but rounding is told."""
 
@@ -44,11 +54,11 @@ class Seen:
     descents : int
         That ended, each at a minimum or where it could not go on.
     agreement : float
-        Share of them that ended as low as the best.
+        Share of them that ended as low as the best, but for a millionth of the way.
     spread : float
-        Decades between the best end and the middle one.
+        Decades between the best end and the middle one, of what is more than that.
     fall : float
-        Decades from the middle start to the best end.
+        Decades from the middle start to the best end, likewise.
     conditioning : float
         Decades between the longest and the shortest axis of the valley where it is best.
     edges : float
@@ -100,8 +110,46 @@ class Auto(Optimiser):
         seen = looked(problem, max(1, int(self.share * budget)), rng)
         LeastSquares().descend(Misfit(problem), problem.best_x)
         name, why = chosen(seen)
-        problem.remark(f"{name} was chosen: {why}")
-        springpot.plugins().find("optimiser", name)().minimise(problem, problem.left, rng)
+        problem.remark(f"{name} was chosen to take turns with descents: {why}")
+        other: Optimiser = springpot.plugins().find("optimiser", name)()
+        # In turns: where the rules err, half of the budget is still the descents'.
+        turns: list[Optimiser] = [other, AlternatingLeastSquares()]
+        ways = cycle(turns)
+        keep_on(problem, lambda: in_turn(problem, next(ways), budget, rng))
+
+
+class Turn(Searched):
+    """A problem whose evaluations are those of a run that goes on after this turn."""
+
+    def __init__(self, run: Recorder) -> None:
+        self.run, self.space = run, run.problem.space
+
+    def evaluate(self, x: Real) -> Real:
+        """Objective (...) at search points (..., d)."""
+        return self.run.batch(x.reshape(-1, x.shape[-1])).reshape(x.shape[:-1])
+
+    def residuals_and_jacobian(self, x: Real) -> tuple[Real, Real]:
+        """Residuals (..., m) and their derivative (..., m, d)."""
+        if x.ndim == 1:
+            return self.run.residuals(x)
+        return self.run.residual_batch(x)
+
+    def residuals(self, x: Real) -> Real:
+        """Residuals (m,) alone."""
+        return self.run.misfit(x)
+
+
+def in_turn(problem: Recorder, optimiser: Optimiser, budget: int, rng: np.random.Generator) -> None:
+    """Let an optimiser search for one turn, or as long as the run has evaluations left."""
+    length = min(max(1, int(TURN * budget)), problem.left)
+    if length < 1:
+        return
+    try:
+        optimiser.minimise(Recorder(Turn(problem), length), length, rng)
+    except BudgetSpent:
+        # That of the turn; the end of the run ends this too.
+        if problem.left < 1:
+            raise
 
 
 def looked(problem: Recorder, limit: int, rng: np.random.Generator) -> Seen:
@@ -142,8 +190,10 @@ class _Watched(Misfit):
 
 
 def _told(problem: Recorder, starts: Real, ends: Real) -> Seen:
-    best = float(np.min(ends))
-    least = max(best, np.finfo(float).tiny)
+    best, middle = float(np.min(ends)), float(np.median(starts))
+    # Of exact data the best is rounding, which says nothing of a problem.
+    way = min(middle, _nothing(problem)) - best
+    nothing = ALIKE * max(way, np.finfo(float).tiny)
     # At the best point: the evaluation is one of the search, and counted.
     width, x = problem.upper - problem.lower, problem.best_x
     conditioning = LARGEST
@@ -154,12 +204,20 @@ def _told(problem: Recorder, starts: Real, ends: Real) -> Seen:
     return Seen(
         problem.dimension,
         len(ends),
-        float(np.mean(ends <= best * (1.0 + ALIKE))),
-        _decades(float(np.median(ends)), least),
-        _decades(float(np.median(starts)), least),
+        float(np.mean(ends <= best + nothing)),
+        _decades(float(np.median(ends)) + nothing, best + nothing),
+        _decades(middle + nothing, best + nothing),
         conditioning,
         float(np.mean((share < EDGE) | (share > 1.0 - EDGE))),
     )
+
+
+def _nothing(problem: Recorder) -> float:
+    """Objective of no response: where a start is absurd, it says nothing of the data."""
+    of = problem.problem
+    if isinstance(of, SpecimenProblem) and np.isfinite(of.nothing):
+        return of.nothing
+    return np.inf
 
 
 def _decades(large: float, small: float) -> float:

@@ -1,0 +1,51 @@
+"""The main study's tables follow from its archive, as another program computes them."""
+
+from __future__ import annotations
+
+import ast
+import csv
+from pathlib import Path
+
+import pytest
+import recomputed_suite
+
+ROOT = Path(__file__).parents[2]
+RESULTS = ROOT / "results" / "suite_race"
+SUITE = ROOT / "plugins" / "springpot_plugins" / "suites" / "springpot-60.csv"
+
+
+@pytest.fixture(scope="module")
+def tables():
+    return recomputed_suite.tables(recomputed_suite.Race(RESULTS / "suite_race.zip", SUITE))
+
+
+def test_every_cell_is_what_numpy_makes_of_the_archive(tables):
+    agree, wrong = recomputed_suite.compared(tables, RESULTS)
+    assert wrong == []
+    assert agree == 19 * (12 + 3)
+
+
+def test_nobody_exceeds_95_percent_on_the_hard_half(tables):
+    shares = {label: row[3] for label, row in tables["parts"].items()}
+    assert max(shares.values()) <= 0.95, shares
+
+
+def test_a_cell_that_is_off_is_found(tables, tmp_path):
+    for name in tables:
+        (tmp_path / f"{name}.csv").write_bytes((RESULTS / f"{name}.csv").read_bytes())
+    with (tmp_path / "selector.csv").open(newline="", encoding="utf-8") as stream:
+        rows = list(csv.reader(stream))
+    rows[1][1] = str(1.001 * float(rows[1][1]))
+    with (tmp_path / "selector.csv").open("w", newline="", encoding="utf-8") as stream:
+        csv.writer(stream).writerows(rows)
+    _, wrong = recomputed_suite.compared(tables, tmp_path)
+    assert len(wrong) == 1
+
+
+def test_it_knows_nothing_of_springpot():
+    tree = ast.parse(Path(recomputed_suite.__file__).read_text(encoding="utf-8"))
+    names = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+    names |= {a.name for node in ast.walk(tree) if isinstance(node, ast.Import) for a in node.names}
+    assert names <= {
+        *("__future__", "csv", "io", "json", "sys", "zipfile", "math", "pathlib", "numpy")
+    }
