@@ -3,6 +3,7 @@
     python studies/hidden_effect_time.py [--cases 2000] [--seed 20261122]
         [-o results/hidden_effect_time]
     python studies/hidden_effect_time.py --joint [--cases 200]
+    python studies/hidden_effect_time.py --several [--cases 100]
 
 Cases with a hidden effect are drawn, diagnosed and counted.
 
@@ -10,7 +11,8 @@ Each case is a relaxation, creep, recovery, startup or cyclic test of one of sev
 computed by numerical inversion of Laplace transforms (nothing of springpot is used), with one
 hidden effect, none, or one that the library does not have, and with noise that in a quarter of the
 cases has a memory. What springpot says is counted against what is true. With --joint each case is
-two or three tests of one specimen, of which a sweep may be one. Cases are kept as they are done: an
+two or three tests of one specimen, of which a sweep may be one; with --several two effects are
+missing, and automatic discovery is asked. Cases are kept as they are done: an
 interrupted run goes on where it stopped.
 """
 
@@ -27,7 +29,7 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from hidden_effects_time import cases, joint, joint_report
+from hidden_effects_time import cases, joint, joint_report, several
 from hidden_effects_time.judge import Verdict, judged, library
 from hidden_effects_time.tables import write_tables
 
@@ -57,6 +59,13 @@ JOINT = Kind(
     200,
     Path("results/hidden_effect_joint"),
 )
+SEVERAL = Kind(
+    lambda seed, index, effects: several.judged(several.drawn_two(seed, index), index, effects),
+    several.LadderVerdict.from_dict,
+    several.write_several,
+    100,
+    Path("results/hidden_effect_time_several"),
+)
 
 
 def main() -> None:
@@ -64,12 +73,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--joint", action="store_true", help="several tests of one specimen")
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument("--joint", action="store_true", help="several tests of one specimen")
+    which.add_argument("--several", action="store_true", help="two effects are missing")
     parser.add_argument("--cases", type=int)
     parser.add_argument("--seed", type=int, default=20261122)
     parser.add_argument("-o", "--output", type=Path)
     options = parser.parse_args()
-    kind = JOINT if options.joint else SINGLE
+    kind = JOINT if options.joint else SEVERAL if options.several else SINGLE
     count, output = options.cases or kind.count, options.output or kind.output
     output.mkdir(parents=True, exist_ok=True)
     # Effects are tried at places where some make no sense: what overflows there is passed over.

@@ -17,11 +17,15 @@ from springpot.timetests.residuals_of_tests import COARSE, part_of
 
 
 def scatter(size=1.0, memory=0.0):
+    def squares(residual, own=None):
+        return float(np.sum(np.asarray(residual) ** 2)) / size**2
+
     return SimpleNamespace(
         size=size,
         memory=memory,
         whitened=lambda residual: np.asarray(residual) / size,
-        surprise=lambda residual: float(np.sum(np.asarray(residual) ** 2)) / size**2,
+        surprise=squares,
+        squares=squares,
     )
 
 
@@ -29,7 +33,8 @@ def of(*residuals, rounded=None, felt=0.0, lines=0):
     residuals = [np.array(each, dtype=float) for each in residuals]
     none = [np.zeros((0, len(each))) for each in residuals]
     known = {"rounded": none if rounded is None else [np.array(rounded, dtype=float)]}
-    fitted = SimpleNamespace(residuals=residuals, lines=lines, **known)
+    seen = {"scatters": [scatter()] * len(residuals), "lines": lines}
+    fitted = SimpleNamespace(residuals=residuals, **seen, **known)
     fitted.squares = lambda noise: left.Left.squares(fitted, noise)
     fitted.squares_felt = lambda noise: felt
     return fitted

@@ -13,6 +13,7 @@ from springpot.diagnosis.evidence import unknown_odds
 from springpot.diagnosis.in_practice import Misfit
 from springpot.measurement import TimeTest
 from springpot.thresholds import EVIDENCE, VERDICT
+from springpot.timetests import tried as trying
 from springpot.timetests import verdict
 from springpot.timetests.residuals_of_tests import parts_of_specimen
 
@@ -224,9 +225,9 @@ def test_another_test_that_the_best_effect_leaves_missed_most_is_told():
 def test_an_effect_of_the_rig_is_as_much_commoner_as_the_rigs_are():
     effect = SimpleNamespace(prior=0.5, of_apparatus=False)
     rig = SimpleNamespace(prior=0.5, of_apparatus=True)
-    assert verdict.weight_of(effect) == 0.5
-    assert verdict.weight_of(rig) == 0.5 * EVIDENCE.apparatus
-    each = verdict.Tried(rig, None, np.zeros(0), None, 12.0)
+    assert trying.weight_of(effect) == 0.5
+    assert trying.weight_of(rig) == 0.5 * EVIDENCE.apparatus
+    each = trying.Tried(rig, None, np.zeros(0), None, 12.0)
     assert each.evidence == pytest.approx(12.0 + 2.0 * np.log(0.5 * EVIDENCE.apparatus))
 
 

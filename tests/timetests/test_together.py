@@ -14,6 +14,18 @@ REFERENCE = 293.15
 RATES = np.geomspace(1e-3, 1e3, 7)
 
 
+def creeps():
+    rng = np.random.default_rng(2)
+    t = np.concatenate([[0.0], np.geomspace(0.01, 10.0, 12)])
+    strain = 0.05 + 0.1 * (1.0 - np.exp(-t)) + 0.01 * t
+    return [
+        TimeTest.of_compliance(
+            t, strain * np.exp(0.01 * rng.normal(size=13)), "kPa", temperature=celsius, name=f"{i}"
+        )
+        for i, celsius in enumerate((10.0, 20.0, 40.0))
+    ]
+
+
 def relaxations(kind="kPa"):
     rng = np.random.default_rng(1)
     t = np.concatenate([[0.0], np.geomspace(0.01, 10.0, 12)])
@@ -26,12 +38,13 @@ def relaxations(kind="kPa"):
     ]
 
 
+@pytest.mark.parametrize("tests", [relaxations, creeps])
 @pytest.mark.parametrize("laws", ["", " + wlf-shift", " + arrhenius-shift + vertical-shift"])
-def test_all_at_once_is_as_one_by_one(laws):
-    parts = parts_of_specimen(relaxations())
+def test_all_at_once_is_as_one_by_one(laws, tests):
+    parts = parts_of_specimen(tests())
     parts[1] = parts[1].with_scale(3.0)
     model = with_rates(parse_model("material" + laws), RATES.tolist())
-    theta = np.concatenate([[4.0, 0.0], np.linspace(1.0, 3.0, 7)])
+    theta = np.concatenate([[4.0, 0.0 if tests is relaxations else 2.0], np.linspace(1.0, 3.0, 7)])
     theta = np.append(theta, np.linspace(0.5, 2.0, len(model.names) - 9) * 30.0)
     together = Together(model, parts, REFERENCE)
     assert (len(together.steps), together.others) == (1, [])

@@ -90,8 +90,8 @@ def quantities(
         return Quantities(fit.name, fit.model.name, fit.units, tuple(rows), tuple(notes))
     sweep = _sweep(data)
     if asked or without:
-        given = ", ".join(f"--{name}" for name in [*asked, *(["without"] if without else [])])
-        raise ModelError(f"{given}: data alone know none of it; name a model with --model")
+        named = ", ".join(f"--{name}" for name in [*asked, *(["without"] if without else [])])
+        raise ModelError(f"{named}: data alone know none of it; name a model with --model")
     middle = frequency or _usual(sweep.seen, sweep.units.clock)
     rows = [*of_frequency(sweep, middle), *of_amplitude(sweep, notes)]
     return Quantities(sweep.name, "", sweep.units, tuple(rows), (*notes, ALONE))

@@ -346,6 +346,31 @@ def climbed(
     return _ladder(steps, refused)
 
 
+def replaced_by(
+    rungs: Rungs, steps: list[Step], effects: Sequence[Effect], progress: Progress
+) -> list[Step]:
+    """The rungs by other effects, those that stay as they are.
+
+    The same list where these lead to no better verdict.
+    """
+    kept = [steps[0]]
+    for step, effect in zip_longest(steps[1:], effects):
+        if effect is None:
+            break
+        model = kept[-1].model + effect
+        if step is None or step.model.name != model.name:
+            # What cannot be fitted is no better.
+            try:
+                case = rungs.examined(model, progress, kept[-1], effect)
+            except SpringpotError:
+                return steps
+            step = rung_of(case, kept[-1], effect.name)
+        kept.append(step)
+    if kept[-1].diagnosis.verdict not in ("adequate", steps[-1].diagnosis.verdict):
+        return steps
+    return kept
+
+
 def _ladder(steps: Sequence[Step], refused: Mapping[str, str]) -> Ladder:
     """The ladder that ends with the last of these steps."""
     last = steps[-1].diagnosis
@@ -485,20 +510,8 @@ class SweepRungs:
         if found is None:
             return steps
         self.sets.append(found)
-        kept = [steps[0]]
-        for step, effect in zip_longest(steps[1:], found.effects):
-            if effect is None:
-                break
-            model = kept[-1].model + effect
-            if step is None or step.model.name != model.name:
-                # What cannot be fitted is no better.
-                try:
-                    case = self.examined(model, progress, kept[-1], effect)
-                except SpringpotError:
-                    return steps
-                step = rung_of(case, kept[-1], effect.name)
-            kept.append(step)
-        if kept[-1].diagnosis.verdict not in ("adequate", steps[-1].diagnosis.verdict):
+        kept = replaced_by(self, steps, found.effects, progress)
+        if kept is steps:
             return steps
         alike = found.places()
         return [replace(step, alike=alike.get(step.accepted, step.alike)) for step in kept]

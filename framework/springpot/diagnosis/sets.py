@@ -1,8 +1,4 @@
-"""Sets of effects that are missing together.
-
-Of several a first one takes the room of the others, so that one after the other leads astray. A set
-has neighbours: one effect more, one less, another one or two in the place of one.
-"""
+"""Sets of effects that are missing together from a model of a sweep."""
 
 from __future__ import annotations
 
@@ -30,6 +26,7 @@ from .evidence import (
 )
 from .exchange import in_each_place, one_or_two_for_one, scanned_beside
 from .grown import Grown, Search
+from .neighbours import go_on_to_neighbours
 from .scan import applicable, scan_effects
 from .search import fit_new, sort_by_evidence
 
@@ -48,23 +45,32 @@ def searched_sets(search: Search, effects: Sequence[Effect]) -> Search:
         Of which sets are made.
     """
     found = replace(search, grown=list(search.grown), confounded=[])
-    opened: set[tuple[str, ...]] = set()
-    exchanged: set[tuple[str, ...]] = set()
-    while near := _likeliest(found)[: SEARCH.beam]:
-        asked: list[AskedSet] = []
-        if near[0].key not in opened:
-            for grown in near:
-                if grown.key not in opened:
-                    opened.add(grown.key)
-                    asked += _neighbours(found, grown, effects)
-        elif near[0].key not in exchanged:
-            exchanged.add(near[0].key)
-            asked += in_each_place(found, near[0], effects)
-        else:
-            break
-        fit_new(found, asked)
+    go_on_to_neighbours(GrownSets(found, effects))
     sort_by_evidence(found)
     return found
+
+
+@dataclass(frozen=True, eq=False)
+class GrownSets:
+    """The sets of a search of one sweep, and the effects of which others are made."""
+
+    search: Search
+    effects: Sequence[Effect]
+
+    def likeliest(self) -> list[Grown]:
+        """One fit of each set, the likeliest first."""
+        return _likeliest(self.search)
+
+    def open(self, near: Sequence[Grown]) -> None:
+        """Fit sets that differ from some by an effect, or by two in the place of one."""
+        asked: list[AskedSet] = []
+        for grown in near:
+            asked += _neighbours(self.search, grown, self.effects)
+        fit_new(self.search, asked)
+
+    def exchange(self, best: Grown) -> None:
+        """Fit the best set with another effect in each place."""
+        fit_new(self.search, list(in_each_place(self.search, best, self.effects)))
 
 
 def _neighbours(search: Search, grown: Grown, effects: Sequence[Effect]) -> Iterator[AskedSet]:

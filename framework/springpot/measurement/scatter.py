@@ -43,8 +43,11 @@ Rigs are weak where forces are small or masses pull.
 """
 END_POWERS = (2, 4)
 """How steeply it rises towards the end: over half of the logarithmic range, or over a quarter."""
-FORCE_LEVELS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
-"""Force, in units of the least one measured, at which the floor equals the rest of the noise."""
+FORCE_LEVELS = 2.0 ** np.arange(-2.0, 10.0)
+"""Force, in units of the least one measured, at which the floor equals the rest of the noise.
+
+Amplitudes and temperatures together span three decades of force.
+"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,6 @@ import numpy as np
 
 from springpot.diagnosis.in_practice import Accuracy, in_practice
 from springpot.diagnosis.result import Diagnosis
-from springpot.errors import SpringpotError
 from springpot.identification.held_material import within_material
 from springpot.identification.material import is_material
 from springpot.identification.result import Identification
@@ -28,13 +27,10 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
 from ..numerics import NEGLIGIBLE
-from .exponentials import UnfollowedError, quick_parts
+from .exponentials import quick_parts
 from .fitting import identify
 from .floor import material_floor
-from .left import Left, delta_bic, independent
-from .material import UntoldError
-from .native import TimeSearch
-from .promises import Promise
+from .left import Left
 from .residuals_of_tests import (
     InTimePart,
     Test,
@@ -42,46 +38,27 @@ from .residuals_of_tests import (
     parts_of_specimen,
 )
 from .scatter import (
-    ResidualScatter,
     scatter_of,
 )
 from .score import TimeScan
+from .sieve import (
+    delta_of,
+    exactly_fitted,
+    from_the_best,
+    leading_of_scan,
+    nearly_fitted,
+    noise_of_both,
+    of_material,
+    plain_bic,
+    power_of,
+)
 from .slip import slip_beside
 from .specimen import at_rigs, at_tests
-from .temperatures import is_law
-from .verdict import TimeCase, Tried, answer_of, worst_of
+from .tried import Tried
+from .verdict import AskedTests, TimeCase, answer_of, worst_of
 
-LEADING = 14
-"""Effects that are fitted, nearly: the others fell behind by a linear step already."""
-FEWEST = 3
-"""Effects that are fitted even where nothing promises much.
-
-So that the answer says how little they would help.
-"""
-HOPE = 4.0
-"""Drop of the sum of squares, over the noise, below which an effect is not worth a fit.
-
-Two standard deviations.
-"""
-STARTS = 4
-"""Places in the parameters of an effect from which its fit begins."""
-EXACT = 5
-"""Effects that are fitted exactly, of those that are near the best.
-
-The rest can be no more than absent.
-"""
-MARGIN = 12.0
-"""Difference of the Bayesian information criterion within which an effect is near the best.
-
-Twice that of a class.
-"""
 UNEVEN = 1.5
 """Ratio of the largest to the smallest noise of a record from which its shape matters."""
-COSTLY = 0.05
-"""Share of the best promise that makes an effect by which the specimen swings worth its fit."""
-ASTRAY = 3.0
-"""Error over the noise of the best effect from which its fit is not believed to be at its minimum.
-"""
 
 
 def diagnose(
@@ -216,23 +193,23 @@ def _judged(
     before = Left.by(base.model, base.theta, base.reference, parts)
     beside = [effect for effect in effects if not _within(base.model, effect)]
     promises = TimeScan(base, quick).promises(beside)
-    leading = _leading(promises, before)
+    leading = leading_of_scan(promises, before)
     left_out: dict[str, str] = {}
     if is_material(base.model):
-        tried = _of_material(given, parts, base, leading, known, left_out)
+        tried = of_material(given, parts, base, leading, known, left_out)
     else:
-        nearly = _nearly(base, parts, quick, leading, before, left_out)
-        nearly += _from_the_best(base, parts, quick, beside, nearly, before, left_out)
-        tried = _exactly(given, parts, base, nearly, before, known, left_out)
+        nearly = nearly_fitted(base, parts, quick, leading, before, left_out)
+        nearly += from_the_best(base, parts, quick, beside, nearly, before, left_out)
+        tried = exactly_fitted(given, parts, base, nearly, before, known, left_out)
     # A model with one more effect can always do as well as the one without: worse is a search that
     # failed.
     tried = _one_of_each([_no_worse(each, before) for each in tried])
     # By a criterion that needs no noise, which is only read from what the best one leaves.
     slip = slip_beside(parts, base, before)
     named = [each.left for each in tried] or [before]
-    best = min([*named, slip.left], key=_plain_bic)
-    noise = _noise(before, best)
-    judged = [replace(each, delta=_delta(before, each, noise, base)) for each in tried]
+    best = min([*named, slip.left], key=plain_bic)
+    noise = noise_of_both(before, best)
+    judged = [replace(each, delta=delta_of(before, each, noise, base)) for each in tried]
     # Where the misfit is not certain by itself, it is the noise over which an effect shows it.
     if before.misfit and best.misfit:
         # No unit but that of what the best explanation misses: over the noise alone whatever takes
@@ -243,12 +220,13 @@ def _judged(
     # By their chances, so that what is rare stands behind what is common and explains the tests as
     # well.
     # Where all leave less than the noise, the one that leaves least stands first all the same.
-    ranked = sorted(judged, key=lambda each: (-round(each.evidence, 1), _power(each.left)))
+    ranked = sorted(judged, key=lambda each: (-round(each.evidence, 1), power_of(each.left)))
     # What cannot be told from another material and helps no more than one is no candidate.
     ranked = [each for each in ranked if each.effect.name not in left_out or each.helps]
     for each in ranked:
         left_out.pop(each.effect.name, None)
-    return answer_of(parts, base, before, ranked, noise, promises, left_out, slip)
+    case = answer_of(parts, base, before, ranked, noise, promises, left_out, slip)
+    return case._replace(asked=AskedTests(given, parts, quick, known, beside))
 
 
 def _no_worse(each: Tried, before: Left) -> Tried:
@@ -256,7 +234,7 @@ def _no_worse(each: Tried, before: Left) -> Tried:
 
     It has no size.
     """
-    if _power(each.left) < (1.0 - NEGLIGIBLE) * _power(before):
+    if power_of(each.left) < (1.0 - NEGLIGIBLE) * power_of(before):
         return each
     return replace(each, left=replace(before, count=each.left.count), fit=None)
 
@@ -274,205 +252,9 @@ def _one_of_each(tried: Sequence[Tried]) -> list[Tried]:
     best: dict[str, Tried] = {}
     for each in tried:
         name = each.effect.name
-        if name not in best or _plain_bic(each.left) < _plain_bic(best[name].left):
+        if name not in best or plain_bic(each.left) < plain_bic(best[name].left):
             best[name] = each
     return list(best.values())
-
-
-def _leading(promises: dict[str, list[Promise]], before: Left) -> list[list[Promise]]:
-    """The promises of the effects that are worth a fit."""
-    scatter = before.scatters[0]
-    # Of noise whose neighbours are alike so many samples are one independent number.
-    unit = scatter.size**2 * (1.0 + scatter.memory) / (1.0 - scatter.memory)
-    count = np.log(independent(before.residuals, before.scatters))
-
-    def hope(of_effect: list[Promise]) -> float:
-        return float(of_effect[0].drop / unit - len(of_effect[0].values) * count)
-
-    # Hope is the drop less what its parameters cost: else the effect with most parameters would
-    # lead.
-    ranked = sorted(_by_rig(promises), key=hope, reverse=True)
-    worth = [of_effect for of_effect in ranked[:LEADING] if of_effect[0].drop / unit > HOPE]
-    # Of what does not go as its size, such as a limit or a fading, a linear step tells too little.
-    # Beside other tests each such fit would take as long as all others.
-    if len(before.residuals) == 1:
-        worth += [each for each in ranked if not each[0].as_its_size and each not in worth]
-    # A law of temperature moves times by decades, which no small step foretells either.
-    worth += [each for each in ranked if is_law(each[0].effect) and each not in worth]
-    if len(worth) < FEWEST:
-        return ranked[:FEWEST]
-    return worth
-
-
-def _by_rig(promises: dict[str, list[Promise]]) -> list[list[Promise]]:
-    """The promises of each effect at one place: of all rigs, or of one alone."""
-    apart: dict[tuple[str, bool], list[Promise]] = {}
-    for name, of_effect in promises.items():
-        for promise in of_effect:
-            apart.setdefault((name, promise.effect.in_time), []).append(promise)
-    return list(apart.values())
-
-
-def _of_material(
-    tests: Sequence[Test],
-    parts: Sequence[TestPart],
-    base: Identification,
-    leading: Sequence[list[Promise]],
-    known: Sequence[Real | None] | None,
-    left_out: dict[str, str],
-) -> list[Tried]:
-    """The leading effects beside any material, whose spectrum is found anew with each."""
-    tried = []
-    for promises in leading:
-        effect = promises[0].effect
-        model = base.model + effect
-        try:
-            seeds = [promise.start(base, model) for promise in promises[:STARTS]]
-            fit = identify(tests, model, seeds=seeds, thorough=False, noise=known)
-        except UntoldError as error:
-            # Of no known size, it may explain the tests all the same.
-            left_out[effect.name] = str(error)
-            left = Left.by(error.model, error.theta, base.reference, parts)
-            tried.append(Tried(effect, error.model, error.theta, left, 0.0))
-            continue
-        except SpringpotError as error:
-            left_out[effect.name] = str(error)
-            continue
-        left = Left.by(fit.model, fit.theta, fit.reference, parts)
-        tried.append(Tried(effect, fit.model, fit.theta, left, 0.0, fit))
-    return tried
-
-
-def _nearly(
-    base: Identification,
-    parts: Sequence[TestPart],
-    quick: Sequence[TestPart],
-    leading: Sequence[list[Promise]],
-    before: Left,
-    left_out: dict[str, str],
-) -> list[Tried]:
-    """The leading effects fitted by fixed exponentials, and what is left of the exact response.
-
-    Those that swing by the exact response, if they lead.
-    """
-    tried = []
-    best = max((promises[0].drop for promises in leading), default=0.0)
-    for promises in leading:
-        effect = promises[0].effect
-        model = base.model + effect
-        seeds = [promise.start(base, model, moved=True) for promise in promises[:STARTS]]
-        seeds.append(promises[0].start(base, model))
-        # The model's own fit with a trace of the effect is the last seed: an effect that does
-        # nothing ends there.
-        search = TimeSearch(model, quick, base.reference, seeds, thorough=False)
-        # Without the effect a parameter may have gone where nothing tells the way back.
-        starts = [*(search.centred(u) for u in search.starts()[:-1]), search.starts()[-1]]
-        try:
-            u, _ = search.near(quick, starts)
-            # Not of the exponentials: by the part in a thousand that they are off, the right effect
-            # could fall behind.
-            left = Left.by(model, search.theta(u), base.reference, parts)
-        except UnfollowedError:
-            # The exact response takes long: it is spent only where more than noise is left to
-            # explain.
-            if promises[0].drop < COSTLY * best or not before.misfit:
-                continue
-            try:
-                u, _ = search.near(parts, starts[:STARTS])
-                left = Left.by(model, search.theta(u), base.reference, parts)
-            except SpringpotError as error:
-                left_out[effect.name] = str(error)
-                continue
-        except SpringpotError as error:
-            # It has no law in time for such a test.
-            left_out[effect.name] = str(error)
-            continue
-        tried.append(Tried(effect, model, search.theta(u), left, 0.0))
-    return tried
-
-
-def _from_the_best(
-    base: Identification,
-    parts: Sequence[TestPart],
-    quick: Sequence[TestPart],
-    effects: Sequence[Effect],
-    nearly: Sequence[Tried],
-    before: Left,
-    left_out: dict[str, str],
-) -> list[Tried]:
-    """Effects that do what the best one does, where it is.
-
-    From a fit that misses the tests by far a linear step leads astray: so a dashpot may be left out
-    that a springpot of order one was found to be.
-    """
-    if not nearly or before.over(before.scatters) < ASTRAY:
-        return []
-    best = min(nearly, key=lambda each: _plain_bic(each.left))
-    grown = replace(base, model=best.model, theta=best.theta)
-    promises = TimeScan(grown, quick).in_place_of(best.effect, effects)
-    tried = {each.effect.name for each in nearly}
-    leading = [each for name, each in promises.items() if name not in tried]
-    return _nearly(base, parts, quick, leading, before, left_out)
-
-
-def _exactly(
-    tests: Sequence[Test],
-    parts: Sequence[TestPart],
-    base: Identification,
-    nearly: Sequence[Tried],
-    before: Left,
-    known: Sequence[Real | None] | None,
-    left_out: dict[str, str],
-) -> list[Tried]:
-    """The best of them fitted exactly, and the others as they are."""
-    # The noise is read where the least is left, and the effects are then rated by that one noise.
-    least = min((each.left for each in nearly), key=_plain_bic, default=before)
-    noise = _noise(before, least)
-    rated = sorted(nearly, key=lambda each: -_delta(before, each, noise, base))
-    if not rated:
-        return []
-    best = rated[0]
-    # An exact fit is dear: it is spent where it can change the order, and not on what is far
-    # behind.
-    near = [i for i, each in enumerate(rated) if _near(each, best, before, noise, base)][:EXACT]
-    # Fits that all go on from one that misses the tests by far may all be caught where it was.
-    astray = best.left.over(noise) > ASTRAY
-    if astray:
-        near = list(range(len(rated)))[:EXACT]
-    tried = []
-    for i, each in enumerate(rated):
-        if i not in near:
-            tried.append(each)
-            continue
-        try:
-            fit = identify(
-                tests, each.model, seeds=[each.theta], thorough=astray, noise=known, near=not astray
-            )
-        except SpringpotError as error:
-            left_out[each.effect.name] = str(error)
-            continue
-        left = Left.by(fit.model, fit.theta, fit.reference, parts)
-        tried.append(replace(each, model=fit.model, theta=fit.theta, left=left, fit=fit))
-    return tried
-
-
-def _near(
-    each: Tried,
-    best: Tried,
-    before: Left,
-    noise: Sequence[ResidualScatter],
-    base: Identification,
-) -> bool:
-    """Whether a nearly fitted effect may be in the class of the best."""
-    worse = each.left.squares(noise) - best.left.squares(noise)
-    apart = _delta(before, best, noise, base) - _delta(before, each, noise, base)
-    return min(worse, apart) <= MARGIN
-
-
-def _delta(
-    before: Left, each: Tried, noise: Sequence[ResidualScatter], base: Identification
-) -> float:
-    return delta_bic(before, each.left, noise, each.left.count - before.count)
 
 
 def _of_what_helps(parts: Sequence[TestPart], before: Left, each: Tried) -> Tried:
@@ -501,25 +283,3 @@ def _over_misses(parts: Sequence[TestPart], before: Left, each: Tried, unit: Lef
         gain += float(old @ old - new @ new) / of_one
         count += float(missed @ missed) / of_one
     return gain - (each.left.count - before.count) * float(np.log(max(count, 2.0)))
-
-
-def _plain_bic(left: Left) -> float:
-    """Of a fit by itself: the size of its noise is read from what it leaves."""
-    points = sum(len(value) for value in left.residuals)
-    variance = max(_power(left), 1e-300) / max(points - left.lines, 1)
-    return float(points * np.log(variance) + left.count * np.log(points))
-
-
-def _power(left: Left) -> float:
-    """Sum of squares of all that is left."""
-    return sum(float(np.sum(value**2)) for value in left.residuals)
-
-
-def _noise(before: Left, best: Left) -> list[ResidualScatter]:
-    """The noise of each test: read where the least else is left."""
-    noise = list(before.scatters)
-    for i, (old, new) in enumerate(zip(before.residuals, best.residuals, strict=True)):
-        # The best of all tests together may be worse for one of them.
-        if np.sum(new**2) <= np.sum(old**2):
-            noise[i] = best.scatters[i]
-    return noise

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Container, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 from springpot.diagnosis.examination import Progress, silent
 from springpot.diagnosis.in_practice import Accuracy
-from springpot.diagnosis.ladder import Ladder, Reached, Step, climbed
+from springpot.diagnosis.ladder import Ladder, Reached, Step, climbed, replaced_by
+from springpot.plain_data import alive
 from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect
 from springpot.rheology.model import Model
 
 from .diagnosis import examine
 from .residuals_of_tests import Test
+from .sets import FoundSet, complete_set, likeliest_set
 from .specimen import at_tests
 from .verdict import TimeCase
 
@@ -67,11 +69,20 @@ class TimeRungs:
         Effects that may be missing.
     accuracy : Accuracy or None
         What the instrument promises.
+    sets : list of FoundSet
+        Sets that were found to explain the tests together.
+    plan : list of Effect
+        Those of the first such set that are still to be accepted.
+    sought : list of str
+        The model of which a set was looked for.
     """
 
     tests: Sequence[Test]
     effects: Sequence[Effect]
     accuracy: Accuracy | None = None
+    sets: list[FoundSet] = field(default_factory=list)
+    plan: list[Effect] = field(default_factory=list)
+    sought: list[str] = field(default_factory=list)
 
     def examined(
         self, model: Model, progress: Progress, before: Step | None, effect: Effect | None
@@ -79,20 +90,32 @@ class TimeRungs:
         """The examination of a model, by the fit that the rung before has made of it."""
         progress(f"judging {model.name}")
         known = getattr(before, "examined", None)
+        fits = [found.fit for found in self.sets]
         # The diagnosis has fitted the grown model already, unless only nearly.
-        if isinstance(known, TimeCase) and known.best_fit.model.name == model.name:
-            base = known.best_fit
-            return examine(self.tests, base.model, self.effects, base=base, accuracy=self.accuracy)
-        return examine(self.tests, model, self.effects, accuracy=self.accuracy)
+        if isinstance(known, TimeCase):
+            fits.append(known.best_fit)
+        base = next((fit for fit in fits if sorted(fit.model.names) == sorted(model.names)), None)
+        if base is None:
+            return examine(self.tests, model, self.effects, accuracy=self.accuracy)
+        return examine(self.tests, base.model, self.effects, base=base, accuracy=self.accuracy)
 
     def wanted(self, steps: Sequence[Step], refused: Container[str]) -> Effect | None:
         """The effect that the evidence asks for, if it is the only one that does what it does.
 
         Of a class whose members the tests cannot tell apart the first is not proved: a user or
-        another test decides. Also where the verdict is unexplained: an effect that helps beyond
-        doubt may be one of several.
+        another test decides. Where the verdict is unexplained several that explain all together
+        come first, or one that helps beyond doubt.
         """
-        leading = steps[-1].diagnosis.leading
+        last = steps[-1]
+        # Once: what no set explains from there on, none does from a rung that it led to.
+        if not self.sought and last.diagnosis.verdict == "unexplained":
+            self.sought.append(last.model.name)
+            if found := complete_set(self._case(last)):
+                self.plan.extend(found.effects)
+                self.sets.append(found)
+        if self.plan:
+            return self.plan.pop(0)
+        leading = last.diagnosis.leading
         if len(leading) != 1 or leading[0] in refused:
             return None
         # What one test alone has is named with it.
@@ -100,5 +123,29 @@ class TimeRungs:
         return next(effect for effect in there if effect.name == leading[0])
 
     def settled(self, steps: list[Step], progress: Progress) -> list[Step]:
-        """All of them."""
-        return steps
+        """The rungs, each effect the likeliest beside all others."""
+        accepted = [step.accepted for step in steps[1:]]
+        adequate = steps[-1].diagnosis.verdict == "adequate"
+        for found in self.sets:
+            # A set that was taken whole has been held beside all others.
+            if sorted(map(str, accepted)) == sorted(effect.name for effect in found.effects):
+                return _with_rivals(steps, found)
+        if not accepted or (adequate and len(accepted) == 1):
+            return steps
+        likeliest = likeliest_set([self._case(step) for step in steps])
+        if likeliest is None:
+            return steps
+        self.sets.append(likeliest)
+        kept = replaced_by(self, steps, likeliest.effects, progress)
+        if kept is steps:
+            return steps
+        return _with_rivals(kept, likeliest)
+
+    def _case(self, step: Step) -> TimeCase:
+        return alive(step.examined, TimeCase, f"the step {step.model.name}")
+
+
+def _with_rivals(steps: Sequence[Step], found: FoundSet) -> list[Step]:
+    """The rungs with what may stand in the place of each."""
+    alike = found.places()
+    return [replace(step, alike=alike.get(step.accepted, step.alike)) for step in steps]

@@ -95,9 +95,7 @@ class Left:
     def beside(self, noise: Sequence[ResidualScatter]) -> Left:
         """The same, judged over that noise too: the one that its error is told in."""
         told = [
-            replace(
-                own, local=min(own.local, other.chance_of(value, max(own.memory, other.memory)))
-            )
+            replace(own, local=min(own.local, other.chance_of(value, own)))
             for value, own, other in zip(self.residuals, self.scatters, noise, strict=True)
         ]
         return replace(self, scatters=tuple(told))
@@ -131,8 +129,8 @@ class Left:
 
     def squares(self, noise: Sequence[ResidualScatter]) -> float:
         """Sum of squares over that noise, a sample counted for what it adds to its neighbours."""
-        pairs = zip(self.residuals, noise, strict=True)
-        return sum(scatter.surprise(value) for value, scatter in pairs)
+        told = zip(self.residuals, noise, self.scatters, strict=True)
+        return sum(scatter.squares(value, own) for value, scatter, own in told)
 
     def squares_felt(self, noise: Sequence[ResidualScatter]) -> float:
         """The same that noise of the imposed channels is to be expected to leave."""

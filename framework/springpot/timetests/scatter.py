@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from springpot.rheology.points import Real
 
 from ..numerics import ALIKE, NORMAL
+from .colour import SLOWEST, Colour, colour_of
 
 FEWEST = 40
 """Samples below which a spectrum tells nothing.
@@ -84,6 +85,8 @@ class ResidualScatter:
     worth : float
         Independent numbers that tell the size; endless where it is known, or read from what is
         left.
+    colour : Colour or None
+        Its spectrum, where that of a first-order memory is plainly another.
     """
 
     size: float
@@ -91,6 +94,7 @@ class ResidualScatter:
     excess: float
     local: float
     worth: float = np.inf
+    colour: Colour | None = None
 
     @property
     def chance(self) -> float:
@@ -107,13 +111,37 @@ class ResidualScatter:
         """Whether there may well be more than noise."""
         return self.chance < HARDLY
 
-    def chance_of(self, residual: Real, memory: float) -> float:
-        """That noise of this size, with such a memory, leaves as much as a residual (n,).
+    def chance_of(self, residual: Real, other: ResidualScatter) -> float:
+        """That noise of this size leaves as much as a residual (n,), in which there is `other`.
 
         The size is hardly known better than from a record as long as this one.
         """
-        count = len(residual) * (1.0 - memory**2) / (1.0 + memory**2)
+        count = min(each.independent_squares(len(residual)) for each in (self, other))
         return _chance(times_noise(residual, self.size) ** 2, count, min(self.worth, count))
+
+    def independent_squares(self, count: int) -> float:
+        """So many of the squares of `count` samples are independent (Satterthwaite 1946)."""
+        if self.colour is None:
+            return count * (1.0 - self.memory**2) / (1.0 + self.memory**2)
+        spectrum = self.colour.spectrum(_frequencies(count))
+        return float(np.sum(spectrum)) ** 2 / float(np.sum(spectrum**2))
+
+    def squares(self, residual: Real, own: ResidualScatter) -> float:
+        """As `surprise`; where it may as well be noise of its `own` colour, over that noise."""
+        over_this = self.surprise(residual)
+        if own.colour is None or own.misfit:
+            return over_this
+        # The likelihood of a wider noise is less by the determinant, and each number of its
+        # spectrum has a price.
+        here, there = (each.spectrum(len(residual)) for each in (self, own))
+        wider = float(np.sum(np.log(there / here))) + own.colour.count * np.log(len(residual))
+        return min(over_this, float(own.surprise(residual) + max(wider, 0.0)))
+
+    def spectrum(self, count: int) -> Real:
+        """Variance of each number of the cosine transform of `count` samples."""
+        if self.colour is None:
+            return _spectrum(_frequencies(count), self.size, self.memory)
+        return self.colour.spectrum(_frequencies(count))
 
     def surprise(self, residual: Real) -> float:
         """Minus twice the logarithm of the likelihood of a residual (n,), but for a constant.
@@ -129,6 +157,8 @@ class ResidualScatter:
 
     def whitened(self, residual: Real) -> Real:
         """A residual of which noise would leave independent numbers of variance one."""
+        if self.colour is not None:
+            return _transformed(residual) / np.sqrt(self.spectrum(len(residual)))
         before = np.concatenate([[0.0], residual[:-1]])
         # What each sample tells beyond the one before it.
         white = (residual - self.memory * before) / (self.size * np.sqrt(1.0 - self.memory**2))
@@ -165,9 +195,68 @@ def scatter_of(residual: Real, usual: float = 0.0, worth: float = 0.0) -> Residu
     # noise and one jump. The likeliest one is believed.
     excess = 2.0 * max(_of_what_is_smooth(residual), _of_a_jump(residual))
     found = ResidualScatter(*alone, excess - usual, _local(residual, above[1]))
+    if found.doubtful:
+        colour = _colour_beside(residual, power, _spectrum(omega, *above))
+        # Another colour may excuse what a memory does not, and accuses of nothing.
+        if colour is not None:
+            coloured = _coloured(residual, colour, found, usual)
+            if coloured.chance > found.chance:
+                return coloured
     if found.misfit:
         return replace(found, size=above[0], memory=above[1])
     return found
+
+
+def _colour_beside(residual: Real, power: Real, memory: Real) -> Colour | None:
+    """The colour of the noise in a residual (n,) with these powers; None where it has none.
+
+    It must go on where the misfit may be, at least as well as the spectrum (n,) of a memory with
+    whatever is beyond it there.
+    """
+    from scipy.special import chdtr
+
+    colour = colour_of(residual, MEMORIES)
+    if colour is None:
+        return None
+    omega = _frequencies(len(power))
+    upper = omega > UPPER * np.pi
+    spectrum = colour.spectrum(omega)
+    scale = float(np.mean(power[upper] / spectrum[upper]))
+    # Where it is said to go on there is no less: but for the slowest, which a model has followed.
+    below = power[SLOWEST // 4 : 2 * SLOWEST] / (scale * spectrum[SLOWEST // 4 : 2 * SLOWEST])
+    if chdtr(len(below), float(below.sum())) < HARDLY:
+        return None
+    coloured, plain = (
+        _log_likelihood(power, noise) + _beyond(power / noise)
+        for noise in (scale * spectrum, memory)
+    )
+    # What goes on where a misfit may be needs no size of its own for each octave there.
+    if 2.0 * (plain - coloured) > GROUPS * np.log(len(power)):
+        return None
+    return replace(colour, variance=scale * colour.variance)
+
+
+def _coloured(
+    residual: Real, colour: Colour, plain: ResidualScatter, usual: float
+) -> ResidualScatter:
+    """The same where noise has another spectrum than that of a first-order memory."""
+    spectrum = colour.spectrum(_frequencies(len(residual)))
+    # White in time as in frequency: with no delay, a misfit stays where it is.
+    white = _transformed(_transformed(residual) / np.sqrt(spectrum), back=True)
+    power, omega = powers(residual)
+    first = _log_likelihood(power, _spectrum(omega, *_fitted(power, omega)))
+    # Where a first-order memory makes all of it likelier, that is the story without a misfit.
+    alone = max(first - _log_likelihood(power, spectrum), 0.0)
+    smooth = _beyond(_transformed(residual / rougher(residual)) ** 2 / spectrum)
+    excess = 2.0 * (max(smooth, _of_a_jump(white)) - alone) - usual
+    # What is missed in one part of a record is no noise of all of it.
+    found = replace(plain, excess=excess, colour=colour)
+    if not found.misfit:
+        # All that is left is noise.
+        scale = float(np.mean(_transformed(residual) ** 2 / spectrum))
+        colour = replace(colour, variance=scale * colour.variance)
+    size = float(np.sqrt(np.mean(colour.spectrum(_frequencies(len(residual))))))
+    return replace(found, size=size, colour=colour)
 
 
 def scatter_of_sweep(residual: Real, known: bool) -> ResidualScatter:
@@ -247,10 +336,21 @@ def powers(residual: Real) -> tuple[Real, Real]:
     autoregression it is nearly the transform to independent numbers (Ahmed, Natarajan & Rao 1974,
     doi:10.1109/T-C.1974.223784).
     """
-    from scipy.fft import dct
+    return _transformed(residual) ** 2, _frequencies(len(residual))
 
-    n = len(residual)
-    return dct(residual, norm="ortho") ** 2, np.pi * np.arange(n) / n
+
+def _transformed(values: Real, back: bool = False) -> Real:
+    """The cosine transform of values (n,), or the values of a transform."""
+    from scipy.fft import dct, idct
+
+    if back:
+        return np.asarray(idct(values, norm="ortho"), dtype=np.float64)
+    return np.asarray(dct(values, norm="ortho"), dtype=np.float64)
+
+
+def _frequencies(count: int) -> Real:
+    """Those of a cosine transform of so many samples, in radians a sample."""
+    return np.asarray(np.pi * np.arange(count) / count, dtype=np.float64)
 
 
 def _spectrum(omega: Real, size: float, memory: float) -> Real:
@@ -268,17 +368,28 @@ def _of_what_is_smooth(residual: Real) -> float:
     power, omega = powers(residual / rougher(residual))
     upper = omega > UPPER * np.pi
     noise = _spectrum(omega, *_fitted(power[upper], omega[upper]))
+    likely = _beyond(power / noise) + _log_likelihood(power, noise)
+    return likely - _log_likelihood(power, _spectrum(omega, *_fitted(power, omega)))
+
+
+def _beyond(ratio: Real) -> float:
+    """By how much powers (n,) over those of noise are likelier with a size for each octave.
+
+    Of the octaves below the upper part.
+    """
+    omega = _frequencies(len(ratio))
     edges = UPPER * np.pi * 0.5 ** np.arange(GROUPS, -1.0, -1.0)
     # A mean that is missed belongs to the lowest.
     edges[0] = -1.0
-    likely = _log_likelihood(power[upper], noise[upper])
+    likely = 0.0
     for low, high in pairwise(edges):
         band = (omega > low) & (omega <= high)
         if band.any():
             # Less than noise there is by chance alone.
-            factor = max(1.0, float(np.mean(power[band] / noise[band])))
-            likely += _log_likelihood(power[band], factor * noise[band])
-    return likely - _log_likelihood(power, _spectrum(omega, *_fitted(power, omega)))
+            factor = max(1.0, float(np.mean(ratio[band])))
+            of_band = np.full(np.count_nonzero(band), factor)
+            likely += _log_likelihood(ratio[band], of_band) + 0.5 * float(np.sum(ratio[band]))
+    return likely
 
 
 def _of_a_jump(residual: Real) -> float:
@@ -348,6 +459,8 @@ def likeliest_jump(
     noise : sequence of ResidualScatter
         In the residuals.
     """
+    # By its memory alone, which a jump at any place is brought to white by in one sweep.
+    noise = [replace(each, colour=None) for each in noise]
     white = [each.whitened(value) for each, (value, _) in zip(noise, residuals, strict=True)]
     slopes = [
         np.column_stack([each.whitened(column) for column in by_theta.T])

@@ -1,13 +1,14 @@
 """Residuals of many tests at once, of any material whose tests differ by their temperature.
 
 After a step of the displacement G(t; T) = b (K_e + sum of g_j exp(-r_j t / a)): the lines of all
-tests are one matrix, where each test by itself would take the material apart anew.
+tests are one matrix, where each test by itself would take the material apart anew. After one of the
+force J(t; T) = J(t / a) / b: its retardation times are sought once.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -16,10 +17,35 @@ from numpy.typing import NDArray
 from springpot.rheology.continuum import Continuum, Relaxation
 from springpot.rheology.effect import Effect, Layer
 from springpot.rheology.model import Model
-from springpot.rheology.nodes import GRADIENT, Chain, Node, Shift
+from springpot.rheology.nodes import FULL, GRADIENT, VALUE, Chain, Node, Response, Shift
 from springpot.rheology.points import ROOM, Points, Real
 
+from ..numerics import NEGLIGIBLE
 from .residuals_of_tests import InTimePart, TestPart
+
+
+@dataclass(frozen=True)
+class Creeping(Continuum):
+    """What a material shows at the time t = 1 / omega after a step of the force: 1 / J(t), real."""
+
+    def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
+        """One over the creep compliance, which is a stiffness that factors and shifts act upon."""
+        time = np.exp(-at.log_omega)
+        material = Model("material", Continuum(self.rates))
+        in_time = material.in_time(theta, tolerance=NEGLIGIBLE)
+        crept, flown = in_time.creep(time), np.zeros(len(time))
+        if depth == FULL:
+            flown = time * in_time.step_rate(time, "force")
+        square = crept.value**2
+        return Response(
+            (1.0 / crept.value).astype(np.complex128),
+            (-crept.by_theta.T / square).astype(np.complex128),
+            (flown / square).astype(np.complex128),
+        )
+
+
+WITH: dict[str, type[Continuum]] = {"relaxation": Relaxation, "creep": Creeping}
+"""What a material shows after the step of a kind of test."""
 
 
 class Steps(NamedTuple):
@@ -35,6 +61,8 @@ class Steps(NamedTuple):
         The response over the step, and that step over the noise.
     rows : ndarray, shape (n,)
         Where these samples stand among the residuals of all tests.
+    crept : bool
+        Whether the steps were of the force, so that the model answers with 1 / J.
     """
 
     network: Node
@@ -43,6 +71,15 @@ class Steps(NamedTuple):
     measured: Real
     weight: Real
     rows: NDArray[np.intp]
+    crept: bool
+
+    def answer(self, theta: Real) -> tuple[Real, Real]:
+        """The response over the step (n,), and its derivatives by these parameters (p, n)."""
+        found = self.network.respond(theta[self.places], self.at, GRADIENT)
+        value, by_theta = found.value.real, found.by_theta.real
+        if self.crept:
+            return 1.0 / value, -by_theta / value**2
+        return value, by_theta
 
 
 class Together:
@@ -61,11 +98,12 @@ class Together:
     def __init__(self, model: Model, parts: Sequence[TestPart], reference: float) -> None:
         self.model, self.reference, self.count = model, reference, 0
         self.others: list[tuple[TestPart, slice]] = []
-        alike: dict[tuple[int, ...], list[tuple[InTimePart, int]]] = {}
+        alike: dict[tuple[str, tuple[int, ...]], list[tuple[InTimePart, int]]] = {}
         for part in parts:
             places = _of_one_step(model, part)
             if places is not None and isinstance(part, InTimePart):
-                alike.setdefault(tuple(places), []).append((part, self.count))
+                kind = part.test.kind, tuple(places)
+                alike.setdefault(kind, []).append((part, self.count))
             else:
                 self.others.append((part, slice(self.count, self.count + part.count())))
             self.count += part.count()
@@ -77,9 +115,9 @@ class Together:
         for part, rows in self.others:
             value[rows], by_theta[rows] = part.residual(self.model, theta, self.reference)
         for each in self.steps:
-            answer = each.network.respond(theta[each.places], each.at, GRADIENT)
-            value[each.rows] = (answer.value.real - each.measured) * each.weight
-            by_theta[each.rows[:, None], each.places] = (answer.by_theta.real * each.weight).T
+            answer, slopes = each.answer(theta)
+            value[each.rows] = (answer - each.measured) * each.weight
+            by_theta[each.rows[:, None], each.places] = (slopes * each.weight).T
         return value, by_theta
 
 
@@ -100,7 +138,7 @@ def is_material_alone(model: Model, part: TestPart) -> bool:
 
 def _of_one_step(model: Model, part: TestPart) -> list[int] | None:
     """Where in theta the parameters stand that a test after a sudden step has; None of others."""
-    if not isinstance(part, InTimePart) or part.test.kind != "relaxation":
+    if not isinstance(part, InTimePart) or part.test.kind not in WITH:
         return None
     test = part.test
     sudden = len(test.loading.jumps[0]) == 1 and test.loading.smooth is None
@@ -116,7 +154,8 @@ def _of_one_step(model: Model, part: TestPart) -> list[int] | None:
 def _steps(model: Model, group: Sequence[tuple[InTimePart, int]], reference: float) -> Steps:
     own, places = model.had_by(group[0][0].test)
     assert isinstance(own.material, Continuum)
-    shown = replace(own, material=Relaxation(own.material.rates))
+    kind = group[0][0].test.kind
+    shown = replace(own, material=WITH[kind](own.material.rates))
     columns = []
     for part, first in group:
         test, rows = part.test, np.flatnonzero(part.counted)
@@ -132,4 +171,4 @@ def _steps(model: Model, group: Sequence[tuple[InTimePart, int]], reference: flo
         )
     rates, kelvin, measured, weight, where = map(np.concatenate, zip(*columns, strict=True))
     at = Points(rates, None, kelvin, reference)
-    return Steps(shown.network, places, at, measured, weight, where)
+    return Steps(shown.network, places, at, measured, weight, where, kind == "creep")

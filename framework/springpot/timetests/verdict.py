@@ -6,7 +6,7 @@ What a diagnosis of tests in time says: its error, its sentence, and which effec
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +24,6 @@ from springpot.misfit.error import Error
 from springpot.misfit.where import Where
 from springpot.misfit.words import times
 from springpot.rheology.effect import Effect
-from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import EVIDENCE, SEARCH, VERDICT
 
@@ -33,9 +32,10 @@ from .left import Left
 from .lines import lines_in
 from .one_ramp import beside_one_ramp
 from .promises import TWINS, Promise
-from .residuals_of_tests import SweepPart, TestPart
+from .residuals_of_tests import SweepPart, Test, TestPart
 from .scatter import ResidualScatter, times_noise
 from .slip import Slip
+from .tried import Tried
 from .where import worst_first
 
 NAN = float("nan")
@@ -137,49 +137,26 @@ def sentence(
     return f"{size}; missing is {names}: {after}{rival}{place}"
 
 
-@dataclass(frozen=True, eq=False)
-class Tried:
-    """An effect, what is left with it, and how much likelier it makes the tests.
+class AskedTests(NamedTuple):
+    """Tests as they are fitted, and what may be missing from a model of them.
 
     Attributes
     ----------
-    effect : Effect
-        The effect.
-    model : Model
-        The model with it.
-    theta : ndarray, shape (p,)
-        Its parameters.
-    left : Left
-        What is left of the tests.
-    delta : float
-        By how much the Bayesian information criterion falls.
-    fit : Identification or None
-        The exact fit, where there is one.
+    tests : sequence of TimeTest or Measurement
+        As they were given.
+    parts, quick : sequence of TestPart
+        Exact, and by fixed exponentials.
+    known : sequence of ndarray or None, or None
+        The noise of each test, where a model has told another than its signal.
+    effects : sequence of Effect
+        Those of the library that the model does not have.
     """
 
-    effect: Effect
-    model: Model
-    theta: Real
-    left: Left
-    delta: float
-    fit: Identification | None = None
-
-    @property
-    def helps(self) -> bool:
-        """Whether it explains what the model alone does not, beyond doubt."""
-        return self.delta > SEARCH.decisive
-
-    @property
-    def evidence(self) -> float:
-        """The same with how common the effect is: twice the logarithm of its odds."""
-        return self.delta + 2.0 * float(np.log(weight_of(self.effect)))
-
-
-def weight_of(effect: Effect) -> float:
-    """How common an effect is in tests in time, before any data are seen."""
-    if effect.of_apparatus:
-        return effect.prior * EVIDENCE.apparatus
-    return effect.prior
+    tests: Sequence[Test]
+    parts: Sequence[TestPart]
+    quick: Sequence[TestPart]
+    known: Sequence[Real | None] | None
+    effects: Sequence[Effect]
 
 
 class TimeCase(NamedTuple):
@@ -197,6 +174,8 @@ class TimeCase(NamedTuple):
         How far the base lies beside each test.
     tried : tuple of Tried
         The model grown by each effect that was fitted.
+    asked : AskedTests or None
+        The tests and effects behind it.
     """
 
     diagnosis: Diagnosis
@@ -204,6 +183,7 @@ class TimeCase(NamedTuple):
     best_fit: Identification
     misfits: tuple[Misfit, ...]
     tried: tuple[Tried, ...] = ()
+    asked: AskedTests | None = None
 
 
 def answer_of(

@@ -1,0 +1,181 @@
+"""Spectra of noise that remembers more than the sample before.
+
+A channel that swings, a mean over a few samples, and 1/f noise beside white.
+
+Read from the continuum of a residual's spectrum: from medians over neighbouring frequencies and
+over stretches of the record, which neither lines nor single events move, and without the slowest
+half waves, in which the misfit of a model lies. What these hold
+beyond the continuation is no noise. A drift as steep as a random walk is none either: nothing
+smooth would be missed beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from springpot.rheology.points import Real
+from springpot.thresholds import SCATTER
+
+from ..numerics import NORMAL
+
+SLOWEST = 16
+"""Half waves along a record in which there may be a misfit, and nothing is read of the noise."""
+FEWEST = 8 * SLOWEST
+"""Samples below which what is left of the spectrum tells no more than a first-order memory."""
+STRETCHES = 4
+"""Parts of a record, in more than half of which noise is as it is in all."""
+AROUND = 5
+"""Neighbouring frequencies of whose powers in all stretches the median is taken."""
+OF_MEDIAN = 1.0 / NORMAL**2
+"""Median of the square of a normal number of variance one."""
+EFFICIENT = 0.37
+"""Share of the numbers that a median uses, as of absolute values."""
+ORDERS = 8
+"""Samples back that an autoregression looks at most: a mean over five is followed by as many."""
+LONGEST = 0.75
+"""Memory of a slow pole from one sample to the next, at most: what is alike over longer is no
+noise."""
+SLOW = 0.25
+"""Share of the highest frequency below which a pole is slow."""
+
+
+@dataclass(frozen=True)
+class Colour:
+    """A spectrum: that of an autoregression, which may rise towards slow frequencies as one over f.
+
+    Attributes
+    ----------
+    variance : float
+        Of what is new with each sample.
+    past : tuple of float
+        Coefficients of the autoregression, a one first.
+    corner : float
+        Frequency, in radians a sample, below which there is more 1/f noise than other; endless
+        where there is no other, zero without any.
+    """
+
+    variance: float
+    past: tuple[float, ...]
+    corner: float
+
+    @property
+    def count(self) -> int:
+        """Numbers beside its size."""
+        return len(self.past) - 1 + (self.corner > 0.0)
+
+    def spectrum(self, omega: Real) -> Real:
+        """Variance at frequencies (n,) of the cosine transform of a record."""
+        turned = np.polynomial.polynomial.polyval(np.exp(-1j * omega), np.array(self.past))
+        return np.asarray(
+            self.variance / np.abs(turned) ** 2 * _rise(omega, self.corner), dtype=np.float64
+        )
+
+
+def colour_of(residual: Real, memories: Real) -> Colour | None:
+    """The colour of the noise in a residual (n,); None where a first-order memory is as likely.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        Sample after sample.
+    memories : ndarray
+        Those of first order that it is compared with.
+    """
+    if len(residual) < FEWEST:
+        return None
+    omega, level = _continuum(residual)
+    if not level.min() > 0.0:
+        return None
+    first = SLOWEST // STRETCHES + 1
+    beyond, level = omega[first:], level[first:]
+    worth = EFFICIENT * STRETCHES * len(level)
+    price = float(np.log(worth))
+    shapes = 1.0 / np.abs(1.0 - memories[:, None] * np.exp(-1j * beyond)) ** 2
+    plain = min(_cost(level, shape, worth) for shape in shapes) + price
+    best, found = min(_cost(level, np.ones(len(level)), worth), plain), None
+    for corner in _corners(len(residual)):
+        # The slowest go on as their neighbours do, once the rise is taken out.
+        flat = level / _rise(beyond, corner)
+        whole = np.concatenate([np.full(first, flat[: 2 * first].mean()), flat])
+        for colour in _autoregressions(whole, omega, corner):
+            # A first-order memory has been looked at.
+            if len(colour.past) <= 2 and corner == 0.0:
+                continue
+            shape = colour.spectrum(beyond)
+            cost = _cost(level, shape, worth) + colour.count * price
+            # Of a few numbers some higher order follows chance, and tells of slow noise what is
+            # not so.
+            if len(colour.past) > 2:
+                cost += SCATTER.unusual_shape
+            if cost < best and not _remembers_long(colour.past):
+                scale = float(np.mean(level / shape))
+                best, found = cost, Colour(scale * colour.variance, colour.past, corner)
+    return found
+
+
+def _continuum(residual: Real) -> tuple[Real, Real]:
+    """Frequencies (m,), in radians a sample, and the variance of what is no line at each of them.
+
+    The smaller of two medians over neighbouring frequencies: that of the stretches of a record, as
+    what happens once is in one of them alone, and that of the whole, in which a loop that comes by
+    again is lines.
+    """
+    from scipy.fft import dct
+
+    count = len(residual) // STRETCHES
+    kept = residual[: STRETCHES * count]
+    stretches = dct(kept.reshape(STRETCHES, count), norm="ortho") ** 2
+    whole = (dct(kept, norm="ortho") ** 2).reshape(count, STRETCHES).T
+    levels = []
+    for power in (stretches, whole):
+        padded = np.pad(power, ((0, 0), (AROUND // 2, AROUND // 2)), mode="reflect")
+        near = np.lib.stride_tricks.sliding_window_view(padded, AROUND, axis=1)
+        levels.append(np.median(near, axis=(0, 2)) / OF_MEDIAN)
+    return np.pi * np.arange(count) / count, np.minimum(*levels)
+
+
+def _rise(omega: Real, corner: float) -> Real:
+    """Factor (n,) by which 1/f noise beside other makes it larger."""
+    # Of the mean nothing is known but that it is slower than all else.
+    slow = np.maximum(omega, 0.25 * omega[-1] / max(len(omega) - 1, 1))
+    if np.isinf(corner):
+        return np.asarray(np.pi / slow, dtype=np.float64)
+    return np.asarray(1.0 + corner / slow, dtype=np.float64)
+
+
+def _corners(count: int) -> Iterator[float]:
+    """None, 1/f alone, and corners at which the rise is seen where a misfit does not reach."""
+    yield 0.0
+    yield np.inf
+    corner = 0.5 * np.pi
+    while corner >= 4.0 * SLOWEST * np.pi / count:
+        yield corner
+        corner *= 0.5
+
+
+def _cost(level: Real, shape: Real, worth: float) -> float:
+    """Minus twice the log-likelihood of powers (m,) by a shape (m,) of the best size."""
+    return worth * float(np.mean(np.log(shape)) + np.log(np.mean(level / shape)))
+
+
+def _autoregressions(level: Real, omega: Real, corner: float) -> Iterator[Colour]:
+    """Those of each order that have the covariances of a spectrum (n,), by Durbin and Levinson."""
+    alike = np.array([np.mean(level * np.cos(k * omega)) for k in range(ORDERS + 1)])
+    past, variance = np.ones(1), float(alike[0])
+    yield Colour(variance, (1.0,), corner)
+    for order in range(1, ORDERS + 1):
+        turned = -float(past @ alike[order:0:-1]) / variance
+        past = np.append(past, 0.0) + turned * np.append(0.0, past[::-1])
+        variance *= 1.0 - turned**2
+        if not variance > 0.0:
+            return
+        yield Colour(variance, tuple(past.tolist()), corner)
+
+
+def _remembers_long(past: tuple[float, ...]) -> bool:
+    """Whether an autoregression goes on slowly for longer than noise does."""
+    poles = np.roots(past)
+    return bool(np.any((np.abs(np.angle(poles)) < SLOW * np.pi) & (np.abs(poles) > LONGEST)))

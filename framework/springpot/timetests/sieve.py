@@ -1,0 +1,281 @@
+"""The sieves through which the effects of tests in time go, each finer and dearer.
+
+What a linear scan promises, fits by fixed exponentials, exact fits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from springpot.errors import SpringpotError
+from springpot.identification.result import Identification
+from springpot.rheology.effect import Effect
+from springpot.rheology.points import Real
+
+from .exponentials import UnfollowedError
+from .left import Left, delta_bic, independent
+from .material import UntoldError
+from .native import TimeSearch
+from .promises import Promise
+from .residuals_of_tests import Test, TestPart
+from .scatter import ResidualScatter
+from .score import TimeScan
+from .temperatures import is_law
+from .tried import Tried
+
+LEADING = 14
+"""Effects that are fitted, nearly: the others fell behind by a linear step already."""
+FEWEST = 3
+"""Effects that are fitted even where nothing promises much.
+
+So that the answer says how little they would help.
+"""
+HOPE = 4.0
+"""Drop of the sum of squares, over the noise, below which an effect is not worth a fit.
+
+Two standard deviations.
+"""
+STARTS = 4
+"""Places in the parameters of an effect from which its fit begins."""
+EXACT = 5
+"""Effects that are fitted exactly, of those that are near the best.
+
+The rest can be no more than absent.
+"""
+MARGIN = 12.0
+"""Difference of the Bayesian information criterion within which an effect is near the best.
+
+Twice that of a class.
+"""
+COSTLY = 0.05
+"""Share of the best promise that makes an effect by which the specimen swings worth its fit."""
+ASTRAY = 3.0
+"""Error over the noise of the best effect from which its fit is not believed to be at its minimum.
+"""
+
+
+def leading_of_scan(promises: dict[str, list[Promise]], before: Left) -> list[list[Promise]]:
+    """The promises of the effects that are worth a fit."""
+    scatter = before.scatters[0]
+    # Of noise whose neighbours are alike so many samples are one independent number.
+    unit = scatter.size**2 * (1.0 + scatter.memory) / (1.0 - scatter.memory)
+    count = np.log(independent(before.residuals, before.scatters))
+
+    def hope(of_effect: list[Promise]) -> float:
+        return float(of_effect[0].drop / unit - len(of_effect[0].values) * count)
+
+    # Hope is the drop less what its parameters cost: else the effect with most parameters would
+    # lead.
+    ranked = sorted(_by_rig(promises), key=hope, reverse=True)
+    worth = [of_effect for of_effect in ranked[:LEADING] if of_effect[0].drop / unit > HOPE]
+    # Of what does not go as its size, such as a limit or a fading, a linear step tells too little.
+    # Beside other tests each such fit would take as long as all others.
+    if len(before.residuals) == 1:
+        worth += [each for each in ranked if not each[0].as_its_size and each not in worth]
+    # A law of temperature moves times by decades, which no small step foretells either.
+    worth += [each for each in ranked if is_law(each[0].effect) and each not in worth]
+    if len(worth) < FEWEST:
+        return ranked[:FEWEST]
+    return worth
+
+
+def _by_rig(promises: dict[str, list[Promise]]) -> list[list[Promise]]:
+    """The promises of each effect at one place: of all rigs, or of one alone."""
+    apart: dict[tuple[str, bool], list[Promise]] = {}
+    for name, of_effect in promises.items():
+        for promise in of_effect:
+            apart.setdefault((name, promise.effect.in_time), []).append(promise)
+    return list(apart.values())
+
+
+def of_material(
+    tests: Sequence[Test],
+    parts: Sequence[TestPart],
+    base: Identification,
+    leading: Sequence[list[Promise]],
+    known: Sequence[Real | None] | None,
+    left_out: dict[str, str],
+) -> list[Tried]:
+    """The leading effects beside any material, whose spectrum is found anew with each."""
+    from .fitting import identify
+
+    tried = []
+    for promises in leading:
+        effect = promises[0].effect
+        model = base.model + effect
+        try:
+            seeds = [promise.start(base, model) for promise in promises[:STARTS]]
+            fit = identify(tests, model, seeds=seeds, thorough=False, noise=known)
+        except UntoldError as error:
+            # Of no known size, it may explain the tests all the same.
+            left_out[effect.name] = str(error)
+            left = Left.by(error.model, error.theta, base.reference, parts)
+            tried.append(Tried(effect, error.model, error.theta, left, 0.0))
+            continue
+        except SpringpotError as error:
+            left_out[effect.name] = str(error)
+            continue
+        left = Left.by(fit.model, fit.theta, fit.reference, parts)
+        tried.append(Tried(effect, fit.model, fit.theta, left, 0.0, fit))
+    return tried
+
+
+def nearly_fitted(
+    base: Identification,
+    parts: Sequence[TestPart],
+    quick: Sequence[TestPart],
+    leading: Sequence[list[Promise]],
+    before: Left,
+    left_out: dict[str, str],
+    starts: int = STARTS,
+) -> list[Tried]:
+    """The leading effects fitted by fixed exponentials, and what is left of the exact response.
+
+    Those that swing by the exact response, if they lead; each from so many `starts`.
+    """
+    tried = []
+    best = max((promises[0].drop for promises in leading), default=0.0)
+    for promises in leading:
+        effect = promises[0].effect
+        model = base.model + effect
+        seeds = [promise.start(base, model, moved=True) for promise in promises[:starts]]
+        seeds.append(promises[0].start(base, model))
+        # The model's own fit with a trace of the effect is the last seed: an effect that does
+        # nothing ends there.
+        search = TimeSearch(model, quick, base.reference, seeds, thorough=False)
+        # Without the effect a parameter may have gone where nothing tells the way back.
+        begun = [*(search.centred(u) for u in search.starts()[:-1]), search.starts()[-1]]
+        try:
+            u, _ = search.near(quick, begun)
+            # Not of the exponentials: by the part in a thousand that they are off, the right effect
+            # could fall behind.
+            left = Left.by(model, search.theta(u), base.reference, parts)
+        except UnfollowedError:
+            # The exact response takes long: it is spent only where more than noise is left to
+            # explain.
+            if promises[0].drop < COSTLY * best or not before.misfit:
+                continue
+            try:
+                u, _ = search.near(parts, begun[:starts])
+                left = Left.by(model, search.theta(u), base.reference, parts)
+            except SpringpotError as error:
+                left_out[effect.name] = str(error)
+                continue
+        except SpringpotError as error:
+            # It has no law in time for such a test.
+            left_out[effect.name] = str(error)
+            continue
+        tried.append(Tried(effect, model, search.theta(u), left, 0.0))
+    return tried
+
+
+def from_the_best(
+    base: Identification,
+    parts: Sequence[TestPart],
+    quick: Sequence[TestPart],
+    effects: Sequence[Effect],
+    nearly: Sequence[Tried],
+    before: Left,
+    left_out: dict[str, str],
+) -> list[Tried]:
+    """Effects that do what the best one does, where it is.
+
+    From a fit that misses the tests by far a linear step leads astray: so a dashpot may be left out
+    that a springpot of order one was found to be.
+    """
+    if not nearly or before.over(before.scatters) < ASTRAY:
+        return []
+    best = min(nearly, key=lambda each: plain_bic(each.left))
+    grown = replace(base, model=best.model, theta=best.theta)
+    promises = TimeScan(grown, quick).in_place_of(best.effect, effects)
+    tried = {each.effect.name for each in nearly}
+    leading = [each for name, each in promises.items() if name not in tried]
+    return nearly_fitted(base, parts, quick, leading, before, left_out)
+
+
+def exactly_fitted(
+    tests: Sequence[Test],
+    parts: Sequence[TestPart],
+    base: Identification,
+    nearly: Sequence[Tried],
+    before: Left,
+    known: Sequence[Real | None] | None,
+    left_out: dict[str, str],
+) -> list[Tried]:
+    """The best of them fitted exactly, and the others as they are."""
+    from .fitting import identify
+
+    # The noise is read where the least is left, and the effects are then rated by that one noise.
+    least = min((each.left for each in nearly), key=plain_bic, default=before)
+    noise = noise_of_both(before, least)
+    rated = sorted(nearly, key=lambda each: -delta_of(before, each, noise, base))
+    if not rated:
+        return []
+    best = rated[0]
+    # An exact fit is dear: it is spent where it can change the order, and not on what is far
+    # behind.
+    near = [i for i, each in enumerate(rated) if _near(each, best, before, noise, base)][:EXACT]
+    # Fits that all go on from one that misses the tests by far may all be caught where it was.
+    astray = best.left.over(noise) > ASTRAY
+    if astray:
+        near = list(range(len(rated)))[:EXACT]
+    tried = []
+    for i, each in enumerate(rated):
+        if i not in near:
+            tried.append(each)
+            continue
+        try:
+            fit = identify(
+                tests, each.model, seeds=[each.theta], thorough=astray, noise=known, near=not astray
+            )
+        except SpringpotError as error:
+            left_out[each.effect.name] = str(error)
+            continue
+        left = Left.by(fit.model, fit.theta, fit.reference, parts)
+        tried.append(replace(each, model=fit.model, theta=fit.theta, left=left, fit=fit))
+    return tried
+
+
+def _near(
+    each: Tried,
+    best: Tried,
+    before: Left,
+    noise: Sequence[ResidualScatter],
+    base: Identification,
+) -> bool:
+    """Whether a nearly fitted effect may be in the class of the best."""
+    worse = each.left.squares(noise) - best.left.squares(noise)
+    apart = delta_of(before, best, noise, base) - delta_of(before, each, noise, base)
+    return min(worse, apart) <= MARGIN
+
+
+def delta_of(
+    before: Left, each: Tried, noise: Sequence[ResidualScatter], base: Identification
+) -> float:
+    """By how much the Bayesian information criterion falls with an effect, over a noise."""
+    return delta_bic(before, each.left, noise, each.left.count - before.count)
+
+
+def plain_bic(left: Left) -> float:
+    """Of a fit by itself: the size of its noise is read from what it leaves."""
+    points = sum(len(value) for value in left.residuals)
+    variance = max(power_of(left), 1e-300) / max(points - left.lines, 1)
+    return float(points * np.log(variance) + left.count * np.log(points))
+
+
+def power_of(left: Left) -> float:
+    """Sum of squares of all that is left."""
+    return sum(float(np.sum(value**2)) for value in left.residuals)
+
+
+def noise_of_both(before: Left, best: Left) -> list[ResidualScatter]:
+    """The noise of each test: read where the least else is left."""
+    noise = list(before.scatters)
+    for i, (old, new) in enumerate(zip(before.residuals, best.residuals, strict=True)):
+        # The best of all tests together may be worse for one of them.
+        if np.sum(new**2) <= np.sum(old**2):
+            noise[i] = best.scatters[i]
+    return noise

@@ -1,0 +1,75 @@
+"""Noise that swings, or is one over f, is noise: and what is missed beside it is still missed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from springpot.timetests.colour import colour_of
+from springpot.timetests.scatter import MEMORIES, ResidualScatter, scatter_of
+
+N = 500
+SEEDS = range(20)
+
+
+def swinging(seed):
+    """A channel that rings: poles of radius 0.85 at one radian a sample."""
+    white = np.random.default_rng(seed).normal(size=N + 200)
+    return lfilter([1.0], [1.0, -2.0 * 0.85 * np.cos(1.0), 0.85**2], white)[200:]
+
+
+def one_over_f(seed):
+    """White noise integrated by half an order, without the trend that a model would take."""
+    count = 4 * N
+    k = np.arange(1, count)
+    response = np.concatenate([[1.0], np.cumprod((k - 0.5) / k)])
+    white = np.random.default_rng(seed).normal(size=2 * count)
+    noise = np.convolve(white, response)[count : count + N]
+    slow = np.linalg.qr(np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, N), 2))[0]
+    return noise - slow @ (slow.T @ noise)
+
+
+def test_noise_that_is_one_over_f_is_seldom_a_misfit():
+    # By a memory of one sample alone three of four are.
+    assert np.mean([scatter_of(one_over_f(seed)).misfit for seed in SEEDS]) <= 0.35
+
+
+@pytest.mark.parametrize("noise", [swinging, one_over_f])
+def test_what_is_missed_beside_it_is_told(noise):
+    bump = 8.0 * np.exp(-0.5 * ((np.arange(N) - 300.0) / 15.0) ** 2)
+    seen = [scatter_of(noise(seed) + bump * np.std(noise(seed))).misfit for seed in SEEDS]
+    assert np.mean(seen) >= 0.9
+
+
+@pytest.mark.parametrize("noise", [swinging, one_over_f])
+def test_whitened_noise_is_as_large_at_all_frequencies(noise):
+    white = []
+    for seed in SEEDS:
+        if (colour := colour_of(noise(seed), MEMORIES)) is not None:
+            white.append(ResidualScatter(1.0, 0.0, 0.0, 1.0, colour=colour).whitened(noise(seed)))
+    # By octaves of the cosine transform: what a memory of one sample leaves is 3 to 20 there.
+    squares = np.mean(np.array(white) ** 2, axis=0)
+    octaves = [squares[2**k : 2 ** (k + 1)].mean() for k in range(4, 8)]
+    assert len(white) >= 10
+    assert 0.6 < min(octaves) <= max(octaves) < 1.6
+
+
+def test_a_memory_of_one_sample_and_a_random_walk_have_none():
+    rng = np.random.default_rng(2)
+    alike = lfilter([1.0], [1.0, -0.5], rng.normal(size=N))
+    walk = rng.normal(size=N) + 0.2 * np.cumsum(rng.normal(size=N))
+    assert colour_of(alike, MEMORIES) is None
+    assert scatter_of(walk).misfit
+
+
+def test_a_story_may_have_noise_of_its_own_for_the_price_of_a_wider_one():
+    residual = swinging(3)
+    white = ResidualScatter(1.0, 0.0, 0.0, 1.0)
+    own = ResidualScatter(2.0, 0.0, 0.0, 1.0, colour=colour_of(residual, MEMORIES))
+    wider = max(np.sum(np.log(own.spectrum(N))) + own.colour.count * np.log(N), 0.0)
+    assert white.squares(residual, own) == pytest.approx(own.surprise(residual) + wider)
+    assert white.squares(residual, own) < white.surprise(residual)
+    # That of a misfit is no excuse for it.
+    missed = ResidualScatter(own.size, own.memory, 1e3, 1.0, colour=own.colour)
+    assert white.squares(residual, missed) == white.surprise(residual)

@@ -1,0 +1,87 @@
+"""Two effects that hide each other in a record are found together, and no more than these."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from springpot.diagnosis.neighbours import go_on_to_neighbours
+from springpot.measurement import TimeTest
+from springpot.registry import parse_model, plugins
+from springpot.timetests import discover, recorded
+from springpot.timetests.sets import FoundSet
+
+NAMES = ("force-drift", "thermal-force", "cubic-stiffness", "friction", "asymmetric-stiffness")
+
+
+def record(model, **values):
+    """A force on a maxwell element and what is beside it, with noise of 0.3 N."""
+    grown, t = parse_model(model), np.linspace(0.0, 12.0, 160)
+    x = np.sin(1.3 * t) * (1.0 + 0.3 * np.sin(0.4 * t))
+    plan = TimeTest.of_history(t, x, np.ones(160), "m", "N", control="displacement")
+    force = recorded(grown, grown.vector({"k": 100.0, "c": 150.0} | values), plan).value
+    noise = 0.3 * np.random.default_rng(5).normal(size=160)
+    return TimeTest.of_history(t, x, force + noise, "m", "N", control="displacement")
+
+
+def test_two_effects_of_which_neither_explains_much_are_accepted_together():
+    values = {"asymmetric-stiffness.k2": 20.0, "force-drift.rate": 3.0}
+    test = record("maxwell + asymmetric-stiffness + force-drift", **values)
+    found = discover([test], "maxwell", [plugins().effect(name) for name in NAMES])
+    # Alone each explains next to nothing, and no single one is beyond doubt.
+    assert found.steps[0].diagnosis.verdict == "unexplained"
+    assert len(found.steps[0].diagnosis.leading) != 1
+    accepted = {step.accepted for step in found.steps[1:]}
+    assert accepted == {"asymmetric-stiffness", "force-drift"}
+    assert found.verdict == "adequate"
+    for name, size in values.items():
+        assert found.steps[-1].parameters[name].value == pytest.approx(size, rel=0.1)
+
+
+@dataclass(frozen=True)
+class Toy:
+    """A set of letters."""
+
+    key: tuple[str, ...]
+
+
+class Toys:
+    """Sets that are the better the more they share with a hidden one, and the smaller."""
+
+    def __init__(self, hidden, begun):
+        self.hidden, self.known = set(hidden), {tuple(begun)}
+
+    def likeliest(self):
+        def misses(key):
+            return len(self.hidden ^ set(key)), key
+
+        return [Toy(key) for key in sorted(self.known, key=misses)]
+
+    def open(self, near):
+        self.known |= {tuple(sorted({*one.key, new})) for one in near for new in "abd"}
+
+    def exchange(self, best):
+        for old in best.key:
+            self.known |= {tuple(sorted({*best.key, new} - {old})) for new in "abcd"}
+
+
+def test_a_search_ends_where_neither_more_nor_others_help():
+    toys = Toys("cd", "b")
+    go_on_to_neighbours(toys, 2)
+    assert toys.likeliest()[0].key == ("c", "d")
+
+
+def test_what_may_stand_in_a_place_stands_beside_the_same_others():
+    drift, stiff = plugins().effect("force-drift"), plugins().effect("cubic-stiffness")
+    rivals = (
+        ("cubic-stiffness", "force-drift"),
+        ("cubic-stiffness", "thermal-force"),
+        ("asymmetric-stiffness", "thermal-force"),
+    )
+    found = FoundSet((drift, stiff), None, rivals)
+    assert found.places() == {
+        "force-drift": ("force-drift", "thermal-force"),
+        "cubic-stiffness": ("cubic-stiffness",),
+    }
