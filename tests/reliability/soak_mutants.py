@@ -67,6 +67,11 @@ HARMLESS = {
         "spare >= 0.5",
     ): "what is a whole number to rounding is no half",
     (
+        "identification/material_fit.py",
+        "lower = [end for end in _on_laws(search, measurement, objective) if end.cost < best.cost]",
+        "end.cost <= best.cost",
+    ): "costs that are equal to the last bit",
+    (
         "identification/robust.py",
         "spare, counts = max(begun.dof, 1), np.ones(len(begun.residual))",
         "2",
