@@ -11,8 +11,10 @@ from __future__ import annotations
 
 import csv
 import sys
+from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -33,6 +35,10 @@ from springpot.identification.problem import Problem, SpecimenProblem
 from springpot.identification.recorder import Recorder
 from springpot.measurement import DataSet, Measured
 from springpot.rheology import Real
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.text import Text
 
 SUITE, TARGET = "springpot-60", 1e-6
 ROUNDING = 1e-12
@@ -149,15 +155,52 @@ def draw_map(folder: Path) -> None:
         for part, colour, marker in zip(PARTS, COLOURS, MARKERS, strict=False):
             here = [i for i, each in enumerate(measured.values()) if each.part == part]
             ax.scatter(*places[here].T, color=colour, marker=marker, label=part, s=34)
-        for name, place in zip(measured, places, strict=True):
-            ax.annotate(
-                _short(name), place, (4, 3), textcoords="offset points", fontsize=6, color=INK
-            )
-        for key, arrow in zip(keys, 2.5 * plane.T, strict=True):
-            ax.annotate("", arrow, (0.0, 0.0), arrowprops={"arrowstyle": "->", "color": "0.6"})
-            ax.text(*(1.12 * arrow), key, color="0.45", fontsize=8, ha="center")
+        told = []
+        for key, arrow in zip(keys, 3.0 * plane.T, strict=True):
+            ax.annotate("", arrow, (0.0, 0.0), arrowprops={"arrowstyle": "->", "color": "0.8"})
+            told.append(ax.text(*(1.14 * arrow), key, color="0.45", fontsize=8, ha="center"))
         ax.set(xlabel="first principal component", ylabel="second principal component")
         legend_above(figure, ax, "The sixty problems by their measured features")
+        _name(ax, [_short(name) for name in measured], places, told)
+
+
+AROUND = np.pi / 8.0 * np.arange(16.0)
+AWAY = [(r * np.cos(a), r * np.sin(a)) for r in (6.0, 12.0, 20.0, 30.0, 42.0) for a in AROUND]
+"""Where a name may stand beside its point, in points of print."""
+
+
+def _name(ax: Axes, names: Sequence[str], places: Real, told: Sequence[Text]) -> None:
+    """Write names beside their points, each at the nearest place where it hides nothing."""
+    from matplotlib.text import Text
+    from matplotlib.transforms import Bbox
+
+    ax.figure.canvas.draw()
+    taken = [text.get_window_extent() for text in told]
+    taken += [Bbox.from_bounds(x - 5, y - 5, 10, 10) for x, y in ax.transData.transform(places)]
+    # The crowded ones first, while there is room.
+    apart = np.linalg.norm(places[:, None] - places, axis=2)
+    for i in np.argsort(np.sort(apart, axis=1)[:, 1:4].sum(axis=1)):
+        for away in AWAY:
+            side = ("right", "center", "left")[1 + int(np.sign(np.round(away[0])))]
+            note = ax.annotate(
+                names[i],
+                places[i],
+                away,
+                textcoords="offset points",
+                fontsize=6,
+                color=INK,
+                ha=side,
+                va="center",
+                arrowprops={"arrowstyle": "-", "color": "0.6", "lw": 0.4, "shrinkB": 2},
+            )
+            # Only now does it know its place; its line may cross what it likes.
+            note.get_window_extent()
+            box = Text.get_window_extent(note)
+            free = box.count_overlaps(taken) == 0 and ax.bbox.containsx(box.x1)
+            if free and ax.bbox.containsx(box.x0):
+                break
+            note.remove()
+        taken.append(box)
 
 
 if __name__ == "__main__":
