@@ -107,7 +107,9 @@ class Auto(Optimiser):
 
     def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
         """Look, make the best exact, choose, and go on with what was chosen."""
-        seen = looked(problem, max(1, int(self.share * budget)), rng)
+        # A common start has been evaluated already.
+        limit = problem.evaluations + max(1, int(self.share * budget))
+        seen = looked(problem, limit, rng)
         LeastSquares().descend(Misfit(problem), problem.best_x)
         name, why = chosen(seen)
         problem.remark(f"{name} was chosen to take turns with descents: {why}")
