@@ -118,3 +118,17 @@ def test_how_far_a_shift_sets_two_sweeps_apart_is_told_in_decades():
     levels = np.array([20.0, 10.0, 0.0])
     known = Allowed("temperature", levels, *ends, np.ones((3, 3), dtype=bool))
     assert "10 degC and 0 degC apart by 3 decades" in known.broken_by(decades)
+
+
+def test_an_activation_energy_near_the_glass_transition_is_within_bounds():
+    draw, energy, celsius = np.random.default_rng(1), 1300.0, (88.0, 90.0, 92.0, 94.0, 96.0)
+    omega, temperature = np.tile(np.geomspace(0.1, 100.0, 16), 5), np.repeat(celsius, 16)
+    moved = energy / 0.00831446 * (1.0 / (temperature + 273.15) - 1.0 / 365.15)
+    root = np.sqrt(1j * omega * np.exp(moved))
+    noise = 0.01 * (draw.normal(size=80) + 1j * draw.normal(size=80))
+    modulus = (1.0 + 1e3 * root / (1.0 + root)) * (1.0 + noise)
+    data = springpot.Measurement(omega, modulus, conditions={"temperature": temperature})
+    fit = springpot.identify(data, "material + arrhenius-shift")
+    value = fit.parameters["arrhenius-shift.Ea"]
+    assert value.low < energy < value.high
+    assert value.value == pytest.approx(energy, rel=0.03)

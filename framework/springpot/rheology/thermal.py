@@ -17,8 +17,12 @@ ACTIVATION = Dimension(label="kJ/mol")
 
 
 def activation_energy(name: str = "Ea", typical: float = 50.0) -> Parameter:
-    """An activation energy in kJ/mol."""
-    return Parameter(name, "E_a", ACTIVATION, 0.0, 1e3, typical=typical)
+    """An activation energy in kJ/mol.
+
+    At the glass transition it is R T_g m ln 10 with the fragility m: 1,270 at 350 K for one of 190
+    (Qin and McKenna 2006, doi:10.1016/j.jnoncrysol.2006.04.014).
+    """
+    return Parameter(name, "E_a", ACTIVATION, 0.0, 2e3, typical=typical)
 
 
 def bounded_shift(value: Any, slopes: tuple[Any, ...]) -> Any:
