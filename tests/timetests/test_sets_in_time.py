@@ -69,7 +69,7 @@ class Toys:
 
 def test_a_search_ends_where_neither_more_nor_others_help():
     toys = Toys("cd", "b")
-    go_on_to_neighbours(toys, 2)
+    go_on_to_neighbours(toys)
     assert toys.likeliest()[0].key == ("c", "d")
 
 

@@ -371,6 +371,11 @@ def replaced_by(
     return kept
 
 
+def with_rivals(steps: Sequence[Step], places: Mapping[str | None, tuple[str, ...]]) -> list[Step]:
+    """The rungs with what may stand in the place of each accepted effect."""
+    return [replace(step, alike=places.get(step.accepted, step.alike)) for step in steps]
+
+
 def _ladder(steps: Sequence[Step], refused: Mapping[str, str]) -> Ladder:
     """The ladder that ends with the last of these steps."""
     last = steps[-1].diagnosis
@@ -513,8 +518,7 @@ class SweepRungs:
         kept = replaced_by(self, steps, found.effects, progress)
         if kept is steps:
             return steps
-        alike = found.places()
-        return [replace(step, alike=alike.get(step.accepted, step.alike)) for step in kept]
+        return with_rivals(kept, found.places())
 
 
 # Beside the starts read off the data: those know nothing of what the rung before has found.

@@ -40,19 +40,17 @@ class Sets(Protocol[S]):
         ...
 
 
-def go_on_to_neighbours(sets: Sets[S], beam: int = SEARCH.beam) -> None:
+def go_on_to_neighbours(sets: Sets[S]) -> None:
     """Go on to sets that are neighbours of the best, until none is better.
 
     Parameters
     ----------
     sets : Sets
         With those to begin with.
-    beam : int
-        How many of the likeliest are opened at once.
     """
     opened: set[tuple[str, ...]] = set()
     exchanged: set[tuple[str, ...]] = set()
-    while near := sets.likeliest()[:beam]:
+    while near := sets.likeliest()[: SEARCH.beam]:
         if near[0].key not in opened:
             new = [one for one in near if one.key not in opened]
             opened.update(one.key for one in new)

@@ -19,7 +19,15 @@ from numpy.typing import NDArray
 from springpot.nonnegative import non_negative
 from springpot.rheology.points import Real
 
-from ..numerics import ALIKE, NEGLIGIBLE, NORMAL, ROUNDING, SMALLEST
+from ..numerics import (
+    ALIKE,
+    FOURTH_WORTH,
+    MEDIAN_WORTH,
+    NEGLIGIBLE,
+    NORMAL,
+    ROUNDING,
+    SMALLEST,
+)
 from .measurement import Measurement
 from .timetest import TimeTest
 
@@ -39,11 +47,6 @@ FEWEST_IN_BIN = 16
 """Samples of a level of the signal whose scatter is worth a number."""
 ROUNDS = 6
 """Of reweighting: after four the parts change in the third digit only."""
-EFFICIENCY, OF_DIFFERENCES = 0.37, 0.38
-"""Share of the samples that a median of absolute values uses, and that fourth differences do.
-
-Their variances are 1/0.37 and 1/0.38 of the best one's: neighbouring differences share samples.
-"""
 PLAINLY = 4.0
 """By which two parts must be likelier than one (twice the logarithm): a chance of 5 %."""
 DOUBTED = 0.05
@@ -116,8 +119,8 @@ def noise_of(test: TimeTest, misfit: Real | None = None, *, all_noise: bool = Fa
         absolute = 0.1 * ASSUMED * float(np.abs(test.response).max())
         return SignalNoise(np.hypot(ASSUMED * size, absolute), absolute, ASSUMED, False)
     if misfit is not None and all_noise:
-        return _noise(test, _parts(misfit, size, EFFICIENCY))
-    return _noise(test, _parts(*_told_by(test, misfit), EFFICIENCY * OF_DIFFERENCES))
+        return _noise(test, _two_parts(misfit, size, MEDIAN_WORTH))
+    return _noise(test, _two_parts(*_told_by(test, misfit), MEDIAN_WORTH * FOURTH_WORTH))
 
 
 def noise_of_alike(tests: Sequence[TimeTest]) -> list[SignalNoise]:
@@ -147,8 +150,10 @@ def noise_of_alike(tests: Sequence[TimeTest]) -> list[SignalNoise]:
     alike = [i for i, noise in enumerate(noises) if noise.estimated]
     told = {i: _told_by(tests[i], None) for i in alike}
     while len(alike) > 1:
-        scatter, level = (np.concatenate([told[i][k] for i in alike]) for k in (0, 1))
-        together = _parts(scatter, level, EFFICIENCY * OF_DIFFERENCES)
+        scatters, levels = zip(*(told[i] for i in alike), strict=True)
+        together = _two_parts(
+            np.concatenate(scatters), np.concatenate(levels), MEDIAN_WORTH * FOURTH_WORTH
+        )
         sizes = [np.median(np.abs(told[i][0]) / together.at(told[i][1])) for i in alike]
         unlike = _unlike(NORMAL * np.array(sizes), np.array([noises[i].worth for i in alike]))
         if unlike is None:
@@ -290,26 +295,19 @@ def _scatter(clock: Real, signal: Real) -> Real:
     return scatter
 
 
-def _parts(scatter: Real, level: Real, efficiency: float) -> _Parts:
-    """Parts of the noise from its robust size at each level of the signal.
-
-    A sample of the scatter is worth `efficiency`.
-    """
-    return _Parts(*_two_parts(scatter, level, efficiency), efficiency * len(scatter))
-
-
-def _two_parts(
-    scatter: Real, level: Real, efficiency: float
-) -> tuple[float, float, _Levels | None]:
+def _two_parts(scatter: Real, level: Real, efficiency: float) -> _Parts:
     """Constant and proportional part of the noise; its levels, where these rule both out.
+
+    From its robust size at each level of the signal, a sample of the scatter worth `efficiency`.
 
     Both are fitted only where one alone explains the levels plainly worse: a small part that is not
     there would otherwise be found by chance, and make the noise too large where the signal is
     small.
     """
+    whole = efficiency * len(scatter)
     least = max(float(level.min()), ROUNDING * float(level.max()))
     if level.max() < WIDE * least:
-        return NORMAL * float(np.median(np.abs(scatter))), 0.0, None
+        return _Parts(NORMAL * float(np.median(np.abs(scatter))), 0.0, None, whole)
     order = np.argsort(level)
     groups = np.array_split(order, min(BINS, max(2, len(order) // FEWEST_IN_BIN)))
     size = np.array([np.median(level[group]) for group in groups])
@@ -318,7 +316,7 @@ def _two_parts(
     # Of groups without any scatter (printed digits that repeat) nothing is known.
     known = spread > 0.0
     if not known.any():
-        return 0.0, 0.0, None
+        return _Parts(0.0, 0.0, None, whole)
     columns = np.column_stack([np.ones_like(size), size**2])[known]
     # The square of an uncertain number is too large by its variance, 1/(2 n) of n independent ones.
     power = spread[known] ** 2 / (1.0 + 0.5 / worth[known])
@@ -331,12 +329,13 @@ def _two_parts(
     parts, cost = map(np.array, zip(*alone, strict=True))
     # Both kinds at once only where the data plainly ask for it.
     if both[1] < cost.min() - PLAINLY:
-        return float(np.sqrt(both[0][0])), float(np.sqrt(both[0][1])), levels
+        constant, in_proportion = both[0]
+        return _Parts(float(np.sqrt(constant)), float(np.sqrt(in_proportion)), levels, whole)
     # Where they do not tell one from the other, the mean of what these say: else a few small
     # samples would count for all others.
     chance = np.exp(-0.5 * (cost - cost.min()))
     constant, in_proportion = chance @ parts / chance.sum()
-    return float(np.sqrt(constant)), float(np.sqrt(in_proportion)), levels
+    return _Parts(float(np.sqrt(constant)), float(np.sqrt(in_proportion)), levels, whole)
 
 
 def _fitted(columns: Real, levels: _Levels) -> tuple[Real, float]:

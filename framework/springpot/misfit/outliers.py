@@ -184,6 +184,7 @@ def _ripple(frame: NoiseFrame, followed: Real, scatter: Trimmed) -> float:
     if first + 1 >= len(power):
         return 0.0
     taken = np.sum(spectrum(frame.measurement, followed.T), axis=0)
+    # Half a wave at least: where curves take all, the power is nothing too.
     pairs = np.maximum(lines - 0.5 * taken, 0.5)
     chances = gamma_sf(power / (2.0 * scatter.variance), pairs)
     peak = first + int(np.argmin(chances[first:]))

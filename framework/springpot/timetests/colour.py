@@ -19,7 +19,7 @@ import numpy as np
 from springpot.rheology.points import Real
 from springpot.thresholds import SCATTER
 
-from ..numerics import NORMAL
+from ..numerics import MEDIAN_WORTH, NORMAL
 
 SLOWEST = 16
 """Half waves along a record in which there may be a misfit, and nothing is read of the noise."""
@@ -31,8 +31,6 @@ AROUND = 5
 """Neighbouring frequencies of whose powers in all stretches the median is taken."""
 OF_MEDIAN = 1.0 / NORMAL**2
 """Median of the square of a normal number of variance one."""
-EFFICIENT = 0.37
-"""Share of the numbers that a median uses, as of absolute values."""
 ORDERS = 8
 """Samples back that an autoregression looks at most: a mean over five is followed by as many."""
 LONGEST = 0.75
@@ -91,7 +89,7 @@ def colour_of(residual: Real, memories: Real) -> Colour | None:
         return None
     first = SLOWEST // STRETCHES + 1
     beyond, level = omega[first:], level[first:]
-    worth = EFFICIENT * STRETCHES * len(level)
+    worth = MEDIAN_WORTH * STRETCHES * len(level)
     price = float(np.log(worth))
     shapes = 1.0 / np.abs(1.0 - memories[:, None] * np.exp(-1j * beyond)) ** 2
     plain = min(_cost(level, shape, worth) for shape in shapes) + price
@@ -123,18 +121,30 @@ def _continuum(residual: Real) -> tuple[Real, Real]:
     what happens once is in one of them alone, and that of the whole, in which a loop that comes by
     again is lines.
     """
-    from scipy.fft import dct
-
     count = len(residual) // STRETCHES
     kept = residual[: STRETCHES * count]
-    stretches = dct(kept.reshape(STRETCHES, count), norm="ortho") ** 2
-    whole = (dct(kept, norm="ortho") ** 2).reshape(count, STRETCHES).T
+    stretches = transformed(kept.reshape(STRETCHES, count)) ** 2
+    whole = (transformed(kept) ** 2).reshape(count, STRETCHES).T
     levels = []
     for power in (stretches, whole):
         padded = np.pad(power, ((0, 0), (AROUND // 2, AROUND // 2)), mode="reflect")
         near = np.lib.stride_tricks.sliding_window_view(padded, AROUND, axis=1)
         levels.append(np.median(near, axis=(0, 2)) / OF_MEDIAN)
-    return np.pi * np.arange(count) / count, np.minimum(*levels)
+    return frequencies(count), np.minimum(*levels)
+
+
+def transformed(values: Real, back: bool = False) -> Real:
+    """The cosine transform of values (..., n), or the values of a transform."""
+    from scipy.fft import dct, idct
+
+    if back:
+        return np.asarray(idct(values, norm="ortho"), dtype=np.float64)
+    return np.asarray(dct(values, norm="ortho"), dtype=np.float64)
+
+
+def frequencies(count: int) -> Real:
+    """Those of a cosine transform of so many samples, in radians a sample."""
+    return np.asarray(np.pi * np.arange(count) / count, dtype=np.float64)
 
 
 def _rise(omega: Real, corner: float) -> Real:

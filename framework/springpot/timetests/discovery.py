@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Container, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from springpot.diagnosis.examination import Progress, silent
 from springpot.diagnosis.in_practice import Accuracy
-from springpot.diagnosis.ladder import Ladder, Reached, Step, climbed, replaced_by
+from springpot.diagnosis.ladder import Ladder, Reached, Step, climbed, replaced_by, with_rivals
 from springpot.plain_data import alive
 from springpot.registry import parse_model, plugins
 from springpot.rheology.effect import Effect
@@ -129,7 +129,7 @@ class TimeRungs:
         for found in self.sets:
             # A set that was taken whole has been held beside all others.
             if sorted(map(str, accepted)) == sorted(effect.name for effect in found.effects):
-                return _with_rivals(steps, found)
+                return with_rivals(steps, found.places())
         if not accepted or (adequate and len(accepted) == 1):
             return steps
         likeliest = likeliest_set([self._case(step) for step in steps])
@@ -139,13 +139,7 @@ class TimeRungs:
         kept = replaced_by(self, steps, likeliest.effects, progress)
         if kept is steps:
             return steps
-        return _with_rivals(kept, likeliest)
+        return with_rivals(kept, likeliest.places())
 
     def _case(self, step: Step) -> TimeCase:
         return alive(step.examined, TimeCase, f"the step {step.model.name}")
-
-
-def _with_rivals(steps: Sequence[Step], found: FoundSet) -> list[Step]:
-    """The rungs with what may stand in the place of each."""
-    alike = found.places()
-    return [replace(step, alike=alike.get(step.accepted, step.alike)) for step in steps]

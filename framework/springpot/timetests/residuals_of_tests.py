@@ -585,12 +585,10 @@ def parts_of_specimen(
         noise = [None] * len(tests)
     units = units_of(tests)
     alike = [_in_units(test, units) for test in tests]
-    unknown = [test for test, own in zip(alike, noise, strict=True) if own is None]
-    together = _told_together(tuple(test for test in unknown if isinstance(test, TimeTest)))
-    return [
-        (own is None and together.get(test)) or part_of(test, own)
-        for test, own in zip(alike, noise, strict=True)
-    ]
+    pairs = list(zip(alike, noise, strict=True))
+    unknown = [test for test, own in pairs if own is None and isinstance(test, TimeTest)]
+    together = _told_together(tuple(unknown))
+    return [together.get(test) or part_of(test, own) for test, own in pairs]
 
 
 @lru_cache(maxsize=64)

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 
 from springpot.rheology.points import Real
 
-from ..numerics import ALIKE, NORMAL
-from .colour import SLOWEST, Colour, colour_of
+from ..numerics import ALIKE, FOURTH_WORTH, MEDIAN_WORTH, NORMAL
+from .colour import SLOWEST, Colour, colour_of, frequencies, transformed
 
 FEWEST = 40
 """Samples below which a spectrum tells nothing.
@@ -58,12 +58,8 @@ to the usual ones from which it is."""
 TAILS = 3.0
 """Standard deviations of noise to which a sample is cut before a jump is looked for: a single one
 that is further off is an outlier."""
-CLIP = 0.37
-"""Efficiency of a median of absolute values."""
 EFFICIENT = 18.0 / 35.0
-"""The same of second differences (von Neumann et al. 1941, doi:10.1214/aoms/1177731746)."""
-OF_FOURTH = 0.38
-"""The same of fourth differences: what goes up and down over four points is no noise to them."""
+"""Efficiency of second differences (von Neumann et al. 1941, doi:10.1214/aoms/1177731746)."""
 LEVEL = 4
 """Samples on either side of a jump at least: two that are off by chance are none yet."""
 
@@ -123,7 +119,7 @@ class ResidualScatter:
         """So many of the squares of `count` samples are independent (Satterthwaite 1946)."""
         if self.colour is None:
             return count * (1.0 - self.memory**2) / (1.0 + self.memory**2)
-        spectrum = self.colour.spectrum(_frequencies(count))
+        spectrum = self.colour.spectrum(frequencies(count))
         return float(np.sum(spectrum)) ** 2 / float(np.sum(spectrum**2))
 
     def squares(self, residual: Real, own: ResidualScatter) -> float:
@@ -140,8 +136,8 @@ class ResidualScatter:
     def spectrum(self, count: int) -> Real:
         """Variance of each number of the cosine transform of `count` samples."""
         if self.colour is None:
-            return _spectrum(_frequencies(count), self.size, self.memory)
-        return self.colour.spectrum(_frequencies(count))
+            return _spectrum(frequencies(count), self.size, self.memory)
+        return self.colour.spectrum(frequencies(count))
 
     def surprise(self, residual: Real) -> float:
         """Minus twice the logarithm of the likelihood of a residual (n,), but for a constant.
@@ -158,7 +154,7 @@ class ResidualScatter:
     def whitened(self, residual: Real) -> Real:
         """A residual of which noise would leave independent numbers of variance one."""
         if self.colour is not None:
-            return _transformed(residual) / np.sqrt(self.spectrum(len(residual)))
+            return transformed(residual) / np.sqrt(self.spectrum(len(residual)))
         before = np.concatenate([[0.0], residual[:-1]])
         # What each sample tells beyond the one before it.
         white = (residual - self.memory * before) / (self.size * np.sqrt(1.0 - self.memory**2))
@@ -186,7 +182,7 @@ def scatter_of(residual: Real, usual: float = 0.0, worth: float = 0.0) -> Residu
     residual = residual[_scattered(residual)]
     n = len(residual)
     if n < FEWEST:
-        worth = max(0.5 * CLIP * n, worth)
+        worth = max(0.5 * MEDIAN_WORTH * n, worth)
         return ResidualScatter(1.0, 0.0, 0.0, _chance(float(np.mean(residual**2)), n, worth), worth)
     power, omega = powers(residual)
     upper = omega > UPPER * np.pi
@@ -218,7 +214,7 @@ def _colour_beside(residual: Real, power: Real, memory: Real) -> Colour | None:
     colour = colour_of(residual, MEMORIES)
     if colour is None:
         return None
-    omega = _frequencies(len(power))
+    omega = frequencies(len(power))
     upper = omega > UPPER * np.pi
     spectrum = colour.spectrum(omega)
     scale = float(np.mean(power[upper] / spectrum[upper]))
@@ -240,22 +236,22 @@ def _coloured(
     residual: Real, colour: Colour, plain: ResidualScatter, usual: float
 ) -> ResidualScatter:
     """The same where noise has another spectrum than that of a first-order memory."""
-    spectrum = colour.spectrum(_frequencies(len(residual)))
+    spectrum = colour.spectrum(frequencies(len(residual)))
     # White in time as in frequency: with no delay, a misfit stays where it is.
-    white = _transformed(_transformed(residual) / np.sqrt(spectrum), back=True)
+    white = transformed(transformed(residual) / np.sqrt(spectrum), back=True)
     power, omega = powers(residual)
     first = _log_likelihood(power, _spectrum(omega, *_fitted(power, omega)))
     # Where a first-order memory makes all of it likelier, that is the story without a misfit.
     alone = max(first - _log_likelihood(power, spectrum), 0.0)
-    smooth = _beyond(_transformed(residual / rougher(residual)) ** 2 / spectrum)
+    smooth = _beyond(transformed(residual / rougher(residual)) ** 2 / spectrum)
     excess = 2.0 * (max(smooth, _of_a_jump(white)) - alone) - usual
     # What is missed in one part of a record is no noise of all of it.
     found = replace(plain, excess=excess, colour=colour)
     if not found.misfit:
         # All that is left is noise.
-        scale = float(np.mean(_transformed(residual) ** 2 / spectrum))
+        scale = float(np.mean(transformed(residual) ** 2 / spectrum))
         colour = replace(colour, variance=scale * colour.variance)
-    size = float(np.sqrt(np.mean(colour.spectrum(_frequencies(len(residual))))))
+    size = float(np.sqrt(np.mean(colour.spectrum(frequencies(len(residual))))))
     return replace(found, size=size, colour=colour)
 
 
@@ -272,11 +268,11 @@ def scatter_of_sweep(residual: Real, known: bool) -> ResidualScatter:
 
     halves, count = residual.reshape(2, -1), len(residual)
     power = float(residual @ residual) / count
-    apart, worth = 1.0, 0.5 * CLIP * count
+    apart, worth = 1.0, 0.5 * MEDIAN_WORTH * count
     told = not known and count >= 2 * FEWEST_POINTS
     if told:
         apart = max(float(np.sqrt(np.mean(np.diff(halves, 4) ** 2) / 70.0)), 1e-300)
-        worth = OF_FOURTH * count
+        worth = FOURTH_WORTH * count
     if known:
         worth = np.inf
     alike = float(np.sum(halves[:, 1:] * halves[:, :-1])) / max(count * power, 1e-300)
@@ -336,21 +332,7 @@ def powers(residual: Real) -> tuple[Real, Real]:
     autoregression it is nearly the transform to independent numbers (Ahmed, Natarajan & Rao 1974,
     doi:10.1109/T-C.1974.223784).
     """
-    return _transformed(residual) ** 2, _frequencies(len(residual))
-
-
-def _transformed(values: Real, back: bool = False) -> Real:
-    """The cosine transform of values (n,), or the values of a transform."""
-    from scipy.fft import dct, idct
-
-    if back:
-        return np.asarray(idct(values, norm="ortho"), dtype=np.float64)
-    return np.asarray(dct(values, norm="ortho"), dtype=np.float64)
-
-
-def _frequencies(count: int) -> Real:
-    """Those of a cosine transform of so many samples, in radians a sample."""
-    return np.asarray(np.pi * np.arange(count) / count, dtype=np.float64)
+    return transformed(residual) ** 2, frequencies(len(residual))
 
 
 def _spectrum(omega: Real, size: float, memory: float) -> Real:
@@ -377,7 +359,7 @@ def _beyond(ratio: Real) -> float:
 
     Of the octaves below the upper part.
     """
-    omega = _frequencies(len(ratio))
+    omega = frequencies(len(ratio))
     edges = UPPER * np.pi * 0.5 ** np.arange(GROUPS, -1.0, -1.0)
     # A mean that is missed belongs to the lowest.
     edges[0] = -1.0
@@ -601,7 +583,7 @@ def _worst(values: Real, memory: float, worth: float) -> float:
         # is larger.
         bends = np.diff(part, 2)
         rough = float(bends @ bends) / max(len(bends), 1) / (6.0 - 8.0 * memory + 2.0 * memory**2)
-        chances.append(_chance(size, count / PARTS, CLIP * count))
+        chances.append(_chance(size, count / PARTS, MEDIAN_WORTH * count))
         if rough > 1.0:
             chances[-1] = _chance(size / rough, count / PARTS, EFFICIENT * count / PARTS)
     return PARTS * min(chances)

@@ -28,8 +28,6 @@ MOST = 3
 """Effects of a set at most."""
 STARTS = 1
 """Places in the parameters of an effect from which its fit beside others begins."""
-BEAM = 4
-"""Of the likeliest sets, opened at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -249,7 +247,7 @@ def best_set(sets: TimeSets, fewer: int) -> FoundSet | None:
     fewer : int
         Effects of which a set is none that is looked for.
     """
-    go_on_to_neighbours(sets, BEAM)
+    go_on_to_neighbours(sets)
     first = sets.settle()
     noise = noise_of_both(sets.fitted[()].left, first.left)
     # The smallest that is not beyond doubt worse: what more effects explain may be chance.
