@@ -1,7 +1,7 @@
 """What a problem is like: features that are measured on it, and on no optimiser's results.
 
-Those of a suite are measured with its optimum known, `features_of`; what a user's own data may cost
-before an optimiser is chosen is in `springpot.benchmark.choosing`.
+Those of a suite are measured with its optimum known. What an optimiser may see of a user's own data
+is another matter: `springpot_plugins.optimisers.auto.Seen`.
 """
 
 from __future__ import annotations
@@ -129,6 +129,9 @@ def parts_of(measured: Mapping[str, Features]) -> dict[str, str]:
     easy = set(order[: int(EASY * len(names))].tolist())
     found = {}
     for i, name in enumerate(names):
-        misled = measured[name].lure > 0.0 or measured[name].funnel < 0.0
-        found[name] = "easy" if i in easy else ("deceptive" if misled else "hard")
+        found[name] = "hard"
+        if i in easy:
+            found[name] = "easy"
+        elif measured[name].lure > 0.0 or measured[name].funnel < 0.0:
+            found[name] = "deceptive"
     return found

@@ -529,7 +529,7 @@ class BoundedDescent:
         """Where descents from points (s, d) of the box end (s, d), and their objectives (s,)."""
         low, high = self._inner(self.recorder.lower), self._inner(self.recorder.upper)
         end = levenberg_marquardt(self._evaluate, self._inner(x), low, high)
-        return np.exp(end.u, out=np.array(end.u), where=self._log), end.cost
+        return self._outer(end.u), end.cost
 
     def _admitted(self, x: Real) -> Real:
         """The points that are finite, moved into the box."""
@@ -539,9 +539,13 @@ class BoundedDescent:
         """Inner coordinates of search points (..., d)."""
         return np.log(x, out=np.array(x), where=self._log)
 
+    def _outer(self, y: Real) -> Real:
+        """Search points of inner coordinates (..., d)."""
+        return np.exp(y, out=np.array(y), where=self._log)
+
     def _evaluate(self, y: Real, rows: object) -> tuple[Real, Real]:
         """Residuals (r, 2n) and their derivative (r, d, 2n) by the inner coordinates (r, d)."""
-        x = np.exp(y, out=np.array(y), where=self._log)
+        x = self._outer(y)
         residual, jacobian = self.recorder.residual_batch(x)
         slope: Real = jacobian.swapaxes(-1, -2) * np.where(self._log, x, 1.0)[:, :, None]
         return residual, slope

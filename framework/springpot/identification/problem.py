@@ -16,7 +16,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 import numpy as np
@@ -583,10 +583,15 @@ class _Watching:
 S = TypeVar("S", bound=Searched)
 
 
+@cache
+def _watching(kind: type[S]) -> type[S]:
+    """The kind of problem that is watched: one class, however many trials there are."""
+    return type(kind.__name__, (_Watching, kind), {})
+
+
 def watched(problem: S, watcher: Callable[[Real], None]) -> S:
     """The same problem, which shows `watcher` the points (m, d) before each evaluation."""
-    kind = type(problem)
-    watching: S = object.__new__(type(kind.__name__, (_Watching, kind), {}))
+    watching: S = object.__new__(_watching(type(problem)))
     # A problem may be frozen, and its watcher is no part of it; what it evaluates it counts anew.
     watching.__dict__.update(problem.__dict__ | {"watcher": watcher, "tally": Tally()})
     return watching
