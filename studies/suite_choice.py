@@ -28,7 +28,7 @@ from springpot.benchmark.cases import problem_of
 from springpot.benchmark.statistics import expected_running_time
 from springpot.identification.recorder import Recorder
 from springpot.rheology import Real
-from springpot_plugins.optimisers.auto import TURN, Auto, Seen, looked
+from springpot_plugins.optimisers.auto import TURN, Auto, Seen, leaf, looked
 from suite import SUITE, plan
 
 ROOT = Path(__file__).parents[1]
@@ -118,19 +118,13 @@ def learnt(trials: Trials, seen: Mapping[str, list[Seen]], budget: int) -> dict[
         total = 0.0
         for problem in range(len(training)):
             tree, mine = grown(owner != problem, depth), rows[owner == problem]
-            picks = [_leaf(tree, dict(zip(keys, row, strict=True)))[0] for row in mine]
+            picks = [leaf(tree, dict(zip(keys, row, strict=True)))[0][0] for row in mine]
             total += float(np.mean([costs[problem, names.index(pick)] for pick in picks]))
         return total
 
     # As many questions as pay on problems that were left out.
     depth = min(range(DEEPEST + 1), key=left_out)
     return grown(np.ones(len(rows), dtype=bool), depth)
-
-
-def _leaf(tree: Mapping[str, Any], told: Mapping[str, float]) -> list[str]:
-    while "feature" in tree:
-        tree = tree["below" if told[tree["feature"]] < tree["limit"] else "above"]
-    return list(tree["optimisers"])
 
 
 def _grown(

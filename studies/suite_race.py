@@ -1,7 +1,7 @@
 """Eighteen optimisers, and the choice among them, on the sixty problems of springpot-60.
 
 `native` is not among them: it knows how a model is built, which no other is told. Left out for what
-they cost, 5 to 70 s a trial, are COBYQA, Py-BOBYQA and SHGO. A trial ends at the target, beyond
+a trial of them costs are COBYQA, Py-BOBYQA and SHGO. A trial ends at the target, beyond
 which nothing counts.
 """
 

@@ -6,17 +6,16 @@ Each an optimiser ``minion-...``; the library is imported when one of its names 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib.util import find_spec
 from math import inf
 from typing import ClassVar
 
 import numpy as np
 
-from springpot.errors import ModelError
-from springpot.identification import Card, Optimiser, OptimiserFamily, Recorder
+from springpot.identification import Optimiser, Recorder
 from springpot.rheology import Real
 
 from .cube import Cube, integer, keep_on
+from .families import algorithms, family
 
 PREFIX = "minion-"
 INSTALL = "pip install 'springpot[race]'"
@@ -63,28 +62,8 @@ class Minion(Optimiser):
             raise ended[0]
 
 
-def _made(name: str, algorithm: str, citation: str) -> type[Minion]:
-    card = Card(f"{algorithm} of minionpy", citation, distribution="minionpy")
-    space = {"name": PREFIX + name, "card": card, "algorithm": algorithm, "__module__": __name__}
-    # Under its own name in this module, where a worker finds it.
-    return type(f"Minion_{algorithm}", (Minion,), space | {"__doc__": Minion.__doc__})
-
-
-MEMBERS = {PREFIX + name: _made(name, *about) for name, about in ALGORITHMS.items()}
+MEMBERS = algorithms(Minion, PREFIX, "minionpy", ALGORITHMS)
 globals().update({kind.__name__: kind for kind in MEMBERS.values()})
 
-
-def members() -> dict[str, type[Optimiser]]:
-    """All of them by name.
-
-    Raises
-    ------
-    ModelError
-        If minionpy is not installed.
-    """
-    if find_spec("minionpy") is None:
-        raise ModelError(f"optimisers {PREFIX}... need minionpy: {INSTALL}")
-    return dict(MEMBERS)
-
-
-FAMILY = OptimiserFamily(f"{PREFIX}NAME", "L-SHADE, jSO, ARRDE and SPSO-2011 of minionpy", members)
+OFFERS = "L-SHADE, jSO, ARRDE and SPSO-2011 of minionpy"
+FAMILY = family(PREFIX, OFFERS, "minionpy", INSTALL, MEMBERS)

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib.util import find_spec
 from typing import ClassVar
 
 import numpy as np
 
-from springpot.errors import ModelError
-from springpot.identification import Card, Optimiser, OptimiserFamily, Recorder
+from springpot.identification import Card, Optimiser, Recorder
 from springpot.rheology import Real
 
 from .cube import Cube, keep_on
+from .families import family
 
 PREFIX = "minuit-"
 INSTALL = "pip install 'springpot[race]'"
@@ -77,17 +76,4 @@ class Migrad(Optimiser):
         keep_on(problem, descend)
 
 
-def members() -> dict[str, type[Optimiser]]:
-    """All of them by name.
-
-    Raises
-    ------
-    ModelError
-        If iminuit is not installed.
-    """
-    if find_spec("iminuit") is None:
-        raise ModelError(f"optimisers {PREFIX}... need iminuit: {INSTALL}")
-    return {Migrad.name: Migrad}
-
-
-FAMILY = OptimiserFamily(f"{PREFIX}NAME", "migrad of MINUIT, by iminuit", members)
+FAMILY = family(PREFIX, "migrad of MINUIT, by iminuit", "iminuit", INSTALL, {Migrad.name: Migrad})

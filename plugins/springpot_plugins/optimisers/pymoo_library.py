@@ -7,15 +7,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from importlib import import_module
-from importlib.util import find_spec
 from typing import Any, ClassVar
 
 import numpy as np
 
-from springpot.errors import ModelError
-from springpot.identification import Card, Optimiser, OptimiserFamily, Recorder
+from springpot.identification import Optimiser, Recorder
 
 from .cube import Cube, integer, keep_on
+from .families import algorithms, family
 
 PREFIX = "pymoo-"
 INSTALL = "pip install 'springpot[pymoo]'"
@@ -59,28 +58,7 @@ class Pymoo(Optimiser):
         )
 
 
-def _made(name: str, algorithm: str, citation: str) -> type[Pymoo]:
-    card = Card(f"{algorithm} of pymoo", citation, distribution="pymoo")
-    space = {"name": PREFIX + name, "card": card, "algorithm": algorithm, "__module__": __name__}
-    # Under its own name in this module, where a worker finds it.
-    return type(f"Pymoo_{algorithm}", (Pymoo,), space | {"__doc__": Pymoo.__doc__})
-
-
-MEMBERS = {PREFIX + name: _made(name, *about) for name, about in ALGORITHMS.items()}
+MEMBERS = algorithms(Pymoo, PREFIX, "pymoo", ALGORITHMS)
 globals().update({kind.__name__: kind for kind in MEMBERS.values()})
 
-
-def members() -> dict[str, type[Optimiser]]:
-    """All of them by name.
-
-    Raises
-    ------
-    ModelError
-        If pymoo is not installed.
-    """
-    if find_spec("pymoo") is None:
-        raise ModelError(f"optimisers {PREFIX}... need pymoo: {INSTALL}")
-    return dict(MEMBERS)
-
-
-FAMILY = OptimiserFamily(f"{PREFIX}NAME", "DE, ES, G3PCX, GA and PSO of pymoo", members)
+FAMILY = family(PREFIX, "DE, ES, G3PCX, GA and PSO of pymoo", "pymoo", INSTALL, MEMBERS)
