@@ -46,21 +46,17 @@ def command(kind: str, names: Sequence[str], verbose: bool, as_json: bool) -> No
 
     installed = plugins()
     kind_of = cards.KINDS[kind]
-    items, whole = kind_of.all(installed), verbose
-    families: dict[str, Any] = {}
-    if kind == "optimisers":
-        families = {family.name: family for family in installed.items("optimiser family")}
-    # The name of a library stands for all that it has, and only here is it imported.
-    if len(names) == 1 and names[0] in families:
-        items = list(families[names[0]].members().values())
-    elif names and kind != "suites":
-        items, whole = [kind_of.find(installed, name) for name in names], True
-    columns = kind_of.columns
+    columns, whole = kind_of.columns, verbose
+    members = _members(installed, kind, names)
     if kind == "suites" and names:
         described, whole = _problems(installed, names), any("/" in name for name in names)
         columns = cards.PROBLEM_COLUMNS
+    elif members is not None:
+        described = [kind_of.describe(item) for item in members]
+    elif names:
+        described, whole = [kind_of.describe(kind_of.find(installed, name)) for name in names], True
     else:
-        described = [kind_of.describe(item) for item in items]
+        described = [kind_of.describe(item) for item in kind_of.all(installed)]
     result: dict[str, Any] = {
         "schema": "springpot.list/1",
         "kind": kind,
@@ -71,6 +67,16 @@ def command(kind: str, names: Sequence[str], verbose: bool, as_json: bool) -> No
         ],
     }
     emit(result, as_json, lambda: _show(columns, result, whole))
+
+
+def _members(installed: Registry, kind: str, names: Sequence[str]) -> list[Any] | None:
+    """Optimisers of a library that is named, and only here imported; None where none is."""
+    if kind != "optimisers" or len(names) != 1:
+        return None
+    families = {family.name: family for family in installed.items("optimiser family")}
+    if names[0] not in families:
+        return None
+    return list(families[names[0]].members().values())
 
 
 def _problems(installed: Registry, names: Sequence[str]) -> list[dict[str, Any]]:

@@ -90,7 +90,10 @@ def quantities(
         return Quantities(fit.name, fit.model.name, fit.units, tuple(rows), tuple(notes))
     sweep = _sweep(data)
     if asked or without:
-        named = ", ".join(f"--{name}" for name in [*asked, *(["without"] if without else [])])
+        names = [*asked]
+        if without:
+            names.append("without")
+        named = ", ".join(f"--{name}" for name in names)
         raise ModelError(f"{named}: data alone know none of it; name a model with --model")
     middle = frequency or _usual(sweep.seen, sweep.units.clock)
     rows = [*of_frequency(sweep, middle), *of_amplitude(sweep, notes)]

@@ -76,8 +76,12 @@ class Suite:
             If it has none of that name.
         """
         known = {problem.name: problem for problem in self.problems}
-        if name not in known:
-            near = get_close_matches(name, known, n=3, cutoff=0.5)
-            hint = f"did you mean {' or '.join(near)}?" if near else f"it has {len(known)}"
-            raise DataError(f"suite {self.name} has no problem '{name}': {hint}")
-        return known[name]
+        if name in known:
+            return known[name]
+        # By what follows the suite's own name, which all of them share.
+        short = {each.partition("/")[2]: each for each in known}
+        near = get_close_matches(name.partition("/")[2], short, n=3)
+        hint = f"see 'springpot list suites {self.name}'"
+        if near:
+            hint = f"did you mean {' or '.join(short[each] for each in near)}?"
+        raise DataError(f"suite {self.name} has no problem '{name}': {hint}")
