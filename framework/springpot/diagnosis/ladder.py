@@ -346,15 +346,28 @@ def climbed(
     return _ladder(steps, refused)
 
 
+class FoundTogether(Protocol):
+    """A set of effects that explains the data."""
+
+    @property
+    def effects(self) -> Sequence[Effect]:
+        """In the order in which they are to be accepted."""
+        ...
+
+    def places(self) -> dict[str | None, tuple[str, ...]]:
+        """For each of them, what may stand in its place."""
+        ...
+
+
 def replaced_by(
-    rungs: Rungs, steps: list[Step], effects: Sequence[Effect], progress: Progress
+    rungs: Rungs, steps: list[Step], found: FoundTogether, progress: Progress
 ) -> list[Step]:
-    """The rungs by other effects, those that stay as they are.
+    """The rungs by the effects of a set, each with its rivals; those that stay as they are.
 
     The same list where these lead to no better verdict.
     """
     kept = [steps[0]]
-    for step, effect in zip_longest(steps[1:], effects):
+    for step, effect in zip_longest(steps[1:], found.effects):
         if effect is None:
             break
         model = kept[-1].model + effect
@@ -368,11 +381,12 @@ def replaced_by(
         kept.append(step)
     if kept[-1].diagnosis.verdict not in ("adequate", steps[-1].diagnosis.verdict):
         return steps
-    return kept
+    return with_rivals(kept, found)
 
 
-def with_rivals(steps: Sequence[Step], places: Mapping[str | None, tuple[str, ...]]) -> list[Step]:
-    """The rungs with what may stand in the place of each accepted effect."""
+def with_rivals(steps: Sequence[Step], found: FoundTogether) -> list[Step]:
+    """The rungs with what may stand in the place of each effect of a set."""
+    places = found.places()
     return [replace(step, alike=places.get(step.accepted, step.alike)) for step in steps]
 
 
@@ -515,10 +529,7 @@ class SweepRungs:
         if found is None:
             return steps
         self.sets.append(found)
-        kept = replaced_by(self, steps, found.effects, progress)
-        if kept is steps:
-            return steps
-        return with_rivals(kept, found.places())
+        return replaced_by(self, steps, found, progress)
 
 
 # Beside the starts read off the data: those know nothing of what the rung before has found.

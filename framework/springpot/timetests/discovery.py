@@ -129,17 +129,14 @@ class TimeRungs:
         for found in self.sets:
             # A set that was taken whole has been held beside all others.
             if sorted(map(str, accepted)) == sorted(effect.name for effect in found.effects):
-                return with_rivals(steps, found.places())
+                return with_rivals(steps, found)
         if not accepted or (adequate and len(accepted) == 1):
             return steps
         likeliest = likeliest_set([self._case(step) for step in steps])
         if likeliest is None:
             return steps
         self.sets.append(likeliest)
-        kept = replaced_by(self, steps, likeliest.effects, progress)
-        if kept is steps:
-            return steps
-        return with_rivals(kept, likeliest.places())
+        return replaced_by(self, steps, likeliest, progress)
 
     def _case(self, step: Step) -> TimeCase:
         return alive(step.examined, TimeCase, f"the step {step.model.name}")
