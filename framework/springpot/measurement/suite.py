@@ -8,6 +8,7 @@ from difflib import get_close_matches
 from functools import cached_property
 
 from springpot.errors import DataError
+from springpot.suggestions import suggested
 
 from .opening import DataSet
 
@@ -81,7 +82,7 @@ class Suite:
         # By what follows the suite's own name, which all of them share.
         short = {each.partition("/")[2]: each for each in known}
         near = get_close_matches(name.partition("/")[2], short, n=3)
-        hint = f"see 'springpot list suites {self.name}'"
+        hint = f"see '{suggested('list suites', self.name)}'"
         if near:
             hint = f"did you mean {' or '.join(short[each] for each in near)}?"
         raise DataError(f"suite {self.name} has no problem '{name}': {hint}")
