@@ -608,17 +608,27 @@ class Simulation:
     @property
     def level(self) -> float:
         """Share of motions that the band holds; of few draws less than 0.95, of one none."""
-        draws = len(self.drifts)
-        return min(INTERVAL, max(draws - 1, 0) / (draws + 1))
+        return level_of(len(self.drifts))
 
     def band(self) -> tuple[Real, Real]:
         """Ends (n,) of the band of the peak drifts in m."""
-        if not self.level:
-            return self.motion.peak_drift, self.motion.peak_drift
-        tail = 0.5 * (1.0 - self.level)
-        # Weibull's positions: between the outermost of n draws lie (n - 1)/(n + 1) of all.
-        low, high = np.quantile(self.drifts, [tail, 1.0 - tail], axis=0, method="weibull")
-        return low, high
+        return band_of(self.drifts, self.motion.peak_drift)
+
+
+def level_of(draws: int) -> float:
+    """Share that lies within a band of so many draws; of few less than 0.95, of one none."""
+    return min(INTERVAL, max(draws - 1, 0) / (draws + 1))
+
+
+def band_of(drawn: Real, nominal: Real) -> tuple[Real, Real]:
+    """Ends (n,) of the band of what was drawn (draws, n); of one draw or none the nominal (n,)."""
+    level = level_of(len(drawn))
+    if not level:
+        return nominal, nominal
+    tail = 0.5 * (1.0 - level)
+    # Weibull's positions: between the outermost of n draws lie (n - 1)/(n + 1) of all.
+    low, high = np.quantile(drawn, [tail, 1.0 - tail], axis=0, method="weibull")
+    return low, high
 
 
 def simulate(
