@@ -12,7 +12,7 @@ from springpot.registry import parse_model
 from springpot.structure import Damper, Frame, GroundMotion, simulate
 from springpot.structure.answers import described_suite
 from springpot.structure.records import read_record, records_meant
-from springpot.structure.suites import Suite
+from springpot.structure.suites import RecordSuite
 
 FRAME = """[structure]
 storeys = 2
@@ -136,10 +136,10 @@ def test_every_record_has_the_same_draws_so_that_mean_and_envelope_have_bands():
         simulate(frame, GroundMotion(0.01, size * VALUES), np.random.default_rng(1), draws=5)
         for size in (1.0, 3.0)
     )
-    suite = Suite([one, three])
+    suite = RecordSuite([one, three])
     low, high = one.band()
     assert np.all(low < high)
     for name, factor in (("mean", 2.0), ("envelope", 3.0)):
-        assert suite.bands()[name] == pytest.approx((factor * low, factor * high))
+        assert np.array(suite.bands()[name]) == pytest.approx(factor * np.array([low, high]))
     result = described_suite(suite)
     assert result["storeys"][0]["drift"]["mean_low"] == pytest.approx(2.0 * low[0])

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from .frame import Frame, SteadyState
     from .motion import Simulation
-    from .suites import Suite
+    from .suites import RecordSuite
 
 
 def described_steady(steady: SteadyState) -> dict[str, Any]:
@@ -119,7 +119,7 @@ def _modes(simulation: Simulation) -> list[dict[str, Any]]:
     ]
 
 
-def described_suite(suite: Suite) -> dict[str, Any]:
+def described_suite(suite: RecordSuite) -> dict[str, Any]:
     """As plain data, schema ``springpot.simulations/1``: one of `described` for each record.
 
     Mean and envelope of the drift, with their bands, and of force and stroke.

@@ -14,7 +14,7 @@ from springpot.report.canvas import COLOURS, QUIET, blank, logarithmic, save
 
 from .frame import SteadyState
 from .motion import Simulation
-from .suites import Suite
+from .suites import RecordSuite
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -110,12 +110,12 @@ def figure_steady(steady: SteadyState, path: str | Path | None = None) -> Figure
     return figure
 
 
-def figure_suite(suite: Suite, path: str | Path | None = None) -> Figure:
+def figure_suite(suite: RecordSuite, path: str | Path | None = None) -> Figure:
     """Largest drift, force and stroke under each record, with their mean and envelope.
 
     Parameters
     ----------
-    suite : Suite
+    suite : RecordSuite
         What happened.
     path : str or Path, optional
         Where to write it.

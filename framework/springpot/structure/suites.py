@@ -21,7 +21,7 @@ LARGEST: dict[str, Callable[[Motion], Real]] = {
 
 
 @dataclass(frozen=True, eq=False)
-class Suite:
+class RecordSuite:
     """A structure under many records.
 
     Parameters

@@ -117,7 +117,7 @@ def _many(
     from springpot.structure.motion import Simulation, simulate
     from springpot.structure.reading import read_structure
     from springpot.structure.records import read_record
-    from springpot.structure.suites import Suite
+    from springpot.structure.suites import RecordSuite
     from springpot.structure.tables import show_suite
 
     draws, seed = chance
@@ -137,7 +137,7 @@ def _many(
     worst = of_each(records, one)
     if not done:
         return worst
-    suite = Suite(done, refused)
+    suite = RecordSuite(done, refused)
     if figure is not None:
         from springpot.structure.figures import figure_suite
 
