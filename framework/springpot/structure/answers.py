@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .heat import notes_of_heat, rises_of
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -61,8 +63,9 @@ def _notes(frame: Frame, omega: Real, of: str, strokes: Sequence[float] = ()) ->
 def described(simulation: Simulation) -> dict[str, Any]:
     """As plain data, schema ``springpot.simulation/2``; lengths in m, forces in N, energies in J.
 
-    Force and stroke of a damper are those of one along its axis; ``damper_force`` of a storey is
-    that of all its dampers along the floor, at one instant.
+    Force and stroke of a damper are those of one along its axis, and its energy is what one has
+    taken when the record ends; ``damper_force`` of a storey is that of all its dampers along the
+    floor, at one instant.
     """
     motion = simulation.motion
     low, high = simulation.band()
@@ -94,18 +97,25 @@ def described(simulation: Simulation) -> dict[str, Any]:
                 "slope": float(np.degrees(np.arccos(damper.cosine))),
                 "axial_force": force,
                 "stroke": stroke,
+                "energy": energy,
+                "temperature_rise": rise,
             }
-            for damper, force, stroke in zip(
+            for damper, force, stroke, energy, rise in zip(
                 motion.frame.dampers,
                 motion.peak_axial_force.tolist(),
                 motion.peak_stroke.tolist(),
+                motion.work[-1].tolist(),
+                rises_of(motion),
                 strict=True,
             )
         ],
         "energy": {name: float(each[-1]) for name, each in motion.energy.items()},
         "draws": len(simulation.drifts),
         "level": simulation.level,
-        "notes": _notes(motion.frame, swinging, "modes", motion.peak_stroke.tolist()),
+        "notes": [
+            *_notes(motion.frame, swinging, "modes", motion.peak_stroke.tolist()),
+            *notes_of_heat(motion, simulation.modes[0]),
+        ],
     }
 
 
@@ -137,12 +147,13 @@ def described_suite(suite: RecordSuite) -> dict[str, Any]:
     for name, ends in suite.bands().items():
         for storey, low, high in zip(storeys, *(end.tolist() for end in ends), strict=True):
             storey["drift"] |= {f"{name}_low": low, f"{name}_high": high}
-    dampers = zip(told("axial_force"), told("stroke"), strict=True)
+    names = ("axial_force", "stroke", "energy")
+    dampers = zip(*(told(name) for name in names), strict=True)
     return {
         "schema": "springpot.simulations/1",
         "records": [described(each) for each in suite.simulations],
         "storeys": storeys,
-        "dampers": [{"axial_force": force, "stroke": stroke} for force, stroke in dampers],
+        "dampers": [dict(zip(names, each, strict=True)) for each in dampers],
         "refused": [{"record": name, "says": says} for name, says in suite.refused.items()],
         "level": suite.simulations[0].level,
     }

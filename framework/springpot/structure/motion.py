@@ -365,37 +365,45 @@ class Motion:
         return self.peaks[len(self.peaks) - len(self.frame) :]
 
     @cached_property
+    def work(self) -> Real:
+        """Energy in J that one damper of each entry has taken, against time, shape (t, d).
+
+        At last it is heat, but for what its springs then hold.
+        """
+        rates = self.frame.strokes_of(self.frame.drift_of(self.velocity))
+        return self._taken(self.axial_force * rates)
+
+    @cached_property
     def energy(self) -> dict[str, Real]:
         """Energies in J against time (t,).
 
         Put in by the ground, taken by the dampers, by the frame's own damping.
         """
-        step = self.record.step
         # Relative to the ground its acceleration is a force of inertia, against it.
         power = -(self.velocity @ self.frame.mass) * self.record.acceleration
         # What neither the dampers nor the frame take is in motion or in springs when the record
         # ends.
         own = np.einsum("ti,ij,tj->t", self.velocity, self.frame.viscous, self.velocity)
-        rates = self.frame.drift_of(self.velocity)
-        taken = sum(
-            (
-                self.force[:, i] * rates[:, damper.storey - 1]
-                for i, damper in enumerate(self.frame.dampers)
-            ),
-            np.zeros(len(step * power)),
-        )
+        counts = np.array([damper.count for damper in self.frame.dampers])
+        return {
+            "input": self._taken(power),
+            "dampers": self.work @ counts,
+            "frame": self._taken(own),
+        }
+
+    def _taken(self, rate: Real) -> Real:
+        """Integral in J of a power against time (t, ...); none where that is rounding."""
+        whole = _integral(rate, self.record.step)
         # Beside what rides along with the ground the work on a frame that is stuck is rounding.
-        reached = _integral(np.abs(self.record.acceleration), step)[-1]
+        reached = _integral(np.abs(self.record.acceleration), self.record.step)[-1]
         least = ROUNDING * float(np.sum(self.frame.mass)) * reached**2
-        energies = {"input": power, "dampers": taken, "frame": own}
-        for name, rate in energies.items():
-            whole = _integral(rate, step)
-            energies[name] = np.where(np.abs(whole) > least, whole, 0.0)
-        return energies
+        return np.where(np.abs(whole) > least, whole, 0.0)
 
 
 def _integral(rate: Real, step: float) -> Real:
-    whole: Real = np.concatenate([[0.0], np.cumsum(0.5 * step * (rate[1:] + rate[:-1]))])
+    """Of a rate (t, ...) against time, by the trapezoidal rule."""
+    whole: Real = np.zeros_like(rate)
+    whole[1:] = np.cumsum(0.5 * step * (rate[1:] + rate[:-1]), axis=0)
     return whole
 
 

@@ -38,6 +38,7 @@ DAMPER_KEYS = {
     "slope",
     "temperature",
     "without",
+    "heat_capacity",
 }
 
 
@@ -50,8 +51,8 @@ def read_structure(path: str | Path) -> Frame:
         With ``[structure]`` (``mass`` in kg and ``stiffness`` in N/m, a number or one for each
         storey, ``damping``, ``storeys``) and for each kind of damper ``[[damper]]``: ``fit``, the
         JSON of an identification, or ``model`` with ``parameters`` and ``unit``; ``storey``,
-        ``count``, ``slope`` in degrees, ``temperature`` in degC, and ``without``, effects of the
-        rig to leave out.
+        ``count``, ``slope`` in degrees, ``temperature`` in degC, ``heat_capacity`` of one in J/K,
+        and ``without``, effects of the rig to leave out.
 
     Raises
     ------
@@ -146,7 +147,14 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
         known.units,
         known.covered,
         cosine,
+        _capacity(entry, where),
     )
+
+
+def _capacity(entry: Mapping[str, Any], where: str) -> float | None:
+    if "heat_capacity" not in entry:
+        return None
+    return _number(entry["heat_capacity"], f"{where}: heat_capacity", 0.0)
 
 
 def _known(entry: Mapping[str, Any], path: Path, where: str) -> Known:

@@ -16,6 +16,7 @@ LARGEST: dict[str, Callable[[Motion], Real]] = {
     "damper_force": lambda motion: motion.peak_storey_force,
     "axial_force": lambda motion: motion.peak_axial_force,
     "stroke": lambda motion: motion.peak_stroke,
+    "energy": lambda motion: motion.work[-1],
 }
 """What is told of each record: of each storey the first two, of each entry of dampers the rest."""
 

@@ -62,11 +62,14 @@ def _show_dampers(result: dict[str, Any]) -> None:
             f"{damper['slope']:.4g}",
             number(1e-3 * damper["axial_force"]),
             number(1e3 * damper["stroke"]),
+            number(1e-3 * damper["energy"]),
+            number(damper["temperature_rise"], 3),
         ]
         for damper in result["dampers"]
     ]
-    headers = ("storey", "damper", "count", "slope [deg]", "axial force [kN]", "stroke [mm]")
-    TextTable(headers, rows, frozenset(headers) - {"storey", "damper"}).show()
+    headers = ["storey", "damper", "count", "slope [deg]", "axial force [kN]", "stroke [mm]"]
+    headers += ["energy [kJ]", "warmer by [K]"]
+    TextTable(headers, rows, frozenset(headers) - {"storey", "damper"}).telling().show()
     print("each: one damper along its axis; all of a storey together along the floor:\n")
     braced = sorted({damper["storey"] for damper in result["dampers"]})
     sums = [[str(i), number(1e-3 * result["storeys"][i - 1]["damper_force"])] for i in braced]
@@ -151,7 +154,14 @@ def show_suite(result: dict[str, Any], figure: Path | None) -> None:
         f"\n{counted(len(rows), 'record')}, the largest drift and its storey under each; of all:\n"
     )
     _show_mean_and_envelope(result)
-    notes = list(dict.fromkeys(note for each in result["records"] for note in each["notes"]))
+    under: dict[str, list[str]] = {}
+    for each in result["records"]:
+        for note in each["notes"]:
+            under.setdefault(note, []).append(each["record"]["name"])
+    notes = [
+        note if len(names) == len(rows) else f"{', '.join(names)}: {note}"
+        for note, names in under.items()
+    ]
     if last := _last_lines(notes, figure):
         print("", *last, sep="\n")
 
@@ -174,6 +184,7 @@ def _show_mean_and_envelope(result: dict[str, Any]) -> None:
     for i, damper in enumerate(result["dampers"], 1):
         rows.append(_both(FORCE.format(i), 1e-3, damper["axial_force"]))
         rows.append(_both(STROKE.format(i), 1e3, damper["stroke"]))
+        rows.append(_both(f"energy {i} [kJ]", 1e-3, damper["energy"]))
     band = f"{100 * result['level']:.0f} % band"
     headers = ("", "mean", band, "envelope", f"{band} ", "under")
     TextTable(headers, rows, frozenset({"mean", "envelope"})).telling().show()
