@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from springpot.rheology.points import Real
 
     from .frame import Frame, SteadyState
-    from .motion import Simulation
+    from .motion import Motion, Simulation
     from .suites import RecordSuite
 
 
@@ -89,26 +89,7 @@ def described(simulation: Simulation) -> dict[str, Any]:
                 strict=True,
             )
         ],
-        "dampers": [
-            {
-                "model": damper.model.name,
-                "storey": damper.storey,
-                "count": damper.count,
-                "slope": float(np.degrees(np.arccos(damper.cosine))),
-                "axial_force": force,
-                "stroke": stroke,
-                "energy": energy,
-                "temperature_rise": rise,
-            }
-            for damper, force, stroke, energy, rise in zip(
-                motion.frame.dampers,
-                motion.peak_axial_force.tolist(),
-                motion.peak_stroke.tolist(),
-                motion.work[-1].tolist(),
-                rises_of(motion),
-                strict=True,
-            )
-        ],
+        "dampers": _dampers(motion),
         "energy": {name: float(each[-1]) for name, each in motion.energy.items()},
         "draws": len(simulation.drifts),
         "level": simulation.level,
@@ -117,6 +98,26 @@ def described(simulation: Simulation) -> dict[str, Any]:
             *notes_of_heat(motion, simulation.modes[0]),
         ],
     }
+
+
+def _dampers(motion: Motion) -> list[dict[str, Any]]:
+    """What one of each entry bears, moves, takes, and how warm that makes it."""
+    told = {
+        "axial_force": motion.peak_axial_force.tolist(),
+        "stroke": motion.peak_stroke.tolist(),
+        "energy": motion.work[-1].tolist(),
+        "temperature_rise": rises_of(motion),
+    }
+    return [
+        {
+            "model": damper.model.name,
+            "storey": damper.storey,
+            "count": damper.count,
+            "slope": float(np.degrees(np.arccos(damper.cosine))),
+            **dict(zip(told, row, strict=True)),
+        }
+        for damper, *row in zip(motion.frame.dampers, *told.values(), strict=True)
+    ]
 
 
 def _modes(simulation: Simulation) -> list[dict[str, Any]]:
