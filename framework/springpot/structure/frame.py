@@ -56,6 +56,8 @@ class Damper:
         What it was measured at.
     cosine : float
         Of the slope against the floor.
+    heat_capacity : float, optional
+        Of one damper, in J/K.
 
     Raises
     ------
@@ -84,6 +86,7 @@ class Damper:
     units: Units = field(default_factory=lambda: Units("N/m", "m"))
     covered: Covered = field(default_factory=Covered)
     cosine: float = 1.0
+    heat_capacity: float | None = None
 
     def __post_init__(self) -> None:
         if not self.count > 0.0:

@@ -365,37 +365,45 @@ class Motion:
         return self.peaks[len(self.peaks) - len(self.frame) :]
 
     @cached_property
+    def work(self) -> Real:
+        """Energy in J that one damper of each entry has taken, against time, shape (t, d).
+
+        At last it is heat, but for what its springs then hold.
+        """
+        rates = self.frame.strokes_of(self.frame.drift_of(self.velocity))
+        return self._taken(self.axial_force * rates)
+
+    @cached_property
     def energy(self) -> dict[str, Real]:
         """Energies in J against time (t,).
 
         Put in by the ground, taken by the dampers, by the frame's own damping.
         """
-        step = self.record.step
         # Relative to the ground its acceleration is a force of inertia, against it.
         power = -(self.velocity @ self.frame.mass) * self.record.acceleration
         # What neither the dampers nor the frame take is in motion or in springs when the record
         # ends.
         own = np.einsum("ti,ij,tj->t", self.velocity, self.frame.viscous, self.velocity)
-        rates = self.frame.drift_of(self.velocity)
-        taken = sum(
-            (
-                self.force[:, i] * rates[:, damper.storey - 1]
-                for i, damper in enumerate(self.frame.dampers)
-            ),
-            np.zeros(len(step * power)),
-        )
+        counts = np.array([damper.count for damper in self.frame.dampers])
+        return {
+            "input": self._taken(power),
+            "dampers": self.work @ counts,
+            "frame": self._taken(own),
+        }
+
+    def _taken(self, rate: Real) -> Real:
+        """Integral in J of a power against time (t, ...); none where that is rounding."""
+        whole = _integral(rate, self.record.step)
         # Beside what rides along with the ground the work on a frame that is stuck is rounding.
-        reached = _integral(np.abs(self.record.acceleration), step)[-1]
+        reached = _integral(np.abs(self.record.acceleration), self.record.step)[-1]
         least = ROUNDING * float(np.sum(self.frame.mass)) * reached**2
-        energies = {"input": power, "dampers": taken, "frame": own}
-        for name, rate in energies.items():
-            whole = _integral(rate, step)
-            energies[name] = np.where(np.abs(whole) > least, whole, 0.0)
-        return energies
+        return np.where(np.abs(whole) > least, whole, 0.0)
 
 
 def _integral(rate: Real, step: float) -> Real:
-    whole: Real = np.concatenate([[0.0], np.cumsum(0.5 * step * (rate[1:] + rate[:-1]))])
+    """Of a rate (t, ...) against time, by the trapezoidal rule."""
+    whole: Real = np.zeros_like(rate)
+    whole[1:] = np.cumsum(0.5 * step * (rate[1:] + rate[:-1]), axis=0)
     return whole
 
 
@@ -608,17 +616,27 @@ class Simulation:
     @property
     def level(self) -> float:
         """Share of motions that the band holds; of few draws less than 0.95, of one none."""
-        draws = len(self.drifts)
-        return min(INTERVAL, max(draws - 1, 0) / (draws + 1))
+        return level_of(len(self.drifts))
 
     def band(self) -> tuple[Real, Real]:
         """Ends (n,) of the band of the peak drifts in m."""
-        if not self.level:
-            return self.motion.peak_drift, self.motion.peak_drift
-        tail = 0.5 * (1.0 - self.level)
-        # Weibull's positions: between the outermost of n draws lie (n - 1)/(n + 1) of all.
-        low, high = np.quantile(self.drifts, [tail, 1.0 - tail], axis=0, method="weibull")
-        return low, high
+        return band_of(self.drifts, self.motion.peak_drift)
+
+
+def level_of(draws: int) -> float:
+    """Share that lies within a band of so many draws; of few less than 0.95, of one none."""
+    return min(INTERVAL, max(draws - 1, 0) / (draws + 1))
+
+
+def band_of(drawn: Real, nominal: Real) -> tuple[Real, Real]:
+    """Ends (n,) of the band of what was drawn (draws, n); of one draw or none the nominal (n,)."""
+    level = level_of(len(drawn))
+    if not level:
+        return nominal, nominal
+    tail = 0.5 * (1.0 - level)
+    # Weibull's positions: between the outermost of n draws lie (n - 1)/(n + 1) of all.
+    low, high = np.quantile(drawn, [tail, 1.0 - tail], axis=0, method="weibull")
+    return low, high
 
 
 def simulate(
