@@ -220,7 +220,7 @@ def _show_mean_and_envelope(result: dict[str, Any], level: float) -> None:
         rows.append(_both(FORCE.format(i), 1e-3, damper["axial_force"]))
         rows.append(_both(STROKE.format(i), 1e3, damper["stroke"]))
         rows.append(_both(f"energy {i} [kJ]", 1e-3, damper["energy"]))
-    band = f"{100 * result['level']:.0f} % band"
+    band = f"{100 * level:.0f} % band"
     headers = ("", "mean", band, "envelope", f"{band} ", "under")
     TextTable(headers, rows, frozenset({"mean", "envelope"})).telling().show()
 
