@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .frame import steady_of
 from .heat import notes_of_heat, rises_of
+from .suites import LARGEST
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -42,6 +44,10 @@ def described_steady(steady: SteadyState) -> dict[str, Any]:
     return {
         "schema": "springpot.steady-state/2",
         "points": [dict(zip(columns, row, strict=True)) for row in rows],
+        "bounds": {
+            name: described_steady(steady_of(bound, steady.omega))["points"]
+            for name, bound in steady.frame.bounds.items()
+        },
         "notes": _notes(steady.frame, steady.omega, "frequencies"),
     }
 
@@ -91,6 +97,7 @@ def described(simulation: Simulation) -> dict[str, Any]:
         ],
         "dampers": _dampers(motion),
         "energy": {name: float(each[-1]) for name, each in motion.energy.items()},
+        "bounds": {name: described(each) for name, each in simulation.bounds.items()},
         "draws": len(simulation.drifts),
         "level": simulation.level,
         "notes": [
@@ -133,28 +140,35 @@ def _modes(simulation: Simulation) -> list[dict[str, Any]]:
 def described_suite(suite: RecordSuite) -> dict[str, Any]:
     """As plain data, schema ``springpot.simulations/1``: one of `described` for each record.
 
-    Mean and envelope of the drift, with their bands, and of force and stroke.
+    Mean and envelope of the drift, with their bands, of force, stroke and energy; the same at the
+    bounds.
     """
-
-    def told(name: str) -> list[dict[str, Any]]:
-        columns = suite.mean(name).tolist(), suite.envelope(name).tolist(), suite.worst(name)
-        keys = ("mean", "envelope", "worst")
-        return [dict(zip(keys, row, strict=True)) for row in zip(*columns, strict=True)]
-
-    storeys = [
-        {"drift": drift, "damper_force": force}
-        for drift, force in zip(told("drift"), told("damper_force"), strict=True)
-    ]
-    for name, ends in suite.bands().items():
-        for storey, low, high in zip(storeys, *(end.tolist() for end in ends), strict=True):
-            storey["drift"] |= {f"{name}_low": low, f"{name}_high": high}
-    names = ("axial_force", "stroke", "energy")
-    dampers = zip(*(told(name) for name in names), strict=True)
+    bounds = {name: _mean_and_envelope(each) for name, each in suite.bounds.items()}
     return {
         "schema": "springpot.simulations/1",
         "records": [described(each) for each in suite.simulations],
-        "storeys": storeys,
-        "dampers": [dict(zip(names, each, strict=True)) for each in dampers],
+        **_mean_and_envelope(suite),
+        "bounds": bounds,
         "refused": [{"record": name, "says": says} for name, says in suite.refused.items()],
         "level": suite.simulations[0].level,
+    }
+
+
+def _mean_and_envelope(suite: RecordSuite) -> dict[str, Any]:
+    """Of storeys and of dampers."""
+    told: dict[str, list[dict[str, Any]]] = {}
+    for name in LARGEST:
+        columns = suite.mean(name).tolist(), suite.envelope(name).tolist(), suite.worst(name)
+        keys = ("mean", "envelope", "worst")
+        told[name] = [dict(zip(keys, row, strict=True)) for row in zip(*columns, strict=True)]
+    for name, ends in suite.bands().items():
+        for drift, low, high in zip(told["drift"], *(end.tolist() for end in ends), strict=True):
+            drift |= {f"{name}_low": low, f"{name}_high": high}
+    parts = {"storeys": ("drift", "damper_force"), "dampers": ("axial_force", "stroke", "energy")}
+    return {
+        part: [
+            dict(zip(names, row, strict=True))
+            for row in zip(*(told[name] for name in names), strict=True)
+        ]
+        for part, names in parts.items()
     }

@@ -58,6 +58,11 @@ class Damper:
         Of the slope against the floor.
     heat_capacity : float, optional
         Of one damper, in J/K.
+    scale : tuple of float, optional
+        Stiffness in N/m and displacement in m of which theta counts one, where they are not the
+        units themselves: of a damper that is larger than what was tested.
+    factors : tuple of float
+        Least and largest property modification factor of its force.
 
     Raises
     ------
@@ -87,6 +92,8 @@ class Damper:
     covered: Covered = field(default_factory=Covered)
     cosine: float = 1.0
     heat_capacity: float | None = None
+    scale: tuple[float, float] | None = None
+    factors: tuple[float, float] = (1.0, 1.0)
 
     def __post_init__(self) -> None:
         if not self.count > 0.0:
@@ -151,11 +158,15 @@ class Damper:
     @property
     def unit(self) -> float:
         """Stiffness in N/m of which theta counts one."""
+        if self.scale is not None:
+            return self.scale[0]
         return STIFFNESS_UNITS[self.units.stiffness]
 
     @property
     def length(self) -> float:
         """Displacement in m of which theta counts one."""
+        if self.scale is not None:
+            return self.scale[1]
         return AMPLITUDE_UNITS[self.units.amplitude]
 
     def remark(self, omega: Real, of: str) -> str:
@@ -206,6 +217,11 @@ class Damper:
         response = self.linear.network.respond(self.linear_theta, at, FULL)
         # By ln s: dK/ds is dK/d(ln s) over s.
         return self.size * response.value, self.size * response.by_log_omega / s
+
+    def bound(self, end: int) -> Damper:
+        """The same with its force at the least (0) or largest (1) of its factors."""
+        scale = self.factors[end] * self.unit, self.length
+        return replace(self, scale=scale, factors=(1.0, 1.0))
 
     def drawn(self, rng: np.random.Generator) -> Damper:
         """The same with parameters as they may as well be: positive ones by their logarithm."""
@@ -336,6 +352,19 @@ class Frame:
         for i, damper in enumerate(self.dampers):
             braced[damper.storey - 1, i] = 1.0
         return braced
+
+    @property
+    def bounds(self) -> dict[str, Frame]:
+        """The same with all dampers at their least, and at their largest factor.
+
+        Nothing where none has any.
+        """
+        if all(damper.factors == (1.0, 1.0) for damper in self.dampers):
+            return {}
+        return {
+            name: replace(self, dampers=tuple(damper.bound(end) for damper in self.dampers))
+            for end, name in enumerate(("lower", "upper"))
+        }
 
     def drawn(self, rng: np.random.Generator) -> Frame:
         """The same with dampers as they may as well be."""

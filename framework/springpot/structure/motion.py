@@ -18,7 +18,7 @@ steps so short that this cubic is exact to 1e-4.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -607,11 +607,14 @@ class Simulation:
         With these, lowest first; empty where a mode no longer swings.
     drifts : ndarray, shape (draws, n)
         Peak drifts in m with parameters as they may as well be.
+    bounds : dict of str to Simulation
+        ``lower`` and ``upper``, with all dampers at an end of their factors; see `Frame.bounds`.
     """
 
     motion: Motion
     modes: list[Mode]
     drifts: Real
+    bounds: dict[str, Simulation] = field(default_factory=dict)
 
     @property
     def level(self) -> float:
@@ -669,5 +672,8 @@ def simulate(
         draws = 0
     peaks = [motion_of(frame.drawn(rng), record).peak_drift for _ in range(draws)]
     return Simulation(
-        motion_of(frame, record), modes_of(frame), np.array(peaks).reshape(-1, len(frame))
+        motion_of(frame, record),
+        modes_of(frame),
+        np.array(peaks).reshape(-1, len(frame)),
+        {name: simulate(bound, record, rng, 0) for name, bound in frame.bounds.items()},
     )

@@ -10,17 +10,21 @@ from typing import Any
 
 import numpy as np
 
-from springpot.errors import DataError, ModelError
+from springpot.errors import DataError, ModelError, OptionError
 from springpot.identification.prediction import Known, require_known
 from springpot.identified import fitted, stated
 from springpot.inputs import toml_in
+from springpot.measurement.geometry import EXAMPLE, parse_geometry
 from springpot.measurement.units import STIFFNESS_UNITS
 from springpot.rheology.points import KELVIN, Real
 
 from .frame import Damper, Frame
+from .scaling import scale_of
 
 MOST_DAMPERS = 1e6
 """Dampers of one kind in a storey: more is a slip of the pen."""
+MOST_FACTOR = 100.0
+"""Beyond any property modification factor: those of codes lie between 0.5 and 2."""
 MOST_STOREYS = 300
 """The tallest buildings have half as many; the work grows with their cube."""
 HEAVIEST = 1e15
@@ -39,6 +43,9 @@ DAMPER_KEYS = {
     "temperature",
     "without",
     "heat_capacity",
+    "geometry",
+    "specimen",
+    "factors",
 }
 
 
@@ -52,7 +59,9 @@ def read_structure(path: str | Path) -> Frame:
         storey, ``damping``, ``storeys``) and for each kind of damper ``[[damper]]``: ``fit``, the
         JSON of an identification, or ``model`` with ``parameters`` and ``unit``; ``storey``,
         ``count``, ``slope`` in degrees, ``temperature`` in degC, ``heat_capacity`` of one in J/K,
-        and ``without``, effects of the rig to leave out.
+        ``without``, effects of the rig to leave out; ``geometry`` where a modulus was fitted, or
+        with that of the tested ``specimen`` where a stiffness was; and ``factors``, the least and
+        the largest of its property modification.
 
     Raises
     ------
@@ -74,7 +83,7 @@ def read_structure(path: str | Path) -> Frame:
         stiffness = _column(frame, "stiffness", storeys, path)
         dampers = tuple(_damper(entry, path, i) for i, entry in enumerate(entries, 1))
         return Frame(mass, stiffness, _number(frame.get("damping", 0.0), "damping"), dampers)
-    except (DataError, ModelError) as error:
+    except (DataError, ModelError, OptionError) as error:
         # Which of the dampers it is they say themselves; the file once.
         if str(path) in str(error):
             raise
@@ -114,11 +123,7 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
             f" {' and '.join(sorted(own))}"
         )
     known = _known(entry, path, where).without(_without(entry, where))
-    if known.units.stiffness not in STIFFNESS_UNITS:
-        raise ModelError(
-            f"a damper has a stiffness, and {known.model.name} is in {known.units.stiffness}: "
-            "identify it with the --geometry of the damper"
-        )
+    scale = _scale(entry, known, where)
     cosine = float(
         np.cos(np.radians(_number(entry.get("slope", 0.0), f"{where}: slope", -STEEPEST, STEEPEST)))
     )
@@ -148,7 +153,37 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
         known.covered,
         cosine,
         _capacity(entry, where),
+        scale,
+        _factors(entry, where),
     )
+
+
+def _scale(entry: Mapping[str, Any], known: Known, where: str) -> tuple[float, float] | None:
+    """By which a damper exceeds what was tested, where its geometry says so."""
+    geometries = {
+        name: parse_geometry(str(entry[name])) for name in ("geometry", "specimen") if name in entry
+    }
+    if "geometry" in geometries:
+        return scale_of(where, known.units, **geometries)
+    if geometries:
+        raise DataError(f"{where}: a specimen's geometry is for that of the damper: give both")
+    if known.units.stiffness not in STIFFNESS_UNITS:
+        raise ModelError(
+            f"{where}: a damper has a stiffness, and {known.model.name} is in"
+            f" {known.units.stiffness}: give its geometry = '{EXAMPLE}'"
+        )
+    return None
+
+
+def _factors(entry: Mapping[str, Any], where: str) -> tuple[float, float]:
+    """Property modification factors, the least first."""
+    given = entry.get("factors", [1.0, 1.0])
+    if not isinstance(given, list) or len(given) != 2:
+        raise DataError(f"{where}: factors are the least and the largest, [0.8, 1.2]")
+    least, most = (_number(each, f"{where}: factors", 0.0, MOST_FACTOR) for each in given)
+    if least > most:
+        raise DataError(f"{where}: factors are the least and the largest, [{most:g}, {least:g}]")
+    return least, most
 
 
 def _capacity(entry: Mapping[str, Any], where: str) -> float | None:

@@ -53,6 +53,14 @@ class RecordSuite:
         names = [each.motion.record.name for each in self.simulations]
         return [names[i] for i in self.largest(name).argmax(axis=0)]
 
+    @property
+    def bounds(self) -> dict[str, RecordSuite]:
+        """The same at each end of the dampers' factors; nothing where they have none."""
+        return {
+            name: RecordSuite([each.bounds[name] for each in self.simulations])
+            for name in self.simulations[0].bounds
+        }
+
     def bands(self) -> dict[str, tuple[Real, Real]]:
         """Ends (n,) of the bands of the drifts' mean and of their envelope.
 

@@ -9,6 +9,12 @@ from springpot.cli.timetests import WHERE
 from springpot.format_numbers import counted, number
 from springpot.report.text import TextTable
 
+BOUNDS = (
+    "bounds, all dampers at the {} of their property modification factors (as in ASCE 7 and 41;"
+    " unchecked):"
+)
+FORCE, STROKE = "axial force {} [kN]", "stroke {} [mm]"
+
 
 def _last_lines(notes: list[str], figure: Path | None) -> list[str]:
     """What is said below the tables."""
@@ -20,13 +26,27 @@ def _last_lines(notes: list[str], figure: Path | None) -> list[str]:
 
 def show_steady(result: dict[str, Any], figure: Path | None) -> None:
     """Print a steady state, as `described_steady` gives it."""
-    points = result["points"]
+    print(
+        "amplitudes at 1 m/s^2 of the ground: axial force and stroke of one damper of each kind,"
+        " the force of"
+    )
+    print("all of a storey along the floor, and the energy that each kind takes in a cycle\n")
+    _points(result["points"]).show()
+    for end, points in zip(("least", "largest"), result["bounds"].values(), strict=False):
+        print(f"\n{BOUNDS.format(end)}\n")
+        _points(points).show()
+    if last := _last_lines(result["notes"], figure):
+        print("", *last, sep="\n")
+
+
+def _points(points: list[dict[str, Any]]) -> TextTable:
+    """A row for each frequency."""
     storeys, dampers = (range(1, len(points[0][name]) + 1) for name in ("drift", "stroke"))
     shown = {
         "drift": ("drift {} [mm]", 1e3, storeys),
         "storey_force": ("dampers of storey {} [kN]", 1e-3, storeys),
-        "axial_force": ("axial force {} [kN]", 1e-3, dampers),
-        "stroke": ("stroke {} [mm]", 1e3, dampers),
+        "axial_force": (FORCE, 1e-3, dampers),
+        "stroke": (STROKE, 1e3, dampers),
         "energy": ("energy {} [kJ]", 1e-3, dampers),
     }
     headers = ["f [Hz]"]
@@ -42,14 +62,7 @@ def show_steady(result: dict[str, Any], figure: Path | None) -> None:
     table = TextTable((*headers, "measured"), rows, frozenset(headers))
     if not any(point["outside_measured"] for point in points):
         table = table.lacking("measured")
-    print(
-        "amplitudes at 1 m/s^2 of the ground: axial force and stroke of one damper of each kind,"
-        " the force of"
-    )
-    print("all of a storey along the floor, and the energy that each kind takes in a cycle\n")
-    table.show()
-    if last := _last_lines(result["notes"], figure):
-        print("", *last, sep="\n")
+    return table
 
 
 def _show_dampers(result: dict[str, Any]) -> None:
@@ -123,6 +136,8 @@ def show_motion(result: dict[str, Any], figure: Path | None) -> None:
     print()
     if result["dampers"]:
         _show_dampers(result)
+    if result["bounds"]:
+        _show_bounds(result)
     energy = result["energy"]
     told = f"energy      {number(energy['input'] / 1e3)} kJ put in"
     # Where nothing moved, or what was put in has gone back, nobody has taken a share of it.
@@ -153,7 +168,10 @@ def show_suite(result: dict[str, Any], figure: Path | None) -> None:
     print(
         f"\n{counted(len(rows), 'record')}, the largest drift and its storey under each; of all:\n"
     )
-    _show_mean_and_envelope(result)
+    _show_mean_and_envelope(result, result["level"])
+    for end, bound in zip(("least", "largest"), result["bounds"].values(), strict=False):
+        print(f"\n{BOUNDS.format(end)}\n")
+        _show_mean_and_envelope(bound, 0.0)
     under: dict[str, list[str]] = {}
     for each in result["records"]:
         for note in each["notes"]:
@@ -166,16 +184,33 @@ def show_suite(result: dict[str, Any], figure: Path | None) -> None:
         print("", *last, sep="\n")
 
 
-FORCE, STROKE = "axial force {} [kN]", "stroke {} [mm]"
+def _show_bounds(result: dict[str, Any]) -> None:
+    """The nominal between what it is at both ends of the dampers' factors."""
+    columns = [result["bounds"]["lower"], result, result["bounds"]["upper"]]
+    shown = {
+        "storeys": {"drift": ("drift {} [mm]", 1e3)},
+        "dampers": {"axial_force": (FORCE, 1e-3), "stroke": (STROKE, 1e3)},
+        "modes": {"frequency": ("f of mode {} [Hz]", 1.0), "damping": ("damping {} [%]", 100.0)},
+    }
+    rows = [
+        [title.format(i + 1), *(number(factor * each[part][i][name]) for each in columns)]
+        for part, names in shown.items()
+        for name, (title, factor) in names.items()
+        for i in range(len(result[part]))
+    ]
+    print(BOUNDS.format("least and at the largest") + "\n")
+    headers = ("", "lower", "nominal", "upper")
+    TextTable(headers, rows, frozenset(headers[1:])).show()
+    print()
 
 
-def _show_mean_and_envelope(result: dict[str, Any]) -> None:
+def _show_mean_and_envelope(result: dict[str, Any], level: float) -> None:
     """A row for each drift, force and stroke."""
     rows = []
     for i, storey in enumerate(result["storeys"], 1):
         drift = storey["drift"]
         rows.append(_both(f"drift {i} [mm]", 1e3, drift))
-        if result["level"]:
+        if level:
             ends = [
                 f"[{number(1e3 * drift[f'{name}_low'])}, {number(1e3 * drift[f'{name}_high'])}]"
                 for name in ("mean", "envelope")
@@ -185,7 +220,7 @@ def _show_mean_and_envelope(result: dict[str, Any]) -> None:
         rows.append(_both(FORCE.format(i), 1e-3, damper["axial_force"]))
         rows.append(_both(STROKE.format(i), 1e3, damper["stroke"]))
         rows.append(_both(f"energy {i} [kJ]", 1e-3, damper["energy"]))
-    band = f"{100 * result['level']:.0f} % band"
+    band = f"{100 * level:.0f} % band"
     headers = ("", "mean", band, "envelope", f"{band} ", "under")
     TextTable(headers, rows, frozenset({"mean", "envelope"})).telling().show()
 
