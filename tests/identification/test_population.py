@@ -112,6 +112,13 @@ def test_specimens_that_are_files_have_the_names_of_these(
         assert specimens["hard"]["k"] == pytest.approx(110.0, rel=5e-3)
 
 
+def test_parameters_named_one_after_the_other_are_all_each_level_s_own() -> None:
+    model = springpot.parse_model("kelvin + inertia").owning(["k"], "pad")
+    for name in ("inertia.m", "c"):
+        model = model.owning([name], "pad")
+    assert model.own == {"k": "pad", "c": "pad", "inertia.m": "pad"}
+
+
 def test_a_figure_has_a_row_for_each_specimen(tmp_path, rng: np.random.Generator) -> None:
     omega, pad = np.tile(np.geomspace(1.0, 100.0, 6), 4), np.repeat(list("abcd"), 6)
     k = np.repeat([100.0, 104.0, 98.0, 101.0], 6)
