@@ -559,8 +559,8 @@ def steady_of(frame: Frame, omega: Real) -> SteadyState:
     for damper in frame.dampers:
         for effect, _ in damper.beside:
             raise ModelError(
-                f"'{effect.name}' has no steady state at any amplitude: give a record, or leave"
-                " it out"
+                f"'{effect.name}' has no steady state that grows as the ground's amplitude does,"
+                " since it is not linear: give a record, or leave it out"
             )
     omega = np.atleast_1d(np.asarray(omega, dtype=float))
     return SteadyState(frame, omega, steady_state(frame, omega))
