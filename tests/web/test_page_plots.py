@@ -164,3 +164,30 @@ def test_a_finger_reads_a_point_and_stays_to_leave_it_out(page: Open, damper: by
         },
     )
     here.page.locator("#facts:has-text('1 left out')").wait_for()
+
+
+def test_two_views_stand_side_by_side_with_one_cursor_and_one_preview(page: Open, damper: bytes):
+    here = page()
+    here.page.set_viewport_size({"width": 1440, "height": 900})
+    here.open("damper.csv", damper, MODEL)
+    second = here.page.locator("#plot-second")
+    assert second.is_hidden()
+    here.page.select_option("#second", "cole-cole")
+    first, beside = here.page.locator("#plot-view").bounding_box(), second.bounding_box()
+    assert beside["y"] == first["y"]
+    assert beside["x"] >= first["x"] + first["width"]
+    assert "K'' [kN/m]" in second.text_content()
+    assert second.locator(".line.model").count() == 1
+    here.page.hover("[data-effect=inertia]")
+    assert second.locator(".line.preview").count() == 1
+    here.page.hover("#plot-view")
+    assert second.locator(".cursor-layer > *").count() > 0
+    here.page.reload()
+    here.shows(MODEL)
+    assert second.is_visible()
+    assert here.violations() == []
+    here.page.set_viewport_size({"width": 390, "height": 844})
+    first, below = here.page.locator("#plot-view").bounding_box(), second.bounding_box()
+    assert below["y"] >= first["y"] + first["height"]
+    here.page.select_option("#second", "")
+    assert second.is_hidden()
