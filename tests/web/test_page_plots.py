@@ -191,3 +191,18 @@ def test_two_views_stand_side_by_side_with_one_cursor_and_one_preview(page: Open
     assert below["y"] >= first["y"] + first["height"]
     here.page.select_option("#second", "")
     assert second.is_hidden()
+
+
+def test_the_spectrum_of_any_material_is_a_view(page: Open, damper: bytes):
+    here = page()
+    here.open("damper.csv", damper, "material")
+    here.page.select_option("#view", "spectrum")
+    here.page.locator("#plot-view .band.unmeasured").first.wait_for(state="attached")
+    assert "rate r [rad/s]" in here.page.text_content("#plot-view")
+    assert here.page.locator("#plot-view .line.model").count() == 1
+    assert here.reads("#places").startswith("half of the relaxing")
+    assert here.page.locator("#plot-residual").is_hidden()
+    assert here.violations() == []
+    here.judge(MODEL)
+    assert here.page.locator("#view [value=spectrum]").is_disabled()
+    assert "frequency f [Hz]" in here.page.text_content("#plot-view")

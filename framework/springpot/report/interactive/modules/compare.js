@@ -97,7 +97,7 @@ export class Compare {
         this.zoom.ends = null;
       }
       put(this.view, Object.entries(viewsOf(scene)).map(([name, view]) => h("option", { value: name }, view.name)),
-        this.app.fixed || scene.views ? null : h("option", { value: "master-curve" }, "Master curve"));
+        this.app.fixed || scene.views ? null : Object.entries(this.app.asked.views).map(([name, view]) => h("option", { value: name }, view.name)));
       put(this.other, h("option", { value: "" }, "One view"), Object.entries(viewsOf(scene)).map(([name, view]) => h("option", { value: name }, `and ${view.name}`)));
       put(this.plane,
         Object.keys(scene.planes).map((name) => h("option", { value: name }, titleOf(name))),
@@ -113,22 +113,22 @@ export class Compare {
     this.plane.title = scene.planes[plane]?.shows || "";
     const phone = this.width < NARROW;
     const [tall, low] = phone ? HEIGHTS.phone : [this.tall || HEIGHTS.desk[0], HEIGHTS.desk[1]];
-    const master = this.viewed === "master-curve";
-    this.view.querySelector("[value=master-curve]")?.toggleAttribute("disabled", !this.app.canShift);
+    const asked = this.asked;
+    for (const option of this.view.options) if (this.app.asked?.views[option.value]) option.disabled = !this.app.asked.can(option.value);
     const view = viewOf(scene, looks.view);
-    this.view.value = looks.view === "master-curve" && !scene.views ? looks.view : view;
+    this.view.value = this.app.asked?.views[looks.view] && !scene.views ? looks.view : view;
     const shown = answer && answer.state.data === state.data ? answer : null;
-    const spec = master ? this.app.masterSpec() : viewSpec(view, scene, excluded, shown?.model, looks.linear);
+    const spec = asked ? this.app.asked.spec(asked) : viewSpec(view, scene, excluded, shown?.model, looks.linear);
     this.told(spec);
-    this.main.title = master ? "Master curve" : viewsOf(scene)[view].name;
-    this.planned(spec, master);
+    this.main.title = (asked ? this.app.asked.views[asked] : viewsOf(scene)[view]).name;
+    this.planned(spec);
     this.without(spec);
     this.zoom.limit(spec);
     this.main.draw(spec, this.drawSecond(scene, excluded, shown, tall), tall);
     if (scene.fresh?.size) this.main.arrive(scene.fresh);
     setTimeout(() => scene.fresh?.clear()); // drawn again at once, where the words around it leave less room
-    // Residuals are of the sweeps as they were measured, not as they were shifted.
-    const residual = Boolean(shown) && plane !== "none" && !master;
+    // Residuals are of the sweeps as they were measured, not of what is worked out of them.
+    const residual = Boolean(shown) && plane !== "none" && !asked;
     this.residual.svg.toggleAttribute("hidden", !residual);
     if (residual) {
       this.residual.title = `${titleOf(plane)}, residual of ${shown.discovery.diagnosis.model}`;
@@ -162,6 +162,7 @@ export class Compare {
     const { looks } = this.app;
     const name = looks.second in viewsOf(scene) ? looks.second : "";
     this.other.value = name;
+    this.other.hidden = this.width < WIDE && !name;
     this.second.svg.toggleAttribute("hidden", !name);
     this.second.spec = null;
     if (!name) return this.width;
@@ -192,15 +193,20 @@ export class Compare {
     for (const plot of this.plots) if (plot.spec) plot.point(this.row, new Set([...this.chosen, ...rows]));
   }
 
+  // The view that the server has worked out, where one is asked for and is there.
+  get asked() {
+    const { asked, looks } = this.app;
+    return asked?.has(looks.view) ? looks.view : "";
+  }
+
   // The view that is drawn: what is asked for, where there is such a one.
   get viewed() {
-    const { scene, looks, hasMaster } = this.app;
-    return looks.view === "master-curve" && hasMaster ? looks.view : viewOf(scene, looks.view);
+    return this.asked || viewOf(this.app.scene, this.app.looks.view);
   }
 
   // The pictures in which curves of models stand, each with its view.
   pictures() {
-    const first = this.viewed === "master-curve" ? [] : [[this.main, this.viewed]];
+    const first = this.asked ? [] : [[this.main, this.viewed]];
     return this.second.spec ? [...first, [this.second, this.other.value]] : first;
   }
 
@@ -254,9 +260,9 @@ export class Compare {
   }
 
   // Where the rivals of the next experiment part, with bands of what would be measured.
-  planned(spec, master) {
+  planned(spec) {
     const next = this.app.looks.plan ? this.app.answer?.next : null;
-    if (!next?.rivals.length || master || !spec.upright || this.app.scene.axis.column !== "frequency") return;
+    if (!next?.rivals.length || this.asked || !spec.upright || this.app.scene.axis.column !== "frequency") return;
     const view = viewsOf(this.app.scene)[this.viewed];
     const xs = next.frequency.map((hertz) => hertz * this.app.scene.axis.per_hertz);
     const all = [];
@@ -287,6 +293,11 @@ export class Compare {
     const lines = (name) => [[beside?.model, "beside"], [edited, "edited"]].flatMap(([k, role]) => (k ? viewLines(name, scene, k, role) : []));
     for (const [plot, name] of this.pictures()) plot.extra(lines(name));
     if (this.residual.spec) this.residual.extra(this.leftBy(edited, "edited"));
+    const { key } = this.main.spec;
+    if (key) {
+      put(this.key, key.map(([look, text]) => h("span", { class: `swatch ${look}` }, text)));
+      return;
+    }
     const single = scene.sweeps.length < 2;
     const { symbol } = scene.words;
     if (scene.views) entries.push(this.entry("storage", "storage", "● measured"));
@@ -299,7 +310,7 @@ export class Compare {
     }
     const { below } = this.main.spec.y;
     if (below) entries.push(h("span", { class: "quiet" }, `${below} not above zero`));
-    if (answer && view !== "master-curve") entries.push(this.entry("model", "", `━ ${answer.discovery.diagnosis.model} (accepted)`));
+    if (answer && !this.asked) entries.push(this.entry("model", "", `━ ${answer.discovery.diagnosis.model} (accepted)`));
     if (this.app.hovered) entries.push(h("span", { class: "swatch preview" }, `╌ with ${this.app.hovered} (preview)`));
     if (edited) entries.push(h("span", { class: "swatch edited" }, `┈ edited by hand, ${percent(edited.error)}`));
     if (beside) entries.push(h("span", { class: "swatch beside" }, `─ branch ${beside.branch}: ${beside.discovery.diagnosis.model}`));
