@@ -56,6 +56,13 @@ class Damper:
         What it was measured at.
     cosine : float
         Of the slope against the floor.
+    heat_capacity : float, optional
+        Of one damper, in J/K.
+    scale : tuple of float, optional
+        Stiffness in N/m and displacement in m of which theta counts one, where they are not the
+        units themselves: of a damper that is larger than what was tested.
+    factors : tuple of float
+        Least and largest property modification factor of its force.
 
     Raises
     ------
@@ -84,6 +91,9 @@ class Damper:
     units: Units = field(default_factory=lambda: Units("N/m", "m"))
     covered: Covered = field(default_factory=Covered)
     cosine: float = 1.0
+    heat_capacity: float | None = None
+    scale: tuple[float, float] | None = None
+    factors: tuple[float, float] = (1.0, 1.0)
 
     def __post_init__(self) -> None:
         if not self.count > 0.0:
@@ -148,11 +158,15 @@ class Damper:
     @property
     def unit(self) -> float:
         """Stiffness in N/m of which theta counts one."""
+        if self.scale is not None:
+            return self.scale[0]
         return STIFFNESS_UNITS[self.units.stiffness]
 
     @property
     def length(self) -> float:
         """Displacement in m of which theta counts one."""
+        if self.scale is not None:
+            return self.scale[1]
         return AMPLITUDE_UNITS[self.units.amplitude]
 
     def remark(self, omega: Real, of: str) -> str:
@@ -203,6 +217,11 @@ class Damper:
         response = self.linear.network.respond(self.linear_theta, at, FULL)
         # By ln s: dK/ds is dK/d(ln s) over s.
         return self.size * response.value, self.size * response.by_log_omega / s
+
+    def bound(self, end: int) -> Damper:
+        """The same with its force at the least (0) or largest (1) of its factors."""
+        scale = self.factors[end] * self.unit, self.length
+        return replace(self, scale=scale, factors=(1.0, 1.0))
 
     def drawn(self, rng: np.random.Generator) -> Damper:
         """The same with parameters as they may as well be: positive ones by their logarithm."""
@@ -333,6 +352,19 @@ class Frame:
         for i, damper in enumerate(self.dampers):
             braced[damper.storey - 1, i] = 1.0
         return braced
+
+    @property
+    def bounds(self) -> dict[str, Frame]:
+        """The same with all dampers at their least, and at their largest factor.
+
+        Nothing where none has any.
+        """
+        if all(damper.factors == (1.0, 1.0) for damper in self.dampers):
+            return {}
+        return {
+            name: replace(self, dampers=tuple(damper.bound(end) for damper in self.dampers))
+            for end, name in enumerate(("lower", "upper"))
+        }
 
     def drawn(self, rng: np.random.Generator) -> Frame:
         """The same with dampers as they may as well be."""
@@ -527,8 +559,8 @@ def steady_of(frame: Frame, omega: Real) -> SteadyState:
     for damper in frame.dampers:
         for effect, _ in damper.beside:
             raise ModelError(
-                f"'{effect.name}' has no steady state at any amplitude: give a record, or leave"
-                " it out"
+                f"'{effect.name}' has no steady state that grows as the ground's amplitude does,"
+                " since it is not linear: give a record, or leave it out"
             )
     omega = np.atleast_1d(np.asarray(omega, dtype=float))
     return SteadyState(frame, omega, steady_state(frame, omega))
