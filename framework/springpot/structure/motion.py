@@ -29,7 +29,8 @@ from springpot.thresholds import INTERVAL
 
 from ..numerics import ROUNDING
 from .beside import Beside, forces
-from .frame import Damper, Frame, Mode, modes_of
+from .damper import Damper
+from .frame import Frame, Mode, modes_of
 
 SHORT = 16.0
 """Steps in the shortest period around a largest value.
@@ -316,6 +317,9 @@ class Motion:
         Of the floors relative to the ground, in m and m/s.
     force : ndarray, shape (t, d)
         Of the dampers of each entry together, in N, along the floor.
+    beside : tuple of ndarray, shape (t, d)
+        Of the force the part that is not linear, in N, and the work on it along the floor, in J:
+        where it jumps, samples do not tell its work.
     peaks : ndarray, shape (n + d + n,)
         Largest sizes, between samples too, of the drifts, of these forces, and of their sums in
         each storey.
@@ -326,6 +330,7 @@ class Motion:
     displacement: Real
     velocity: Real
     force: Real
+    beside: tuple[Real, Real]
     peaks: Real
 
     @property
@@ -370,8 +375,11 @@ class Motion:
 
         At last it is heat, but for what its springs then hold.
         """
-        rates = self.frame.strokes_of(self.frame.drift_of(self.velocity))
-        return self._taken(self.axial_force * rates)
+        sudden, work = self.beside
+        storeys = [damper.storey - 1 for damper in self.frame.dampers]
+        rates = self.frame.drift_of(self.velocity)[:, storeys]
+        taken = self._told(_integral((self.force - sudden) * rates, self.record.step) + work)
+        return np.asarray(taken / np.array([damper.count for damper in self.frame.dampers]))
 
     @cached_property
     def energy(self) -> dict[str, Real]:
@@ -386,14 +394,13 @@ class Motion:
         own = np.einsum("ti,ij,tj->t", self.velocity, self.frame.viscous, self.velocity)
         counts = np.array([damper.count for damper in self.frame.dampers])
         return {
-            "input": self._taken(power),
+            "input": self._told(_integral(power, self.record.step)),
             "dampers": self.work @ counts,
-            "frame": self._taken(own),
+            "frame": self._told(_integral(own, self.record.step)),
         }
 
-    def _taken(self, rate: Real) -> Real:
-        """Integral in J of a power against time (t, ...); none where that is rounding."""
-        whole = _integral(rate, self.record.step)
+    def _told(self, whole: Real) -> Real:
+        """Energies in J against time (t, ...); none where that is rounding."""
         # Beside what rides along with the ground the work on a frame that is stuck is rounding.
         reached = _integral(np.abs(self.record.acceleration), self.record.step)[-1]
         least = ROUNDING * float(np.sum(self.frame.mass)) * reached**2
@@ -442,12 +449,13 @@ def motion_of(frame: Frame, record: GroundMotion) -> Motion:
     n, count = len(frame), len(record.acceleration)
     seen = _seen(frame, parts, len(matrix))
     if besides:
-        state, extra, peaks = _stepped(frame, record, system, besides, seen)
+        state, beside, peaks = _stepped(frame, record, system, besides, seen)
     else:
-        state, extra = system.run(record.acceleration), np.zeros((count, len(parts)))
+        nothing = np.zeros((count, len(parts)))
+        state, beside = system.run(record.acceleration), (nothing, nothing)
         peaks = system.largest(state, record.acceleration, seen)
-    force = state @ seen[n : n + len(parts)].T + extra
-    return Motion(frame, record, state[:, :n], state[:, n : 2 * n], force, peaks)
+    force = state @ seen[n : n + len(parts)].T + beside[0]
+    return Motion(frame, record, state[:, :n], state[:, n : 2 * n], force, beside, peaks)
 
 
 def _seen(frame: Frame, parts: Sequence[_Part], size: int) -> Real:
@@ -460,8 +468,8 @@ def _seen(frame: Frame, parts: Sequence[_Part], size: int) -> Real:
 
 def _stepped(
     frame: Frame, record: GroundMotion, system: System, besides: dict[int, Beside], seen: Real
-) -> tuple[Real, Real, Real]:
-    """States (t, m), forces (t, d) of what is not linear, and peaks.
+) -> tuple[Real, tuple[Real, Real], Real]:
+    """States (t, m), forces (t, d) and work of what is not linear, and peaks.
 
     The forces are constant within each of many short steps. The peaks are those of these steps:
     with so many of them, a sample misses one by 1 - cos(pi / 120) = 3e-4.
@@ -488,8 +496,9 @@ def _stepped(
     pushed = short.pushed(a[:-1], a[1:])
     by_force = rows @ pulled[:n], rows @ pulled[n : 2 * n]
     count, size = len(record.acceleration), len(system.matrix)
-    state, extra = np.zeros((count, size)), np.zeros((count, len(rows)))
+    state, extra = np.zeros((count, size)), np.zeros((2, count, len(frame.dampers)))
     y, force, members = np.zeros(size), np.zeros(len(rows)), list(besides.values())
+    work = np.zeros(len(rows))
     felt, peaks = _felt(frame, list(besides)), np.zeros(len(seen))
     start = rows @ y[:n], rows @ y[n : 2 * n]
     for i, push in enumerate(pushed, 1):
@@ -500,14 +509,16 @@ def _stepped(
         force = forces(members, start, free, by_force, force)
         y = y + pulled @ force
         before, start = start, (rows @ y[:n], rows @ y[n : 2 * n])
-        for member, way in zip(members, (start[0] - before[0]).tolist(), strict=True):
-            member.move(way)
+        way = start[0] - before[0]
+        # Exact, as the force is constant within the step.
+        work = work + force * way
+        for member, moved in zip(members, way.tolist(), strict=True):
+            member.move(moved)
         peaks = np.maximum(peaks, np.abs(seen @ y + felt @ force))
         if i % parts == 0:
-            state[i // parts], extra[i // parts] = y, force
-    whole = np.zeros((len(state), len(frame.dampers)))
-    whole[:, list(besides)] = extra
-    return state, whole, peaks
+            state[i // parts] = y
+            extra[:, i // parts, list(besides)] = force, work
+    return state, (extra[0], extra[1]), peaks
 
 
 def _felt(frame: Frame, entries: Sequence[int]) -> Real:
@@ -668,7 +679,7 @@ def simulate(
     (500, 1)
     """
     # Where no damper is uncertain, each draw would be the same motion again.
-    if all(damper.covariance is None for damper in frame.dampers):
+    if not any(damper.axes.size for damper in frame.dampers):
         draws = 0
     peaks = [motion_of(frame.drawn(rng), record).peak_drift for _ in range(draws)]
     return Simulation(
