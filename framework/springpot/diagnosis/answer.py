@@ -252,7 +252,9 @@ def answer(
     leading = _leading(search, evidence, verdict, course)
     cause, one_test = _cause(measurement, search, evidence, verdict, course)
     split, classes, experiment = "", [], None
-    if verdict != "adequate":
+    if verdict == "adequate" and outliers:
+        experiment = experiment_on_points(outliers)
+    elif verdict != "adequate":
         split = _split(search, floor, doubted or only_points(search, outliers))
         classes = evidence.classes
         # To look at one test needs no measurement, nor to number repeats: they come first.

@@ -196,7 +196,8 @@ class Refit:
         nearest = np.argmin(apart, axis=1)
         stiffness = self.model.stiffness(self.theta, measurement.points)
         nothing = np.zeros((0, len(measurement)), dtype=np.complex128)
-        return NoiseFrame(measurement, stiffness, self.noise.weights[nearest], nothing)
+        weights = self.noise.weights[nearest]
+        return NoiseFrame(measurement, stiffness, weights, nothing, self.noise.dof)
 
     def _free(self, by_theta: Complex, value: Complex) -> NDArray[np.bool_]:
         """Which parameters can follow a residual.
