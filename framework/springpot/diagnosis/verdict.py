@@ -134,7 +134,7 @@ RULES = (
     VerdictRule(
         "nothing is left but arithmetic", lambda f: f.exact and not f.interference, "adequate"
     ),
-    # First without an alarm: where a resonance or an interference was set aside nothing is adequate.
+    # First without an alarm: beside a resonance or an interference nothing is adequate.
     VerdictRule(
         "only points that stand out, and what lies beside them",
         lambda f: not f.alarm and f.interference,
@@ -284,7 +284,7 @@ def _standing_out(base: Refit) -> NDArray[np.bool_]:
         return ~inside
     # Without the slow curves of the scatter: they follow all but the furthest point of a notch.
     at_all = free.model.stiffness(free.theta, base.fit.measurement.points)
-    off = weighted(base.data.mean.stiffness - at_all, base.noise.weights)
+    off = weighted(base.data.mean.stiffness - at_all, base.noise.weights, base.noise.turn)
     squares: Real = off[:n] ** 2 + off[n:] ** 2
     # Further off than one of so many would be by chance; all of a curve that is a little off itself
     # do not stand out.

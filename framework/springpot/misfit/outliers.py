@@ -23,6 +23,7 @@ from springpot.distributions import (
     f_sf,
     gamma_sf,
 )
+from springpot.identification.problem import weighted
 from springpot.measurement.independence import frequency_numbers, rounded_log_omega
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import sweeps_of
@@ -222,8 +223,8 @@ def _energy_of_ripples(frame: NoiseFrame, left: Real, periods: Real) -> Real:
         change = (relative[:, :, None] * waves_of_sweep[:, :, None, :]).reshape(
             len(periods), len(rows), -1
         )
-        weights = frame.weights[rows][:, None]
-        columns = np.concatenate([change.real * weights.real, change.imag * weights.imag], axis=1)
+        turn = None if frame.turn is None else frame.turn[rows]
+        columns = weighted(np.swapaxes(change, 1, 2), frame.weights[rows], turn).swapaxes(1, 2)
         size = np.linalg.norm(columns, axis=1, keepdims=True)
         axes, sizes, _ = np.linalg.svd(
             columns / np.where(size > 0.0, size, 1.0), full_matrices=False
@@ -609,11 +610,12 @@ def are_outliers(
         How many they are.
     """
     (base, best), (base_without, best_without) = with_points, without_points
-    size = 2 * len(base.fit.measurement)
+    data = base.fit.measurement
+    size = 2 * len(data)
     # Both in units of the noise of the data without the points: an estimate that holds them cannot
     # judge them.
-    scale = np.median(np.abs(base_without.noise.weights)) / np.median(np.abs(base.noise.weights))
-    gain = scale**2 * best.rss - best_without.rss
+    left = base_without.frame_of(data).whiten(data.stiffness - best.stiffness)
+    gain = float(left @ left) - best_without.rss
     # As an effect is judged: by chi-square and a price, which for a point is that of choosing it
     # among all.
     spent = len(best.own) - len(best_without.own)

@@ -27,7 +27,7 @@ from springpot.rheology.points import Complex, Real
 from springpot.thresholds import VERDICT
 
 from ..numerics import NEGLIGIBLE
-from .frame import Drawn, NoiseFrame
+from .frame import Drawn, NoiseFrame, phase_of
 from .words import times
 
 
@@ -183,7 +183,13 @@ class Refit:
         free = by_theta[self._free(by_theta, response.value)]
         estimated = self.noise.source == "estimated"
         return NoiseFrame(
-            measurement, response.value, self.noise.weights, free, self.noise.dof, estimated
+            measurement,
+            response.value,
+            self.noise.weights,
+            free,
+            self.noise.dof,
+            estimated,
+            self.noise.turn,
         )
 
     # Asked where a point was set aside: its own noise is not known, but noise goes with |K|.
@@ -197,7 +203,10 @@ class Refit:
         stiffness = self.model.stiffness(self.theta, measurement.points)
         nothing = np.zeros((0, len(measurement)), dtype=np.complex128)
         weights = self.noise.weights[nearest]
-        return NoiseFrame(measurement, stiffness, weights, nothing, self.noise.dof)
+        turn = None
+        if self.noise.turn is not None:
+            turn = np.conj(phase_of(stiffness, measurement))
+        return NoiseFrame(measurement, stiffness, weights, nothing, self.noise.dof, turn=turn)
 
     def _free(self, by_theta: Complex, value: Complex) -> NDArray[np.bool_]:
         """Which parameters can follow a residual.
@@ -214,8 +223,9 @@ class Refit:
         # Per relative change where a parameter is positive, so that its unit does not matter.
         natural = np.where(logs, self.theta, 1.0)
         influence = np.linalg.norm(by_theta * natural[:, None] / size, axis=1)
-        slopes = weighted(by_theta, self.noise.weights)
-        left = weighted(self.fit.measurement.stiffness - value, self.noise.weights)
+        weights, turn = self.noise.weights, self.noise.turn
+        slopes = weighted(by_theta, weights, turn)
+        left = weighted(self.fit.measurement.stiffness - value, weights, turn)
         downhill = slopes @ left
         # A search ends near a bound, hardly ever on it.
         room = 1e-6 * np.where(logs, np.abs(self.theta), 1.0)
@@ -245,7 +255,10 @@ class OfNoise:
 def noise_objective(noise: Noise) -> Objective:
     """Differences of K' and K'' in units of their noise."""
     return Objective(
-        "noise", "the differences over the standard deviations of the noise", OfNoise(noise.weights)
+        "noise",
+        "the differences over the standard deviations of the noise",
+        OfNoise(noise.weights),
+        turn=noise.turn,
     )
 
 
@@ -364,8 +377,9 @@ def left_out_error(fitted: Refit, folds: list[NDArray[np.bool_]]) -> float:
             less.theta, fitted.fit.measurement.points
         )
         # In units of the noise of all data: a fit of less has no better one.
-        sd = fitted.noise.sd
-        total += float(np.sum((off.real / sd.real)[fold] ** 2 + (off.imag / sd.imag)[fold] ** 2))
+        noise = fitted.noise
+        missed = weighted(off, noise.weights, noise.turn)[np.tile(fold, 2)]
+        total += float(missed @ missed)
         count += 2 * int(np.sum(fold))
     return float(np.sqrt(total / count))
 
