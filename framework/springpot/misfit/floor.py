@@ -283,8 +283,9 @@ def sharpened(base: Refit, best: Refit) -> Refit | None:
     everything = np.ones(frame.size, dtype=bool)
     noise = _of_residual(best, Trimmed(frame.rest, everything, float(dof)))
     sharper = base.data.floor(noise) < SCATTER.sharper * base.data.floor(base.noise)
-    # Beside a wrong model it could not be told whether noise goes along K or across it.
-    if not sharper and (noise.along is None) == (base.noise.along is None):
+    # Whether noise goes along K or across it only a model that leaves nothing else can tell.
+    other_axes = (noise.along is None) != (base.noise.along is None) and not beyond_floor(best)
+    if not sharper and not other_axes:
         return None
     return refit(base.model, base.data, noise, [base.theta], starts=STARTS_AGAIN)
 

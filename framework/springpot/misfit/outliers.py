@@ -583,6 +583,8 @@ def stands_alone(frame: NoiseFrame, rows: NDArray[np.int64]) -> bool:
         for place in np.flatnonzero(np.isin(sweep.rows, rows)):
             beside |= set(sweep.rows[max(place - 1, 0) : place + 2].tolist())
     others = np.array(sorted(beside - set(rows.tolist())), dtype=np.int64)
+    if not len(others):
+        return True
     n = len(which)
     squares = frame.residual[others] ** 2 + frame.residual[others + n] ** 2
     chance = chance_of_squares(float(np.sum(squares)), 2.0 * len(others), frame.scale_dof)
