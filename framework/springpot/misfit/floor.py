@@ -27,7 +27,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import SCATTER, VERDICT
 
-from .frame import NoiseFrame, phase_of
+from .frame import NoiseFrame, chance_of_squares, phase_of
 from .outliers import Trimmed, trimmed
 from .refit import Refit, refit
 
@@ -124,7 +124,8 @@ def beyond_floor(fitted: Refit) -> bool:
     ratio = fitted.relative_rms / fitted.floor
     # Floor and error are both uncertain, so F and not chi-square; of many points a slight excess is
     # sure but small.
-    chance = f_sf(ratio**2, _error_dof(fitted), fitted.noise.dof)
+    dof = _error_dof(fitted)
+    chance = chance_of_squares(ratio**2 * dof, dof, fitted.noise.dof)
     return bool(ratio > VERDICT.misfit and chance < VERDICT.structure_alarm)
 
 
