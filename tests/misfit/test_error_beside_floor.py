@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,19 +9,20 @@ import pytest
 
 from springpot.measurement.scatter import Noise
 from springpot.misfit.floor import below_floor, beyond_floor
+from springpot.misfit.refit import Refit
 from springpot.thresholds import VERDICT
 
 POINTS = 200
 
 
-def fit_of(ratio, sd, source="estimated", doubt=""):
+def fit_of(ratio, sd, source="estimated", doubt="", known=False):
     """A fit whose error is so many times its floor, under noise of these deviations of K = 1."""
-    noise = Noise(np.asarray(sd * (1.0 + 1.0j)), 2.0 * POINTS, source, doubt)
-    mean = SimpleNamespace(magnitude=np.ones(POINTS))
+    noise = Noise(np.asarray(sd * (1.0 + 1.0j)), np.inf if known else 2.0 * POINTS, source, doubt)
+    data = SimpleNamespace(mean=SimpleNamespace(magnitude=np.ones(POINTS)))
+    found = Refit(SimpleNamespace(dof=2 * POINTS - 4), noise, data)
     return SimpleNamespace(
-        noise=noise, relative_rms=0.02 * ratio, floor=0.02,
-        fit=SimpleNamespace(dof=2 * POINTS - 4), data=SimpleNamespace(mean=mean),
-    )  # fmt: skip
+        noise=noise, relative_rms=0.02 * ratio, floor=0.02, error_dof=found.error_dof
+    )
 
 
 EVEN = np.full(POINTS, 0.01)
@@ -47,6 +47,4 @@ def test_an_error_is_below_a_noise_that_the_data_tell(found, below):
 def test_a_floor_of_few_noisy_points_is_as_uncertain_as_they_are():
     assert beyond_floor(fit_of(1.4, EVEN))
     assert not beyond_floor(fit_of(1.4, ONE_END))
-    known = fit_of(1.4, EVEN)
-    known.noise = replace(known.noise, dof=np.inf)
-    assert beyond_floor(known)
+    assert beyond_floor(fit_of(1.4, EVEN, "given", known=True))

@@ -124,7 +124,7 @@ def beyond_floor(fitted: Refit) -> bool:
     ratio = fitted.relative_rms / fitted.floor
     # Floor and error are both uncertain, so F and not chi-square; of many points a slight excess is
     # sure but small.
-    dof = _error_dof(fitted)
+    dof = fitted.error_dof
     chance = chance_of_squares(ratio**2 * dof, dof, fitted.noise.dof)
     return bool(ratio > VERDICT.misfit and chance < VERDICT.structure_alarm)
 
@@ -135,20 +135,8 @@ def below_floor(fitted: Refit) -> bool:
     if fitted.noise.source != "estimated" or fitted.noise.overruled:
         return False
     ratio = fitted.relative_rms / fitted.floor
-    chance = f_sf(ratio**-2, fitted.noise.dof, _error_dof(fitted))
+    chance = f_sf(ratio**-2, fitted.noise.dof, fitted.error_dof)
     return bool(ratio < VERDICT.below and chance < VERDICT.structure_alarm)
-
-
-def _error_dof(fitted: Refit) -> float:
-    """Degrees of freedom of the relative error, in which every point counts by its own noise.
-
-    Where few points are far noisier than all others it is as uncertain as theirs (Satterthwaite
-    1946, doi:10.2307/3002019).
-    """
-    relative = fitted.noise.sd / fitted.data.mean.magnitude
-    variances = np.concatenate([relative.real, relative.imag]) ** 2
-    counts = float(np.sum(variances)) ** 2 / float(np.sum(variances**2))
-    return max(fitted.fit.dof * counts / len(variances), 1.0)
 
 
 def is_arithmetic(fitted: Refit) -> bool:

@@ -164,6 +164,18 @@ class Refit:
         free = 1.0 - followed / (2 * len(self.data.raw))
         return self.data.floor(self.noise) * float(np.sqrt(free))
 
+    @property
+    def error_dof(self) -> float:
+        """Degrees of freedom of `relative_rms`, in which every point counts by its own noise.
+
+        Where few points are far noisier than all others it is as uncertain as theirs (Satterthwaite
+        1946, doi:10.2307/3002019).
+        """
+        relative = self.noise.sd / self.data.mean.magnitude
+        variances = np.concatenate([relative.real, relative.imag]) ** 2
+        counts = float(np.sum(variances)) ** 2 / float(np.sum(variances**2))
+        return max(self.fit.dof * counts / len(variances), 1.0)
+
     def without(self, rows: NDArray[np.bool_]) -> Refit:
         """The fit of all data but some of the averaged rows, (n,), from where this one ended."""
         # No further starts: a few rows less do not move the minimum far, and this is asked for many
