@@ -55,7 +55,12 @@ LAWS: dict[str, dict[str, Callable[[Any], dict[str, float]]]] = {
     "parallel-springpot": {"parallel: c*(i*omega)^a": lambda v: {"a": v["alpha"]}},
     "series-springpot": {"series: 1/(c*(i*omega)^a)": lambda v: {"a": v["alpha"]}},
     "basset": {"parallel: c*(i*omega)^(1 + a)": lambda v: {"a": 0.5}},
+    "power-law-slip": {"series: Y/(i*c*(omega*Y)^a)": lambda v: {"a": v["a"]}},
+    "hardening-mount": {"series: 1/(k*(1 + (Y/Xc)^n))": lambda v: {"n": 2.0}},
     "friction": {"parallel: i*k*X^(-n)": lambda v: {"n": 1.0}},
+    "payne": {
+        "parallel: k*(1 + i*h*(X/Xc)^n)/(1 + (X/Xc)^(2*n))": lambda v: {"n": v["m"]},
+    },
     "power-law-damper": {
         "parallel: i*c*omega^a*X^n": lambda v: {"a": v["a"], "n": v["a"] - 1.0},
         "parallel: i*c*omega^a*X^(-n)": lambda v: {"a": v["a"], "n": 1.0 - v["a"]},

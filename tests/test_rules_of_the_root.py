@@ -395,3 +395,16 @@ def test_a_row_is_named_by_labels_and_conditions_alike():
     assert constraints._words(table, "batch, specimen") == ["2/a", "3/b"]
     with pytest.raises(DataError, match=r"no column 'lot' \(there are: batch, specimen\)"):
         constraints._words(table, "lot")
+
+
+@pytest.mark.parametrize("columns", ["batch/number", "batch,number"])
+def test_numbers_that_come_again_in_each_batch_are_counted_through(columns):
+    table = Measurement(
+        np.arange(1.0, 5.0),
+        np.full(4, 1.0 + 1j),
+        conditions={"number": np.array([1.0, 2.0, 1.0, 2.0])},
+        labels={"batch": np.array(["a", "a", "b", "b"])},
+    )
+    found = constraints._numbered(table, columns)
+    assert found.conditions[columns].tolist() == [1.0, 2.0, 3.0, 4.0]
+    assert ("batch" in found.conditions) is ("/" in columns)

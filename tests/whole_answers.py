@@ -51,10 +51,7 @@ def plain(part: Any) -> Any:
         return {each.name: plain(getattr(part, each.name)) for each in dataclasses.fields(part)}
     if hasattr(part, "savefig"):
         size = plain(np.array(part.get_size_inches()))
-        above = [
-            [legend.get_title().get_text(), *(text.get_text() for text in legend.get_texts())]
-            for legend in part.legends
-        ]
+        above = [_of_legend(legend) for legend in part.legends]
         return [{"size": size, "above": above}, *(_of_axes(axes) for axes in part.axes)]
     if hasattr(part, "_asdict"):
         return plain(part._asdict())
@@ -86,12 +83,9 @@ def _of_axes(axes: Any) -> dict[str, Any]:
         "title": axes.get_title(),
         "x": [axes.get_xlabel(), *_of_axis(axes.xaxis), *plain(np.array(axes.get_xlim()))],
         "y": [axes.get_ylabel(), *_of_axis(axes.yaxis), *plain(np.array(axes.get_ylim()))],
-        "legend": [text.get_text() for text in legend.get_texts()] if legend else [],
-        "texts": [text.get_text() for text in axes.texts],
-        "lines": [
-            [_of_look(line, str(line.get_color())), plain(np.array(line.get_xydata()))]
-            for line in axes.lines
-        ],
+        "legend": _of_legend(legend) if legend else [],
+        "texts": [[text.get_text(), *plain(np.array(text.get_position()))] for text in axes.texts],
+        "lines": [[_of_line(line), plain(np.array(line.get_xydata()))] for line in axes.lines],
         "areas": [
             [
                 _of_look(each, plain(np.array(each.get_facecolor()))),
@@ -105,11 +99,25 @@ def _of_axes(axes: Any) -> dict[str, Any]:
     }
 
 
-def _of_axis(axis: Any) -> list[str]:
-    """How an axis is scaled, and by which rules its numbers are placed and written."""
+def _of_legend(legend: Any) -> list[Any]:
+    """What is named, and by which lines."""
+    named = [text.get_text() for text in legend.get_texts()]
+    return [legend.get_title().get_text(), *named, *map(_of_line, legend.get_lines())]
+
+
+def _of_line(line: Any) -> list[Any]:
+    """How a line looks and its marks."""
+    marks = [line.get_linestyle(), line.get_marker(), plain(line.get_markersize())]
+    return [*_of_look(line, str(line.get_color())), *marks]
+
+
+def _of_axis(axis: Any) -> list[Any]:
+    """How an axis is scaled, where it has numbers, and by which rule they are written."""
+    low, high = sorted(axis.get_view_interval())
+    ticks = axis.get_majorticklocs()
     return [
         axis.get_scale(),
-        type(axis.get_major_locator()).__name__,
+        plain(ticks[(ticks >= low) & (ticks <= high)]),
         type(axis.get_major_formatter()).__name__,
     ]
 

@@ -6,6 +6,7 @@ takes.
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields, replace
@@ -14,6 +15,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from springpot.errors import DataError, ModelError, OptionError
+from springpot.identification.kept import LEVELS
 from springpot.identification.material import is_material
 from springpot.identification.runs import Optimiser
 from springpot.measurement.joining import FILE
@@ -217,11 +219,12 @@ def _numbered(sweep: Measurement, column: str) -> Measurement:
         words = list(dict.fromkeys(given))
         number = np.array([1.0 + words.index(word) for word in given])
         meant = ", ".join(f"{i} is {word}" for i, word in enumerate(words, 1))
+        told = {f"note {column}": f"{column}: {meant}", LEVELS.format(column): json.dumps(words)}
         sweep = replace(
             sweep,
             conditions={**sweep.conditions, column: number},
             labels=labels,
-            provenance={**sweep.provenance, f"note {column}": f"{column}: {meant}"},
+            provenance={**sweep.provenance, **told},
         )
     if column not in sweep.conditions:
         known = ", ".join([*sweep.conditions, *sweep.labels]) or "none"

@@ -15,10 +15,12 @@ from springpot.identification.prediction import Known
 from springpot.identification.result import Identification
 from springpot.loading import load
 from springpot.measurement.units import MODULUS_UNITS, Units, known_unit
-from springpot.registry import parse_model
+from springpot.registry import effect_of, parse_model, plugins
+from springpot.rheology.elements import spring
+from springpot.rheology.model import Model
 from springpot.rheology.parameters import Dimension
 from springpot.rheology.points import ROOM
-from springpot.rheology.tied import allowed
+from springpot.rheology.tied import allowed, hold
 from springpot.suggestions import suggested
 
 
@@ -51,7 +53,8 @@ def stated(expression: str, values: Mapping[str, float], unit: str | None, what:
     Parameters
     ----------
     expression : str
-        Such as ``fractional-maxwell``.
+        Such as ``fractional-maxwell``; or effects alone that act beside a material, as a slider
+        that is a whole damper.
     values : mapping of str to float
         By name, all of them.
     unit : str or None
@@ -64,7 +67,7 @@ def stated(expression: str, values: Mapping[str, float], unit: str | None, what:
     SpringpotError
         If model or unit are unknown, or a parameter is, lacks or has a value that it cannot take.
     """
-    model = parse_model(expression)
+    model = _alone(expression) or parse_model(expression)
     given = model.vector(dict(values)).tolist()
     # A bound of a stiffness or a length is zero or infinity, the same in any unit.
     printed = np.array(list(map(allowed, model.parameters, given)))
@@ -81,6 +84,18 @@ def stated(expression: str, values: Mapping[str, float], unit: str | None, what:
     return Known(
         model=model, theta=printed, slopes=exact, spread=exact, units=units, reference=ROOM
     )
+
+
+def _alone(expression: str) -> Model | None:
+    """A model of effects alone, beside nothing; None where the expression begins with a model."""
+    names = [name.strip() for name in expression.split("+")]
+    first = plugins().shelves["effect"].find(names[0])
+    if first is None or first.plane != "stiffness":
+        return None
+    model = Model("nothing", hold(spring("k"), {"k": 0.0}, {}))
+    for name in names:
+        model = model.taking(effect_of(name))
+    return model
 
 
 def _factor(units: Units, dimension: Dimension) -> float:

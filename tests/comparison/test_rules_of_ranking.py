@@ -156,3 +156,18 @@ def test_members_of_a_family_are_tried_until_one_lacks_nothing_or_gains_nothing(
     assert tried([1.0, 2.0, 3.0, 4.0, 5.0], low, 4) == [2, 3, 4]
     assert tried([1.0, 2.0, 2.0, 4.0, 5.0], low) == [2, 3, 4]
     assert tried([1.0, 2.0, 3.0, 4.0, 5.0], [0.0, edge, 0.0, 0.0, 0.0]) == [2, 3]
+
+
+@pytest.mark.parametrize(
+    ("one_test", "course", "told"), [("3", None, "why"), ("3", 1.0, ""), ("", None, "")]
+)
+def test_one_test_is_told_unless_the_ladder_told_what_goes_with_the_time(
+    one_test, course, told, monkeypatch
+):
+    monkeypatch.setattr(ranking, "column_behind", lambda frame: "temperature")
+    monkeypatch.setattr(ranking, "one_test_of", lambda raw, column: ("3", f"why {column}"))
+    best = SimpleNamespace(data=SimpleNamespace(raw=None), frame=lambda: None)
+    case = SimpleNamespace(course=course, naming=SimpleNamespace(best=best))
+    steps = [SimpleNamespace(case=None), SimpleNamespace(case=case)]
+    ladder = SimpleNamespace(steps=steps, diagnosis=SimpleNamespace(one_test=one_test))
+    assert ranking._of_one_test(ladder) == (told and f"{told} temperature")

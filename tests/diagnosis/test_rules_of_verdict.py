@@ -146,6 +146,8 @@ SPARE = 20
         (1000.0, 0.0, 0.0, False, False),
         (1000.0, 0.0, 0.01 * VERDICT.small_rest, True, False),
         (1000.0, 0.99 * VERDICT.remainder * 1000.0, 0.0, True, True),
+        (1e6, 0.99 * VERDICT.remainder * 1e6, 0.0, True, True),
+        (1e6, 1.01 * VERDICT.remainder * 1e6, 0.0, True, False),
         (SPARE, 0.0, 0.0, True, False),
         (SPARE + 0.1, 0.0, 0.0, True, True),
         (1000.0, 1.1 * max(VERDICT.remainder * 1000.0, VERDICT.nothing_left), 0.0, True, False),

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
+from scipy.special import ndtr
 
 import springpot
 from springpot.identification.population import of_one
@@ -77,3 +80,51 @@ def test_two_specimens_are_no_population() -> None:
     fit = springpot.identify(data, "kelvin", own={"k": "batch"})
     assert not fit.populations
     assert "population" not in fit.to_dict()
+
+
+@pytest.mark.parametrize(("count", "own"), [(3, 0.0), (8, 0.02), (24, 0.05)])
+def test_limits_hold_a_share_of_specimens_at_their_confidence(
+    count: int, own: float, rng: np.random.Generator
+) -> None:
+    """95 % of all specimens lie within them in 95 % of cases, whatever errors the values have."""
+    held = 0
+    for _ in range(400):
+        error = own**2 * np.eye(count)
+        found = of_one(drawn(0.05, own, rng, count), error, False, LEVELS[:count], "-")
+        ends = (np.array(found.limits) - 1.0) / 0.05
+        held += ndtr(ends[1]) - ndtr(ends[0]) >= 0.95
+    assert 0.92 <= held / 400 <= 0.985
+
+
+def test_specimens_that_are_files_have_the_names_of_these(
+    tmp_path, rng: np.random.Generator
+) -> None:
+    omega, files = np.geomspace(1.0, 100.0, 8), []
+    for name, k in zip(("soft", "hard", "old"), (90.0, 110.0, 100.0), strict=True):
+        scatter = 1.0 + 0.002 * (rng.standard_normal(8) + 1j * rng.standard_normal(8))
+        exact = (k + 2.0j * omega) * scatter
+        files.append(springpot.Measurement(omega, exact, name=name))
+    fit = springpot.identify(files, "kelvin", own={"*": "file"})
+    (tmp_path / "fit.json").write_text(json.dumps(fit.to_dict()), encoding="utf-8")
+    for each in (fit, springpot.load(tmp_path / "fit.json")):
+        specimens = each.to_dict()["specimens"]
+        assert list(specimens) == ["soft", "hard", "old"]
+        assert specimens["hard"]["k"] == pytest.approx(110.0, rel=5e-3)
+
+
+def test_parameters_named_one_after_the_other_are_all_each_level_s_own() -> None:
+    model = springpot.parse_model("kelvin + inertia").owning(["k"], "pad")
+    for name in ("inertia.m", "c"):
+        model = model.owning([name], "pad")
+    assert model.own == {"k": "pad", "c": "pad", "inertia.m": "pad"}
+
+
+def test_a_figure_has_a_row_for_each_specimen(tmp_path, rng: np.random.Generator) -> None:
+    omega, pad = np.tile(np.geomspace(1.0, 100.0, 6), 4), np.repeat(list("abcd"), 6)
+    k = np.repeat([100.0, 104.0, 98.0, 101.0], 6)
+    exact = (k + 2.0j * omega) * (1.0 + 0.003 * rng.standard_normal(24))
+    data = springpot.Measurement(omega, exact, labels={"pad": pad})
+    figure = springpot.identify(data, "kelvin", own={"*": "pad"}).plot()
+    panel = next(axes for axes in figure.axes if axes.get_xlabel() == "k [Pa]")
+    assert [each.get_text() for each in panel.get_yticklabels()] == list("abcd")
+    assert len(panel.collections[0].get_segments()) == 4

@@ -13,6 +13,7 @@ from springpot.identification.population import of_one
 
 LEVELS = [str(i) for i in range(24)]
 BATCH = np.repeat(np.arange(3), 8)
+LETTERS = [("A", "B", "C")[i] for i in BATCH]
 OMEGA = np.geomspace(1.0, 100.0, 8)
 
 
@@ -26,7 +27,7 @@ def test_of_24_specimens_in_3_batches_the_mean_is_covered(batches: float) -> Non
     for _ in range(400):
         own = 0.03 * rng.standard_normal(24) + 0.01 * rng.standard_normal(24)
         value = (batches * rng.standard_normal(3))[BATCH] + own
-        found = of_one(value, 1e-4 * np.eye(24), False, LEVELS, "-", BATCH)
+        found = of_one(value, 1e-4 * np.eye(24), False, LEVELS, "-", LETTERS)
         assert found.groups is not None
         held += found.mean.low <= 0.0 <= found.mean.high
         squares += np.array([found.between.value, found.groups.value]) ** 2 / 400
@@ -50,9 +51,43 @@ def test_a_mean_that_takes_batches_for_nothing_is_too_sure() -> None:
 def test_a_specimen_is_drawn_to_its_batch() -> None:
     value = np.array([1.0, 1.01, 1.02, 2.0, 2.01, 2.02])
     error = np.diag([1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 0.25])
-    groups = np.array([0, 0, 0, 1, 1, 1])
-    found = of_one(value, error, False, LEVELS[:6], "-", groups)
+    found = of_one(value, error, False, LEVELS[:6], "-", list("AAABBB"))
     assert found.specimens["5"] == pytest.approx(2.005, abs=0.01)
+
+
+def test_a_specimen_that_is_sure_stays_where_its_batch_is_drawn_to_the_others() -> None:
+    """Batches that do not differ have one mean; each specimen is what it was measured to be."""
+    value = 1.0 + 0.1 * np.random.default_rng(1).standard_normal(24)
+    found = of_one(value, 1e-10 * np.eye(24), False, LEVELS, "-", LETTERS)
+    assert found.groups is not None
+    assert found.groups.value < 0.02
+    assert list(found.specimens.values()) == pytest.approx(value.tolist(), abs=1e-5)
+
+
+def test_batches_are_compared_as_often_right_as_is_said() -> None:
+    """All three differences at once within their intervals in 95 % of 400 draws."""
+    rng, held, pairs = np.random.default_rng(7), 0, (("A", "B"), ("A", "C"), ("B", "C"))
+    shift = np.log([1.0, 1.08, 1.08])
+    for _ in range(400):
+        value = shift[BATCH] + 0.04 * rng.standard_normal(24) + 0.02 * rng.standard_normal(24)
+        found = of_one(value, 4e-4 * np.eye(24), True, LEVELS, "N/m", LETTERS)
+        truths = zip(pairs, (1.08, 1.08, 1.0), strict=True)
+        held += all(found.compared[i].low <= true <= found.compared[i].high for i, true in truths)
+    assert 0.93 <= held / 400 <= 0.99
+    assert found.compared["A", "B"].unit == "-"
+
+
+def test_batches_that_differ_are_told_apart_by_name(data: springpot.Measurement) -> None:
+    fit = springpot.identify(data, "kelvin", own={"*": "batch/number"}, share="c")
+    compared = fit.to_dict()["population"]["k"]["compared"]
+    assert [(row["first"], row["second"]) for row in compared] == [
+        ("A", "B"),
+        ("A", "C"),
+        ("B", "C"),
+    ]
+    assert compared[1]["low"] > 1.05
+    assert "C against A" in str(fit)
+    assert list(fit.to_dict()["specimens"])[:2] == ["A/1", "A/2"]
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,7 @@
 """Step one: signals whose stiffness is known, disturbed in every way a test rig disturbs them."""
 
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,13 @@ from scipy import stats
 
 from soaked import soaked
 from springpot.errors import DataError
-from springpot.measurement import Signals, harmonics_of, measurement_from_signals, steady
+from springpot.measurement import (
+    Signals,
+    from_signals,
+    harmonics_of,
+    measurement_from_signals,
+    steady,
+)
 from springpot.measurement.signals import highest_of_noise
 from springpot.thresholds import SIGNALS
 
@@ -419,3 +426,10 @@ def test_a_force_that_is_zero_throughout_is_told():
     silent = Signals(time, np.sin(2.0 * np.pi * time), np.zeros(1000), "mm", "N", name="silent")
     with pytest.raises(DataError, match="silent: the force is zero throughout"):
         measurement_from_signals([silent])
+
+
+def test_a_spring_that_is_known_exactly_gives_no_work_away():
+    """Neither a loss of nothing nor a storage of nothing is negative."""
+    for stiffness in (3.0 + 0.0j, 0.0 + 3.0j):
+        row = SimpleNamespace(stiffness=stiffness, sd=0j, amplitude=1.0, work=0.0)
+        assert from_signals._doubts_of_sign(row, "N") == []

@@ -97,6 +97,36 @@ def test_rates_and_powers_of_lengths_are_written_as_a_person_would(units, powers
     assert units.of(Dimension(**powers))[1] == label
 
 
+@pytest.mark.parametrize(
+    ("written", "unit"),
+    [
+        ("10^6 Pa", "MPa"),
+        ("1e3 N", "kN"),
+        ("Pa x10^6", "MPa"),
+        ("10^7 Pa", "10^7 Pa"),
+        ("Па", "Pa"),
+        ("(1)/(s)", "1/s"),
+        ("rad s^-1", "rad/s"),
+        ("N/mm2", "N/mm^2"),
+    ],
+)
+def test_powers_of_ten_alphabets_and_brackets_are_units_too(written, unit):
+    assert normal_unit(written) == unit
+
+
+def test_units_that_springpot_does_not_know_stand_behind_with_their_power():
+    squared, by_n, once = (("", 2.0),), (("flow.n", 1.0),), (("", 1.0),)
+    for known, beyond, label in (
+        (Units("N/mm", "mm"), (("K", squared),), "N/mm K^2.0"),
+        (Units("N/mm", "mm"), (("amplitude", by_n),), "N/mm mm^n"),
+        (Units("kPa", "-"), (("amplitude", by_n), ("time", by_n)), "kPa s^n"),
+        (Units("N/mm", "mm"), (("stiffness", once), ("K", once)), "N/mm (N/mm) K"),
+    ):
+        assert known.of(Dimension(stiffness=1, beyond=beyond)) == (1.0, label)
+    assert Units("kPa", "-").of(Dimension(beyond=(("amplitude", by_n),)))[1] == "-"
+    assert Units("kPa", "-").of(Dimension(beyond=(("time", by_n),)))[1] == "s^n"
+
+
 def test_a_torque_against_degrees_keeps_its_size():
     factor, _ = Units("N m/rad", "deg").of(Dimension(stiffness=1, amplitude=1))
     assert factor == pytest.approx(np.pi / 180.0)

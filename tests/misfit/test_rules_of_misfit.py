@@ -242,3 +242,45 @@ def test_a_ripple_needs_lines_beyond_those_that_the_parameters_follow(monkeypatc
         where, "spectrum", lambda data, rows: power[None] if len(rows) == 1 else power[None] * 1e-4
     )
     assert (where._period(frame, np.random.default_rng(0))[0] > 0.0) is told
+
+
+def test_a_ripple_is_looked_for_between_the_lines_beside_the_strongest(monkeypatch):
+    """Of 40 half waves along a sweep the 20th has a period of four points."""
+    power, asked = np.full(41, 1e-3), []
+    power[20] = 1e4
+    monkeypatch.setattr(outliers, "sweeps_of", lambda data: [None])
+    monkeypatch.setattr(
+        outliers,
+        "spectrum",
+        lambda data, rows: power[None] if len(rows) == 1 else 0.0 * power[None],
+    )
+    monkeypatch.setattr(
+        outliers, "_energy_of_ripples", lambda frame, left, x: asked.append(x) or -abs(x - 4.0)
+    )
+    scatter = SimpleNamespace(kept=np.ones(82, bool), left=np.ones(82), variance=1.0)
+    frame = SimpleNamespace(measurement=None)
+    assert outliers._ripple(frame, np.zeros((82, 2)), scatter) == pytest.approx(4.0, rel=1e-3)
+    assert 80.0 / 21.0 < asked[0].min() < 3.85
+    assert 4.15 < asked[0].max() < 80.0 / 19.0
+
+
+@pytest.mark.parametrize(
+    ("pattern", "one", "together"),
+    [("fixed", True, True), ("fixed", False, False), ("", True, False)],
+)
+def test_all_sweeps_tell_of_causality_together_where_one_curve_is_all_that_is_left(
+    pattern, one, together, monkeypatch
+):
+    asked = []
+    sweeps = [SimpleNamespace(rows=np.arange(3)), SimpleNamespace(rows=np.arange(3, 6))]
+    for name, value in {
+        "sweeps_of": lambda data: sweeps,
+        "_curve": lambda frame, x: None,
+        "_is_one": lambda frame, curve: one,
+        "_no_rougher": lambda frame: frame,
+        "causal_evidence": lambda frame, x, groups: asked.append(len(groups)) or 1e9,
+    }.items():
+        monkeypatch.setattr(residual_causes, name, value)
+    frame = SimpleNamespace(measurement=SimpleNamespace(omega=np.arange(1.0, 7.0)))
+    residual_causes._causality(frame, pattern, None)
+    assert asked == [1 if together else 2]

@@ -136,11 +136,11 @@ PLANES = {
     r"K / (.*)": "chain: 1 / ",
 }
 NOT_TYPED = {
-    # They ask for the model's own K, or for what is left of an amplitude in series.
-    *("specimen-inertia", "specimen-inertia-fixed", "self-heating"),
-    *("hardening-mount", "power-law-slip", "yielding"),
+    # They ask for the model's own K, or have a part in series within one beside the model.
+    *("specimen-inertia", "specimen-inertia-fixed", "self-heating", "yielding"),
     # Functions and cases that no formula has.
     *("elasto-sliding", "dead-zone", "backlash", "power-law-damper", "filter-mismatch"),
+    "power-law-slip",
 }
 
 
@@ -148,6 +148,9 @@ def formula_of(equation):
     """The equation as somebody would type it, and its definitions where they are used."""
     whole, *definitions = re.split(r", (\w+) = ", equation)
     for name, meaning in zip(definitions[::2], definitions[1::2], strict=True):
+        # What a part in series takes itself is a name of its own.
+        if f"{name} = " == SHARED:
+            continue
         whole = re.sub(rf"\b{name}\b", f"({meaning})", whole)
     found = ((re.fullmatch(pattern, whole), plane) for pattern, plane in PLANES.items())
     return next(plane + match[1] for match, plane in found if match)

@@ -243,3 +243,23 @@ def test_the_error_of_a_fit_stands_beside_both_floors(model, monkeypatch):
     found.plot("unused.png")
     assert beside_floors(found).removeprefix(", ") in kept[0].splitlines()
     assert "material floor" in kept[0]
+
+
+def test_nothing_is_not_negative():
+    """What is negative is drawn by its size, and the legend says so; a storage of 0 is none."""
+    for storage, said in ((0.0, False), (-1.0, True)):
+        for k in (storage + 1j, 1.0 + 1j * storage):
+            scene = Scene(Measurement(OMEGA, np.full(12, k)), [])
+            labels = [mark.get_label() for mark in figures.marks_of(scene)]
+            assert ("negative: its size" in labels) is said
+
+
+@pytest.mark.parametrize(("high", "ticks"), [(200.0, [1, 2, 5, 10, 20, 50, 100, 200]), (400.0, [])])
+def test_an_axis_of_few_decades_has_numbers_between_them(high, ticks):
+    with canvas.blank() as figure:
+        axes = figure.subplots()
+        axes.set_xlim(1.0, high)
+        canvas.logarithmic(axes, "x")
+        places = axes.get_xticks()
+    within = places[(places >= 1.0) & (places <= high)]
+    np.testing.assert_allclose(within, ticks or [1, 10, 100])

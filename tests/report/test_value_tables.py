@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.errors import DataError, OutputError
+from springpot.errors import OutputError
 from springpot.identification import Value
 from springpot.report.tables import write_parameters, write_values
 
@@ -80,27 +80,3 @@ def test_the_command_writes_by_the_ending(springpot, damper, tmp_path) -> None:
     springpot("identify", damper, "-m", "fractional-maxwell", "--table", path)
     assert r"\begin{tabular}" in path.read_text()
     springpot("identify", damper, "-m", "kelvin", "--table", tmp_path / "a.doc").is_one_line("doc")
-
-
-def test_a_measurement_goes_to_pandas_and_back() -> None:
-    pytest.importorskip("pandas")
-    data = springpot.read("nist-srm2491@temperature=20")
-    frame = data.to_dataframe()
-    assert {"omega [rad/s]", "storage [Pa]", "storage_sd [Pa]", "temperature [degC]"} <= set(frame)
-    again = springpot.Measurement.from_dataframe(frame)
-    assert np.array_equal(again.stiffness, data.stiffness)
-    assert np.array_equal(again.omega, data.omega)
-    assert np.array_equal(again.conditions["temperature"], data.conditions["temperature"])
-    assert (again.units, again.units.clock, again.name) == (data.units, "rad/s", data.name)
-    with pytest.raises(DataError, match="'storage'"):
-        springpot.Measurement.from_dataframe(frame.drop(columns="storage [Pa]"))
-    with pytest.raises(DataError):
-        springpot.Measurement.from_dataframe(frame.rename(columns={"omega [rad/s]": "omega"}))
-
-
-def test_a_measurement_goes_to_xarray() -> None:
-    pytest.importorskip("xarray")
-    data = springpot.read("nist-srm2491@temperature=20")
-    found = data.to_xarray()
-    assert np.array_equal(found["stiffness"].values, data.stiffness)
-    assert found["omega"].attrs["units"] == "rad/s"

@@ -1,6 +1,7 @@
 """Every page, figure and table of small results: what a reader sees of them."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,10 +11,12 @@ from springpot.drawing import draw
 from springpot.errors import SpringpotError
 from springpot.measurement import Measurement, TimeTest, Units
 from springpot.registry import parse_model, plugins
+from springpot.report import figures
 from springpot.report.fit_text import many_csv, many_text
 from springpot.report.html import report_html
 from springpot.report.network import network_svg
 from springpot.report.told import shown, told
+from springpot.report.views import DrawnFit
 from springpot.rheology.model import Family
 
 pyplot = pytest.importorskip("matplotlib.pyplot")
@@ -130,6 +133,28 @@ def test_figures_of(name, known, stays):
 
     stays({"whole": whole, "onto": answer(onto)}, within=1e-3)
     pyplot.close("all")
+
+
+def seen(name):
+    """Data that are drawn along another axis each, and models beside them."""
+    soft, light = DrawnFit(MODEL, THETA, "soft"), DrawnFit(MODEL, 0.5 * THETA)
+    heavy = DrawnFit(parse_model("fractional-maxwell + inertia"), np.append(THETA, 0.02))
+    k, up = MODEL.stiffness(THETA, OMEGA), np.linspace(0.1, 1.0, 12)
+    held = Measurement(np.full(12, 6.28), k, conditions={"amplitude": up}, units=UNITS)
+    hot = {c: k * np.exp(-0.01 * c) for c in (0.0, 20.0, 40.0)}
+    return {
+        "heavy": lambda: (sweep("heavy", 2, 0.02, sd=0.01 * k), [heavy]),
+        "several": lambda: (replace(sweep(), units=replace(UNITS, clock="rad/s")), [soft, light]),
+        "strains": lambda: (held, [soft]),
+        "heated": lambda: (levels("temperature", hot), []),
+        "heated twice": lambda: (levels("temperature", hot), [soft, light]),
+    }[name]()
+
+
+@pytest.mark.parametrize("name", ["heavy", "several", "strains", "heated", "heated twice"])
+def test_all_views_of(name, stays, monkeypatch):
+    monkeypatch.setattr(figures, "save", lambda figure, path: figure)
+    stays({"views": figures.figure_comparison(*seen(name), "")}, within=1e-3)
 
 
 def test_page_of_a_ladder(known, stays, unpainted):

@@ -33,6 +33,8 @@ LAWS = [
     "shift: 1 + d*X",
     "shift: 10^(-C1*(T - T0)/(C2 + T - T0))",
     "chain: (T/T0)^n",
+    "series: Y/(i*c*(omega*Y)^a)",
+    "parallel: k*slider(Xc/X)",
 ]
 UNITS = Units("kN/m", "mm")
 
@@ -40,6 +42,7 @@ UNITS = Units("kN/m", "mm")
 LEAVES = [
     *("a", "b", "omega", "s", "2", "0.5", "s^a", "(i*omega*b)^a", "(1 + s*b)^(2*a)", "(a*omega)^b"),
     *("log(2 + a*omega)", "sqrt(b + s)", "tanh(a*omega)", "max(a, b)", "min(a, 2*b)", "abs(a)"),
+    "slider(a/(a + b))",
 ]
 NODES = ["({} + {})", "({} - 0.3*{})", "{}*{}", "{}*exp(-{}/9)", "{}*{}/(a + b*s + 1)"]
 
@@ -152,6 +155,8 @@ def test_units_follow_from_those_of_the_data(text, name, unit):
         ("beside: k", "write NAME = PLANE: FORMULA"),
         ("os.system = parallel: k", "is no name of a law"),
         ("k*X", "is no law"),
+        ("parallel: k*slider(s*tau)", "slider takes what is real"),
+        ("series: X^n/(k*Y^n)", "has both X, of the whole, and Y, of the part in series"),
     ],
 )
 def test_what_is_no_law_is_refused_in_one_line_that_names_the_sign(text, words):
@@ -253,6 +258,38 @@ def test_an_effect_by_its_formula_is_the_one_that_is_installed():
     theta = np.array([4.0, 2.0, 0.6, 1e-3])
     installed = (base + "inertia").stiffness(theta, omega)
     assert np.allclose((base + mine).stiffness(theta, omega), installed, rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "theta"),
+    [
+        ("hardening-mount", "series: 1/(k*(1 + (Y/Xh)^2))", [500.0, 0.9]),
+        # Of the force at a speed of one: the first harmonic of |v|^(1/2) sgn(v) is 1.11284.
+        ("power-law-slip", "series: Y/(1.1128357889*i*F*(omega*Y)^a)", [90.0, 0.5]),
+        ("elasto-sliding", "parallel: k*slider(F/(k*X))", [120.0, 30.0]),
+        ("backlash", "chain: 1 - slider(b/X)", [0.05]),
+    ],
+)
+def test_a_part_in_series_feels_its_own_amplitude_and_a_slider_its_force(name, text, theta):
+    at = Points.at(np.geomspace(1.0, 100.0, 7), amplitude=np.geomspace(0.1, 3.0, 7))
+    base = parse_model("fractional-maxwell")
+    typed, named = (
+        model.network.respond(np.array([400.0, 60.0, 0.5, *theta]), at, FULL)
+        for model in (base + springpot.law(text), base + name)
+    )
+    np.testing.assert_allclose(typed.value, named.value, rtol=1e-10)
+    np.testing.assert_allclose(typed.by_log_omega, named.by_log_omega, rtol=1e-8)
+    if name != "power-law-slip":  # whose constant goes with its order
+        np.testing.assert_allclose(typed.by_theta, named.by_theta, rtol=1e-8, atol=1e-12)
+
+
+def test_beside_a_model_or_as_a_column_y_is_a_name_like_any_other():
+    assert [p.name for p in springpot.law("parallel: Y*(i*omega*tau)^a").element.parameters] == [
+        *("Y", "tau", "a")
+    ]
+    at = Points(np.zeros(2), columns={"Y": np.array([1.0, 3.0])})
+    grown = springpot.law("parallel: k*Y^n").bound_to(at).element
+    assert grown.respond(np.array([2.0, 1.0]), at).value.real.tolist() == [2.0, 6.0]
 
 
 def swept(law, theta, sigma=0.003, **columns):

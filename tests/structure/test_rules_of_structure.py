@@ -9,7 +9,16 @@ import pytest
 
 from springpot.errors import DataError, ModelError
 from springpot.registry import parse_model
-from springpot.structure import Damper, Frame, GroundMotion, beside, motion, motion_of, reading
+from springpot.structure import (
+    Damper,
+    Frame,
+    GroundMotion,
+    beside,
+    motion,
+    motion_of,
+    reading,
+    records,
+)
 
 
 @pytest.mark.parametrize(
@@ -139,9 +148,9 @@ def test_a_number_is_finite_and_between_its_ends(value, ends, wanted):
 def test_units_of_a_record_are_those_of_its_first_line(header, factor):
     if factor is None:
         with pytest.raises(DataError):
-            reading._acceleration_unit(header, Path("quake.csv"))
+            records._acceleration_unit(header, Path("quake.csv"))
     else:
-        assert reading._acceleration_unit(header, Path("quake.csv")) == factor
+        assert records._acceleration_unit(header, Path("quake.csv")) == factor
 
 
 def test_parameters_of_a_damper_may_stand_in_tables():
@@ -216,7 +225,7 @@ def test_a_positive_parameter_is_drawn_by_its_logarithm_whatever_its_size(size):
     covariance = np.diag([(2.0 * size) ** 2, 0.0])
     damper = Damper(model, theta, covariance=covariance)
     rng = np.random.default_rng(4)
-    drawn = np.array([damper.drawn(rng).theta for _ in range(60)])
+    drawn = np.array([damper.moved(rng.standard_normal(2)).theta for _ in range(60)])
     assert np.all(drawn[:, 0] > 0.0)
     # A standard deviation of 2 of the logarithm, about that of the size.
     logs = np.log(drawn[:, 0] / size)
@@ -224,7 +233,7 @@ def test_a_positive_parameter_is_drawn_by_its_logarithm_whatever_its_size(size):
     assert 1.5 < np.std(logs) < 2.5
     # What is nothing has no logarithm, and stays.
     assert np.all(drawn[:, 1] == 0.0)
-    assert Damper(model, theta).drawn(rng).theta is theta
+    assert Damper(model, theta).moved(np.zeros(0)).theta is theta
 
 
 @pytest.mark.parametrize(
@@ -234,7 +243,7 @@ def test_a_positive_parameter_is_drawn_by_its_logarithm_whatever_its_size(size):
 def test_the_pull_of_the_earth_is_the_same_in_every_unit(tmp_path, unit, earth):
     path = tmp_path / "record.csv"
     path.write_text(f"time [s],acceleration [{unit}]\n0,0\n0.1,{earth}\n0.2,0\n")
-    record = reading.read_record(str(path), np.random.default_rng(0))
+    record = records.read_record(str(path), np.random.default_rng(0))
     assert record.acceleration == pytest.approx([0.0, 9.80665, 0.0])
 
 

@@ -237,23 +237,28 @@ def rank(
             floor = refit(floor.model, floor.data, quietest.noise, [floor.theta])
             fits = _fits(installed, floor, [], progress)
             order = _in_order(fits, floor, material_floor(floor, rng), rng)
-    one_test = ladder.diagnosis.one_test
-    # What goes with the time is told of in the notes of the ladder already.
-    if one_test and case.course is None:
-        found = case.naming.best
-        notes.append(one_test_of(found.data.raw, column_behind(found.frame()))[1])
-    notes += [*floor.noise.doubt.splitlines(), *ladder.diagnosis.notes]
+    notes += [_of_one_test(ladder), *floor.noise.doubt.splitlines(), *ladder.diagnosis.notes]
     return Ranking(
         measurement.name,
         (*order.adequate, *order.near, *order.others),
         harmonics_of(floor),
         tuple(dict.fromkeys(filter(None, notes))),
-        one_test,
+        ladder.diagnosis.one_test,
         ladder,
         tuple(order.adequate),
         tuple(order.near),
         tuple(dict.fromkeys(skipped)),
     )
+
+
+def _of_one_test(ladder: Ladder) -> str:
+    """What is told where one test of several is behind all that is left."""
+    case = ladder.steps[-1].case
+    # What goes with the time is told of in the notes of the ladder already.
+    if not ladder.diagnosis.one_test or case.course is not None:
+        return ""
+    found = case.naming.best
+    return one_test_of(found.data.raw, column_behind(found.frame()))[1]
 
 
 class _Order(NamedTuple):

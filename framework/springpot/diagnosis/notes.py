@@ -475,7 +475,7 @@ def _growth(measurement: Measurement, share: Real, rows: NDArray[np.int64]) -> s
     design = np.column_stack([x - x.mean(), np.ones(len(x))])
     (slope, level), *_ = np.linalg.lstsq(design, y, rcond=None)
     rest = y - design @ np.array([slope, level])
-    variance = np.sum(rest**2) / max(len(x) - 2, 1)
+    variance = np.sum(rest**2) / (len(x) - 2)
     error = float(np.sqrt(variance / np.sum(design[:, 0] ** 2)))
     named = min(MEANINGS, key=lambda power: abs(power - slope))
     meaning = ""

@@ -5,6 +5,7 @@ Theta and the data.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from math import isfinite
@@ -18,6 +19,9 @@ from springpot.rheology.continuum import Continuum
 from springpot.rheology.effect import SWEEPS
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
+
+LEVELS = "levels {}"
+"""Where the provenance of a measurement tells what the levels of a column are called."""
 
 
 def rates_of(model: Model) -> list[float] | None:
@@ -72,13 +76,19 @@ def measurement_to_dict(data: Measurement) -> dict[str, Any]:
         "conditions": {name: _finite(column) for name, column in data.conditions.items()},
         "repeat": columns["repeat"],
         "reference": data.reference,
+        **_levels(data),
     }
+
+
+def _levels(data: Measurement) -> dict[str, Any]:
+    told = {name: words for name in data.conditions if (words := levels_in_words(data, name))}
+    return {"levels": told} if told else {}
 
 
 def measurement_of(kept: dict[str, Any]) -> Measurement:
     """The measurement that `measurement_to_dict` gave.
 
-    Labels, harmonics and provenance are not kept.
+    Labels, harmonics and provenance are not kept, but for what numbered levels are called.
     """
     sd = None
     if kept["storage_sd"] is not None:
@@ -91,6 +101,10 @@ def measurement_of(kept: dict[str, Any]) -> Measurement:
     conditions = {
         name: np.array(column, dtype=float) for name, column in kept["conditions"].items()
     }
+    levels = {
+        LEVELS.format(name): json.dumps([str(word) for word in words])
+        for name, words in kept.get("levels", {}).items()
+    }
     return Measurement(
         np.array(kept["omega"], dtype=float),
         np.array(kept["storage"], dtype=float) + 1j * np.array(kept["loss"], dtype=float),
@@ -100,7 +114,16 @@ def measurement_of(kept: dict[str, Any]) -> Measurement:
         units=Units(**kept["units"]),
         name=str(kept["name"]),
         reference=reference,
+        provenance=levels,
     )
+
+
+def levels_in_words(data: Measurement, column: str) -> list[str] | None:
+    """What the levels of a numbered column are called, in the order of their numbers."""
+    told = data.provenance.get(LEVELS.format(column))
+    if told is None:
+        return None
+    return [str(word) for word in json.loads(told)]
 
 
 def ends_of(kept: Mapping[str, Any], count: int) -> tuple[Real, Real]:

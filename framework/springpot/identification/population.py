@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from springpot.distributions import student
+from springpot.distributions import chi2_quantile, normal_quantile, student
+from springpot.measurement.measurement import Measurement
 from springpot.measurement.units import Units
 from springpot.plain_data import jsonable
 from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 from springpot.thresholds import INTERVAL
 
+from .kept import levels_in_words
 from .value import Value
 
 FEWEST = 3
@@ -35,12 +37,18 @@ class Population:
     between : Value
         Standard deviation between them, relative to the mean; of an order as it is.
     specimens : mapping of str to float
-        The value of each by its level, drawn towards the mean as far as its own error asks for.
+        The value of each by its name, drawn towards the mean as far as its own error asks for.
     relative : bool
         Whether `between` is a share of the mean.
     groups : Value, optional
         Standard deviation between the batches that the specimens are of, where they are told;
         `between` is then that of specimens within a batch.
+    limits : tuple of float, optional
+        Between which 95 % of such specimens lie, at a confidence of 95 %; of specimens that are of
+        one batch.
+    compared : mapping of tuple of str to Value
+        By two batches: the second over the first, or less it where the scatter is no share.
+        The intervals hold all together.
     """
 
     mean: Value
@@ -48,15 +56,31 @@ class Population:
     specimens: Mapping[str, float]
     relative: bool = True
     groups: Value | None = None
+    limits: tuple[float, float] | None = None
+    compared: Mapping[tuple[str, str], Value] = field(default_factory=dict)
+
+    def told_apart(self, compared: Value) -> bool:
+        """Whether two batches, as they were compared, differ for certain."""
+        alike = 1.0 if self.relative else 0.0
+        return not compared.low <= alike <= compared.high
 
     def to_dict(self) -> dict[str, Any]:
         """As in the schema, where the specimens stand by themselves."""
         told = {"between": self.between, "between_groups": self.groups}
-        ends = ("value", "low", "high")
-        scatter = {
-            key: {name: getattr(each, name) for name in ends} for key, each in told.items() if each
-        }
-        return dict(jsonable({"mean": self.mean.to_dict(), **scatter}))
+        answer: dict[str, Any] = {"mean": self.mean.to_dict()}
+        answer |= {key: _ends(each) for key, each in told.items() if each}
+        if self.limits is not None:
+            answer["limits"] = dict(zip(("low", "high"), self.limits, strict=True))
+        if self.compared:
+            answer["compared"] = [
+                {"first": first, "second": second, **_ends(each)}
+                for (first, second), each in self.compared.items()
+            ]
+        return dict(jsonable(answer))
+
+
+def _ends(value: Value) -> dict[str, Any]:
+    return {name: getattr(value, name) for name in ("value", "low", "high")}
 
 
 def populations(
@@ -64,7 +88,7 @@ def populations(
     values: Real,
     covariance: Real,
     units: Units,
-    conditions: Mapping[str, Real] | None = None,
+    sweep: Measurement | None = None,
 ) -> dict[str, Population]:
     """Of each parameter that levels have for themselves, by the name that they share.
 
@@ -80,8 +104,9 @@ def populations(
         Of these.
     units : Units
         Those of the data.
-    conditions : mapping of str to ndarray, optional
-        Columns of the data, which tell the batch of each specimen of ``batch/specimen``.
+    sweep : Measurement, optional
+        The data, which tell what the specimens are called and, of ``batch/specimen``, the batch of
+        each.
     """
     found, released = {}, {each.name: each for each in model.released().parameters}
     for shared in model.own:
@@ -96,24 +121,27 @@ def populations(
         if log:
             own, error = np.log(own), error / np.outer(own, own)
         start = len(shared) + 1
-        levels = [model.names[i][start:] for i in rows]
-        groups = _groups(model.own[shared], conditions or {})
+        levels, batches = [model.names[i][start:] for i in rows], None
+        if sweep is not None:
+            levels = levels_in_words(sweep, model.own[shared]) or levels
+            batches = _batches(sweep, model.own[shared])
         unit = units.of(parameter.unit)[1]
-        found[shared] = of_one(own, error, log, levels, unit, groups)
+        found[shared] = of_one(own, error, log, levels, unit, batches)
     return found
 
 
-def _groups(column: str, conditions: Mapping[str, Real]) -> NDArray[np.intp] | None:
-    """Number (n,) of the batch of each specimen, in the order of their own numbers."""
-    outer = column.rpartition("/")[0]
+def _batches(sweep: Measurement, column: str) -> list[str] | None:
+    """The batch (n,) of each specimen, in the order of their own numbers."""
+    outer, conditions = column.rpartition("/")[0], sweep.conditions
     if outer not in conditions or column not in conditions:
         return None
     first = np.unique(conditions[column], return_index=True)[1]
-    _, number = np.unique(conditions[outer][first], return_inverse=True)
+    levels, number = np.unique(conditions[outer][first], return_inverse=True)
     # As many batches as specimens tell nothing of what is between specimens of one.
-    if not 1 < number.max() + 1 < len(number):
+    if not 1 < len(levels) < len(number):
         return None
-    return np.asarray(number.ravel(), dtype=np.intp)
+    words = levels_in_words(sweep, outer) or [f"{level:g}" for level in levels]
+    return [words[i] for i in number.ravel()]
 
 
 class Component(NamedTuple):
@@ -155,7 +183,9 @@ def component(value: Real, error: Real, design: Real) -> Component:
     best, quantile = int(np.argmax(likelihood)), student(INTERVAL, len(value) - design.shape[1])
     inside = SIZES[2.0 * (likelihood[best] - likelihood) <= quantile**2]
     drawn = design @ means[best] + SIZES[best] ** 2 * (ways @ (weight[best] * apart[best]))
-    ends = float(SIZES[best]), float(inside.min()), float(inside.max())
+    # What reaches the end of those that were tried has none that the data tell.
+    most = float(inside.max()) if inside.max() < SIZES[-1] else float("inf")
+    ends = float(SIZES[best]), float(inside.min()), most
     return Component(*ends, means[best], np.linalg.inv(power[best]), drawn, float(misfit[best]))
 
 
@@ -165,32 +195,39 @@ def of_one(
     log: bool,
     levels: Sequence[str],
     unit: str,
-    groups: NDArray[np.intp] | None = None,
+    batches: Sequence[str] | None = None,
 ) -> Population:
     """The population of one parameter, of values (n,) with the covariance (n, n) of their errors.
 
-    Logarithms where `log`; `groups` (n,) number the batches that the specimens are of.
+    Logarithms where `log`; `batches` (n,) are those that the specimens are of.
 
     By restricted maximum likelihood with a normal scatter between specimens (Patterson and Thompson
     1971, doi:10.1093/biomet/58.3.545). The interval of the mean is by Student's t with the scatter
     as it was found (Hartung and Knapp 2001, doi:10.1002/sim.1009), that of the scatter by the
     profile of the same likelihood.
     """
-    count = len(value)
-    if groups is None:
+    count, compared, limits = len(value), {}, None
+    if batches is None:
         within, outer = component(value, error, np.ones((count, 1))), None
         variance, spare = float(within.covariance[0, 0]), count - 1
         # A scatter that is smaller than errors alone would make it is no reason for a narrow
         # interval.
         variance *= max(within.misfit / spare, 1.0)
         mean, drawn = float(within.means[0]), within.drawn
+        limits = _limits(mean, within.value, np.diag(error), log)
     else:
-        design = np.eye(int(groups.max()) + 1)[groups]
+        names = list(dict.fromkeys(batches))
+        groups = np.array([names.index(each) for each in batches])
+        design = np.eye(len(names))[groups]
         within = component(value, error, design)
         outer = component(within.means, within.covariance, np.ones((design.shape[1], 1)))
         mean, spare = float(outer.means[0]), design.shape[1] - 1
         variance = _of_mean(error, design, within, outer)
-        drawn = within.drawn + (outer.drawn - within.means)[groups]
+        # What is sure of itself stays where it is, wherever its batch is drawn to.
+        spread = error + (within.value**2 + 1e-300) * np.eye(count)
+        moved = error @ (outer.drawn - within.means)[groups]
+        drawn = within.drawn + np.linalg.solve(spread, moved)
+        compared = _compared(within, names, count, unit, log)
     half = student(INTERVAL, spare) * np.sqrt(variance)
     ends = np.array([mean, mean - half, mean + half, *drawn])
     if log:
@@ -199,7 +236,43 @@ def of_one(
     middle, low, high = ends[:3].tolist()
     apart = Value(within.value, within.low, within.high, "-")
     groups_apart = None if outer is None else Value(outer.value, outer.low, outer.high, "-")
-    return Population(Value(middle, low, high, unit), apart, own, log, groups_apart)
+    whole = Value(middle, low, high, unit)
+    return Population(whole, apart, own, log, groups_apart, limits, compared)
+
+
+def _limits(mean: float, between: float, errors: Real, log: bool) -> tuple[float, float]:
+    """Tolerance limits: a share of specimens lies between them, at the same confidence.
+
+    Those of Howe 1969 (doi:10.2307/2283644), for the scatter that is left of what was seen when the
+    errors (n,) of the specimens' own values are taken off.
+    """
+    count, own = len(errors), float(np.mean(errors))
+    seen = (count - 1) * (between**2 + own) / float(chi2_quantile(1.0 - INTERVAL, count - 1))
+    most = max(seen - own, 0.0) + seen / count
+    half = float(normal_quantile(0.5 * (1.0 + INTERVAL))) * np.sqrt(most)
+    low, high = np.exp([mean - half, mean + half]) if log else (mean - half, mean + half)
+    return float(low), float(high)
+
+
+def _compared(
+    within: Component, names: Sequence[str], count: int, unit: str, log: bool
+) -> dict[tuple[str, str], Value]:
+    """Each batch beside each that stands before it, by Student's t shared among all pairs.
+
+    Bonferroni's intervals: all of them hold together as often as one alone is said to.
+    """
+    spare, pairs = count - len(names), list(combinations(range(len(names)), 2))
+    level = 1.0 - (1.0 - INTERVAL) / len(pairs)
+    quantile, share = student(level, spare), max(within.misfit / spare, 1.0)
+    compared = {}
+    for i, j in pairs:
+        ways = np.zeros(len(names))
+        ways[[i, j]] = -1.0, 1.0
+        half = quantile * np.sqrt(share * float(ways @ within.covariance @ ways))
+        ends = float(ways @ within.means) + half * np.array([0.0, -1.0, 1.0])
+        value, low, high = (np.exp(ends) if log else ends).tolist()
+        compared[names[i], names[j]] = Value(value, low, high, "-" if log else unit)
+    return compared
 
 
 def _of_mean(error: Real, design: Real, within: Component, outer: Component) -> float:
@@ -218,7 +291,7 @@ def _of_mean(error: Real, design: Real, within: Component, outer: Component) -> 
 
 
 def specimens_of(found: Mapping[str, Population]) -> dict[str, dict[str, float]]:
-    """The values of each specimen, by its level and the name of the parameter."""
+    """The values of each specimen, by its own name and that of the parameter."""
     specimens: dict[str, dict[str, float]] = {}
     for name, population in found.items():
         for level, value in population.specimens.items():

@@ -345,8 +345,13 @@ class Identification(Known):
     @cached_property
     def populations(self) -> dict[str, Population]:
         """Of parameters that specimens have for themselves: their mean and scatter; else none."""
-        values, known = self._factors * self.theta, self.sweep.conditions if self.sweep else {}
-        return populations(self.model, values, self.covariance, self.units, known)
+        values = self._factors * self.theta
+        return populations(self.model, values, self.covariance, self.units, self.sweep)
+
+    def own_values(self, name: str) -> list[Value]:
+        """What each level has of a parameter of its own, in the order of the levels."""
+        pairs = zip(self.model.names, self.model.origins, strict=True)
+        return [self.parameters[each] for each, origin in pairs if origin == name]
 
     @property
     def _factors(self) -> Real:

@@ -45,6 +45,20 @@ CHANGES = ("1 + b*(#)", "1 + i*b*(#)", "1 + (1 - i*h)*b*(#)", "exp(-i*omega*tau*
 FACTORS = ("1/(1 + (@/Xc)^n)", "1/(1 + i*(@/Xc)^n)", "exp(-@/Xc)")
 """Those that are one where the condition is nothing."""
 CLOCKS = ("1/(1 + (@/Xc)^n)", "1 + (@/Xc)^n", "exp(-@/Xc)", "exp(-b*omega^a*@^n)")
+YIELDING = (
+    "parallel: k*slider(Xc/X)",
+    "parallel: k/(1 - i*(X/Xc)^n)",
+    "parallel: k/(1 - i*c*X^n/omega^a)",
+    "parallel: k*(1 + i*h*(X/Xc)^n)/(1 + (X/Xc)^(2*n))",
+    "chain: 1 - slider(b/X)",
+)
+"""Of the amplitude: a spring before what slips or flows, a network that breaks up, and play."""
+OF_OWN = (
+    "series: Y/(k*Y^n)",
+    "series: Y/(i*c*(omega*Y)^a)",
+    "series: 1/(k*(1 + (Y/Xc)^n))",
+)
+"""Of the amplitude that a part in series takes itself: over its force."""
 THERMAL_FACTORS = ("(@/T0)^n",)
 THERMAL_CLOCKS = ("exp(E/R*(1/@ - 1/T0))", "exp(-C1*(@ - T0)/(C2 + @ - T0))", "(@/T0)^n")
 ALONE = (
@@ -120,6 +134,7 @@ def _of(condition: str) -> Iterator[str]:
         yield from (f"parallel: {times(one, form)}" for one, form in product(("k", "i*k"), rate))
         yield from (f"chain: {form.replace('@', '(omega*@)')}" for form in FACTORS)
         yield from (f"shift: {form.replace('@', '(omega*@)')}" for form in CLOCKS[:3])
+        yield from (*YIELDING, *OF_OWN)
 
 
 def _of_both(first: str, second: str, columns: Collection[str]) -> Iterator[str]:
@@ -227,5 +242,5 @@ def formula_of(effect: Effect) -> str:
 
 def text_of(effect: Effect) -> str:
     """A law as it is typed, without a name: ``series: X^n/k``."""
-    word = next(word for word, joins in PLANES.items() if joins == effect.composition)
+    word = next(word for word, joins in PLANES.items() if joins.kind.plane == effect.plane)
     return f"{word}: {formula_of(effect)}"

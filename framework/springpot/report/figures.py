@@ -24,6 +24,7 @@ from springpot.rheology.points import Real
 from ..format_numbers import NAMED
 from . import views
 from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic, save
+from .population import draw_populations
 from .text import cut, percent
 from .views import WIDE_RANGE, DrawnFit, Scene
 
@@ -291,6 +292,29 @@ def figure_material(identified: Identification, path: str | Path | None = None) 
         if identified.spectrum is not None:
             draw_spectrum(below, identified.spectrum, identified.measurement.units.stiffness)
         headed(figure, scene, beside=beside_floors(identified))
+        return finished(figure, path)
+
+
+def figure_population(identified: Identification, path: str | Path | None = None) -> Figure | Path:
+    """Data and fit with the residuals, and each specimen beside the mean of all.
+
+    Parameters as in `figure_material`.
+    """
+    scene = Scene(identified.measurement, [DrawnFit(identified.model, identified.theta)])
+    count = len(identified.populations)
+    with blank(min(6.4 + 2.4 * count, 16.0), 6.4) as figure:
+        grid = figure.add_gridspec(
+            2, 1 + count, width_ratios=(2.4, *[1.0] * count), height_ratios=(3, 1.4)
+        )
+        above = figure.add_subplot(grid[0, 0])
+        below = figure.add_subplot(grid[1, 0], sharex=above)
+        views.storage_and_loss(above, scene)
+        views.residual(below, scene)
+        above.set_xlabel("")
+        panels = [figure.add_subplot(grid[:, 1 + i]) for i in range(count)]
+        draw_populations(panels, identified)
+        headed(figure, scene, beside=beside_floors(identified))
+        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower right", ncols=4)
         return finished(figure, path)
 
 

@@ -9,7 +9,7 @@ from io import StringIO
 from math import hypot, isfinite, log, nan
 
 from springpot.format_numbers import counted, number
-from springpot.identification.population import Population, specimens_of
+from springpot.identification.population import specimens_of
 from springpot.identification.result import Identification
 from springpot.identification.value import Value
 from springpot.rheology.drawing import drawing_of
@@ -17,6 +17,7 @@ from springpot.rheology.drawing import drawing_of
 from ..numerics import NEGLIGIBLE
 from .answers import reference_note
 from .figures import beside_floors, in_words
+from .population import population_passages
 from .text import (
     OPEN,
     Listing,
@@ -65,7 +66,7 @@ def fit_document(identified: Identification, verbose: bool = False) -> list[Pass
         parameters_table("parameter", _listed(identified, verbose), gone(identified)),
         Prose(f"tied        {'; '.join(ties)}" if (ties := identified.model.ties) else ""),
         _budget(identified) if verbose else Prose(),
-        _populations(identified),
+        *population_passages(identified),
         search,
         Prose(reference_note(identified.sweep, [identified.model.network])),
         Prose(_spectrum(identified)),
@@ -145,36 +146,6 @@ def _budget(identified: Identification) -> Passage:
         rows.append([name, *(percent(part / value, 2) for part in (*parts, whole))])
     headers = ("standard uncertainty", *terms, "together")
     return TextTable(headers, rows, frozenset(headers[1:])) if rows else Prose()
-
-
-def _populations(identified: Identification) -> Passage:
-    """Mean and scatter of what specimens have for themselves."""
-    if not identified.populations:
-        return Prose()
-    rows = []
-    for name, population in identified.populations.items():
-        size, interval = shown(population.mean)
-        apart = [_scatter(population, each) for each in (population.between, population.groups)]
-        rows.append([name, size, interval, population.mean.unit, *apart])
-    title = f"{len(specimens_of(identified.populations))} specimens"
-    nested = any(population.groups for population in identified.populations.values())
-    headers = (title, "mean", "95 % interval", "unit", "within a batch", "between batches")
-    if not nested:
-        headers = (*headers[:4], "between them", "-")
-        rows = [row[:-1] for row in rows]
-    return TextTable(headers[: 5 + nested], rows, frozenset({"mean"}))
-
-
-def _scatter(population: Population, between: Value | None) -> str:
-    """Standard deviation between specimens with its interval, in per cent where it is a share."""
-    if between is None:
-        return "-"
-    ends = [between.value, between.low, between.high]
-    if population.relative:
-        size, low, high = (percent(end, 2) for end in ends)
-    else:
-        size, low, high = (number(end, 2) for end in ends)
-    return f"{size} [{low}, {high}]"
 
 
 def gone(identified: Identification) -> set[str]:

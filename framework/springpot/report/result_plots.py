@@ -33,6 +33,7 @@ from .figures import (
     draw_floors,
     figure_identification,
     figure_material,
+    figure_population,
     marks_of,
     sweep_marks,
 )
@@ -154,6 +155,8 @@ def _fitted(result: Identification, path: Any) -> Any:
     # The spectrum is what such a fit is made for.
     if is_material(result.model):
         return figure_material(result, path)
+    if result.populations:
+        return figure_population(result, path)
     fitted = [DrawnFit(result.model, result.theta)]
     return figure_identification(result.measurement, fitted, path, beside=beside_floors(result))
 

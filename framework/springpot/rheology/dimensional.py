@@ -12,7 +12,7 @@ from typing import TypeAlias
 from springpot.errors import ModelError
 
 from ..numerics import ALIKE
-from .grammar import free_names
+from .grammar import OWN, free_names
 from .parameters import Dimension, Exponent
 from .terms import Called, Joined, Name, Number, Power, Term
 
@@ -126,7 +126,7 @@ class _Equations:
         if isinstance(term, Name):
             own: Unit = {("?", term.name): 1.0}
             if term.name in self.columns:
-                own = {(term.name, ""): 1.0}
+                own = {("amplitude" if term.name == OWN else term.name, ""): 1.0}
             return OF_VARIABLE.get(term.name, own)
         if isinstance(term, Called):
             return self._called(term)

@@ -203,6 +203,7 @@ OF_PLANE = {
 }
 """The layer of a formula of which nothing else is said, and what is measured with it."""
 OF_WHOLE = "X is the amplitude of the whole, not the share that this part takes"
+OF_OWN = "first harmonics are balanced; higher ones of the force do not move the model"
 
 IN_TIME = ("displacement", "force")
 CONTROLS = ("frequency", *IN_TIME)
@@ -386,6 +387,7 @@ class Effect:
         'K + c*i*omega'
         """
         # Only where one is written: whoever names effects needs no grammar.
+        from .nonlinear import balanced_series
         from .written import told, written
 
         plane, colon, text = (part.strip() for part in formula.partition(":"))
@@ -402,15 +404,18 @@ class Effect:
                 " infinity, so that it could not be missing"
             )
         nonlinear = "amplitude" in element.needs
+        joins, nearly = PLANES[plane], OF_WHOLE
+        if element.is_balanced:
+            joins, nearly = balanced_series, OF_OWN
         usual: dict[str, Any] = {
             "summary": summary or f"{element.text}, a law of your own: {told(element)}",
             "layer": layer,
             "equation": equation.format(element.text),
             # Nothing here follows from a first harmonic in time, nor of what a signal went through.
             "applies_to": SWEEPS if nonlinear or plane == "chain" else ALL,
-            "approximate": OF_WHOLE if nonlinear and plane != "parallel" else "",
+            "approximate": nearly if nonlinear and plane != "parallel" else "",
         }
-        return cls(name, PLANES[plane], element, **(usual | more))
+        return cls(name, joins, element, **(usual | more))
 
     def __post_init__(self) -> None:
         if not self.expression:

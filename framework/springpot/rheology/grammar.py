@@ -25,6 +25,8 @@ from .terms import CALLED, JOINED, OF_REAL, Called, Joined, Name, Number, Power,
 
 VARIABLES = ("omega", "f", "s", "X", "T", "T0", "Tr")
 """Frequency in rad/s and Hz, s = i omega, amplitude, temperature and the one of reference in K."""
+OWN = "Y"
+"""Of a compliance a variable too: the amplitude that the part in series takes itself."""
 CONSTANTS = {"i": 1j, "pi": np.pi, "R": GAS_CONSTANT}
 """R in kJ/(mol K), in which activation energies are told in kJ/mol."""
 LONGEST, MOST, LARGEST_POWER = 1000, 120, 20.0

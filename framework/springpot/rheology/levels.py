@@ -425,6 +425,10 @@ def owned(node: Node, own: Collection[str], column: str) -> Node:
     ModelError
         If an order is to be each level's own, but not the constant whose unit it is in.
     """
+    if isinstance(node, Own) and not node.values:
+        # One after the other they are one kind of levels: all that have a column have it alike.
+        own = {*own, *node.own}
+        node = node.node
     mine = tuple(each.name for each in node.parameters if each.name in own)
     if not mine:
         return node

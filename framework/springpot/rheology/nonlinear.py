@@ -35,8 +35,8 @@ from .laws import power_law as power_law_law
 from .nodes import GRADIENT, VALUE, Composing, Composition, Response, Series
 from .parameters import AMPLITUDE, FORCE, PURE, Dimension, Parameter, stiffness
 from .points import Complex, Points, Real
+from .slipping import FOUR_OVER_PI, slip_fraction
 
-FOUR_OVER_PI = 4.0 / np.pi
 CUBIC = Dimension(stiffness=1, amplitude=-2)
 CUBIC_RATE = Dimension(stiffness=1, time=3, amplitude=-2)
 RATE = Dimension(time=-1, amplitude=1)
@@ -89,22 +89,6 @@ def coulomb_friction(force: str = "F") -> Formula:
         _friction_third,
         friction_law,
     )
-
-
-def slip_fraction(rho: Any) -> tuple[Any, Any]:
-    """K / k of a spring in series with a slider, and its derivative by rho.
-
-    Parameters
-    ----------
-    rho : ndarray
-        Slip force over k X; from 1 on the slider sticks and the element is a plain spring.
-    """
-    # Where it sticks there is no loop: any number inside keeps the arc cosine in its range.
-    sticks = np.real(rho) >= 1.0
-    beta = np.arccos(1.0 - 2.0 * np.where(sticks, 0.5, rho))
-    value = (beta - 0.5 * np.sin(2.0 * beta) + 1j * np.sin(beta) ** 2) / np.pi
-    slope = FOUR_OVER_PI * (np.sin(beta) + 1j * np.cos(beta))
-    return np.where(sticks, 1.0, value), np.where(sticks, 0.0, slope)
 
 
 def _jenkins(at: Points, k: Any, force: Any) -> Any:
@@ -460,12 +444,12 @@ def crosstalk_force(force: str = "F", angle: str = "phi") -> Formula:
     return Formula(free, _leak, NEEDS_AMPLITUDE, "crosstalk", _no_third)
 
 
-LONGEST = 100.0
-"""Longest step in the logarithm of the amplitude.
+FARTHEST = 100.0
+"""Farthest that the logarithm of a part's amplitude lies from that of the whole.
 
-Between its two asymptotes the equation bends one way, so that a
-long first step ends beyond the solution and the next ones come back to it; this only keeps numbers
-finite.
+Below, the part sticks, as one that yields at a steady force does. Between its two asymptotes the
+equation bends one way, so that a long first step ends beyond the solution and the next ones come
+back to it; this only keeps numbers finite.
 """
 
 
@@ -481,10 +465,10 @@ class Compliant(Formula):
 
     growth: Callable[..., Any] = lambda value, *_: 0.0 * value
 
-    def log_slope(self, theta: Real, value: Complex) -> Complex:
-        """The derivative dK / d ln X where K is `value`, shape (..., n)."""
-        slope: Complex = self.growth(value, *self._columns(theta))
-        return slope
+    def growing(self, theta: Real, at: Points) -> tuple[Complex, Complex]:
+        """K and its derivative dK / d ln X, both (..., n)."""
+        value = self.respond(theta, at).value
+        return value, self.growth(value, *self._columns(theta))
 
 
 class BalancedSeries(Composition):
@@ -536,25 +520,27 @@ class BalancedSeries(Composition):
         ):  # names in front of its parameters, values that are held
             theta, element = element.within(theta)
         # X |K| stays as it is on the way: only X_e is sought.
-        log_whole = np.log(at.need("amplitude")) + np.log(np.abs(body))
+        log_all = np.log(at.need("amplitude"))
+        log_whole = log_all + np.log(np.abs(body))
         shape = np.broadcast_shapes(body.shape, (*own.shape[:-1], 1))
         # Begun as if the element took all of the displacement.
-        log_own = np.broadcast_to(np.log(at.need("amplitude")), shape)
+        log_own = np.broadcast_to(log_all, shape)
         for _ in range(MOST_STEPS):
             there = at.at_amplitude(np.exp(log_own))
-            own_value = element.respond(theta, there).value
+            own_value, own_slope = element.growing(theta, there)
             both = body + own_value
             # In logarithms of the amplitude, which then cannot become negative on the way.
             off = log_own + np.log(np.abs(both)) - log_whole
-            slope = 1.0 + np.real(element.log_slope(theta, own_value) / both)
-            step = np.clip(-off / slope, -LONGEST, LONGEST)
-            log_own = log_own + step
+            slope = 1.0 + np.real(own_slope / both)
+            further = log_own - off / slope
+            further = np.clip(further, log_all - FARTHEST, log_all + FARTHEST)
+            step, log_own = further - log_own, further
             if np.max(np.abs(step), initial=0.0) < ALIKE:
                 break
         there = at.at_amplitude(np.exp(log_own))
         # By the outer node again: the derivative is asked for by the parameters that are free.
         response = outer.respond(own, there, depth)
-        return response, element.log_slope(theta, response.value)
+        return response, element.growing(theta, there)[1]
 
 
 balanced_series = Composing(BalancedSeries)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..numerics import ALIKE, ROUNDING
 from .points import HALF_PI, Real, power_of_s
+from .slipping import slip_fraction
 
 LOG_OMEGA = ""
 """Under which a slope by ln omega is kept, beside those by the parameters' names."""
@@ -93,11 +94,14 @@ CALLED: dict[str, tuple[Callable[[Any], Any], Callable[[Any, Any], Any]]] = {
     "log": (np.log, lambda x, value: 1.0 / x),
     "sqrt": (np.sqrt, lambda x, value: 0.5 / value),
     "tanh": (np.tanh, lambda x, value: 1.0 - value**2),
+    "slider": (lambda x: slip_fraction(x)[0], lambda x, value: slip_fraction(x)[1]),
     "abs": (lambda x: x * np.sign(np.real(x)), lambda x, value: np.sign(np.real(x))),
 }
-"""Functions of one part: value and slope, the slope from argument and value."""
+"""Functions of one part: value and slope, the slope from argument and value.
 
-OF_REAL = frozenset({"abs", "max", "min"})
+A slider leaves of a spring k that slips at the force r k X the share slider(r)."""
+
+OF_REAL = frozenset({"abs", "max", "min", "slider"})
 """Functions that complex numbers have no slope of."""
 
 
@@ -204,6 +208,11 @@ class Called(Term):
 
     function: str
     inner: Term
+
+    @property
+    def real(self) -> bool:
+        """Whether it has no imaginary part, as the loop of a slider has."""
+        return self.function != "slider" and self.inner.real
 
     @property
     def parts(self) -> tuple[Term, ...]:

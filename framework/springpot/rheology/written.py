@@ -15,10 +15,11 @@ from springpot.errors import ModelError
 
 from ..numerics import ALIKE, NEGLIGIBLE
 from .dimensional import units_of
-from .grammar import Formula, free_names, names_in, parsed
+from .grammar import OWN, free_names, names_in, parsed
+from .nonlinear import Compliant
 from .parameters import PURE, Dimension, Parameter, order
 from .points import HALF_PI, LARGEST_SHIFT, ROOM, Complex, Points, Real
-from .terms import LOG_OMEGA, Dual, Joined, Name, Number, Power, Term, inverse, settled
+from .terms import LOG_OMEGA, Called, Dual, Joined, Name, Number, Power, Term, inverse, settled
 from .thermal import activation_energy, bounded_shift
 
 EXPONENT = Parameter("n", "n", PURE, 0.0, 4.0, "linear", 1.0)
@@ -61,7 +62,7 @@ class TypedLaw:
             return term.at({**known, **own})
 
     def _known(self, at: Points) -> dict[str, Dual]:
-        known = {name: _variable(name, at) for name in self._variables}
+        known = {name: _variable(name, at, self.plane) for name in self._variables}
         known[LOG_OMEGA] = Dual(at.log_omega, {LOG_OMEGA: 1.0})
         return known
 
@@ -78,6 +79,10 @@ class TypedLaw:
                 term = settled(self._joined, known, self.free)
             self.__dict__["_last"] = (at, term, known)
         return term, known
+
+    def joined(self, at: Points, values: Iterable[Any]) -> Dual:
+        """What the network adds, with its slope by ln Y under `OWN`."""
+        return self._of(self._joined, self._known(at), values)
 
     @cached_property
     def _joined(self) -> Term:
@@ -106,18 +111,26 @@ def _logarithm(value: Any, by_theta: list[Any], by_log_omega: Any) -> Any:
     return log, slopes, np.where(np.abs(np.real(log)) < LARGEST_SHIFT, by_log_omega, flat)
 
 
-def _variable(name: str, at: Points) -> Dual:
+def _column(name: str, plane: str) -> str:
+    """The column that a name stands for: of Y the network gives what the part in series takes."""
+    if name == OWN and plane != "compliance":
+        return name
+    return {"X": "amplitude", "T": "temperature", OWN: "amplitude"}.get(name, name)
+
+
+def _variable(name: str, at: Points, plane: str) -> Dual:
     if name in ("omega", "s", "f"):
         factor = {"omega": 1.0, "s": 1j, "f": 0.5 / np.pi}[name]
         value = factor * np.exp(at.log_omega)
         return Dual(value, {LOG_OMEGA: value})
     if name == "T0":
         return Dual(at.reference_temperature, {})
-    return Dual(at.need({"X": "amplitude", "T": "temperature"}.get(name, name)), {})
+    column = at.need(_column(name, plane))
+    return Dual(column, {OWN: column} if name == OWN and plane == "compliance" else {})
 
 
 @dataclass(frozen=True)
-class Written(Formula):
+class Written(Compliant):
     """An element by its text; see `written`.
 
     Parameters
@@ -136,6 +149,17 @@ class Written(Formula):
     plane: str = "stiffness"
     bound: bool = False
     gone_at: float | None = None
+
+    @property
+    def is_balanced(self) -> bool:
+        """Whether it asks for the amplitude of its own, not for that of the whole."""
+        return self.plane == "compliance" and OWN in names_in(parsed(self.text))
+
+    def growing(self, theta: Real, at: Points) -> tuple[Complex, Complex]:
+        """K and its derivative by the logarithm of its own amplitude."""
+        assert isinstance(self.law, TypedLaw)
+        whole = self.law.joined(at, self._columns(theta))
+        return whole.value, whole.slopes.get(OWN, 0.0) * np.ones(1)
 
     @property
     def absent_at(self) -> float | None:
@@ -182,9 +206,14 @@ def written(text: str, plane: str = "stiffness", at: Points | None = None) -> Wr
     array([-2.+0.j])
     """
     text = " ".join(text.split())
-    term, columns = parsed(text), {} if at is None else dict(at.columns)
+    term = parsed(text)
+    columns: dict[str, object] = {} if at is None else dict(at.columns)
     names = names_in(term)
     columns = {name: column for name, column in columns.items() if name in names}
+    if plane == "compliance" and OWN in names:
+        if "X" in names:
+            raise ModelError(f"'{text:.80}' has both X, of the whole, and Y, of the part in series")
+        columns[OWN] = None
     free = free_names(term, columns)
     if not free:
         raise ModelError(f"'{text:.80}' has no parameter, so that nothing could be found of it")
@@ -194,8 +223,7 @@ def written(text: str, plane: str = "stiffness", at: Points | None = None) -> Wr
     parameters = tuple(_parameter(name, units[name], term) for name in free)
     if at is not None:
         parameters = tuple(_sized(parameter, at) for parameter in parameters)
-    uses = {"X": "amplitude", "T": "temperature"}
-    asked = tuple(uses.get(name, name) for name in names if name in uses or name in columns)
+    asked = tuple(_column(name, plane) for name in names if name in (*columns, "X", "T"))
     element = Written(
         parameters,
         TypedLaw(term, plane, tuple(free)),
@@ -248,6 +276,10 @@ def _signed(element: Written) -> Written:
     """What an instrument does may go either way: a delay, a gain, an error of the clock."""
     first = element.free[0]
     if element.plane not in FACTORS or first.unit.label:
+        return element
+    # What slips at a force, or lets go beyond a play, does so in both directions.
+    parts = parsed(element.text).walk()
+    if any(isinstance(p, Called) and p.function == "slider" for p in parts):
         return element
     # A power by which a law is there at all, such as (T/T0)^n, keeps its size.
     if first.scale == "linear":

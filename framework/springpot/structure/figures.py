@@ -14,6 +14,7 @@ from springpot.report.canvas import COLOURS, QUIET, blank, logarithmic, save
 
 from .frame import SteadyState
 from .motion import Simulation
+from .suites import RecordSuite
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -104,6 +105,48 @@ def figure_steady(steady: SteadyState, path: str | Path | None = None) -> Figure
             logarithmic(axes, "x")
             logarithmic(axes, "y")
         drifts.legend()
+        if path is not None:
+            save(figure, path)
+    return figure
+
+
+def figure_suite(suite: RecordSuite, path: str | Path | None = None) -> Figure:
+    """Largest drift, force and stroke under each record, with their mean and envelope.
+
+    Parameters
+    ----------
+    suite : RecordSuite
+        What happened.
+    path : str or Path, optional
+        Where to write it.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure.
+    """
+    shown = {
+        "drift": ("peak drift [mm]", "storey", 1e3),
+        "axial_force": ("axial force of a damper [kN]", "damper", 1e-3),
+        "stroke": ("stroke [mm]", "damper", 1e3),
+    }
+    with blank(9.0, 3.6) as figure:
+        for axes, (name, (title, of, factor)) in zip(
+            figure.subplots(1, len(shown)), shown.items(), strict=True
+        ):
+            each = factor * suite.largest(name)
+            place = range(1, each.shape[1] + 1)
+            for values in each:
+                axes.plot(values, place, ".-", color=QUIET, lw=0.7)
+            for i, (label, values) in enumerate(
+                {"mean": suite.mean(name), "envelope": suite.envelope(name)}.items()
+            ):
+                axes.plot(factor * values, place, "o-", color=COLOURS[i], label=label)
+            axes.set(xlabel=title, ylabel=of, yticks=list(place))
+            if each.size:
+                axes.set_xlim(0.0, ROOM * each.max() or None)
+            axes.set_ylim(0.5, each.shape[1] + 0.5)
+        figure.axes[0].legend()
         if path is not None:
             save(figure, path)
     return figure

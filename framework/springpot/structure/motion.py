@@ -18,7 +18,7 @@ steps so short that this cubic is exact to 1e-4.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -29,7 +29,8 @@ from springpot.thresholds import INTERVAL
 
 from ..numerics import ROUNDING
 from .beside import Beside, forces
-from .frame import Damper, Frame, Mode, modes_of
+from .damper import Damper
+from .frame import Frame, Mode, modes_of
 
 SHORT = 16.0
 """Steps in the shortest period around a largest value.
@@ -316,6 +317,9 @@ class Motion:
         Of the floors relative to the ground, in m and m/s.
     force : ndarray, shape (t, d)
         Of the dampers of each entry together, in N, along the floor.
+    beside : tuple of ndarray, shape (t, d)
+        Of the force the part that is not linear, in N, and the work on it along the floor, in J:
+        where it jumps, samples do not tell its work.
     peaks : ndarray, shape (n + d + n,)
         Largest sizes, between samples too, of the drifts, of these forces, and of their sums in
         each storey.
@@ -326,6 +330,7 @@ class Motion:
     displacement: Real
     velocity: Real
     force: Real
+    beside: tuple[Real, Real]
     peaks: Real
 
     @property
@@ -365,37 +370,47 @@ class Motion:
         return self.peaks[len(self.peaks) - len(self.frame) :]
 
     @cached_property
+    def work(self) -> Real:
+        """Energy in J that one damper of each entry has taken, against time, shape (t, d).
+
+        At last it is heat, but for what its springs then hold.
+        """
+        sudden, work = self.beside
+        storeys = [damper.storey - 1 for damper in self.frame.dampers]
+        rates = self.frame.drift_of(self.velocity)[:, storeys]
+        taken = self._told(_integral((self.force - sudden) * rates, self.record.step) + work)
+        return np.asarray(taken / np.array([damper.count for damper in self.frame.dampers]))
+
+    @cached_property
     def energy(self) -> dict[str, Real]:
         """Energies in J against time (t,).
 
         Put in by the ground, taken by the dampers, by the frame's own damping.
         """
-        step = self.record.step
         # Relative to the ground its acceleration is a force of inertia, against it.
         power = -(self.velocity @ self.frame.mass) * self.record.acceleration
         # What neither the dampers nor the frame take is in motion or in springs when the record
         # ends.
         own = np.einsum("ti,ij,tj->t", self.velocity, self.frame.viscous, self.velocity)
-        rates = self.frame.drift_of(self.velocity)
-        taken = sum(
-            (
-                self.force[:, i] * rates[:, damper.storey - 1]
-                for i, damper in enumerate(self.frame.dampers)
-            ),
-            np.zeros(len(step * power)),
-        )
+        counts = np.array([damper.count for damper in self.frame.dampers])
+        return {
+            "input": self._told(_integral(power, self.record.step)),
+            "dampers": self.work @ counts,
+            "frame": self._told(_integral(own, self.record.step)),
+        }
+
+    def _told(self, whole: Real) -> Real:
+        """Energies in J against time (t, ...); none where that is rounding."""
         # Beside what rides along with the ground the work on a frame that is stuck is rounding.
-        reached = _integral(np.abs(self.record.acceleration), step)[-1]
+        reached = _integral(np.abs(self.record.acceleration), self.record.step)[-1]
         least = ROUNDING * float(np.sum(self.frame.mass)) * reached**2
-        energies = {"input": power, "dampers": taken, "frame": own}
-        for name, rate in energies.items():
-            whole = _integral(rate, step)
-            energies[name] = np.where(np.abs(whole) > least, whole, 0.0)
-        return energies
+        return np.where(np.abs(whole) > least, whole, 0.0)
 
 
 def _integral(rate: Real, step: float) -> Real:
-    whole: Real = np.concatenate([[0.0], np.cumsum(0.5 * step * (rate[1:] + rate[:-1]))])
+    """Of a rate (t, ...) against time, by the trapezoidal rule."""
+    whole: Real = np.zeros_like(rate)
+    whole[1:] = np.cumsum(0.5 * step * (rate[1:] + rate[:-1]), axis=0)
     return whole
 
 
@@ -434,12 +449,13 @@ def motion_of(frame: Frame, record: GroundMotion) -> Motion:
     n, count = len(frame), len(record.acceleration)
     seen = _seen(frame, parts, len(matrix))
     if besides:
-        state, extra, peaks = _stepped(frame, record, system, besides, seen)
+        state, beside, peaks = _stepped(frame, record, system, besides, seen)
     else:
-        state, extra = system.run(record.acceleration), np.zeros((count, len(parts)))
+        nothing = np.zeros((count, len(parts)))
+        state, beside = system.run(record.acceleration), (nothing, nothing)
         peaks = system.largest(state, record.acceleration, seen)
-    force = state @ seen[n : n + len(parts)].T + extra
-    return Motion(frame, record, state[:, :n], state[:, n : 2 * n], force, peaks)
+    force = state @ seen[n : n + len(parts)].T + beside[0]
+    return Motion(frame, record, state[:, :n], state[:, n : 2 * n], force, beside, peaks)
 
 
 def _seen(frame: Frame, parts: Sequence[_Part], size: int) -> Real:
@@ -452,8 +468,8 @@ def _seen(frame: Frame, parts: Sequence[_Part], size: int) -> Real:
 
 def _stepped(
     frame: Frame, record: GroundMotion, system: System, besides: dict[int, Beside], seen: Real
-) -> tuple[Real, Real, Real]:
-    """States (t, m), forces (t, d) of what is not linear, and peaks.
+) -> tuple[Real, tuple[Real, Real], Real]:
+    """States (t, m), forces (t, d) and work of what is not linear, and peaks.
 
     The forces are constant within each of many short steps. The peaks are those of these steps:
     with so many of them, a sample misses one by 1 - cos(pi / 120) = 3e-4.
@@ -480,8 +496,9 @@ def _stepped(
     pushed = short.pushed(a[:-1], a[1:])
     by_force = rows @ pulled[:n], rows @ pulled[n : 2 * n]
     count, size = len(record.acceleration), len(system.matrix)
-    state, extra = np.zeros((count, size)), np.zeros((count, len(rows)))
+    state, extra = np.zeros((count, size)), np.zeros((2, count, len(frame.dampers)))
     y, force, members = np.zeros(size), np.zeros(len(rows)), list(besides.values())
+    work = np.zeros(len(rows))
     felt, peaks = _felt(frame, list(besides)), np.zeros(len(seen))
     start = rows @ y[:n], rows @ y[n : 2 * n]
     for i, push in enumerate(pushed, 1):
@@ -492,14 +509,16 @@ def _stepped(
         force = forces(members, start, free, by_force, force)
         y = y + pulled @ force
         before, start = start, (rows @ y[:n], rows @ y[n : 2 * n])
-        for member, way in zip(members, (start[0] - before[0]).tolist(), strict=True):
-            member.move(way)
+        way = start[0] - before[0]
+        # Exact, as the force is constant within the step.
+        work = work + force * way
+        for member, moved in zip(members, way.tolist(), strict=True):
+            member.move(moved)
         peaks = np.maximum(peaks, np.abs(seen @ y + felt @ force))
         if i % parts == 0:
-            state[i // parts], extra[i // parts] = y, force
-    whole = np.zeros((len(state), len(frame.dampers)))
-    whole[:, list(besides)] = extra
-    return state, whole, peaks
+            state[i // parts] = y
+            extra[:, i // parts, list(besides)] = force, work
+    return state, (extra[0], extra[1]), peaks
 
 
 def _felt(frame: Frame, entries: Sequence[int]) -> Real:
@@ -599,26 +618,39 @@ class Simulation:
         With these, lowest first; empty where a mode no longer swings.
     drifts : ndarray, shape (draws, n)
         Peak drifts in m with parameters as they may as well be.
+    bounds : dict of str to Simulation
+        ``lower`` and ``upper``, with all dampers at an end of their factors; see `Frame.bounds`.
     """
 
     motion: Motion
     modes: list[Mode]
     drifts: Real
+    bounds: dict[str, Simulation] = field(default_factory=dict)
 
     @property
     def level(self) -> float:
         """Share of motions that the band holds; of few draws less than 0.95, of one none."""
-        draws = len(self.drifts)
-        return min(INTERVAL, max(draws - 1, 0) / (draws + 1))
+        return level_of(len(self.drifts))
 
     def band(self) -> tuple[Real, Real]:
         """Ends (n,) of the band of the peak drifts in m."""
-        if not self.level:
-            return self.motion.peak_drift, self.motion.peak_drift
-        tail = 0.5 * (1.0 - self.level)
-        # Weibull's positions: between the outermost of n draws lie (n - 1)/(n + 1) of all.
-        low, high = np.quantile(self.drifts, [tail, 1.0 - tail], axis=0, method="weibull")
-        return low, high
+        return band_of(self.drifts, self.motion.peak_drift)
+
+
+def level_of(draws: int) -> float:
+    """Share that lies within a band of so many draws; of few less than 0.95, of one none."""
+    return min(INTERVAL, max(draws - 1, 0) / (draws + 1))
+
+
+def band_of(drawn: Real, nominal: Real) -> tuple[Real, Real]:
+    """Ends (n,) of the band of what was drawn (draws, n); of one draw or none the nominal (n,)."""
+    level = level_of(len(drawn))
+    if not level:
+        return nominal, nominal
+    tail = 0.5 * (1.0 - level)
+    # Weibull's positions: between the outermost of n draws lie (n - 1)/(n + 1) of all.
+    low, high = np.quantile(drawn, [tail, 1.0 - tail], axis=0, method="weibull")
+    return low, high
 
 
 def simulate(
@@ -647,9 +679,12 @@ def simulate(
     (500, 1)
     """
     # Where no damper is uncertain, each draw would be the same motion again.
-    if all(damper.covariance is None for damper in frame.dampers):
+    if not any(damper.axes.size for damper in frame.dampers):
         draws = 0
     peaks = [motion_of(frame.drawn(rng), record).peak_drift for _ in range(draws)]
     return Simulation(
-        motion_of(frame, record), modes_of(frame), np.array(peaks).reshape(-1, len(frame))
+        motion_of(frame, record),
+        modes_of(frame),
+        np.array(peaks).reshape(-1, len(frame)),
+        {name: simulate(bound, record, rng, 0) for name, bound in frame.bounds.items()},
     )

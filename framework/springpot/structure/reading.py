@@ -1,4 +1,4 @@
-"""A structure as a user describes it in TOML, and the record that shakes it."""
+"""A structure as a user describes it in TOML."""
 
 from __future__ import annotations
 
@@ -10,27 +10,22 @@ from typing import Any
 
 import numpy as np
 
-from springpot.errors import DataError, ModelError, SpringpotError
+from springpot.errors import DataError, ModelError, OptionError
 from springpot.identification.prediction import Known, require_known
 from springpot.identified import fitted, stated
-from springpot.inputs import text_in, toml_in
+from springpot.inputs import toml_in
+from springpot.measurement.geometry import EXAMPLE, parse_geometry
 from springpot.measurement.units import STIFFNESS_UNITS
 from springpot.rheology.points import KELVIN, Real
-from springpot.structure.motion import STRONGEST
 
-from .frame import Damper, Frame
-from .motion import GroundMotion, artificial
+from .damper import Damper
+from .frame import Frame
+from .scaling import scale_of
 
-ACCELERATIONS = {
-    "m/s^2": 1.0,
-    "m/s2": 1.0,
-    "g": 9.80665,
-    "cm/s^2": 0.01,
-    "gal": 0.01,
-    "mm/s^2": 1e-3,
-}
 MOST_DAMPERS = 1e6
 """Dampers of one kind in a storey: more is a slip of the pen."""
+MOST_FACTOR = 100.0
+"""Beyond any property modification factor: those of codes lie between 0.5 and 2."""
 MOST_STOREYS = 300
 """The tallest buildings have half as many; the work grows with their cube."""
 HEAVIEST = 1e15
@@ -48,6 +43,10 @@ DAMPER_KEYS = {
     "slope",
     "temperature",
     "without",
+    "heat_capacity",
+    "geometry",
+    "specimen",
+    "factors",
 }
 
 
@@ -60,8 +59,10 @@ def read_structure(path: str | Path) -> Frame:
         With ``[structure]`` (``mass`` in kg and ``stiffness`` in N/m, a number or one for each
         storey, ``damping``, ``storeys``) and for each kind of damper ``[[damper]]``: ``fit``, the
         JSON of an identification, or ``model`` with ``parameters`` and ``unit``; ``storey``,
-        ``count``, ``slope`` in degrees, ``temperature`` in degC, and ``without``, effects of the
-        rig to leave out.
+        ``count``, ``slope`` in degrees, ``temperature`` in degC, ``heat_capacity`` of one in J/K,
+        ``without``, effects of the rig to leave out; ``geometry`` where a modulus was fitted, or
+        with that of the tested ``specimen`` where a stiffness was; and ``factors``, the least and
+        the largest of its property modification.
 
     Raises
     ------
@@ -81,9 +82,10 @@ def read_structure(path: str | Path) -> Frame:
         storeys = _count(frame.get("storeys", 1), "storeys", MOST_STOREYS)
         mass = _column(frame, "mass", storeys, path)
         stiffness = _column(frame, "stiffness", storeys, path)
-        dampers = tuple(_damper(entry, path, i) for i, entry in enumerate(entries, 1))
+        fits: dict[Path, Known] = {}
+        dampers = tuple(_damper(entry, path, i, fits) for i, entry in enumerate(entries, 1))
         return Frame(mass, stiffness, _number(frame.get("damping", 0.0), "damping"), dampers)
-    except (DataError, ModelError) as error:
+    except (DataError, ModelError, OptionError) as error:
         # Which of the dampers it is they say themselves; the file once.
         if str(path) in str(error):
             raise
@@ -109,7 +111,7 @@ def _column(frame: Mapping[str, Any], name: str, storeys: int, path: Path) -> Re
     )
 
 
-def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
+def _damper(entry: Mapping[str, Any], path: Path, number: int, fits: dict[Path, Known]) -> Damper:
     where = f"damper {number}"
     _only(entry, DAMPER_KEYS, path, where)
     # Both would leave it open which of them counts.
@@ -122,12 +124,9 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
             f"{path}: {where} has a fit, which has parameters and a unit of its own: leave out"
             f" {' and '.join(sorted(own))}"
         )
-    known = _known(entry, path, where).without(_without(entry, where))
-    if known.units.stiffness not in STIFFNESS_UNITS:
-        raise ModelError(
-            f"a damper has a stiffness, and {known.model.name} is in {known.units.stiffness}: "
-            "identify it with the --geometry of the damper"
-        )
+    whole = _known(entry, path, where, fits)
+    known = whole.without(_without(entry, where))
+    scale = _scale(entry, known, where)
     cosine = float(
         np.cos(np.radians(_number(entry.get("slope", 0.0), f"{where}: slope", -STEEPEST, STEEPEST)))
     )
@@ -141,10 +140,10 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
             raise ModelError(f"{where}: {error}") from None
     if "temperature" in known.model.needs and temperature is None:
         raise DataError(f"{path}: {where}: {known.model.name} needs its temperature in degC")
-    covariance = None
+    covariance, tested = None, None
     # Parameters that were stated, not fitted, have no uncertainty to carry on.
     if np.any(known.theta_covariance != 0.0):
-        covariance = known.theta_covariance
+        covariance, tested = known.theta_covariance, whole
     return Damper(
         known.model,
         known.theta,
@@ -156,14 +155,56 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
         known.units,
         known.covered,
         cosine,
+        _capacity(entry, where),
+        scale,
+        _factors(entry, where),
+        tested,
     )
 
 
-def _known(entry: Mapping[str, Any], path: Path, where: str) -> Known:
+def _scale(entry: Mapping[str, Any], known: Known, where: str) -> tuple[float, float] | None:
+    """By which a damper exceeds what was tested, where its geometry says so."""
+    geometries = {
+        name: parse_geometry(str(entry[name])) for name in ("geometry", "specimen") if name in entry
+    }
+    if "geometry" in geometries:
+        return scale_of(where, known.units, **geometries)
+    if geometries:
+        raise DataError(f"{where}: a specimen's geometry is for that of the damper: give both")
+    if known.units.stiffness not in STIFFNESS_UNITS:
+        raise ModelError(
+            f"{where}: a damper has a stiffness, and {known.model.name} is in"
+            f" {known.units.stiffness}: give its geometry = '{EXAMPLE}'"
+        )
+    return None
+
+
+def _factors(entry: Mapping[str, Any], where: str) -> tuple[float, float]:
+    """Property modification factors, the least first."""
+    given = entry.get("factors", [1.0, 1.0])
+    if not isinstance(given, list) or len(given) != 2:
+        raise DataError(f"{where}: factors are the least and the largest, [0.8, 1.2]")
+    least, most = (_number(each, f"{where}: factors", 0.0, MOST_FACTOR) for each in given)
+    if least > most:
+        raise DataError(f"{where}: factors are the least and the largest, [{most:g}, {least:g}]")
+    return least, most
+
+
+def _capacity(entry: Mapping[str, Any], where: str) -> float | None:
+    if "heat_capacity" not in entry:
+        return None
+    return _number(entry["heat_capacity"], f"{where}: heat_capacity", 0.0)
+
+
+def _known(entry: Mapping[str, Any], path: Path, where: str, fits: dict[Path, Known]) -> Known:
     """The model of a damper, from a file of a fit or with parameters that are stated."""
     if "fit" in entry:
         # A path is meant from the description, wherever the command is run.
-        return fitted(path.parent / str(entry["fit"]))
+        source = path.parent / str(entry["fit"])
+        # Once for all dampers of it: what is not known of one is not known of the others alike.
+        if source not in fits:
+            fits[source] = fitted(source)
+        return fits[source]
     values = _flat(entry.get("parameters", {}), where)
     return stated(str(entry["model"]), values, str(entry.get("unit", "")), f"{where} of {path}")
 
@@ -230,67 +271,3 @@ def _count(value: object, what: str, most: int) -> int:
     raise DataError(
         f"{what}: {value!r:.40} is no number that it can be; give a whole one from 1 to {most}"
     )
-
-
-def read_record(spec: str, rng: np.random.Generator) -> GroundMotion:
-    """The record that a user names.
-
-    A CSV file, or ``artificial``, or ``artificial:3.0`` with its peak in m/s^2.
-
-    The file has columns ``time [s]`` and ``acceleration [m/s^2]`` (or ``[g]``, ``[cm/s^2]``), at
-    equal steps.
-
-    Raises
-    ------
-    DataError
-        If there is none, or it cannot be used, in one line.
-    """
-    if spec == "artificial" or spec.startswith("artificial:"):
-        _, _, peak = spec.partition(":")
-        try:
-            largest = float(peak or 3.0)
-        except ValueError:
-            largest = float("nan")
-        # One that is no number, or beyond any earthquake, is told alike.
-        if not 0.0 < largest < STRONGEST:
-            raise DataError(f"'{spec:.60}': write artificial:3.0 with the peak in m/s^2")
-        return artificial(rng, peak=largest)
-    path = Path(spec)
-    rows = [
-        line for line in text_in(path).splitlines() if line.strip() and not line.startswith("#")
-    ]
-    header = ""
-    if rows:
-        header = rows[0]
-    factor = _acceleration_unit(header, path)
-    samples = []
-    try:
-        for row in rows[1:]:
-            # What stands in further columns is not asked about.
-            first_two = row.split(",")[:2]
-            samples.append([float(cell) for cell in first_two])
-        values = np.array(samples, dtype=float)
-    except ValueError as error:
-        raise DataError(f"{path}: {error}") from None
-    if values.ndim != 2 or values.shape[1:] != (2,):
-        raise DataError(f"{path}: a record has two columns, time [s] and acceleration [m/s^2]")
-    try:
-        return GroundMotion.of(values[:, 0], factor * values[:, 1], path.stem)
-    except SpringpotError as error:
-        # The name of the record is the path, which stands before it already.
-        raise DataError(f"{path}: {str(error).removeprefix(f'{path.stem}: ')}") from None
-
-
-def _acceleration_unit(header: str, path: Path) -> float:
-    titles = [title.strip().lower() for title in header.split(",")[:2]]
-    if len(titles) != 2 or titles[0] != "time [s]" or not titles[1].startswith("acceleration ["):
-        raise DataError(
-            f"{path}: write 'time [s],acceleration [m/s^2]' in the first line, with the unit it has"
-        )
-    unit = titles[1].removeprefix("acceleration [").rstrip("]")
-    if unit not in ACCELERATIONS:
-        raise DataError(
-            f"{path}: unknown unit [{unit}] of an acceleration: known are"
-            f" {', '.join(ACCELERATIONS)}"
-        )
-    return ACCELERATIONS[unit]

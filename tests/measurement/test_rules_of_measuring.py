@@ -1,0 +1,180 @@
+"""Small rules of what a test is and of what is told of it: by hand."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from springpot.errors import DataError
+from springpot.measurement import (
+    Loading,
+    Measurement,
+    OtherTest,
+    TimeTest,
+    Units,
+    mixed_tests,
+    noise_of,
+    reader,
+    rows,
+    sign,
+)
+from springpot.measurement.reader import Choice, Part
+from springpot.measurement.replicates import average_repeats
+from springpot.measurement.scatter import Noise
+
+TIME = np.linspace(0.0, 10.0, 400)
+
+
+def other(**given):
+    """A test of a kind that springpot does not know."""
+    told = {"at": np.array([0.0, 2.0, 5.0]), "control": "frequency", "temperature": None}
+    made = SimpleNamespace(name="own", units=Units("Pa", "-"), **(told | given))
+    return type("Own", (), {"__len__": lambda self: 3, **vars(made)})()
+
+
+def of(name, test):
+    return vars(OtherTest)[name].fget(test)
+
+
+def test_a_test_of_another_kind_tells_what_it_saw_and_where():
+    assert of("seen", other()) == pytest.approx((4.0 * np.pi, 10.0 * np.pi))
+    assert of("seen", other(control="force")) == pytest.approx((0.2, 0.5))
+    assert of("reach", other()) == 0.0
+    assert of("reference_temperature", other(temperature=20.0)) == pytest.approx(293.15)
+    assert of("reference_temperature", other()) == pytest.approx(298.15, abs=5.0)
+    assert of("conditions", other()) == {}
+    assert of("conditions", other(temperature=20.0))["temperature"].tolist() == [20.0] * 3
+    assert of("columns", other(conditions={}))["row"].tolist() == [1.0, 2.0, 3.0]
+    same = other()
+    assert OtherTest.in_units(same, Units("Pa", "%")) is same
+    with pytest.raises(DataError, match="tells of Pa and the other test of kPa"):
+        OtherTest.in_units(same, Units("kPa", "-"))
+
+
+@pytest.mark.parametrize(
+    ("unit", "value", "control", "units"),
+    [
+        ("%", 0.5, "displacement", ("-", "Pa")),
+        ("mm", 50.0, "displacement", ("mm", "N")),
+        ("kN", 50.0, "force", ("m", "kN")),
+        ("MPa", 50.0, "force", ("-", "MPa")),
+        ("deg", 50.0, "displacement", ("deg", "N m")),
+    ],
+)
+def test_a_planned_test_has_a_load_and_no_answer(unit, value, control, units):
+    test = TimeTest.planned([0.0, 1.0, 2.0], [0.0, 50.0, 50.0], unit)
+    assert (test.control, test.displacement_unit, test.force_unit) == (control, *units)
+    assert test.loading.value.max() == pytest.approx(value)
+    assert test.response.tolist() == [0.0, 0.0, 0.0]
+    assert not test.measured
+    with pytest.raises(DataError, match="is no unit of a displacement"):
+        TimeTest.planned([0.0, 1.0], [0.0, 1.0], "K")
+
+
+def test_a_few_samples_have_a_noise_that_is_assumed():
+    test = TimeTest.of_relaxation([1.0, 2.0, 3.0], [4.0, 4.0, 4.0])
+    noise = noise_of(test)
+    assert not noise.estimated
+    assert noise.absolute == pytest.approx(0.4 * noise.relative)
+    np.testing.assert_allclose(noise.sd, noise.relative * np.hypot(4.0, 0.4), rtol=1e-6)
+
+
+def test_a_loading_runs_backwards_where_its_time_first_falls():
+    with pytest.raises(DataError, match="backwards after 2 s"):
+        Loading(np.array([0.0, 1.0, 1.0, 2.0, 0.5, 2.0, 1.5, 3.0]), np.arange(8.0))
+
+
+def test_a_scale_that_repeats_told_is_a_students():
+    told = {"repeats": -0.5 * 14.0 * np.log(2.0), "estimated": -5.0 * np.log(4.0)}
+    for source, expected in told.items():
+        noise = Noise(np.ones(5) * (1 + 1j), 4.0, source)
+        assert noise.log_likelihood(4.0, 10) == pytest.approx(expected)
+        assert not noise.overruled
+    assert Noise(np.ones(5) * (1 + 1j), np.inf, "given").log_likelihood(4.0, 10) == -2.0
+    assert Noise(np.ones(5) * (1 + 1j), 4.0, "estimated", "doubt").overruled
+    assert not Noise(np.ones(5) * (1 + 1j), 4.0, "given", "doubt").overruled
+
+
+def history(pulled, time=TIME):
+    return SimpleNamespace(
+        time=time,
+        loading=SimpleNamespace(time=time, value=np.sin(time)),
+        response=pulled,
+        control="displacement",
+        kind="history",
+    )
+
+
+def test_a_sign_is_doubted_where_neither_part_is_left():
+    for phase, wrong in ((0.4, False), (np.pi + 0.4, True), (np.pi - 0.4, False)):
+        found = sign.sign_note(history(np.sin(TIME + phase)), "force=-N")
+        assert bool(found) is wrong
+        assert sign.said_of_sign({**found, "note other": "no"}) == list(found.values())
+        assert (sign.turned(found) == "FILE?force=-N") is wrong
+    # Where time stands still, nothing moves or moving is all one, nothing is sure.
+    still = np.repeat(TIME[::2], 2)
+    assert not sign._gives_work(still, np.sin(still), -np.sin(still + 0.4))
+    assert not sign._gives_work(TIME, 0.0 * TIME, -TIME)
+    assert not sign._gives_work(TIME, np.exp(TIME), -np.exp(TIME))
+
+
+def test_parts_that_ask_are_usable_where_what_they_ask_was_said():
+    asks, plain = Part("a", 3, False, "which unit?", asks=True), Part("b", 0, False, "empty")
+    opened = SimpleNamespace(provenance={"note parts": "a"})
+    assert reader.parts_as_opened([asks, plain], opened) == [Part("a", 3, asks=True), plain]
+    silent = SimpleNamespace(provenance={"note parts": "a", "note a": "left out"})
+    assert reader.parts_as_opened([asks, plain], silent) == [asks, plain]
+    assert reader.parts_as_opened([asks], SimpleNamespace(provenance={})) == [asks]
+
+
+def test_a_reader_that_stumbles_is_told_by_its_first_line(tmp_path):
+    def fails(message):
+        def read():
+            raise ValueError(message)
+
+        known = SimpleNamespace(name="mine", recognises=lambda head: 1 / 0)
+        assert reader._confidence(known, b"x") == 0.0
+        with pytest.raises(DataError) as caught:
+            reader.guarded(known, tmp_path, read, Choice())
+        return str(caught.value)
+
+    assert fails("one\ntwo").endswith("one")
+    assert "failed" in fails("")
+    assert not reader.is_file("a\0b")
+    assert not reader.is_file("x" * 100_000)
+    assert not reader.names_file("a?=b")
+
+
+def test_a_long_list_of_values_is_cut_before_its_last():
+    values = [str(i) for i in range(rows.LISTED + 1)]
+    shown = rows._listed(values).split(", ")
+    assert len(shown) == rows.LISTED
+    assert shown[-3:] == [str(rows.LISTED - 3), "...", str(rows.LISTED)]
+    assert "..." not in rows._listed(values[1:])
+
+
+@pytest.mark.parametrize(
+    ("ages", "frequencies", "age"),
+    [
+        ([1, 1, 2, 2], [1, 2, 1, 2], True),
+        ([1, 1, 2, 2], [1, 2, 3, 4], False),
+        ([1] * 4, [1, 2] * 2, False),
+    ],
+)
+def test_a_time_is_an_age_where_frequencies_come_again(ages, frequencies, age, monkeypatch):
+    monkeypatch.setattr(mixed_tests, "frequency_numbers", lambda data: np.array(frequencies))
+    data = SimpleNamespace(conditions={mixed_tests.TIME: np.array(ages, float)})
+    assert mixed_tests._is_an_age(data) is age
+
+
+@pytest.mark.parametrize(("moved", "told"), [(0.0, 0.0), (1e-3, 1.0)])
+def test_rows_that_were_written_again_tell_nothing_of_the_noise(moved, told):
+    omega, stiffness = np.array([1.0, 2.0, 1.0, 2.0]), np.array([10.0, 20.0, 10.0, 20.0]) + 1j
+    stiffness[2:] *= 1.0 + moved
+    data = Measurement(omega, stiffness, repeat=np.array([0, 0, 1, 1]))
+    found = average_repeats(data)
+    assert found.scatter.dof.tolist() == [told, told]
+    assert found.mean.repeat is None
+    np.testing.assert_allclose(found.mean.stiffness, stiffness[:2] * (1.0 + moved / 2.0), rtol=1e-6)
