@@ -515,9 +515,12 @@ class NoiseFrame:
             inside = ((which[:, None] >= starts) & (which[:, None] < starts + width)).astype(float)
             empty = np.zeros((n, len(starts)))
             columns += [np.concatenate([inside, empty]), np.concatenate([empty, inside])]
-        left = self.project(np.concatenate(columns, axis=1))
-        size = np.sqrt(np.sum(left * left, axis=0))
-        seen = size > LEAST_LOCAL
+        whole = np.concatenate(columns, axis=1)
+        left = self.project(whole)
+        size = np.linalg.norm(left, axis=0)
+        # A share: of one that is there in many sweeps a hundredth is as long as a tenth of a point,
+        # and holds more of how the parameters bend than of the noise.
+        seen = size > LEAST_LOCAL * np.linalg.norm(whole, axis=0)
         return np.asarray(left[:, seen] / size[seen], dtype=np.float64)
 
     @cached_property
