@@ -225,7 +225,7 @@ def test_a_positive_parameter_is_drawn_by_its_logarithm_whatever_its_size(size):
     covariance = np.diag([(2.0 * size) ** 2, 0.0])
     damper = Damper(model, theta, covariance=covariance)
     rng = np.random.default_rng(4)
-    drawn = np.array([damper.drawn(rng).theta for _ in range(60)])
+    drawn = np.array([damper.moved(rng.standard_normal(2)).theta for _ in range(60)])
     assert np.all(drawn[:, 0] > 0.0)
     # A standard deviation of 2 of the logarithm, about that of the size.
     logs = np.log(drawn[:, 0] / size)
@@ -233,7 +233,7 @@ def test_a_positive_parameter_is_drawn_by_its_logarithm_whatever_its_size(size):
     assert 1.5 < np.std(logs) < 2.5
     # What is nothing has no logarithm, and stays.
     assert np.all(drawn[:, 1] == 0.0)
-    assert Damper(model, theta).drawn(rng).theta is theta
+    assert Damper(model, theta).moved(np.zeros(0)).theta is theta
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from springpot.lazy import offered
 
 if TYPE_CHECKING:
-    from .frame import (
+    from .damper import (
         Damper as Damper,
     )
     from .frame import (
@@ -41,7 +41,8 @@ if TYPE_CHECKING:
 __getattr__, __dir__ = offered(
     __name__,
     {
-        "frame": "Damper Frame modes_of steady_of steady_state",
+        "damper": "Damper",
+        "frame": "Frame modes_of steady_of steady_state",
         "motion": "artificial GroundMotion motion_of simulate",
     },
 )

@@ -17,7 +17,7 @@ import numpy as np
 from springpot.rheology.points import Real
 
 from ..numerics import NEGLIGIBLE, ROUNDING
-from .frame import Damper
+from .damper import Damper
 
 CLOSE = 1e-7
 """Relative change of the forces at which they are found.

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from .frame import Damper, Mode
+from .damper import Damper
+from .frame import Mode
 from .motion import Motion
 
 

@@ -29,7 +29,8 @@ from springpot.thresholds import INTERVAL
 
 from ..numerics import ROUNDING
 from .beside import Beside, forces
-from .frame import Damper, Frame, Mode, modes_of
+from .damper import Damper
+from .frame import Frame, Mode, modes_of
 
 SHORT = 16.0
 """Steps in the shortest period around a largest value.
@@ -678,7 +679,7 @@ def simulate(
     (500, 1)
     """
     # Where no damper is uncertain, each draw would be the same motion again.
-    if all(damper.covariance is None for damper in frame.dampers):
+    if not any(damper.axes.size for damper in frame.dampers):
         draws = 0
     peaks = [motion_of(frame.drawn(rng), record).peak_drift for _ in range(draws)]
     return Simulation(

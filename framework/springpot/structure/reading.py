@@ -18,7 +18,8 @@ from springpot.measurement.geometry import EXAMPLE, parse_geometry
 from springpot.measurement.units import STIFFNESS_UNITS
 from springpot.rheology.points import KELVIN, Real
 
-from .frame import Damper, Frame
+from .damper import Damper
+from .frame import Frame
 from .scaling import scale_of
 
 MOST_DAMPERS = 1e6
@@ -81,7 +82,8 @@ def read_structure(path: str | Path) -> Frame:
         storeys = _count(frame.get("storeys", 1), "storeys", MOST_STOREYS)
         mass = _column(frame, "mass", storeys, path)
         stiffness = _column(frame, "stiffness", storeys, path)
-        dampers = tuple(_damper(entry, path, i) for i, entry in enumerate(entries, 1))
+        fits: dict[Path, Known] = {}
+        dampers = tuple(_damper(entry, path, i, fits) for i, entry in enumerate(entries, 1))
         return Frame(mass, stiffness, _number(frame.get("damping", 0.0), "damping"), dampers)
     except (DataError, ModelError, OptionError) as error:
         # Which of the dampers it is they say themselves; the file once.
@@ -109,7 +111,7 @@ def _column(frame: Mapping[str, Any], name: str, storeys: int, path: Path) -> Re
     )
 
 
-def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
+def _damper(entry: Mapping[str, Any], path: Path, number: int, fits: dict[Path, Known]) -> Damper:
     where = f"damper {number}"
     _only(entry, DAMPER_KEYS, path, where)
     # Both would leave it open which of them counts.
@@ -122,7 +124,8 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
             f"{path}: {where} has a fit, which has parameters and a unit of its own: leave out"
             f" {' and '.join(sorted(own))}"
         )
-    known = _known(entry, path, where).without(_without(entry, where))
+    whole = _known(entry, path, where, fits)
+    known = whole.without(_without(entry, where))
     scale = _scale(entry, known, where)
     cosine = float(
         np.cos(np.radians(_number(entry.get("slope", 0.0), f"{where}: slope", -STEEPEST, STEEPEST)))
@@ -137,10 +140,10 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
             raise ModelError(f"{where}: {error}") from None
     if "temperature" in known.model.needs and temperature is None:
         raise DataError(f"{path}: {where}: {known.model.name} needs its temperature in degC")
-    covariance = None
+    covariance, tested = None, None
     # Parameters that were stated, not fitted, have no uncertainty to carry on.
     if np.any(known.theta_covariance != 0.0):
-        covariance = known.theta_covariance
+        covariance, tested = known.theta_covariance, whole
     return Damper(
         known.model,
         known.theta,
@@ -155,6 +158,7 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
         _capacity(entry, where),
         scale,
         _factors(entry, where),
+        tested,
     )
 
 
@@ -192,11 +196,15 @@ def _capacity(entry: Mapping[str, Any], where: str) -> float | None:
     return _number(entry["heat_capacity"], f"{where}: heat_capacity", 0.0)
 
 
-def _known(entry: Mapping[str, Any], path: Path, where: str) -> Known:
+def _known(entry: Mapping[str, Any], path: Path, where: str, fits: dict[Path, Known]) -> Known:
     """The model of a damper, from a file of a fit or with parameters that are stated."""
     if "fit" in entry:
         # A path is meant from the description, wherever the command is run.
-        return fitted(path.parent / str(entry["fit"]))
+        source = path.parent / str(entry["fit"])
+        # Once for all dampers of it: what is not known of one is not known of the others alike.
+        if source not in fits:
+            fits[source] = fitted(source)
+        return fits[source]
     values = _flat(entry.get("parameters", {}), where)
     return stated(str(entry["model"]), values, str(entry.get("unit", "")), f"{where} of {path}")
 

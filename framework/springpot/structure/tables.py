@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from springpot.cli.timetests import WHERE
-from springpot.format_numbers import counted, number
+from springpot.format_numbers import LISTED, counted, number
 from springpot.report.text import TextTable
 
 BOUNDS = (
@@ -149,6 +149,7 @@ def show_motion(result: dict[str, Any], figure: Path | None) -> None:
         *_last_lines(result["notes"], figure),
         sep="\n",
     )
+    _show_next(result)
 
 
 def show_suite(result: dict[str, Any], figure: Path | None) -> None:
@@ -182,6 +183,7 @@ def show_suite(result: dict[str, Any], figure: Path | None) -> None:
     ]
     if last := _last_lines(notes, figure):
         print("", *last, sep="\n")
+    _show_next(result)
 
 
 def _show_bounds(result: dict[str, Any]) -> None:
@@ -223,6 +225,29 @@ def _show_mean_and_envelope(result: dict[str, Any], level: float) -> None:
     band = f"{100 * level:.0f} % band"
     headers = ("", "mean", band, "envelope", f"{band} ", "under")
     TextTable(headers, rows, frozenset({"mean", "envelope"})).telling().show()
+
+
+def _show_next(result: dict[str, Any]) -> None:
+    """What could be measured of the dampers, the most telling first; nothing where not asked."""
+    if "next_experiment" not in result:
+        return
+    asked = result["next_experiment"]
+    now = asked["half_width"]
+    rows = [
+        [
+            str(test["damper"]),
+            test["says"],
+            f"{number(test['point'], 3)}",
+            number(1e3 * test["half_width"], 3),
+        ]
+        for test in asked["tests"][:LISTED]
+    ]
+    print(
+        f"\nband of the drift of storey {asked['storey']}: +- {number(1e3 * now, 3)} mm; after a"
+        " further test of a damper:\n"
+    )
+    headers = ("damper", "test", "most at [Hz]", "then +- [mm]")
+    TextTable(headers, rows, frozenset(headers[2:])).show()
 
 
 def _both(title: str, factor: float, both: dict[str, Any]) -> list[str]:

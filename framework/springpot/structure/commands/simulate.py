@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from springpot.cli.common import DATA, FILE, INPUT, emit, json_option, of_each
 from springpot.cli.predict import numbers
+
+if TYPE_CHECKING:
+    from springpot.structure.frame import Frame
+    from springpot.structure.motion import GroundMotion
 
 
 @click.command(
@@ -46,6 +51,12 @@ from springpot.cli.predict import numbers
     metavar="FILE",
     help="Draw drifts, loops and energy (.png, .svg or .pdf).",
 )
+@click.option(
+    "--next-experiment",
+    "further",
+    is_flag=True,
+    help="Which test of a damper would narrow the band of the drift most.",
+)
 @json_option
 def command(
     structure: Path,
@@ -54,6 +65,7 @@ def command(
     draws: int,
     seed: int,
     figure: Path | None,
+    further: bool,
     as_json: bool,
 ) -> int:
     """Drift, force, energy and damping of a frame or oscillator whose dampers were identified.
@@ -71,19 +83,21 @@ def command(
         check_figure_path(figure)
     if (not records) == (frequency is None):
         raise click.UsageError("give a --record or a --frequency", click.get_current_context())
+    if further and not records:
+        raise click.UsageError("--next-experiment is for a --record", click.get_current_context())
     if not records:
         _steady(structure, str(frequency), figure, as_json)
         return 0
     meant = records_meant(records)
     # One file by its name is one answer; a folder is many, whatever it holds.
     if list(records) == meant[:1]:
-        _one(structure, meant[0], (draws, seed), figure, as_json)
+        _one(structure, meant[0], (draws, seed, further), figure, as_json)
         return 0
-    return _many(structure, meant, (draws, seed), figure, as_json)
+    return _many(structure, meant, (draws, seed, further), figure, as_json)
 
 
 def _one(
-    structure: Path, record: str, chance: tuple[int, int], figure: Path | None, as_json: bool
+    structure: Path, record: str, asked: tuple[int, int, bool], figure: Path | None, as_json: bool
 ) -> None:
     """The motion under one record."""
     import numpy as np
@@ -94,20 +108,34 @@ def _one(
     from springpot.structure.records import read_record
     from springpot.structure.tables import show_motion
 
-    draws, seed = chance
+    draws, seed, further = asked
     # One generator for the record and the draws: one seed repeats both.
     rng = np.random.default_rng(seed)
-    simulation = simulate(read_structure(structure), read_record(record, rng), rng, draws)
+    frame, shaken = read_structure(structure), read_record(record, rng)
+    simulation = simulate(frame, shaken, rng, draws)
     if figure is not None:
         from springpot.structure.figures import figure_motion
 
         figure_motion(simulation, figure)
-    result = described(simulation)
+    result = described(simulation) | _further(frame, [shaken], further)
     emit(result, as_json, lambda: show_motion(result, figure))
 
 
+def _further(frame: Frame, records: list[GroundMotion], wanted: bool) -> dict[str, Any]:
+    """What could be measured next, where that is asked for."""
+    if not wanted:
+        return {}
+    from springpot.structure.next_test import further_tests
+
+    return {"next_experiment": further_tests(frame, records).to_dict()}
+
+
 def _many(
-    structure: Path, records: list[str], chance: tuple[int, int], figure: Path | None, as_json: bool
+    structure: Path,
+    records: list[str],
+    asked: tuple[int, int, bool],
+    figure: Path | None,
+    as_json: bool,
 ) -> int:
     """The motion under each of many records; one that cannot be used stops none of the others."""
     import numpy as np
@@ -120,7 +148,7 @@ def _many(
     from springpot.structure.suites import RecordSuite
     from springpot.structure.tables import show_suite
 
-    draws, seed = chance
+    draws, seed, further = asked
     frame, rng = read_structure(structure), np.random.default_rng(seed)
     done: list[Simulation] = []
     refused: dict[str, str] = {}
@@ -142,7 +170,8 @@ def _many(
         from springpot.structure.figures import figure_suite
 
         figure_suite(suite, figure)
-    result = described_suite(suite)
+    shaken = [each.motion.record for each in done]
+    result = described_suite(suite) | _further(frame, shaken, further)
     emit(result, as_json, lambda: show_suite(result, figure))
     return worst
 
