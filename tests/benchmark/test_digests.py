@@ -3,10 +3,13 @@
 import json
 import subprocess
 import sys
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from springpot.benchmark import Study
+from springpot.benchmark.trial import digest_of_objective
 
 STUDY = {
     "datasets": ["artificial-fractional-zener", "artificial-springpot"],
@@ -63,3 +66,14 @@ def test_a_digest_knows_what_matters(fresh):
     assert (
         digests(Study("race", **{**STUDY, "repetitions": 9})) == fresh
     )  # raising them runs the new ones only
+
+
+def test_an_objective_is_looked_at_in_three_places_of_its_box():
+    asked = []
+    box = SimpleNamespace(lowest=np.zeros(2), highest=np.ones(2))
+    problem = SimpleNamespace(
+        lower=np.array([1.0, -2.0]), upper=np.array([2.0, 8.0]), space=box, fixed=[],
+        evaluate=lambda x: asked.append(x) or np.zeros(3),
+    )  # fmt: skip
+    digest_of_objective(problem)
+    np.testing.assert_allclose(asked[0], [[1.2, 0.0], [1.5, 3.0], [1.8, 6.0]])

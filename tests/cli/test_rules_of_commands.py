@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 from types import SimpleNamespace
 
 import click
@@ -102,3 +103,18 @@ def test_whoever_pressed_ctrl_c_is_remembered():
     with pytest.raises(KeyboardInterrupt):
         pressed(2, None)
     assert pressed.pressed
+
+
+@pytest.mark.parametrize("quiet", [False, True])
+def test_what_foreign_code_prints_goes_elsewhere_and_only_that(capfd, quiet):
+    print("before")
+    with common.own_stdout(quiet):
+        if quiet:
+            print("foreign")
+        os.write(1, b"compiled\n")
+        os.write(2, b"told\n")
+    print("after")
+    os.write(1, b"again\n")
+    told = capfd.readouterr()
+    assert sorted(told.out.split()) == ["after", "again", "before"]
+    assert sorted(told.err.split()) == (["told"] if quiet else ["compiled", "told"])

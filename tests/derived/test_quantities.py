@@ -250,3 +250,13 @@ def test_what_never_rises_as_the_square_has_no_mean_relaxation_time():
     names = {each.name for each in quantities(springpot.identify(data, "fractional-solid"))}
     assert "equilibrium modulus" in names
     assert "mean relaxation time" not in names
+
+
+def test_a_place_far_outside_of_a_sweep_overflows_nothing():
+    """On the way from scatter, or from far jumps, the power of the amplitude grows without end."""
+    rng = np.random.default_rng(1)
+    for _ in range(15):
+        n = rng.integers(5, 14)
+        x = np.sort(rng.uniform(-5.0, 5.0, n)) * rng.choice([1.0, 5.0])
+        found = linear_limit(x, rng.choice([0.01, 0.1, 1.0]) * rng.normal(size=n))
+        assert found is None or x[0] < found[0] < x[-1]

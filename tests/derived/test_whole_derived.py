@@ -1,6 +1,7 @@
 """Quantities of small cases, from the data as from models, as numbers, words and tables."""
 
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 import springpot
 from springpot.derived import quantities
 from springpot.derived.from_data import curves
+from springpot.derived.from_model import DECADE, FINE, OfModel
 from springpot.errors import SpringpotError
 from springpot.measurement import TimeTest
 
@@ -131,3 +133,9 @@ def test_each_set_of_conditions_is_a_curve_of_its_own_however_few_points_it_has(
     told = {(each.at["temperature"], each.at["age"]) for each in found}
     assert len(told) == 10
     assert all("clock" not in each.at for each in found)
+
+
+def test_places_are_looked_for_at_so_many_of_each_decade():
+    grid = OfModel._grid.fget(SimpleNamespace(band=(1.0, 1.0 + 3.0 * DECADE)))
+    assert grid[[0, -1]] == pytest.approx([1.0, 1.0 + 3.0 * DECADE])
+    assert 0.9 < np.diff(grid)[0] * FINE / DECADE < 1.0

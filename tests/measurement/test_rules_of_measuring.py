@@ -10,6 +10,7 @@ import pytest
 from springpot.errors import DataError
 from springpot.measurement import (
     Loading,
+    Measurement,
     OtherTest,
     TimeTest,
     Units,
@@ -20,6 +21,7 @@ from springpot.measurement import (
     sign,
 )
 from springpot.measurement.reader import Choice, Part
+from springpot.measurement.replicates import average_repeats
 from springpot.measurement.scatter import Noise
 
 TIME = np.linspace(0.0, 10.0, 400)
@@ -165,3 +167,14 @@ def test_a_time_is_an_age_where_frequencies_come_again(ages, frequencies, age, m
     monkeypatch.setattr(mixed_tests, "frequency_numbers", lambda data: np.array(frequencies))
     data = SimpleNamespace(conditions={mixed_tests.TIME: np.array(ages, float)})
     assert mixed_tests._is_an_age(data) is age
+
+
+@pytest.mark.parametrize(("moved", "told"), [(0.0, 0.0), (1e-3, 1.0)])
+def test_rows_that_were_written_again_tell_nothing_of_the_noise(moved, told):
+    omega, stiffness = np.array([1.0, 2.0, 1.0, 2.0]), np.array([10.0, 20.0, 10.0, 20.0]) + 1j
+    stiffness[2:] *= 1.0 + moved
+    data = Measurement(omega, stiffness, repeat=np.array([0, 0, 1, 1]))
+    found = average_repeats(data)
+    assert found.scatter.dof.tolist() == [told, told]
+    assert found.mean.repeat is None
+    np.testing.assert_allclose(found.mean.stiffness, stiffness[:2] * (1.0 + moved / 2.0), rtol=1e-6)

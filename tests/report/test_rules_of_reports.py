@@ -7,8 +7,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from springpot.measurement import Measurement
-from springpot.report import fit_text, invention, ladder_text
+from springpot.measurement import Measurement, Units
+from springpot.registry import parse_model
+from springpot.report import fit_text, html, invention, ladder_text
+from springpot.report.canvas import SMOOTH
+from springpot.report.inspection import LONG, sweeps_text
+from springpot.report.views import DrawnFit, Scene
 
 OMEGA = np.array([1.0, 2.0, 3.0, 4.0])
 
@@ -84,3 +88,49 @@ def test_shares_of_an_uncertainty_have_two_digits_and_rounding_is_none():
     )
     table = fit_text._budget(fitted)
     assert table.rows == [["k", "0.33 %", "0.57 %", "0 %", "0.66 %"]]
+
+
+@pytest.mark.parametrize(
+    ("good", "source", "told"),
+    [(False, "estimated", 1), (True, "estimated", 0), (False, "given", 0)],
+)
+def test_a_floor_about_a_model_that_is_not_good_enough_may_be_too_high(good, source, told):
+    standing = SimpleNamespace(good_enough=good, noise_source=source)
+    assert len(fit_text._of_floor(SimpleNamespace(standing=standing))) == told
+    assert fit_text._of_floor(SimpleNamespace(standing=None)) == []
+
+
+@pytest.mark.parametrize("ratio", [0.999, 1.001])
+def test_a_parameter_that_moved_far_is_told_in_words(ratio):
+    assert ladder_text._in_numbers(ladder_text.FAR * ratio) is (ratio < 1.0)
+    assert ladder_text._in_numbers(ratio / ladder_text.FAR) is (ratio > 1.0)
+
+
+def test_as_many_sweeps_as_are_shown_leave_none():
+    level = {"from": 1.0, "to": 2.0}
+    sweep = {"points": 3, "frequency": level, "amplitude": None, "temperature": 20.0}
+    for more in (0, 1):
+        text = sweeps_text([sweep] * (LONG + more), [], Units("Pa", "-"), 80)
+        assert ("more; --json has all" in text) is bool(more)
+
+
+@pytest.mark.parametrize(("count", "drawn"), [(1, 1), (2, SMOOTH)])
+def test_a_curve_is_smooth_between_two_places_and_a_point_at_one(count, drawn):
+    omega = np.repeat(OMEGA[:count], 2)
+    scene = Scene(Measurement(omega, omega + 1j), [DrawnFit(parse_model("kelvin"), np.ones(2))])
+    assert len(scene.curves[0][0][0]) == drawn
+
+
+def test_a_step_on_a_page_tells_the_split_of_both_ends(monkeypatch):
+    one, other = (
+        SimpleNamespace(model=SimpleNamespace(name=name), split=split)
+        for name, split in (("first", "half"), ("last", "all"))
+    )
+    for judged, told in (
+        ({"a": one, "b": other}, ["first: half", "last: all"]),
+        ({"a": one}, ["first: half"]),
+        ({"a": one, "b": one}, ["first: half"]),
+        ({}, []),
+    ):
+        monkeypatch.setattr(html, "_diagnosed", lambda ladder, judged=judged: judged)
+        assert html._splits(SimpleNamespace(steps=["a", "x", "b"])) == told

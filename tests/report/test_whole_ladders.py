@@ -12,6 +12,7 @@ import springpot
 from springpot.identification.result import Value
 from springpot.registry import parse_model
 from springpot.report import fit_text, html, ladder_text
+from springpot.report import population as of_populations
 from springpot.report.interactive import answers, hypotheses, scene
 from springpot.report.text import as_text
 
@@ -91,12 +92,13 @@ def test_the_fall_of_an_error_is_that_of_the_test_missed_first():
 def population(groups=None, relative=True):
     return SimpleNamespace(
         mean=Value(3.0, 2.9, 3.1, "kPa"), between=Value(0.05, 0.03, 0.09, "-"), groups=groups,
-        relative=relative,
+        relative=relative, limits=None if groups else (2.6, 3.4), compared={},
     )  # fmt: skip
 
 
 def test_words_of_specimens_and_of_uncertainty(stays, monkeypatch):
-    monkeypatch.setattr(fit_text, "specimens_of", lambda populations: range(len(populations) * 6))
+    for room in (fit_text, of_populations):
+        monkeypatch.setattr(room, "specimens_of", lambda found: range(len(found) * 6))
     batch = Value(0.02, 0.01, 0.05, "-")
     budget = {"k": {"noise": 0.03, "geometry": 0.04}, "c": {"noise": 0.5, "geometry": 1e-18}}
     value = {"k": Value(2.0, 1.9, 2.1, "kPa"), "c": Value(-5.0, -6.0, -4.0, "kPa s")}
@@ -111,7 +113,7 @@ def test_words_of_specimens_and_of_uncertainty(stays, monkeypatch):
             populations=populations, budget=budget if populations else {}, parameters=value,
             model=SimpleNamespace(names=("k", "c"), origins=("k", "x")),
         )  # fmt: skip
-        parts = [fit_text._populations(fit), fit_text._budget(fit)]
+        parts = [*of_populations.population_passages(fit), fit_text._budget(fit)]
         shown[name] = as_text(parts, 140).splitlines()
         few = fit_text._few(fit)
         shown[f"{name}, listed"] = [few, list(fit_text._listed(fit, False))]

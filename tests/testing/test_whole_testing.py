@@ -675,3 +675,12 @@ def test_each_kind_is_checked_with_what_its_contract_asks_for(monkeypatch):
         word: (f"{word} good", {"skip": ["words"], **more.get(word, {})})
         for word in contract.CONTRACTS
     }
+
+
+def test_garbage_is_made_of_samples_else_of_what_a_reader_writes_else_of_a_table(monkeypatch):
+    taken = []
+    monkeypatch.setattr(readers, "_files", lambda samples: taken.append(samples) or [])
+    writing, reading = Sounding(measured(), text=lambda data: "text"), Sounding(measured())
+    for reader, samples in ((writing, [b"1"]), (writing, []), (reading, [])):
+        assert list(readers._garbage(reader, samples, None)) == []
+    assert taken == [[b"1"], [b"text"], [readers.TABLE]]

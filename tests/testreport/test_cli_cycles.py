@@ -59,6 +59,8 @@ def test_files_have_a_row_for_each_cycle_and_run_nothing(springpot, record, bare
     page = book["=loop"]
     assert page["A2"].value == 1
     assert page["A7"].value == "mean 2..4"
+    assert (page.freeze_panes, page.column_dimensions["A"].width) == ("B2", 24)
+    assert [page[place].font.bold for place in ("A1", "B1", "A2")] == [True, True, False]
     assert all(cell.data_type != "f" for row in book["tests"].rows for cell in row)
     assert springpot("cycles", record, bare, "-o", text).code == 0
     cells = [cell for row in csv.reader(text.open(encoding="utf-8")) for cell in row]

@@ -164,3 +164,45 @@ def test_a_finger_reads_a_point_and_stays_to_leave_it_out(page: Open, damper: by
         },
     )
     here.page.locator("#facts:has-text('1 left out')").wait_for()
+
+
+def test_two_views_stand_side_by_side_with_one_cursor_and_one_preview(page: Open, damper: bytes):
+    here = page()
+    here.page.set_viewport_size({"width": 1440, "height": 900})
+    here.open("damper.csv", damper, MODEL)
+    second = here.page.locator("#plot-second")
+    assert second.is_hidden()
+    here.page.select_option("#second", "cole-cole")
+    first, beside = here.page.locator("#plot-view").bounding_box(), second.bounding_box()
+    assert beside["y"] == first["y"]
+    assert beside["x"] >= first["x"] + first["width"]
+    assert "K'' [kN/m]" in second.text_content()
+    assert second.locator(".line.model").count() == 1
+    here.page.hover("[data-effect=inertia]")
+    assert second.locator(".line.preview").count() == 1
+    here.page.hover("#plot-view")
+    assert second.locator(".cursor-layer > *").count() > 0
+    here.page.reload()
+    here.shows(MODEL)
+    assert second.is_visible()
+    assert here.violations() == []
+    here.page.set_viewport_size({"width": 390, "height": 844})
+    first, below = here.page.locator("#plot-view").bounding_box(), second.bounding_box()
+    assert below["y"] >= first["y"] + first["height"]
+    here.page.select_option("#second", "")
+    assert second.is_hidden()
+
+
+def test_the_spectrum_of_any_material_is_a_view(page: Open, damper: bytes):
+    here = page()
+    here.open("damper.csv", damper, "material")
+    here.page.select_option("#view", "spectrum")
+    here.page.locator("#plot-view .band.unmeasured").first.wait_for(state="attached")
+    assert "rate r [rad/s]" in here.page.text_content("#plot-view")
+    assert here.page.locator("#plot-view .line.model").count() == 1
+    assert here.reads("#places").startswith("half of the relaxing")
+    assert here.page.locator("#plot-residual").is_hidden()
+    assert here.violations() == []
+    here.judge(MODEL)
+    assert here.page.locator("#view [value=spectrum]").is_disabled()
+    assert "frequency f [Hz]" in here.page.text_content("#plot-view")

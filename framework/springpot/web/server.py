@@ -457,6 +457,7 @@ LANES = {
     "answer": "long",
     "ranking": "long",
     "mastercurve": "long",
+    "spectrum": "long",
     "leave": "long",
     "held": "long",
     "laws": "long",
@@ -465,7 +466,7 @@ LANES |= {"first": "short", "curve": "short", "again": "short", "trial": "short"
 """Which workers do what the page asks of data."""
 EXTRA = {"curve": ("hands",), "held": ("hands",), "leave": ("kind",), "trial": ("law",)}
 """What these tasks are told beside the state."""
-KEPT = frozenset({"first", "answer", "ranking", "mastercurve", "laws"})
+KEPT = frozenset({"first", "answer", "ranking", "mastercurve", "spectrum", "laws"})
 """Pure functions of the state alone."""
 
 

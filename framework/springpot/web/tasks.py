@@ -32,9 +32,10 @@ from springpot.measurement.reader import OpenQuestion, Part, parts_as_opened
 from springpot.measurement.units import Units
 from springpot.owners import blamed, described
 from springpot.registry import open_measurement, parse_model, plugins
+from springpot.report.figures import in_words
 from springpot.report.interactive.answers import drawn
 from springpot.report.interactive.in_time import TimeScene, drawn_in_time
-from springpot.report.interactive.scene import PageScene, relative_error
+from springpot.report.interactive.scene import PageScene, relative_error, rounded
 from springpot.report.network import network_svg
 from springpot.report.plugin_cards import EXAMPLE_MEMBER
 from springpot.report.plugin_cards import effect as effect_card
@@ -475,6 +476,20 @@ def mastered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     return {"column": column, "curve": result.to_dict()}
 
 
+def smoothed(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
+    """The spectrum of the material, as smooth as the data allow, with its band."""
+    asked = State.of(state)
+    used = kept(_measured(text), asked.excluded)
+    told("seeking the smoothest spectrum that the data allow")
+    found = identify(used, parse_model(asked.expression))
+    if found.spectrum is None:
+        raise DataError(f"{found.model.name} has elements, and no spectrum that the data choose")
+    spectrum, unit = found.spectrum, used.units.stiffness
+    columns = ("rates", "density", "low", "high")
+    drawn = {name: rounded(getattr(spectrum, name)) for name in columns}
+    return {**drawn, "seen": list(spectrum.seen), "unit": unit, "says": in_words(spectrum, unit)}
+
+
 def leave(
     told: Told, kind: str, state: Mapping[str, Any], text: str, source: str, joined: bool
 ) -> dict[str, Any]:
@@ -543,6 +558,7 @@ TASKS: dict[str, Callable[..., dict[str, Any]]] = {
     "laws": laws,
     "ranking": ranking,
     "mastercurve": mastered,
+    "spectrum": smoothed,
     "leave": leave,
     "race": raced,
     "watch": look,

@@ -15,7 +15,7 @@ const FILES = [
   ["session", "Session", "springpot workbench FILE.json opens it again", "application/json"],
 ];
 const COPIED = new Set(["script", "command"]);
-const PLOTS = [["plot-view", "view"], ["plot-residual", "residual"], ["plot-ladder", "ladder"]];
+const PLOTS = [["plot-view", "view"], ["plot-second", "second"], ["plot-residual", "residual"], ["plot-ladder", "ladder"]];
 
 export function leaveDialog(app) {
   const dialog = byId("leave-dialog");

@@ -1,6 +1,7 @@
 // The page: what is open, what was accepted, what is being computed; each panel draws its part of it.
 
 import * as api from "./api.js";
+import { Asked } from "./asked.js";
 import { Compare } from "./compare.js";
 import { Data, choiceOf, listenForDrops, openDialog } from "./data.js";
 import { byId, download, enable, usable } from "./dom.js";
@@ -10,7 +11,6 @@ import { History } from "./history.js";
 import { Ladder } from "./ladder.js";
 import { Law } from "./law.js";
 import { leaveDialog } from "./leave.js";
-import { masterSpec } from "./master.js";
 import { Missing } from "./missing.js";
 import { ModelPanel } from "./model.js";
 import { Next } from "./next.js";
@@ -40,6 +40,7 @@ class App {
     this.refused = "";
     this.work = new Work(() => this.render());
     this.hands = new Hands(this);
+    this.asked = new Asked(this);
     this.panels = [
       new Hero(byId("hero-body"), this),
       new Data(byId("data-body"), this),
@@ -400,13 +401,6 @@ class App {
     this.render();
     this.pursue();
   }
-
-  get hasMaster() { return Boolean(this.master) && this.master.data === this.state?.data; }
-
-  // Whether there are several levels that could be shifted.
-  get canShift() { return Boolean(this.data?.levels.some(({ column }) => column === "temperature" || column === "amplitude")); }
-
-  masterSpec() { return masterSpec(this.scene, this.master, this.state.excluded); }
 
   setEdited(edited) {
     this.edited = edited;

@@ -21,7 +21,7 @@ export function lacking(app) {
   const { state } = app;
   if (!state) return null;
   if (!app.known.has(state.data)) return wanted(app, theData(app, state));
-  const wants = [theAnswer(app, state), theMasterCurve(app, state), theRanking(app, state), theLaws(app, state), theOneBeside(app)];
+  const wants = [theAnswer(app, state), app.asked.want(api.ask), theRanking(app, state), theLaws(app, state), theOneBeside(app)];
   return wants.find((want) => wanted(app, want)) || null;
 }
 
@@ -43,17 +43,6 @@ function theAnswer(app, state) {
     ask: (how) => api.ask("answer", { state }, how),
     take: (found) => app.answers.set(key, found),
     leave: () => app.retreat(state),
-  };
-}
-
-function theMasterCurve(app, state) {
-  const of = rowsOf(state);
-  if (app.looks.view !== "master-curve" || !app.canShift || app.master?.of === of) return null;
-  return {
-    name: `master curve ${of}`,
-    ask: (how) => api.ask("mastercurve", { state: withoutModel(state) }, how),
-    take: (found) => { app.master = { ...found, of, data: state.data }; },
-    leave: () => { app.looks.view = "storage-loss"; },
   };
 }
 

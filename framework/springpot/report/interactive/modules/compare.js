@@ -17,6 +17,8 @@ const NARROW = 500; // px below which a plot is that of a phone
 const HEIGHTS = { phone: [200, 120], desk: [300, 150] }; // px of the picture and of the residual below it
 const MOST_PLACES = 3; // sentences below the picture: more would leave it no room
 const MOST_NOTES = 2;
+const WIDE = 560; // px from which a second picture stands beside the first, not below it
+const BETWEEN = 8; // px between the two
 const FINGER = 24; // px within which a finger means a point
 const HELD = 500; // ms after which it has stayed
 const LEAST = 140; // px between which the picture grows and shrinks with the window
@@ -40,12 +42,15 @@ export class Compare {
     this.parent = parent;
     this.app = app;
     this.main = new Plot("plot-view", "Data and model");
+    this.second = new Plot("plot-second", "Data and model, seen another way");
     this.residual = new Plot("plot-residual", "Residual");
+    this.plots = [this.main, this.second, this.residual];
     this.chosen = new Set();
     this.row = null;
     this.hidden = new Set(); // what was taken out of the picture by its entry in the legend
     this.zoom = new Zoom(this.main, () => this.render());
     this.view = h("select", { id: "view", "aria-label": "View", onchange: () => { this.zoom.ends = null; app.look({ view: this.view.value }); } });
+    this.other = h("select", { id: "second", "aria-label": "Second view", title: "another view beside it", onchange: () => app.look({ second: this.other.value }) });
     this.plane = h("select", { id: "plane", "aria-label": "Residual plane", onchange: () => app.look({ plane: this.plane.value }) });
     this.column = h("select", { id: "column", "aria-label": "Residual along", title: "what the residual is drawn along", onchange: () => app.look({ column: this.column.value }) });
     this.scales = ["x", "y"].map((axis) => h("button", { type: "button", id: `log-${axis}`, class: "small", title: `logarithmic ${axis} axis`, onclick: () => this.bend(axis) }, `log ${axis}`));
@@ -58,12 +63,12 @@ export class Compare {
     this.places = h("ul", { id: "places", class: "places" });
     this.exclude = h("button", { type: "button", id: "exclude", hidden: true, onclick: () => this.toggle([...this.chosen]),
       onpointerenter: () => app.attempt(`${this.chosen.size} points ${this.exclude.textContent.startsWith("Take") ? "taken back" : "left out"}`, { ...app.state, excluded: this.toggled([...this.chosen]) }), onpointerleave: () => app.leaveAttempt() });
-    this.frames = h("div", { class: "plots" }, this.main.svg, this.residual.svg);
-    this.bar = h("div", { class: "bar" }, this.view, this.plane, this.column, this.sigmas, this.scales, this.closer, this.whole, this.exclude);
+    this.frames = h("div", { class: "plots" }, this.main.svg, this.second.svg, this.residual.svg);
+    this.bar = h("div", { class: "bar" }, this.view, this.other, this.plane, this.column, this.sigmas, this.scales, this.closer, this.whole, this.exclude);
     this.intro = h("ol", { class: "intro" }, ...STEPS.map((step) => h("li", {}, step)));
     put(parent, this.intro, this.bar, this.key, this.frames, this.readout);
     put(failing, this.places);
-    for (const plot of [this.main, this.residual]) this.listen(plot);
+    for (const plot of this.plots) this.listen(plot);
     new ResizeObserver(() => this.resized()).observe(this.frames);
     window.addEventListener("resize", () => this.fill());
   }
@@ -92,7 +97,8 @@ export class Compare {
         this.zoom.ends = null;
       }
       put(this.view, Object.entries(viewsOf(scene)).map(([name, view]) => h("option", { value: name }, view.name)),
-        this.app.fixed || scene.views ? null : h("option", { value: "master-curve" }, "Master curve"));
+        this.app.fixed || scene.views ? null : Object.entries(this.app.asked.views).map(([name, view]) => h("option", { value: name }, view.name)));
+      put(this.other, h("option", { value: "" }, "One view"), Object.entries(viewsOf(scene)).map(([name, view]) => h("option", { value: name }, `and ${view.name}`)));
       put(this.plane,
         Object.keys(scene.planes).map((name) => h("option", { value: name }, titleOf(name))),
         h("option", { value: "none" }, "No residuals"));
@@ -107,22 +113,22 @@ export class Compare {
     this.plane.title = scene.planes[plane]?.shows || "";
     const phone = this.width < NARROW;
     const [tall, low] = phone ? HEIGHTS.phone : [this.tall || HEIGHTS.desk[0], HEIGHTS.desk[1]];
-    const master = this.viewed === "master-curve";
-    this.view.querySelector("[value=master-curve]")?.toggleAttribute("disabled", !this.app.canShift);
+    const asked = this.asked;
+    for (const option of this.view.options) if (this.app.asked?.views[option.value]) option.disabled = !this.app.asked.can(option.value);
     const view = viewOf(scene, looks.view);
-    this.view.value = looks.view === "master-curve" && !scene.views ? looks.view : view;
+    this.view.value = this.app.asked?.views[looks.view] && !scene.views ? looks.view : view;
     const shown = answer && answer.state.data === state.data ? answer : null;
-    const spec = master ? this.app.masterSpec() : viewSpec(view, scene, excluded, shown?.model, looks.linear);
+    const spec = asked ? this.app.asked.spec(asked) : viewSpec(view, scene, excluded, shown?.model, looks.linear);
     this.told(spec);
-    this.main.title = master ? "Master curve" : viewsOf(scene)[view].name;
-    this.planned(spec, master);
+    this.main.title = (asked ? this.app.asked.views[asked] : viewsOf(scene)[view]).name;
+    this.planned(spec);
     this.without(spec);
     this.zoom.limit(spec);
-    this.main.draw(spec, this.width, tall);
+    this.main.draw(spec, this.drawSecond(scene, excluded, shown, tall), tall);
     if (scene.fresh?.size) this.main.arrive(scene.fresh);
     setTimeout(() => scene.fresh?.clear()); // drawn again at once, where the words around it leave less room
-    // Residuals are of the sweeps as they were measured, not as they were shifted.
-    const residual = Boolean(shown) && plane !== "none" && !master;
+    // Residuals are of the sweeps as they were measured, not of what is worked out of them.
+    const residual = Boolean(shown) && plane !== "none" && !asked;
     this.residual.svg.toggleAttribute("hidden", !residual);
     if (residual) {
       this.residual.title = `${titleOf(plane)}, residual of ${shown.discovery.diagnosis.model}`;
@@ -151,6 +157,23 @@ export class Compare {
     section?.style.setProperty("--above", `${Math.round(top(this.frames) - top(section))}px`);
   }
 
+  // Draws another view of the same, where one is asked for, and tells the width that it leaves for the first.
+  drawSecond(scene, excluded, shown, tall) {
+    const { looks } = this.app;
+    const name = looks.second in viewsOf(scene) ? looks.second : "";
+    this.other.value = name;
+    this.other.hidden = this.width < WIDE && !name;
+    this.second.svg.toggleAttribute("hidden", !name);
+    this.second.spec = null;
+    if (!name) return this.width;
+    const width = this.width < WIDE ? this.width : Math.floor((this.width - BETWEEN) / 2);
+    const spec = viewSpec(name, scene, excluded, shown?.model, looks.linear);
+    this.without(spec);
+    this.second.title = viewsOf(scene)[name].name;
+    this.second.draw(spec, width, tall);
+    return width;
+  }
+
   // A sentence and the points that it is about light up together.
   sentence(text, place = null) {
     const rows = place ? this.rowsIn(place) : [];
@@ -167,13 +190,24 @@ export class Compare {
   }
 
   lit(rows) {
-    for (const plot of [this.main, this.residual]) if (plot.spec) plot.point(this.row, new Set([...this.chosen, ...rows]));
+    for (const plot of this.plots) if (plot.spec) plot.point(this.row, new Set([...this.chosen, ...rows]));
+  }
+
+  // The view that the server has worked out, where one is asked for and is there.
+  get asked() {
+    const { asked, looks } = this.app;
+    return asked?.has(looks.view) ? looks.view : "";
   }
 
   // The view that is drawn: what is asked for, where there is such a one.
   get viewed() {
-    const { scene, looks, hasMaster } = this.app;
-    return looks.view === "master-curve" && hasMaster ? looks.view : viewOf(scene, looks.view);
+    return this.asked || viewOf(this.app.scene, this.app.looks.view);
+  }
+
+  // The pictures in which curves of models stand, each with its view.
+  pictures() {
+    const first = this.asked ? [] : [[this.main, this.viewed]];
+    return this.second.spec ? [...first, [this.second, this.other.value]] : first;
   }
 
   // The buttons beside the picture say what it is like: which axes are logarithmic, whether all of it is seen.
@@ -226,9 +260,9 @@ export class Compare {
   }
 
   // Where the rivals of the next experiment part, with bands of what would be measured.
-  planned(spec, master) {
+  planned(spec) {
     const next = this.app.looks.plan ? this.app.answer?.next : null;
-    if (!next?.rivals.length || master || !spec.upright || this.app.scene.axis.column !== "frequency") return;
+    if (!next?.rivals.length || this.asked || !spec.upright || this.app.scene.axis.column !== "frequency") return;
     const view = viewsOf(this.app.scene)[this.viewed];
     const xs = next.frequency.map((hertz) => hertz * this.app.scene.axis.per_hertz);
     const all = [];
@@ -254,15 +288,16 @@ export class Compare {
 
   drawBeside() {
     const { scene, looks, answer, edited, beside } = this.app;
-    const lines = [];
     const entries = [];
     const view = this.viewed;
-    if (view !== "master-curve") {
-      if (beside) lines.push(...viewLines(view, scene, beside.model, "beside"));
-      if (edited) lines.push(...viewLines(view, scene, edited, "edited"));
-    }
-    this.main.extra(lines);
+    const lines = (name) => [[beside?.model, "beside"], [edited, "edited"]].flatMap(([k, role]) => (k ? viewLines(name, scene, k, role) : []));
+    for (const [plot, name] of this.pictures()) plot.extra(lines(name));
     if (this.residual.spec) this.residual.extra(this.leftBy(edited, "edited"));
+    const { key } = this.main.spec;
+    if (key) {
+      put(this.key, key.map(([look, text]) => h("span", { class: `swatch ${look}` }, text)));
+      return;
+    }
     const single = scene.sweeps.length < 2;
     const { symbol } = scene.words;
     if (scene.views) entries.push(this.entry("storage", "storage", "● measured"));
@@ -275,7 +310,7 @@ export class Compare {
     }
     const { below } = this.main.spec.y;
     if (below) entries.push(h("span", { class: "quiet" }, `${below} not above zero`));
-    if (answer && view !== "master-curve") entries.push(this.entry("model", "", `━ ${answer.discovery.diagnosis.model} (accepted)`));
+    if (answer && !this.asked) entries.push(this.entry("model", "", `━ ${answer.discovery.diagnosis.model} (accepted)`));
     if (this.app.hovered) entries.push(h("span", { class: "swatch preview" }, `╌ with ${this.app.hovered} (preview)`));
     if (edited) entries.push(h("span", { class: "swatch edited" }, `┈ edited by hand, ${percent(edited.error)}`));
     if (beside) entries.push(h("span", { class: "swatch beside" }, `─ branch ${beside.branch}: ${beside.discovery.diagnosis.model}`));
@@ -291,8 +326,7 @@ export class Compare {
     const { scene, answer, looks } = this.app;
     const k = effect && answer ? answer.previews[effect] : null;
     if (!scene || !this.main.spec) return;
-    const drawn = k && this.viewed !== "master-curve";
-    this.main.preview(drawn ? viewLines(this.viewed, scene, k, "preview") : []);
+    for (const [plot, name] of this.pictures()) plot.preview(k ? viewLines(name, scene, k, "preview") : []);
     if (this.residual.spec) {
       this.residual.preview(this.leftBy(k, "preview"));
     }
@@ -375,7 +409,7 @@ export class Compare {
   point(row) {
     const { scene, answer, state } = this.app;
     this.row = row;
-    for (const plot of [this.main, this.residual]) if (plot.spec) plot.point(row, this.chosen);
+    for (const plot of this.plots) if (plot.spec) plot.point(row, this.chosen);
     if (row === null || !scene) {
       if (!scene) return;
       const hint = this.app.fixed ? "" : ` ${COARSE.matches ? "Hold" : "Click"} to leave it out; drag for several.`;
@@ -419,7 +453,7 @@ export class Compare {
     this.exclude.hidden = rows.size === 0;
     const all = rows.size > 0 && out === rows.size;
     this.exclude.textContent = `${all ? "Take back" : "Leave out"} ${rows.size} point${rows.size === 1 ? "" : "s"}`;
-    for (const plot of [this.main, this.residual]) if (plot.spec) plot.point(this.row, rows);
+    for (const plot of this.plots) if (plot.spec) plot.point(this.row, rows);
   }
 
   // Points are greyed and left out, or taken back; never deleted.

@@ -217,7 +217,7 @@ export function planeLines(name, scene, k, view, { widths = null, role = "previe
   return lines.filter((line) => line.xs.length);
 }
 
-const PLAIN = { view: "storage-loss", plane: "", plan: 0, sigmas: 1, linear: "", column: "" };
+const PLAIN = { view: "storage-loss", plane: "", plan: 0, sigmas: 1, linear: "", column: "", second: "" };
 
 // What is looked at, as a session or an earlier page left it: what is not known here, perhaps of a later version, is
 // as at the beginning. Which views and planes there are the data say.
@@ -227,7 +227,8 @@ export function looksOf(given = {}) {
   const linear = ["x", "y", "xy"].includes(given.linear) ? given.linear : PLAIN.linear;
   const sigmas = given.sigmas === undefined ? PLAIN.sigmas : Number(Boolean(given.sigmas));
   const column = typeof given.column === "string" ? given.column : PLAIN.column;
-  return { view, plane, plan: given.plan ? 1 : 0, sigmas, linear, column };
+  const second = typeof given.second === "string" ? given.second : PLAIN.second;
+  return { view, plane, plan: given.plan ? 1 : 0, sigmas, linear, column, second };
 }
 
 // The plane to show: the one that is asked for, if there is such a one, else the first.
