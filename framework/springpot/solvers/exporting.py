@@ -153,12 +153,7 @@ def exported(
     """
     # What is asked for wrongly is told before a spectrum is worked out.
     writer: Writer = plugins().find("writer", format_name)
-    if terms is not None and tolerance is not None:
-        raise ModelError("give a tolerance or a number of terms, not both")
-    if dashpot and not writer.dashpot:
-        raise ModelError(
-            f"{writer.name} has no place for a dashpot beside the terms: leave out --dashpot"
-        )
+    wanted = _wanted(writer, tolerance, terms, dashpot, times)
     known = _known(source, values, unit).without(without)
     whole = known
     sliding: dict[str, dict[str, float]] = {}
@@ -167,33 +162,55 @@ def exported(
     # Once those that the user leaves out are gone.
     _refuse_rig(known.model, bool(amplitudes))
     letter, bulk = _letter(known, modulus), _bulk(bulk)
-    for name, asked in (("temperature", temperature), ("amplitude", amplitudes)):
-        if asked not in (None, ()):
-            require_known(known.model, known.covered, name, np.atleast_1d(asked))
-    place = ModelPlace(known, whole, _band(band), temperature)
+    places = _places(known, whole, _band(band), temperature, amplitudes)
     # Numbers given for a model expression have a unit only if the user says which.
     shown_unit = ""
     if _is_file(source) or unit is not None:
         shown_unit = known.units.stiffness
-    wanted = {
-        "tolerance": _share(tolerance),
-        "terms": terms,
-        "dashpot": dashpot,
-        "times": times,
-    }
-    places = [replace(place, amplitude=each) for each in amplitudes] or [place]
     solid: dict[str, Any] = {"poisson": poisson, "letter": letter, "bulk": bulk, "beside": sliding}
     handoffs = [
         replace(each.handoff(wanted, shown_unit), number=number, **solid)
         for number, each in enumerate(places, 1)
     ]
+    outside = "; ".join(dict.fromkeys(filter(None, (each.outside for each in places))))
     # An FMU is no text: its bytes are made beside the text that says what is in it.
-    data = None
-    text = writer.together(handoffs)
+    data, text = None, writer.together(handoffs)
     if writer.data is not None:
         data = writer.data(handoffs[0])
-    outside = "; ".join(dict.fromkeys(filter(None, (each.outside for each in places))))
     return Exported(text, writer, handoffs[0], data, outside, tuple(handoffs[1:]))
+
+
+def _wanted(
+    writer: Writer,
+    tolerance: str | float | None,
+    terms: int | None,
+    dashpot: bool,
+    times: Real | None,
+) -> dict[str, Any]:
+    """What is asked of the series, as `prony_of` takes it."""
+    if terms is not None and tolerance is not None:
+        raise ModelError("give a tolerance or a number of terms, not both")
+    if dashpot and not writer.dashpot:
+        raise ModelError(
+            f"{writer.name} has no place for a dashpot beside the terms: leave out --dashpot"
+        )
+    share = _share(tolerance)
+    return {"tolerance": share, "terms": terms, "dashpot": dashpot, "times": times}
+
+
+def _places(
+    known: Known,
+    whole: Known,
+    band: tuple[float, float],
+    celsius: float | None,
+    amplitudes: Sequence[float],
+) -> list[ModelPlace]:
+    """The model at each amplitude, where such are asked for, and at the temperature."""
+    for name, asked in (("temperature", celsius), ("amplitude", tuple(amplitudes) or None)):
+        if asked is not None:
+            require_known(known.model, known.covered, name, np.atleast_1d(asked))
+    place = ModelPlace(known, whole, band, celsius)
+    return [replace(place, amplitude=each) for each in amplitudes] or [place]
 
 
 def _letter(known: Known, modulus: str | None) -> str:
