@@ -256,9 +256,9 @@ def answer(
     if verdict != "adequate":
         split = _split(search, floor, doubted or only_points(search, outliers))
         classes = evidence.classes
-        # To look at one test needs no measurement, nor to number repeats: they come first.
-        if not one_test and not isinstance(cause, EqualRows):
-            experiment = _next_experiment(search, evidence, verdict, outliers, leading, course)
+    # To look at one test needs no measurement, nor to number repeats: they come first.
+    if (verdict != "adequate" or outliers) and not one_test and not isinstance(cause, EqualRows):
+        experiment = _next_experiment(search, evidence, verdict, outliers, leading, course)
     sentences = list(notes(evidence, verdict, outliers, cause, floor, len(measurement), library))
     sentences += [*_in_order_of_time(search, cause), *header_notes(candidates, measurement)]
     if doubted:
@@ -442,7 +442,7 @@ def _next_experiment(
         names = [name for name in evidence.classes[0] if name in evidence.moved]
     if names and verdict != "adequate":
         return experiment_on_confounded(evidence.search.base.fit.measurement, names)
-    if only_points(search, outliers):
+    if verdict == "adequate" or only_points(search, outliers):
         return experiment_on_points(outliers)
     # The cheapest question of all, and no other measurement answers it.
     if evidence.drift is not None:

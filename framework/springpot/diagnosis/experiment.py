@@ -239,7 +239,7 @@ class Clash(Contest):
         weights = np.sqrt(self.action.repeats) / np.maximum(floor, 1e-300)
         weights = weights / relative.real + 1j * weights / relative.imag
         return np.concatenate([self.truth.stiffness, new]), np.concatenate(
-            [self.truth.noise.weights, weights]
+            [1.0 / noise.real + 1j / noise.imag, weights]
         )
 
     def _quieter(self) -> float:
