@@ -17,7 +17,7 @@ from springpot.misfit.error import Error
 def fitted(rss=0.0, dof=20, parameters=3, points=20, noise_dof=np.inf, **given):
     fit = SimpleNamespace(dof=dof, measurement=[0.0] * points)
     noise = SimpleNamespace(dof=noise_dof)
-    given = {"relative_rms": 0.01, "floor": 0.01} | given
+    given = {"relative_rms": 0.01, "floor": 0.01, "error_dof": dof} | given
     return SimpleNamespace(rss=rss, fit=fit, theta=[0.0] * parameters, noise=noise, **given)
 
 
@@ -71,7 +71,7 @@ def test_the_best_has_the_least_criterion():
 
 
 def curve(level, weight=10.0):
-    noise = SimpleNamespace(weights=np.full(4, weight * (1 + 1j)))
+    noise = SimpleNamespace(weights=np.full(4, weight * (1 + 1j)), turn=None)
     return SimpleNamespace(refit=SimpleNamespace(stiffness=np.full(4, level), noise=noise))
 
 

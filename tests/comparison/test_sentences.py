@@ -23,7 +23,7 @@ def says(monkeypatch):
         fit = SimpleNamespace(dof=dof, measurement=[0.0] * 20)
         noise = SimpleNamespace(dof=40)
         found = SimpleNamespace(relative_rms=relative_rms, floor=max(floor, 1e-18), fit=fit)
-        found.noise = noise
+        found.noise, found.error_dof = noise, dof
         told = {"model": NAMED, "fails": fails} | known
         return Judgement.told(found, Error(relative_rms, floor, source), 0.0, told).says
 
@@ -73,7 +73,7 @@ def test_a_model_that_does_not_fail_fails_nowhere():
 def test_adequate_is_an_error_of_noise_in_size_and_in_pattern(says, relative_rms, fails):
     fit = SimpleNamespace(dof=40, measurement=[0.0] * 20)
     found = SimpleNamespace(relative_rms=relative_rms, floor=0.01, fit=fit)
-    found.noise = SimpleNamespace(dof=40)
+    found.noise, found.error_dof = SimpleNamespace(dof=40), 40
     one = Judgement.told(found, Error(relative_rms, 0.01, "estimated"), 0.0, {"fails": fails})
     assert one.adequate is (relative_rms == 0.01 and not fails)
     assert one.unclear is (relative_rms == 0.05 and not fails)
@@ -82,7 +82,7 @@ def test_adequate_is_an_error_of_noise_in_size_and_in_pattern(says, relative_rms
 def judged(name, relative_rms=0.01, source="estimated"):
     fit, noise = SimpleNamespace(dof=40), SimpleNamespace(dof=40)
     refit = SimpleNamespace(relative_rms=relative_rms, floor=min(relative_rms, 0.01), fit=fit)
-    refit.noise = noise
+    refit.noise, refit.error_dof = noise, 40
     if source == "large":
         refit.floor = relative_rms
     error = Error(relative_rms, refit.floor, "estimated")
@@ -129,7 +129,7 @@ def test_beside_the_first_of_each_group_three_further_curves_are_shown():
     rows = [judged(name) for name in "abcdefgh"]
     for level, row in enumerate(rows):
         row.refit.stiffness = np.array([level + 0j])
-        row.refit.noise = SimpleNamespace(weights=np.array([10.0 + 10.0j]))
+        row.refit.noise = SimpleNamespace(weights=np.array([10.0 + 10.0j]), turn=None)
     rows[1].refit.stiffness = rows[0].refit.stiffness
     rows[5].refit.stiffness = rows[4].refit.stiffness
     found = ranking(rows, 2, 1)

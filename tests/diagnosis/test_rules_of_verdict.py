@@ -41,21 +41,6 @@ def test_the_rule_of_many_facts(stays):
 
 
 @pytest.mark.parametrize(
-    ("source", "overruled", "share", "below"),
-    [
-        ("estimated", False, 0.999, True),
-        ("estimated", False, 1.0, False),
-        ("estimated", True, 0.5, False),
-        ("given", False, 0.5, False),
-    ],
-)
-def test_an_error_is_below_a_noise_that_the_data_tell(source, overruled, share, below):
-    noise = SimpleNamespace(source=source, overruled=overruled)
-    base = SimpleNamespace(noise=noise, relative_rms=share * VERDICT.below * 0.5, floor=0.5)
-    assert verdict._below_noise(base) == below
-
-
-@pytest.mark.parametrize(
     ("n", "m", "pairs", "chance"),
     [
         # Of 10 ways to lay 2 of 5 places, 4 are neighbours.
@@ -334,6 +319,8 @@ def test_a_verdict_in_words(monkeypatch, stays):
     weak = own(gain=SEARCH.decisive, rows=nearly)
     answer = {
         "adequate": says("adequate", own()),
+        "adequate but for a point": says("adequate", own(), one),
+        "adequate but for two": says("adequate", own(), two),
         "effect": says("effect-missing", own()),
         "open": says("inconclusive", own()),
         "one point": says("unexplained", own(scan=1.0, structure=1.0), one),

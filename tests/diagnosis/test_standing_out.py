@@ -107,16 +107,29 @@ def test_where_repeats_share_a_disturbance_a_gain_of_each_temperature_is_no_unkn
     assert {"arrhenius-shift", "wlf-shift"} & set(answer.classes[0])
 
 
+def standing_out(off, known=True):
+    """The diagnosis of a sweep of 48 points, some of which are off by a share of K."""
+    at = design(48)
+    factor = np.ones(48)
+    factor[list(off)] += list(off.values())
+    data = measured(at, exact(KELVIN, at) * factor, 1, 0.007, known=known)
+    return springpot.diagnose(data, MODEL, only=["inertia", "friction", "parallel-spring"])
+
+
 @pytest.mark.soak_cases("False", "True")
 @pytest.mark.parametrize("known", [True, False])
-def test_one_absurd_point_is_all_that_is_told(known):
-    at = design(48)
-    factor = np.where(np.arange(48) == 20, 1.2, 1.0)
-    answer = springpot.diagnose(
-        measured(at, exact(KELVIN, at) * factor, 1, 0.007, known=known), MODEL
-    )
+def test_one_absurd_point_is_left_out_of_an_adequate_model(known):
+    answer = standing_out({20: 0.2}, known)
+    assert answer.verdict == "adequate"
+    assert "without a single point that stands out by itself" in answer.says
+    assert answer.split == ""
+    assert answer.where[0].low == pytest.approx(design(48).omega[20] / (2.0 * np.pi))
+    assert [step.exclude for step in answer.actions] == [(21,)]
+    assert "measure again" in answer.next_experiment.says
+
+
+def test_what_lies_beside_a_bad_reading_tells_it_from_a_resonance():
+    answer = standing_out({20: 0.2, 21: 0.024, 19: 0.024})
     assert answer.verdict == "unexplained"
     assert "a single point stands out" in answer.says
     assert "nothing else is missing" in answer.says
-    assert answer.split == ""
-    assert answer.where[0].low == pytest.approx(at.omega[20] / (2.0 * np.pi))

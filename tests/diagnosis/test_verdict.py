@@ -22,7 +22,8 @@ SEEN = {"by_battery": True, "certain": True}
         ({}, "adequate"),
         (SEEN | {"exact": True, "gain": CLEAR, "named": True}, "adequate"),
         ({"few": True}, "inconclusive"),
-        ({"outliers": True}, "unexplained"),
+        ({"outliers": True}, "adequate"),
+        ({"outliers": True, "interference": True}, "unexplained"),
         ({"gain": CLEAR, "something": True}, "inconclusive"),
         ({"gain": CLEAR}, "adequate"),
         ({"unknown": True}, "inconclusive"),
@@ -83,7 +84,7 @@ def test_every_rule_is_needed_and_none_names_an_effect_without_an_alarm():
             assert facts.alarm
             assert facts.named
         if rule.verdict == "adequate":
-            assert not facts.outliers
+            assert not facts.interference
         if rule.verdict == "adequate" and not facts.exact:
             assert not facts.alarm
             assert not facts.repeats

@@ -320,8 +320,8 @@ def test_what_a_sweep_holds(case, stays):
                 for name in data.conditions
                 if name in ("amplitude", "temperature")
             },
-            "shape": scatter.robust_noise_shape(data, residual, even),
-            "uneven": scatter.robust_noise_shape(data, residual, even, True),
+            "shape": scatter.robust_noise_shape(data, residual, even)[0],
+            "uneven": scatter.robust_noise_shape(data, residual, even, True)[0],
             "rounding": [
                 scatter.rounding_step(data.storage),
                 scatter.at_least_rounding(np.full(len(data), 1e-9 + 1e-9j), data),

@@ -494,4 +494,5 @@ def _with(effects: tuple[Effect, ...]) -> str:
 
 def _distance(one: Refit, other: Refit) -> float:
     """Standard deviations of the noise between two fitted curves, over all points together."""
-    return float(np.linalg.norm(weighted(one.stiffness - other.stiffness, one.noise.weights)))
+    apart = weighted(one.stiffness - other.stiffness, one.noise.weights, one.noise.turn)
+    return float(np.linalg.norm(apart))

@@ -5,7 +5,7 @@ The table of effects: what each would do, how likely it is, and what it cannot b
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TypeAlias
 
@@ -30,9 +30,10 @@ from springpot.misfit.values import printed
 from springpot.misfit.where import Where, periodic, where
 from springpot.misfit.words import times
 from springpot.rheology.effect import Effect
-from springpot.thresholds import EVIDENCE, EXPERIMENT, VERDICT
+from springpot.thresholds import EVIDENCE, VERDICT
 
 from .actions import ToDo, leaving_out, splitting, turning
+from .contest import openness, worth_telling_apart
 from .evidence import Evidence, best_with
 from .experiment import (
     experiment_on_confounded,
@@ -255,9 +256,9 @@ def answer(
     if verdict != "adequate":
         split = _split(search, floor, doubted or only_points(search, outliers))
         classes = evidence.classes
-        # To look at one test needs no measurement, nor to number repeats: they come first.
-        if not one_test and not isinstance(cause, EqualRows):
-            experiment = _next_experiment(search, evidence, verdict, outliers, leading, course)
+    # To look at one test needs no measurement, nor to number repeats: they come first.
+    if (verdict != "adequate" or outliers) and not one_test and not isinstance(cause, EqualRows):
+        experiment = _next_experiment(search, evidence, verdict, outliers, leading, course)
     sentences = list(notes(evidence, verdict, outliers, cause, floor, len(measurement), library))
     sentences += [*_in_order_of_time(search, cause), *header_notes(candidates, measurement)]
     if doubted:
@@ -441,7 +442,7 @@ def _next_experiment(
         names = [name for name in evidence.classes[0] if name in evidence.moved]
     if names and verdict != "adequate":
         return experiment_on_confounded(evidence.search.base.fit.measurement, names)
-    if only_points(search, outliers):
+    if verdict == "adequate" or only_points(search, outliers):
         return experiment_on_points(outliers)
     # The cheapest question of all, and no other measurement answers it.
     if evidence.drift is not None:
@@ -464,26 +465,13 @@ def _between_effects(evidence: Evidence) -> NextExperiment | None:
     if not evidence.explanations:
         return None
     chances, fits = evidence.rivals, evidence.likeliest_with()
-    if _openness(evidence.partners) > _openness(chances):
+    if openness(evidence.partners) > openness(chances):
         chances = evidence.partners
         fits = {name: grown.refit for name, grown in evidence.grown_beside(chances).items()}
         # What was only fitted beside a rival of the leader has no curve to compare.
         chances = {name: chance for name, chance in chances.items() if name in fits}
-    if _openness(chances) < EXPERIMENT.rival:
+    pair = worth_telling_apart(chances)
+    if pair is None:
         return None
-    if sorted(chances.values())[-2] < EXPERIMENT.believed:
-        return None
-    # Two, not all rivals: a measurement that separates the leading ones can be promised in one
-    # sentence.
-    first, second = sorted(chances, key=lambda name: -chances[name])[:2]
-    return next_experiment(
-        fits[first], fits[second], (first, second), (chances[first], chances[second])
-    )
-
-
-def _openness(chances: Mapping[str, float]) -> float:
-    """Odds of the second likeliest answer against the likeliest."""
-    most = sorted(chances.values())[-2:]
-    if len(most) < 2 or most[1] <= 0.0:
-        return 0.0
-    return most[0] / most[1]
+    first, second = pair
+    return next_experiment(fits[first], fits[second], pair, (chances[first], chances[second]))

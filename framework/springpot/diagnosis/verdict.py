@@ -14,7 +14,13 @@ from springpot.distributions import f_quantile
 from springpot.identification.problem import weighted
 from springpot.measurement.independence import moved_along
 from springpot.measurement.mixed_tests import sweeps_of
-from springpot.misfit.floor import beyond_floor, is_arithmetic, is_hardly_known, undragged
+from springpot.misfit.floor import (
+    below_floor,
+    beyond_floor,
+    is_arithmetic,
+    is_hardly_known,
+    undragged,
+)
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import Refit
 from springpot.misfit.residual_battery import NEIGHBOURS, sets_apart
@@ -66,6 +72,8 @@ class Facts:
         There are too few data to judge anything.
     outliers : bool
         Single points were set aside.
+    interference : bool
+        They are no bad readings: what lies beside them is off too.
     material : bool
         A free spectrum follows the data better than the model with any effect does.
     exceeds : bool
@@ -93,6 +101,7 @@ class Facts:
     nearly_all: bool = False
     few: bool = False
     outliers: bool = False
+    interference: bool = False
     material: bool = False
     exceeds: bool = False
     together: bool = False
@@ -122,9 +131,15 @@ class VerdictRule(NamedTuple):
 
 RULES = (
     # Before the alarms: the residual of computed data has a pattern, but no scatter to judge it by.
-    VerdictRule("nothing is left but arithmetic", lambda f: f.exact and not f.outliers, "adequate"),
-    # First without an alarm: a point set aside may be an interference; nothing is adequate then.
-    VerdictRule("only points that stand out", lambda f: not f.alarm and f.outliers, "unexplained"),
+    VerdictRule(
+        "nothing is left but arithmetic", lambda f: f.exact and not f.interference, "adequate"
+    ),
+    # First without an alarm: beside a resonance or an interference nothing is adequate.
+    VerdictRule(
+        "only points that stand out, and what lies beside them",
+        lambda f: not f.alarm and f.interference,
+        "unexplained",
+    ),
     # Before all that weighs the size of an error: so few numbers tell neither it nor the floor.
     VerdictRule("too few data", lambda f: not f.alarm and f.few, "inconclusive"),
     # The next two before "an effect would help": an effect fitted to a notch would make it a maybe.
@@ -240,20 +255,14 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         nearly_all=_all_but_explained(search),
         few=is_hardly_known(search.base),
         outliers=bool(outliers),
+        interference=not all(outlier.alone for outlier in outliers),
         material=beside_material,
         exceeds=exceeds,
         together=exceeds and _stand_out_together(search.base),
         # A free spectrum follows any smooth computed data: only the user's model may be so exact.
         exact=not beside_material and is_arithmetic(search.base),
-        below=_below_noise(search.base),
+        below=below_floor(search.base),
     )
-
-
-def _below_noise(base: Refit) -> bool:
-    """Whether the error is below a noise that these data tell, and not against a given one."""
-    # Where given deviations were smaller, structure passed for scatter: what tests see is there.
-    told_by_data = base.noise.source == "estimated" and not base.noise.overruled
-    return told_by_data and base.relative_rms < VERDICT.below * base.floor
 
 
 def _stand_out_together(base: Refit) -> bool:
@@ -275,7 +284,7 @@ def _standing_out(base: Refit) -> NDArray[np.bool_]:
         return ~inside
     # Without the slow curves of the scatter: they follow all but the furthest point of a notch.
     at_all = free.model.stiffness(free.theta, base.fit.measurement.points)
-    off = weighted(base.data.mean.stiffness - at_all, base.noise.weights)
+    off = weighted(base.data.mean.stiffness - at_all, base.noise.weights, base.noise.turn)
     squares: Real = off[:n] ** 2 + off[n:] ** 2
     # Further off than one of so many would be by chance; all of a curve that is a little off itself
     # do not stand out.
@@ -370,6 +379,12 @@ def sentence(
         size = percent(own.base.error)
         return f"nothing is missing: the error, {size}, is that of arithmetic"
     if verdict == "adequate":
+        if outliers:
+            # The error is that of the data without them.
+            standing = "a single point that stands out by itself"
+            if len(outliers) > 1:
+                standing = f"{len(outliers)} single points that stand out by themselves"
+            error = f"without {standing}, {error}"
         return f"nothing is missing down to the noise floor: {error}"
     if verdict == "effect-missing":
         return f"{error}; missing is {_named(evidence)}"

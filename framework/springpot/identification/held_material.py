@@ -57,7 +57,8 @@ def lack_of_fit(known: Uncertainty, column: str) -> tuple[float, float] | None:
     if fit.task.logarithmic:
         slope = slope / fit.model.stiffness(fit.theta, points)
     columns = [
-        weighted(np.where(number == i, slope, 0.0), weights) for i in range(int(number.max()) + 1)
+        weighted(np.where(number == i, slope, 0.0), weights, fit.objective.turn)
+        for i in range(int(number.max()) + 1)
     ]
     freed, residual = np.nan_to_num(np.array(columns).T), fit.residual
     if fit.expected is not None:

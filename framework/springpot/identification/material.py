@@ -138,9 +138,15 @@ class SpectrumSearch:
     """Variable projection for one model and one set of data."""
 
     def __init__(
-        self, model: Model, measurement: Measurement, weights: Complex, expected: Real | None = None
+        self,
+        model: Model,
+        measurement: Measurement,
+        weights: Complex,
+        expected: Real | None = None,
+        turn: Complex | None = None,
     ) -> None:
         self.model, self.data, self.weights = model, measurement.stiffness, weights
+        self.turn = turn
         self.points = measurement.points
         self.own = tuple(model.parameters[i] for i in own_parameters(model))
         if expected is None:
@@ -179,7 +185,12 @@ class SpectrumSearch:
         weights = objective.weighing(measurement)
         if objective.logarithmic:
             weights = weights / measurement.magnitude
-        return cls(model, measurement, np.asarray(weights, dtype=np.complex128), expected)
+        weights = np.asarray(weights, dtype=np.complex128)
+        return cls(model, measurement, weights, expected, objective.turn)
+
+    def weigh(self, values: Complex) -> Real:
+        """Differences of K, or their derivatives, (..., n) as residuals (..., 2n)."""
+        return weighted(values, self.weights, self.turn)
 
     def held(self, best: Trial, place: int, coordinate: float) -> Trial:
         """The best spectrum with one of the effects' coordinates held, the others refitted."""
@@ -341,7 +352,7 @@ class SpectrumSearch:
             return False
         surprise = self.surprise(trial.u)
         beside = float(surprise @ surprise)
-        residual = weighted(self.data - response.value, self.weights)
+        residual = self.weigh(self.data - response.value)
         with np.errstate(over="ignore"):
             cost = float(residual @ residual) + beside
         if not np.isfinite(cost):
@@ -354,7 +365,7 @@ class SpectrumSearch:
                 return False
         # What the last weights explain is put back: whole weights are found, and these must not be
         # negative.
-        columns = weighted(response.by_theta[:count], self.weights)
+        columns = self.weigh(response.by_theta[:count])
         weights, left = non_negative(columns.T, residual + trial.weights @ columns)
         at.foretold = left + beside
         at.trial = replace(trial, weights=weights)
@@ -417,10 +428,10 @@ class SpectrumSearch:
         """
         own = self.theta_of(trial.u)
         count = len(trial.weights)
-        residual = weighted(self.data - response.value, self.weights)
+        residual = self.weigh(self.data - response.value)
         by_u = self.coordinates.carry(response.by_theta[count:].copy(), own, self.size)
-        slopes = weighted(by_u, self.weights).T
-        carrying = weighted(response.by_theta[:count][trial.weights > 0.0], self.weights).T
+        slopes = self.weigh(by_u).T
+        carrying = self.weigh(response.by_theta[:count][trial.weights > 0.0]).T
         # What the weights of the spectrum would take up of a change is no gain of the effects
         # (Golub and Pereyra).
         basis, _ = np.linalg.qr(carrying / np.maximum(np.linalg.norm(carrying, axis=0), 1e-300))
@@ -481,11 +492,11 @@ class SpectrumSearch:
         rates = np.concatenate([trial.log_rates, grid])
         weights = np.concatenate([trial.weights, np.zeros(len(grid))])
         response = self.respond(replace(trial, log_rates=rates, weights=weights))
-        columns = weighted(response.by_theta[2 + len(trial.log_rates) : len(weights)], self.weights)
+        columns = self.weigh(response.by_theta[2 + len(trial.log_rates) : len(weights)])
         # Of columns of one size, so that the square of a slope is what a line there alone would
         # explain.
         size = np.maximum(np.linalg.norm(columns, axis=1), 1e-300)
-        slope = columns @ weighted(self.data - response.value, self.weights) / size
+        slope = columns @ self.weigh(self.data - response.value) / size
         worth = slope[1:-1] > NEGLIGIBLE * np.sqrt(trial.cost)
         peaks = 1 + np.flatnonzero((slope[1:-1] >= slope[:-2]) & (slope[1:-1] >= slope[2:]) & worth)
         before, at, after = slope[peaks - 1], slope[peaks], slope[peaks + 1]
@@ -510,7 +521,7 @@ class SpectrumSearch:
     def _strongest(self, trial: Trial, most: int) -> Trial:
         """The same with the strongest lines alone, so many at most."""
         while (count := int(np.sum(trial.weights[2:] > 0.0))) > most:
-            columns = weighted(self.respond(trial).by_theta[2 : len(trial.weights)], self.weights)
+            columns = self.weigh(self.respond(trial).by_theta[2 : len(trial.weights)])
             strength = trial.weights[2:] * np.linalg.norm(columns, axis=-1)
             # A few at a time: those that stay take over what the others carried.
             strongest = np.argsort(strength)[-max(most, int(0.75 * count)) :]

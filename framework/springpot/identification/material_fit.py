@@ -366,7 +366,10 @@ def fit_spectrum(
         if expected is not None:
             # What is expected weighs against the points: of fewer points as much less.
             expected = np.sqrt(part) * expected
-        coarse = SpectrumSearch(model, measurement.subset(rows), search.weights[rows], expected)
+        turn = None if search.turn is None else search.turn[rows]
+        coarse = SpectrumSearch(
+            model, measurement.subset(rows), search.weights[rows], expected, turn
+        )
     count = len(search.own)
     seeds = [np.asarray(seed, dtype=float)[len(seed) - count :] for seed in seeds_theta]
     settings_of_each = 0

@@ -189,7 +189,12 @@ def _in_parts(interleaved_values: Real) -> Real:
 def _task(model: Model, measurement: Measurement, objective: Objective) -> Task:
     weights = objective.weighing(measurement)
     return Task(
-        model, measurement.points, measurement.stiffness[None], weights[None], objective.logarithmic
+        model,
+        measurement.points,
+        measurement.stiffness[None],
+        weights[None],
+        objective.logarithmic,
+        turn=objective.turn,
     )
 
 

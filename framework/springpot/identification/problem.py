@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
@@ -220,6 +220,9 @@ class Objective:
         Compare ln K instead of K.
     citation : str
         Source of the formula.
+    turn : ndarray of complex, shape (n,), optional
+        Unit numbers by which differences of K are multiplied before their parts are weighed, as of
+        errors that go along K and across it.
 
     Examples
     --------
@@ -237,6 +240,7 @@ class Objective:
     weights: Callable[[Measurement], Complex]
     logarithmic: bool = False
     citation: str = ""
+    turn: Complex | None = field(default=None, compare=False)
 
     def weighing(self, measurement: Measurement) -> Complex:
         """The weights for a measurement, checked.
@@ -261,12 +265,15 @@ class Objective:
         """
         if self.logarithmic:
             return weighted(np.log(stiffness / measurement.stiffness), weights)
-        return weighted(stiffness - measurement.stiffness, weights)
+        return weighted(stiffness - measurement.stiffness, weights, self.turn)
 
     def value(self, stiffness: Complex, measurement: Measurement, weights: Complex) -> Real:
         """Sum of squared residuals, shape (...), without laying their parts side by side."""
         if self.logarithmic:
             error = np.log(stiffness / measurement.stiffness)
+            storage, loss = error.real * weights.real, error.imag * weights.imag
+        elif self.turn is not None:
+            error = (stiffness - measurement.stiffness) * self.turn
             storage, loss = error.real * weights.real, error.imag * weights.imag
         else:
             # Part by part: each is read once and then lies side by side.
@@ -282,11 +289,16 @@ class Objective:
         # d ln K = dK / K.
         if self.logarithmic:
             by_theta = by_theta / stiffness[..., None, :]
-        return weighted(by_theta, weights)
+        return weighted(by_theta, weights, self.turn)
 
 
-def weighted(values: Complex, weights: Complex) -> Real:
-    """Real and imaginary parts side by side, each times its own weight."""
+def weighted(values: Complex, weights: Complex, turn: Complex | None = None) -> Real:
+    """Real and imaginary parts side by side, each times its own weight.
+
+    With a `turn` (n,) those of the values times these unit numbers.
+    """
+    if turn is not None:
+        values = values * turn
     return np.concatenate([values.real * weights.real, values.imag * weights.imag], axis=-1)
 
 

@@ -55,6 +55,8 @@ class Task:
         Compare ln K rather than K.
     given : Coordinates, optional
         Search coordinates of a task that this one is a part of.
+    turn : ndarray of complex, shape (n,), optional
+        See `Objective`.
     """
 
     model: Model
@@ -63,6 +65,7 @@ class Task:
     weights: Complex
     logarithmic: bool = False
     given: Coordinates | None = None
+    turn: Complex | None = None
 
     @cached_property
     def coordinates(self) -> Coordinates:
@@ -121,6 +124,9 @@ class Task:
         # d ln K = dK / K: near the data a difference of logarithms is a relative one.
         if self.logarithmic:
             weights = weights / np.abs(self.stiffness)
+        if self.turn is not None:
+            # The scan mixes the parts: both get the mean of their weights.
+            weights = (1.0 + 1.0j) * np.abs(weights) / np.sqrt(2.0)
         return np.broadcast_to(weights, self.stiffness.shape)
 
     @cached_property
@@ -135,7 +141,13 @@ class Task:
 
     @cached_property
     def _target(self) -> Real:
-        return interleaved(self.stiffness)
+        return interleaved(self._turned(self.stiffness))
+
+    def _turned(self, values: Complex) -> Complex:
+        """Values (..., n) as their parts are weighed."""
+        if self.turn is None:
+            return values
+        return values * self.turn
 
     @cached_property
     def _weight(self) -> Real:
@@ -165,6 +177,7 @@ class Task:
             stiffness=self.stiffness[:, pick],
             weights=self.weights[:, pick],
             given=self.coordinates,
+            turn=None if self.turn is None else self.turn[pick],
         )
 
     def _data_sets(self, owner: Rows, rows: Rows) -> Rows | slice:
@@ -191,7 +204,8 @@ class Task:
                 residual = interleaved(np.log(response.value / self.stiffness[which]))
                 by_theta = by_theta / response.value[:, None, :]
             else:
-                residual = interleaved(response.value) - self._target[which]
+                residual = interleaved(self._turned(response.value)) - self._target[which]
+                by_theta = self._turned(by_theta)
             jacobian = interleaved(by_theta) * weight[:, None, :]
             return residual * weight, coordinates.carry(jacobian, theta, size)
 

@@ -24,6 +24,7 @@ from .coordinates import WIDEST, Coordinates
 from .leastsquares import Rows, levenberg_marquardt
 from .material import surprise_at, surprise_slopes
 from .native import Fit
+from .problem import weighted
 from .specimens import Specimens, follows_specimens
 from .value import Value
 
@@ -338,9 +339,7 @@ def _linear_slope(fit: Fit, i: int) -> Real:
     weights = fit.task.weights[0]
     if fit.task.logarithmic:
         jacobian = jacobian / fit.model.stiffness(fit.theta, fit.measurement.points)
-    slope: Real = np.nan_to_num(
-        np.concatenate([jacobian.real * weights.real, jacobian.imag * weights.imag])
-    )
+    slope: Real = np.nan_to_num(weighted(jacobian, weights, fit.objective.turn))
     return slope
 
 

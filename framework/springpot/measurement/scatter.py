@@ -50,6 +50,37 @@ Amplitudes and temperatures together span three decades of force.
 """
 
 
+class Along(NamedTuple):
+    """Noise whose independent parts go along K and across it, as errors of gain and of phase do.
+
+    Attributes
+    ----------
+    turn : ndarray of complex, shape (n,)
+        Unit numbers by which K is turned to the real axis.
+    sd : ndarray of complex, shape (n,)
+        Standard deviations along K (real part) and across it (imaginary part).
+    """
+
+    turn: Complex
+    sd: Complex
+
+    @property
+    def of_parts(self) -> Complex:
+        """Standard deviations (n,) of K' (real part) and of K'' (imaginary part)."""
+        return turned_sd(self.sd, np.conj(self.turn))
+
+    def of(self, rows: NDArray[np.bool_]) -> Along:
+        """The same for some of the points, (n,)."""
+        return Along(self.turn[rows], self.sd[rows])
+
+
+def turned_sd(sd: Complex, turn: Complex) -> Complex:
+    """Standard deviations of both parts of errors (n,) after they are turned by unit numbers."""
+    cos, sin = np.abs(turn.real), np.abs(turn.imag)
+    real, imag = np.hypot(sd.real * cos, sd.imag * sin), np.hypot(sd.real * sin, sd.imag * cos)
+    return np.asarray(real + 1j * imag, dtype=np.complex128)
+
+
 @dataclass(frozen=True, eq=False)
 class Noise:
     """Standard deviations of the measured points, and how well they are known.
@@ -64,6 +95,8 @@ class Noise:
         Where they come from.
     doubt : str
         One sentence where the given ones disagree with the data's own scatter.
+    along : Along, optional
+        Where the noise along K is of another size than that across it: by these it is weighed.
 
     Examples
     --------
@@ -78,6 +111,15 @@ class Noise:
     dof: float
     source: Source
     doubt: str = ""
+    along: Along | None = None
+
+    @classmethod
+    def shaped(cls, sd: Complex, turn: Complex | None, dof: float, source: Source) -> Noise:
+        """Noise of some deviations (n,) after a `turn` (n,), which may be none."""
+        if turn is None:
+            return cls(sd, dof, source)
+        along = Along(turn, sd)
+        return cls(along.of_parts, dof, source, along=along)
 
     @property
     def overruled(self) -> bool:
@@ -86,8 +128,24 @@ class Noise:
 
     @property
     def weights(self) -> Complex:
-        """Reciprocal standard deviations."""
-        return np.asarray(1.0 / self.sd.real + 1.0j / self.sd.imag, dtype=np.complex128)
+        """Reciprocal standard deviations, those of differences that were turned by `turn`."""
+        return np.asarray(1.0 / self.parts.real + 1.0j / self.parts.imag, dtype=np.complex128)
+
+    @property
+    def parts(self) -> Complex:
+        """Standard deviations (n,) of the two parts that are independent."""
+        return self.sd if self.along is None else self.along.sd
+
+    def of_whitened(self, values: Real) -> Complex:
+        """Differences of K (n,) that whitened values (2n,) stand for."""
+        n, parts = len(self.sd), self.parts
+        back = values[:n] * parts.real + 1j * values[n:] * parts.imag
+        return back if self.turn is None else back * np.conj(self.turn)
+
+    @property
+    def turn(self) -> Complex | None:
+        """Unit numbers (n,) by which differences are multiplied before they are weighed."""
+        return None if self.along is None else self.along.turn
 
     def log_likelihood(self, rss: float, size: int) -> float:
         """Log-likelihood of a whitened residual sum of squares.
@@ -104,11 +162,19 @@ class Noise:
 
     def of(self, rows: NDArray[np.bool_]) -> Noise:
         """The noise of some of the points, (n,)."""
-        return replace(self, sd=self.sd[rows])
+        along = None if self.along is None else self.along.of(rows)
+        return replace(self, sd=self.sd[rows], along=along)
 
     def scaled(self, factor: float) -> Noise:
         """The same shape with every standard deviation multiplied."""
-        return replace(self, sd=self.sd * factor)
+        along = None if self.along is None else self.along._replace(sd=self.along.sd * factor)
+        return replace(self, sd=self.sd * factor, along=along)
+
+    def at_least_rounding(self, measurement: Measurement) -> Noise:
+        """The same with at least what writing values with few digits rounds away."""
+        sd = at_least_rounding(self.parts, measurement, self.turn)
+        told = Noise.shaped(sd, self.turn, self.dof, self.source)
+        return replace(told, doubt=self.doubt)
 
 
 class Scatter(NamedTuple):
@@ -139,16 +205,24 @@ class Shape:
         Whether both have the same scale.
     price : float
         Minus twice the log-likelihood by which it must outdo the first shape.
+    turn : ndarray of complex, shape (n,), optional
+        Unit numbers that turn K to the real axis, where the parts are those along it and across it.
     """
 
     real: Real
     imag: Real
     tied: bool
     price: float
+    turn: Complex | None = None
 
     def of(self, rows: NDArray[np.bool_]) -> Shape:
         """The same for some of the points, (n,)."""
-        return replace(self, real=self.real[rows], imag=self.imag[rows])
+        turn = None if self.turn is None else self.turn[rows]
+        return replace(self, real=self.real[rows], imag=self.imag[rows], turn=turn)
+
+    def seen(self, residual: Complex) -> Complex:
+        """A residual (n,) by the parts that this shape tells apart."""
+        return residual if self.turn is None else residual * self.turn
 
     def fit(self, scatter: Scatter) -> tuple[float, Complex]:
         """Minus twice the log-likelihood plus its price, and the standard deviations (n,)."""
@@ -190,12 +264,20 @@ def _shapes_of(measurement: Measurement) -> Iterator[Shape]:
             yield Shape(floor, floor, True, SCATTER.force_floor)
 
 
-def _uneven_shapes_of(measurement: Measurement) -> Iterator[Shape]:
+def along_k(measurement: Measurement, turn: Complex) -> Shape:
+    """Noise of one size along K and of another across it, both proportional to |K|."""
+    size = measurement.magnitude
+    return Shape(size, size, False, SCATTER.parts_differ, turn)
+
+
+def _uneven_shapes_of(measurement: Measurement, turn: Complex | None) -> Iterator[Shape]:
     """Noise of two sizes, or larger at an end of the frequencies.
 
     What the misfit of a wrong model looks like too.
     """
     size = measurement.magnitude
+    if turn is not None:
+        yield along_k(measurement, turn)
     parts = [
         np.maximum(np.abs(part), NEGLIGIBLE * size)
         for part in (measurement.storage, measurement.loss)
@@ -232,14 +314,49 @@ def noise_shape(measurement: Measurement, scatter: Scatter) -> Complex:
     scatter : Scatter
         Of each of them.
     """
-    fits = [shape.fit(scatter) for shape in _shapes_of(measurement)]
-    return min(fits, key=lambda fit: fit[0])[1]
+    return _cheapest(measurement, scatter)[1]
+
+
+def noise_shape_along(
+    measurement: Measurement, residual: Complex, dof: Real, turn: Complex
+) -> tuple[Complex, Complex | None]:
+    """The same of a residual (n,), and its turn where it is of one size along K, another across.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The points, (n,).
+    residual : ndarray of complex, shape (n,)
+        Of each of them, in the unit of K.
+    dof : ndarray, shape (n,)
+        Degrees of freedom behind each part of it.
+    turn : ndarray of complex, shape (n,)
+        Unit numbers that turn K of a model to the real axis.
+    """
+    cost, sd = _cheapest(measurement, _squares(residual, dof))
+    cost_along, sd_along = along_k(measurement, turn).fit(_squares(residual * turn, dof))
+    if cost_along < cost:
+        return sd_along, turn
+    return sd, None
+
+
+def _cheapest(measurement: Measurement, scatter: Scatter) -> tuple[float, Complex]:
+    """Cost and standard deviations (n,) of the best shape by parts."""
+    return min((shape.fit(scatter) for shape in _shapes_of(measurement)), key=lambda fit: fit[0])
+
+
+def _squares(residual: Complex, dof: Real) -> Scatter:
+    return Scatter(residual.real**2, residual.imag**2, dof)
 
 
 def robust_noise_shape(
-    measurement: Measurement, residual: Complex, rows: NDArray[np.bool_], uneven: bool = False
-) -> Complex:
-    """Standard deviations (n,), up to a scale, of the shape that a residual favours.
+    measurement: Measurement,
+    residual: Complex,
+    rows: NDArray[np.bool_],
+    uneven: bool = False,
+    turn: Complex | None = None,
+) -> tuple[Complex, Complex | None]:
+    """Standard deviations (n,), up to a scale, of the shape that a residual favours, and its turn.
 
     Whatever stands out from it.
 
@@ -257,10 +374,13 @@ def robust_noise_shape(
         Which these are.
     uneven : bool
         Whether it may be larger at an end of the frequencies, or of another size in each part.
+    turn : ndarray of complex, shape (n,), optional
+        Unit numbers that turn K of a model to the real axis, where these parts may be those along K
+        and across it.
     """
     shapes = list(_shapes_of(measurement))
     if uneven:
-        shapes += _uneven_shapes_of(measurement)
+        shapes += _uneven_shapes_of(measurement, turn)
     # Judged at some of the points, and then told for all: a shape is a law of the point, and not of
     # the residual.
     some = [shape.of(rows) for shape in shapes]
@@ -268,13 +388,15 @@ def robust_noise_shape(
     costs = [_student_cost(*each, residual) for each in zip(some, scales, strict=True)]
     best = int(np.argmin(costs))
     real, imag = scales[best]
-    return np.asarray(real * shapes[best].real + 1j * imag * shapes[best].imag, dtype=np.complex128)
+    sd = np.asarray(real * shapes[best].real + 1j * imag * shapes[best].imag, dtype=np.complex128)
+    return sd, shapes[best].turn
 
 
 def _student_scales(shapes: Sequence[Shape], residual: Complex) -> Real:
     """Scales (s, 2) of both parts by each of some shapes."""
-    real = np.abs(residual.real / np.array([shape.real for shape in shapes]))
-    imag = np.abs(residual.imag / np.array([shape.imag for shape in shapes]))
+    seen = np.array([shape.seen(residual) for shape in shapes])
+    real = np.abs(seen.real / np.array([shape.real for shape in shapes]))
+    imag = np.abs(seen.imag / np.array([shape.imag for shape in shapes]))
     tied = np.array([shape.tied for shape in shapes])
     scales = np.empty((len(shapes), 2))
     scales[tied] = _student_scale(np.concatenate([real[tied], imag[tied]], axis=1))[:, None]
@@ -298,7 +420,7 @@ def _student_scale(size: Real) -> Real:
 
 def _student_cost(shape: Shape, scales: Real, residual: Complex) -> float:
     """Minus twice the log-likelihood, with the price of the shape and what a second scale costs."""
-    total = shape.price
+    total, residual = shape.price, shape.seen(residual)
     for part, form, scale in zip(
         (residual.real, residual.imag), (shape.real, shape.imag), scales, strict=True
     ):
@@ -374,7 +496,9 @@ def plausible_variance(dof: float) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def at_least_rounding(sd: Complex, measurement: Measurement) -> Complex:
+def at_least_rounding(
+    sd: Complex, measurement: Measurement, turn: Complex | None = None
+) -> Complex:
     """Standard deviations (n,), at least what writing values with few digits rounds away.
 
     Parameters
@@ -383,6 +507,8 @@ def at_least_rounding(sd: Complex, measurement: Measurement) -> Complex:
         Of K' (real part) and K'' (imaginary part).
     measurement : Measurement
         The values as they were written.
+    turn : ndarray of complex, shape (n,), optional
+        After which `sd` is told.
 
     Examples
     --------
@@ -395,15 +521,16 @@ def at_least_rounding(sd: Complex, measurement: Measurement) -> Complex:
     """
     # A number that is rounded lies anywhere within its step: the standard deviation of that is step
     # / sqrt(12).
-    least = [
-        rounding_step(part) / np.sqrt(12.0) for part in (measurement.storage, measurement.loss)
-    ]
+    steps = rounding_step(measurement.storage) + 1j * rounding_step(measurement.loss)
+    digit = steps / np.sqrt(12.0)
+    if turn is not None:
+        digit = turned_sd(digit, turn)
     # Computed data are exact to single precision at the most: they too get a noise, or weights
     # would be endless.
     size = LEAST_RELATIVE * measurement.magnitude
     parts = [
-        np.maximum(np.maximum(part, digit), size)
-        for part, digit in zip((sd.real, sd.imag), least, strict=True)
+        np.maximum(np.maximum(part, least), size)
+        for part, least in ((sd.real, digit.real), (sd.imag, digit.imag))
     ]
     return np.asarray(parts[0] + 1j * parts[1], dtype=np.complex128)
 

@@ -18,10 +18,8 @@ from springpot.measurement.mixed_tests import sweeps_of
 from springpot.measurement.replicates import Averaged, average_repeats, noise_of_repeats
 from springpot.measurement.scatter import (
     Noise,
-    Scatter,
-    at_least_rounding,
     checked_noise,
-    noise_shape,
+    noise_shape_along,
     plausible_variance,
     robust_noise_shape,
 )
@@ -29,7 +27,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Complex, Real
 from springpot.thresholds import SCATTER, VERDICT
 
-from .frame import NoiseFrame
+from .frame import NoiseFrame, chance_of_squares, phase_of
 from .outliers import Trimmed, trimmed
 from .refit import Refit, refit
 
@@ -126,8 +124,19 @@ def beyond_floor(fitted: Refit) -> bool:
     ratio = fitted.relative_rms / fitted.floor
     # Floor and error are both uncertain, so F and not chi-square; of many points a slight excess is
     # sure but small.
-    chance = f_sf(ratio**2, fitted.fit.dof, fitted.noise.dof)
+    dof = fitted.error_dof
+    chance = chance_of_squares(ratio**2 * dof, dof, fitted.noise.dof)
     return bool(ratio > VERDICT.misfit and chance < VERDICT.structure_alarm)
+
+
+def below_floor(fitted: Refit) -> bool:
+    """Whether an error is so far below a floor that the data told that the floor is wrong."""
+    # Where given deviations were smaller, structure passed for scatter: what tests see is there.
+    if fitted.noise.source != "estimated" or fitted.noise.overruled:
+        return False
+    ratio = fitted.relative_rms / fitted.floor
+    chance = f_sf(ratio**-2, fitted.noise.dof, fitted.error_dof)
+    return bool(ratio < VERDICT.below and chance < VERDICT.structure_alarm)
 
 
 def is_arithmetic(fitted: Refit) -> bool:
@@ -180,7 +189,7 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     # Before anything is set aside: where a rig is noisier at the ends of its range, these points
     # are no outliers.
     shape = next(_shapes(first, data.mean, everything, uneven=True))
-    relative = np.concatenate([shape.sd.real, shape.sd.imag]) / np.concatenate([size, size])
+    relative = np.concatenate([shape.parts.real, shape.parts.imag]) / np.concatenate([size, size])
     if np.ptp(relative) < LEAST_RISE * np.min(relative):
         return usual
     return _in_rounds(
@@ -213,8 +222,7 @@ def _scaled(
     # shape.
     free, inside = undragged(shaped)
     variance, dof = scatter_about(free.frame())
-    sd = at_least_rounding(float(np.sqrt(variance)) * shape.sd, data.mean)
-    noise = replace(shape, sd=sd, dof=dof)
+    noise = replace(shape.scaled(float(np.sqrt(variance))), dof=dof).at_least_rounding(data.mean)
     # Of all points again: those that stand out are left out of the noise, not of the data.
     return refit(model, data, noise, [shaped.theta], starts=STARTS_OF_A_ROUND), free, inside
 
@@ -263,7 +271,10 @@ def sharpened(base: Refit, best: Refit) -> Refit | None:
         return None
     everything = np.ones(frame.size, dtype=bool)
     noise = _of_residual(best, Trimmed(frame.rest, everything, float(dof)))
-    if base.data.floor(noise) > SCATTER.sharper * base.data.floor(base.noise):
+    sharper = base.data.floor(noise) < SCATTER.sharper * base.data.floor(base.noise)
+    # Whether noise goes along K or across it only a model that leaves nothing else can tell.
+    other_axes = (noise.along is None) != (base.noise.along is None) and not beyond_floor(best)
+    if not sharper and not other_axes:
         return None
     return refit(base.model, base.data, noise, [base.theta], starts=STARTS_AGAIN)
 
@@ -290,7 +301,7 @@ def _shapes(
         Whether the noise may be larger at an end of the frequencies, or of another size in each
         part.
     """
-    frame, n = free.frame(), int(np.sum(inside))
+    frame = free.frame()
     scatters = [frame.rough]
     left = trimmed(frame).left
     # Within rounding it is the same scatter, and a second fit of the same shape would cost time for
@@ -305,19 +316,29 @@ def _shapes(
     left_of_noise = np.sqrt(np.maximum(1.0 - followed, LEAST_LEFT))
     for scatter in scatters:
         scatter = scatter / left_of_noise
-        rough = scatter[:n] / free.noise.weights.real + 1j * scatter[n:] / free.noise.weights.imag
-        sd = at_least_rounding(robust_noise_shape(measurement, rough, inside, uneven), measurement)
-        yield Noise(sd, float(max(frame.rough_dof, 1)), "estimated")
+        rough = free.noise.of_whitened(scatter)
+        axes = turn_of(free, measurement)
+        sd, turn = robust_noise_shape(measurement, rough, inside, uneven, axes)
+        noise = Noise.shaped(sd, turn, float(max(frame.rough_dof, 1)), "estimated")
+        yield noise.at_least_rounding(measurement)
+
+
+def turn_of(fitted: Refit, measurement: Measurement) -> Complex:
+    """Unit numbers (n,) that turn K of a fitted model to the real axis."""
+    # The model's, not the measured one: a point's own error would turn its axes, and of the larger
+    # part put the square into the other.
+    stiffness = fitted.model.stiffness(fitted.theta, measurement.points)
+    return np.asarray(np.conj(phase_of(stiffness, measurement)), dtype=np.complex128)
 
 
 def _of_residual(fitted: Refit, scatter: Trimmed) -> Noise:
     """Noise of the shape and size of a whitened scatter; points set aside say nothing of it."""
-    weights, n = fitted.noise.weights, len(scatter.left) // 2
-    squares = np.where(scatter.kept, scatter.left, 0.0) ** 2
+    n = len(scatter.left) // 2
+    left = fitted.noise.of_whitened(np.where(scatter.kept, scatter.left, 0.0))
     each: Real = scatter.dof / float(np.sum(scatter.kept)) * scatter.kept.astype(np.float64)
-    parts = Scatter(squares[:n] / weights.real**2, squares[n:] / weights.imag**2, each[:n])
-    sd = at_least_rounding(noise_shape(fitted.data.mean, parts), fitted.data.mean)
-    return Noise(sd, scatter.dof, "estimated")
+    data = fitted.data.mean
+    sd, turn = noise_shape_along(data, left, each[:n], turn_of(fitted, data))
+    return Noise.shaped(sd, turn, scatter.dof, "estimated").at_least_rounding(data)
 
 
 def scatter_about(frame: NoiseFrame) -> tuple[float, float]:

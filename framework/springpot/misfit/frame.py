@@ -47,6 +47,12 @@ def relative_to(stiffness: Complex, measurement: Measurement) -> Complex:
     return np.where(stiffness == 0.0, measurement.stiffness, stiffness)
 
 
+def phase_of(stiffness: Complex, measurement: Measurement) -> Complex:
+    """K over |K| (n,) of a model."""
+    whole = relative_to(stiffness, measurement)
+    return np.asarray(whole / np.abs(whole), dtype=np.complex128)
+
+
 def orthonormal(columns: Real, tolerance: float = 1e-9) -> Real:
     """Orthonormal basis of the columns, scaled first, so that their units do not matter."""
     size = np.sqrt(np.sum(columns * columns, axis=0))
@@ -243,6 +249,8 @@ class NoiseFrame:
         Degrees of freedom behind the common scale of the noise; infinite where it is known.
     estimated : bool
         Whether the noise was estimated from the scatter of these very data.
+    turn : ndarray of complex, shape (n,), optional
+        Unit numbers by which differences of K are multiplied before they are weighed.
     """
 
     measurement: Measurement
@@ -251,10 +259,11 @@ class NoiseFrame:
     jacobian: Complex
     scale_dof: float = inf
     estimated: bool = False
+    turn: Complex | None = None
 
     def whiten(self, values: Complex) -> Real:
         """Complex values (..., n) as real ones (..., 2n) in units of the noise."""
-        return weighted(values, self.weights)
+        return weighted(values, self.weights, self.turn)
 
     @cached_property
     def residual(self) -> Real:
@@ -313,6 +322,9 @@ class NoiseFrame:
     @cached_property
     def _steps(self) -> Complex | None:
         """Rounding steps of K' and K'' (n,), where rounding is a good part of the noise."""
+        # Noise that goes along K is told only where it is larger than rounding.
+        if self.turn is not None:
+            return None
         steps = rounding_step(self.measurement.storage) + 1j * rounding_step(self.measurement.loss)
         # Where it is small beside the noise, uniform errors are as good as part of it, and drawing
         # them costs time.
@@ -375,7 +387,7 @@ class NoiseFrame:
 
     def _in_their_places(self, deviations: NDArray[np.complexfloating]) -> Drawn:
         """Whitened residuals (m, 2n) of relative deviations (m, n), by the noise at their place."""
-        turned = deviations * self._phase.astype(np.complex64)
+        turned = deviations * self._turned_phase.astype(np.complex64)
         by_part = [
             (self.weights.real * self._sd).astype(DRAWN),
             (self.weights.imag * self._sd).astype(DRAWN),
@@ -415,8 +427,12 @@ class NoiseFrame:
     @cached_property
     def _phase(self) -> Complex:
         """K over |K| (n,)."""
-        whole = relative_to(self.model_stiffness, self.measurement)
-        return np.asarray(whole / np.abs(whole), dtype=np.complex128)
+        return phase_of(self.model_stiffness, self.measurement)
+
+    @cached_property
+    def _turned_phase(self) -> Complex:
+        """The same as differences of K are weighed."""
+        return self._phase if self.turn is None else self._phase * self.turn
 
     @cached_property
     def _deviations(self) -> Complex:
@@ -429,7 +445,7 @@ class NoiseFrame:
         """
         n = self.size // 2
         rest = self.rest[:n] / self.weights.real + 1j * self.rest[n:] / self.weights.imag
-        relative = rest / (self._phase * self._sd)
+        relative = rest / (self._turned_phase * self._sd)
         free = max(self.size - self.absorbed.shape[1], 1)
         return np.asarray(relative * np.sqrt(self.size / free), dtype=np.complex128)
 
@@ -499,9 +515,12 @@ class NoiseFrame:
             inside = ((which[:, None] >= starts) & (which[:, None] < starts + width)).astype(float)
             empty = np.zeros((n, len(starts)))
             columns += [np.concatenate([inside, empty]), np.concatenate([empty, inside])]
-        left = self.project(np.concatenate(columns, axis=1))
-        size = np.sqrt(np.sum(left * left, axis=0))
-        seen = size > LEAST_LOCAL
+        whole = np.concatenate(columns, axis=1)
+        left = self.project(whole)
+        size = np.linalg.norm(left, axis=0)
+        # A share: of one that is there in many sweeps a hundredth is as long as a tenth of a point,
+        # and holds more of how the parameters bend than of the noise.
+        seen = size > LEAST_LOCAL * np.linalg.norm(whole, axis=0)
         return np.asarray(left[:, seen] / size[seen], dtype=np.float64)
 
     @cached_property

@@ -23,14 +23,23 @@ from springpot.distributions import (
     f_sf,
     gamma_sf,
 )
-from springpot.measurement.independence import rounded_log_omega
+from springpot.identification.problem import weighted
+from springpot.measurement.independence import frequency_numbers, rounded_log_omega
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.rheology.points import Real
-from springpot.thresholds import OUTLIERS, SCATTER
+from springpot.thresholds import OUTLIERS, SCATTER, VERDICT
 
 from ..numerics import ALIKE, ROUNDING
-from .frame import LEAST_SEEN, NoiseFrame, drift_shapes, orthonormal, spectrum, waves
+from .frame import (
+    LEAST_SEEN,
+    NoiseFrame,
+    chance_of_squares,
+    drift_shapes,
+    orthonormal,
+    spectrum,
+    waves,
+)
 from .mains_hum import HARMONICS, near_mains
 from .refit import Refit
 from .where import Where, with_unit
@@ -214,8 +223,8 @@ def _energy_of_ripples(frame: NoiseFrame, left: Real, periods: Real) -> Real:
         change = (relative[:, :, None] * waves_of_sweep[:, :, None, :]).reshape(
             len(periods), len(rows), -1
         )
-        weights = frame.weights[rows][:, None]
-        columns = np.concatenate([change.real * weights.real, change.imag * weights.imag], axis=1)
+        turn = None if frame.turn is None else frame.turn[rows]
+        columns = weighted(np.swapaxes(change, 1, 2), frame.weights[rows], turn).swapaxes(1, 2)
         size = np.linalg.norm(columns, axis=1, keepdims=True)
         axes, sizes, _ = np.linalg.svd(
             columns / np.where(size > 0.0, size, 1.0), full_matrices=False
@@ -317,6 +326,9 @@ class Outlier:
         What the size of K is called.
     row : int or None
         Number of its row as ``--exclude row=3`` counts; None where the data were thinned.
+    alone : bool
+        Whether nothing else is off beside it: a bad reading stands alone, an interference or a
+        resonance is seen at the next frequencies, or at this one in other sweeps.
     """
 
     frequency: float
@@ -326,6 +338,7 @@ class Outlier:
     stiffness: complex
     magnitude: str = "|K|"
     row: int | None = None
+    alone: bool = True
 
     @property
     def place(self) -> Where:
@@ -532,6 +545,7 @@ def described(frame: NoiseFrame, rows: NDArray[np.int64]) -> list[Outlier]:
     n = len(frame.measurement)
     off = frame.measurement.stiffness - frame.model_stiffness
     size = np.hypot(frame.residual[:n], frame.residual[n:])
+    alone = stands_alone(frame, rows)
     return [
         Outlier(
             float(frame.measurement.frequency[row]),
@@ -540,9 +554,41 @@ def described(frame: NoiseFrame, rows: NDArray[np.int64]) -> list[Outlier]:
             point_in_words(frame.measurement, int(row)),
             complex(frame.measurement.stiffness[row]),
             frame.measurement.units.magnitude,
+            alone=alone,
         )
         for row in rows
     ]
+
+
+def stands_alone(frame: NoiseFrame, rows: NDArray[np.int64]) -> bool:
+    """Whether rows that stand out do so by themselves, as bad readings do.
+
+    They are no neighbours, of different frequencies, and what lies beside them, along the sweep and
+    at the same frequency in others, is no further from the fit than noise takes it.
+
+    Parameters
+    ----------
+    frame : NoiseFrame
+        A fit without these rows, seen at all.
+    rows : ndarray of int
+        Those that stand out.
+    """
+    if side_by_side(frame.measurement, rows):
+        return False
+    which = frequency_numbers(frame.measurement)
+    if len(np.unique(which[rows])) < len(rows):
+        return False
+    beside = set(np.flatnonzero(np.isin(which, which[rows])).tolist())
+    for sweep in sweeps_of(frame.measurement):
+        for place in np.flatnonzero(np.isin(sweep.rows, rows)):
+            beside |= set(sweep.rows[max(place - 1, 0) : place + 2].tolist())
+    others = np.array(sorted(beside - set(rows.tolist())), dtype=np.int64)
+    if not len(others):
+        return True
+    n = len(which)
+    squares = frame.residual[others] ** 2 + frame.residual[others + n] ** 2
+    chance = chance_of_squares(float(np.sum(squares)), 2.0 * len(others), frame.scale_dof)
+    return chance > VERDICT.structure_alarm
 
 
 def without(measurement: Measurement, rows: NDArray[np.int64]) -> Measurement:
@@ -566,11 +612,12 @@ def are_outliers(
         How many they are.
     """
     (base, best), (base_without, best_without) = with_points, without_points
-    size = 2 * len(base.fit.measurement)
+    data = base.fit.measurement
+    size = 2 * len(data)
     # Both in units of the noise of the data without the points: an estimate that holds them cannot
     # judge them.
-    scale = np.median(np.abs(base_without.noise.weights)) / np.median(np.abs(base.noise.weights))
-    gain = scale**2 * best.rss - best_without.rss
+    left = base_without.frame_of(data).whiten(data.stiffness - best.stiffness)
+    gain = float(left @ left) - best_without.rss
     # As an effect is judged: by chi-square and a price, which for a point is that of choosing it
     # among all.
     spent = len(best.own) - len(best_without.own)

@@ -27,7 +27,7 @@ from springpot.rheology.points import Complex, Real
 from springpot.thresholds import VERDICT
 
 from ..numerics import NEGLIGIBLE
-from .frame import Drawn, NoiseFrame
+from .frame import Drawn, NoiseFrame, phase_of
 from .words import times
 
 
@@ -164,6 +164,18 @@ class Refit:
         free = 1.0 - followed / (2 * len(self.data.raw))
         return self.data.floor(self.noise) * float(np.sqrt(free))
 
+    @property
+    def error_dof(self) -> float:
+        """Degrees of freedom of `relative_rms`, in which every point counts by its own noise.
+
+        Where few points are far noisier than all others it is as uncertain as theirs (Satterthwaite
+        1946, doi:10.2307/3002019).
+        """
+        relative = self.noise.sd / self.data.mean.magnitude
+        variances = np.concatenate([relative.real, relative.imag]) ** 2
+        counts = float(np.sum(variances)) ** 2 / float(np.sum(variances**2))
+        return max(self.fit.dof * counts / len(variances), 1.0)
+
     def without(self, rows: NDArray[np.bool_]) -> Refit:
         """The fit of all data but some of the averaged rows, (n,), from where this one ended."""
         # No further starts: a few rows less do not move the minimum far, and this is asked for many
@@ -183,7 +195,13 @@ class Refit:
         free = by_theta[self._free(by_theta, response.value)]
         estimated = self.noise.source == "estimated"
         return NoiseFrame(
-            measurement, response.value, self.noise.weights, free, self.noise.dof, estimated
+            measurement,
+            response.value,
+            self.noise.weights,
+            free,
+            self.noise.dof,
+            estimated,
+            self.noise.turn,
         )
 
     # Asked where a point was set aside: its own noise is not known, but noise goes with |K|.
@@ -196,7 +214,11 @@ class Refit:
         nearest = np.argmin(apart, axis=1)
         stiffness = self.model.stiffness(self.theta, measurement.points)
         nothing = np.zeros((0, len(measurement)), dtype=np.complex128)
-        return NoiseFrame(measurement, stiffness, self.noise.weights[nearest], nothing)
+        weights = self.noise.weights[nearest]
+        turn = None
+        if self.noise.turn is not None:
+            turn = np.conj(phase_of(stiffness, measurement))
+        return NoiseFrame(measurement, stiffness, weights, nothing, self.noise.dof, turn=turn)
 
     def _free(self, by_theta: Complex, value: Complex) -> NDArray[np.bool_]:
         """Which parameters can follow a residual.
@@ -213,8 +235,9 @@ class Refit:
         # Per relative change where a parameter is positive, so that its unit does not matter.
         natural = np.where(logs, self.theta, 1.0)
         influence = np.linalg.norm(by_theta * natural[:, None] / size, axis=1)
-        slopes = weighted(by_theta, self.noise.weights)
-        left = weighted(self.fit.measurement.stiffness - value, self.noise.weights)
+        weights, turn = self.noise.weights, self.noise.turn
+        slopes = weighted(by_theta, weights, turn)
+        left = weighted(self.fit.measurement.stiffness - value, weights, turn)
         downhill = slopes @ left
         # A search ends near a bound, hardly ever on it.
         room = 1e-6 * np.where(logs, np.abs(self.theta), 1.0)
@@ -244,7 +267,10 @@ class OfNoise:
 def noise_objective(noise: Noise) -> Objective:
     """Differences of K' and K'' in units of their noise."""
     return Objective(
-        "noise", "the differences over the standard deviations of the noise", OfNoise(noise.weights)
+        "noise",
+        "the differences over the standard deviations of the noise",
+        OfNoise(noise.weights),
+        turn=noise.turn,
     )
 
 
@@ -363,8 +389,9 @@ def left_out_error(fitted: Refit, folds: list[NDArray[np.bool_]]) -> float:
             less.theta, fitted.fit.measurement.points
         )
         # In units of the noise of all data: a fit of less has no better one.
-        sd = fitted.noise.sd
-        total += float(np.sum((off.real / sd.real)[fold] ** 2 + (off.imag / sd.imag)[fold] ** 2))
+        noise = fitted.noise
+        missed = weighted(off, noise.weights, noise.turn)[np.tile(fold, 2)]
+        total += float(missed @ missed)
         count += 2 * int(np.sum(fold))
     return float(np.sqrt(total / count))
 

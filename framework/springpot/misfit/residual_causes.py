@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
 from springpot.distributions import f_sf, normal_quantile
+from springpot.identification.problem import weighted
 from springpot.measurement.independence import (
     at_one_frequency,
     distinct_log_omega,
@@ -131,9 +132,10 @@ def _bumps(frame: NoiseFrame, x: Real, rows: Rows, width: float) -> Iterator[tup
     stiffness = _present(frame)[rows]
     shapes = np.array(list(_shapes(x[rows], stiffness, width)))
     weights = frame.weights[rows]
+    turn = None if frame.turn is None else frame.turn[rows]
 
     def whitened(change: Complex) -> Real:
-        return np.concatenate([change.real * weights.real, change.imag * weights.imag], axis=1).T
+        return weighted(change, weights, turn).T
 
     real, imaginary = whitened(shapes.real * stiffness), whitened(1j * shapes.imag * stiffness)
     yield "causal", real + imaginary

@@ -30,6 +30,7 @@ from springpot.measurement import (
     unguarded,
     unguarded_line,
 )
+from springpot.measurement.replicates import NOTE, stands_again
 
 from .cleaning import cleaned
 from .columns import NOTES_OF_VALUES, ROLES, TEXT, assign, measurement_of, sign_note
@@ -104,6 +105,7 @@ def parse(text: str, name: str) -> Measurement:
         measurement = replace(measurement, units=_told(measurement.units, comments[_TOLD]))
     # A file that springpot wrote of repeated frequencies says so, since it must be readable again.
     if _TWICE not in table.comments:
+        measurement = _numbered(measurement)
         _check_duplicates(measurement, roles.get("omega") or roles["frequency"])
     if "name" in comments:
         # What springpot wrote itself has known all its columns.
@@ -131,6 +133,28 @@ def _as_written(column: Column) -> Column:
         # Of cells only words are guarded when they are written.
         return named
     return replace(named, cells=list(map(unguarded, column.cells)))
+
+
+def _numbered(measurement: Measurement) -> Measurement:
+    """The rows as repeats, where each frequency was measured so many times in a row.
+
+    Nothing else can have been meant: a sweep up and down, or one before and one after an ageing,
+    stands otherwise.
+    """
+    number = stands_again(measurement)
+    if number is None:
+        return measurement
+    count = int(np.bincount(number)[0])
+    points = number.reshape(-1, count)
+    if np.any(points != points[:, :1]):
+        return measurement
+    note = (
+        f"each of {len(points)} frequencies was measured {count} times in a row: taken for repeats,"
+        " their scatter for the noise"
+    )
+    repeat = np.tile(np.arange(1, count + 1), len(points))
+    # In the place of the note that asks for such numbers.
+    return replace(measurement, repeat=repeat, provenance={**measurement.provenance, NOTE: note})
 
 
 def _check_duplicates(measurement: Measurement, column: Column) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from springpot.cli.common import DATA, FILE, POSITIVE, emit, json_option, note_to_stderr
+from springpot.cli.predict import numbers
 
 EXAMPLE = "Example: springpot export-model fit.json --to opensees --band 1Hz:48Hz --tolerance 0.5%"
 
@@ -44,6 +45,11 @@ EXAMPLE = "Example: springpot export-model fit.json --to opensees --band 1Hz:48H
     "--temperature", type=float, metavar="DEGC", help="For models with a temperature effect."
 )
 @click.option(
+    "--amplitude",
+    metavar="X[,X...]",
+    help="Where a model is not linear: its first harmonic there, one material for each.",
+)
+@click.option(
     "--poisson", type=float, metavar="NU", help="Poisson's ratio, for formats of solid materials."
 )
 @click.option("--modulus", metavar="KIND", help="shear, young or bulk, where the data do not say.")
@@ -60,6 +66,7 @@ def command(
     output: Path | None,
     as_json: bool,
     tolerance: str | None,
+    amplitude: str | None,
     **options: Any,
 ) -> None:
     """Write a model for a solver: identified, or given by its parameters.
@@ -75,6 +82,8 @@ def command(
     # A path that cannot be written is told before anything is worked out.
     if output is not None:
         require_writable(output)
+    if amplitude is not None:
+        options["amplitudes"] = numbers(amplitude)
     handed = exported(source, format_name, tolerance=tolerance, **options)
     data = handed.data
     if data is not None:
