@@ -6,7 +6,7 @@ import numpy as np
 
 from springpot.errors import ModelError, OptionError
 from springpot.measurement.covered import Covered
-from springpot.measurement.measurement import Measurement
+from springpot.measurement.measurement import CONDITIONS, Measurement
 from springpot.rheology.levels import held
 from springpot.rheology.points import Real
 
@@ -59,8 +59,9 @@ def series_of(data: Measurement, times: Real, dashpot: bool = False) -> Handoff:
     ModelError
         If a condition changes within the data, or there are fewer numbers than terms.
     """
-    for name, column in data.conditions.items():
-        if np.ptp(column) > np.max(held(name, column)):
+    # What else stands in further columns a user may know to be one.
+    for name, column in ((name, data.conditions.get(name)) for name in CONDITIONS):
+        if column is not None and np.ptp(column) > np.max(held(name, column)):
             raise ModelError(
                 f"{data.name} has more than one {name}, and a series is that of one: choose one,"
                 f" {data.name}@{name}=VALUE, or fit a model with an effect of it"
