@@ -15,7 +15,7 @@ import pytest
 
 import springpot.cli as shell
 from springpot import api, loading
-from springpot.cli import discover, group, init, invent, waiting
+from springpot.cli import common, discover, group, init, invent, waiting
 
 
 @pytest.mark.parametrize(("fd", "name"), [(0, "stdin"), (1, "stdout"), (2, "stderr")])
@@ -181,3 +181,11 @@ def test_only_a_plugin_is_made_of_a_law_and_no_file_is_replaced(springpot, tmp_p
     ]
     assert all(Path(name).exists() for name in files)
     assert springpot("init", "study", "--folder", tmp_path / "new").is_one_line("is not replaced")
+
+
+def test_one_answer_is_spread_over_lines_and_of_several_each_is_one(capsys):
+    for given, lines in (((), 3), ((False,), 3), ((True,), 1)):
+        common.emit({"a": 1}, True, print, *given)
+        assert len(capsys.readouterr().out.splitlines()) == lines
+    common.emit({"a": 1}, False, lambda: print("words"), True)
+    assert capsys.readouterr().out == "words\n"
