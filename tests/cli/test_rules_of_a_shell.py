@@ -185,7 +185,9 @@ def test_only_a_plugin_is_made_of_a_law_and_no_file_is_replaced(springpot, tmp_p
 
 def test_one_answer_is_spread_over_lines_and_of_several_each_is_one(capsys):
     for given, lines in (((), 3), ((False,), 3), ((True,), 1)):
-        common.emit({"a": 1}, True, print, *given)
+        with click.Context(group.springpot):
+            common.emit({"a": 1}, True, print, *given)
         assert len(capsys.readouterr().out.splitlines()) == lines
-    common.emit({"a": 1}, False, lambda: print("words"), True)
+    with click.Context(group.springpot):
+        common.emit({"a": 1}, False, lambda: print("words"), True)
     assert capsys.readouterr().out == "words\n"
