@@ -19,15 +19,17 @@ from springpot.identified import fitted, stated
 from springpot.measurement.units import (
     FREQUENCY_UNITS,
     MODULI,
+    Units,
     known_unit,
     one_modulus,
 )
-from springpot.registry import parse_model, plugins
+from springpot.registry import open_measurement, parse_model, plugins
 from springpot.rheology.effect import Layer
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import Parallel
 from springpot.rheology.points import Real
 
+from .from_data import series_of
 from .handoff import Handoff, Writer
 from .placing import ModelPlace, split
 from .prony import BULKS
@@ -95,7 +97,7 @@ def exported(
     source: str,
     format_name: str,
     *,
-    band: str,
+    band: str | None = None,
     tolerance: str | float | None = None,
     terms: int | None = None,
     dashpot: bool = False,
@@ -114,11 +116,11 @@ def exported(
     Parameters
     ----------
     source : str
-        The JSON file of an identification, or a model expression.
+        The JSON file of an identification, or a model expression; with `times` measured data too.
     format_name : str
         Name of a writer.
-    band : str
-        Such as ``"1Hz:48Hz"``.
+    band : str, optional
+        Such as ``"1Hz:48Hz"``; of data it is where they were measured.
     tolerance : str or float, optional
         Largest |dK| / |K|, such as ``"0.5%"`` or 0.005.
     terms : int, optional
@@ -154,6 +156,11 @@ def exported(
     # What is asked for wrongly is told before a spectrum is worked out.
     writer: Writer = plugins().find("writer", format_name)
     wanted = _wanted(writer, tolerance, terms, dashpot, times)
+    if times is not None and not source.endswith(".json") and not _is_model(source):
+        told = _of_data(source, times, dashpot, modulus)
+        return _finished(writer, [replace(told, poisson=poisson, bulk=_bulk(bulk))], "")
+    if band is None:
+        raise ModelError(f"{source} is a model: give the --band on which a series follows it")
     known = _known(source, values, unit).without(without)
     whole = known
     sliding: dict[str, dict[str, float]] = {}
@@ -161,7 +168,7 @@ def exported(
         known, sliding = split(whole, writer)
     # Once those that the user leaves out are gone.
     _refuse_rig(known.model, bool(amplitudes))
-    letter, bulk = _letter(known, modulus), _bulk(bulk)
+    letter, bulk = _letter(known.model.name, known.units, modulus), _bulk(bulk)
     places = _places(known, whole, _band(band), temperature, amplitudes)
     # Numbers given for a model expression have a unit only if the user says which.
     shown_unit = ""
@@ -173,11 +180,22 @@ def exported(
         for number, each in enumerate(places, 1)
     ]
     outside = "; ".join(dict.fromkeys(filter(None, (each.outside for each in places))))
+    return _finished(writer, handoffs, outside)
+
+
+def _finished(writer: Writer, handoffs: list[Handoff], outside: str) -> Exported:
     # An FMU is no text: its bytes are made beside the text that says what is in it.
     data, text = None, writer.together(handoffs)
     if writer.data is not None:
         data = writer.data(handoffs[0])
     return Exported(text, writer, handoffs[0], data, outside, tuple(handoffs[1:]))
+
+
+def _of_data(source: str, times: Real, dashpot: bool, modulus: str | None) -> Handoff:
+    """The series of given times straight from measured points."""
+    data = open_measurement(source)
+    told = series_of(data, times, dashpot)
+    return replace(told, letter=_letter(data.name, data.units, modulus))
 
 
 def _wanted(
@@ -190,6 +208,10 @@ def _wanted(
     """What is asked of the series, as `prony_of` takes it."""
     if terms is not None and tolerance is not None:
         raise ModelError("give a tolerance or a number of terms, not both")
+    if times is not None and (terms, tolerance) != (None, None):
+        raise ModelError(
+            "times that are given are as many terms: leave out --terms and --tolerance"
+        )
     if dashpot and not writer.dashpot:
         raise ModelError(
             f"{writer.name} has no place for a dashpot beside the terms: leave out --dashpot"
@@ -213,18 +235,16 @@ def _places(
     return [replace(place, amplitude=each) for each in amplitudes] or [place]
 
 
-def _letter(known: Known, modulus: str | None) -> str:
+def _letter(name: str, units: Units, modulus: str | None) -> str:
     """The letter of the modulus, from the data or as the user says; of both, they must agree."""
     if modulus is None:
-        return known.units.modulus
+        return units.modulus
     if modulus not in MODULI:
         raise ModelError(f"a modulus is {', '.join(MODULI)}, not '{modulus:.20}'")
-    if not known.units.is_modulus:
-        raise ModelError(
-            f"{known.model.name} is a stiffness in {known.units.stiffness}: leave out --modulus"
-        )
-    told = replace(known.units, letter=MODULI[modulus])
-    return one_modulus([(known.model.name, known.units), (f"--modulus {modulus}", told)])
+    if not units.is_modulus:
+        raise ModelError(f"{name} is a stiffness in {units.stiffness}: leave out --modulus")
+    told = replace(units, letter=MODULI[modulus])
+    return one_modulus([(name, units), (f"--modulus {modulus}", told)])
 
 
 def _bulk(bulk: str | None) -> str | None:
@@ -234,14 +254,18 @@ def _bulk(bulk: str | None) -> str | None:
 
 
 def _is_file(source: str) -> bool:
-    """Whether a source is a file: what its name says, or what is there and is no model."""
+    """Whether a source is the file of a fit: what its name says, or what is there and no model."""
     if source.endswith(".json"):
         return True
+    return exists(source) and not _is_model(source)
+
+
+def _is_model(source: str) -> bool:
     try:
         parse_model(source)
     except SpringpotError:
-        return exists(source)
-    return False
+        return False
+    return True
 
 
 def _known(source: str, values: Sequence[str], unit: str | None) -> Known:

@@ -190,7 +190,7 @@ class _Through:
     def series(self, tolerance: float | None, terms: int | None, times: Real | None) -> Prony:
         """With given times, with a number of terms, or with as few as a tolerance needs."""
         if times is not None:
-            return _at_times(self.grid, self.target, times, self.dashpot, self.band)
+            return at_times(self.grid, self.target, times, self.dashpot, self.band)
         if terms is not None and not 1 <= terms <= MOST:
             raise ModelError(f"a Prony series has 1 to {MOST} terms, not {terms}")
         wanted = 0.005 if tolerance is None else tolerance
@@ -290,10 +290,22 @@ def _fitted(
     )
 
 
-def _at_times(
+def at_times(
     grid: Real, target: Complex, times: Real, dashpot: bool, band: tuple[float, float]
 ) -> Prony:
-    """Weights of given times: all of them stay, those without weight too."""
+    """The series of given times by non-negative least squares; those without weight stay too.
+
+    Parameters
+    ----------
+    grid, target : ndarray, shape (n,)
+        Natural logarithms of angular frequencies in rad/s, and K there.
+    times : ndarray, shape (m,)
+        In s.
+    dashpot : bool
+        Whether one may stand beside the terms.
+    band : tuple of float
+        Between which angular frequencies it stands for K.
+    """
     times = np.sort(np.asarray(times, dtype=float))
     u, s = -np.log(times), 1j * np.exp(grid)
     amounts = _weights(s, u, target, 1.0 / np.abs(target), dashpot)
