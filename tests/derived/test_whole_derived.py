@@ -139,6 +139,7 @@ def test_places_are_looked_for_at_so_many_of_each_decade():
     grid = OfModel._grid.fget(SimpleNamespace(band=(1.0, 1.0 + 3.0 * DECADE)))
     assert grid[[0, -1]] == pytest.approx([1.0, 1.0 + 3.0 * DECADE])
     assert 0.9 < np.diff(grid)[0] * FINE / DECADE < 1.0
+    assert OfModel._grid.fget(SimpleNamespace(band=(1.0, 1.0))).tolist() == [1.0, 1.0]
 
 
 def test_limits_are_looked_for_decade_by_decade_as_far_as_any_is(monkeypatch):
@@ -154,3 +155,12 @@ def test_limits_are_looked_for_decade_by_decade_as_far_as_any_is(monkeypatch):
     steps = np.arange(from_model.FARTHEST + 1)
     np.testing.assert_allclose(asked[0], -2.0 / DECADE - steps)
     np.testing.assert_allclose(asked[1], 3.0 / DECADE + steps)
+
+
+def test_what_has_no_logarithm_is_on_no_curve():
+    n = 12
+    k, strain = np.full(n, 3.0 + 1.0j), np.arange(1.0, n + 1.0)
+    k[2], k[4], strain[6] = 1.0j, 3.0, 0.0
+    data = springpot.Measurement(np.full(n, 6.0), k, conditions={"amplitude": strain})
+    (sweep,) = curves(data, "amplitude")
+    assert np.exp(sweep.x).tolist() == pytest.approx(strain[[0, 1, 3, 5, *range(7, n)]])
