@@ -38,6 +38,7 @@ from springpot.thresholds import EXPERIMENT
 from ..format_numbers import NAMED
 from ..numerics import ALIKE
 from .result import NextExperiment
+from .untold import COLUMN, Untold
 
 TYPED_IN, WAITED_FOR, WORKED_FOR = 1.0, 1.5, 2.0
 """Effort of an amplitude, which is a number.
@@ -502,6 +503,23 @@ def experiment_on_points(outliers: Sequence[Outlier]) -> NextExperiment:
     )
     omega = [2.0 * np.pi * outlier.frequency * factor for outlier in outliers for factor in BESIDE]
     return NextExperiment(says, (), None, {"omega": omega})
+
+
+def experiment_on_untold(untold: Untold, measurement: Measurement) -> NextExperiment:
+    """What tells an effect from those of an amplitude that no column tells.
+
+    Parameters
+    ----------
+    untold : Untold
+        The effect, and the others.
+    measurement : Measurement
+        The data.
+    """
+    says = (
+        f"measure the same points at another {COLUMN} too, and write both in a column {COLUMN}:"
+        f" {untold.effect} stays as it is, {' or '.join(untold.others)} changes with it"
+    )
+    return NextExperiment(says, (), None, {"omega": measurement.omega[:MOST_POINTS].tolist()})
 
 
 def experiment_on_unknown(measurement: Measurement) -> NextExperiment:
