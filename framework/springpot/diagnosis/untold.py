@@ -70,7 +70,8 @@ def untold_in_place(search: Search, library: Sequence[Effect]) -> Untold | None:
         at = influence(base.model, base.theta, base.stiffness, named, data)
         own = Directions.of(frame, at).unit
         alike = []
-        for other in others:
+        # A rarer one is no reason to doubt: a clock is wrong more often than a joint has play.
+        for other in [effect for effect in others if effect.prior >= named.prior]:
             there = influence(base.model, base.theta, base.stiffness, other, held)
             unit = Directions.of(frame, there).unit
             if np.max(own.T @ unit, initial=0.0) > PARALLEL:

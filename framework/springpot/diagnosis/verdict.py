@@ -269,15 +269,15 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
 
 def _stand_out_together(base: Refit) -> bool:
     """Whether more of the points that stand out are neighbours than chance would put there."""
-    stands_out = _standing_out(base)
+    stands_out, sweeps = _standing_out(base), sweeps_of(base.data.mean)
     pairs = 0
-    for sweep in sweeps_of(base.data.mean):
+    for sweep in sweeps:
         outside = stands_out[sweep.rows]
         pairs += int(np.sum(outside[1:] & outside[:-1]))
     n, m = len(stands_out), int(np.sum(stands_out))
     if pairs > 0 and _chance_of_pairs(n, m, pairs) < VERDICT.neighbours:
         return True
-    return _at_few_frequencies(frequency_numbers(base.data.mean), stands_out)
+    return len(sweeps) > 1 and _at_few_frequencies(frequency_numbers(base.data.mean), stands_out)
 
 
 def _at_few_frequencies(which: NDArray[np.int64], stands_out: NDArray[np.bool_]) -> bool:
