@@ -395,3 +395,30 @@ def test_an_executor_has_no_more_batches_under_way_than_its_width():
     assert len(next(results)) == 3
     assert submitted == [[0, 1, 2], [3, 4, 5]]
     assert len(list(results)) == 3
+
+
+@pytest.mark.parametrize(
+    ("inside", "minima", "known", "optimum"),
+    [
+        (1.0 + 0.9e-5, [], None, 1.0 + 0.9e-5),
+        (1.0 + 1.1e-5, [1.1] * 5, None, 1.1),
+        (1.0 + 1.1e-5, [1.1] + [1.1 + 0.9e-5] * 4, None, 1.1),
+        (1.0 + 1.1e-5, [1.1] * 4 + [1.1 + 1.1e-5], None, None),
+        (2.0, [1.1] * 5, 1.0 + 0.9e-5, 1.0 + 0.9e-5),
+        (2.0, [1.1] * 5, 1.1 - 0.9e-5, 1.1),
+        (2.0, [1.1] * 5, 1.1 - 1.1e-5, None),
+    ],
+)
+def test_an_optimum_is_certain_to_a_hundredth_of_the_target(
+    inside, minima, known, optimum, monkeypatch
+):
+    """Of a target of 5e-4 from 3 to 1: a slack of 1e-5."""
+    box = SimpleNamespace(from_theta=lambda theta: np.zeros(1))
+    problem = SimpleNamespace(
+        model=None, measurement=None, objective=None, space=box, evaluate=lambda x: inside,
+        lower=np.zeros(1), upper=np.ones(1),
+    )  # fmt: skip
+    best = SimpleNamespace(theta=np.zeros(1), cost=1.0)
+    monkeypatch.setattr(cases, "fit", lambda *given: best)
+    monkeypatch.setattr(cases, "minima_in_box", lambda problem: np.array(minima))
+    assert cases._optimum(problem, 3.0, known, 5e-4) == optimum

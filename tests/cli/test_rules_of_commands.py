@@ -9,8 +9,9 @@ from types import SimpleNamespace
 import click
 import pytest
 
-from springpot import api
-from springpot.cli import CtrlC, common, compare, timetests, waiting
+from springpot import api, registry
+from springpot.cli import CtrlC, common, compare, diagnose, group, timetests, waiting
+from springpot.measurement import Loading, TimeTest
 
 
 class Shown:
@@ -118,3 +119,29 @@ def test_what_foreign_code_prints_goes_elsewhere_and_only_that(capfd, quiet):
     told = capfd.readouterr()
     assert sorted(told.out.split()) == ["after", "again", "before"]
     assert sorted(told.err.split()) == (["told"] if quiet else ["compiled", "told"])
+
+
+@pytest.mark.parametrize("temperature", [None, 30.0])
+def test_a_test_is_predicted_at_the_temperature_that_is_asked_for(temperature, monkeypatch):
+    """That which the file has from sample to sample would go before it."""
+    warm = TimeTest([1.0, 2.0], [1.0, 1.0], Loading.step(), "force", "-", "Pa", warmth=[20.0, 21.0])
+    monkeypatch.setattr(registry, "open_in_time", lambda spec: (warm,))
+    monkeypatch.setattr(timetests, "seen_through", lambda test, geometry: test)
+    found = timetests._asked("planned.csv", temperature, None)
+    assert (found is warm) is (temperature is None)
+    assert (found.temperature, found.warmth is None) == (
+        (30.0, True) if temperature else (warm.temperature, False)
+    )
+
+
+@pytest.mark.parametrize(("count", "line"), [(1, False), (2, True)])
+def test_of_several_data_each_answer_is_a_line(count, line, monkeypatch):
+    asked = []
+    monkeypatch.setattr(diagnose, "opened", lambda name, geometry: name)
+    monkeypatch.setattr(diagnose.timetests, "named_tests", lambda data, geometry: None)
+    monkeypatch.setattr(
+        diagnose, "_answer", lambda data, given, shown: asked.append(shown.keywords.get("line"))
+    )
+    names = [f"{i}.csv" for i in range(count)]
+    group.run(["diagnose", *names, "-m", "kelvin", "--json"])
+    assert asked == [line] * count

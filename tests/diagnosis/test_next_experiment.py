@@ -8,8 +8,9 @@ from hidden_data import AMPLITUDES, KELVIN, SWEEP, design, hidden, measured
 
 import springpot
 from springpot.diagnosis import examine
+from springpot.diagnosis.contest import promise, separation
 from springpot.diagnosis.evidence import best_with
-from springpot.diagnosis.experiment import Clash, actions, next_experiment, promise, separation
+from springpot.diagnosis.experiment import Clash, actions, next_experiment
 from springpot.measurement import Measurement
 from springpot.misfit.words import plain
 from springpot.registry import plugins

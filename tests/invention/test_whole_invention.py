@@ -381,3 +381,17 @@ def test_a_term_with_a_loss_is_what_it_is_without_and_the_loss_alone(sign, size,
     # The one without a loss, the other with nothing else.
     assert (bare - twice).imag == pytest.approx(0.0)
     assert (alone - twice).real == pytest.approx(0.0)
+
+
+@pytest.mark.parametrize(
+    ("form", "power"),
+    [
+        ("*(1 + (X/m)^n)", "*X^n"),
+        ("/(1 + (X/m)^n)", "*X^(-n)"),
+        ("*(X/m)^n/(1 + (X/m)^n)", "*X^n"),
+    ],
+)
+def test_of_what_saturates_or_grows_from_a_constant_the_power_is_tried_alone(form, power):
+    text = f"parallel: i*k{form}"
+    (found,) = shorter(springpot.law(text), {"k": 3.0, "m": 2.0, "n": 0.7})
+    assert springpot.law(found[0]).name == springpot.law(f"parallel: i*k{power}").name, found

@@ -433,3 +433,10 @@ def test_a_spring_that_is_known_exactly_gives_no_work_away():
     for stiffness in (3.0 + 0.0j, 0.0 + 3.0j):
         row = SimpleNamespace(stiffness=stiffness, sd=0j, amplitude=1.0, work=0.0)
         assert from_signals._doubts_of_sign(row, "N") == []
+
+
+def test_half_a_cycle_is_told_to_be_too_few():
+    """Of 2 rad/s for 1.5 s: 0.48 cycles."""
+    time = np.linspace(0.0, 1.5, 400)
+    with pytest.raises(DataError, match=r"0\.48 cycles of 2 rad/s where one is needed"):
+        harmonics_of(time, np.cos(2.0 * time), 3.0 * np.cos(2.0 * time + 0.4), omega=2.0)

@@ -12,6 +12,7 @@ from springpot import Units
 from springpot.errors import SpringpotError
 from springpot.registry import plugins
 from springpot.rheology import Effect, Points
+from springpot.rheology.slipping import slip_fraction
 
 OMEGA = 2.0 * np.pi * np.geomspace(0.1, 100.0, 9)
 AMPLITUDE = np.geomspace(0.2, 4.0, 9)
@@ -79,7 +80,7 @@ def evaluated(equation, values):
     functions = ["exp", "sin", "tan", "tanh", "sqrt", "arcsin", "arccos", "imag", "pi", "abs"]
     names = {name: getattr(np, name) for name in functions}
     names |= {"gamma": gamma, "min": np.minimum, "i": 1j, "s": 1j * OMEGA, "omega": OMEGA}
-    names |= {"R": 8.31446261815324e-3}
+    names |= {"R": 8.31446261815324e-3, "slider": lambda r: slip_fraction(r)[0]}
     names |= {
         "K": modelled(OMEGA).view(Stiffness),
         "X": AMPLITUDE,
@@ -139,7 +140,7 @@ NOT_TYPED = {
     # They ask for the model's own K, or have a part in series within one beside the model.
     *("specimen-inertia", "specimen-inertia-fixed", "self-heating", "yielding"),
     # Functions and cases that no formula has.
-    *("elasto-sliding", "dead-zone", "backlash", "power-law-damper", "filter-mismatch"),
+    *("elasto-sliding", "dead-zone", "power-law-damper", "filter-mismatch"),
     "power-law-slip",
 }
 

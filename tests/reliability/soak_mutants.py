@@ -62,11 +62,6 @@ HARMLESS = {
         "1",
     ): "on a bound it is never nothing",
     (
-        "identification/levels_alone.py",
-        "return np.sqrt(np.where(spare > 0.5, summed / np.maximum(spare, 0.5), 0.0))",
-        "spare >= 0.5",
-    ): "what is a whole number to rounding is no half",
-    (
         "identification/material_fit.py",
         "lower = [end for end in _on_laws(search, measurement, objective) if end.cost < best.cost]",
         "end.cost <= best.cost",
@@ -102,6 +97,21 @@ HARMLESS = {
         "2",
     ): "a tolerance",
     (
+        "identification/material.py",
+        "basis, _ = material.basis(self.points.log_omega, False)",
+        "True",
+    ): "slopes that nobody asks for, beside the same values",
+    (
+        "solvers/prony.py",
+        "if soft < 0.0:",
+        "soft <= 0.0",
+    ): "of none the function has ended before",
+    (
+        "timetests/scatter.py",
+        "alone = at**2 + np.append(np.cumsum((after**2)[::-1])[::-1][1:], 0.0)",
+        "1.0",
+    ): "the last samples, among which no jump is looked for",
+    (
         "processes.py",
         "part = os.read(fd, 1 << 16)",
         "32",
@@ -126,6 +136,12 @@ HARMLESS = {
         "self._pointwise(0.0, 1.0) - self._pointwise(0.0, -1.0)",
         "1.0",
     ): "where the slope is taken beside which a jump is negligible",
+    (
+        "testreport/local.py",
+        "fits = (freedom <= 0) | (chi2_sf(left, np.maximum(freedom, 1.0)) >"
+        " SIGNALS.first_cycle_alarm)",
+        "chi2_sf(left, np.maximum(freedom, 1.0)) >= SIGNALS.first_cycle_alarm",
+    ): "a chance that is a level to the last bit",
     (
         "testing/contract.py",
         "objective.value(computed, data, weights), np.sum(residual**2), rtol=1e-12",

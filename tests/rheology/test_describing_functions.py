@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from springpot.registry import plugins
-from springpot.rheology import Points, damping_function, thinning
+from springpot.rheology import Points
 
 SAMPLES = 2**15
 ANGLE = 2.0 * np.pi * (np.arange(SAMPLES) + 0.5) / SAMPLES
@@ -155,11 +155,13 @@ def test_the_energy_of_self_heating_is_that_of_the_loop():
     assert shift == pytest.approx(power, rel=1e-12)
 
 
-@pytest.mark.parametrize(("softening", "exponent"), [(damping_function, 3.0), (thinning, 1.0)])
+@pytest.mark.parametrize(
+    ("softening", "exponent"), [("strain-softening", 3.0), ("shear-thinning", 1.0)]
+)
 def test_softening_keeps_to_the_range_of_numbers(softening, exponent):
     """A limit that a fit takes towards zero leaves almost no stiffness, and slopes are numbers."""
     at = Points.at([1e20, 1e22], amplitude=[1.0, 2.0])
-    found = softening().respond(np.array([1e-290, exponent]), at, 2)
+    found = plugins().effect(softening).element.respond(np.array([1e-290, exponent]), at, 2)
     assert np.all(np.abs(found.value) < 1e-100)
     assert np.all(np.isfinite(found.by_theta))
     assert np.all(np.isfinite(found.by_log_omega))

@@ -365,6 +365,13 @@ def test_a_power_of_a_reduced_frequency_is_an_order():
     assert [p.name for p in mode.parameters if p.is_order] == ["a"]
 
 
+def test_a_power_of_the_warmth_may_be_large():
+    # Of a modulus that falls by half in 10 K the power is 20.
+    warm, wide = (springpot.law(f"chain: {base}^n").element for base in ("(T/T0)", "(X/0.1/X)"))
+    assert [(p.lower, p.upper) for p in warm.parameters] == [(-20.0, 20.0)]
+    assert [(p.lower, p.upper) for p in wide.parameters] == [(-4.0, 4.0)]
+
+
 def test_a_law_of_the_clock_is_bounded_where_a_search_strays():
     clock = springpot.law("shift: exp(-X/Xc)").element
     at = Points.at([1.0], amplitude=[1e3])

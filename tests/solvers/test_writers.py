@@ -93,6 +93,9 @@ def abaqus_materials(text: str) -> dict[str, dict[str, list[list[float]]]]:
     for line in text.splitlines():
         if line.startswith("*MATERIAL, NAME="):
             material = materials.setdefault(line.partition("=")[2], {})
+        # Of the whole model, before its materials.
+        elif line.startswith("*PHYSICAL CONSTANTS"):
+            assert not materials
         elif line.startswith("*") and not line.startswith("**"):
             rows = material.setdefault(line, [])
         elif not line.startswith("**"):

@@ -18,6 +18,7 @@ from springpot.structure import (
     motion_of,
     reading,
     records,
+    tables,
 )
 
 
@@ -258,3 +259,22 @@ def test_sliders_that_hold_each_other_up_come_to_rest_or_slide_at_their_limit(mo
         assert abs(moves) < 1e-6 or holds == np.sign(moves) * most
     if most > 10.0:
         assert force == pytest.approx(np.linalg.solve(by_force, -speed))
+
+
+@pytest.mark.parametrize("level", [0.0, 0.9])
+def test_the_mean_and_the_envelope_of_records_stand_each_before_its_band(level, capsys):
+    def row(mean, envelope):
+        ends = {"mean_low": 0.5 * mean, "mean_high": 2.0 * mean}
+        ends |= {"envelope_low": 0.5 * envelope, "envelope_high": 2.0 * envelope}
+        return {"mean": mean, "envelope": envelope, "worst": "record-3", **ends}
+
+    damper = {"axial_force": row(3e3, 5e3), "stroke": row(7e-3, 9e-3), "energy": row(11e3, 13e3)}
+    result = {"storeys": [{"drift": row(0.02, 0.04)}], "dampers": [damper]}
+    tables._show_mean_and_envelope(result, level)
+    lines = [line.split("  ") for line in capsys.readouterr().out.splitlines()]
+    lines = [[cell.strip() for cell in line if cell.strip()] for line in lines]
+    drift = ["drift 1 [mm]", "20.00", "[10.00, 40.00]", "40.00", "[20.00, 80.00]", "record-3"]
+    if not level:
+        drift = [cell for cell in drift if not cell.startswith("[")]
+    assert drift in lines
+    assert ["energy 1 [kJ]", "11.00", "13.00", "record-3"] in lines

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import springpot
 from springpot.errors import DataError, ModelError
 from springpot.registry import parse_model
 from springpot.structure import (
@@ -139,6 +140,8 @@ def test_what_makes_no_structure_is_refused():
         oscillator(Damper(MODEL, THETA, 2))
     with pytest.raises(ModelError, match="belongs to the rig"):
         Damper(MODEL + "time-delay", np.append(THETA, 0.001))
+    with pytest.raises(ModelError, match="'slip' is known by its first harmonic alone"):
+        Damper(MODEL + springpot.law("parallel: i*k*X^n", "slip"), np.append(THETA, [9.0, 1.0]))
     with pytest.raises(ModelError, match="above zero"):
         Frame(np.array([-1.0]), np.array([1.0]))
     with pytest.raises(ModelError, match="count is above zero"):

@@ -5,7 +5,7 @@ The table of effects: what each would do, how likely it is, and what it cannot b
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TypeAlias
 
@@ -30,9 +30,10 @@ from springpot.misfit.values import printed
 from springpot.misfit.where import Where, periodic, where
 from springpot.misfit.words import times
 from springpot.rheology.effect import Effect
-from springpot.thresholds import EVIDENCE, EXPERIMENT, VERDICT
+from springpot.thresholds import EVIDENCE, VERDICT
 
 from .actions import ToDo, leaving_out, splitting, turning
+from .contest import openness, worth_telling_apart
 from .evidence import Evidence, best_with
 from .experiment import (
     experiment_on_confounded,
@@ -467,26 +468,13 @@ def _between_effects(evidence: Evidence) -> NextExperiment | None:
     if not evidence.explanations:
         return None
     chances, fits = evidence.rivals, evidence.likeliest_with()
-    if _openness(evidence.partners) > _openness(chances):
+    if openness(evidence.partners) > openness(chances):
         chances = evidence.partners
         fits = {name: grown.refit for name, grown in evidence.grown_beside(chances).items()}
         # What was only fitted beside a rival of the leader has no curve to compare.
         chances = {name: chance for name, chance in chances.items() if name in fits}
-    if _openness(chances) < EXPERIMENT.rival:
+    pair = worth_telling_apart(chances)
+    if pair is None:
         return None
-    if sorted(chances.values())[-2] < EXPERIMENT.believed:
-        return None
-    # Two, not all rivals: a measurement that separates the leading ones can be promised in one
-    # sentence.
-    first, second = sorted(chances, key=lambda name: -chances[name])[:2]
-    return next_experiment(
-        fits[first], fits[second], (first, second), (chances[first], chances[second])
-    )
-
-
-def _openness(chances: Mapping[str, float]) -> float:
-    """Odds of the second likeliest answer against the likeliest."""
-    most = sorted(chances.values())[-2:]
-    if len(most) < 2 or most[1] <= 0.0:
-        return 0.0
-    return most[0] / most[1]
+    first, second = pair
+    return next_experiment(fits[first], fits[second], pair, (chances[first], chances[second]))

@@ -2,11 +2,6 @@
 
 Which feasible measurement would tell the leading explanations apart, or what is unknown.
 
-For every feasible action the two explanations are evaluated where the new points would lie, and one
-is allowed to follow the other with all its parameters. Actions are ranked with linear slopes; those
-that would be named are fitted in earnest, since a rival far from its old parameters can follow much
-better than its slopes tell.
-
 What could be measured next.
 
 The sweeps, amplitudes, temperatures and specimens that a rig may have to spare.
@@ -19,32 +14,25 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from springpot.identification.problem import weighted
 from springpot.measurement.independence import distinct_log_omega, moved_along, spread_of
 from springpot.measurement.measurement import Measurement
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.measurement.units import Units
-from springpot.misfit.frame import orthonormal
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import Refit
 from springpot.misfit.words import plain
 from springpot.rheology.nodes import GRADIENT
 from springpot.rheology.parameters import INERTANCE
 from springpot.rheology.points import KELVIN, Complex, Points, Real
-from springpot.thresholds import EXPERIMENT
 
 from ..format_numbers import NAMED
 from ..numerics import ALIKE
+from .contest import TYPED_IN, WAITED_FOR, WORKED_FOR, Contest, Pair, most_telling
 from .result import NextExperiment
 from .untold import COLUMN, Untold
 
-TYPED_IN, WAITED_FOR, WORKED_FOR = 1.0, 1.5, 2.0
-"""Effort of an amplitude, which is a number.
-
-Of frequencies, a temperature or an empty rig, which take a while; of a
-specimen that must be made, or of several repeats."""
 FARTHER = 10.0
 """Factor by which the frequencies are extended: a decade is what a rig has to spare, if anything.
 """
@@ -212,28 +200,15 @@ def _range(low: float, high: float, units: Units) -> str:
     return f"from {plain(units.on_clock(low))} to {plain(units.on_clock(high))} {units.clock}"
 
 
-ENOUGH = 3.0
-"""Times the separation that settles the matter beyond which more is worth nothing."""
-EVALUATIONS = 40
-"""Evaluations of a fit of one explanation to the other."""
-FAR = 1000000000.0
-"""Stands for a difference beyond all numbers."""
-TRIED = 3
-"""Actions that are fitted in earnest at most."""
 BESIDE = (0.97, 1.0, 1.03)
 """Factors of a frequency at which a point was bad.
 
 So near that no material changes, and off the line of a hum.
 """
-MOST_TOLD = 1000.0
-"""Standard deviations that are told at most.
-
-So far from the data a model is a guess, and nobody doubts that it is
-enough."""
 
 
 @dataclass(frozen=True, eq=False)
-class Clash:
+class Clash(Contest):
     """Two explanations after an action, both of which follow the old data.
 
     Attributes
@@ -247,56 +222,6 @@ class Clash:
     truth: Refit
     rival: Refit
     action: Action
-
-    @property
-    def linear(self) -> float:
-        """Standard deviations between the two where the rival follows as its slopes tell."""
-        residual, slopes = self._seen(self.rival.theta)
-        # A parameter without a slope here follows nothing; one without a value would spoil the
-        # whole basis.
-        usable = np.all(np.isfinite(slopes), axis=1) & (np.sum(slopes**2, axis=1) > 0)
-        # A rival that overflows under the new conditions has no slopes to go by: it is worth no
-        # trial.
-        if not np.all(np.isfinite(residual)):
-            return 0.0
-        absorbed = orthonormal(slopes[usable].T)
-        left = residual - absorbed @ (absorbed.T @ residual)
-        return float(np.sqrt(left @ left))
-
-    def fitted(self) -> float:
-        """The same where the rival is fitted to old and new points together."""
-        parameters = self.rival.model.parameters
-        logs = np.array([parameter.scale == "log" for parameter in parameters])
-        bounds = np.array([(parameter.lower, parameter.upper) for parameter in parameters])
-        with np.errstate(divide="ignore", invalid="ignore"):
-            limits = np.where(logs[:, None], np.log(bounds), bounds)
-        start = np.where(logs, np.log(np.maximum(self.rival.theta, 1e-300)), self.rival.theta)
-        # The solver refuses a start on a bound, where fits often end.
-        inside = np.clip(start, limits[:, 0] + ALIKE, limits[:, 1] - ALIKE)
-
-        def theta(x: Real) -> Real:
-            return np.where(logs, np.exp(np.minimum(x, 700.0)), x)
-
-        def residual(x: Real) -> Real:
-            return np.clip(np.nan_to_num(self._seen(theta(x))[0], nan=FAR), -FAR, FAR)
-
-        def jacobian(x: Real) -> Real:
-            scale = np.where(logs, theta(x), 1.0)
-            by_x = self._seen(theta(x))[1] * scale[:, None]
-            slopes: Real = np.clip(-np.nan_to_num(by_x, nan=0.0), -FAR, FAR).T
-            return slopes
-
-        # Parameters differ in size by many decades, and their columns carry the units: scaled by
-        # the columns.
-        nearest = least_squares(
-            residual,
-            inside,
-            jacobian,
-            (limits[:, 0], limits[:, 1]),
-            x_scale="jac",
-            max_nfev=EVALUATIONS,
-        )
-        return float(np.sqrt(2.0 * nearest.cost))
 
     @cached_property
     def _target(self) -> tuple[Complex, Complex]:
@@ -328,7 +253,7 @@ class Clash:
             return 1.0
         return max(1.0, float(np.median(usual) / np.median(new)))
 
-    def _seen(self, theta: Real) -> tuple[Real, Real]:
+    def seen(self, theta: Real) -> tuple[Real, Real]:
         """Whitened difference of truth and rival, and the rival's slopes, at old and new points.
 
         Their shapes are (2n,) and (p, 2n).
@@ -357,10 +282,6 @@ class Clash:
         return response.value, response.by_theta
 
 
-Pair = tuple[float, float]
-"""Of the first and of the second explanation."""
-
-
 def next_experiment(
     first: Refit, second: Refit, names: tuple[str, str], chances: Pair
 ) -> NextExperiment:
@@ -376,94 +297,12 @@ def next_experiment(
         Their probabilities: who holds decides what a measurement can show, as a larger model
         follows a smaller one.
     """
-    # Of these two only: what a third would be is not what the measurement is asked.
-    shares = (chances[0] / sum(chances), chances[1] / sum(chances))
+    fits = (first, second)
 
-    # Either may be right, and the one that is not may change all its parameters to follow.
-    def linear(action: Action) -> Pair:
-        return Clash(first, second, action).linear, Clash(second, first, action).linear
+    def clash(action: Action, holds: int) -> Clash:
+        return Clash(fits[holds], fits[1 - holds], action)
 
-    def fitted(action: Action) -> Pair:
-        return Clash(first, second, action).fitted(), Clash(second, first, action).fitted()
-
-    def worth(sigmas: Pair, action: Action) -> float:
-        return _expected(shares, (_enough(sigmas[0]), _enough(sigmas[1]))) / action.effort
-
-    # Slopes first, as a fit for each action would take far longer; but a promise is made from a fit
-    # only.
-    feasible = {action: linear(action) for action in actions(first.fit.measurement)}
-    tried = sorted(feasible, key=lambda action: -worth(feasible[action], action))[:TRIED]
-    reached = {action: fitted(action) for action in tried}
-    # By the better of the two ways: a larger model follows a smaller one wherever one measures.
-    telling = [action for action in tried if max(reached[action]) >= EXPERIMENT.telling]
-    if not telling:
-        best = max(tried, key=lambda action: max(reached[action]))
-        expected = separation(shares, reached[best])
-        return NextExperiment(_no_use(best, names, expected), names, expected)
-    best = max(telling, key=lambda action: worth(reached[action], action))
-    expected = separation(shares, reached[best])
-    return NextExperiment(
-        f"{best.says}: {promise(names, shares, reached[best])}", names, expected, best.action
-    )
-
-
-def _no_use(action: Action, names: tuple[str, str], sigma: float) -> str:
-    """Where one explanation follows the other everywhere, nothing is to be bought by measuring."""
-    size = "less than 0.1"
-    if sigma > 0.1:
-        size = plain(sigma, 2)
-    return (
-        f"no feasible measurement tells {names[0]} from {names[1]}: even the best ({action.says})"
-        f" would separate them by {size} sigma"
-    )
-
-
-def _expected(shares: Pair, sigmas: Pair) -> float:
-    return shares[0] * sigmas[0] + shares[1] * sigmas[1]
-
-
-def _enough(sigma: float) -> float:
-    """More than enough separation is worth no more."""
-    return min(sigma, ENOUGH * EXPERIMENT.settled)
-
-
-def separation(shares: Pair, sigmas: Pair) -> float:
-    """The standard deviations that are promised.
-
-    At least so many, or where it depends on who is right, the mean.
-    """
-    if _either_way(sigmas):
-        return min(sigmas)
-    return _expected(shares, sigmas)
-
-
-def _either_way(sigmas: Pair) -> bool:
-    """Whether the measurement tells the two apart whoever is right."""
-    # Beyond what settles the matter a difference of the two is of no matter; below, up to two-fold
-    # is about the same.
-    return min(sigmas) >= EXPERIMENT.settled or 2.0 * min(sigmas) >= max(sigmas)
-
-
-def promise(names: tuple[str, str], shares: Pair, sigmas: Pair) -> str:
-    """What the measurement will show if the first or the second of two explanations holds."""
-    less, more = sorted(range(2), key=lambda i: sigmas[i])
-    apart = _sigmas(separation(shares, sigmas))
-    if _either_way(sigmas):
-        return f"it separates {names[0]} from {names[1]} by {apart}"
-    verb = "speaks against"
-    if sigmas[more] >= EXPERIMENT.settled:
-        verb = "rules out"
-    return (
-        f"if {names[more]} is right it {verb} {names[less]} by {_sigmas(sigmas[more])}; "
-        f"if not, {names[more]} stays possible; {apart} are to be expected"
-    )
-
-
-def _sigmas(number: float) -> str:
-    """Standard deviations in words."""
-    if number > MOST_TOLD:
-        return f"more than {MOST_TOLD:.0f} sigma"
-    return f"{plain(number, 2)} sigma"
+    return most_telling(list(actions(first.fit.measurement)), clash, names, chances)
 
 
 def experiment_on_confounded(measurement: Measurement, names: Sequence[str]) -> NextExperiment:

@@ -119,7 +119,7 @@ def each_alone(
             continue
         own = fit(material, part, objective)
         line = own.model.stiffness(own.theta, part.points)
-        cost[level], dof[level] = own.cost, own.dof
+        cost[level], dof[level] = own.cost, own.dof - own.placed
         error[level] = float(np.sqrt(np.mean(np.abs(line / part.stiffness - 1.0) ** 2)))
     return Alone(cost, dof, error, repeat_scatter(measurement, number))
 
@@ -170,8 +170,8 @@ def repeat_scatter(data: Measurement, number: NDArray[np.int64]) -> Real:
     square = np.abs(data.stiffness / mean[group] - 1.0) ** 2
     spare = np.bincount(number, 1.0 - 1.0 / count[group])
     summed = np.bincount(number, square)
-    # One pair of repeats leaves one degree of freedom: less than half of one is rounding.
-    return np.sqrt(np.where(spare > 0.5, summed / np.maximum(spare, 0.5), 0.0))
+    # One pair of repeats leaves one degree of freedom; without repeats there is nothing to divide.
+    return np.asarray(np.sqrt(summed / np.maximum(spare, 1.0)))
 
 
 def alike(residual: Real, omega: Real, number: NDArray[np.int64]) -> float:

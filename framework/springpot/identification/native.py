@@ -22,7 +22,7 @@ from springpot.rheology.points import Real
 from ..numerics import ALIKE, NEGLIGIBLE
 from .expected_factors import Expected
 from .leastsquares import FLAT, Solution, levenberg_marquardt
-from .material import STILL, is_material, own_parameters
+from .material import FINE, STILL, is_material, own_parameters
 from .material_fit import fit_spectrum, superposed
 from .problem import Objective, Problem, default_objective, numbers_of
 from .recorder import Recorder
@@ -134,6 +134,21 @@ class Fit:
         if not is_material(self.model):
             return 0
         return int(np.sum(self.theta[: len(self.model.material.parameters)] == 0.0))
+
+    @property
+    def placed(self) -> int:
+        """Lines of a spectrum that stand alone: of these the place follows the data as well.
+
+        A line goes where it explains most. Of two side by side the weights tell the place between
+        them; of one alone it is a further parameter, which is not among the weights.
+        """
+        material = self.model.material
+        if not isinstance(material, Continuum):
+            return 0
+        carrying = self.theta[2 : len(material.parameters)] > 0.0
+        places = np.sort(np.log(material.rates)[carrying])
+        apart = np.diff(places, prepend=-np.inf, append=np.inf) > FINE
+        return int(np.sum(apart[1:] & apart[:-1]))
 
     @cached_property
     def residual(self) -> Real:

@@ -46,6 +46,8 @@ from .result import (
 )
 from .search import sought
 
+ASKED = 3
+"""Rivals of the likeliest law of which it is asked what would tell them from it."""
 SMOOTH = 3
 """Degree of the polynomial in the logarithm of the frequency that a column may repeat."""
 _COLUMN = re.compile(r"[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9]+)*")
@@ -287,16 +289,26 @@ def _says(search: Search, verdict: Verdict, rows: Sequence[FoundLaw]) -> str:
 
 
 def _next(verdict: Verdict, laws: Sequence[Weighed]) -> NextExperiment | None:
-    """What would tell the two likeliest laws apart."""
+    """What would tell the likeliest law from the next one that it can be told from."""
     if verdict != "class":
         return None
-    first, second = laws[:2]
-    return next_experiment(
-        first.grown.refit,
-        second.grown.refit,
-        (formula_of(first.effect), formula_of(second.effect)),
-        (first.probability, second.probability),
+    first, *others = laws
+    asked = (
+        next_experiment(
+            first.grown.refit,
+            other.grown.refit,
+            (formula_of(first.effect), formula_of(other.effect)),
+            (first.probability, other.probability),
+        )
+        for other in others[:ASKED]
     )
+    # A limit of the first, such as a saturation far outside, nothing tells from it.
+    tried: list[NextExperiment] = []
+    for experiment in asked:
+        if experiment.action:
+            return experiment
+        tried.append(experiment)
+    return tried[0]
 
 
 def _notes(measurement: Measurement, model: Model, conditions: Sequence[str]) -> Iterator[str]:

@@ -37,22 +37,7 @@ if TYPE_CHECKING:
         dashpot as dashpot,
     )
     from .elements import (
-        diffusion as diffusion,
-    )
-    from .elements import (
-        hysteretic as hysteretic,
-    )
-    from .elements import (
         mass as mass,
-    )
-    from .elements import (
-        relaxation_mode as relaxation_mode,
-    )
-    from .elements import (
-        resonant_frame as resonant_frame,
-    )
-    from .elements import (
-        retardation_mode as retardation_mode,
     )
     from .elements import (
         spring as spring,
@@ -118,9 +103,6 @@ if TYPE_CHECKING:
         shift as shift,
     )
     from .nonlinear import (
-        amplitude_gain as amplitude_gain,
-    )
-    from .nonlinear import (
         balanced_series as balanced_series,
     )
     from .nonlinear import (
@@ -136,31 +118,19 @@ if TYPE_CHECKING:
         cubic_spring as cubic_spring,
     )
     from .nonlinear import (
-        damping_function as damping_function,
-    )
-    from .nonlinear import (
         elasto_sliding as elasto_sliding,
     )
     from .nonlinear import (
         gapped_spring as gapped_spring,
     )
     from .nonlinear import (
-        hardening_spring as hardening_spring,
-    )
-    from .nonlinear import (
         payne_softening as payne_softening,
-    )
-    from .nonlinear import (
-        play as play,
     )
     from .nonlinear import (
         power_law_damper as power_law_damper,
     )
     from .nonlinear import (
         slip_film as slip_film,
-    )
-    from .nonlinear import (
-        thinning as thinning,
     )
     from .parameters import (
         AMPLITUDE as AMPLITUDE,
@@ -227,29 +197,20 @@ if TYPE_CHECKING:
         power_of_s as power_of_s,
     )
     from .signal import (
-        clock as clock,
-    )
-    from .signal import (
         delay as delay,
     )
     from .signal import (
         filter_mismatch as filter_mismatch,
     )
     from .signal import (
-        force_resonance as force_resonance,
-    )
-    from .signal import (
         gain as gain,
-    )
-    from .signal import (
-        phase as phase,
     )
     from .spectrum import Spectrum as Spectrum
     from .thermal import (
-        arrhenius as arrhenius,
+        activation_energy as activation_energy,
     )
     from .thermal import (
-        entropic_spring as entropic_spring,
+        arrhenius as arrhenius,
     )
     from .thermal import (
         heated as heated,
@@ -262,9 +223,6 @@ if TYPE_CHECKING:
     )
     from .thermal import (
         temperature_power as temperature_power,
-    )
-    from .thermal import (
-        thermal_dashpot as thermal_dashpot,
     )
     from .thermal import (
         wlf as wlf,
@@ -280,10 +238,7 @@ __getattr__, __dir__ = offered(
             "Answered AppliesTo Effect InstrumentConstant Layer on_clock on_loading on_response "
             "StageLaw"
         ),
-        "elements": (
-            "basset dashpot diffusion FixedPower hysteretic mass relaxation_mode resonant_frame "
-            "retardation_mode spring springpot"
-        ),
+        "elements": ("basset dashpot FixedPower mass  spring springpot"),
         "grammar": "Formula",
         "hysteresis": "smooth_hysteresis yielding_spring",
         "intime": "Traced",
@@ -294,9 +249,9 @@ __getattr__, __dir__ = offered(
             "series shift VALUE"
         ),
         "nonlinear": (
-            "amplitude_gain balanced_series coulomb_friction crosstalk_force cubic_dashpot "
-            "cubic_spring damping_function elasto_sliding gapped_spring hardening_spring "
-            "payne_softening play power_law_damper slip_film thinning"
+            "balanced_series coulomb_friction crosstalk_force cubic_dashpot "
+            "cubic_spring elasto_sliding gapped_spring "
+            "payne_softening power_law_damper slip_film"
         ),
         "parameters": (
             "AMPLITUDE columns Dimension FORCE KELVIN_FORM limits_form MAXWELL_FORM order "
@@ -304,11 +259,10 @@ __getattr__, __dir__ = offered(
             "SECOND STIFFNESS stiffness TIME_FORM VISCOSITY viscosity"
         ),
         "points": "Complex KELVIN Points power_of_s Real",
-        "signal": "clock delay filter_mismatch force_resonance gain phase",
+        "signal": "delay filter_mismatch gain",
         "spectrum": "Spectrum",
         "thermal": (
-            "arrhenius entropic_spring heated heating steady_dashpot temperature_power "
-            "thermal_dashpot wlf"
+            "activation_energy arrhenius heated heating steady_dashpot temperature_power wlf"
         ),
         "typed": "law",
     },

@@ -203,6 +203,7 @@ OF_PLANE = {
 }
 """The layer of a formula of which nothing else is said, and what is measured with it."""
 OF_WHOLE = "X is the amplitude of the whole, not the share that this part takes"
+OF_BALANCE = "1 / (1 / K + J), J = {0}, Y = X * |K * J / (1 + K * J)|"
 OF_OWN = "first harmonics are balanced; higher ones of the force do not move the model"
 
 IN_TIME = ("displacement", "force")
@@ -360,7 +361,15 @@ class Effect:
     expression: str = ""
 
     @classmethod
-    def from_formula(cls, name: str, formula: str, summary: str = "", **more: Any) -> Effect:
+    def from_formula(
+        cls,
+        name: str,
+        formula: str,
+        summary: str = "",
+        parameters: Sequence[Parameter] = (),
+        kind: str = "",
+        **more: Any,
+    ) -> Effect:
         """An effect by its formula: units, bounds and the size that is found follow from it.
 
         Parameters
@@ -372,6 +381,11 @@ class Effect:
             ``chain`` a factor of K and ``shift`` one of the frequency.
         summary : str
             One sentence of physics; by default what kind of law it is.
+        parameters : sequence of Parameter
+            Those of the formula, the size first, where their units, bounds and symbols are known;
+            then nothing is worked out, and it applies to all tests unless it is said otherwise.
+        kind : str
+            Name of the element in drawings; by default the formula.
         **more
             Whatever else an effect has: layer, citation, aliases, prior.
 
@@ -388,16 +402,17 @@ class Effect:
         """
         # Only where one is written: whoever names effects needs no grammar.
         from .nonlinear import balanced_series
-        from .written import told, written
+        from .written import declared, told, written
 
         plane, colon, text = (part.strip() for part in formula.partition(":"))
         if not colon or plane not in PLANES:
             raise ModelError(
                 f"'{formula:.80}': write PLANE: FORMULA, PLANE being one of {', '.join(PLANES)}"
             )
-        element = written(text, PLANES[plane].kind.plane)
+        own = PLANES[plane].kind.plane
+        element = declared(text, own, parameters, kind) if parameters else written(text, own)
         layer, equation = OF_PLANE[plane]
-        if element.absent_at is None:
+        if element.absent_at is None and not parameters:
             names = ", ".join(each.name for each in element.free)
             raise ModelError(
                 f"'{element.text:.80}' never vanishes: none of {names} does it alone, at zero or"
@@ -406,14 +421,14 @@ class Effect:
         nonlinear = "amplitude" in element.needs
         joins, nearly = PLANES[plane], OF_WHOLE
         if element.is_balanced:
-            joins, nearly = balanced_series, OF_OWN
+            joins, nearly, equation = balanced_series, OF_OWN, OF_BALANCE
         usual: dict[str, Any] = {
             "summary": summary or f"{element.text}, a law of your own: {told(element)}",
             "layer": layer,
             "equation": equation.format(element.text),
             # Nothing here follows from a first harmonic in time, nor of what a signal went through.
-            "applies_to": SWEEPS if nonlinear or plane == "chain" else ALL,
-            "approximate": nearly if nonlinear and plane != "parallel" else "",
+            "applies_to": SWEEPS if (nonlinear or plane == "chain") and not parameters else ALL,
+            "approximate": nearly if nonlinear and plane == "series" else "",
         }
         return cls(name, joins, element, **(usual | more))
 

@@ -265,25 +265,6 @@ def gapped_spring(k: str = "k", b: str = "b") -> Formula:
     )
 
 
-def _play(at: Points, b: Any) -> Any:
-    rho = b / at.need("amplitude")
-    value, slope = slip_fraction(rho)
-    return 1.0 - value, (-slope / at.need("amplitude"),), 0.0
-
-
-def play(b: str = "b") -> Formula:
-    """Output over input of a joint with play b on either side whose position is held by friction.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from springpot.rheology import Points, play
-    >>> play().respond(np.array([0.1]), Points.at([1.0, 1.0], amplitude=[0.2, 10.0])).value.round(3)
-    array([0.5  -0.318j, 0.998-0.013j])
-    """
-    return Formula((Parameter(b, "b", AMPLITUDE, typical=0.3),), _play, NEEDS_AMPLITUDE, "play")
-
-
 def _payne(at: Points, k: Any, h: Any, limit: Any, m: Any) -> Any:
     # The power by its logarithm, which the derivative by m needs in any case.
     log_ratio = np.log(at.need("amplitude") / limit)
@@ -323,96 +304,6 @@ def payne_softening(k: str = "k") -> Formula:
         Parameter("m", "m", PURE, 0.1, 2.0, "linear", 0.6),
     )
     return Formula(free, _payne, NEEDS_AMPLITUDE, "payne", third_at_most=_payne_third_at_most)
-
-
-def _stretch(at: Points, q: Any) -> Any:
-    square = at.need("amplitude") ** 2
-    return 1.0 + q * square, (square,), 0.0
-
-
-def amplitude_gain(q: str = "q") -> Formula:
-    """The factor 1 + q X^2 by which a material softens (q < 0) or stiffens.
-
-    The same at all frequencies.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from springpot.rheology import Points, amplitude_gain
-    >>> at = Points.at([1.0, 1.0], amplitude=[1.0, 2.0])
-    >>> amplitude_gain().respond(np.array([-0.1]), at).value.real
-    array([0.9, 0.6])
-    """
-    free = (Parameter(q, "q", Dimension(amplitude=-2), -np.inf, scale="linear"),)
-    return Formula(free, _stretch, NEEDS_AMPLITUDE, "amplitude gain")
-
-
-def _damped(log_ratio: Any, limit: Any, n: Any) -> tuple[Any, tuple[Any, Any], Any]:
-    """1 / (1 + u) with u = ratio^n, its derivatives by the limit and by n, and that by ln ratio."""
-    # Of a limit a hundred decades too small u would be no number, though all that is left is
-    # nothing.
-    u = np.exp(np.minimum(n * log_ratio, LARGEST_LOG))
-    kept = 1.0 / (1.0 + u)
-    by_log_u = -u * kept**2
-    return kept, (-by_log_u * n / limit, by_log_u * log_ratio), by_log_u * n
-
-
-def _softened(at: Points, limit: Any, n: Any) -> Any:
-    kept, slopes, _ = _damped(np.log(at.need("amplitude") / limit), limit, n)
-    return kept, slopes, 0.0
-
-
-def damping_function(limit: str = "Xc", exponent: str = "n") -> Formula:
-    """The factor 1 / (1 + (X / Xc)^n) by which a material softens as a whole.
-
-    The same at all frequencies.
-
-    The damping function of Soskey and Winter 1984 (doi:10.1122/1.549770), 1 / (1 + a X^n) with a =
-    Xc^-n, applied to the first harmonic: storage and loss fall together, and the phase stays. The
-    third harmonic has no formula: a network that stays broken through the cycle makes hardly any,
-    one that yields in each cycle a loud one.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from springpot.rheology import Points, damping_function
-    >>> at = Points.at([1.0, 1.0, 1.0], amplitude=[0.5, 2.0, 6.0])
-    >>> damping_function().respond(np.array([2.0, 1.0]), at).value.real
-    array([0.8 , 0.5 , 0.25])
-    """
-    free = (
-        Parameter(limit, "X_c", AMPLITUDE, typical=TYPICAL_LIMIT),
-        Parameter(exponent, "n", PURE, 0.3, STEEPEST, "linear", 1.0),
-    )
-    return Formula(free, _softened, NEEDS_AMPLITUDE, "damping function")
-
-
-def _thinned(at: Points, limit: Any, n: Any) -> Any:
-    log_ratio = at.log_omega + np.log(at.need("amplitude") / limit)
-    return _damped(log_ratio, limit, n)
-
-
-def thinning(limit: str = "Vc", exponent: str = "n") -> Formula:
-    """The factor 1 / (1 + (omega X / Vc)^n) by which a liquid thins with the rate of motion.
-
-    Cross's law (1965, doi:10.1016/0095-8522(65)90022-X) of the rate omega X, after the rule that a
-    liquid's viscosity in large oscillations is that of steady flow at the same rate (Doraiswamy et
-    al. 1991, doi:10.1122/1.550184). The stress of steady flow does not fall with the rate: n is one
-    at most.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from springpot.rheology import Points, thinning
-    >>> at = Points.at([1.0, 10.0, 30.0], amplitude=0.2)
-    >>> thinning().respond(np.array([2.0, 1.0]), at).value.real.round(3)
-    array([0.909, 0.5  , 0.25 ])
-    """
-    free = (
-        Parameter(limit, "V_c", RATE, typical=TYPICAL_LIMIT),
-        Parameter(exponent, "n", PURE, 0.3, 1.0, "linear", 0.8),
-    )
-    return Formula(free, _thinned, NEEDS_AMPLITUDE, "thinning")
 
 
 def _leak(at: Points, force: Any, angle: Any) -> Any:
@@ -545,34 +436,6 @@ class BalancedSeries(Composition):
 
 balanced_series = Composing(BalancedSeries)
 """The first node in series with a nonlinear one, a `Compliant`, the second."""
-
-
-def _hardening(at: Points, k: Any, doubled: Any) -> Any:
-    grown = (at.need("amplitude") / doubled) ** 2
-    return k * (1.0 + grown), (1.0 + grown, -2.0 * k * grown / doubled), 0.0
-
-
-def _hardening_growth(value: Any, k: Any, doubled: Any) -> Any:
-    return 2.0 * (value - k)
-
-
-def hardening_spring(k: str = "k", doubled: str = "Xh") -> Compliant:
-    """A mount k x (1 + (4/3) (x / Xh)^2), K = k (1 + (X / Xh)^2).
-
-    At the amplitude Xh it is twice as stiff.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from springpot.rheology import Points, hardening_spring
-    >>> at = Points.at([1.0, 1.0], amplitude=[0.001, 0.5])
-    >>> hardening_spring().respond(np.array([3.0, 0.5]), at).value.real.round(3)
-    array([3., 6.])
-    """
-    free = (stiffness(k), Parameter(doubled, "X_h", AMPLITUDE))
-    return Compliant(
-        free, _hardening, NEEDS_AMPLITUDE, "hardening spring", growth=_hardening_growth
-    )
 
 
 def _slip_growth(value: Any, force: Any, exponent: Any) -> Any:

@@ -79,6 +79,9 @@ def _larger(a: Dual, b: Dual, sign: float = 1.0) -> Dual:
     return Dual(np.where(first, a.value, b.value), slopes)
 
 
+ENDLESS = 1e120
+"""A power beyond is held there, where its square still is a number."""
+
 JOINED: dict[str, Callable[[Dual, Dual], Dual]] = {
     "+": lambda a, b: Dual(a.value + b.value, _merged(a.slopes, b.slopes)),
     "-": _difference,
@@ -247,6 +250,16 @@ class Power(Term):
         if isinstance(self.base, Name) and self.base.name == "s":
             return self._of_s(known[LOG_OMEGA].value, exponent)
         base = self.base.at(known)
+        whole = self._of_any(base, exponent)
+        # NaN is none of these: it stays what it is.
+        beyond = np.abs(whole.value) > ENDLESS
+        if not np.any(beyond):
+            return whole
+        # Nor must a solver be drawn further where nothing changes.
+        kept = {name: np.where(beyond, 0.0, slope) for name, slope in whole.slopes.items()}
+        return Dual(np.where(beyond, ENDLESS, whole.value), kept)
+
+    def _of_any(self, base: Dual, exponent: Dual) -> Dual:
         value, under = base.value**exponent.value, base.value
         if not (base.slopes or exponent.slopes):
             return Dual(value, {})

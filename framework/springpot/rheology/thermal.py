@@ -9,7 +9,7 @@ import numpy as np
 from ..numerics import DECADE
 from .grammar import Formula
 from .nodes import FULL, GRADIENT, VALUE, Composing, Composition, Response, Shift
-from .parameters import PURE, Dimension, Parameter, stiffness, viscosity
+from .parameters import PURE, Dimension, Parameter, viscosity
 from .points import GAS_CONSTANT, LARGEST_SHIFT, Points, Real
 
 NEEDS_TEMPERATURE = ("temperature",)
@@ -150,53 +150,6 @@ def temperature_power(n: str = "n") -> Formula:
     """
     free = (Parameter(n, "n", PURE, -20.0, 20.0, "linear", 1.0),)
     return Formula(free, _vertical, NEEDS_TEMPERATURE, "vertical shift")
-
-
-def _entropic(at: Points, k: Any) -> Any:
-    ratio = at.need("temperature") / at.reference_temperature
-    return k * ratio, (ratio,), 0.0
-
-
-def entropic_spring(k: str = "k") -> Formula:
-    """K = k T / Tr: a rubber network, stiffer when hot.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from springpot.rheology import Points, entropic_spring
-    >>> at = Points.at([1.0, 1.0], temperature=[20.0, 60.0])
-    >>> entropic_spring().respond(np.array([100.0]), at).value.real.round(2)
-    array([100.  , 113.64])
-    """
-    return Formula((stiffness(k),), _entropic, NEEDS_TEMPERATURE, "entropic spring")
-
-
-def _thermal_dashpot(at: Points, c: Any, energy: Any) -> Any:
-    unit = _inverse_temperature(at)
-    # The size alone is bounded; the imaginary part carries a derivative by complex step and must
-    # pass unchanged.
-    power = 1j * at.omega * np.exp(np.clip(np.real(energy * unit), -LARGEST_SHIFT, LARGEST_SHIFT))
-    power = power * np.exp(1j * np.imag(energy * unit))
-    return c * power, (power, c * power * unit), c * power
-
-
-def thermal_dashpot(c: str = "c", energy: str = "Ea") -> Formula:
-    """A dashpot with an activation energy of its own, c exp((Ea / R) (1/T - 1/Tr)) at T.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from springpot.rheology import Points, thermal_dashpot
-    >>> at = Points.at([1.0, 1.0], temperature=[20.0, 40.0])
-    >>> thermal_dashpot().respond(np.array([1.0, 30.0]), at).value.imag.round(3)
-    array([1.   , 0.456])
-    """
-    return Formula(
-        (viscosity(c), activation_energy(energy, 20.0)),
-        _thermal_dashpot,
-        NEEDS_TEMPERATURE,
-        "dashpot",
-    )
 
 
 def _steady_dashpot(at: Points, c: Any) -> Any:

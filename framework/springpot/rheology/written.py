@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -24,6 +24,8 @@ from .thermal import activation_energy, bounded_shift
 
 EXPONENT = Parameter("n", "n", PURE, 0.0, 4.0, "linear", 1.0)
 """A free power: whoever expects a negative one writes its sign, as in X^(-n)."""
+OF_WARMTH = 20.0
+"""Largest power of T/T0, which in all that is measured stays near one."""
 KELVINS = Parameter("T", "T", Dimension(label="K"), 0.0, 1e4, typical=100.0)
 LEAST, MOST = 1e-18, 1e18
 """Sizes, beside those of the data, at which a law must be gone to be one that may be missing."""
@@ -239,6 +241,36 @@ def written(text: str, plane: str = "stiffness", at: Points | None = None) -> Wr
     return _signed(element.sized_by(*size))
 
 
+def declared(text: str, plane: str, free: Sequence[Parameter], kind: str = "") -> Written:
+    """An element of a formula whose parameters are known, so that nothing is worked out.
+
+    Parameters
+    ----------
+    text : str
+        The formula.
+    plane : str
+        What it gives.
+    free : sequence of Parameter
+        Its parameters, the size first.
+    kind : str
+        Name in drawings.
+
+    Raises
+    ------
+    ModelError
+        If it is no formula, or has other parameters.
+    """
+    text = " ".join(text.split())
+    term = parsed(text)
+    names, own = names_in(term), [OWN] if plane == "compliance" else []
+    called = tuple(parameter.name for parameter in free)
+    if set(called) != set(free_names(term, own)):
+        raise ModelError(f"'{text:.80}' has other parameters than {', '.join(called)}")
+    asked = tuple(_column(name, plane) for name in names if name in (*own, "X", "T"))
+    law = TypedLaw(term, plane, called)
+    return Written(tuple(free), law, asked, kind or text, text=text, plane=plane, bound=True)
+
+
 def _parameter(name: str, unit: Dimension, term: Term) -> Parameter:
     """Bounds by where it stands and what it is."""
     # What a mere number is raised to is no power of anything that is measured.
@@ -251,9 +283,10 @@ def _parameter(name: str, unit: Dimension, term: Term) -> Parameter:
     if any(_is(exponent, name) for exponent in of_s):
         return order(name, name)
     like = Parameter(name, name, unit)
-    raised = any(_is(part, name) for power in powers for part in power.exponent.walk())
+    raised = [p.base for p in powers if any(_is(part, name) for part in p.exponent.walk())]
     if raised and unit == PURE:
-        like = EXPONENT
+        warm = all(set(names_in(base)) == {"T", "T0"} for base in raised)
+        like = replace(EXPONENT, upper=OF_WARMTH) if warm else EXPONENT
     elif unit.label == "kJ/mol":
         like = activation_energy()
     elif unit.label == "K":

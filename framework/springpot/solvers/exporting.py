@@ -16,20 +16,23 @@ import numpy as np
 from springpot.errors import DataError, ModelError, SpringpotError
 from springpot.identification.prediction import Known, require_known
 from springpot.identified import fitted, stated
-from springpot.measurement.covered import RATE
 from springpot.measurement.units import (
     FREQUENCY_UNITS,
     MODULI,
+    Units,
     known_unit,
     one_modulus,
 )
-from springpot.registry import parse_model, plugins
+from springpot.registry import open_measurement, parse_model, plugins
 from springpot.rheology.effect import Layer
 from springpot.rheology.model import Model
-from springpot.rheology.points import KELVIN, Points, Real
+from springpot.rheology.nodes import Parallel
+from springpot.rheology.points import Real
 
+from .from_data import series_of
 from .handoff import Handoff, Writer
-from .prony import BULKS, Prony, prony_of
+from .placing import ModelPlace, split
+from .prony import BULKS
 
 _EDGE = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s.].*?)\s*")
 """A frequency and its unit."""
@@ -51,6 +54,8 @@ class Exported:
         The file, where the format is no text.
     outside : str
         What of it lies outside of what was measured, in one line; empty where nothing does.
+    more : tuple of Handoff
+        Further ones in the same file, at other amplitudes.
     """
 
     text: str
@@ -58,19 +63,29 @@ class Exported:
     handoff: Handoff
     data: bytes | None = None
     outside: str = ""
+    more: tuple[Handoff, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain data."""
-        prony = self.handoff.prony
+        """As plain data; of several amplitudes the first, with all of them as ``each``."""
+        told = self._told(self.handoff) | {"format": self.writer.name}
+        if self.more:
+            told["each"] = [self._told(handoff) for handoff in (self.handoff, *self.more)]
+        return told
+
+    @staticmethod
+    def _told(handoff: Handoff) -> dict[str, Any]:
+        prony = handoff.prony
         return {
-            "model": self.handoff.model,
-            "format": self.writer.name,
+            "model": handoff.model,
+            "parameters": handoff.parameters,
             "terms": len(prony.times),
             "error": prony.error,
-            "unit": self.handoff.unit,
-            "modulus": self.handoff.letter or None,
-            "measured_rad_per_s": self.handoff.covered,
-            "remarks": list(self.handoff.remarks),
+            "unit": handoff.unit,
+            "modulus": handoff.letter or None,
+            "measured_rad_per_s": handoff.covered,
+            "remarks": list(handoff.remarks),
+            "shift": None if handoff.shift is None else handoff.shift.to_dict(),
+            "beside": handoff.beside,
             "equilibrium": prony.equilibrium,
             "viscosity": prony.viscosity,
             "weights": prony.weights.tolist(),
@@ -82,7 +97,7 @@ def exported(
     source: str,
     format_name: str,
     *,
-    band: str,
+    band: str | None = None,
     tolerance: str | float | None = None,
     terms: int | None = None,
     dashpot: bool = False,
@@ -90,6 +105,8 @@ def exported(
     unit: str | None = None,
     without: Sequence[str] = (),
     temperature: float | None = None,
+    amplitudes: Sequence[float] = (),
+    times: Real | None = None,
     poisson: float | None = None,
     modulus: str | None = None,
     bulk: str | None = None,
@@ -99,11 +116,11 @@ def exported(
     Parameters
     ----------
     source : str
-        The JSON file of an identification, or a model expression.
+        The JSON file of an identification, or a model expression; with `times` measured data too.
     format_name : str
         Name of a writer.
-    band : str
-        Such as ``"1Hz:48Hz"``.
+    band : str, optional
+        Such as ``"1Hz:48Hz"``; of data it is where they were measured.
     tolerance : str or float, optional
         Largest |dK| / |K|, such as ``"0.5%"`` or 0.005.
     terms : int, optional
@@ -117,7 +134,13 @@ def exported(
     without : sequence of str
         Effects to leave out.
     temperature : float, optional
-        In degrees Celsius.
+        In degrees Celsius; without it the series is that at the reference temperature, and formats
+        that have laws of temperature get that too.
+    amplitudes : sequence of float
+        In the amplitude unit of the data: what is not linear is told by its first harmonic there,
+        one material for each.
+    times : ndarray, optional
+        Relaxation times in s that are given.
     poisson : float, optional
         Poisson's ratio.
     modulus : {"shear", "young", "bulk"}, optional
@@ -132,51 +155,96 @@ def exported(
     """
     # What is asked for wrongly is told before a spectrum is worked out.
     writer: Writer = plugins().find("writer", format_name)
-    if terms is not None and tolerance is not None:
-        raise ModelError("give a tolerance or a number of terms, not both")
-    if dashpot and not writer.dashpot:
-        raise ModelError(
-            f"{writer.name} has no place for a dashpot beside the terms: leave out --dashpot"
-        )
+    wanted = _wanted(writer, tolerance, terms, dashpot, times)
+    if times is not None and not source.endswith(".json") and not _is_model(source):
+        told = _of_data(source, times, dashpot, modulus)
+        return _finished(writer, [replace(told, poisson=poisson, bulk=_bulk(bulk))], "")
+    if band is None:
+        raise ModelError(f"{source} is a model: give the --band on which a series follows it")
     known = _known(source, values, unit).without(without)
+    whole = known
+    sliding: dict[str, dict[str, float]] = {}
+    if not amplitudes and writer.beside:
+        known, sliding = split(whole, writer)
     # Once those that the user leaves out are gone.
-    _refuse_rig(known.model)
-    letter, bulk = _letter(known, modulus), _bulk(bulk)
-    kelvin = None
-    if temperature is not None:
-        kelvin = temperature + KELVIN
-        require_known(known.model, known.covered, "temperature", np.array([temperature]))
-    edges = _band(band)
-    spectrum = known.model.spectrum(
-        known.theta, edges, temperature=kelvin, reference_temperature=known.reference
-    )
-    prony = prony_of(spectrum, tolerance=_share(tolerance), terms=terms, dashpot=dashpot)
+    _refuse_rig(known.model, bool(amplitudes))
+    letter, bulk = _letter(known.model.name, known.units, modulus), _bulk(bulk)
+    places = _places(known, whole, _band(band), temperature, amplitudes)
     # Numbers given for a model expression have a unit only if the user says which.
     shown_unit = ""
     if _is_file(source) or unit is not None:
         shown_unit = known.units.stiffness
-    outside = _outside(known, edges, temperature)
-    handoff = _handoff(known, prony, shown_unit, kelvin, outside)
-    handoff = replace(handoff, poisson=poisson, letter=letter, bulk=bulk)
+    solid: dict[str, Any] = {"poisson": poisson, "letter": letter, "bulk": bulk, "beside": sliding}
+    handoffs = [
+        replace(each.handoff(wanted, shown_unit), number=number, **solid)
+        for number, each in enumerate(places, 1)
+    ]
+    outside = "; ".join(dict.fromkeys(filter(None, (each.outside for each in places))))
+    return _finished(writer, handoffs, outside)
+
+
+def _finished(writer: Writer, handoffs: list[Handoff], outside: str) -> Exported:
     # An FMU is no text: its bytes are made beside the text that says what is in it.
-    data = None
+    data, text = None, writer.together(handoffs)
     if writer.data is not None:
-        data = writer.data(handoff)
-    return Exported(writer.written(handoff), writer, handoff, data, outside)
+        data = writer.data(handoffs[0])
+    return Exported(text, writer, handoffs[0], data, outside, tuple(handoffs[1:]))
 
 
-def _letter(known: Known, modulus: str | None) -> str:
+def _of_data(source: str, times: Real, dashpot: bool, modulus: str | None) -> Handoff:
+    """The series of given times straight from measured points."""
+    data = open_measurement(source)
+    told = series_of(data, times, dashpot)
+    return replace(told, letter=_letter(data.name, data.units, modulus))
+
+
+def _wanted(
+    writer: Writer,
+    tolerance: str | float | None,
+    terms: int | None,
+    dashpot: bool,
+    times: Real | None,
+) -> dict[str, Any]:
+    """What is asked of the series, as `prony_of` takes it."""
+    if terms is not None and tolerance is not None:
+        raise ModelError("give a tolerance or a number of terms, not both")
+    if times is not None and (terms, tolerance) != (None, None):
+        raise ModelError(
+            "times that are given are as many terms: leave out --terms and --tolerance"
+        )
+    if dashpot and not writer.dashpot:
+        raise ModelError(
+            f"{writer.name} has no place for a dashpot beside the terms: leave out --dashpot"
+        )
+    share = _share(tolerance)
+    return {"tolerance": share, "terms": terms, "dashpot": dashpot, "times": times}
+
+
+def _places(
+    known: Known,
+    whole: Known,
+    band: tuple[float, float],
+    celsius: float | None,
+    amplitudes: Sequence[float],
+) -> list[ModelPlace]:
+    """The model at each amplitude, where such are asked for, and at the temperature."""
+    for name, asked in (("temperature", celsius), ("amplitude", tuple(amplitudes) or None)):
+        if asked is not None:
+            require_known(known.model, known.covered, name, np.atleast_1d(asked))
+    place = ModelPlace(known, whole, band, celsius)
+    return [replace(place, amplitude=each) for each in amplitudes] or [place]
+
+
+def _letter(name: str, units: Units, modulus: str | None) -> str:
     """The letter of the modulus, from the data or as the user says; of both, they must agree."""
     if modulus is None:
-        return known.units.modulus
+        return units.modulus
     if modulus not in MODULI:
         raise ModelError(f"a modulus is {', '.join(MODULI)}, not '{modulus:.20}'")
-    if not known.units.is_modulus:
-        raise ModelError(
-            f"{known.model.name} is a stiffness in {known.units.stiffness}: leave out --modulus"
-        )
-    told = replace(known.units, letter=MODULI[modulus])
-    return one_modulus([(known.model.name, known.units), (f"--modulus {modulus}", told)])
+    if not units.is_modulus:
+        raise ModelError(f"{name} is a stiffness in {units.stiffness}: leave out --modulus")
+    told = replace(units, letter=MODULI[modulus])
+    return one_modulus([(name, units), (f"--modulus {modulus}", told)])
 
 
 def _bulk(bulk: str | None) -> str | None:
@@ -185,75 +253,19 @@ def _bulk(bulk: str | None) -> str | None:
     return bulk
 
 
-def _measured(known: Known) -> tuple[float, float] | None:
-    """Angular frequencies between which a model was measured.
-
-    Nothing of one whose parameters were stated.
-    """
-    if not np.isfinite(known.covered.rate[1]):
-        return None
-    return known.covered.rate
-
-
-def _told(known: Known) -> str:
-    if _measured(known) is None:
-        return "not measured: parameters as stated"
-    return f"measured: {known.covered.told(known.units)}"
-
-
-def _outside(known: Known, edges: tuple[float, float], celsius: float | None) -> str:
-    """What of the band and of the temperature lies outside of what was measured, in one line."""
-    asked: dict[str, Real] = {}
-    if celsius is not None:
-        asked["temperature"] = np.array([celsius])
-    beyond = known.covered.beyond(np.array(edges), asked)
-    parts = []
-    if RATE in beyond:
-        low, high = np.clip(known.covered.rate, *edges)
-        decades, within = np.log10(edges[1] / edges[0]), np.log10(high / low)
-        parts.append(f"{decades - within:.2g} of {decades:.2g} decades of the band")
-    if "temperature" in beyond:
-        parts.append(f"the temperature of {celsius:.4g} degC")
-    if not parts:
-        return ""
-    spans = " and ".join(known.covered.span(name, known.units) for name in beyond)
-    return (
-        f"outside of what was measured ({spans}): {' and '.join(parts)}; there it holds only if the"
-        " model does"
-    )
-
-
-def _handoff(known: Known, prony: Prony, unit: str, kelvin: float | None, outside: str) -> Handoff:
-    """What a writer is given: the series, and the parameters as a user knows them."""
-    model, theta, reference = known.model, known.theta, known.reference
-    # Where none is asked for, the temperature at which shifts are one.
-    at = reference
-    if kelvin is not None:
-        at = kelvin
-    shown = _printed(known, unit)
-    if "temperature" in model.needs:
-        shown["temperature"] = f"{at - KELVIN:.6g} degC"
-    return Handoff(
-        prony,
-        model.name,
-        shown,
-        unit,
-        bool(unit) and known.units.is_modulus,
-        covered=_measured(known),
-        remarks=tuple(filter(None, [_told(known), outside])),
-        exact=lambda omega: model.stiffness(theta, _points(omega, at, reference)),
-    )
-
-
 def _is_file(source: str) -> bool:
-    """Whether a source is a file: what its name says, or what is there and is no model."""
+    """Whether a source is the file of a fit: what its name says, or what is there and no model."""
     if source.endswith(".json"):
         return True
+    return exists(source) and not _is_model(source)
+
+
+def _is_model(source: str) -> bool:
     try:
         parse_model(source)
     except SpringpotError:
-        return exists(source)
-    return False
+        return False
+    return True
 
 
 def _known(source: str, values: Sequence[str], unit: str | None) -> Known:
@@ -276,38 +288,22 @@ def _known(source: str, values: Sequence[str], unit: str | None) -> Known:
     return stated(source, numbers, unit, "the stiffness")
 
 
-def _refuse_rig(model: Model) -> None:
+def _refuse_rig(model: Model, linearised: bool) -> None:
     for effect in model.effects:
+        # What slides beside the material is part of a damper, told at an amplitude.
+        if "amplitude" in effect.needs and effect.composition.kind is Parallel:
+            if linearised:
+                continue
+            raise ModelError(
+                f"'{effect.name}' depends on the amplitude: give --amplitude, at which it is"
+                f" linearised, or leave it out with --without {effect.name}"
+            )
         # What belongs to the rig would act on the structure, which has no such rig.
         if effect.layer > Layer.SPECIMEN:
             raise ModelError(
                 f"'{effect.name}' belongs to the rig, not to the specimen: leave it out with"
                 f" --without {effect.name}"
             )
-
-
-def _printed(known: Known, unit: str) -> dict[str, str]:
-    """Parameters with their units, those included that were held.
-
-    The lines of a spectrum are left to the series.
-    """
-    # Held and tied parameters are none of the model's own: only the released one has them all.
-    values = dict(zip(known.model.names, known.theta.tolist(), strict=True)) | known.model.held
-    values |= {each.parameter.name: each.value for each in known.model.followers(known.theta)}
-    shown = {}
-    for parameter in known.model.released().parameters:
-        if not parameter.detail:
-            # Without a unit numbers are printed as they were given.
-            factor, label = 1.0, ""
-            if unit:
-                factor, label = known.units.of(parameter.unit)
-            shown[parameter.name] = f"{factor * values[parameter.name]:.9g} {label}".strip()
-    return shown
-
-
-def _points(omega: Real, kelvin: float, reference: float) -> Points:
-    """Points (n,) at one temperature."""
-    return Points(np.log(omega), None, np.full(len(omega), kelvin), reference)
 
 
 def _band(text: str) -> tuple[float, float]:

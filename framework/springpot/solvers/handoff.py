@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from springpot.rheology.points import Complex, Real
 
     from .prony import Prony
+    from .shifting import ShiftLaw
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +55,13 @@ class Handoff:
         Angular frequencies in rad/s between which the model was measured, where it was.
     remarks : tuple of str
         What was measured and what lies outside, in lines for the heading.
+    shift : ShiftLaw, optional
+        By which the times of the series follow the temperature.
+    beside : dict of str to dict
+        What is not linear and stands beside the series, where the format asks for it: by the name
+        of its effect its parameters, in `unit` and the length that belongs to it.
+    number : int
+        Of the material among several in one file, from one.
     """
 
     prony: Prony
@@ -68,6 +76,9 @@ class Handoff:
     bulk: str | None = None
     covered: tuple[float, float] | None = None
     remarks: tuple[str, ...] = ()
+    shift: ShiftLaw | None = None
+    beside: dict[str, dict[str, float]] = field(default_factory=dict)
+    number: int = 1
 
     @cached_property
     def solid(self) -> Solid:
@@ -102,6 +113,11 @@ class Handoff:
         """
         if not self.is_modulus or self.letter == letter:
             return self
+        if self.beside:
+            raise ModelError(
+                f"'{next(iter(self.beside))}' of {self.model} is told in another modulus than that"
+                " which the format takes: no law of elasticity turns a slider's stress into it"
+            )
         series = self.solid.shear
         if letter == "E":
             series = young_of(self.solid)
@@ -152,6 +168,7 @@ class Handoff:
                 f" {prony.instantaneous:.9g}{dashpot}"
             ),
             *self.remarks,
+            *([] if self.shift is None else [self.shift.says]),
         ]
 
 
@@ -183,6 +200,11 @@ class Writer:
         whole solid; empty where it takes any and says which.
     data : callable, optional
         From a `Handoff` to the bytes of a file that is no text; `text` then says what is in it.
+    several : callable, optional
+        From the texts of several materials, such as one at several amplitudes, to that of a file
+        with all of them.
+    beside : tuple of str
+        Effects that are not linear and that it writes beside the series.
     """
 
     name: str
@@ -195,6 +217,17 @@ class Writer:
     damper: bool = False
     modulus: str = ""
     data: Callable[[Handoff], bytes] | None = None
+    several: Callable[[list[str]], str] | None = None
+    beside: tuple[str, ...] = ()
+
+    def together(self, handoffs: Sequence[Handoff]) -> str:
+        """The text of one or of several materials; see `written`."""
+        texts = [self.written(handoff) for handoff in handoffs]
+        if len(texts) == 1:
+            return texts[0]
+        if self.several is None:
+            raise ModelError(f"{self.name} holds one material: give one amplitude")
+        return self.several(texts)
 
     def written(self, handoff: Handoff) -> str:
         """The text, where the format can hold what is handed over.

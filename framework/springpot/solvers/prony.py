@@ -14,6 +14,7 @@ test follows from 1 / E(s) = 1 / (3 G(s)) + 1 / (9 K) at every s.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -98,6 +99,7 @@ def prony_of(
     tolerance: float | None = None,
     terms: int | None = None,
     dashpot: bool = False,
+    times: Real | None = None,
 ) -> Prony:
     """The Prony series of fewest terms within a tolerance, or the best one with a number of terms.
 
@@ -111,6 +113,8 @@ def prony_of(
         Number of terms.
     dashpot : bool
         Whether a dashpot may stand beside the terms.
+    times : ndarray, shape (m,), optional
+        Relaxation times in s that are given; their weights follow by non-negative least squares.
 
     Returns
     -------
@@ -132,44 +136,98 @@ def prony_of(
     >>> len(series.times), series.error < 0.01
     (4, True)
     """
-    if terms is not None and not 1 <= terms <= MOST:
-        raise ModelError(f"a Prony series has 1 to {MOST} terms, not {terms}")
-    wanted = tolerance
-    if wanted is None:
-        wanted = 0.005
-    if terms is None and not 0.0 < wanted < 1.0:
-        raise ModelError(f"a tolerance is a share of K above 0 and below 1, not {wanted:g}")
-    low, high = np.log(spectrum.band)
-    grid = np.linspace(low, high, max(12, int(PER_DECADE * (high - low) / np.log(10.0))))
+    grid = _grid(spectrum.band)
     # Less its mass, which no series of relaxations can follow.
     target = spectrum.stiffness(np.exp(grid)) + spectrum.mass * np.exp(2.0 * grid)
     # A classical model is its own series: then nothing is fitted that is already known.
-    exact = _exact(spectrum, dashpot)
-    if terms is not None:
-        if exact and len(exact.times) <= terms:
-            return exact
-        return _fitted(grid, target, terms, dashpot, spectrum.band)
-    least, better = np.inf, 0
-    # From one term up: a solver carries every term through all its steps.
-    for count in range(1, MOST + 1):
-        if exact and len(exact.times) <= count:
-            return exact
-        series = _fitted(grid, target, count, dashpot, spectrum.band)
-        if series.error <= wanted:
-            return series
-        if series.error < WORTH * least:
-            least, better = series.error, count
-        if count - better >= IN_VAIN and not exact:
-            break
-    if spectrum.viscosity > 0.0 and not dashpot:
+    exact = None if times is not None else _exact(spectrum, dashpot)
+    through = _Through(grid, target, dashpot, spectrum.band, exact, spectrum.viscosity > 0.0)
+    return through.series(tolerance, terms, times)
+
+
+def prony_through(
+    stiffness: Callable[[Real], Complex],
+    band: tuple[float, float],
+    *,
+    tolerance: float | None = None,
+    terms: int | None = None,
+    dashpot: bool = False,
+    times: Real | None = None,
+) -> Prony:
+    """The Prony series through a complex stiffness of which no spectrum is known.
+
+    Such as that of a model at one amplitude; see `prony_of`.
+
+    Parameters
+    ----------
+    stiffness : callable
+        From angular frequencies (n,) in rad/s to K.
+    band : tuple of float
+        Angular frequencies in rad/s between which it is followed.
+    tolerance, terms, dashpot, times
+        As of `prony_of`.
+    """
+    grid = _grid(band)
+    return _Through(grid, stiffness(np.exp(grid)), dashpot, band).series(tolerance, terms, times)
+
+
+def _grid(band: tuple[float, float]) -> Real:
+    low, high = np.log(band)
+    return np.linspace(low, high, max(12, int(PER_DECADE * (high - low) / np.log(10.0))))
+
+
+@dataclass(frozen=True, eq=False)
+class _Through:
+    """What a series is to follow: K (n,) at ln omega (n,), and the series where it is known."""
+
+    grid: Real
+    target: Complex
+    dashpot: bool
+    band: tuple[float, float]
+    exact: Prony | None = None
+    viscous: bool = False
+
+    def series(self, tolerance: float | None, terms: int | None, times: Real | None) -> Prony:
+        """With given times, with a number of terms, or with as few as a tolerance needs."""
+        if times is not None:
+            return at_times(self.grid, self.target, times, self.dashpot, self.band)
+        if terms is not None and not 1 <= terms <= MOST:
+            raise ModelError(f"a Prony series has 1 to {MOST} terms, not {terms}")
+        wanted = 0.005 if tolerance is None else tolerance
+        if terms is None and not 0.0 < wanted < 1.0:
+            raise ModelError(f"a tolerance is a share of K above 0 and below 1, not {wanted:g}")
+        if terms is None:
+            return self._within(wanted)
+        if self.exact and len(self.exact.times) <= terms:
+            return self.exact
+        return self._of(terms)
+
+    def _of(self, count: int) -> Prony:
+        return _fitted(self.grid, self.target, count, self.dashpot, self.band)
+
+    def _within(self, wanted: float) -> Prony:
+        """As few terms as the tolerance needs."""
+        least, better = np.inf, 0
+        # From one term up: a solver carries every term through all its steps.
+        for count in range(1, MOST + 1):
+            if self.exact and len(self.exact.times) <= count:
+                return self.exact
+            series = self._of(count)
+            if series.error <= wanted:
+                return series
+            if series.error < WORTH * least:
+                least, better = series.error, count
+            if count - better >= IN_VAIN and not self.exact:
+                break
+        if self.viscous and not self.dashpot:
+            raise ModelError(
+                f"terms alone follow its dashpot no nearer than {100 * least:.2g} %: let a dashpot"
+                " stand beside them (--dashpot) where the format has one, or widen the tolerance"
+            )
         raise ModelError(
-            f"terms alone follow its dashpot no nearer than {100 * least:.2g} %: let a dashpot"
-            " stand beside them (--dashpot) where the format has one, or widen the tolerance"
+            f"{count} terms hold {100 * least:.2g} %, not {100 * wanted:g} %: widen the tolerance"
+            " or narrow the band"
         )
-    raise ModelError(
-        f"{count} terms hold {100 * least:.2g} %, not {100 * wanted:g} %: widen the tolerance or"
-        " narrow the band"
-    )
 
 
 def _exact(spectrum: Spectrum, dashpot: bool) -> Prony | None:
@@ -230,6 +288,31 @@ def _fitted(
     return Prony(
         best.equilibrium, best.viscosity, best.weights[kept], best.times[kept], band, best.error
     )
+
+
+def at_times(
+    grid: Real, target: Complex, times: Real, dashpot: bool, band: tuple[float, float]
+) -> Prony:
+    """The series of given times by non-negative least squares; those without weight stay too.
+
+    Parameters
+    ----------
+    grid, target : ndarray, shape (n,)
+        Natural logarithms of angular frequencies in rad/s, and K there.
+    times : ndarray, shape (m,)
+        In s.
+    dashpot : bool
+        Whether one may stand beside the terms.
+    band : tuple of float
+        Between which angular frequencies it stands for K.
+    """
+    times = np.sort(np.asarray(times, dtype=float))
+    u, s = -np.log(times), 1j * np.exp(grid)
+    amounts = _weights(s, u, target, 1.0 / np.abs(target), dashpot)
+    error = np.abs(_columns(s, u, dashpot) @ amounts / target - 1.0)
+    viscosity = float(amounts[1]) if dashpot else 0.0
+    weights = amounts[-len(times) :]
+    return Prony(float(amounts[0]), viscosity, weights, times, band, float(error.max()))
 
 
 def _columns(s: Complex, u: Real, dashpot: bool) -> Complex:

@@ -109,7 +109,11 @@ class Damper:
                     f"'{effect.name}' belongs to the rig, not to the damper: leave it out, "
                     f"without = ['{effect.name}']"
                 )
-
+            if "amplitude" in effect.needs:
+                raise ModelError(
+                    f"'{effect.name}' is known by its first harmonic alone, and has no law in time:"
+                    f" leave it out, without = ['{effect.name}']"
+                )
         # A part in series with one that gives no force is no number, nor is what is too large.
         with np.errstate(all="ignore"):
             stiffness, _ = self.stiffness(np.array([1j]))

@@ -202,7 +202,8 @@ def _chance(rows: FactorRows, alone: Alone) -> float:
     """
     counts, judged = np.bincount(rows.number), alone.judged
     nu = alone.dof[judged]
-    saved = rows.fit.dof * counts[judged] / counts.sum() - nu
+    left = rows.fit.dof - rows.fit.placed
+    saved = left * counts[judged] / counts.sum() - nu
     # Nothing is saved by one material for all: there is nothing to be tested. And four degrees of
     # freedom at a level tell no variance of its scatter.
     known = (saved > 0.0) & (nu > 4.0)

@@ -27,6 +27,7 @@ from springpot.rheology.model import Model
 from springpot.rheology.points import Real
 
 from ..numerics import NEGLIGIBLE
+from .experiment import next_test
 from .exponentials import quick_parts
 from .fitting import identify
 from .floor import material_floor
@@ -136,7 +137,8 @@ def examine(
     told = in_practice(case.diagnosis, case.misfits, accuracy)
     lowest = material_floor(case.base).errors[worst_of(told.tests)]
     error = replace(told.error, material_floor=lowest)
-    return case._replace(diagnosis=replace(told, error=error))
+    asked = next_test(case, parts_of_specimen(given, noise))
+    return case._replace(diagnosis=replace(told, error=error, next_experiment=asked))
 
 
 def _listed(tests: Sequence[Test] | Test) -> list[Test]:

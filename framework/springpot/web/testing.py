@@ -25,7 +25,7 @@ from .specimen import Specimen
 LACKS = {
     "data": "tests in time leave as the files that were opened, which the session holds too",
     "replay": "a moving picture is drawn of sweeps; plots of tests in time leave one by one",
-    "plan": "no further measurement is proposed of tests in time",
+    "plan": "a further test in time is told in words; a table is made of frequencies",
 }
 """Why something that leaves with sweeps does not leave with tests in time."""
 

@@ -5,24 +5,23 @@ from __future__ import annotations
 from math import inf
 
 from springpot.rheology import (
+    AMPLITUDE,
+    PURE,
+    Dimension,
     Effect,
     Layer,
-    amplitude_gain,
-    chain,
+    Parameter,
     coulomb_friction,
     cubic_dashpot,
     cubic_spring,
-    damping_function,
     elasto_sliding,
     gapped_spring,
     heated,
     heating,
     parallel,
     payne_softening,
-    play,
     power_law_damper,
     smooth_hysteresis,
-    thinning,
     yielding_spring,
 )
 
@@ -32,6 +31,18 @@ WARMEST = 0.01
 Foam 5 cm thick, 0.03 W/(m K),
 warms by L^2 / (8 lambda) = 0.010 K m^3/W at most, and no polymer's times change by more than a
 factor of e in a kelvin (0.8 at the glass transition, by the universal constants of WLF).
+"""
+TYPICAL_LIMIT = 3.0
+"""Where softening is sought, over the middle of what was measured.
+
+Mostly a test ends soon after it has begun.
+"""
+LIMIT = Parameter("Xc", "X_c", AMPLITUDE, typical=TYPICAL_LIMIT)
+RATE_LIMIT = Parameter("Vc", "V_c", Dimension(time=-1, amplitude=1), typical=TYPICAL_LIMIT)
+STEEPEST = 3.0
+"""Power of the amplitude with which K falls at most.
+
+A yielding gel's falls as its square, and a little faster.
 """
 GELB = "Gelb and Vander Velde, Multiple-Input Describing Functions, 1968"
 
@@ -148,36 +159,40 @@ EFFECTS = (
         aliases=("kraus",),
         equation="K + k * (1 + 2 * i * h * u) / (1 + u^2), u = (X / Xc)^m",
     ),
-    Effect(
+    Effect.from_formula(
         "intrinsic-nonlinearity",
-        chain,
-        amplitude_gain("q"),
+        "chain: 1 + q * X^2",
         "the material softens or stiffens with amplitude squared by the same fraction at all"
         " frequencies",
+        (Parameter("q", "q", Dimension(amplitude=-2), -inf, scale="linear"),),
+        "amplitude gain",
+        layer=Layer.MATERIAL,
         citation="Hyun and Wilhelm 2009, Macromolecules 42, 411",
         aliases=("maos",),
         prior=0.3,
-        equation="K * (1 + q * X^2)",
     ),
-    Effect(
+    Effect.from_formula(
         "strain-softening",
-        chain,
-        damping_function("Xc", "n"),
+        "chain: 1 / (1 + (X / Xc)^n)",
         "the whole material softens beyond an amplitude: storage and loss fall by one factor at all"
         " frequencies",
+        (LIMIT, Parameter("n", "n", PURE, 0.3, STEEPEST, "linear", 1.0)),
+        "damping function",
+        layer=Layer.MATERIAL,
         citation="Soskey and Winter 1984, doi:10.1122/1.549770",
         aliases=("damping-function", "strain-thinning"),
         approximate="first harmonic: the factor is of the amplitude, not of the history",
         # Where Xc is far beyond all amplitudes nothing softens.
         absent_at=inf,
-        equation="K / (1 + (X / Xc)^n)",
     ),
-    Effect(
+    Effect.from_formula(
         "shear-thinning",
-        chain,
-        thinning("Vc", "n"),
+        "chain: 1 / (1 + (omega * X / Vc)^n)",
         "a liquid flows the more easily the faster it is moved: storage and loss fall with"
         " frequency times amplitude",
+        (RATE_LIMIT, Parameter("n", "n", PURE, 0.3, 1.0, "linear", 0.8)),
+        "thinning",
+        layer=Layer.MATERIAL,
         citation=(
             "Cross 1965, doi:10.1016/0095-8522(65)90022-X; Doraiswamy et al. 1991,"
             " doi:10.1122/1.550184"
@@ -186,7 +201,6 @@ EFFECTS = (
         approximate="first harmonic: the factor is of the largest rate, not of the momentary one",
         absent_at=inf,
         prior=0.3,
-        equation="K / (1 + (omega * X / Vc)^n)",
         only_varied=True,
     ),
     Effect(
@@ -201,17 +215,15 @@ EFFECTS = (
         equation="K(omega * exp(-s * P)), P = omega * imag(K(omega)) * X^2 / 2",
         largest_of_modulus=WARMEST,
     ),
-    Effect(
+    Effect.from_formula(
         "backlash",
-        chain,
-        play("b"),
+        "chain: 1 - slider(b / X)",
         "a joint with play in the drive: the specimen moves less than measured, and later",
-        Layer.SIGNAL,
-        GELB,
-        ("play",),
+        (Parameter("b", "b", AMPLITUDE, typical=0.3),),
+        "play",
+        layer=Layer.SIGNAL,
+        citation=GELB,
+        aliases=("play",),
         prior=0.3,
-        equation=(
-            "K * (1 - (a - sin(2 * a) / 2 + i * sin(a)^2) / pi), a = arccos(1 - 2 * min(b / X, 1))"
-        ),
     ),
 )

@@ -3,20 +3,28 @@
 from __future__ import annotations
 
 from springpot.rheology import (
+    AMPLITUDE,
+    RADIAN_PER_SECOND,
     Effect,
     InstrumentConstant,
     Layer,
+    Parameter,
     balanced_series,
     dashpot,
-    hardening_spring,
-    resonant_frame,
-    retardation_mode,
+    relaxation_time,
     series,
     slip_film,
     spring,
     springpot,
+    stiffness,
 )
 
+RESONANCE = Parameter("omega_r", "ω_r", RADIAN_PER_SECOND, typical=100.0)
+STRUCTURAL_DAMPING = Parameter("zeta", "ζ", lower=1e-4, upper=0.3, scale="linear", typical=0.05)
+"""Of steel frames and their joints, even on rubber mounts.
+
+Above, it would be no resonance but a mode.
+"""
 BALANCE = "first harmonics are balanced; higher ones of the force do not move the model"
 
 EFFECTS = (
@@ -36,17 +44,17 @@ EFFECTS = (
             "an instrument compliance that is a spring of {stated} in series",
         ),
     ),
-    Effect(
+    Effect.from_formula(
         "frame-resonance",
-        series,
-        resonant_frame("k"),
+        "series: 1 / (k * (1 - (omega / omega_r)^2 + 2 * i * zeta * omega / omega_r))",
         "the frame gives way with a resonance of its own at a fixed frequency",
-        Layer.MOUNTING,
-        "Ewins, Modal Testing, 2000",
+        (stiffness(), RESONANCE, STRUCTURAL_DAMPING),
+        "frame",
+        layer=Layer.MOUNTING,
+        citation="Ewins, Modal Testing, 2000",
         # Its peak can imitate whatever is narrow in a sweep: it competes where no common effect
         # explains the data.
         narrow=True,
-        equation="1 / (1 / K + 1 / (k * (1 - r^2 + 2 * i * zeta * r))), r = omega / omega_r",
     ),
     Effect(
         "series-dashpot",
@@ -57,20 +65,17 @@ EFFECTS = (
         aliases=("slip", "wall-slip", "flow"),
         equation="1 / (1 / K + 1 / (c * s))",
     ),
-    Effect(
+    Effect.from_formula(
         "hardening-mount",
-        balanced_series,
-        hardening_spring("k", "Xh"),
+        "series: 1 / (k * (1 + (Y / Xh)^2))",
         "a mount in series that stiffens as it is moved further: the specimen gets more of a large"
         " displacement",
-        Layer.MOUNTING,
-        "Nayfeh and Mook, Nonlinear Oscillations, 1979",
-        ("hardening-series-spring",),
-        approximate=BALANCE,
+        (stiffness(), Parameter("Xh", "X_h", AMPLITUDE)),
+        "hardening spring",
+        layer=Layer.MOUNTING,
+        citation="Nayfeh and Mook, Nonlinear Oscillations, 1979",
+        aliases=("hardening-series-spring",),
         prior=0.3,
-        equation=(
-            "1 / (1 / K + 1 / (k * (1 + (Y / Xh)^2))), Y = X * |K / (K + k * (1 + (Y / Xh)^2))|"
-        ),
     ),
     Effect(
         "power-law-slip",
@@ -95,15 +100,15 @@ EFFECTS = (
         citation="Schiessel et al. 1995, doi:10.1088/0305-4470/28/23/012",
         equation="1 / (1 / K + 1 / (c * s^alpha))",
     ),
-    Effect(
+    Effect.from_formula(
         "retardation-mode",
-        series,
-        retardation_mode("k", "tau"),
+        "series: 1 / (k * (1 + s * tau))",
         "one more retardation time: a step in storage compliance and a bump in loss compliance at"
         " omega = 1/tau",
+        (stiffness(), relaxation_time()),
+        "kelvin",
         citation="Ferry, Viscoelastic Properties of Polymers, 1980",
         aliases=("kelvin-unit",),
         prior=0.3,
-        equation="1 / (1 / K + 1 / (k * (1 + s * tau)))",
     ),
 )

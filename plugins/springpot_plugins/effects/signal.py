@@ -5,22 +5,26 @@ They multiply the stiffness, disturb the force or misread the clock.
 
 from __future__ import annotations
 
-from math import inf
+from math import inf, pi
 
 from springpot.rheology import (
+    PURE,
+    RADIAN_PER_SECOND,
+    Dimension,
     Effect,
     Layer,
+    Parameter,
     chain,
-    clock,
     crosstalk_force,
     delay,
     filter_mismatch,
-    force_resonance,
     gain,
     parallel,
-    phase,
-    shift,
 )
+
+RADIAN = Dimension(label="rad")
+RESONANCE = Parameter("omega_r", "ω_r", RADIAN_PER_SECOND, typical=100.0)
+DAMPING_RATIO = Parameter("zeta", "ζ", lower=1e-4, upper=1.0, scale="linear", typical=0.05)
 
 EFFECTS = (
     Effect(
@@ -33,14 +37,14 @@ EFFECTS = (
         "exp(-s tau), elementary",
         equation="K * exp(-s * tau)",
     ),
-    Effect(
+    Effect.from_formula(
         "phase-error",
-        chain,
-        phase("phi"),
+        "chain: exp(i * phi)",
         "the phase is wrong by the same angle at all frequencies, which no causal material does",
-        Layer.SIGNAL,
-        "exp(i phi), elementary",
-        equation="K * exp(i * phi)",
+        (Parameter("phi", "φ", RADIAN, -0.5 * pi, 0.5 * pi, "linear", 0.0),),
+        "phase",
+        layer=Layer.SIGNAL,
+        citation="exp(i phi), elementary",
     ),
     Effect(
         "gain-error",
@@ -63,19 +67,19 @@ EFFECTS = (
         prior=0.3,
         equation="K / (1 + s * tau) if tau > 0 else K * (1 - s * tau)",
     ),
-    Effect(
+    Effect.from_formula(
         "fixture-resonance",
-        chain,
-        force_resonance("omega_r"),
+        "chain: 1 / (1 - (omega / omega_r)^2 + 2 * i * zeta * omega / omega_r)",
         "the force channel has a resonance at a fixed frequency: gain error growing as omega"
         " squared",
-        Layer.SIGNAL,
-        "Ewins, Modal Testing, 2000",
-        ("transducer-resonance",),
+        (RESONANCE, DAMPING_RATIO),
+        "resonance",
+        layer=Layer.SIGNAL,
+        citation="Ewins, Modal Testing, 2000",
+        aliases=("transducer-resonance",),
         # A resonance far above all frequencies changes nothing.
         absent_at=inf,
         prior=0.3,
-        equation="K / (1 - r^2 + 2 * i * zeta * r), r = omega / omega_r",
     ),
     Effect(
         "crosstalk",
@@ -88,15 +92,15 @@ EFFECTS = (
         prior=0.3,
         equation="K + F * exp(i * phi) / X",
     ),
-    Effect(
+    Effect.from_formula(
         "frequency-error",
-        shift,
-        clock("e"),
+        "shift: 1 + e",
         "the clock is wrong: all frequencies by one fraction",
-        Layer.SIGNAL,
-        "ln(1 + e), elementary",
-        ("clock-error",),
+        (Parameter("e", "e", PURE, -0.9, scale="linear", typical=0.1),),
+        "clock",
+        layer=Layer.SIGNAL,
+        citation="ln(1 + e), elementary",
+        aliases=("clock-error",),
         prior=0.3,
-        equation="K(omega * (1 + e))",
     ),
 )

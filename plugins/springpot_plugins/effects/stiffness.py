@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from springpot.measurement import Measurement, TimeTest
 from springpot.rheology import (
+    STIFFNESS,
     AppliesTo,
     Effect,
     InstrumentConstant,
     Layer,
+    Parameter,
     basset,
     dashpot,
-    diffusion,
-    hysteretic,
     mass,
     parallel,
-    relaxation_mode,
+    relaxation_time,
     spring,
     springpot,
+    stiffness,
 )
 
 
@@ -58,34 +59,34 @@ EFFECTS = (
         citation="Schiessel et al. 1995, doi:10.1088/0305-4470/28/23/012",
         equation="K + c * s^alpha",
     ),
-    Effect(
+    Effect.from_formula(
         "relaxation-mode",
-        parallel,
-        relaxation_mode("k", "tau"),
+        "parallel: k * s * tau / (1 + s * tau)",
         "one more relaxation time: a step in storage and a bump in loss at omega = 1/tau",
+        (stiffness(), relaxation_time()),
+        "maxwell",
         citation="Ferry, Viscoelastic Properties of Polymers, 1980",
         aliases=("maxwell-branch",),
-        equation="K + k * s * tau / (1 + s * tau)",
     ),
-    Effect(
+    Effect.from_formula(
         "diffusion",
-        parallel,
-        diffusion("k", "tau"),
+        "parallel: k * (1 - tanh(sqrt(s * tau)) / sqrt(s * tau))",
         "fluid that seeps through the specimen stiffens it above omega = 1/tau: a step that levels"
         " off as omega^-1/2",
+        (stiffness(), relaxation_time()),
+        "diffusion",
         citation="Biot 1941, doi:10.1063/1.1712886",
         aliases=("poroelastic",),
         prior=0.3,
-        equation="K + k * (1 - tanh(q) / q), q = sqrt(s * tau)",
     ),
-    Effect(
+    Effect.from_formula(
         "hysteretic-loss",
-        parallel,
-        hysteretic("h"),
+        "parallel: i * h",
         "a loss that depends neither on frequency nor on amplitude",
+        (Parameter("h", "h", STIFFNESS),),
+        "hysteretic",
         citation="Crandall 1970, J. Sound Vib. 11, 3",
         aliases=("structural-damping",),
-        equation="K + i * h",
     ),
     Effect(
         "inertia",

@@ -5,16 +5,17 @@ from __future__ import annotations
 from springpot.rheology import (
     Effect,
     Layer,
+    activation_energy,
     arrhenius,
     chain,
-    entropic_spring,
     free_factors,
     free_vertical_factors,
     parallel,
     shift,
     steady_dashpot,
+    stiffness,
     temperature_power,
-    thermal_dashpot,
+    viscosity,
     wlf,
 )
 
@@ -51,26 +52,26 @@ EFFECTS = (
         FERRY,
         equation="K * (T / Tr)^n",
     ),
-    Effect(
+    Effect.from_formula(
         "entropic-spring",
-        parallel,
-        entropic_spring("k"),
+        "parallel: k * T / Tr",
         "a rubber network beside the model, stiffer in proportion to the absolute temperature",
+        (stiffness(),),
+        "entropic spring",
         citation="Treloar, The Physics of Rubber Elasticity, 1975",
         prior=0.3,
-        equation="K + k * T / Tr",
     ),
-    Effect(
+    Effect.from_formula(
         "arrhenius-dashpot",
-        parallel,
-        thermal_dashpot("c", "Ea"),
+        "parallel: c * s * exp(Ea / R * (1 / T - 1 / Tr))",
         "a viscous branch with an activation energy of its own: sweeps at different temperatures do"
         " not superpose",
-        Layer.SPECIMEN,
-        "van Gurp and Palmen 1998, Rheol. Bull. 67, 5",
-        ("second-activation",),
+        (viscosity(), activation_energy(typical=20.0)),
+        "dashpot",
+        layer=Layer.SPECIMEN,
+        citation="van Gurp and Palmen 1998, Rheol. Bull. 67, 5",
+        aliases=("second-activation",),
         prior=0.3,
-        equation="K + c * s * exp(Ea / R * (1 / T - 1 / Tr))",
     ),
     Effect(
         "rig-drag",

@@ -46,9 +46,12 @@ def to_abaqus(handoff: Handoff) -> str:
 
 def _in_time(handoff: Handoff) -> list[str]:
     solid = handoff.solid
-    lines = [
+    lines = []
+    if handoff.shift is not None and handoff.shift.kind == "arrhenius":
+        lines.append("*PHYSICAL CONSTANTS, ABSOLUTE ZERO=-273.15, UNIVERSAL GAS=8.31446262")
+    lines += [
         "** for analyses in time; moduli are instantaneous",
-        f"*MATERIAL, NAME={handoff.name.upper()}",
+        f"*MATERIAL, NAME={_name(handoff)}",
         "*ELASTIC, MODULI=INSTANTANEOUS",
         f"{solid.young:.9g}, {solid.poisson:.9g}",
         "*VISCOELASTIC, TIME=PRONY",
@@ -57,7 +60,20 @@ def _in_time(handoff: Handoff) -> list[str]:
         solid.shear.weights / solid.shear.instantaneous, solid.shear.times, strict=True
     ):
         lines.append(f"{share:.9g}, {_of_bulk(handoff, f'{share:.9g}', '0.')}, {time:.9g}")
+    if handoff.shift is not None:
+        numbers = (handoff.shift.reference, *handoff.shift.constants)
+        lines += [
+            "** temperatures in degC",
+            f"*TRS, DEFINITION={handoff.shift.kind.upper()}",
+            ", ".join(f"{number:.9g}" for number in numbers),
+        ]
     return lines
+
+
+def _name(handoff: Handoff) -> str:
+    """Of the material; a further one in the file has its number."""
+    number = "" if handoff.number == 1 else f"_{handoff.number}"
+    return f"{handoff.name.upper()}{number}"
 
 
 def _of_bulk(handoff: Handoff, as_shear: str, nothing: str) -> str:
@@ -80,7 +96,7 @@ def _at_frequencies(handoff: Handoff) -> list[str]:
     poisson = solid.poisson_beside(spring)
     lines = [
         "** for direct steady-state dynamics; moduli are long-term",
-        f"*MATERIAL, NAME={handoff.name.upper()}_FREQUENCY",
+        f"*MATERIAL, NAME={_name(handoff)}_FREQUENCY",
         "*ELASTIC, MODULI=LONG TERM",
         f"{2.0 * (1.0 + poisson) * spring:.9g}, {poisson:.9g}",
     ]
@@ -137,4 +153,5 @@ WRITER = Writer(
     ".inp",
     solid=True,
     dashpot=False,
+    several="".join,
 )

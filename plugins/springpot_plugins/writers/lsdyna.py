@@ -51,7 +51,7 @@ def to_lsdyna(handoff: Handoff) -> str:
         "*MAT_GENERAL_VISCOELASTIC_TITLE",
         handoff.name,
         "$#     mid        ro      bulk       pcf        ef      tref         a         b",
-        f"{1:>{WIDTH}}{'&RO':>{WIDTH}}{field(bulk.instantaneous)}",
+        f"{handoff.number:>{WIDTH}}{'&RO':>{WIDTH}}{field(bulk.instantaneous)}",
         "$#    lcid        nt    bstart     tramp     lcidk       ntk   bstartk    trampk",
         "",
         "$#      gi     betai        ki    betaki",
@@ -67,6 +67,12 @@ def to_lsdyna(handoff: Handoff) -> str:
     return "\n".join([*lines, "*END"]) + "\n"
 
 
+def _several(texts: list[str]) -> str:
+    """One file of many materials."""
+    bodies = [text.removeprefix("*KEYWORD\n").removesuffix("*END\n") for text in texts]
+    return "".join(["*KEYWORD\n", *bodies, "*END\n"])
+
+
 WRITER = Writer(
     "ls-dyna",
     to_lsdyna,
@@ -75,4 +81,5 @@ WRITER = Writer(
     solid=True,
     dashpot=False,
     aliases=("lsdyna",),
+    several=_several,
 )

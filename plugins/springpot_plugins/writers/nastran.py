@@ -13,6 +13,8 @@ from springpot.solvers import Handoff, Writer
 from .frequencies import frequencies
 
 PROPERTY, STIFFNESS_TABLE, LOSS_TABLE = 100, 101, 102
+PER_MATERIAL = 3
+"""Numbers of the property and of both tables."""
 PER_DECADE = 32
 """Points a decade: straight lines between them are within 0.02 % of a power law."""
 PAIRS = 4
@@ -56,14 +58,17 @@ def to_nastran(handoff: Handoff) -> str:
     omega = frequencies(handoff, PER_DECADE)
     stiffness = handoff.stiffness(omega)
     frequency = (omega / (2.0 * np.pi)).tolist()
+    own, stiff, loss = (
+        tag + PER_MATERIAL * (handoff.number - 1) for tag in (PROPERTY, STIFFNESS_TABLE, LOSS_TABLE)
+    )
     lines = [f"$ {line}" for line in handoff.heading()]
     lines += [
         "$ K is the storage stiffness, GE the loss factor K''/K', against f in Hz",
-        f"PBUSH,{PROPERTY},K,{field(float(stiffness.real[0]))}",
-        f"PBUSHT,{PROPERTY},K,{STIFFNESS_TABLE}",
-        f",,GE,{LOSS_TABLE}",
-        *_table(STIFFNESS_TABLE, frequency, stiffness.real.tolist()),
-        *_table(LOSS_TABLE, frequency, (stiffness.imag / stiffness.real).tolist()),
+        f"PBUSH,{own},K,{field(float(stiffness.real[0]))}",
+        f"PBUSHT,{own},K,{stiff}",
+        f",,GE,{loss}",
+        *_table(stiff, frequency, stiffness.real.tolist()),
+        *_table(loss, frequency, (stiffness.imag / stiffness.real).tolist()),
     ]
     return "\n".join(lines) + "\n"
 
@@ -74,4 +79,5 @@ WRITER = Writer(
     "Nastran: PBUSH and PBUSHT with tables of stiffness and loss factor",
     ".bdf",
     damper=True,
+    several="".join,
 )

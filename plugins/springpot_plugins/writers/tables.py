@@ -21,6 +21,7 @@ def to_json(handoff: Handoff) -> str:
                 "is_modulus": handoff.is_modulus,
                 "modulus": handoff.letter or None,
                 "measured_rad_per_s": handoff.covered,
+                "shift": None if handoff.shift is None else handoff.shift.to_dict(),
                 "band_rad_per_s": list(prony.band),
                 "largest_error": prony.error,
                 "equilibrium": prony.equilibrium,
@@ -57,7 +58,25 @@ def to_csv(handoff: Handoff) -> str:
     return "\n".join(lines) + "\n"
 
 
+def _list(texts: list[str]) -> str:
+    """A list of documents."""
+    return "[\n" + ",\n".join(text.rstrip("\n") for text in texts) + "\n]\n"
+
+
 WRITERS = (
-    Writer("json", to_json, "the series with all that is known about it, for programs", ".json"),
-    Writer("csv", to_csv, "the series as a table of weights and times", ".csv", aliases=("prony",)),
+    Writer(
+        "json",
+        to_json,
+        "the series with all that is known about it, for programs",
+        ".json",
+        several=_list,
+    ),
+    Writer(
+        "csv",
+        to_csv,
+        "the series as a table of weights and times",
+        ".csv",
+        aliases=("prony",),
+        several="".join,
+    ),
 )

@@ -8,23 +8,29 @@ from typing import Any
 import click
 
 from springpot.cli.common import DATA, FILE, POSITIVE, emit, json_option, note_to_stderr
+from springpot.cli.predict import numbers
 
 EXAMPLE = "Example: springpot export-model fit.json --to opensees --band 1Hz:48Hz --tolerance 0.5%"
 
 
 @click.command("export-model", epilog=EXAMPLE)
-@click.argument("source", type=DATA, metavar="FIT.json|MODEL")
+@click.argument("source", type=DATA, metavar="FIT.json|MODEL|DATA")
 @click.option(
     "--to", "format_name", metavar="FORMAT", required=True, help="See 'springpot list writers'."
 )
 @click.option(
     "--band",
     metavar="LOW:HIGH",
-    required=True,
-    help="Frequencies such as 1Hz:48Hz or 6rad/s:300rad/s.",
+    help="Frequencies such as 1Hz:48Hz or 6rad/s:300rad/s; of DATA where they were measured.",
 )
 @click.option("--tolerance", metavar="X%", help="Largest error of K on the band; 0.5% by default.")
 @click.option("--terms", type=POSITIVE, metavar="N", help="That many terms instead of a tolerance.")
+@click.option(
+    "--times", metavar="LOW:HIGH", help="Relaxation times in s, such as 1e-6:1e6; of DATA too."
+)
+@click.option(
+    "--per-decade", type=POSITIVE, default=1, show_default=True, metavar="N", help="Of such times."
+)
 @click.option("--dashpot", is_flag=True, help="Let a dashpot stand beside the terms.")
 @click.option(
     "--set",
@@ -44,6 +50,11 @@ EXAMPLE = "Example: springpot export-model fit.json --to opensees --band 1Hz:48H
     "--temperature", type=float, metavar="DEGC", help="For models with a temperature effect."
 )
 @click.option(
+    "--amplitude",
+    metavar="X[,X...]",
+    help="Where a model is not linear: its first harmonic there, one material for each.",
+)
+@click.option(
     "--poisson", type=float, metavar="NU", help="Poisson's ratio, for formats of solid materials."
 )
 @click.option("--modulus", metavar="KIND", help="shear, young or bulk, where the data do not say.")
@@ -60,21 +71,30 @@ def command(
     output: Path | None,
     as_json: bool,
     tolerance: str | None,
+    amplitude: str | None,
+    times: str | None,
+    per_decade: int,
     **options: Any,
 ) -> None:
     """Write a model for a solver: identified, or given by its parameters.
 
     An identified one is the JSON of 'springpot identify --json'. It becomes a Prony series of as
-    few terms as the tolerance on the band needs. Effects of rig and signals are refused, for they
+    few terms as the tolerance on the band needs, or one of given --times, which DATA may be too.
+    Effects of rig and signals are refused, for they
     do not belong to the specimen: leave them out with --without.
     """
     from springpot.errors import OptionError
     from springpot.files import require_writable, write_text, write_with
     from springpot.solvers.exporting import exported
+    from springpot.solvers.from_data import times_of
 
     # A path that cannot be written is told before anything is worked out.
     if output is not None:
         require_writable(output)
+    if amplitude is not None:
+        options["amplitudes"] = numbers(amplitude)
+    if times is not None:
+        options["times"] = times_of(times, per_decade)
     handed = exported(source, format_name, tolerance=tolerance, **options)
     data = handed.data
     if data is not None:

@@ -1,0 +1,109 @@
+"""What to measure where tests in time do not tell two effects apart, and that it does tell them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot import TimeTest
+from springpot.timetests import identify
+from springpot.timetests.experiment import AfterTest, planned_tests
+from springpot.timetests.residuals_of_tests import parts_of_specimen
+
+MODEL = springpot.parse_model("fractional-zener")
+THETA = MODEL.theta(k1=50.0, k2=400.0, c=60.0, alpha=0.5)
+RIVALS = ["thermal-transient", "thermal-force", "force-drift"]
+TIME = np.geomspace(0.01, 100.0, 80)
+HEATED = springpot.parse_model("fractional-zener + thermal-transient")
+CLOCK = springpot.parse_model("fractional-zener + force-drift")
+
+
+def relaxed(step: float, seed: int) -> TimeTest:
+    """A relaxation after a step, in which the stiffness itself grows with time."""
+    exact = step * MODEL.relaxation(THETA, TIME) * (1.0 + 0.04 * np.log1p(TIME))
+    noise = 0.5 * np.random.default_rng(seed).normal(size=len(TIME))
+    loading = springpot.measurement.Loading.step(step)
+    return TimeTest(TIME, exact + noise, loading, displacement_unit="mm", force_unit="N")
+
+
+@pytest.fixture(scope="module")
+def open_question() -> springpot.Diagnosis:
+    """One step does not tell a force that grows from a stiffness that grows."""
+    return springpot.diagnose(relaxed(1.0, 1), MODEL, effects=RIVALS)
+
+
+def test_a_larger_step_tells_what_grows_with_the_load(open_question) -> None:
+    asked = open_question.next_experiment
+    assert set(asked.separates) == {"thermal-transient", "thermal-force"}
+    assert asked.action == {"factor": [3.0]}
+    assert asked.expected_separation_sigma > 5.0
+    assert "impose three times the step" in asked.says
+    again = type(asked).from_dict(asked.to_dict())
+    assert again == asked
+
+
+def test_once_it_is_measured_the_question_is_closed(open_question) -> None:
+    both = springpot.diagnose([relaxed(1.0, 1), relaxed(3.0, 2)], MODEL, effects=RIVALS)
+    odds = {each.effect: each.probability for each in both.candidates}
+    assert odds["thermal-transient"] > 100.0 * odds.get("thermal-force", 0.0)
+    before = {each.effect: each.probability for each in open_question.candidates}
+    assert before["thermal-transient"] < 10.0 * before["thermal-force"]
+
+
+def test_nothing_is_asked_where_nothing_is_missing() -> None:
+    exact = MODEL.relaxation(THETA, TIME)
+    noise = 0.5 * np.random.default_rng(3).normal(size=len(TIME))
+    test = TimeTest.of_relaxation(TIME, exact + noise, "kPa")
+    found = springpot.diagnose(test, MODEL, effects=RIVALS)
+    assert found.verdict == "adequate"
+    assert found.next_experiment is None
+
+
+@pytest.fixture(scope="module")
+def fits() -> list:
+    test = TimeTest.of_relaxation(TIME, MODEL.relaxation(THETA, TIME) + 0.2 * TIME, "kPa")
+    return [test, identify([test], HEATED), identify([test], CLOCK)]
+
+
+def test_an_explanation_follows_itself_whatever_is_measured(fits) -> None:
+    test, heated, _ = fits
+    parts = parts_of_specimen([test])
+    for planned in planned_tests(parts, heated):
+        contest = AfterTest(heated, heated, (*parts, planned.part))
+        assert contest.linear < 1e-6
+
+
+def test_what_an_explanation_cannot_say_is_no_promise(fits) -> None:
+    test, heated, clock = fits
+    endless = replace(clock, theta=np.full(len(clock.theta), 1e300))
+    for pair in ((heated, endless), (endless, heated)):
+        contest = AfterTest(*pair, parts_of_specimen([test]))
+        assert contest.linear == contest.fitted() == 0.0
+
+
+def test_slopes_are_those_of_the_differences(fits) -> None:
+    test, heated, clock = fits
+    parts = parts_of_specimen([test])
+    for planned in planned_tests(parts, heated):
+        contest = AfterTest(heated, clock, (*parts, planned.part))
+        slopes = contest.seen(clock.theta)[1]
+        for i, value in enumerate(clock.theta):
+            step = np.zeros(len(clock.theta))
+            step[i] = 1e-5 * max(abs(value), 1e-3)
+            ahead, back = (contest.seen(clock.theta + sign * step)[0] for sign in (1.0, -1.0))
+            central = (back - ahead) / (2.0 * step[i])
+            size = np.abs(slopes[i]).max()
+            assert central == pytest.approx(slopes[i], abs=2e-4 * size), planned.says
+
+
+def test_what_was_imposed_can_be_let_go(fits) -> None:
+    test, heated, _ = fits
+    plans = {
+        next(iter(each.action)): each for each in planned_tests(parts_of_specimen([test]), heated)
+    }
+    assert set(plans) == {"repeats", "factor", "time", "release", "omega"}
+    assert plans["release"].part.test.kind == "recovery"
+    assert plans["omega"].part.test.omega[0] == pytest.approx(1.0 / 100.0, rel=0.01)
