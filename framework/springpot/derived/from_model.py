@@ -20,8 +20,10 @@ from springpot.thresholds import INTERVAL
 from .quantity import Quantity, energy_unit, in_logarithm, noun
 
 DECADE = float(np.log(10.0))
+REACH = 3.0 * DECADE
+"""How far beyond the measured frequencies a crossover or a plateau is looked for."""
 FINE = 60.0
-"""Places a decade at which a crossover or a plateau is looked for."""
+"""Places a decade at which it is looked for."""
 FARTHEST = 30
 """Decades beyond the measured frequencies at which a limit must have been reached."""
 FLAT = 1e-3
