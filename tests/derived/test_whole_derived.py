@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.derived import asking, from_model, quantities
+from springpot.derived import asking, from_model, quantities, quantity
 from springpot.derived.from_data import curves
 from springpot.derived.from_model import DECADE, FINE, OfModel
 from springpot.errors import SpringpotError
@@ -176,3 +176,23 @@ def test_a_round_frequency_where_it_was_measured_is_asked_for(low, high, hertz):
     seen = (2.0 * np.pi * low, 2.0 * np.pi * high)
     assert asking._usual(seen, "Hz") == pytest.approx(hertz)
     assert asking._usual((low, high), "rad/s") == pytest.approx(hertz / (2.0 * np.pi))
+
+
+def test_a_value_by_its_logarithm_has_its_interval_and_one_without_end_is_open():
+    found = quantity.in_logarithm(np.log(3.0), np.log(2.0), "s", 10.0)
+    assert (found.value, found.low, found.high) == pytest.approx((30.0, 15.0, 60.0))
+    found = quantity.in_logarithm(np.log(3.0), np.inf, "s")
+    assert (found.low, found.high, found.unit) == (0.0, np.inf, "s")
+
+
+@pytest.mark.parametrize(
+    ("units", "factor", "unit"),
+    [
+        (("kPa", "%"), 0.1, "J/m^3"),
+        (("kN/m", "mm"), 1e-3, "J"),
+        (("kN/m", "-"), 1.0, "kN/m -^2"),
+        (("kPa", "mm"), 1.0, "kPa mm^2"),
+    ],
+)
+def test_the_energy_of_a_cycle_has_the_unit_of_its_sizes(units, factor, unit):
+    assert quantity.energy_unit(springpot.Units(*units)) == (pytest.approx(factor), unit)
