@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from springpot.rheology.points import Complex, Real
 
+    from .contract import Reading
     from .prony import Prony
     from .shifting import ShiftLaw
 
@@ -228,6 +229,12 @@ class Writer:
         if self.several is None:
             raise ModelError(f"{self.name} holds one material: give one amplitude")
         return self.several(texts)
+
+    def aspects(self, read: Reading | None = None) -> Mapping[str, Callable[[], Iterable[str]]]:
+        """Its contract, by the name of each aspect; see `springpot.testing.check_writer`."""
+        from .contract import aspects_of
+
+        return aspects_of(self, read)
 
     def written(self, handoff: Handoff) -> str:
         """The text, where the format can hold what is handed over.
