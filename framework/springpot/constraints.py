@@ -336,6 +336,24 @@ def values_of(texts: Iterable[str]) -> dict[str, float]:
     return numbers
 
 
+def settings_of(texts: Iterable[str]) -> dict[str, float | str]:
+    """Settings by name, of texts such as ``batch=2`` or ``file=pad-1``: numbers, else words.
+
+    Raises
+    ------
+    OptionError
+        If one is no setting.
+    """
+    settings: dict[str, float | str] = {}
+    for text in texts:
+        name, value = _pair(text, "batch=2")
+        try:
+            settings[name] = float(value)
+        except ValueError:
+            settings[name] = value.strip()
+    return settings
+
+
 def bounds_of(texts: Iterable[str]) -> dict[str, Bounds]:
     """Ends by name, of texts such as ``k1=0:200``; either end may be left open.
 

@@ -32,6 +32,8 @@ def test_a_prediction_says_of_which_level(springpot, specimens, tmp_path):
     )
     told = springpot("predict", fit, "--frequency", "1", "--at", "file=2", "--json")
     assert told.json["points"][0]["storage"] == pytest.approx(110.0, rel=1e-5)
+    named = springpot("predict", fit, "-f", "1", "--at", f"file={specimens[1].stem}", "--json")
+    assert named.json["points"] == told.json["points"]
     springpot("predict", fit, "--frequency", "1").is_one_line("depends on file", "file=")
 
 
@@ -48,4 +50,5 @@ def test_a_population_has_every_parameter_for_itself(springpot, specimens, write
         "identify", *specimens, third, "--joint", "-m", "kelvin", "--population", "file", "--json"
     )
     assert set(found.json["population"]) == {"k", "c"}
-    assert found.json["specimens"]["2"]["k"] == pytest.approx(110.0, rel=1e-5)
+    assert list(found.json["specimens"])[2] == "third"
+    assert found.json["specimens"][specimens[1].stem]["k"] == pytest.approx(110.0, rel=1e-5)

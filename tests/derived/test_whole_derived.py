@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.derived import quantities
+from springpot.derived import from_model, quantities
 from springpot.derived.from_data import curves
 from springpot.derived.from_model import DECADE, FINE, OfModel
 from springpot.errors import SpringpotError
@@ -139,3 +139,18 @@ def test_places_are_looked_for_at_so_many_of_each_decade():
     grid = OfModel._grid.fget(SimpleNamespace(band=(1.0, 1.0 + 3.0 * DECADE)))
     assert grid[[0, -1]] == pytest.approx([1.0, 1.0 + 3.0 * DECADE])
     assert 0.9 < np.diff(grid)[0] * FINE / DECADE < 1.0
+
+
+def test_limits_are_looked_for_decade_by_decade_as_far_as_any_is(monkeypatch):
+    asked = []
+    slopes = SimpleNamespace(storage_x=np.ones(3))
+    monkeypatch.setattr(from_model, "_flat", lambda slope: asked.append(slope) or 1 / 0)
+    model = SimpleNamespace(
+        band=(-2.0, 3.0), known=SimpleNamespace(units=None),
+        logs=lambda x: asked.append(x / DECADE) or slopes,
+    )  # fmt: skip
+    with pytest.raises(ZeroDivisionError):
+        list(OfModel._limits(model))
+    steps = np.arange(from_model.FARTHEST + 1)
+    np.testing.assert_allclose(asked[0], -2.0 / DECADE - steps)
+    np.testing.assert_allclose(asked[1], 3.0 / DECADE + steps)

@@ -9,6 +9,7 @@ import pytest
 from scipy.special import ndtr
 
 import springpot
+from springpot.errors import DataError
 from springpot.identification.population import of_one
 
 LEVELS = [str(i) for i in range(24)]
@@ -110,6 +111,20 @@ def test_specimens_that_are_files_have_the_names_of_these(
         specimens = each.to_dict()["specimens"]
         assert list(specimens) == ["soft", "hard", "old"]
         assert specimens["hard"]["k"] == pytest.approx(110.0, rel=5e-3)
+
+
+def test_a_specimen_is_asked_for_by_its_name(rng: np.random.Generator) -> None:
+    omega, pad = np.tile(np.geomspace(1.0, 100.0, 6), 3), np.repeat(["new", "old", "worn"], 6)
+    k = np.repeat([100.0, 110.0, 90.0], 6)
+    exact = (k + 2.0j * omega) * (1.0 + 0.003 * rng.standard_normal(18))
+    data = springpot.Measurement(omega, exact, labels={"pad": pad})
+    fit = springpot.identify(data, "kelvin", own={"*": "pad"})
+    for number, name in enumerate(("new", "old", "worn"), 1):
+        named, numbered = (fit.predict(frequency=1.0, pad=each) for each in (name, number))
+        assert named.storage == numbered.storage
+    assert fit.predict(frequency=1.0, pad="old").storage == pytest.approx(110.0, rel=0.01)
+    with pytest.raises(DataError, match="has no 'wron': there are worn"):
+        fit.predict(frequency=1.0, pad="wron")
 
 
 def test_parameters_named_one_after_the_other_are_all_each_level_s_own() -> None:

@@ -95,7 +95,7 @@ def at_place(command: F) -> F:
             "others",
             multiple=True,
             metavar="COLUMN=VALUE",
-            help="Another column that the model depends on: batch=2.",
+            help="Another column that the model depends on: batch=2, file=pad-1.",
         ),
         click.option(
             "--amplitude", "-a", type=float, metavar="X", help="In the amplitude unit of the data."

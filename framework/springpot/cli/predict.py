@@ -79,7 +79,7 @@ def command(
     frequencies, and it is told whether the prediction holds; where only what is imposed is in FILE,
     the answer to it is given.
     """
-    from springpot.constraints import values_of
+    from springpot.constraints import settings_of
     from springpot.errors import DataError
     from springpot.files import require_writable, write_text
     from springpot.identification.result import Identification
@@ -99,7 +99,7 @@ def command(
         timetests.predict(known, history, temperature, level, geometry, output, figure, as_json)
         return
     asked: dict[str, Any] = {"temperature": temperature, "amplitude": amplitude, "level": level}
-    asked |= values_of(others)
+    asked |= settings_of(others)
     if frequency is not None:
         asked["frequency"] = numbers(frequency)
     if omega is not None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
+from difflib import get_close_matches
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,6 +30,7 @@ from springpot.suggestions import suggested
 from springpot.thresholds import INTERVAL
 
 from ..numerics import NEGLIGIBLE, ROUNDING, SMALLEST
+from .kept import levels_in_words
 from .uncertainty import lost_and_known
 
 if TYPE_CHECKING:
@@ -321,7 +323,7 @@ def _rate(sweep: Measurement | None, frequency: ArrayLike | None, omega: ArrayLi
 def _conditions(known: Known, given: Mapping[str, ArrayLike], rate: Real) -> dict[str, Real]:
     """Conditions that are asked for, each as a column of one value or one for each point."""
     model, data = known.model, known.sweep
-    own = {name: np.atleast_1d(np.asarray(column, dtype=float)) for name, column in given.items()}
+    own = {name: _numbers(data, name, column) for name, column in given.items()}
     for name, column in own.items():
         if not np.all(np.isfinite(column)):
             raise DataError(f"{name} must be finite numbers")
@@ -340,6 +342,22 @@ def _conditions(known: Known, given: Mapping[str, ArrayLike], rate: Real) -> dic
             span = known.covered.span(name, known.units)
             raise DataError(f"{model.name} depends on {name}, measured at a {span}: say {name}=...")
     return own
+
+
+def _numbers(data: Measurement | None, name: str, given: ArrayLike) -> Real:
+    """A column (n,) of what is asked for: numbers, or what levels of the data are called."""
+    words = None
+    if data is not None:
+        words = levels_in_words(data, name)
+    if words is None or not isinstance(given, str):
+        try:
+            return np.atleast_1d(np.asarray(given, dtype=float))
+        except (TypeError, ValueError):
+            raise DataError(f"{name} must be finite numbers") from None
+    if given not in words:
+        near = get_close_matches(given, words) or words[:3]
+        raise DataError(f"{name} has no '{given:.40}': there are {', '.join(near)} and others")
+    return np.array([1.0 + words.index(given)])
 
 
 def _check_condition(known: Known, name: str, column: Real) -> None:

@@ -54,7 +54,7 @@ def command(
     loss factor and energy of a cycle; sweeps of the amplitude say linear limit, yield and flow
     point. Without a model the points around a place say what lies within the data.
     """
-    from springpot.constraints import values_of
+    from springpot.constraints import settings_of
     from springpot.derived import quantities
     from springpot.derived.quantity import told
     from springpot.files import require_writable, write_text
@@ -65,7 +65,7 @@ def command(
     if output is not None:
         require_writable(output)
         require_ending(output)
-    asked.update(values_of(others))
+    asked.update(settings_of(others))
     answer = quantities(data, model, **asked)
     if output is not None:
         if output.suffix == ".csv":
