@@ -62,6 +62,8 @@ def test_the_same_trials_are_the_same_bytes_of_plain_text(folder):
         names = whole.namelist()
         told = json.loads(whole.read("study.json"))
         texts = [whole.read(name).decode("utf-8") for name in names]
+        # The earliest date that a zip can tell, whenever it is written.
+        assert {each.date_time for each in whole.infolist()} == {(1980, 1, 1, 0, 0, 0)}
     assert names == ["study.json", "trials.csv", "traces.csv", "oracles.csv"]
     assert all(texts)
     assert {"python", "machine", "numpy", "seed", "started"} <= set(told["facts"])

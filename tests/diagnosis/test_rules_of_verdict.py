@@ -243,7 +243,7 @@ def test_effects_that_take_most_of_the_error_are_told(rows, gain, named):
 def told(**changed):
     """Evidence as a sentence needs it."""
     plain = {
-        "classes": [("inertia",)], "beside": (), "imitators": set(), "drift": None,
+        "classes": [("inertia",)], "beside": (), "imitators": set(), "drift": None, "untold": None,
         "moved": set(), "other_shape": 0.0, "leader": "inertia",
         "search": SimpleNamespace(
             base=SimpleNamespace(fit=SimpleNamespace(measurement=None)),

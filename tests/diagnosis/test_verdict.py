@@ -92,6 +92,20 @@ def test_every_rule_is_needed_and_none_names_an_effect_without_an_alarm():
     assert used == {rule.reason for rule in RULES}
 
 
+@pytest.mark.parametrize(
+    ("rows", "together"), [([7, 18, 29], True), ([7, 18, 30], False), ([7, 19, 31], False)]
+)
+def test_points_of_several_sweeps_at_one_frequency_stand_out_together(monkeypatch, rows, together):
+    """Three sweeps of eleven frequencies; what stands out has no neighbour."""
+    outside = np.isin(np.arange(33), rows)
+    monkeypatch.setattr("springpot.diagnosis.verdict._standing_out", lambda base: outside)
+    omega = np.tile(np.arange(1.0, 12.0), 3)
+    amplitude = np.repeat([0.1, 0.3, 1.0], 11)
+    mean = springpot.Measurement(omega, omega + 1.0j, conditions={"amplitude": amplitude})
+    base = SimpleNamespace(data=SimpleNamespace(mean=mean))
+    assert _stand_out_together(base) is together
+
+
 @pytest.mark.parametrize(("first", "together"), [(slice(0, 300), True), (slice(0, 1500, 5), False)])
 def test_many_points_that_stand_out_are_counted_exactly(monkeypatch, first, together):
     """Of 1,500 points 300 can stand out in 10^324 ways, more than a floating-point number holds."""

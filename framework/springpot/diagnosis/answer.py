@@ -39,6 +39,7 @@ from .experiment import (
     experiment_on_confounded,
     experiment_on_points,
     experiment_on_unknown,
+    experiment_on_untold,
     next_experiment,
 )
 from .grown import Grown, Search
@@ -447,6 +448,8 @@ def _next_experiment(
     # The cheapest question of all, and no other measurement answers it.
     if evidence.drift is not None:
         return experiment_on_unknown(search.base.data.raw)
+    if evidence.untold is not None:
+        return experiment_on_untold(evidence.untold, search.base.data.raw)
     # Effects that nobody believes in are not worth a measurement that tells them apart.
     experiment = None
     if verdict != "unexplained" or leading:

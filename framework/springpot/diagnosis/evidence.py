@@ -21,6 +21,7 @@ from springpot.thresholds import EVIDENCE
 
 from .grown import Grown, Search, SweepDrift, drift_in_place
 from .marginal import harmonic_evidence, is_a_limit, marginal, unknown_marginal
+from .untold import Untold, untold_in_place
 
 ONE_CASE = 1e-4
 """Chi-square a point, beside exact curves, below which one law is a case of another."""
@@ -95,6 +96,8 @@ class Evidence:
     drift : SweepDrift or None
         A gain that drifts while the sweep is measured, where it explains the data as well as one of
         the effects.
+    untold : Untold or None
+        Effects of an amplitude that no column tells, where one of the effects has their curve.
     """
 
     search: Search
@@ -106,6 +109,7 @@ class Evidence:
     beside_material: bool = False
     moved: frozenset[str] = frozenset()
     drift: SweepDrift | None = None
+    untold: Untold | None = None
 
     @classmethod
     def of(cls, search: Search, beside_material: bool = False) -> Evidence:
@@ -197,12 +201,14 @@ class Evidence:
         A spectrum and two effects beside it follow any slow error of storage and of loss, and two
         parts of a material nearly any material; two effects at one frequency follow nearly any two
         curves along the amplitude; what goes with an amplitude that moved with the frequency may as
-        well go with the frequency, and what a drift explains, with time.
+        well go with the frequency, what a drift explains, with time, and what effects of an untold
+        amplitude are, with that.
         """
         moved = not self.moved.isdisjoint(one.names)
         drifted = self.drift is not None and self.drift.effect in one.names
+        untold = self.untold is not None and self.untold.effect in one.names
         several_beside = len(one.names) > 1 and (self.beside_material or self.one_frequency)
-        return one.twice or one.one_spectrum or moved or drifted or several_beside
+        return one.twice or one.one_spectrum or moved or drifted or untold or several_beside
 
     def _is_imitated(self, one: Explanation) -> bool:
         """Whether something else as narrow may hold the place of one of its effects."""
@@ -217,6 +223,10 @@ class Evidence:
     def beside_drift(self) -> Evidence:
         """The same, having asked whether a drifting gain explains as much as the best model."""
         return replace(self, drift=drift_in_place(self.search))
+
+    def beside_untold(self, library: Sequence[Effect]) -> Evidence:
+        """The same, having asked which effects of an untold amplitude are the named one's curve."""
+        return replace(self, untold=untold_in_place(self.search, library))
 
     def doubted(self, p_value: float) -> Evidence:
         """The same, where what the best model leaves has this chance of being noise.

@@ -435,7 +435,7 @@ def examine(
         verdict = "unexplained"
     # The chance of "unknown" must agree with the verdict, which rests on more than the evidence.
     if verdict == "effect-missing":
-        evidence = evidence.without_unknown().beside_drift()
+        evidence = evidence.without_unknown().beside_drift().beside_untold(library)
     elif verdict == "unexplained":
         evidence = evidence.doubted(naming.left.p_value).beside_drift()
     diagnosis = answer(measurement, search, floor, evidence, outliers, verdict, library, course)

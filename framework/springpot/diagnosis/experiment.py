@@ -31,6 +31,7 @@ from ..format_numbers import NAMED
 from ..numerics import ALIKE
 from .contest import TYPED_IN, WAITED_FOR, WORKED_FOR, Contest, Pair, most_telling
 from .result import NextExperiment
+from .untold import COLUMN, Untold
 
 FARTHER = 10.0
 """Factor by which the frequencies are extended: a decade is what a rig has to spare, if anything.
@@ -341,6 +342,23 @@ def experiment_on_points(outliers: Sequence[Outlier]) -> NextExperiment:
     )
     omega = [2.0 * np.pi * outlier.frequency * factor for outlier in outliers for factor in BESIDE]
     return NextExperiment(says, (), None, {"omega": omega})
+
+
+def experiment_on_untold(untold: Untold, measurement: Measurement) -> NextExperiment:
+    """What tells an effect from those of an amplitude that no column tells.
+
+    Parameters
+    ----------
+    untold : Untold
+        The effect, and the others.
+    measurement : Measurement
+        The data.
+    """
+    says = (
+        f"measure the same points at another {COLUMN} too, and write both in a column {COLUMN}:"
+        f" {untold.effect} stays as it is, {' or '.join(untold.others)} changes with it"
+    )
+    return NextExperiment(says, (), None, {"omega": measurement.omega[:MOST_POINTS].tolist()})
 
 
 def experiment_on_unknown(measurement: Measurement) -> NextExperiment:

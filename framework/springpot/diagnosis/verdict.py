@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from springpot.distributions import f_quantile
 from springpot.identification.problem import weighted
-from springpot.measurement.independence import moved_along
+from springpot.measurement.independence import frequency_numbers, moved_along
 from springpot.measurement.mixed_tests import sweeps_of
 from springpot.misfit.floor import (
     below_floor,
@@ -34,6 +34,8 @@ from .grown import Grown, Search
 from .marginal import likeliest_unknown
 from .result import Verdict
 
+DEALT = 1000
+"""Times that points which stand out are dealt out anew; a chance of 0.05 is known to an eighth."""
 MEDIAN_OF_TWO = 2.0 * float(np.log(2.0))
 """Median of chi-square with two degrees of freedom."""
 
@@ -267,13 +269,30 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
 
 def _stand_out_together(base: Refit) -> bool:
     """Whether more of the points that stand out are neighbours than chance would put there."""
-    stands_out = _standing_out(base)
+    stands_out, sweeps = _standing_out(base), sweeps_of(base.data.mean)
     pairs = 0
-    for sweep in sweeps_of(base.data.mean):
+    for sweep in sweeps:
         outside = stands_out[sweep.rows]
         pairs += int(np.sum(outside[1:] & outside[:-1]))
     n, m = len(stands_out), int(np.sum(stands_out))
-    return pairs > 0 and _chance_of_pairs(n, m, pairs) < VERDICT.neighbours
+    if pairs > 0 and _chance_of_pairs(n, m, pairs) < VERDICT.neighbours:
+        return True
+    return len(sweeps) > 1 and _at_few_frequencies(frequency_numbers(base.data.mean), stands_out)
+
+
+def _at_few_frequencies(which: NDArray[np.int64], stands_out: NDArray[np.bool_]) -> bool:
+    """Whether points of several sweeps stand out at fewer frequencies than chance would choose.
+
+    An interference is at one frequency, of whatever sign it is in each sweep.
+    """
+    found = len(np.unique(which[stands_out]))
+    if found == np.sum(stands_out):
+        return False
+    rng = np.random.default_rng(0)
+    dealt = rng.permuted(np.tile(which, (DEALT, 1)), axis=1)[:, : int(np.sum(stands_out))]
+    dealt.sort(axis=1)
+    frequencies = 1 + np.count_nonzero(np.diff(dealt, axis=1), axis=1)
+    return bool(np.mean(frequencies <= found) < VERDICT.neighbours)
 
 
 def _standing_out(base: Refit) -> NDArray[np.bool_]:
@@ -535,6 +554,8 @@ def _named(evidence: Evidence) -> str:
         words = f"{words} or another narrow feature"
     if evidence.drift is not None and evidence.drift.effect in {*named, *beside}:
         words = f"{words}, or in place of {evidence.drift.effect} {evidence.drift.says}"
+    elif evidence.untold is not None and evidence.untold.effect in {*named, *beside}:
+        words = f"{words}, or in place of {evidence.untold.effect} {evidence.untold.says}"
     elif evidence.moved & set(named):
         moved = " and ".join(sorted(moved_along(evidence.search.base.fit.measurement)))
         words = f"{words}, or a cause along the frequency: the {moved} was not varied by itself"

@@ -1,0 +1,133 @@
+"""What the workbench does with an answer that is there: nothing is fitted."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from springpot.errors import DataError
+from springpot.measurement import Measurement, Units
+from springpot.web import leaving, tasks, trying, watching
+from springpot.web.sessions import State
+
+OMEGA = np.geomspace(0.1, 100.0, 12)
+SWEEP = Measurement(OMEGA, (1.0 + 0.3j) * OMEGA**0.4, units=Units("kPa", "%"), name="sweep")
+TEXT = tasks.text_of(SWEEP)
+
+
+def quiet(stage):
+    return None
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "key"),
+    [
+        ("command", "my-sweep.txt", "text"),
+        ("script", "my-sweep.py", "text"),
+        ("data", "my-sweep-used.csv", "text"),
+        ("curves", "my-sweep-curves.csv", "text"),
+        ("plan", "my-sweep-plan.csv", "text"),
+        ("report", "my-sweep-report.html", "text"),
+        ("replay", "my-sweep-replay.gif", "base64"),
+        ("nothing", None, None),
+    ],
+)
+def test_each_thing_that_one_leaves_with_has_its_name(kind, name, key, monkeypatch):
+    """Command, script and data come at once: they need no fits."""
+    climbed = []
+    monkeypatch.setattr(tasks, "_ladder", lambda *given: climbed.append(given))
+    for each in ("curves_csv", "plan_csv", "report", "replay"):
+        monkeypatch.setattr(leaving, each, lambda *given, each=each: each)
+    state = {"data": "a", "model": "kelvin"}
+    if name is None:
+        with pytest.raises(DataError, match="nothing called 'nothing' to leave with"):
+            tasks.leave(quiet, kind, state, TEXT, "my-sweep.csv", False)
+        return
+    found = tasks.leave(quiet, kind, state, TEXT, "my-sweep.csv", False)
+    assert (found["name"], set(found)) == (name, {"name", key})
+    made = {"curves": "curves_csv", "plan": "plan_csv", "report": "report", "replay": "replay"}
+    assert len(climbed) == (kind in made)
+    if kind in made:
+        assert found[key] == made[kind]
+
+
+@pytest.mark.parametrize("column", ["temperature", "amplitude"])
+def test_sweeps_are_shifted_by_temperature_where_there_is_one(column, monkeypatch):
+    asked = []
+    master = SimpleNamespace(to_dict=dict)
+    monkeypatch.setattr(tasks, "mastercurve", lambda data, column: asked.append(column) or master)
+    columns = {"amplitude": OMEGA} | ({column: OMEGA} if column == "temperature" else {})
+    data = Measurement(OMEGA, SWEEP.stiffness, conditions=columns)
+    found = tasks.mastered(quiet, {"data": "a", "model": "kelvin"}, tasks.text_of(data))
+    assert (found["column"], asked) == (column, [column])
+
+
+def test_the_ladders_asked_for_last_are_kept(monkeypatch):
+    climbed = []
+    monkeypatch.setattr(tasks, "_ladders", type(tasks._ladders)())
+    monkeypatch.setattr(
+        tasks, "ladder_of", lambda state, data, told, begun: climbed.append(begun) or state.key
+    )
+    states = [
+        State.of({"data": "a", "model": "kelvin", "seed": i}) for i in range(tasks.LADDERS + 1)
+    ]
+    for state in (*states[:-1], states[0], states[-1]):
+        assert tasks._ladder(state, TEXT, quiet) == state.key
+    assert len(climbed) == len(states)
+    kept = [states[i].key for i in (*range(2, tasks.LADDERS), 0, tasks.LADDERS)]
+    assert list(tasks._ladders) == kept
+
+
+@pytest.mark.parametrize("count", [trying.FEW, 7 * trying.FEW])
+def test_a_first_look_is_at_rows_evenly_of_all(count, monkeypatch):
+    seen = []
+    judged = SimpleNamespace(error=SimpleNamespace(to_dict=dict))
+    monkeypatch.setattr(
+        trying, "compare", lambda used, models, rng: seen.append(used) or 1 / 0 or [judged]
+    )
+    omega = np.geomspace(0.1, 100.0, count)
+    with pytest.raises(ZeroDivisionError):
+        trying.first_look(
+            State.of({"data": "a", "model": "kelvin"}), Measurement(omega, omega + 1j)
+        )
+    (used,) = seen
+    assert len(used) == trying.FEW
+    assert used.omega[[0, -1]].tolist() == omega[[0, -1]].tolist()
+    steps = np.diff(np.searchsorted(omega, used.omega))
+    assert steps.max() - steps.min() <= 1
+
+
+@pytest.mark.parametrize("celsius", [None, 20.0])
+def test_a_plan_has_a_row_for_each_point_with_what_is_to_be_set(celsius):
+    told = {} if celsius is None else {"temperature": np.full(12, celsius)}
+    data = Measurement(
+        OMEGA, SWEEP.stiffness, units=Units("kPa", "%"),
+        conditions={"amplitude": np.full(12, 0.5), **told},
+    )  # fmt: skip
+    advice = SimpleNamespace(action={"omega": [2.0 * np.pi, 4.0 * np.pi]}, says="why")
+    ladder = SimpleNamespace(
+        undecided=SimpleNamespace(diagnosis=SimpleNamespace(next_experiment=advice))
+    )
+    lines = leaving.plan_csv(ladder, data).splitlines()
+    head, *rows = [line for line in lines if "why" not in line]
+    assert len(rows) == len(lines) - 2
+    known = ["frequency [Hz]", "temperature [degC]", "amplitude [%]", "storage [kPa]", "loss [kPa]"]
+    assert [name for name in known if name in head] == [
+        name for name in known if celsius is not None or "temperature" not in name
+    ]
+    cells = [[float(cell) for cell in row.split(",") if cell] for row in rows]
+    expected = [[1.0, 20.0, 0.5], [2.0, 20.0, 0.5]]
+    if celsius is None:
+        expected = [[1.0, 0.5], [2.0, 0.5]]
+    assert np.allclose(cells, expected)
+    for nothing in (None, SimpleNamespace(action={"omega": []})):
+        ladder.undecided.diagnosis.next_experiment = nothing
+        with pytest.raises(DataError, match="no further measurement is proposed"):
+            leaving.plan_csv(ladder, data)
+
+
+def test_rows_of_other_tests_stand_where_they_stood_as_long_as_there_are_any():
+    assert watching._moved([1, 2, 3], [1, 2]) == [0, 1, None]
+    assert watching._moved([1, 2], [1, 2, 3]) == [0, 1]
