@@ -7,6 +7,7 @@ import os
 import resource
 import signal
 import stat
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -408,3 +409,24 @@ def test_numbers_that_come_again_in_each_batch_are_counted_through(columns):
     found = constraints._numbered(table, columns)
     assert found.conditions[columns].tolist() == [1.0, 2.0, 3.0, 4.0]
     assert ("batch" in found.conditions) is ("/" in columns)
+
+
+@pytest.mark.parametrize(
+    ("share", "own"), [((), ["k", "c", "inertia.m"]), ("c", ["k", "inertia.m"])]
+)
+def test_factors_of_levels_are_no_level_s_once_more(share, own):
+    """Every parameter of each level: but for those that levels share, or have already."""
+    omega = np.geomspace(1.0, 10.0, 4)
+    data = Measurement(omega, omega + 1j, conditions={"batch": np.repeat([1.0, 2.0], 2)})
+    effects = {"free-shift": True, "inertia": False}
+    model = SimpleNamespace(
+        name="made",
+        material=None,
+        names=["k", "c", "free-shift.a_1", "inertia.m"],
+        named_effects=lambda: [
+            (SimpleNamespace(by_levels=by), name) for name, by in effects.items()
+        ],
+        owning=lambda names, column: (names, column),
+    )
+    found, _ = constraints.owning(model, [data], {"*": "batch"}, share)
+    assert found == (own, "batch")

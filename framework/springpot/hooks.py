@@ -6,7 +6,7 @@ A plugin is any module or object with functions marked by `hookimpl`, named in t
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
@@ -86,6 +86,12 @@ class SolverFormat(Protocol):
 
     def written(self, handoff: Any) -> str:
         """The text of a model that is handed over."""
+        ...
+
+    def aspects(
+        self, read: Callable[[str, Any], Any] | None = None
+    ) -> Mapping[str, Callable[[], Iterable[str]]]:
+        """Its contract: what must hold, by name; each yields sentences on what does not."""
         ...
 
 

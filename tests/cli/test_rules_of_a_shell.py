@@ -15,7 +15,7 @@ import pytest
 
 import springpot.cli as shell
 from springpot import api, loading
-from springpot.cli import common, discover, group, init, invent, waiting
+from springpot.cli import common, diagnose, discover, group, init, invent, waiting
 
 
 @pytest.mark.parametrize(("fd", "name"), [(0, "stdin"), (1, "stdout"), (2, "stderr")])
@@ -191,3 +191,32 @@ def test_one_answer_is_spread_over_lines_and_of_several_each_is_one(capsys):
     with click.Context(group.springpot):
         common.emit({"a": 1}, False, lambda: print("words"), True)
     assert capsys.readouterr().out == "words\n"
+
+
+@pytest.mark.parametrize("command", [("inspect",), ("identify", "-m", "kelvin")])
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_answers_of_several_files_are_lines_for_programs_and_parted_for_people(
+    command, count, springpot, damper, tmp_path
+):
+    """Of one the answer is spread over lines, and nothing stands before it."""
+    data = [tmp_path / f"{i}.csv" for i in range(count)]
+    for each in data:
+        each.write_text(Path(damper).read_text())
+    lines = springpot(command[0], *data, *command[1:], "--json").out.splitlines()
+    assert (len(lines) == count) is (count > 1)
+    for each in lines if count > 1 else ["".join(lines)]:
+        assert isinstance(json.loads(each), dict)
+    if command == ("inspect",):
+        parts = springpot(*command, *data).out.split(": 15 points, 1 sweep\n")
+        assert len(parts) == count + 1
+        assert parts[0] == "0"
+        assert [part.rpartition("\n\n")[2] for part in parts[1:-1]] == ["1", "2"][: count - 1]
+
+
+@pytest.mark.parametrize(("named", "text"), [("aba", "a\n\nb\na\n"), ("a", "a\n")])
+def test_a_blank_line_parts_answers_of_a_diagnosis(named, text, monkeypatch, capsys):
+    monkeypatch.setattr(diagnose, "opened", lambda name, geometry: name)
+    monkeypatch.setattr(diagnose.timetests, "named_tests", lambda data, geometry: None)
+    monkeypatch.setattr(diagnose, "_answer", lambda data, given, shown: print(data))
+    group.run(["diagnose", *named, "-m", "kelvin"])
+    assert capsys.readouterr().out == text

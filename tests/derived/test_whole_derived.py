@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.derived import from_model, quantities
+from springpot.derived import asking, from_model, quantities, quantity
 from springpot.derived.from_data import curves
 from springpot.derived.from_model import DECADE, FINE, OfModel
 from springpot.errors import SpringpotError
@@ -139,6 +139,7 @@ def test_places_are_looked_for_at_so_many_of_each_decade():
     grid = OfModel._grid.fget(SimpleNamespace(band=(1.0, 1.0 + 3.0 * DECADE)))
     assert grid[[0, -1]] == pytest.approx([1.0, 1.0 + 3.0 * DECADE])
     assert 0.9 < np.diff(grid)[0] * FINE / DECADE < 1.0
+    assert OfModel._grid.fget(SimpleNamespace(band=(1.0, 1.0))).tolist() == [1.0, 1.0]
 
 
 def test_limits_are_looked_for_decade_by_decade_as_far_as_any_is(monkeypatch):
@@ -154,3 +155,44 @@ def test_limits_are_looked_for_decade_by_decade_as_far_as_any_is(monkeypatch):
     steps = np.arange(from_model.FARTHEST + 1)
     np.testing.assert_allclose(asked[0], -2.0 / DECADE - steps)
     np.testing.assert_allclose(asked[1], 3.0 / DECADE + steps)
+
+
+def test_what_has_no_logarithm_is_on_no_curve():
+    n = 12
+    k, strain = np.full(n, 3.0 + 1.0j), np.arange(1.0, n + 1.0)
+    k[2], k[4], strain[6] = 1.0j, 3.0, 0.0
+    data = springpot.Measurement(np.full(n, 6.0), k, conditions={"amplitude": strain})
+    (sweep,) = curves(data, "amplitude")
+    assert np.exp(sweep.x).tolist() == pytest.approx(strain[[0, 1, 3, 5, *range(7, n)]])
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "hertz"),
+    [(0.5, 2.0, 1.0), (1.0, 2.0, 1.0), (0.5, 1.0, 1.0), (20.0, 80.0, 40.0), (0.02, 0.05, 0.03),
+     (31.0, 33.0, 31.0), (27.0, 28.0, 28.0)],
+)  # fmt: skip
+def test_a_round_frequency_where_it_was_measured_is_asked_for(low, high, hertz):
+    """That of one, else a round one in the middle, on the clock of the data."""
+    seen = (2.0 * np.pi * low, 2.0 * np.pi * high)
+    assert asking._usual(seen, "Hz") == pytest.approx(hertz)
+    assert asking._usual((low, high), "rad/s") == pytest.approx(hertz / (2.0 * np.pi))
+
+
+def test_a_value_by_its_logarithm_has_its_interval_and_one_without_end_is_open():
+    found = quantity.in_logarithm(np.log(3.0), np.log(2.0), "s", 10.0)
+    assert (found.value, found.low, found.high) == pytest.approx((30.0, 15.0, 60.0))
+    found = quantity.in_logarithm(np.log(3.0), np.inf, "s")
+    assert (found.low, found.high, found.unit) == (0.0, np.inf, "s")
+
+
+@pytest.mark.parametrize(
+    ("units", "factor", "unit"),
+    [
+        (("kPa", "%"), 0.1, "J/m^3"),
+        (("kN/m", "mm"), 1e-3, "J"),
+        (("kN/m", "-"), 1.0, "kN/m -^2"),
+        (("kPa", "mm"), 1.0, "kPa mm^2"),
+    ],
+)
+def test_the_energy_of_a_cycle_has_the_unit_of_its_sizes(units, factor, unit):
+    assert quantity.energy_unit(springpot.Units(*units)) == (pytest.approx(factor), unit)

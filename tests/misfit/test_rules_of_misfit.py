@@ -21,6 +21,8 @@ LEVELS = np.array([1.0, 2.0, 4.0, 8.0])
     [
         (LEVELS, LEVELS**2, True),
         (LEVELS, -(LEVELS**2), True),
+        (np.r_[1.0, 1.1, 1.2, 4.0], np.r_[1.0, 1.1, 1.2, 4.0] ** 2, True),
+        (np.r_[2.0, 2.1, 2.2, 5.9], np.r_[2.0, 2.1, 2.2, 5.9] ** 2, False),
         (LEVELS, LEVELS**2 * [1, 1, 1, -1], False),
         (LEVELS, LEVELS**1.5, False),
         (np.r_[-1.0, LEVELS[1:]], LEVELS**2, False),

@@ -57,6 +57,11 @@ HARMLESS = {
         "1",
     ): "how many starts are tried at once",
     (
+        "identification/starts.py",
+        "passes = 1",
+        "2",
+    ): "of two gains one is held, and the second pass finds the same",
+    (
         "identification/uncertainty.py",
         "if self.at_bound[i] < 0:",
         "1",

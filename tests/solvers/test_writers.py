@@ -9,6 +9,7 @@ import csv
 import io
 import json
 import re
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from springpot.registry import parse_model, plugins
 from springpot.rheology import Real
 from springpot.solvers import Handoff, Prony
 from springpot.solvers.exporting import exported
+from springpot.testing import PluginContract
 
 WRITERS = {writer.name: writer for writer in plugins().items("writer")}
 OMEGA = np.geomspace(1.0, 300.0, 40)
@@ -255,6 +257,21 @@ READ = {
     for name, function in globals().items()
     if name.startswith("read_") and name != "read_abaqus_frequency"
 }
+
+
+def reading(name: str):
+    """As the contract asks for it; its frequencies are those of the readers here."""
+
+    def read(text: str, omega: Real):
+        assert np.array_equal(omega, OMEGA)
+        return READ[name](text)
+
+    return read
+
+
+class TestWriters(PluginContract):
+    plugin = "springpot_plugins.writers"
+    reads: ClassVar = {name: reading(name) for name in READ}
 
 
 @pytest.mark.parametrize("name", WRITERS)

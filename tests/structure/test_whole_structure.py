@@ -8,6 +8,7 @@ from springpot.structure import (
     Damper,
     Frame,
     GroundMotion,
+    answers,
     artificial,
     modes_of,
     motion_of,
@@ -15,6 +16,7 @@ from springpot.structure import (
     steady_of,
     steady_state,
 )
+from springpot.structure.answers import described
 
 MAXWELL, KELVIN = parse_model("fractional-maxwell"), parse_model("kelvin")
 THETA = MAXWELL.theta(k=4e6, c=6e5, alpha=0.55)
@@ -98,9 +100,18 @@ def test_artificial_record(stays):
     stays({"a": record.acceleration, "t": record.time, "fine": record.finer(3).acceleration})
 
 
-def test_simulation_with_its_band(stays):
+def test_simulation_with_its_band(stays, monkeypatch):
+    asked = []
+    monkeypatch.setattr(answers, "_notes", lambda frame, omega, *of: asked.append(omega) or [])
+    monkeypatch.setattr(
+        answers, "_outside", lambda frame, omega: asked.append(omega) or np.zeros(len(omega), bool)
+    )
     found = simulate(STRUCTURES["two dampers"], shaken(0.05, 1.0), np.random.default_rng(3), 2)
-    stays({"band": found.band(), "drift": found.motion.peak_drift})
+    stays({"band": found.band(), "drift": found.motion.peak_drift, "told": described(found)})
+    # What is measured of a damper is held against angular frequencies.
+    swinging = [2.0 * np.pi * mode.frequency for mode in found.modes]
+    assert [each.tolist() for each in asked] == [pytest.approx(swinging)] * len(asked)
+    assert len(asked) == 2
 
 
 STEEP = """[structure]

@@ -670,6 +670,7 @@ def test_each_kind_is_checked_with_what_its_contract_asks_for(monkeypatch):
         "model": {"passive": True},
         "data set": {"models": {"sample": networks.SAMPLE}},
         "reader": {"samples": [b"x"]},
+        "writer": {"read": None},
     }
     assert asked == {
         word: (f"{word} good", {"skip": ["words"], **more.get(word, {})})

@@ -39,7 +39,6 @@ from .slipping import FOUR_OVER_PI, slip_fraction
 
 CUBIC = Dimension(stiffness=1, amplitude=-2)
 CUBIC_RATE = Dimension(stiffness=1, time=3, amplitude=-2)
-RATE = Dimension(time=-1, amplitude=1)
 TYPICAL_LIMIT = 3.0
 """Where softening is sought, over the middle of what was measured.
 
@@ -50,8 +49,6 @@ STEEPEST = 3.0
 
 A yielding gel's falls as its square, and a little faster.
 """
-LARGEST_LOG = 300.0
-"""Logarithm beyond which softening leaves nothing: the square of such a number is still one."""
 NEARLY_SINE = 1.0 / 12.0
 """Most that the third harmonic of filled rubber may be of dK / d ln X.
 

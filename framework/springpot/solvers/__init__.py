@@ -9,7 +9,6 @@ from springpot.lazy import offered
 if TYPE_CHECKING:
     from .exporting import exported as exported
     from .handoff import Handoff as Handoff
-    from .handoff import Writer as Writer
     from .prony import (
         Prony as Prony,
     )
@@ -22,12 +21,14 @@ if TYPE_CHECKING:
     from .prony import (
         young_of as young_of,
     )
+    from .writer import Writer as Writer
 
 __getattr__, __dir__ = offered(
     __name__,
     {
         "exporting": "exported",
-        "handoff": "Handoff Writer",
+        "handoff": "Handoff",
+        "writer": "Writer",
         "prony": "Prony prony_of solid_of young_of",
     },
 )

@@ -30,9 +30,10 @@ from springpot.rheology.nodes import Parallel
 from springpot.rheology.points import Real
 
 from .from_data import series_of
-from .handoff import Handoff, Writer
+from .handoff import Handoff
 from .placing import ModelPlace, split
 from .prony import BULKS
+from .writer import Writer
 
 _EDGE = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s.].*?)\s*")
 """A frequency and its unit."""

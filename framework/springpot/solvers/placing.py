@@ -15,9 +15,10 @@ from springpot.measurement.units import AMPLITUDE_UNITS, LENGTH_UNITS
 from springpot.rheology.nodes import Parallel
 from springpot.rheology.points import KELVIN, Complex, Points, Real
 
-from .handoff import Handoff, Writer
+from .handoff import Handoff
 from .prony import Prony, prony_of, prony_through
 from .shifting import ShiftLaw, shift_law_of
+from .writer import Writer
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,6 +25,7 @@ __getattr__, __dir__ = offered(
         "models": "check_model",
         "optimisers": "check_optimiser",
         "readers": "check_reader",
+        "writers": "check_writer",
     },
 )
 

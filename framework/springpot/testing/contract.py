@@ -26,7 +26,7 @@ from springpot.measurement.opening import DataSet
 from springpot.registry import Registry, parse_model
 from springpot.rheology.model import Model
 from springpot.rheology.nodes import GRADIENT
-from springpot.rheology.points import Complex
+from springpot.rheology.points import Complex, Real
 
 from .effects import check_effect
 from .models import check_model
@@ -41,6 +41,7 @@ from .networks import (
 )
 from .optimisers import check_optimiser
 from .readers import check_reader
+from .writers import check_writer
 
 KINDS = ("measured", "artificial", "reconstruction")
 LONGEST = 240
@@ -238,6 +239,7 @@ def _derivative(objective: Objective) -> Iterator[str]:
 
 Samples = Mapping[str, Sequence[Path | bytes]]
 Skips = Mapping[str, Collection[str]]
+Reads = Mapping[str, Callable[[str, Real], Complex]]
 
 CONTRACTS: dict[str, Callable[..., list[str]]] = {
     "model": check_model,
@@ -246,6 +248,7 @@ CONTRACTS: dict[str, Callable[..., list[str]]] = {
     "objective": check_objective,
     "data set": check_dataset,
     "reader": check_reader,
+    "writer": check_writer,
 }
 
 
@@ -264,12 +267,15 @@ class Plugin:
         Aspects to leave out, by the name of the thing.
     passive : bool
         Whether storage and loss of the models may never be negative.
+    reads : mapping of str to callable
+        From a card and angular frequencies to K, by the name of the writer.
     """
 
     source: ModuleType | str
     samples: Samples = field(default_factory=dict)
     skip: Skips = field(default_factory=dict)
     passive: bool = False
+    reads: Reads = field(default_factory=dict)
 
     @cached_property
     def registry(self) -> Registry:
@@ -295,7 +301,7 @@ class Plugin:
             )
         names = {name for _, name in self.offers()}
         # A name that is misspelt here would leave a test out in silence, or a sample unread.
-        unknown = {*self.skip, *self.samples} - names
+        unknown = {*self.skip, *self.samples, *self.reads} - names
         return faults + [f"'{name}' is to be skipped but not offered" for name in unknown]
 
     def unavailable(self, word: str, name: str) -> str:
@@ -321,6 +327,8 @@ class Plugin:
             more = {"models": {model.base: model for model in own}}
         elif word == "reader":
             more = {"samples": self.samples.get(name, ())}
+        elif word == "writer":
+            more = {"read": self.reads.get(name)}
         return CONTRACTS[word](self.registry.find(word, name), skip=self.skip.get(name, ()), **more)
 
 
@@ -330,12 +338,13 @@ def check_plugin(
     samples: Samples | None = None,
     skip: Skips | None = None,
     passive: bool = False,
+    reads: Reads | None = None,
 ) -> list[str]:
     """What is wrong with a plugin and everything that it offers, as plain sentences.
 
     Parameters
     ----------
-    plugin, samples, skip, passive
+    plugin, samples, skip, passive, reads
         As in `Plugin`.
 
     Returns
@@ -343,7 +352,7 @@ def check_plugin(
     list of str
         Each sentence preceded by the thing that it is about; empty if nothing is wrong.
     """
-    whole = Plugin(plugin, samples or {}, skip or {}, passive)
+    whole = Plugin(plugin, samples or {}, skip or {}, passive, reads or {})
     sentences = whole.faults()
     for word, name in whole.offers():
         sentences += [f"{word} '{name}': {says}" for says in whole.check(word, name)]
@@ -357,7 +366,7 @@ class PluginContract:
     ----------
     plugin : module or str
         What is tested.
-    samples, skip, passive
+    samples, skip, passive, reads
         As in `Plugin`.
     """
 
@@ -365,12 +374,13 @@ class PluginContract:
     samples: ClassVar[Samples] = {}
     skip: ClassVar[Skips] = {}
     passive: ClassVar[bool] = False
+    reads: ClassVar[Reads] = {}
 
     @classmethod
     def _whole(cls) -> Plugin:
         # Kept in the class itself: a subclass tests another plugin.
         if "_loaded" not in cls.__dict__:
-            cls._loaded = Plugin(cls.plugin, cls.samples, cls.skip, cls.passive)
+            cls._loaded = Plugin(cls.plugin, cls.samples, cls.skip, cls.passive, cls.reads)
         return cls._loaded
 
     _loaded: ClassVar[Plugin]

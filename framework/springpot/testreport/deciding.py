@@ -17,8 +17,6 @@ from .code import PropertyFactor, RequiredTest, Requirement, TestCode, matches
 from .summary import EvaluatedTest
 
 CONFORMING, UNDECIDED, FAILING = "conforming", "undecided", "not conforming"
-VERDICTS = (CONFORMING, UNDECIDED, FAILING)
-"""From the best to the worst."""
 
 
 @dataclass(frozen=True)
