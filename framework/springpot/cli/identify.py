@@ -56,6 +56,12 @@ OPTIMISER = (
 @click.option(
     "--start", multiple=True, metavar="NAME=VALUE", help="Where the native solver begins too."
 )
+@click.option(
+    "--times", metavar="LOW:HIGH", help="Relaxation times in s that are held: --model prony."
+)
+@click.option(
+    "--per-decade", type=POSITIVE, default=1, show_default=True, metavar="N", help="Of such times."
+)
 @click.option("--joint", is_flag=True, help="One set of parameters for all DATA together.")
 @click.option(
     "--csv", "as_csv", is_flag=True, help="Print a table with one row for each DATA as CSV."
@@ -104,6 +110,8 @@ def command(
     figure: Path | None,
     table: Path | None,
     verbose: bool,
+    times: str | None,
+    per_decade: int,
     as_json: bool,
     **options: Any,
 ) -> int:
@@ -124,8 +132,14 @@ def command(
     _check_paths(figure, table)
     if as_csv and as_json:
         raise click.UsageError("give --csv or --json, not both", click.get_current_context())
-    expression = parse_model(model)
+    held: dict[str, float] = {}
+    if times is None:
+        expression = parse_model(model)
+    else:
+        expression, held = _at_times(model, times, per_decade)
+        model = expression.name
     known = known_from(options)
+    known["fix"] = held | known["fix"]
     arguments = {**options, **known, "start": values_of(options["start"])}
     tests = timetests.named_tests(data, geometry)
     if tests is not None:
@@ -152,6 +166,17 @@ def command(
     else:
         emit(fit, as_json, lambda: _show(fit, data, model, figure, verbose))
     return 0
+
+
+def _at_times(model: str, times: str, per_decade: int) -> tuple[Model, dict[str, float]]:
+    """The member of a family that has so many times, and these, held."""
+    from springpot.constraints import at_times, times_of
+    from springpot.registry import parse_model
+
+    values = times_of(times, per_decade)
+    family, plus, effects = model.partition("+")
+    expression = parse_model(f"{family.strip()}-{len(values)} {plus}{effects}")
+    return expression, at_times(expression, values)
 
 
 def _check_paths(figure: Path | None, table: Path | None) -> None:
