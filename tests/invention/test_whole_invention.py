@@ -180,7 +180,12 @@ def test_a_law_is_found_where_noise_goes_not_as_far_and_nothing_is_left(
 def test_the_class_holds_each_curve_once(monkeypatch):
     laws = told(5.0, 4.0, 3.0, 5.0 - EVIDENCE.rivals)
     monkeypatch.setattr(result, "_is_same", lambda law, other: law is laws[2] and other is laws[1])
+    monkeypatch.setattr(result, "symbols", lambda effect: 7)
     assert result.rivals_of(laws) == laws[:2]
+    # Of laws that have become one the shortest stands for all, with the weight of the likeliest.
+    monkeypatch.setattr(result, "symbols", lambda effect: 6 if effect is laws[2].effect else 7)
+    first, second = result.rivals_of(laws)
+    assert (first, second.effect, second.log_weight) == (laws[0], laws[2].effect, 4.0)
     frames = SimpleNamespace(frame=lambda: "frame")
     for apart, same in ((0.9, True), (1.0, False), (1.1, False)):
         monkeypatch.undo()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -100,12 +100,20 @@ def _log_prior(effect: Effect) -> float:
 
 
 def rivals_of(laws: Sequence[Weighed]) -> list[Weighed]:
-    """The class of the likeliest law: those that these data cannot tell from it."""
+    """The class of the likeliest law: those that these data cannot tell from it.
+
+    Of laws that have become one the shortest stands for all.
+    """
     kept: list[Weighed] = []
     for one in laws:
-        near = one.log_weight > laws[0].log_weight - EVIDENCE.rivals
-        if near and not any(_is_same(one, other) for other in kept):
+        if one.log_weight <= laws[0].log_weight - EVIDENCE.rivals:
+            continue
+        place = next((i for i, other in enumerate(kept) if _is_same(one, other)), len(kept))
+        if place == len(kept):
             kept.append(one)
+        elif symbols(one.effect) < symbols(kept[place].effect):
+            longer = kept[place]
+            kept[place] = replace(longer, grown=one.grown)
     return kept
 
 
