@@ -126,18 +126,12 @@ def command(
     """
     from springpot.constraints import values_of
     from springpot.measurement.joining import joined
-    from springpot.registry import parse_model
     from springpot.report.tables import write_parameters
 
     _check_paths(figure, table)
     if as_csv and as_json:
         raise click.UsageError("give --csv or --json, not both", click.get_current_context())
-    held: dict[str, float] = {}
-    if times is None:
-        expression = parse_model(model)
-    else:
-        expression, held = _at_times(model, times, per_decade)
-        model = expression.name
+    expression, held = _meant(model, times, per_decade)
     known = known_from(options)
     known["fix"] = held | known["fix"]
     arguments = {**options, **known, "start": values_of(options["start"])}
@@ -164,15 +158,18 @@ def command(
         # One row, in the columns that several files would have.
         print(many_csv([fit]), end="")
     else:
-        emit(fit, as_json, lambda: _show(fit, data, model, figure, verbose))
+        shown = model if times is None else expression.name
+        emit(fit, as_json, lambda: _show(fit, data, shown, figure, verbose))
     return 0
 
 
-def _at_times(model: str, times: str, per_decade: int) -> tuple[Model, dict[str, float]]:
-    """The member of a family that has so many times, and these, held."""
+def _meant(model: str, times: str | None, per_decade: int) -> tuple[Model, dict[str, float]]:
+    """The model; of a family the member with as many times as are given, and these, held."""
     from springpot.constraints import at_times, times_of
     from springpot.registry import parse_model
 
+    if times is None:
+        return parse_model(model), {}
     values = times_of(times, per_decade)
     family, plus, effects = model.partition("+")
     expression = parse_model(f"{family.strip()}-{len(values)} {plus}{effects}")
