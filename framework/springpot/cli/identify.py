@@ -131,7 +131,7 @@ def command(
     _check_paths(figure, table)
     if as_csv and as_json:
         raise click.UsageError("give --csv or --json, not both", click.get_current_context())
-    expression, held = _meant(model, times, per_decade)
+    model, expression, held = _meant(model, times, per_decade)
     known = known_from(options)
     known["fix"] = held | known["fix"]
     arguments = {**options, **known, "start": values_of(options["start"])}
@@ -158,22 +158,21 @@ def command(
         # One row, in the columns that several files would have.
         print(many_csv([fit]), end="")
     else:
-        shown = model if times is None else expression.name
-        emit(fit, as_json, lambda: _show(fit, data, shown, figure, verbose))
+        emit(fit, as_json, lambda: _show(fit, data, model, figure, verbose))
     return 0
 
 
-def _meant(model: str, times: str | None, per_decade: int) -> tuple[Model, dict[str, float]]:
-    """The model; of a family the member with as many times as are given, and these, held."""
+def _meant(model: str, times: str | None, per_decade: int) -> tuple[str, Model, dict[str, float]]:
+    """The model with its name; of a family the member of so many times, and these, held."""
     from springpot.constraints import at_times, times_of
     from springpot.registry import parse_model
 
     if times is None:
-        return parse_model(model), {}
+        return model, parse_model(model), {}
     values = times_of(times, per_decade)
     family, plus, effects = model.partition("+")
     expression = parse_model(f"{family.strip()}-{len(values)} {plus}{effects}")
-    return expression, at_times(expression, values)
+    return expression.name, expression, at_times(expression, values)
 
 
 def _check_paths(figure: Path | None, table: Path | None) -> None:
